@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from railhil.common.command_line import parse
 from railhil.common.errors import InputError
-from railhil.common.exit_codes import PASS, guarded
+from railhil.common.exit_codes import guarded
 from railhil.common.extras import missing
 from railhil.common.output import accept_any_text, flush_output
 from railhil.panel.command import arguments
@@ -24,8 +24,7 @@ def main(words: Sequence[str] | None = None) -> int:
             if (error.name or "").partition(".")[0] != "websockets":
                 raise
             raise missing("railhil panel", error, "panel") from error
-        serve_panel(namespace)
-        return PASS
+        return serve_panel(namespace)
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
         raise InputError("command line", "--port", namespace.port, f"a free port ({reason})") from None

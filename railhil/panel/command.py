@@ -43,8 +43,10 @@ def arguments() -> argparse.ArgumentParser:
         help=f"of the page (default {PORT}; 0: any)",
     )
     parser.add_argument("--controller", metavar="LAW", help="the law that runs, whose notes are then named")
-    parser.add_argument("--operator", metavar="SOCKET", help=argparse.SUPPRESS)
-    parser.add_argument("--lifeline", type=int, metavar="DESCRIPTOR", help=argparse.SUPPRESS)
+    parser.add_argument(
+        "--operator", metavar="SOCKET", help="of railhil run --operator, which takes the orders of the page"
+    )
+    parser.add_argument("--child", action="store_true", help=argparse.SUPPRESS)
     add_set_argument(parser)
     add_fault_argument(parser)
     add_bus_arguments(parser)

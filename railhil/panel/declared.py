@@ -98,11 +98,13 @@ def layout_of(
     header, _ = signal_table(scenario, empty, notes)
     units = signal_units(scenario, empty, notes)
     told = _notes(judging, empty, notes)
-    words = _words(judging, contract)
+    words = _words(judging, contract) | _bit_words(empty, notes)
+    kinds = dict.fromkeys(told, "note") | {f"{watch.name}_level": "level" for watch in judging.watches}
     columns = [
-        _column(name, units.get(name, ""), "note" if name in told else "", words.get(name, {}), told.get(name, ""))
+        _column(name, units.get(name, ""), kinds.get(name, ""), words.get(name, {}), told.get(name, ""))
         for name in header[1:]
     ]
+    columns += [_column(name, _unit(contract, port, signal), "", {}, "") for name, port, signal in judging.shown]
     names = [column.name for column in columns]
     truth = system.truth
     by_signal = {(port, signal): name for name, port, signal in judging.columns}
@@ -130,9 +132,7 @@ def _column(name: str, unit: str, kind: str, words: Mapping[int, str], label: st
     shown, factor = _DISPLAYED.get(unit, (unit if unit != "1" else "", 1.0))
     ending = next((end for end in _ENDINGS if name.endswith(end)), "") if unit else ""
     plain = label or name.removesuffix(ending).replace("_", " ")
-    if name.endswith("_level"):
-        kind = "level"
-    elif words and not kind:
+    if not kind and (words or name.endswith("_level")):
         kind = "state"
     return Column(name, plain, shown, factor, kind or "signal", words)
 
@@ -159,6 +159,24 @@ def _words(judging: Judging, contract: Contract) -> dict[str, dict[int, str]]:
                 rank: item.values.get(raw, str(raw)) for rank, raw in enumerate(watch.ladder)
             }
     return found
+
+
+def _bit_words(empty: Trace, notes: Any) -> dict[str, dict[int, str]]:
+    """Words of the notes that are bit fields."""
+    found = {}
+    for note in notes_of(empty, notes):
+        if note.bits:
+            sets = range(1 << len(note.bits))
+            found[note.name] = {
+                value: "+".join(bit for place, bit in enumerate(note.bits) if value >> place & 1) or "none"
+                for value in sets
+            }
+    return found
+
+
+def _unit(contract: Contract, port: str, signal: str) -> str:
+    found = _signal(contract, port, signal)
+    return "" if found is None else found.unit
 
 
 def _signal(contract: Contract, port: str, name: str) -> Signal | None:
@@ -194,7 +212,8 @@ def _charts(columns: Sequence[Column], command: int) -> tuple[Chart, ...]:
 
 def _lamps(judging: Judging, contract: Contract) -> tuple[Lamp, ...]:
     return tuple(
-        Lamp(item.port, name, _label(name), normal)
+        # A number that is 0 in normal operation says that there is none of something.
+        Lamp(item.port, name, _label(name) if normal else f"no {_label(name)}", normal)
         for item in judging.interlocks
         for name, normal in item.normal.items()
         if _signal(contract, item.port, name) is not None

@@ -8,12 +8,13 @@ from collections.abc import Iterable
 from railhil.bus.clock import BusClock
 from railhil.bus.frame import ERROR, Frame
 from railhil.bus.ident import PltIdent
+from railhil.bus.lifesign import MAX_STEP
 from railhil.bus.load import longest_frame_bits
 from railhil.bus.mvb import master_tail
 from railhil.bus.schedule import Schedule
 from railhil.bus.store import TrafficStore
 from railhil.bus.telegrams import TimeSync
-from railhil.dbc import Contract
+from railhil.dbc import Contract, Port
 from railhil.scenarios.model import AnyScenario
 from railhil.supervisor.trace import Trace
 
@@ -52,6 +53,9 @@ class Listener:
             master_tail(port.f_code, port.address): port.name for port in contract.ports if port.mode == "poll"
         }
         self._opening = PltIdent.PORT
+        # The polls of the fastest port keep the time going while the clock port is missing.
+        periods = ((self._schedule.ticks(port.name), port.name) for port in contract.ports if self._is_polled(port))
+        self._pace_ticks, self._pace = min(periods, default=(MAX_STEP + 1, ""))
         #: Identifiers of which raw frames are kept: instant in s and data.
         self.watched: dict[int, deque[tuple[float, bytes]]] = {}
         #: Number of the run since this process began; a new handshake of the plant begins a new one.
@@ -79,6 +83,10 @@ class Listener:
         self.trace = Trace(contract)
         #: Scenario's hash as told by the plant, first 32 bit; None: not heard.
         self.told_scenario: int | None = None
+
+    @staticmethod
+    def _is_polled(port: Port) -> bool:
+        return port.mode == "poll" and bool(port.period_ns)
 
     @property
     def now_s(self) -> float:
@@ -133,6 +141,8 @@ class Listener:
     def _polled(self, data: bytes) -> None:
         port = self._polls.get(data)
         if port is not None:
+            if port == self._pace and self._pace_ticks <= MAX_STEP:
+                self.clock.polled(self._pace_ticks)
             self.polls += 1
             self.missed[port] += port in self._awaited
             self._awaited.add(port)

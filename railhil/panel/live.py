@@ -13,6 +13,7 @@ from railhil.panel.frame_list import FrameList
 from railhil.panel.history import History
 from railhil.panel.listener import WATCHED_FRAMES, Listener
 from railhil.panel.live_events import LiveEvents
+from railhil.panel.operator import Operator
 from railhil.panel.receiver import Receiver
 from railhil.panel.values import rows_of
 from railhil.panel.wire import APPEND, REPLACE, batch
@@ -27,6 +28,7 @@ class LiveRun:
     """Listens to a bus and says what is new.
 
     :param notes: the law's declaration of its notes; None: not known.
+    :param operator: the connection to the supervisor; None: there are no commands.
     """
 
     def __init__(
@@ -35,10 +37,12 @@ class LiveRun:
         receiver: Receiver,
         title: str,
         notes: Sequence[Mapping[str, Any]] | None = None,
+        operator: Operator | None = None,
     ) -> None:
         system = system_named(scenario.system)
         self._scenario = scenario
         self._notes = notes
+        self._operator = operator
         self.receiver = receiver
         self.layout: Layout = layout_of(scenario, system, system.contract, notes)
         self.listener = Listener(scenario, system.contract)
@@ -74,6 +78,8 @@ class LiveRun:
         if frames:
             self.listener.take(frames)
             messages += self._fast()
+        if self._operator is not None:
+            messages += [json.dumps({"answer": answer}) for answer in self._operator.look()]
         now_s = time.monotonic()
         if now_s - self._slow_s >= SLOW_S:
             self._slow_s = now_s
@@ -81,8 +87,10 @@ class LiveRun:
         return messages
 
     def command(self, command: dict[str, Any]) -> str:
-        """No commands without a supervisor."""
-        return "no supervisor takes commands here: start the run with railhil run --panel"
+        """Pass a command to the supervisor; returns why not, empty if it was."""
+        if self._operator is None:
+            return "no supervisor takes commands here: start the run with railhil run --panel"
+        return self._operator.command(command)
 
     def watch(self, can_ids: set[int]) -> None:
         """Keep raw frames of these identifiers."""
@@ -121,6 +129,7 @@ class LiveRun:
                 "missed": sum(listener.missed.values()),
                 "dropped": self.receiver.dropped,
                 "rate": listener.clock.rate,
+                "operator": None if self._operator is None else self._operator.report,
                 "lamps": [self._lamp(one.port, one.signal) for one in self.layout.lamps],
                 "other_scenario": listener.told_scenario not in (None, int(self._scenario.sha256[:8], 16)),
             },

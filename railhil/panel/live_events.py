@@ -73,7 +73,7 @@ class LiveEvents:
                 word = trace.word(watch.port, watch.level, level)
                 why = trace.word(watch.port, watch.cause, cause) if has_cause else ""
                 text = word.replace("_", " ")
-                rank = watch.ladder.index(level) if level in watch.ladder else 0
+                rank = watch.ladder.index(level) if level in watch.ladder and why not in watch.start else 0
                 if rank and why:
                     text += f": {watch.said(self._scenario, word, why)}"
                 found.append(self.add(time_s, "level", watch.name, text, rank))

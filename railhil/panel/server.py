@@ -26,13 +26,13 @@ RATE_HZ = 30.0
 _BACKLOG_MAX_BYTES = 1 << 20
 _POLICY = "default-src 'self'; frame-ancestors 'none'; base-uri 'none'; form-action 'none'"
 _TYPES = {".html": "text/html", ".css": "text/css", ".js": "text/javascript"}
+_OWN = ("panel.css", "panel.js", "store.js", "curves.js", "gauges.js")
+_OF_CHARTS = ("uPlot.iife.min.js", "uPlot.min.css", "charts.js", "charts.css")
 #: Path -> package and file.
 _FILES = {
     "/": ("railhil.panel", "static/panel.html"),
-    "/panel.css": ("railhil.panel", "static/panel.css"),
-    "/panel.js": ("railhil.panel", "static/panel.js"),
-    "/uPlot.iife.min.js": ("railhil.charts", "static/uPlot.iife.min.js"),
-    "/uPlot.min.css": ("railhil.charts", "static/uPlot.min.css"),
+    **{f"/{name}": ("railhil.panel", f"static/{name}") for name in _OWN},
+    **{f"/{name}": ("railhil.charts", f"static/{name}") for name in _OF_CHARTS},
 }
 
 

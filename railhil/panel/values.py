@@ -8,6 +8,7 @@ import numpy as np
 
 from railhil.panel.declared import ERROR, Layout
 from railhil.scenarios.model import AnyScenario
+from railhil.supervisor.judging import judging_of
 from railhil.supervisor.signals import signal_table
 from railhil.supervisor.trace import FloatArray, Trace
 
@@ -21,9 +22,18 @@ def rows_of(
     """
     _, table = signal_table(scenario, trace, notes)
     table = table[table[:, 0] > after_s]
+    further = [_sampled(trace, table[:, 0], port, signal) for _, port, signal in judging_of(scenario).shown]
+    table = np.column_stack([table, *further])
     factors = [1.0, *(column.factor for column in layout.columns if column.name != ERROR)]
     table = table * np.array(factors)
     if layout.columns and layout.columns[-1].name == ERROR:
         error = table[:, 1 + layout.target] - table[:, 1 + layout.speed]
         table = np.column_stack([table, error])
     return table
+
+
+def _sampled(trace: Trace, time_s: FloatArray, port: str, signal: str) -> FloatArray:
+    """The last known value of a signal at each instant, NaN before the first."""
+    at = np.searchsorted(trace.times_s(port), time_s, side="right") - 1
+    known: FloatArray = np.append(trace.values(port, signal), np.nan)[at]
+    return np.where(at >= 0, known, np.nan)
