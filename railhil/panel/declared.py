@@ -34,7 +34,8 @@ class Column:
     """One column of the page.
 
     ``unit`` and ``factor``: as shown, and what the recorded value is multiplied by. ``kind``: ``signal``, ``note`` (of
-    the law), ``level`` (of a reaction ladder) or ``state`` (a number with words). ``words``: of a level or state.
+    the law), ``level`` (of a reaction ladder), ``state`` (a number with words) or ``lamp`` (raw values of a lamp).
+    ``words``: of the values of a level, a state, or a note that is a bit field.
     """
 
     name: str
@@ -56,12 +57,16 @@ class Chart:
 
 @dataclass(frozen=True, slots=True)
 class Lamp:
-    """A state of the train that is on in normal operation: a signal of a port and its normal raw value."""
+    """A state of the train that is on in normal operation: a signal of a port and its normal raw value.
+
+    ``column``: place of its raw values among the columns.
+    """
 
     port: str
     signal: str
     label: str
     normal: int
+    column: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,7 +74,7 @@ class Layout:
     """Everything that the page needs to know before the first value.
 
     ``speed``, ``target``, ``position``, ``command``: places of the columns of the gauges; -1: there is none.
-    ``target_of`` and ``speed_of`` make the tracking error, the last column, unless they are -1.
+    The tracking error is a column if there are speed and target.
     """
 
     columns: tuple[Column, ...]
@@ -118,10 +123,10 @@ def layout_of(
         command = next((at for at, one in enumerate(columns) if "command" in one.name and one.unit), -1)
     if speed >= 0 and target >= 0:
         columns.append(Column(ERROR, "tracking error", _SPEED, 1.0, "signal"))
-    tracks = tuple(at for at, one in enumerate(columns) if one.kind in ("level", "state"))
-    return Layout(
-        tuple(columns), _charts(columns, command), tracks, _lamps(judging, contract), speed, target, position, command
-    )
+    lamps = _lamps(judging, contract, len(columns))
+    columns += [Column(f"{lamp.port}.{lamp.signal}", lamp.label, "", 1.0, "lamp") for lamp in lamps]
+    tracks = tuple(at for at, one in enumerate(columns) if one.kind == "level")
+    return Layout(tuple(columns), _charts(columns, command), tracks, lamps, speed, target, position, command)
 
 
 def _place(names: Sequence[str], name: str | None) -> int:
@@ -188,7 +193,7 @@ def _charts(columns: Sequence[Column], command: int) -> tuple[Chart, ...]:
     """Curves of one unit share a chart; the law's notes have one for each unit, and the tracking error its own."""
     groups: dict[tuple[str, str], list[int]] = {}
     for at, column in enumerate(columns):
-        if column.kind in ("level", "state"):
+        if column.kind not in ("signal", "note"):
             continue
         title = _TITLES.get(column.unit, column.unit or "numbers")
         if column.kind == "note":
@@ -210,13 +215,18 @@ def _charts(columns: Sequence[Column], command: int) -> tuple[Chart, ...]:
     )
 
 
-def _lamps(judging: Judging, contract: Contract) -> tuple[Lamp, ...]:
-    return tuple(
-        # A number that is 0 in normal operation says that there is none of something.
-        Lamp(item.port, name, _label(name) if normal else f"no {_label(name)}", normal)
+def _lamps(judging: Judging, contract: Contract, before: int) -> tuple[Lamp, ...]:
+    """The lamps, whose columns follow so many others."""
+    found = [
+        (item.port, name, normal)
         for item in judging.interlocks
         for name, normal in item.normal.items()
         if _signal(contract, item.port, name) is not None
+    ]
+    return tuple(
+        # A number that is 0 in normal operation says that there is none of something.
+        Lamp(port, name, _label(name) if normal else f"no {_label(name)}", normal, before + place)
+        for place, (port, name, normal) in enumerate(found)
     )
 
 

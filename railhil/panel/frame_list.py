@@ -47,10 +47,6 @@ class FrameList:
             for can_id, kept in listener.watched.items()
         }
 
-    def raw(self, port: str, signal: str, data: bytes) -> int:
-        """Raw value of a signal."""
-        return raw_of(data, self._signals[port][signal])
-
     def _text(self, port: str, data: bytes) -> str:
         kept = self._decoded.get(port)
         if kept is not None and kept[0] == data:

@@ -48,7 +48,7 @@ class LiveRun:
         self.listener = Listener(scenario, system.contract)
         self._list = FrameList(system.contract)
         self._events = LiveEvents(scenario, system, self.layout)
-        self._history = History(2 + len(self.layout.columns) - 1)
+        self._history = History(1 + len(self.layout.columns))
         self._run = self.listener.run
         self._last_s = -1.0
         self._slow_s = 0.0
@@ -130,13 +130,8 @@ class LiveRun:
                 "dropped": self.receiver.dropped,
                 "rate": listener.clock.rate,
                 "operator": None if self._operator is None else self._operator.report,
-                "lamps": [self._lamp(one.port, one.signal) for one in self.layout.lamps],
                 "other_scenario": listener.told_scenario not in (None, int(self._scenario.sha256[:8], 16)),
             },
             "frames": self._list.rows(listener),
             "raw": self._list.watched(listener),
         }
-
-    def _lamp(self, port: str, signal: str) -> int | None:
-        data = self.listener.store.raw(port)
-        return self._list.raw(port, signal, data) if data else None

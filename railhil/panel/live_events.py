@@ -87,6 +87,6 @@ class LiveEvents:
                 if self._states.get((lamp.port, lamp.signal), lamp.normal) != raw:
                     self._states[lamp.port, lamp.signal] = raw
                     word = trace.word(lamp.port, lamp.signal, raw)
-                    text = f"{lamp.label}: {'as usual' if raw == lamp.normal else word}"
+                    text = f"{lamp.label}: {'as usual again' if raw == lamp.normal else word}"
                     found.append(self.add(time_s, "interlock", lamp.port, text))
         return found

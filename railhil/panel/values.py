@@ -24,12 +24,13 @@ def rows_of(
     table = table[table[:, 0] > after_s]
     further = [_sampled(trace, table[:, 0], port, signal) for _, port, signal in judging_of(scenario).shown]
     table = np.column_stack([table, *further])
-    factors = [1.0, *(column.factor for column in layout.columns if column.name != ERROR)]
-    table = table * np.array(factors)
-    if layout.columns and layout.columns[-1].name == ERROR:
-        error = table[:, 1 + layout.target] - table[:, 1 + layout.speed]
-        table = np.column_stack([table, error])
-    return table
+    plain = [column for column in layout.columns if column.kind != "lamp" and column.name != ERROR]
+    table = table * np.array([1.0, *(column.factor for column in plain)])
+    beside = []
+    if any(column.name == ERROR for column in layout.columns):
+        beside.append(table[:, 1 + layout.target] - table[:, 1 + layout.speed])
+    beside += [_sampled(trace, table[:, 0], lamp.port, lamp.signal) for lamp in layout.lamps]
+    return np.column_stack([table, *beside])
 
 
 def _sampled(trace: Trace, time_s: FloatArray, port: str, signal: str) -> FloatArray:

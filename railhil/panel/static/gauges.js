@@ -23,7 +23,7 @@ export class Gauges {
     const error = columns.findIndex((one) => one.name === "tracking_error");
     const second = [error, layout.position, ...columns.map((_, at) => at)
       .filter((at) => columns[at].kind === "note" || columns[at].kind === "level")].filter((at) => at >= 0 && !first.includes(at));
-    const rest = columns.map((_, at) => at).filter((at) => !first.includes(at) && !second.includes(at));
+    const rest = columns.map((_, at) => at).filter((at) => columns[at].kind !== "lamp" && !first.includes(at) && !second.includes(at));
     runs.forEach((run, which) => {
       const box = element("div", { class: "run" });
       if (runs.length > 1) box.append(element("h2", {}, run.name));
@@ -41,7 +41,7 @@ export class Gauges {
   box(which, at, large) {
     const column = this.layout.columns[at], box = element("div", { class: large ? "value large" : "value" });
     box.dataset.column = column.name;
-    const number = element("b"), value = element("span", { class: "number" }, "–");
+    const number = element("b"), value = element("span", { class: Object.keys(column.words).length ? "words" : "" }, "–");
     number.append(value);
     if (column.unit) number.append(element("small", {}, ` ${column.unit}`));
     box.append(number, element("span", {}, column.label));
@@ -67,7 +67,7 @@ export function showLamps(place, lamps, states) {
     place.replaceChildren(...lamps.map(() => element("span", { class: "lamp" })));
   }
   lamps.forEach((lamp, at) => {
-    const state = states[at], is = state === null ? "unknown" : state === lamp.normal ? "on" : "off";
+    const state = states[at], is = Number.isNaN(state) ? "unknown" : state === lamp.normal ? "on" : "off";
     const text = `${{ unknown: "○", on: "●", off: "✕" }[is]} ${lamp.label}${is === "off" ? ": NO" : is === "unknown" ? ": ?" : ""}`;
     const box = place.children[at];
     if (box.textContent !== text) { box.textContent = text; box.className = `lamp ${is}`; }

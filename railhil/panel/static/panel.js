@@ -86,7 +86,8 @@ function begin(header) {
   byId("title").textContent = header.runs.map((run) => run.name).join(" · ");
   document.title = `${header.runs[0].name} - railhil`;
   byId("desk").hidden = !header.commands;
-  byId("frames-of").hidden = byId("lamps").hidden = header.kind !== "live";
+  byId("frames-of").hidden = header.kind !== "live";
+  byId("lamps").hidden = !page.layout.lamps.length || header.runs.length > 1;
   byId("axis").hidden = page.layout.position < 0;
   page.gauges = new Gauges(byId("values"), page.layout, header.runs);
   const charts = byId("charts");
@@ -106,6 +107,7 @@ function takeBatch(buffer) {
   counters.batches += 1;
   counters.rows += rows;
   page.curves.touch();
+  if (page.picked !== null) requestAnimationFrame(() => page.curves.cursor(page.picked));
   showLater();
 }
 
@@ -122,6 +124,8 @@ function show() {
   const end = Math.max(0, ...page.stores.map((store) => store.endS));
   const instant = page.picked ?? end;
   page.gauges.show(page.stores, page.stores.map((store) => store.rowAt(instant + 1e-6)));
+  const row = page.stores[0].rowAt(instant + 1e-6);
+  showLamps(byId("lamps"), page.layout.lamps, page.layout.lamps.map((lamp) => (row < 0 ? NaN : page.stores[0].values[lamp.column][row])));
   const slider = byId("instant");
   slider.max = end;
   if (document.activeElement !== slider || page.picked === null) slider.value = instant;
@@ -149,7 +153,6 @@ function showState(message) {
   const trouble = operator?.phase === "waiting" ? "" : state.bus;
   notice.hidden = !trouble && !state.other_scenario;
   notice.textContent = trouble || (state.other_scenario ? "the bus carries another scenario than this page was started for" : "");
-  showLamps(byId("lamps"), page.layout.lamps, state.lamps);
   showFrames(byId("frames"), message.frames, page.watched, watch);
   const raw = message.raw[page.watched];
   byId("raw").hidden = !raw;
