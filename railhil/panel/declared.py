@@ -136,7 +136,7 @@ def _place(names: Sequence[str], name: str | None) -> int:
 def _column(name: str, unit: str, kind: str, words: Mapping[int, str], label: str) -> Column:
     shown, factor = _DISPLAYED.get(unit, (unit if unit != "1" else "", 1.0))
     ending = next((end for end in _ENDINGS if name.endswith(end)), "") if unit else ""
-    plain = label or name.removesuffix(ending).replace("_", " ")
+    plain = (label or name.removesuffix(ending)).replace("_", " ")
     if not kind and (words or name.endswith("_level")):
         kind = "state"
     return Column(name, plain, shown, factor, kind or "signal", words)

@@ -108,7 +108,7 @@ class LiveRun:
         trace = listener.next_trace()
         if not listener.knows_time:
             return messages
-        rows = rows_of(self._scenario, self.layout, trace, self._notes, self._last_s)
+        rows = rows_of(self._scenario, self.layout, trace, self._notes, self._last_s, listener.now_s)
         if len(rows):
             self._last_s = float(rows[-1, 0])
             self._history.add(rows)

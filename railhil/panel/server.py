@@ -122,7 +122,8 @@ class PanelServer:
         if path == "/ws":
             return self._refused(connection, request)
         if path not in _FILES:
-            return connection.respond(HTTPStatus.NOT_FOUND, "not found\n")
+            found = HTTPStatus.NO_CONTENT if path == "/favicon.ico" else HTTPStatus.NOT_FOUND
+            return connection.respond(found, "" if found is HTTPStatus.NO_CONTENT else "not found\n")
         package, name = _FILES[path]
         body = files(package).joinpath(name).read_bytes()
         headers = Headers(

@@ -14,14 +14,20 @@ from railhil.supervisor.trace import FloatArray, Trace
 
 
 def rows_of(
-    scenario: AnyScenario, layout: Layout, trace: Trace, notes: Any = None, after_s: float = -1.0
+    scenario: AnyScenario,
+    layout: Layout,
+    trace: Trace,
+    notes: Any = None,
+    after_s: float = -1.0,
+    before_s: float = np.inf,
 ) -> FloatArray:
-    """One row for each telegram of the truth later than ``after_s``: time in s, then the columns in their shown units.
+    """One row for each telegram of the truth: time in s, then the columns in their shown units.
 
+    :param after_s, before_s: only rows later than the one and earlier than the other; the present tick is not complete.
     :returns: shape (n, 1 + columns); unknown values are NaN.
     """
     _, table = signal_table(scenario, trace, notes)
-    table = table[table[:, 0] > after_s]
+    table = table[(table[:, 0] > after_s) & (table[:, 0] < before_s)]
     further = [_sampled(trace, table[:, 0], port, signal) for _, port, signal in judging_of(scenario).shown]
     table = np.column_stack([table, *further])
     plain = [column for column in layout.columns if column.kind != "lamp" and column.name != ERROR]

@@ -86,9 +86,11 @@ class Desk:
 
     def _serve(self, panel: Panel, sim_time_s: float) -> None:
         """Take the panel's commands; hold the answer back for a pause or a slower pace."""
-        now_s = time.monotonic()
-        held_s = now_s + PAUSE_S if self._paused else self._due_s(sim_time_s)
+        was_paused = self._paused
         self._take(panel, sim_time_s, 0.0)
+        now_s = time.monotonic()
+        # The first "none" of a pause is sent at once.
+        held_s = now_s + PAUSE_S * was_paused if self._paused else self._due_s(sim_time_s)
         self._report(panel, sim_time_s, now_s)
         while (rest_s := held_s - time.monotonic()) > 0 and not self._waiting:
             was = (self._paused, self._pace)
