@@ -42,6 +42,12 @@ def add_panel_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="PORT",
         help="serve a page of the run on 127.0.0.1 (default port 8765; 0: any), see railhil panel",
     )
+    parser.add_argument(
+        "--foxglove",
+        type=whole_number(0, _PORT_MAX),
+        metavar="PORT",
+        help="with --panel: serve Lichtblick, PlotJuggler and Foxglove too, at ws://127.0.0.1:PORT",
+    )
     parser.add_argument("--wait", action="store_true", help="begin when Start is pressed on the panel")
     parser.add_argument(
         "--operator",
@@ -65,6 +71,8 @@ def check_panel(namespace: argparse.Namespace, spec: RunSpec) -> None:
     """
     if namespace.wait and namespace.panel is None and namespace.operator is None:
         raise InputError("command line", "--wait", Words("without a panel"), "--panel or --operator beside it")
+    if namespace.foxglove is not None and namespace.panel is None:
+        raise InputError("command line", "--foxglove", namespace.foxglove, "--panel beside it")
     asked = "--panel" if namespace.panel is not None else "--operator" if namespace.operator is not None else ""
     if asked and spec.is_local:
         raise InputError(
@@ -103,6 +111,7 @@ def panel_beside(namespace: argparse.Namespace, spec: RunSpec, choice: BusChoice
         if namespace.panel is not None:
             words = [*spec.scenario_words, "--port", str(namespace.panel), "--controller", spec.law.controller]
             words += ["--operator", str(path), "--child"]
+            words += ["--foxglove", str(namespace.foxglove)] if namespace.foxglove is not None else []
             held.enter_context(_process([*words, *choice.arguments]))
         yield socket
         if namespace.panel is not None:

@@ -42,6 +42,12 @@ def arguments() -> argparse.ArgumentParser:
         metavar="N",
         help=f"of the page (default {PORT}; 0: any)",
     )
+    parser.add_argument(
+        "--foxglove",
+        type=whole_number(0, _PORT_MAX),
+        metavar="PORT",
+        help="serve Lichtblick, PlotJuggler and Foxglove too, at ws://127.0.0.1:PORT",
+    )
     parser.add_argument("--controller", metavar="LAW", help="the law that runs, whose notes are then named")
     parser.add_argument(
         "--operator", metavar="SOCKET", help="of railhil run --operator, which takes the orders of the page"

@@ -26,7 +26,7 @@ _ENDINGS = ("_mps2", "_mps", "_kmh", "_permil", "_kn", "_n", "_m", "_s", "_1")
 _TITLES = {"km/h": "speed", "notch": "command", "m/s²": "acceleration", "kN": "force", "m": "position", "‰": "grade"}
 _SPEED, _LENGTH = "km/h", "m"
 #: A speed less than the target, as a column of its own.
-ERROR = "tracking_error"
+ERROR = "tracking_error_kmh"
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import json
+import os
 import time
 from collections import deque
 from collections.abc import Mapping, Sequence
 from typing import Any
+
+import numpy as np
 
 from railhil.panel.declared import Layout, layout_of
 from railhil.panel.frame_list import FrameList
@@ -19,6 +22,7 @@ from railhil.panel.values import rows_of
 from railhil.panel.wire import APPEND, REPLACE, batch
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.system import system_named
+from railhil.supervisor.trace import FloatArray, Trace
 
 #: Wall time between two lists of frames, states of lamps and counters.
 SLOW_S = 0.1
@@ -51,6 +55,13 @@ class LiveRun:
         self._history = History(1 + len(self.layout.columns))
         self._run = self.listener.run
         self._last_s = -1.0
+        #: Rows and telegrams of the last look; the trace begins with the newest telegram of each port before it.
+        self.fresh_rows: FloatArray = np.empty((0, 1))
+        self.fresh_trace = Trace(system.contract)
+        self.contract = system.contract
+        self.scenario_name = scenario.name
+        #: Name of this process's runs, for viewers that must tell them apart.
+        self.session = f"{os.getpid()}-{time.time_ns()}"
         self._slow_s = 0.0
         self._title = title
 
@@ -73,6 +84,7 @@ class LiveRun:
 
     def look(self) -> list[str | bytes]:
         """What is new on the bus."""
+        self.fresh_rows = self.fresh_rows[:0]
         frames = self.receiver.look()
         messages: list[str | bytes] = []
         if frames:
@@ -109,6 +121,7 @@ class LiveRun:
         if not listener.knows_time:
             return messages
         rows = rows_of(self._scenario, self.layout, trace, self._notes, self._last_s, listener.now_s)
+        self.fresh_rows, self.fresh_trace = rows, trace
         if len(rows):
             self._last_s = float(rows[-1, 0])
             self._history.add(rows)

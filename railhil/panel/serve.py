@@ -15,6 +15,7 @@ from railhil.common.orphans import end_with_parent
 from railhil.common.output import Output
 from railhil.controller_node.laws import find
 from railhil.controller_node.telemetry_file import law_document
+from railhil.panel.foxglove import FoxgloveBridge
 from railhil.panel.live import LiveRun
 from railhil.panel.operator import Operator
 from railhil.panel.receiver import Receiver
@@ -28,11 +29,14 @@ def serve_panel(namespace: argparse.Namespace) -> int:
     """Serve until SIGINT or SIGTERM; returns the exit code.
 
     :raises InputError: scenario or record cannot be loaded.
-    :raises OSError: the port cannot be opened.
+    :raises OSError: a port cannot be opened.
     """
     if namespace.child:
         end_with_parent()
     if any(Path(text).is_dir() for text in namespace.what):
+        if namespace.foxglove is not None:
+            allowed = "the run on a bus; for a recorded one railhil export --mcap"
+            raise InputError("command line", "--foxglove", Words("beside run folders"), allowed)
         runs = RecordedRuns(namespace.what)
         return asyncio.run(_serve(PanelServer(runs, "", namespace.port), Output(stderr=True)))
     if len(namespace.what) > 1:
@@ -42,22 +46,9 @@ def serve_panel(namespace: argparse.Namespace) -> int:
     operator = Operator(namespace.operator) if namespace.operator else None
     notes = law_notes(system_named(scenario.system), namespace.controller)
     source = LiveRun(scenario, Receiver(choice.config), scenario.name, notes, operator)
-    return asyncio.run(
-        _serve(PanelServer(source, secrets.token_urlsafe(16) if operator else "", namespace.port), Output(stderr=True))
-    )
-
-
-async def _serve(panel: PanelServer, console: Output) -> int:
-    server = await panel.listen()
-    console.say(f"panel: {panel.address}{f'#token={panel.token}' if panel.token else ''}")
-    stopped: list[int] = []
-    loop = asyncio.get_running_loop()
-    for number in ending_signals():
-        loop.add_signal_handler(number, stopped.append, int(number))
-    await panel.run(lambda: bool(stopped))
-    server.close()
-    await server.wait_closed()
-    return 128 + stopped[0]
+    token = secrets.token_urlsafe(16) if operator else ""
+    bridge = None if namespace.foxglove is None else FoxgloveBridge(source, token, namespace.foxglove)
+    return asyncio.run(_serve(PanelServer(source, token, namespace.port), Output(stderr=True), bridge))
 
 
 def law_notes(system: System, law: str | None) -> list[dict[str, Any]] | None:
@@ -69,3 +60,20 @@ def law_notes(system: System, law: str | None) -> list[dict[str, Any]] | None:
         return None
     notes: list[dict[str, Any]] = law_document(law, find(law, system.laws))["notes"]
     return notes
+
+
+async def _serve(panel: PanelServer, console: Output, bridge: FoxgloveBridge | None = None) -> int:
+    servers = [await panel.listen()]
+    console.say(f"panel: {panel.address}{f'#token={panel.token}' if panel.token else ''}")
+    if bridge is not None:
+        servers.append(await bridge.listen())
+        console.say(f"foxglove: ws://127.0.0.1:{bridge.port}")
+    stopped: list[int] = []
+    loop = asyncio.get_running_loop()
+    for number in ending_signals():
+        loop.add_signal_handler(number, stopped.append, int(number))
+    await panel.run(lambda: bool(stopped), bridge.tell if bridge is not None else lambda: None)
+    for server in servers:
+        server.close()
+        await server.wait_closed()
+    return 128 + stopped[0]

@@ -17,6 +17,7 @@ from websockets.asyncio.server import Server, ServerConnection, serve
 from websockets.datastructures import Headers
 from websockets.exceptions import ConnectionClosed
 from websockets.http11 import Request, Response
+from websockets.typing import Subprotocol
 
 from railhil.panel.wire import SUBPROTOCOL
 
@@ -91,7 +92,7 @@ class PanelServer:
             "127.0.0.1",
             self.port,
             process_request=self._static,
-            subprotocols=[SUBPROTOCOL],  # type: ignore[list-item]
+            subprotocols=[Subprotocol(SUBPROTOCOL)],
             compression=None,
             max_size=1 << 16,
             server_header="railhil",
@@ -99,13 +100,17 @@ class PanelServer:
         self.port = server.sockets[0].getsockname()[1]
         return server
 
-    async def run(self, ends: Callable[[], bool] = lambda: False) -> None:
-        """Look at the source and tell the pages, until ``ends``."""
+    async def run(self, ends: Callable[[], bool], beside: Callable[[], None] = lambda: None) -> None:
+        """Look at the source and tell the pages, until ``ends``.
+
+        :param beside: called after each look.
+        """
         loop = asyncio.get_running_loop()
         due_s = loop.time()
         while not ends():
             for message in self._source.look():
                 self._tell(message)
+            beside()
             due_s = max(due_s + 1.0 / RATE_HZ, loop.time())
             await asyncio.sleep(due_s - loop.time())
 
