@@ -1,8 +1,7 @@
 """A bridge for Lichtblick, PlotJuggler and Foxglove: the Foxglove WebSocket protocol with CDR payloads.
 
-Messages are flat, so a payload is the CDR header (little-endian) and float64 numbers in the order of the schema
-(ros2msg), which is all that PlotJuggler reads. Web viewers come from pages of their own: reading needs no token, orders
-do.
+Messages are flat ROS 2 messages (:mod:`railhil.bus.ros2`), which is all that PlotJuggler reads. Web viewers come from
+pages of their own: reading needs no token, orders do.
 
 Source: foxglove/ws-protocol, docs/spec.md (opcodes, ``foxglove.websocket.v1``); ``foxglove.sdk.v1`` is the same for
 what is used here.
@@ -12,7 +11,6 @@ from __future__ import annotations
 
 import hmac
 import json
-import re
 import struct
 from typing import Any
 
@@ -21,6 +19,7 @@ from websockets.asyncio.server import Server, ServerConnection, broadcast, serve
 from websockets.exceptions import ConnectionClosed
 from websockets.typing import Subprotocol
 
+from railhil.bus.ros2 import MESSAGE_ENCODING, SCHEMA_ENCODING, Field, Message, PortMessage, ros_name
 from railhil.panel.live import LiveRun
 from railhil.supervisor.trace import FloatArray, Trace
 
@@ -38,17 +37,6 @@ _SIGNALS_ID, _FULL_ID = 1, 100
 _ORDER = "/railhil/order"
 _ORDER_SERVICE = 1
 _REQUEST, _RESPONSE = "string token\nstring command", "bool done\nstring why"
-
-
-def field(name: str) -> str:
-    """A name as a field of a ros2msg: ``TrainSpeed`` -> ``train_speed``."""
-    words = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name)
-    return re.sub(r"[^a-z0-9]+", "_", words.lower()).strip("_") or "value"
-
-
-def numbers(values: FloatArray) -> bytes:
-    """CDR of a message of float64 fields, shape (n,)."""
-    return _CDR_HEADER + np.ascontiguousarray(values, dtype="<f8").tobytes()
 
 
 class Viewer:
@@ -76,7 +64,8 @@ class FoxgloveBridge:
         self._factors = np.array([column.factor for column in live.layout.columns])
         self._accepted: dict[str, int] = {}
         self._ports = {_FULL_ID + at: port for at, port in enumerate(live.contract.ports)}
-        self._schemas = {number: [field(item.name) for item in port.signals] for number, port in self._ports.items()}
+        self._messages = {number: PortMessage(port) for number, port in self._ports.items()}
+        self._columns = Message("Signals", [Field(ros_name(column.name), "float64") for column in live.layout.columns])
 
     async def listen(self) -> Server:
         """Open the port on 127.0.0.1.
@@ -112,7 +101,9 @@ class FoxgloveBridge:
     def _signals(self, rows: FloatArray) -> None:
         step = -(-len(rows) // ROWS_A_LOOK)
         for row in rows[::-step][::-1]:
-            self._publish(_SIGNALS_ID, round(float(row[0]) * 1e9), numbers(row[1:] / self._factors))
+            self._publish(
+                _SIGNALS_ID, round(float(row[0]) * 1e9), self._columns.packed((row[1:] / self._factors).tolist())
+            )
 
     def _full(self, trace: Trace) -> None:
         wanted = {channel for viewer in self._viewers.values() for channel in viewer.channels if channel >= _FULL_ID}
@@ -123,9 +114,12 @@ class FoxgloveBridge:
             self._accepted[port.name] = accepted
             if new <= 0:
                 continue
-            table = np.column_stack([trace.values(port.name, item.name)[-new:] for item in port.signals])
-            for time_ns, row in zip(trace.times_ns(port.name)[-new:], table, strict=True):
-                self._publish(number, time_ns, numbers(row))
+            columns = [
+                (trace.raw if item.scale == 1 else trace.values)(port.name, item.name)[-new:].tolist()
+                for item in port.signals
+            ]
+            for time_ns, *row in zip(trace.times_ns(port.name)[-new:], *columns, strict=True):
+                self._publish(number, time_ns, self._messages[number].packed(row))
 
     def _publish(self, channel: int, time_ns: int, payload: bytes) -> None:
         for viewer in self._viewers.values():
@@ -170,18 +164,14 @@ class FoxgloveBridge:
             "op": "serverInfo",
             "name": "railhil",
             "capabilities": ["time", *(["services"] if self._token else [])],
-            "supportedEncodings": ["cdr"],
+            "supportedEncodings": [MESSAGE_ENCODING],
             "metadata": {"scenario": self._live.scenario_name},
             "sessionId": f"{self._live.session}-{self._run}",
         }
 
     def _channels(self) -> list[dict[str, Any]]:
-        names = [field(column.name) for column in self._live.layout.columns]
-        found = [_channel(_SIGNALS_ID, "/railhil/signals", "railhil/msg/Signals", names)]
-        for number, port in self._ports.items():
-            name = "".join(word.capitalize() for word in port.name.split("_"))
-            found.append(_channel(number, f"/full/{port.name}", f"railhil/msg/{name}", self._schemas[number]))
-        return found
+        full = [_channel(number, f"/full/{port.name}", self._messages[number]) for number, port in self._ports.items()]
+        return [_channel(_SIGNALS_ID, "/railhil/signals", self._columns), *full]
 
     def _asked(self, viewer: Viewer, text: str) -> str | None:
         try:
@@ -217,15 +207,14 @@ class FoxgloveBridge:
         return struct.pack("<BIII", _SERVICE_RESPONSE, service, call, 3) + b"cdr" + response
 
 
-def _channel(number: int, topic: str, name: str, fields: list[str]) -> dict[str, Any]:
-    schema = "".join(f"float64 {one}\n" for one in fields)
+def _channel(number: int, topic: str, message: Message) -> dict[str, Any]:
     return {
         "id": number,
         "topic": topic,
-        "encoding": "cdr",
-        "schemaName": name,
-        "schema": schema,
-        "schemaEncoding": "ros2msg",
+        "encoding": MESSAGE_ENCODING,
+        "schemaName": message.name,
+        "schema": message.schema,
+        "schemaEncoding": SCHEMA_ENCODING,
     }
 
 

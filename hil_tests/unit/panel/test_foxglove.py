@@ -14,7 +14,7 @@ from hil_tests.support.panel import Recorded, ScriptedLink
 
 websockets = pytest.importorskip("websockets")
 
-from railhil.panel.foxglove import SUBPROTOCOLS, FoxgloveBridge, field  # noqa: E402
+from railhil.panel.foxglove import SUBPROTOCOLS, FoxgloveBridge  # noqa: E402
 from railhil.panel.live import LiveRun  # noqa: E402
 from railhil.panel.receiver import Receiver  # noqa: E402
 
@@ -116,9 +116,3 @@ def test_orders_need_the_token(run):
     assert [body[4] for body in bodies] == [0, 1, 0]
     assert bodies[2].endswith(b"not that\0")
     assert any("service call" in message.get("message", "") for message in told["json"])
-
-
-def test_names_are_fields():
-    assert [field(name) for name in ("TrainSpeed", "PLT_STAT.PowerOn", "gain_1_1")] == [
-        "train_speed", "plt_stat_power_on", "gain_1_1",
-    ]  # fmt: skip
