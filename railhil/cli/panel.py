@@ -90,7 +90,9 @@ def check_panel(namespace: argparse.Namespace, spec: RunSpec) -> None:
 def with_emergency(namespace: argparse.Namespace, spec: RunSpec) -> RunSpec:
     """The run with the fault of the emergency button, where there is time to press it and the train has such a loop."""
     is_watched = namespace.panel is not None or namespace.operator is not None
-    if not is_watched or not (spec.is_realtime or namespace.wait):
+    # Nodes that are running already have their faults.
+    is_ours = not (namespace.attach or namespace.no_controller)
+    if not is_watched or not is_ours or not (spec.is_realtime or namespace.wait):
         return spec
     scenario = spec.load()
     has_loop = EMERGENCY_PLACE in system_named(scenario.system).injects
@@ -134,11 +136,12 @@ def _process(words: Sequence[str]) -> Iterator[None]:
 
 
 def wait_for_start(
-    panel: PanelSocket, spec: RunSpec, scenario: AnyScenario, transports: Sequence[str]
+    panel: PanelSocket, spec: RunSpec, scenario: AnyScenario, transports: Sequence[str], attach: bool
 ) -> tuple[RunSpec, AnyScenario]:
     """Wait until Start is pressed; faults that are typed meanwhile become faults of the run.
 
     :param transports: what the run is injected on (:func:`railhil.supervisor.fault_report.transports_of`).
+    :param attach: the nodes are running already, with their faults.
     :returns: the run with these faults, and its scenario.
     """
     while True:
@@ -148,7 +151,9 @@ def wait_for_start(
                 panel.tell({"answer": command.get("id"), "refused": ""})
                 return spec, scenario
             why = "press Start first"
-            if command.get("do") == "fault":
+            if command.get("do") == "fault" and attach:
+                why = "the nodes are running already: give them and railhil run --fault"
+            elif command.get("do") == "fault":
                 try:
                     spec, scenario = _with_fault(spec, str(command.get("text", "")), transports)
                     why = ""

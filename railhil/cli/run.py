@@ -136,7 +136,7 @@ def work(namespace: argparse.Namespace) -> int:
         quiet = namespace.quiet or namespace.json or not console.is_terminal
         with panel_beside(namespace, spec, choice) as panel:
             if panel is not None and namespace.wait:
-                spec, scenario = wait_for_start(panel, spec, scenario, transports_of(choice, how.foreign))
+                spec, scenario = wait_for_start(panel, spec, scenario, transports_of(choice, how.foreign), how.attach)
             run, result = recorded(scenario, spec, how, choice, folder, made, console, quiet, panel=panel)
             if panel is not None:
                 panel.tell({"phase": "ended", "exit_code": result.exit_code, "line": result.line})

@@ -49,6 +49,13 @@ def arguments() -> argparse.ArgumentParser:
         help="serve Lichtblick, PlotJuggler and Foxglove too, at ws://127.0.0.1:PORT",
     )
     parser.add_argument("--controller", metavar="LAW", help="the law that runs, whose notes are then named")
+    parser.add_argument("--socket", metavar="PATH", help="listen at this Unix socket instead, for containers")
+    parser.add_argument(
+        "--public-port",
+        type=whole_number(1, _PORT_MAX),
+        metavar="N",
+        help="with --socket: port of 127.0.0.1 under which it is published",
+    )
     parser.add_argument(
         "--operator", metavar="SOCKET", help="of railhil run --operator, which takes the orders of the page"
     )

@@ -47,8 +47,9 @@ def serve_panel(namespace: argparse.Namespace) -> int:
     notes = law_notes(system_named(scenario.system), namespace.controller)
     source = LiveRun(scenario, Receiver(choice.config), scenario.name, notes, operator)
     token = secrets.token_urlsafe(16) if operator else ""
+    port = namespace.public_port if namespace.socket and namespace.public_port else namespace.port
     bridge = None if namespace.foxglove is None else FoxgloveBridge(source, token, namespace.foxglove)
-    return asyncio.run(_serve(PanelServer(source, token, namespace.port), Output(stderr=True), bridge))
+    return asyncio.run(_serve(PanelServer(source, token, port, namespace.socket), Output(stderr=True), bridge))
 
 
 def law_notes(system: System, law: str | None) -> list[dict[str, Any]] | None:

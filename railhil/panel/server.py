@@ -13,7 +13,7 @@ from http import HTTPStatus
 from importlib.resources import files
 from typing import Any, Protocol
 
-from websockets.asyncio.server import Server, ServerConnection, serve
+from websockets.asyncio.server import Server, ServerConnection, broadcast, serve, unix_serve
 from websockets.datastructures import Headers
 from websockets.exceptions import ConnectionClosed
 from websockets.http11 import Request, Response
@@ -22,7 +22,7 @@ from websockets.typing import Subprotocol
 from railhil.panel.wire import SUBPROTOCOL
 
 #: Batches a second at most.
-RATE_HZ = 30.0
+RATE_HZ = 20.0
 #: Bytes that may wait for a page; then batches are left out.
 _BACKLOG_MAX_BYTES = 1 << 20
 _POLICY = "default-src 'self'; frame-ancestors 'none'; base-uri 'none'; form-action 'none'"
@@ -69,10 +69,12 @@ class PanelServer:
     """Serves one source to any number of pages.
 
     :param token: what commands must carry; empty: there are no commands.
+    :param socket: listen at this Unix socket instead of ``port``, under which something else publishes it.
     """
 
-    def __init__(self, source: Source, token: str, port: int) -> None:
+    def __init__(self, source: Source, token: str, port: int, socket: str | None = None) -> None:
         self._source = source
+        self._socket = socket
         self.token = token
         self._pages: dict[ServerConnection, Page] = {}
         self.port = port
@@ -87,16 +89,16 @@ class PanelServer:
 
         :raises OSError: it cannot be opened.
         """
-        server = await serve(
-            self._serve,
-            "127.0.0.1",
-            self.port,
-            process_request=self._static,
-            subprotocols=[Subprotocol(SUBPROTOCOL)],
-            compression=None,
-            max_size=1 << 16,
-            server_header="railhil",
-        )
+        how: dict[str, Any] = {
+            "process_request": self._static,
+            "subprotocols": [Subprotocol(SUBPROTOCOL)],
+            "compression": None,
+            "max_size": 1 << 16,
+            "server_header": "railhil",
+        }
+        if self._socket is not None:
+            return await unix_serve(self._serve, self._socket, **how)
+        server = await serve(self._serve, "127.0.0.1", self.port, **how)
         self.port = server.sockets[0].getsockname()[1]
         return server
 
@@ -197,6 +199,4 @@ class PanelServer:
 
 def _send(connection: ServerConnection, message: str | bytes) -> None:
     """Send without waiting; a page that has gone is noticed where it is read."""
-    from websockets.asyncio.server import broadcast
-
     broadcast([connection], message)

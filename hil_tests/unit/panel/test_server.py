@@ -17,6 +17,7 @@ from railhil.panel.wire import APPEND, SUBPROTOCOL, batch
 
 websockets = pytest.importorskip("websockets")
 
+from railhil.panel.door import opened  # noqa: E402
 from railhil.panel.server import PanelServer  # noqa: E402
 
 TOKEN = "right"
@@ -167,3 +168,23 @@ def test_a_batch_is_times_then_columns():
     assert struct.unpack("<4I", data[:16]) == (APPEND, 3, 2, 2)
     assert np.frombuffer(data, "<f8", 2, 16).tolist() == [0.5, 1.5]
     np.testing.assert_array_equal(np.frombuffer(data, "<f4", 4, 32), np.array([1, 3, np.nan, 4], dtype=np.float32))
+
+
+def test_a_door_leads_to_a_panel_at_a_socket(tmp_path):
+    async def all_of_it() -> None:
+        source, socket = ScriptedSource(), str(tmp_path / "panel.sock")
+        door = await opened(socket, "127.0.0.1", 0)
+        port = door.sockets[0].getsockname()[1]
+        panel = PanelServer(source, TOKEN, port, socket)
+        with pytest.raises((websockets.InvalidMessage, websockets.InvalidHandshake, OSError, EOFError)):
+            # The panel has not begun.
+            async with page(panel):
+                pass
+        server = await panel.listen()
+        async with page(panel) as connection:
+            assert await asked(connection, {"do": "stop", "token": TOKEN}) == {"done": "stop"}
+        server.close()
+        await server.wait_closed()
+        door.close()
+
+    asyncio.run(all_of_it())
