@@ -149,6 +149,7 @@ def wait_for_start(
         for command in panel.take(_LOOK_S):
             if command.get("do") == "start":
                 panel.tell({"answer": command.get("id"), "refused": ""})
+                panel.tell({"phase": "starting", "faults": list(scenario.faults), "lockstep": not spec.is_realtime})
                 return spec, scenario
             why = "press Start first"
             if command.get("do") == "fault" and attach:

@@ -10,8 +10,6 @@ from typing import Any
 
 #: Wall time between two greetings; the supervisor tells those that have greeted it.
 _HELLO_S = 0.5
-#: Wall time without a report after which there is no supervisor.
-_SILENT_S = 3.0
 _DATAGRAM_MAX = 16384
 #: What a page may ask for.
 COMMANDS = ("start", "pause", "stop", "pace", "inject", "clear", "fault")
@@ -26,7 +24,7 @@ class Operator:
     def __init__(self, path: str) -> None:
         self._path = path
         self._socket: socket.socket | None = None
-        self._hello_s = self._heard_s = 0.0
+        self._hello_s = 0.0
         #: The supervisor's last report; empty: none.
         self.report: dict[str, Any] = {}
 
@@ -43,7 +41,9 @@ class Operator:
         now_s = time.monotonic()
         if now_s - self._hello_s >= _HELLO_S:
             self._hello_s = now_s
-            self._send({"do": "hello"})
+            if not self._send({"do": "hello"}) and self._socket is None and self.report.get("phase") != "ended":
+                # The supervisor has gone.
+                self.report = {}
         answers = []
         while self._socket is not None:
             try:
@@ -53,13 +53,10 @@ class Operator:
             except (OSError, ValueError):
                 self.close()
                 break
-            self._heard_s = now_s
             if "phase" in document:
                 self.report = document
             else:
                 answers.append(document)
-        if self.report and now_s - self._heard_s > _SILENT_S and self.report.get("phase") != "ended":
-            self.report = {}
         return answers
 
     def close(self) -> None:

@@ -144,7 +144,7 @@ function pick(timeS) {
 function showState(message) {
   const { state } = message, box = byId("phase"), operator = state.operator;
   const parts = [`${state.time_s.toFixed(1)} s`];
-  if (operator?.phase) parts.unshift(operator.phase);
+  if (operator?.phase) parts.unshift(operator.phase === "ended" ? `ended: ${verdict(operator)}` : operator.phase);
   parts.push(`bus ${state.load === null ? "–" : `${(100 * state.load).toFixed(1)} %`}`);
   parts.push(`polls missed ${state.missed} of ${state.polls}`, `frames ${state.frames}`, `dropped here ${state.dropped}`);
   if (state.lateness) parts.push(`lateness p99 ${shownNumber(state.lateness.p99_ms, "ms")}`);
@@ -158,6 +158,11 @@ function showState(message) {
   byId("raw").hidden = !raw;
   if (raw) byId("raw").textContent = raw.slice().reverse().map(([time, data]) => `${time.toFixed(2).padStart(9)}  ${data}`).join("\n");
   showDesk();
+}
+
+function verdict(operator) {
+  const word = ["PASS", "FAIL", "refused", "INVALID"][operator.exit_code] ?? "TOOL ERROR";
+  return operator.line ? `${word} (${operator.line})` : word;
 }
 
 function watch(id) {
@@ -186,7 +191,6 @@ function showDesk() {
   may("add", phase === "waiting", phase === "waiting" ? "" : "faults are added before the start (--wait)");
   byId("fault").disabled = phase !== "waiting";
   if (operator?.pace !== undefined && document.activeElement !== byId("pace")) byId("pace").value = String(operator.pace);
-  if (operator?.verdict) byId("phase").textContent += ` · ${operator.verdict}`;
   const box = byId("faults"), manual = faults.map((text, at) => [text, at + 1]).filter(([text, at]) => text.includes("@manual") && at !== emergency);
   const key = JSON.stringify([manual, runs]);
   if (box.dataset.key === key) return;
