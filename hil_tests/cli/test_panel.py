@@ -171,5 +171,10 @@ def test_a_killed_server_is_found_again_and_the_page_says_so(run, chromium, tmp_
         assert page.evaluate("window.stats().kept[0]") > 10
         for width_px in (400, 2560):
             page.set_viewport_size({"width": width_px, "height": 900})
-            assert page.evaluate("document.documentElement.scrollWidth - innerWidth") <= 0
+            beyond = "document.documentElement.scrollWidth - innerWidth"
+            deadline_s = time.monotonic() + 30
+            # The charts follow the width one after the other.
+            while page.evaluate(beyond) > 0 and time.monotonic() < deadline_s:
+                page.wait_for_timeout(50)
+            assert page.evaluate(beyond) <= 0
     page.close()
