@@ -11,7 +11,7 @@ from railhil.cli.commands import parser
 
 
 @pytest.mark.parametrize(
-    "name", ["run", "compare", "score", "report", "plot", "scenarios", "ports", "new", "doctor", "bus", "node"]
+    "name", ["run", "compare", "score", "report", "plot", "watch", "scenarios", "ports", "new", "doctor", "bus", "node"]
 )
 def test_a_command_alone_is_as_among_all(name, capsys):
     helps = []

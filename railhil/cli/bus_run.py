@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING
 
 import can
 from can.cli import add_bus_arguments
-from rich.progress import BarColumn, Progress, ProgressColumn, TextColumn
 
 from railhil.bus.select import BusChoice, choose_bus, no_bus
+from railhil.cli.progress import progress
 from railhil.common.choices import BUSES
 from railhil.common.command_line import add_law_arguments, add_run_arguments
 from railhil.common.errors import InputError, Words
@@ -170,7 +170,7 @@ def recorded(
     """
     with ExitStack() as held:
         try:
-            on_progress = held.enter_context(_progress(scenario, spec, console, quiet))
+            on_progress = held.enter_context(progress(scenario, spec, folder, console, quiet))
             check_faults(scenario, transports_of(choice, start_up.foreign), spec.pace)
             write_inputs(folder, scenario, spec.law.parameters)
             spec = with_memory(spec, folder)
@@ -279,30 +279,3 @@ def _executed(run: Run | LocalRun, folder: Path, made: bool) -> RunResult:
         elif isinstance(error, OSError) and error.errno in _CANNOT_GROW:
             raise record_failed(folder, error) from error
         raise
-
-
-@contextmanager
-def _progress(
-    scenario: AnyScenario, spec: RunSpec, console: Output, quiet: bool
-) -> Iterator[Callable[[float], None] | None]:
-    """Progress callback of the run, taking the simulation time in s; None when nothing is to be shown."""
-    if quiet:
-        yield None
-        return
-    columns: tuple[ProgressColumn, ...] = (
-        TextColumn("{task.description}"),
-        BarColumn(),
-        TextColumn("{task.completed:6.1f} of {task.total:.0f} s simulated"),
-    )
-    with Progress(*columns, console=console, auto_refresh=False, transient=True) as progress:
-        task = progress.add_task(spec.law.controller, total=scenario.planned_s)
-        shown_s = -1e9
-
-        def on_progress(sim_time_s: float) -> None:
-            nonlocal shown_s
-            # A redraw costs about a millisecond: one per ten simulated seconds is smooth enough.
-            if sim_time_s - shown_s >= (0.5 if spec.is_realtime else 10.0):
-                shown_s = sim_time_s
-                progress.update(task, completed=sim_time_s, refresh=True)
-
-        yield on_progress

@@ -21,6 +21,7 @@ _MODULES = (
     "score",
     "report",
     "plot",
+    "watch",
     "memory",
     "scenarios",
     "ports",

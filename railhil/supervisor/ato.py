@@ -156,4 +156,5 @@ JUDGING = Judging(
     watches=WATCHES,
     interlocks=INTERLOCKS,
     received=received,
+    ends_at_m=lambda scenario: scenario.plan.distance_m,
 )

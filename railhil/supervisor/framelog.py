@@ -22,6 +22,8 @@ from railhil.common.errors import InputError, Words
 
 #: Channel name in the log, whatever the transport was.
 CHANNEL = "mvb0"
+#: Name in a run folder.
+LOG_NAME = "frames.log"
 #: candump's mark of an error frame in the identifier (python-can writes a bus error).
 _ERROR_ID = 0x20000080
 _NS_PER_US = 1000
@@ -65,7 +67,7 @@ class FrameLog:
     """Writes ``frames.log`` of one run folder during the run."""
 
     def __init__(self, folder: Path) -> None:
-        self.path = folder / "frames.log"
+        self.path = folder / LOG_NAME
         self._stream = self.path.open("w", encoding="ascii", newline="\n", buffering=1 << 16)
         self.write = self._stream.write
         #: Flush the buffer to the kernel: from then on a killed recorder no longer loses it.
@@ -150,7 +152,7 @@ def _read_candump(path: Path) -> Iterator[tuple[int, Frame]]:
                 if not line.endswith("\n"):
                     raise InputError(path, f"line {number}", line, "whole lines (the file is cut off)")
                 try:
-                    yield _parsed(line)
+                    yield parsed_line(line)
                 except (ValueError, IndexError):
                     allowed = "candump lines, (seconds.micros) channel id#data"
                     raise InputError(path, f"line {number}", line.rstrip("\n"), allowed) from None
@@ -172,7 +174,7 @@ def _time_ns(stamp: str) -> int:
     return time_ns
 
 
-def _parsed(line: str) -> tuple[int, Frame]:
+def parsed_line(line: str) -> tuple[int, Frame]:
     """Time and frame of a line; raises ValueError or IndexError if it is invalid."""
     fields = line.split()
     time_ns = _time_ns(fields[0])

@@ -71,17 +71,42 @@ const railhilCharts = (() => {
     return last || high === ys.length || x - xs[low] <= xs[high] - x ? low : high;
   }
 
+  // Between two points of a curve whose neighbour has one here: on the line between them; null where there is none.
+  function onLine(plot, series, at) {
+    const xs = plot.data[0], ys = plot.data[series];
+    let low = at, high = at;
+    while (low >= 0 && ys[low] === undefined) low--;
+    while (high < ys.length && ys[high] === undefined) high++;
+    if (low < 0 || high === ys.length || ys[low] == null || ys[high] == null) return null;
+    return ys[low] + (ys[high] - ys[low]) * (xs[at] - xs[low]) / (xs[high] - xs[low]);
+  }
+
+  // A value as the legend writes it; one that is not a point of the curve is marked.
+  function legend(item, holds, plot, value, series, index) {
+    const at = plot.cursor.idx, unit = item.unit ? ` ${item.unit}` : "";
+    if (index == null || value == null || Number.isNaN(value)) return "-";
+    if (item.names?.[value] !== undefined) return item.names[value] + unit;
+    if (holds || at == null || plot.data[series][at] !== undefined) return shown(value) + unit;
+    const between = onLine(plot, series, at);
+    return between == null ? "-" : `≈ ${Number(between.toPrecision(5))}${unit}`;
+  }
+
   function digits(plot, splits, axis, space, step) {
-    const decimals = Math.max(0, Math.ceil(-Math.log10(step) - 1e-9));
-    return splits.map(value => value == null ? "" : value.toFixed(Math.min(decimals, 9)));
+    let decimals = 0;
+    while (decimals < 9 && Math.abs(step * 10 ** decimals - Math.round(step * 10 ** decimals)) > 1e-6) decimals++;
+    return splits.map(value => value == null ? "" : value.toFixed(decimals));
   }
 
   function drawMarkers(chart) {
     const {plot, markers} = chart, {ctx, bbox} = plot, ratio = devicePixelRatio;
     ctx.save();
     ctx.beginPath(); ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height); ctx.clip();
+    let before = -Infinity;
     for (const marker of markers) {
       const x = plot.valToPos(marker.at, "x", true);
+      // Instants closer than can be told apart would hide the curves.
+      if (!marker.fault && marker.until === undefined && Math.abs(x - before) < 4 * ratio) continue;
+      before = x;
       ctx.strokeStyle = ctx.fillStyle = colour(marker.fault ? "fault" : "dim");
       if (marker.until > marker.at) {
         ctx.globalAlpha = marker.fault ? .16 : .08;
@@ -159,8 +184,7 @@ const railhilCharts = (() => {
       dash: item.dash,
       points: {show: false},
       paths: asTrack ? () => null : item.step ? uPlot.paths.stepped({align: 1}) : undefined,
-      value: (plot, value) => value == null || Number.isNaN(value) ? "-"
-        : (item.names?.[value] ?? shown(value)) + (item.unit ? ` ${item.unit}` : ""),
+      value: (...given) => legend(item, asTrack || item.step, ...given),
       rcNames: item.names ?? [],
       rcStep: asTrack || item.step,
       rcColour: name,
@@ -184,7 +208,8 @@ const railhilCharts = (() => {
       stroke: () => colour("dim"), grid: {stroke: () => colour("line"), width: 1}, font: FONT, labelFont: FONT,
       ticks: {stroke: () => colour("line"), width: 1, size: 4}, values: digits,
     };
-    const names = description.series.length === 1 && !asTrack ? description.series[0].names : undefined;
+    const words = description.series.length === 1 && !asTrack ? description.series[0].names : undefined;
+    const names = words && Object.keys(words).length ? words : undefined;
     const yAxis = asTrack ? {...axis, size: AXIS_PX, values: () => [], grid: {show: false}, ticks: {show: false}}
       : {...axis, size: AXIS_PX, gap: 3, ...(names && {values: (plot, splits) => splits.map(v => names[v] ?? ""), incrs: [1]})};
     const move = (type) => type === "mousemove" || type === "mouseleave";
@@ -223,7 +248,7 @@ const railhilCharts = (() => {
         bind: {dblclick: () => () => { handle.zoom(); return null; }},
       },
       hooks: {
-        draw: [() => { if (asTrack) drawTracks(chart); drawMarkers(chart); }],
+        draw: [() => { drawMarkers(chart); if (asTrack) drawTracks(chart); }],
         setCursor: [() => tell(chart)],
         setSelect: [plot => {
           if (plot.select.width > 0)

@@ -126,4 +126,5 @@ STOP = Judging(
     published="figures of He and Tang, one run each",
     facts=_facts,
     watches=(_WATCH,),
+    ends_at_m=lambda scenario: scenario.task.stop_m,
 )
