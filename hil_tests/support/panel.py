@@ -29,7 +29,7 @@ class Recorded:
         self.frames = [frame for _, frame in read_log(folder / "frames.log")]
         system = system_named(self.scenario.system)
         self.contract = system.contract
-        self.layout = layout_of(self.scenario, system, system.contract, None)
+        self.layout = layout_of(self.scenario, system.contract, None)
         self.rows = rows_of(self.scenario, self.layout, self.trace)
 
     def heard(self, frames: list[Frame], look: int) -> np.ndarray:

@@ -7,43 +7,22 @@ declares for the panel only (``Judging.shown``); nothing here knows a system.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
-from railhil.dbc import Contract, Signal
+from railhil.dbc import Contract
 from railhil.scenarios.model import AnyScenario
-from railhil.scenarios.system import System
 from railhil.supervisor.judging import Judging, judging_of
-from railhil.supervisor.notes import notes_of
-from railhil.supervisor.signals import signal_table, signal_units
-from railhil.supervisor.trace import Trace
+from railhil.supervisor.shown import LEVEL, NOTE, SIGNAL, STATE, ShownColumn, shown_columns
 
-#: Unit of a column -> unit of the page, and the factor between them.
-_DISPLAYED = {"m/s": ("km/h", 3.6), "N": ("kN", 0.001), "permil": ("‰", 1.0), "m/s2": ("m/s²", 1.0)}
-#: Endings of column names that only state the unit.
-_ENDINGS = ("_mps2", "_mps", "_kmh", "_permil", "_kn", "_n", "_m", "_s", "_1")
-#: Title of the chart of a unit, in the order of the page.
+#: Title of the chart of a unit; others have the unit.
 _TITLES = {"km/h": "speed", "notch": "command", "m/s²": "acceleration", "kN": "force", "m": "position", "‰": "grade"}
-_SPEED, _LENGTH = "km/h", "m"
-#: A speed less than the target, as a column of its own.
+_SPEED = "km/h"
+_MPS = "m/s"
+#: Kind of a column with the raw values of a lamp.
+LAMP = "lamp"
+#: Target less speed, as a column of its own.
 ERROR = "tracking_error_kmh"
-
-
-@dataclass(frozen=True, slots=True)
-class Column:
-    """One column of the page.
-
-    ``unit`` and ``factor``: as shown, and what the recorded value is multiplied by. ``kind``: ``signal``, ``note`` (of
-    the law), ``level`` (of a reaction ladder), ``state`` (a number with words) or ``lamp`` (raw values of a lamp).
-    ``words``: of the values of a level, a state, or a note that is a bit field.
-    """
-
-    name: str
-    label: str
-    unit: str
-    factor: float
-    kind: str
-    words: Mapping[int, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,7 +56,7 @@ class Layout:
     The tracking error is a column if there are speed and target.
     """
 
-    columns: tuple[Column, ...]
+    columns: tuple[ShownColumn, ...]
     charts: tuple[Chart, ...]
     tracks: tuple[int, ...]
     lamps: tuple[Lamp, ...]
@@ -91,112 +70,49 @@ class Layout:
         return asdict(self)
 
 
-def layout_of(
-    scenario: AnyScenario, system: System, contract: Contract, notes: Sequence[Mapping[str, Any]] | None
-) -> Layout:
+def layout_of(scenario: AnyScenario, contract: Contract, notes: Sequence[Mapping[str, Any]] | None) -> Layout:
     """The layout for a scenario.
 
     :param notes: the law's declaration of its notes, as in a certificate; None: not known.
     """
     judging = judging_of(scenario)
-    empty = Trace(contract)
-    header, _ = signal_table(scenario, empty, notes)
-    units = signal_units(scenario, empty, notes)
-    told = _notes(judging, empty, notes)
-    words = _words(judging, contract) | _bit_words(empty, notes)
-    kinds = dict.fromkeys(told, "note") | {f"{watch.name}_level": "level" for watch in judging.watches}
+    shown = shown_columns(scenario, contract, notes)
+    # A level without words, of which a watch has those with words, is no curve.
     columns = [
-        _column(name, units.get(name, ""), kinds.get(name, ""), words.get(name, {}), told.get(name, ""))
-        for name in header[1:]
+        replace(one, kind=STATE) if one.kind == SIGNAL and one.name.endswith("_level") else one for one in shown.columns
     ]
-    columns += [_column(name, _unit(contract, port, signal), "", {}, "") for name, port, signal in judging.shown]
+    columns += [_further(name, _unit(contract, port, signal)) for name, port, signal in judging.shown]
     names = [column.name for column in columns]
-    truth = system.truth
-    by_signal = {(port, signal): name for name, port, signal in judging.columns}
-    speed = _place(names, by_signal.get((truth.port, truth.speed)) if truth is not None else None)
-    position = _place(names, by_signal.get((truth.port, truth.position)) if truth is not None else None)
-    target = next((at for at, one in enumerate(columns) if one.unit == _SPEED and "target" in one.name), -1)
-    commands = [f"{port}.{signal}" for port, signal in by_signal]
-    named = [value for value in system.named.values() if value in commands]
-    command = _place(names, by_signal[tuple(named[0].split("."))] if named else None)  # type: ignore[index]
-    if command < 0:
-        command = next((at for at, one in enumerate(columns) if "command" in one.name and one.unit), -1)
+    speed, target, position, command = (
+        names.index(name) if name else -1 for name in (shown.speed, shown.target, shown.position, shown.command)
+    )
     if speed >= 0 and target >= 0:
-        columns.append(Column(ERROR, "tracking error", _SPEED, 1.0, "signal"))
+        columns.append(ShownColumn(ERROR, "tracking error", _SPEED, 1.0, SIGNAL))
     lamps = _lamps(judging, contract, len(columns))
-    columns += [Column(f"{lamp.port}.{lamp.signal}", lamp.label, "", 1.0, "lamp") for lamp in lamps]
-    tracks = tuple(at for at, one in enumerate(columns) if one.kind == "level")
+    columns += [ShownColumn(f"{lamp.port}.{lamp.signal}", lamp.label, "", 1.0, LAMP) for lamp in lamps]
+    tracks = tuple(at for at, one in enumerate(columns) if one.kind == LEVEL)
     return Layout(tuple(columns), _charts(columns, command), tracks, lamps, speed, target, position, command)
 
 
-def _place(names: Sequence[str], name: str | None) -> int:
-    return names.index(name) if name in names else -1
-
-
-def _column(name: str, unit: str, kind: str, words: Mapping[int, str], label: str) -> Column:
-    shown, factor = _DISPLAYED.get(unit, (unit if unit != "1" else "", 1.0))
-    ending = next((end for end in _ENDINGS if name.endswith(end)), "") if unit else ""
-    plain = (label or name.removesuffix(ending)).replace("_", " ")
-    if not kind and (words or name.endswith("_level")):
-        kind = "state"
-    return Column(name, plain, shown, factor, kind or "signal", words)
-
-
-def _notes(judging: Judging, empty: Trace, notes: Any) -> dict[str, str]:
-    """Columns of the law's notes, with their titles."""
-    found = {
-        note.name: note.title for status in (judging.status.every if judging.status else ()) for note in status.notes
-    }
-    told = {name for name, _, _ in judging.told(empty, notes)}
-    titles = {note.name: f"{note.title} {note.symbol}".strip() for note in notes_of(empty, notes)} if told else {}
-    return found | {name: titles[name] for name in told if name in titles}
-
-
-def _words(judging: Judging, contract: Contract) -> dict[str, dict[int, str]]:
-    """Words of the columns that have some: of levels in the order of the ladder, of others by their raw value."""
-    found: dict[str, dict[int, str]] = {}
-    for name, port, signal in judging.columns:
-        if (item := _signal(contract, port, signal)) is not None and item.values:
-            found[name] = dict(item.values)
-    for watch in judging.watches:
-        if (item := _signal(contract, watch.port, watch.level)) is not None:
-            found[f"{watch.name}_level"] = {
-                rank: item.values.get(raw, str(raw)) for rank, raw in enumerate(watch.ladder)
-            }
-    return found
-
-
-def _bit_words(empty: Trace, notes: Any) -> dict[str, dict[int, str]]:
-    """Words of the notes that are bit fields."""
-    found = {}
-    for note in notes_of(empty, notes):
-        if note.bits:
-            sets = range(1 << len(note.bits))
-            found[note.name] = {
-                value: "+".join(bit for place, bit in enumerate(note.bits) if value >> place & 1) or "none"
-                for value in sets
-            }
-    return found
+def _further(name: str, unit: str) -> ShownColumn:
+    """A column that only the panel has."""
+    label = name.rpartition("_")[0].replace("_", " ") if unit else name.replace("_", " ")
+    is_speed = unit == _MPS
+    return ShownColumn(name, label, _SPEED if is_speed else unit, 3.6 if is_speed else 1.0, SIGNAL)
 
 
 def _unit(contract: Contract, port: str, signal: str) -> str:
-    found = _signal(contract, port, signal)
-    return "" if found is None else found.unit
+    return next(item.unit for item in contract.port(port).signals if item.name == signal)
 
 
-def _signal(contract: Contract, port: str, name: str) -> Signal | None:
-    ports = (entry for entry in contract.ports if entry.name == port)
-    return next((item for entry in ports for item in entry.signals if item.name == name), None)
-
-
-def _charts(columns: Sequence[Column], command: int) -> tuple[Chart, ...]:
+def _charts(columns: Sequence[ShownColumn], command: int) -> tuple[Chart, ...]:
     """Curves of one unit share a chart; the law's notes have one for each unit, and the tracking error its own."""
     groups: dict[tuple[str, str], list[int]] = {}
     for at, column in enumerate(columns):
-        if column.kind not in ("signal", "note"):
+        if column.kind not in (SIGNAL, NOTE):
             continue
         title = _TITLES.get(column.unit, column.unit or "numbers")
-        if column.kind == "note":
+        if column.kind == NOTE:
             title = "law"
         elif column.name == ERROR:
             title = "tracking error"
@@ -221,7 +137,7 @@ def _lamps(judging: Judging, contract: Contract, before: int) -> tuple[Lamp, ...
         (item.port, name, normal)
         for item in judging.interlocks
         for name, normal in item.normal.items()
-        if _signal(contract, item.port, name) is not None
+        if any(entry.name == item.port and name in {one.name for one in entry.signals} for entry in contract.ports)
     ]
     return tuple(
         # A number that is 0 in normal operation says that there is none of something.

@@ -48,7 +48,7 @@ class LiveRun:
         self._notes = notes
         self._operator = operator
         self.receiver = receiver
-        self.layout: Layout = layout_of(scenario, system, system.contract, notes)
+        self.layout: Layout = layout_of(scenario, system.contract, notes)
         self.listener = Listener(scenario, system.contract)
         self._list = FrameList(system.contract)
         self._events = LiveEvents(scenario, system, self.layout)

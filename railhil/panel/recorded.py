@@ -11,13 +11,13 @@ from typing import Any
 import numpy as np
 
 from railhil.common.errors import InputError
-from railhil.panel.declared import Chart, Column, Layout, layout_of
+from railhil.panel.declared import Chart, Layout, layout_of
 from railhil.panel.values import rows_of
 from railhil.panel.wire import REPLACE, batch
-from railhil.scenarios.system import system_named
 from railhil.supervisor.events.event import LEVEL, MISSED_POLL, START, RecordedEvent
 from railhil.supervisor.record import Record, checked_record
 from railhil.supervisor.report.recorded import recorded_run, told_apart
+from railhil.supervisor.shown import ShownColumn
 from railhil.supervisor.trace import FloatArray
 
 #: Rows of a run that a page gets; of a longer run the smallest and largest value of each column in equal parts.
@@ -97,7 +97,7 @@ def thinned(rows: FloatArray) -> FloatArray:
 
 def union(layouts: Sequence[Layout]) -> Layout:
     """One layout for runs whose laws report different notes: all columns, charts merged by title and unit."""
-    columns: list[Column] = []
+    columns: list[ShownColumn] = []
     for layout in layouts:
         names = {column.name for column in columns}
         columns += [column for column in layout.columns if column.name not in names]
@@ -127,7 +127,7 @@ def union(layouts: Sequence[Layout]) -> Layout:
 
 def _layout(record: Record) -> Layout:
     notes: Sequence[Mapping[str, Any]] | None = record.certificate.get("notes")
-    return layout_of(record.scenario, system_named(record.scenario.system), record.trace.contract, notes)
+    return layout_of(record.scenario, record.trace.contract, notes)
 
 
 def _placed(rows: FloatArray, layout: Layout, wanted: Layout) -> FloatArray:

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from railhil.panel.declared import ERROR, Layout
+from railhil.panel.declared import ERROR, LAMP, Layout
 from railhil.scenarios.model import AnyScenario
 from railhil.supervisor.judging import judging_of
 from railhil.supervisor.signals import signal_table
@@ -30,7 +30,7 @@ def rows_of(
     table = table[(table[:, 0] > after_s) & (table[:, 0] < before_s)]
     further = [_sampled(trace, table[:, 0], port, signal) for _, port, signal in judging_of(scenario).shown]
     table = np.column_stack([table, *further])
-    plain = [column for column in layout.columns if column.kind != "lamp" and column.name != ERROR]
+    plain = [column for column in layout.columns if column.kind != LAMP and column.name != ERROR]
     table = table * np.array([1.0, *(column.factor for column in plain)])
     beside = []
     if any(column.name == ERROR for column in layout.columns):

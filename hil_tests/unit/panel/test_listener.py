@@ -127,14 +127,14 @@ def test_every_system_has_a_layout_from_what_it_declares():
     scenarios = {"ato": "lvshun_tieshan", "hst1": "jinan_xuzhou", "emu3": "jinan_xuzhou_emu3", "stop": "yizhuang_stop"}
     for name in set(names()) & scenarios.keys():
         scenario, system = load_any(scenarios[name]), system_named(name)
-        layout = layout_of(scenario, system, system.contract, None)
+        layout = layout_of(scenario, system.contract, None)
         assert layout.speed >= 0
         assert layout.position >= 0
         assert layout.command >= 0
         assert layout.tracks
         assert layout.charts[0].title == "speed"
-    emu3 = [column.name for column in layout_of(load_any("jinan_xuzhou_emu3"), system_named("emu3"),
-                                                 system_named("emu3").contract, None).columns]  # fmt: skip
+    contract = system_named("emu3").contract
+    emu3 = [column.name for column in layout_of(load_any("jinan_xuzhou_emu3"), contract, None).columns]
     assert {"true_speed1_mps", "true_speed3_mps", "coupler1_kn", "coupler2_kn"} <= set(emu3)
 
 
