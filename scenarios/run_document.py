@@ -49,13 +49,15 @@ OPTIONS: Mapping[str, str] = {
     "bus": "--bus",
     "memory_store": "--memory",
     "memory": "--memory-from",
+    "orders": "--order",
 }
 #: Key of a run -> its environment variable: the name of the option with the prefix ``RAILHIL_``; compose uses the
-#: same names without the prefix. Settings and faults have no variable, because there may be many.
+#: same names without the prefix. Settings, faults and orders have no variable, because
+#: there may be many.
 ENVIRONMENT: Mapping[str, str] = {
     key: "RAILHIL_" + option.lstrip("-").replace("-", "_").upper()
     for key, option in OPTIONS.items()
-    if key not in ("settings", "faults")
+    if key not in ("settings", "faults", "orders")
 }
 #: Keys whose value is a file name, except in a certificate, which holds the content; ``memory_store`` is always one.
 _MEMORY = ("memory", "memory_store")
@@ -84,6 +86,7 @@ class RunDocument(BaseModel):
     bus: Literal[BUSES] = "auto"  # type: ignore[valid-type]
     memory_store: str | None = Field(default=None, min_length=1)
     memory: dict[str, Any] | None = None
+    orders: list[str] = []
 
 
 class _Named(RunDocument):

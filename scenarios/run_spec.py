@@ -20,6 +20,7 @@ from railhil.common.patience import PATIENCE_S
 from railhil.scenarios.load import load_any, stable_name
 from railhil.scenarios.memory import Memory, memory_from_json
 from railhil.scenarios.model import AnyScenario
+from railhil.scenarios.orders import ORDER, orders_of
 from railhil.scenarios.parameters import ParameterSet, parameters_from_json
 from railhil.scenarios.perturb import require_perturbations
 from railhil.scenarios.run_document import USUAL_LAW, USUAL_SCENARIO, Layer, RunDocument, file_layer, merged
@@ -131,6 +132,7 @@ class RunSpec:
     :param memory_store: folder with the law's memory (:mod:`railhil.scenarios.memory_store`): the run begins with it,
         and after a good run the memory that the law wants to keep is written to it. A repeated run does not write it:
         command line and certificate give only the memory with which the run began.
+    :param orders: of an operator, to be given again (:mod:`railhil.scenarios.orders`).
     """
 
     scenario: str = USUAL_SCENARIO
@@ -145,6 +147,7 @@ class RunSpec:
     memory_store: str | None = None
     faults: tuple[str, ...] = ()
     run_number: int = 1
+    orders: tuple[str, ...] = ()
 
     @classmethod
     def from_namespace(cls, namespace: argparse.Namespace, law: LawSpec) -> RunSpec:
@@ -177,6 +180,7 @@ class RunSpec:
         :raises InputError: a value that a run cannot have.
         """
         found = validated(RunDocument, dict(document), lambda keys: file)
+        orders_of(found.orders, file)
         given = found.parameters
         parameters = None
         if given is not None:
@@ -196,6 +200,7 @@ class RunSpec:
             memory_store=found.memory_store,
             faults=tuple(found.faults),
             run_number=found.run_number,
+            orders=tuple(found.orders),
         )
 
     @classmethod
@@ -250,6 +255,7 @@ class RunSpec:
         words += ["--rate", f"{self.rate:g}"] if self.is_realtime else []
         words += ["--perturbed"] * self.perturbed
         words += self.number_words
+        words += [word for text in self.orders for word in (ORDER, text)]
         words += ["--patience", f"{self.patience_s:g}"] if self.patience_s != PATIENCE_S else []
         return words + (["--bus", self.bus] if self.is_local else [])
 
@@ -293,4 +299,5 @@ class RunSpec:
             "rate": self.rate if self.is_realtime else None,
             "patience_s": self.patience_s,
             "bus": self.bus,
+            "orders": list(self.orders),
         }

@@ -6,6 +6,7 @@ import argparse
 import errno
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -24,6 +25,7 @@ from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.settings import add_fault_argument, add_set_argument
 from railhil.scenarios.system import DEFAULT, System, system_named
+from railhil.supervisor.desk import Desk
 from railhil.supervisor.documents import read_certificate
 from railhil.supervisor.errors import NO_ROOM
 from railhil.supervisor.events.derive import events_of
@@ -32,6 +34,7 @@ from railhil.supervisor.fault_report import check_faults, transports_of
 from railhil.supervisor.folder import discard_folder, record_failed, write_folder
 from railhil.supervisor.inputs import write_inputs
 from railhil.supervisor.memory import keep_memory, learned, with_memory
+from railhil.supervisor.panel_socket import PanelSocket
 from railhil.supervisor.processes import process_start_ns
 from railhil.supervisor.reactions.expected import with_expectations
 from railhil.supervisor.report.recorded import REPORT, RecordedRun, recorded_run
@@ -155,11 +158,13 @@ def recorded(
     quiet: bool,
     *,
     keep: bool = True,
+    panel: PanelSocket | None = None,
 ) -> tuple[Run | LocalRun, RunResult]:
     """Run one law and write its folder; a signal that arrives while results are written waits until they are complete.
 
     :param made: whether the folder was made for the run; it is then removed if the run never began.
     :param keep: whether the folder is kept; else only what the result needs is written.
+    :param panel: where a person gives orders.
     :returns: the run, whose ``spec`` has the memory that it began with, and its result.
     :raises NeverBegan: no frame came, or the run was refused; the folder is left as it was.
     :raises RecordFailed: folder or memory cannot be written.
@@ -170,7 +175,7 @@ def recorded(
             check_faults(scenario, transports_of(choice, start_up.foreign), spec.pace)
             write_inputs(folder, scenario, spec.law.parameters)
             spec = with_memory(spec, folder)
-            run = _bench(scenario, spec, start_up, choice, folder, on_progress)
+            run = _bench(scenario, spec, start_up, choice, folder, on_progress, panel)
             held.enter_context(run.stop)
         except OSError as error:
             discard_folder(folder, made)
@@ -180,6 +185,9 @@ def recorded(
             discard_folder(folder, made)
             raise
         result = _executed(run, folder, made)
+        if run.session.desk is not None and tuple(run.session.desk.sent) != spec.orders:
+            # The same run again needs no hand.
+            spec = run.spec = replace(spec, orders=tuple(run.session.desk.sent))
         refused = result.exit_code == USAGE and result.sim_time_s == 0
         if refused or result.frames == 0:
             discard_folder(folder, made)
@@ -251,9 +259,11 @@ def _bench(
     choice: BusChoice,
     folder: Path,
     on_progress: Callable[[float], None] | None,
+    panel: PanelSocket | None = None,
 ) -> Run | LocalRun:
     if not spec.is_local:
-        return Run(scenario, spec, start_up, choice, folder, on_progress)
+        desk = None if panel is None else Desk(spec.orders, panel, not spec.is_realtime, scenario.faults)
+        return Run(scenario, spec, start_up, choice, folder, on_progress, desk=desk)
     # Laws and plant are loaded only by processes that compute with them.
     from railhil.local_run import LocalRun
 

@@ -19,12 +19,14 @@ from railhil.cli.bus_run import (
     start_up,
 )
 from railhil.cli.dbcfile import check_foreign_dbc
+from railhil.cli.panel import add_panel_arguments, check_panel, panel_beside, wait_for_start, with_emergency
 from railhil.cli.show import print_result
 from railhil.common.errors import Faults, InputError, Words
 from railhil.common.output import Output, add_json_argument, print_json
 from railhil.scenarios.run_document import OPTIONS, Layer, environment_layer, file_layer
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import system_named
+from railhil.supervisor.fault_report import transports_of
 from railhil.supervisor.folder import run_folder, score_json
 from railhil.supervisor.memory import memory_lines
 from railhil.supervisor.report.recorded import REPORT
@@ -59,6 +61,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     )
     parser.add_argument("--no-controller", action="store_true", help="the controller is a board or another program")
     parser.add_argument("--dbc", metavar="FILE", help="refuse to run unless this DBC describes the telegrams")
+    add_panel_arguments(parser)
     add_json_argument(parser)
     for action in parser._actions:
         # Only options given here override environment and file.
@@ -121,6 +124,8 @@ def made_again(path: Path, spec: RunSpec, result: RunResult) -> str:
 def work(namespace: argparse.Namespace) -> int:
     """Run, write the run folder, print; the exit code is the verdict."""
     spec, how = _asked(namespace)
+    check_panel(namespace, spec)
+    spec = with_emergency(namespace, spec)
     scenario = spec.load()
     if namespace.dbc is not None:
         check_foreign_dbc(namespace.dbc, system_named(scenario.system).contract)
@@ -129,7 +134,12 @@ def work(namespace: argparse.Namespace) -> int:
         folder, made = run_folder(namespace.out, scenario.name, spec.law.controller)
         console.say(f"bus: {choice.transport} ({choice.reason})")
         quiet = namespace.quiet or namespace.json or not console.is_terminal
-        run, result = recorded(scenario, spec, how, choice, folder, made, console, quiet)
+        with panel_beside(namespace, spec, choice) as panel:
+            if panel is not None and namespace.wait:
+                spec, scenario = wait_for_start(panel, spec, scenario, transports_of(choice, how.foreign), how.attach)
+            run, result = recorded(scenario, spec, how, choice, folder, made, console, quiet, panel=panel)
+            if panel is not None:
+                panel.tell({"phase": "ended", "exit_code": result.exit_code, "line": result.line})
     found = as_recorded(folder, run, result)
     report = "" if namespace.no_report else report_line([found], folder)
     again = "" if namespace.spec is None else made_again(namespace.spec, spec, result)

@@ -51,6 +51,7 @@ class Judging:
     ``published``: description of the published rows; ``deviations``: their source and how it is interpreted here.
     ``advice``: (recorded run, report folder) -> what to try after a FAIL. ``extras``: figures of every score that are 0
     in a good run. ``reckoned``: (scenario, trace) -> columns computed for the rows: header, unit and values.
+    ``shown``: further columns for the panel only, as ``columns``.
 
     ``ends_at_m``: (scenario) -> where the run is to end, as a position of the system's ``truth`` in m; None: nowhere.
 
@@ -78,6 +79,7 @@ class Judging:
     deviations: Callable[[], tuple[str, Sequence[Any]]] | None = None
     advice: Callable[[Any, Any], str] = _no_text
     reckoned: Callable[[Any, Trace], Sequence[tuple[str, str, FloatArray]]] = _nothing
+    shown: tuple[tuple[str, str, str], ...] = ()
     watches: tuple[Watch, ...] = ()
     interlocks: tuple[Interlocks, ...] = ()
     received: Callable[[Any], Sequence[Received]] = _nothing
