@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import argparse
-import contextlib
 import time
 from collections.abc import Callable, Sequence
 from typing import Any
 
-import can
 from rich.console import Group, RenderableType
 from rich.live import Live
 from rich.panel import Panel
@@ -18,6 +16,7 @@ from railhil.bus.can_settings import HUB_INTERFACE, add_bus_arguments
 from railhil.bus.errors import BusLost
 from railhil.bus.frame import Frame
 from railhil.bus.link import Link, open_link
+from railhil.bus.link.passive import be_passive
 from railhil.bus.select import choose_bus
 from railhil.cli.bus_run import require_interface
 from railhil.common.output import Output, table
@@ -88,9 +87,7 @@ def listening(config: dict[str, Any]) -> Link:
     if config.get("interface") == HUB_INTERFACE:
         config = {**config, "coalesce_frames": _BULK_FRAMES}
     link = open_link(config, "watch")
-    # Most interfaces cannot be told; this process sends nothing anyway. A client of the hub has no state.
-    with contextlib.suppress(NotImplementedError, AttributeError):
-        setattr(link.bus, "state", can.BusState.PASSIVE)  # noqa: B010
+    be_passive(link)
     return link
 
 

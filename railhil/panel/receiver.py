@@ -6,11 +6,10 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-import can
-
 from railhil.bus.errors import BusLost, BusUnavailable
 from railhil.bus.frame import Frame
 from railhil.bus.link import Link, open_link
+from railhil.bus.link.passive import be_passive
 from railhil.bus.select import HUB_INTERFACE
 
 #: Frames taken at one look; of more than these the oldest are dropped. A real-time run at 1x sends about 30.
@@ -83,13 +82,10 @@ class Receiver:
         self._retry_s = now_s + _RETRY_S
         try:
             self._link = self._open_bus(self._config, "panel")
-            self._link.bus.state = can.BusState.PASSIVE
+            be_passive(self._link)
         except BusUnavailable as error:
             self.trouble = str(error)
             return False
-        except (NotImplementedError, AttributeError):
-            # Interfaces that cannot be told to listen only; this process sends nothing anyway.
-            pass
         self._lost_before = 0
         self.trouble = ""
         return True
