@@ -6,11 +6,11 @@ import time
 from collections.abc import Callable
 from typing import Any
 
+from railhil.bus.can_settings import HUB_INTERFACE
 from railhil.bus.errors import BusLost, BusUnavailable
 from railhil.bus.frame import Frame
 from railhil.bus.link import Link, open_link
 from railhil.bus.link.passive import be_passive
-from railhil.bus.select import HUB_INTERFACE
 
 #: Frames taken at one look; of more than these the oldest are dropped. A real-time run at 1x sends about 30.
 LOOK_FRAMES = 4000
