@@ -188,6 +188,7 @@ function showDesk() {
   may("emergency", runs && emergency > 0, emergency ? "open the safety loop (E)" : "no safety loop is prepared in this run");
   may("reset", runs && emergency > 0);
   may("pace", runs && operator.lockstep);
+  byId("pace-of").hidden = Boolean(operator) && operator.lockstep === false;
   may("add", phase === "waiting", phase === "waiting" ? "" : "faults are added before the start (--wait)");
   byId("fault").disabled = phase !== "waiting";
   if (operator?.pace !== undefined && document.activeElement !== byId("pace")) byId("pace").value = String(operator.pace);
