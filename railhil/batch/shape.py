@@ -6,6 +6,7 @@ shows all of its operations; which ones they are may still depend on what it was
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from railhil.controller_node.arithmetic import make
@@ -37,6 +38,12 @@ class _Shaper(Tracer):
 
     def neg(self, a: Value) -> Value:
         return self._emit("neg", [a], a.q)
+
+    def _same(self, op: str, values: Sequence[Value]) -> int | None:
+        return None
+
+    def _expect(self, op: str, a: Value, q: int) -> None:
+        return None
 
     def note(self, name: str, a: Value, q: int, unit: str = "") -> Value:
         return a
