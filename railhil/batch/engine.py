@@ -81,6 +81,8 @@ class Engine:
             run_period(self.common, fleet.tables, records, code, after, tick, int(times.ends[i]))
             if records["ended"].all():
                 break
+        # Not needed any more, and as large as what the scores need.
+        self._loop.state = None
         finite = np.isfinite(records["position_m"] + records["speed_mps"] + records["actuator_n"])
         if not finite.all():
             raise PlantError(f"plant state is not finite with seed {seeds[int(np.argmin(finite))]}")

@@ -59,7 +59,7 @@ class OrderedLoop:
             id(orders): [(orders.array[begin:end], pause) for begin, end, pause in _stretches(orders)]
             for orders in (one.inputs, one.start, one.step)
         }
-        self._scratch: NDArray[Any] = np.zeros((0, 0))
+        #: Rows of all blocks, (blocks, rows * LANES); None before the first step.
         self.state: Any = None
 
     def step(
@@ -78,7 +78,6 @@ class OrderedLoop:
             self._begin(blocks)
             self._carry_out(self._assembly.inputs, wire)
             self._carry_out(self._assembly.start, wire)
-            self.state = True
         else:
             self._carry_out(self._assembly.inputs, wire)
         self._carry_out(self._assembly.step, wire)
@@ -87,16 +86,17 @@ class OrderedLoop:
 
     def _begin(self, blocks: int) -> None:
         one = self._assembly
-        self._scratch = np.zeros((blocks, one.count * LANES), dtype=self._dtype)
+        self.state = np.zeros((blocks, one.count * LANES), dtype=self._dtype)
         for row, number in one.fixed.items():
-            self._scratch[:, row * LANES : (row + 1) * LANES] = number
+            self.state[:, row * LANES : (row + 1) * LANES] = number
         self._counts = np.zeros((len(_KINDS), blocks * LANES), dtype=np.int64)
 
     def _row(self, place: int) -> NDArray[Any]:
-        return self._scratch[:, place : place + LANES].reshape(-1)
+        row: NDArray[Any] = self.state[:, place : place + LANES].reshape(-1)
+        return row
 
     def _carry_out(self, orders: Orders, wire: NDArray[Any]) -> None:
-        shared = self._terms, self._loose, self._pool, self._scratch
+        shared = self._terms, self._loose, self._pool, self.state
         for code, pause in self._parts[id(orders)]:
             if self.arithmetic.wide:
                 run_floats(self._given, wire, code, *shared)
@@ -104,7 +104,7 @@ class OrderedLoop:
                 run_ints(self._given, wire, code, *shared, self._counts)
             if pause is not None:
                 found = self.arithmetic.curve(pause.curve, self._row(pause.argument))
-                self._scratch[:, pause.result : pause.result + LANES] = found.reshape(-1, LANES)
+                self.state[:, pause.result : pause.result + LANES] = found.reshape(-1, LANES)
 
     def _count(self, trains: int) -> None:
         """Pass the events of this period to the arithmetic, where the batch expects them."""
