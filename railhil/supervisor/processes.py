@@ -86,10 +86,18 @@ class Nodes:
         #: The supervisor's original processor affinity, to be restored.
         self._before: set[int] = set()
 
-    def start(self, role: str, module: str, arguments: Sequence[str], watches: Sequence[str] = ()) -> Node:
+    def start(
+        self,
+        role: str,
+        module: str,
+        arguments: Sequence[str],
+        watches: Sequence[str] = (),
+        inherits: Sequence[int] = (),
+    ) -> Node:
         """Start ``python -P -m module arguments`` with its output in ``<role>.txt``.
 
         :param watches: this command (``supervisor``) and nodes that are started later, whose end it notices at once.
+        :param inherits: open descriptors that its arguments name.
         """
         output = self._folder / f"{role}.txt"
         # See common.patience.Lifelines: this node's own write end, and the read ends of those that it watches.
@@ -106,7 +114,7 @@ class Nodes:
                     stdin=subprocess.DEVNULL,
                     stdout=stream,
                     stderr=subprocess.STDOUT,
-                    pass_fds=handed,
+                    pass_fds=[*handed, *inherits],
                 )
         finally:
             for end in handed:
