@@ -26,6 +26,7 @@ from railhil.common.patience import Lifelines
 from railhil.common.scheduling import NODE_PRIORITY, cycle
 from railhil.common.whole_file import check_writable
 from railhil.plant_sim.node import PlantNode
+from railhil.scenarios.handed import add_handed_argument, taken
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.settings import add_fault_argument, add_fault_log_argument, add_set_argument
 
@@ -42,6 +43,7 @@ def arguments() -> argparse.ArgumentParser:
     add_fault_log_argument(parser)
     add_lifeline_argument(parser)
     add_sent_argument(parser)
+    add_handed_argument(parser)
     add_priority_argument(parser, None, f"default {NODE_PRIORITY} with --pace realtime, else 0")
     add_bus_arguments(parser)
     return parser
@@ -93,7 +95,7 @@ def main(words: Sequence[str] | None = None) -> int:
         _check_timing_file(namespace.timing_file, namespace.pace)
     # The plant does not depend on the law.
     run = RunSpec.from_namespace(namespace, LawSpec())
-    scenario = run.load()
+    scenario = run.load() if namespace.handed_scenario is None else taken(namespace.handed_scenario)
     choice = choose_bus(namespace)
     print(f"plant: {choice.transport} ({choice.reason})", file=sys.stderr)
     priority = namespace.realtime_priority

@@ -16,13 +16,13 @@ import numpy as np
 from rich.console import Console
 
 from railhil.cli.bus_run import NeverBegan, as_recorded, chosen_bus, recorded
+from railhil.common.choices import USUAL_LAW, USUAL_SCENARIO
 from railhil.common.command_line import RATE
 from railhil.common.errors import InputError, Words
 from railhil.common.output import Output
 from railhil.run_arguments import Parameters, Settings, bus_words, checked_spec, placed, settings_of, spec_of
 from railhil.scenarios.load import stable_name
 from railhil.scenarios.model import AnyScenario
-from railhil.scenarios.run_document import USUAL_LAW, USUAL_SCENARIO
 from railhil.scenarios.run_spec import RunSpec
 from railhil.supervisor.criteria import Criterion
 from railhil.supervisor.documents import CERTIFICATE

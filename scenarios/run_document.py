@@ -14,7 +14,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from railhil.common.choices import ARITHMETICS, BUSES, INDEXINGS, PACES
+from railhil.common.choices import ARITHMETICS, BUSES, INDEXINGS, PACES, USUAL_LAW, USUAL_SCENARIO
 from railhil.common.command_line import APPEAR_MAX_S, RATE_MAX, RATE_MIN, RUN_NUMBER_MAX, SEED_MAX, TASK_PERIOD_MAX_MS
 from railhil.common.errors import Faults, InputError, Words, near_file
 from railhil.common.patience import PATIENCE_S
@@ -28,8 +28,6 @@ from railhil.scenarios.system import system_named
 from railhil.scenarios.tomlfile import parsed_toml
 from railhil.scenarios.validation import findings
 
-#: Scenario and law of a run that does not name them.
-USUAL_SCENARIO, USUAL_LAW = "lvshun_tieshan", "ipfc"
 #: Key of a run -> its option of ``railhil run``; the scenario is a positional argument.
 OPTIONS: Mapping[str, str] = {
     "scenario": "scenario",

@@ -12,21 +12,22 @@ import argparse
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
+from railhil.common.choices import USUAL_LAW, USUAL_SCENARIO
 from railhil.common.command_line import RATE
 from railhil.common.errors import Faults, InputError
 from railhil.common.patience import PATIENCE_S
-from railhil.scenarios.load import load_any, stable_name
-from railhil.scenarios.memory import Memory, memory_from_json
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.orders import ORDER, orders_of
-from railhil.scenarios.parameters import ParameterSet, parameters_from_json
-from railhil.scenarios.perturb import require_perturbations
-from railhil.scenarios.run_document import USUAL_LAW, USUAL_SCENARIO, Layer, RunDocument, file_layer, merged
 from railhil.scenarios.settings import fault_words, set_words
 from railhil.scenarios.system import System, system_named
-from railhil.scenarios.validation import validated
+
+# What reads and checks files is loaded where it is used: a node that is handed its scenario needs none of it.
+if TYPE_CHECKING:
+    from railhil.scenarios.memory import Memory
+    from railhil.scenarios.parameters import ParameterSet
+    from railhil.scenarios.run_document import Layer
 
 
 @dataclass(frozen=True, slots=True)
@@ -155,8 +156,15 @@ class RunSpec:
 
         :raises InputError: there is no such scenario.
         """
+        if getattr(namespace, "handed_scenario", None) is None:
+            from railhil.scenarios.load import stable_name
+
+            name = stable_name(namespace.scenario)
+        else:
+            # By the command that starts the node, which has found it.
+            name = namespace.scenario
         return cls(
-            scenario=stable_name(namespace.scenario),
+            scenario=name,
             settings=tuple(namespace.set),
             law=law,
             seed=namespace.seed,
@@ -179,6 +187,11 @@ class RunSpec:
         :param file: named in errors; parameters count as read from it.
         :raises InputError: a value that a run cannot have.
         """
+        from railhil.scenarios.memory import memory_from_json
+        from railhil.scenarios.parameters import parameters_from_json
+        from railhil.scenarios.run_document import RunDocument
+        from railhil.scenarios.validation import validated
+
         found = validated(RunDocument, dict(document), lambda keys: file)
         orders_of(found.orders, file)
         given = found.parameters
@@ -210,6 +223,8 @@ class RunSpec:
         :param faults: errors found while the sources were read.
         :raises InputError: all errors together.
         """
+        from railhil.scenarios.run_document import merged
+
         document, parameters, memory = merged(layers, faults)
         spec = cls.from_json(document, Path("railhil run"))
         return replace(spec, law=replace(spec.law, parameters=parameters, memory=memory))
@@ -220,6 +235,8 @@ class RunSpec:
 
         :raises InputError: the file cannot be read or does not describe a possible run: all errors together.
         """
+        from railhil.scenarios.run_document import file_layer
+
         faults = Faults()
         return cls.from_layers([file_layer(Path(path), faults)], faults)
 
@@ -270,9 +287,13 @@ class RunSpec:
         :raises InputError: it cannot be loaded, a perturbed run is requested and it has no perturbations, or the run
             has a number and those of its system have none.
         """
+        from railhil.scenarios.load import load_any
+
         scenario = load_any(self.scenario, self.settings, self.faults)
         self.check_number(scenario)
         if self.perturbed:
+            from railhil.scenarios.perturb import require_perturbations
+
             require_perturbations(scenario, "--perturbed")
         return scenario
 

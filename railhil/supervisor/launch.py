@@ -8,6 +8,8 @@ from pathlib import Path
 from railhil.bus.select import BusChoice
 from railhil.common.scheduling import HUB_PRIORITY, NODE_PRIORITY
 from railhil.faults.parsed import parsed
+from railhil.scenarios.handed import handed
+from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 from railhil.supervisor.jitter import TIMING
 from railhil.supervisor.processes import Nodes
@@ -42,15 +44,31 @@ def start_hub(nodes: Nodes, run: RunSpec, start_up: StartUp, choice: BusChoice, 
 
 
 def start_nodes(
-    nodes: Nodes, run: RunSpec, start_up: StartUp, choice: BusChoice, folder: Path, *, faulty: bool = False
+    nodes: Nodes, run: RunSpec, start_up: StartUp, choice: BusChoice, folder: Path, scenario: AnyScenario
 ) -> None:
     """Start plant and controller; what they measure goes into the run folder.
 
-    :param faulty: something is injected: the nodes log it, and the controller needs the seed.
+    :param scenario: that of the run, as loaded; the nodes are handed it. With faults they log what they inject, and the
+        controller needs the seed.
     """
+    with handed(scenario) as (words, inherits):
+        _start_nodes(nodes, run, start_up, choice, folder, words, inherits, faulty=bool(scenario.faults))
+
+
+def _start_nodes(
+    nodes: Nodes,
+    run: RunSpec,
+    start_up: StartUp,
+    choice: BusChoice,
+    folder: Path,
+    words: Sequence[str],
+    inherits: Sequence[int],
+    *,
+    faulty: bool,
+) -> None:
     patience = ["--patience", str(run.patience_s)]
     logged = ["--fault-log", str(folder)] if faulty else []
-    plant = [*run.scenario_words, "--seed", str(run.seed), "--pace", run.pace]
+    plant = [*run.scenario_words, *words, "--seed", str(run.seed), "--pace", run.pace]
     plant += ["--appear-timeout", str(start_up.appear_s), *patience]
     plant += ["--perturbed"] * run.perturbed + run.number_words
     if run.is_realtime:
@@ -60,14 +78,16 @@ def start_nodes(
         plant += ["--timing-file", str(folder / TIMING)]
     plant += ["--sent-file", str(sent_file(folder, "plant"))]
     ours = ["supervisor"] if start_up.foreign else ["supervisor", "controller"]
-    nodes.start("plant", "railhil.plant_sim", plant + logged + choice.arguments, watches=ours)
+    nodes.start("plant", "railhil.plant_sim", plant + logged + choice.arguments, ours, inherits)
     if start_up.foreign:
         return
     law = [*run.law.words, "--telemetry", str(folder / TELEMETRY), *patience]
     law += ["--sent-file", str(sent_file(folder, "controller"))]
     law += _scheduling(run, start_up, NODE_PRIORITY)
     law += [*logged, "--seed", str(run.seed)] if faulty else []
-    nodes.start("controller", "railhil.controller_node", [*run.scenario_words, *law, *choice.arguments])
+    nodes.start(
+        "controller", "railhil.controller_node", [*run.scenario_words, *words, *law, *choice.arguments], (), inherits
+    )
 
 
 def longest_stop_s(texts: Iterable[str]) -> float:

@@ -91,10 +91,18 @@ class Nodes:
         #: The supervisor's original processor affinity, to be restored.
         self._before: set[int] = set()
 
-    def start(self, role: str, module: str, arguments: Sequence[str], watches: Sequence[str] = ()) -> Node:
+    def start(
+        self,
+        role: str,
+        module: str,
+        arguments: Sequence[str],
+        watches: Sequence[str] = (),
+        inherits: Sequence[int] = (),
+    ) -> Node:
         """Start ``python -P -m module arguments`` with its output in ``<role>.txt``.
 
         :param watches: this command (``supervisor``) and nodes that are started later, whose end it notices at once.
+        :param inherits: open descriptors that its arguments name.
         """
         output = self._folder / f"{role}.txt"
         # See common.patience.Lifelines: this node's own write end, and the read ends of those that it watches.
@@ -105,7 +113,7 @@ class Nodes:
             handed.append(reading)
             words += ["--lifeline", f"{other}={reading}"]
         try:
-            process = start_module(process_name(role), module, [*arguments, *words], output, handed)
+            process = start_module(process_name(role), module, [*arguments, *words], output, [*handed, *inherits])
         finally:
             for end in handed:
                 os.close(end)

@@ -186,7 +186,7 @@ class Run:
 
     def _start(self, nodes: Nodes) -> None:
         if not self.start_up.attach:
-            start_nodes(nodes, self.spec, self.start_up, self.choice, self.folder, faulty=bool(self.scenario.faults))
+            start_nodes(nodes, self.spec, self.start_up, self.choice, self.folder, self.scenario)
 
     def _verdict_line(self, nodes: Nodes, counters: dict[str, int]) -> tuple[str, bool]:
         """The line that explains a run without a score, and whether it was refused as bad input."""

@@ -67,3 +67,6 @@ def test_a_run_on_the_hub_loads_no_python_can(module: str) -> None:
     names = {line.rpartition("|")[2].strip().partition(".")[0] for line in loaded.splitlines()}
     assert "railhil" in names
     assert not names & {"can", "asammdf", "pandas", "scipy", "matplotlib", "cantools", "numba"}
+    if module.endswith(".command"):
+        # A node is handed its scenario, and checks it again only without.
+        assert "pydantic" not in names
