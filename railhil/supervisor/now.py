@@ -26,7 +26,7 @@ from railhil.supervisor.trace import Trace
 
 #: Of a log: its beginning, which has the handshake, and its end, which has every cyclic telegram several times.
 _HEAD_BYTES, _TAIL_BYTES = 8192, 12288
-#: Shown as a number, however small.
+#: Significant digits of a number without words.
 _DIGITS = 4
 
 
