@@ -106,8 +106,9 @@ def report_of(folder: Path, out: Path) -> None:
         raise InputError(
             folder, "campaign", Words(str(error)), f"{SUMMARY} and {RESULTS} as they were written"
         ) from None
-    if summary.get("scenario_sha256") != (sha256 := any_judged_sha256(plan.scenario)):
-        raise InputError(folder, "scenario", str(summary.get("scenario_sha256")), f"{sha256}, as it is now")
+    told = summary.get("scenario_sha256") if isinstance(summary, dict) else None
+    if told != (sha256 := any_judged_sha256(plan.scenario)):
+        raise InputError(folder, "scenario", str(told), f"{sha256}, as it is now")
     text = page(plan, summary, table, folder)
     with whole_file(out) as draft:
         draft.write_text(text, encoding="utf-8")

@@ -20,13 +20,13 @@ from railhil.scenarios.model import AnyScenario
 from railhil.supervisor.events.summary import level_shown
 from railhil.supervisor.framelog import parsed_line
 from railhil.supervisor.judging import judging_of
-from railhil.supervisor.shown import LEVEL, ShownColumn, shown_columns
+from railhil.supervisor.shown import ShownColumn, shown_columns
 from railhil.supervisor.signals import signal_table
 from railhil.supervisor.trace import Trace
 
 #: Of a log: its beginning, which has the handshake, and its end, which has every cyclic telegram several times.
 _HEAD_BYTES, _TAIL_BYTES = 8192, 12288
-#: Shown as a number, however small.
+#: Significant digits of a number without words.
 _DIGITS = 4
 
 
@@ -163,10 +163,6 @@ class Instruments:
         if (to_go_m := self.to_go_m(values)) is not None:
             parts.append(f"{to_go_m:.0f} m to go" if abs(to_go_m) >= 10.0 else f"{to_go_m:.2f} m to go")
         return ", ".join(filter(None, parts))
-
-    def levels(self) -> list[ShownColumn]:
-        """The columns of the watches."""
-        return [column for column in self.shown.columns if column.kind == LEVEL]
 
     def _pair(self, values: Mapping[str, float], speed: ShownColumn) -> str:
         target = values.get(self.shown.target)

@@ -78,6 +78,14 @@ def test_a_level_keeps_every_change_and_a_gap_stays_one() -> None:
     level[100:103], level[4_000:] = 2, 1
     rows = seen_rows(level, 50)
     np.testing.assert_array_equal(np.interp(np.arange(5_000), rows, level[rows]), level)
+    wave = np.sin(np.arange(5_000) / 50.0)
+    wave[2_000:2_500] = np.nan
+    rows, values = unpacked(packed(seen_rows(wave, 100), wave))
+    gap = (rows >= 2_000) & (rows < 2_500)
+    assert gap.any()
+    assert np.isnan(values[gap]).all()
+    assert not np.isnan(values[~gap]).any()
+    assert rows[~gap][rows[~gap] < 2_000].max() > 1_940
     level[:50] = np.nan
     rows, values = unpacked(packed(seen_rows(level, 50), level))
     assert np.isnan(values[rows < 50]).all()
@@ -222,6 +230,15 @@ def test_zoom_values_choice_and_nothing_fetched(
         assert (low, high) == (pytest.approx(0.5 * end_s, rel=0.02), pytest.approx(0.75 * end_s, rel=0.02))
     page.mouse.dblclick(box["x"] + 100, box["y"] + 40)
     assert not any(page.evaluate("railhilReport.charts.map(chart => chart.zoomed())"))
+    # New values leave a zoom of the reader alone, and are shown whole where there is none.
+    stream = """([low, high]) => { const chart = railhilReport.charts[1];
+      if (low < high) chart.zoom(low, high);
+      chart.setData([[0, 50, 100, 150], [0, 1, NaN, 2]].concat(chart.plot.data.slice(2).map(() => [1, 1, 1, 1])));
+      return chart.range(); }"""
+    assert page.evaluate(stream, [10, 20]) == [10, 20]
+    page.evaluate("railhilReport.charts[1].zoom()")
+    assert page.evaluate(stream, [0, 0]) == [0, 150]
+    page.reload()
     # The mark of the fault says what it is, as text.
     left = page.evaluate("railhilReport.charts[0].plot.valToPos(20, 'x')")
     page.mouse.move(box["x"] + left, box["y"] + 40)

@@ -238,7 +238,7 @@ const railhilCharts = (() => {
         },
       },
       cursor: {
-        drag: {x: true, y: false, dist: 5},
+        drag: {x: true, y: false, dist: 5, setScale: false},
         y: false,
         points: {show: !asTrack, size: 6},
         dataIdx: (plot, series, nearest, value) => series === 0 || nearest == null ? nearest
@@ -251,8 +251,11 @@ const railhilCharts = (() => {
         draw: [() => { drawMarkers(chart); if (asTrack) drawTracks(chart); }],
         setCursor: [() => tell(chart)],
         setSelect: [plot => {
-          if (plot.select.width > 0)
-            handle.zoom(plot.posToVal(plot.select.left, "x"), plot.posToVal(plot.select.left + plot.select.width, "x"));
+          const {left, width} = plot.select;
+          if (!(width > 0)) return;
+          const ends = [plot.posToVal(left, "x"), plot.posToVal(left + width, "x")];
+          plot.setSelect({left: 0, top: 0, width: 0, height: 0}, false);
+          handle.zoom(...ends);
         }],
       },
     }, data.map(withGaps), element);
@@ -265,8 +268,10 @@ const railhilCharts = (() => {
     const handle = {
       element, plot: chart.plot,
       setData(values) {
-        chart.plot.setData(values.map(withGaps), !chart.zoomed);
-        if (chart.zoomed) chart.plot.redraw();
+        chart.plot.batch(() => {
+          chart.plot.setData(values.map(withGaps), !chart.zoomed);
+          if (chart.zoomed) chart.plot.redraw();
+        });
       },
       setMarkers(markers) { chart.markers = markers; chart.plot.redraw(false); },
       show(index, on) { chart.plot.setSeries(index + 1, {show: on}); },
@@ -277,7 +282,8 @@ const railhilCharts = (() => {
         if (!(high > low)) return;
         for (const one of group(chart)) {
           one.zoomed = !all;
-          one.plot.setScale("x", {min: low, max: high});
+          // At once, so that range() says it; uPlot alone would wait for the next microtask.
+          one.plot.batch(() => one.plot.setScale("x", {min: low, max: high}));
         }
       },
       range() { return [chart.plot.scales.x.min, chart.plot.scales.x.max]; },

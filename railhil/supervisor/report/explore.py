@@ -74,7 +74,7 @@ def _column(column: Any) -> dict[str, Any]:
         "unit": column.unit,
         "factor": column.factor,
         "kind": column.kind,
-        "words": {str(value): word for value, word in column.words.items()},
+        "words": {str(value): word.replace("_", " ") for value, word in column.words.items()},
     }
 
 
