@@ -133,7 +133,5 @@ def _overwrite_history(path: Path, start_ns: int) -> None:
             stream.seek(at + 24)
             (following,) = struct.unpack("<Q", stream.read(8))
             stream.seek(at + _HISTORY_TIME)
-            stream.write(
-                struct.pack("<QhhB", start_ns, 0, 0, v4.FLAG_HD_TIME_OFFSET_VALID)
-            )
+            stream.write(struct.pack("<QhhB", start_ns, 0, 0, v4.FLAG_HD_TIME_OFFSET_VALID))
             at = following
