@@ -20,8 +20,8 @@ from railhil.controller_node.export.control import FLAG_BEGIN, FLAG_SENT
 
 pytestmark = pytest.mark.needs_compiler
 
-#: A law without and with balises, and one of a system with an interface, for which periods have no number.
-LAWS = (("ipfc", "lvshun_tieshan"), ("ipfc_plus_stop", "lvshun_tieshan"), ("pid", "hst_short"))
+#: A law with balises, and one of a system with an interface, for which periods have no number.
+LAWS = (("ipfc_plus_stop", "lvshun_tieshan"), ("pid", "hst_short"))
 
 
 def _export(folder: Path, law: str, scenario: str, *words: str) -> subprocess.CompletedProcess[str]:
