@@ -23,6 +23,7 @@ from railhil.scenarios.load import load_any, stable_name
 from railhil.scenarios.memory import Memory, memory_from_json
 from railhil.scenarios.memory_store import MemoryStore, memory_at
 from railhil.scenarios.parameters import ParameterSet, load_parameters, parameters_from_json
+from railhil.scenarios.plant_fmu import refuse_fmu
 from railhil.scenarios.settings import canonical_fault, setting
 from railhil.scenarios.system import system_named
 from railhil.scenarios.tomlfile import parsed_toml
@@ -126,6 +127,8 @@ def file_layer(path: Path, faults: Faults) -> Layer:
     values: dict[str, Any] = {}
     with faults.kept():
         values = _table(path, stored)
+        if stored:
+            refuse_fmu(values, path)
     model = RunDocument if stored else _Named
     try:
         model.model_validate(values)

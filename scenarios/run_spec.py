@@ -20,6 +20,8 @@ from railhil.common.errors import Faults, InputError
 from railhil.common.patience import PATIENCE_S
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.orders import ORDER, orders_of
+from railhil.scenarios.plant_fmu import KEY as FMU_KEY
+from railhil.scenarios.plant_fmu import PlantFmu, refuse_fmu
 from railhil.scenarios.settings import fault_words, set_words
 from railhil.scenarios.system import System, system_named
 
@@ -130,6 +132,7 @@ class RunSpec:
     :param pace: ``lockstep`` or ``realtime``; for the latter, ``rate`` is in simulated seconds per second.
     :param patience_s: lockstep: wall time to wait for an answer, see :mod:`railhil.common.patience`.
     :param bus: ``local``: all nodes in one process, without a bus; ``auto``: chosen by :mod:`railhil.bus.select`.
+    :param plant_fmu: simulates the train instead of the system's own plant; only command lines can name it.
     :param memory_store: folder with the law's memory (:mod:`railhil.scenarios.memory_store`): the run begins with it,
         and after a good run the memory that the law wants to keep is written to it. A repeated run does not write it:
         command line and certificate give only the memory with which the run began.
@@ -149,6 +152,7 @@ class RunSpec:
     faults: tuple[str, ...] = ()
     run_number: int = 1
     orders: tuple[str, ...] = ()
+    plant_fmu: PlantFmu | None = None
 
     @classmethod
     def from_namespace(cls, namespace: argparse.Namespace, law: LawSpec) -> RunSpec:
@@ -185,13 +189,14 @@ class RunSpec:
         Missing keys, as in a certificate of version 0.1.0, have their defaults.
 
         :param file: named in errors; parameters count as read from it.
-        :raises InputError: a value that a run cannot have.
+        :raises InputError: a value that a run cannot have, or an FMU, which only command lines can name.
         """
         from railhil.scenarios.memory import memory_from_json
         from railhil.scenarios.parameters import parameters_from_json
         from railhil.scenarios.run_document import RunDocument
         from railhil.scenarios.validation import validated
 
+        refuse_fmu(document, file)
         found = validated(RunDocument, dict(document), lambda keys: file)
         orders_of(found.orders, file)
         given = found.parameters
@@ -273,6 +278,7 @@ class RunSpec:
         words += ["--perturbed"] * self.perturbed
         words += self.number_words
         words += [word for text in self.orders for word in (ORDER, text)]
+        words += self.plant_fmu.words if self.plant_fmu is not None else []
         words += ["--patience", f"{self.patience_s:g}"] if self.patience_s != PATIENCE_S else []
         return words + (["--bus", self.bus] if self.is_local else [])
 
@@ -321,4 +327,5 @@ class RunSpec:
             "patience_s": self.patience_s,
             "bus": self.bus,
             "orders": list(self.orders),
+            **({} if self.plant_fmu is None else {FMU_KEY: self.plant_fmu.as_json()}),
         }

@@ -47,11 +47,11 @@ class System:
     :func:`railhil.batch.stopping.runs.run_together`; for sequences of runs), ``audit``
     (:data:`railhil.audit.bars.OwnLook`), ``export`` (:class:`railhil.controller_node.export.control.Control`; without
     it a law is exported by ``interface``), ``catalogue`` (path of its fault catalogue; without it that of ``ato``),
-    ``faulty_plant`` (:mod:`railhil.plant_sim.faults.plants`) and ``picture``: draws scenario and trace into a file
-    (without it: :mod:`railhil.supervisor.report.signals_picture`). For faults (:mod:`railhil.faults`): ``truth``: where
-    the truth is on its bus; ``named``: commands by name, each a port and a signal (``PORT.Signal``); ``units``: first
-    words of the ports of each unit, if a train has several; ``injects``: places of faults inside its plant
-    (``sensor.speed``).
+    ``faulty_plant`` and ``fmu_plant`` (:mod:`railhil.plant_sim.faults.plants`) and ``picture``: draws scenario and
+    trace into a file (without it: :mod:`railhil.supervisor.report.signals_picture`). For faults
+    (:mod:`railhil.faults`): ``truth``: where the truth is on its bus; ``named``: commands by name, each a port and
+    a signal (``PORT.Signal``); ``units``: first words of the ports of each unit, if a train has several;
+    ``injects``: places of faults inside its plant (``sensor.speed``).
     """
 
     name: str

@@ -23,6 +23,8 @@ from railhil.cli.panel import add_panel_arguments, check_panel, panel_beside, wa
 from railhil.cli.show import print_result
 from railhil.common.errors import Faults, InputError, Words
 from railhil.common.output import Output, add_json_argument, print_json
+from railhil.scenarios.plant_fmu import OPTION as FMU_OPTION
+from railhil.scenarios.plant_fmu import add_fmu_arguments, fmu_of
 from railhil.scenarios.run_document import OPTIONS, Layer, environment_layer, file_layer
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import system_named
@@ -51,6 +53,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser.add_argument(
         "--no-perturbed", dest="perturbed", action="store_false", help="a nominal run, whatever --spec says"
     )
+    add_fmu_arguments(parser)
     parser.add_argument("--out", metavar="DIR", help="run folder (default runs/<utc>-<scenario>-<controller>)")
     parser.add_argument("--attach", action="store_true", help="plant and controller are running already")
     parser.add_argument(
@@ -80,7 +83,7 @@ def spec_of(namespace: argparse.Namespace, environment: Mapping[str, str]) -> Ru
     layers.append(environment_layer(environment, faults))
     words = {key: getattr(namespace, dest) for key, dest in _DESTINATIONS.items() if dest in namespace}
     layers.append(Layer("command line", words, OPTIONS))
-    return RunSpec.from_layers(layers, faults)
+    return replace(RunSpec.from_layers(layers, faults), plant_fmu=fmu_of(namespace))
 
 
 def _asked(namespace: argparse.Namespace) -> tuple[RunSpec, StartUp]:
@@ -96,6 +99,8 @@ def _asked(namespace: argparse.Namespace) -> tuple[RunSpec, StartUp]:
         raise InputError("command line", given[0], found, "none: the controller of somebody else is not given it")
     if namespace.rerun_command and not namespace.attach:
         raise InputError("command line", "--rerun-command", namespace.rerun_command, "only with --attach")
+    if namespace.attach and spec.plant_fmu is not None:
+        raise InputError("command line", FMU_OPTION, Words("beside --attach"), "it on the command line of the plant")
     if namespace.no_rt and not spec.is_realtime:
         raise InputError("command line", "--no-rt", Words(f"a run in {spec.pace}"), "only in a run with pace realtime")
     how = replace(

@@ -19,10 +19,10 @@ from railhil.bus.link import Link, open_link
 from railhil.bus.link.passive import be_passive
 from railhil.bus.select import choose_bus
 from railhil.cli.bus_run import require_interface
+from railhil.common.choices import USUAL_SCENARIO
 from railhil.common.output import Output, table
 from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario
-from railhil.scenarios.run_document import USUAL_SCENARIO
 from railhil.scenarios.settings import add_fault_argument, add_set_argument
 from railhil.supervisor.follow import Follower
 from railhil.supervisor.now import Instruments

@@ -6,8 +6,8 @@ import argparse
 
 from can.cli import add_bus_arguments
 
+from railhil.common.choices import USUAL_SCENARIO
 from railhil.common.command_line import OneLineParser, whole_number
-from railhil.scenarios.run_document import USUAL_SCENARIO
 from railhil.scenarios.settings import add_fault_argument, add_set_argument
 
 #: Port of the page unless one is given.

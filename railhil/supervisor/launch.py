@@ -71,6 +71,7 @@ def _start_nodes(
     plant = [*run.scenario_words, *words, "--seed", str(run.seed), "--pace", run.pace]
     plant += ["--appear-timeout", str(start_up.appear_s), *patience]
     plant += ["--perturbed"] * run.perturbed + run.number_words
+    plant += run.plant_fmu.words if run.plant_fmu is not None else []
     if run.is_realtime:
         plant += ["--rate", str(run.rate)]
         # Without the option a plant would request it by itself.
