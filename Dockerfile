@@ -10,7 +10,7 @@ WORKDIR /src
 COPY pyproject.toml ./
 RUN python3 -c 'import tomllib; p = tomllib.load(open("pyproject.toml", "rb"))["project"]; \
 extras = p["optional-dependencies"]; \
-print("\n".join(p["dependencies"] + extras["report"] + extras["campaign"]))' >/requirements.txt \
+print("\n".join(p["dependencies"] + extras["report"] + extras["campaign"] + extras["panel"]))' >/requirements.txt \
     && /opt/railhil/bin/pip install --no-cache-dir --only-binary=:all: -r /requirements.txt
 COPY . ./
 # Of no use at run time, a third of the size: pip itself, the libraries' own test suites, and what is there for compilers

@@ -20,7 +20,7 @@ SIDE_BY_SIDE = $(BIN)/pytest -q -n $$(($$(nproc) + 1)) --dist loadfile --no-load
 # Files of tests that keep real time: collecting all the others takes as long as some of these tests.
 REAL_TIME    = $$(grep -rlw --include='test_*.py' wall_clock hil_tests)
 
-.PHONY: run test test-fast test-here test-vcan test-compose test-docker test-docker-vcan test-wheel mutants lint lint-types lint-imports compiled bench dbc tables tuned $(TUNED_LAWS:%=tuned-%) install locks locked clean
+.PHONY: run test test-fast test-here test-vcan test-compose test-docker test-docker-vcan test-wheel test-arm64 test-compiled mutants lint lint-types lint-imports compiled bench dbc tables tuned $(TUNED_LAWS:%=tuned-%) install locks locked clean
 
 # A run that misses the limits of its scenario (exit code 1) is a result, not an error of make.
 run: $(VENV)/.installed
@@ -64,6 +64,14 @@ test-compose: test-docker test-docker-vcan
 test-wheel: $(VENV)/.installed-dev
 	$(BIN)/pytest -q hil_tests/wheel
 
+# The hashes of every law with the compiled build and without it: ten minutes, and not part of `make test`.
+test-compiled: $(VENV)/.installed-dev
+	@$(BIN)/python -m hil_tests.compiled_build $(ARGS)
+
+# The hashes of every law on aarch64, emulated, and here; half an hour, and not part of `make test`.
+test-arm64: $(VENV)/.installed-dev
+	@$(BIN)/python -m hil_tests.arm64 $(ARGS)
+
 lint: $(VENV)/.installed-dev
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
@@ -90,9 +98,10 @@ dbc: $(VENV)/.installed
 	$(BIN)/python -m railhil.dbc.generate
 	$(BIN)/python -m railhil.bus.generate_codecs
 
-# Constant tables of the control laws.
+# Constant tables of the control laws, and the laws written out as functions.
 tables: $(VENV)/.installed
 	$(BIN)/python -m railhil.controller_node.laws.generate
+	$(BIN)/python -m railhil.controller_node.written.generate
 
 # Parameters of every law by the same protocol (docs/tuning.md); takes minutes each.
 tuned: $(TUNED_LAWS:%=tuned-%)

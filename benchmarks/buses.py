@@ -11,8 +11,9 @@ from pathlib import Path
 from benchmarks.figures import Missing
 from benchmarks.machine import is_emulated
 from benchmarks.processes import hub
+from railhil.bus.can_settings import HUB_INTERFACE
 from railhil.bus.hub.address import TCP_SCHEME
-from railhil.bus.select import HUB_INTERFACE, vcan_available
+from railhil.bus.select import vcan_available
 
 VCAN = "vcan0"
 

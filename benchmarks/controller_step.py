@@ -14,15 +14,18 @@ from railhil.controller_node.controller import BatchController, Controller
 from railhil.controller_node.laws.base import NOTCH_Q
 from railhil.controller_node.loop import ControlLoop
 from railhil.controller_node.program.cycles import CPU_MHZ
+from railhil.controller_node.program.ranges import analyse_law
+from railhil.controller_node.straight import straight
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec
 
 TITLE = "controller step"
 METHOD = (
     "Controller.step of law ipfc on the speeds and positions of a nominal run, telemetry included, every step timed by "
-    "itself on the wall clock. Without telemetry: law and set-points alone (ControlLoop.step), in turns with it. "
-    "Batch: BatchController with speeds spread by +-0.5 m/s around them. C28x cycles: counted operations of one step "
-    "times the cycles of TI's guides (program in RAM); an estimate, not measured on the chip."
+    "itself on the wall clock. Without telemetry: law and set-points alone (ControlLoop.step), in turns with it, "
+    "written out as the node runs them (not in float32), and interpreted. Batch: BatchController with speeds spread by "
+    "+-0.5 m/s around them. C28x cycles: counted operations of one step times the cycles of TI's guides (program in "
+    "RAM); an estimate, not measured on the chip."
 )
 _ARITHMETICS = ("iq", "iq-portable", "float32", "float64")
 #: The arithmetics that the chip supports.
@@ -33,14 +36,18 @@ _SPREAD_01MMPS = 5000
 
 def _scalar_us(
     scenario: Scenario, arithmetic: str, recording: Recording, passes: int
-) -> tuple[list[float], list[float]]:
-    """Time of each step with telemetry, and of the law and its set-points alone."""
+) -> tuple[list[float], list[float], list[float]]:
+    """Time of each step with telemetry, of the law and its set-points alone, and of these interpreted."""
     taken_us: list[float] = []
     bare_us: list[float] = []
+    interpreted_us: list[float] = []
     for _ in range(passes):
         controller = Controller(scenario, LawSpec(arithmetic=arithmetic))
         number = make(arithmetic)
         loop: ControlLoop[Any] = ControlLoop(scenario, LawSpec(), number)
+        ranges = None if number.wide else analyse_law(controller.program, loop.law.state_bounds())
+        loop.straight = straight(controller.program, loop.law, number, ranges)
+        interpreted: ControlLoop[Any] = ControlLoop(scenario, LawSpec(), make(arithmetic))
         for k, (speed, position) in enumerate(zip(recording.speeds_01mmps, recording.positions_01mm, strict=True)):
             start_ns = time.perf_counter_ns()
             output = controller.step(k, speed, position)
@@ -48,11 +55,16 @@ def _scalar_us(
             start_ns = time.perf_counter_ns()
             _, outputs = loop.step(k, speed, position)
             bare_us.append((time.perf_counter_ns() - start_ns) / 1000)
+            start_ns = time.perf_counter_ns()
+            _, same = interpreted.step(k, speed, position)
+            interpreted_us.append((time.perf_counter_ns() - start_ns) / 1000)
             if arithmetic == "iq" and output.notch_code != recording.notch_codes[k]:
                 raise MeasurementError("controller step: the notches are not those of the recorded run")
             if number.raw(outputs.notch, NOTCH_Q) != output.notch_code:
                 raise MeasurementError(f"controller step: telemetry changes a notch in {arithmetic}")
-    return taken_us, bare_us
+            if same != outputs:
+                raise MeasurementError(f"controller step: the law written out is another in {arithmetic}")
+    return taken_us, bare_us, interpreted_us
 
 
 def _batch_us(scenario: Scenario, arithmetic: str, recording: Recording) -> list[float]:
@@ -79,7 +91,7 @@ def measure(setting: Setting) -> list[Figure]:
     period_us = scenario.timing.control_period_ns / 1000
     figures: list[Figure] = []
     for arithmetic in _ARITHMETICS:
-        single_us, bare_us = _scalar_us(scenario, arithmetic, recording, setting.count(5, 1))
+        single_us, bare_us, interpreted_us = _scalar_us(scenario, arithmetic, recording, setting.count(5, 1))
         train_us = median(_batch_us(scenario, arithmetic, recording))
         single = median(single_us)
         figures += [
@@ -91,6 +103,13 @@ def measure(setting: Setting) -> list[Figure]:
                 "us",
                 single / median(bare_us),
                 "with to without",
+            ),
+            Figure(
+                f"{arithmetic}: the same interpreted, median",
+                median(interpreted_us),
+                "us",
+                median(interpreted_us) / median(bare_us),
+                "interpreted to written out",
             ),
             Figure(
                 f"{arithmetic}: step of {_TRAINS} trains, per train, median",

@@ -9,6 +9,7 @@ import psutil
 
 from benchmarks.figures import Figure, MeasurementError, Setting
 from benchmarks.processes import RunCommand
+from railhil.supervisor.processes import process_name
 
 TITLE = "memory"
 METHOD = (
@@ -17,7 +18,7 @@ METHOD = (
 )
 LIMIT_MB = 150.0
 _LOOK_S = 0.02
-_MODULES = {"hub": "railhil.bus.hub", "plant": "railhil.plant_sim", "controller": "railhil.controller_node"}
+_ROLES = ("hub", "plant", "controller")
 
 
 def peak_mb(pid: int) -> float:
@@ -33,12 +34,12 @@ def peak_mb(pid: int) -> float:
 
 
 def _role(process: psutil.Process) -> str | None:
-    """Role of a child of the command; None before it has executed one of the nodes."""
+    """Role of a child of the command; None before it has become one of the nodes."""
     try:
-        words = process.cmdline()
+        name = process.name()
     except psutil.Error:
         return None
-    return next((role for role, module in _MODULES.items() if module in words), None)
+    return next((role for role in _ROLES if process_name(role) == name), None)
 
 
 def measure(setting: Setting) -> list[Figure]:

@@ -30,13 +30,13 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from typing import Protocol
 
+from railhil.bus.can_settings import HUB_INTERFACE
 from railhil.bus.clock import Pacer
 from railhil.bus.errors import BusError, BusLost
 from railhil.bus.frame import Frame
 from railhil.bus.hub.address import TCP_SCHEME
 from railhil.bus.hub.wire import MAX_PACKET_SIZE, pack_frames, unpack_frames
 from railhil.bus.link import Link, open_link
-from railhil.bus.select import HUB_INTERFACE
 
 BATCH_FRAMES = 8
 WINDOW_BATCHES = 16

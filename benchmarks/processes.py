@@ -16,7 +16,7 @@ from typing import Any
 
 from benchmarks.figures import MeasurementError, Setting
 from hil_tests.support.cli import command
-from railhil.bus.select import HUB_INTERFACE
+from railhil.bus.can_settings import HUB_INTERFACE
 from railhil.common.exit_codes import FAIL, PASS
 
 _READY = "railhil hub ready at "

@@ -8,9 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
-import can
+if TYPE_CHECKING:
+    import can
 
 #: ``Frame.flags`` bits.
 EXTENDED = 1
@@ -39,8 +40,11 @@ quick_frame: Callable[[tuple[int, bytes, int]], Frame] = partial(tuple.__new__, 
 
 def to_message(frame: Frame, timestamp_s: float = 0.0) -> can.Message:
     """python-can form of a frame; the identifier is standard unless the frame has the EXTENDED flag."""
+    # Nodes on the hub never load python-can: it takes longer than all else that they load.
+    from can import Message
+
     flags = frame.flags
-    return can.Message(
+    return Message(
         timestamp=timestamp_s,
         arbitration_id=frame.can_id,
         is_extended_id=bool(flags & EXTENDED),

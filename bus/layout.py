@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from types import FunctionType
 from typing import Any, ClassVar, Self
 
 from railhil.bus.codecs import CODECS
@@ -44,7 +45,7 @@ class Telegram:
     def __init_subclass__(cls) -> None:
         codec = CODECS.get(codec_key(cls))
         if codec is not None:
-            cls.encode = codec[0]  # type: ignore[assignment, method-assign]
+            cls.encode = _method(codec[0])  # type: ignore[assignment, method-assign]
             cls.decode = classmethod(codec[1])  # type: ignore[assignment, method-assign]
 
     @classmethod
@@ -126,6 +127,11 @@ class Telegram:
         """``(field name, raw value)`` of every field."""
         for name, _ in self.signals():
             yield name, getattr(self, name)
+
+
+def _method(function: Callable[[Any], bytes]) -> Callable[[Telegram], bytes]:
+    """A function that a class can hold as a method: a compiled one is not bound to an object."""
+    return function if isinstance(function, FunctionType) else lambda telegram: function(telegram)
 
 
 def codec_key(kind: type[Telegram]) -> str:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from railhil.bus.can_settings import HUB_INTERFACE
 from railhil.bus.hub.modelled import sentence
-from railhil.bus.select import HUB_INTERFACE, PIPES
+from railhil.bus.select import PIPES
 
 LIMITS = {
     "local": "no bus at all: one process, no latency, nothing is lost or late, no node dies alone; lockstep only",

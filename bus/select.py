@@ -12,13 +12,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import can
-
+from railhil.bus.can_settings import HUB_INTERFACE, has_settings
 from railhil.bus.hub.address import OWN_HUB_START_S, default_channel
 from railhil.common.errors import InputError, Words
 
-#: Name of the hub's python-can interface.
-HUB_INTERFACE = "railhil"
 _DEFAULT_VCAN = "vcan0"
 #: Channel of this interface between the nodes of one run: pipes, no hub.
 PIPES = "pipes"
@@ -146,6 +143,10 @@ def own_pipes() -> BusChoice:
 
 def _configured(given: dict[str, Any]) -> dict[str, Any]:
     """What ``can.rc`` and the environment add to ``given``; empty if no interface is named."""
+    if not (given or has_settings()):
+        return {}
+    import can
+
     try:
         found = can.util.load_config(config=dict(given))
     except can.CanInterfaceNotImplementedError:

@@ -109,12 +109,14 @@ class _BrakeCommand(Telegram):
 
 @dataclass(slots=True)
 class _TrainState(Telegram):
-    """Load in percent of the full one; rail announced as wet, standstill, doors open."""
+    """Load in percent of the full one; rail announced as wet, standstill, doors open; number of this run (0: not
+    known)."""
 
     load: int = signal("LoadPercent")
     wet: int = signal("RailWet")
     standstill: int = signal("Standstill")
     doors: int = signal("DoorsOpen")
+    run: int = signal("TrainRun")
     check: int = signal("TrainChk", CHECK_CORRECT)
     life: int = signal("TrainLife")
 

@@ -9,3 +9,5 @@ INDEXINGS = ("time", "distance")
 PACES = ("lockstep", "realtime")
 #: Which bus a run uses: chosen by python-can's options, its configuration and the machine, or none at all.
 BUSES = ("auto", "local")
+#: Scenario and law of a run that names none.
+USUAL_SCENARIO, USUAL_LAW = "lvshun_tieshan", "ipfc"

@@ -157,7 +157,7 @@ def _lifeline(text: str) -> tuple[str, int]:
 
 def add_law_arguments(parser: argparse.ArgumentParser) -> None:
     """Options that say how a law is run: the same for the controller node and for the command that starts it."""
-    parser.add_argument("--arithmetic", choices=sorted(ARITHMETICS), default="iq")
+    parser.add_argument("--arithmetic", choices=sorted(ARITHMETICS), help="(default: that of the scenario's system)")
     add_indexing_argument(parser)
     parser.add_argument(
         "--task-period-ms",

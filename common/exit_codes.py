@@ -10,6 +10,7 @@ import sys
 from collections.abc import Callable
 from typing import NoReturn
 
+from railhil.common.light_start import without_asammdf
 from railhil.common.plain_text import plain
 
 PASS = 0
@@ -87,7 +88,8 @@ def guarded(name: str, main: Callable[[], int]) -> int:
         for number in ending_signals()[1:]:
             signal.signal(number, _end)
         hear_interrupts()
-        return main()
+        with without_asammdf():
+            return main()
     except KeyboardInterrupt as stop:
         # A second Ctrl-C must not interrupt this line.
         signal.signal(signal.SIGINT, signal.SIG_IGN)

@@ -8,8 +8,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from can.cli import add_bus_arguments
-
+from railhil.bus.can_settings import add_bus_arguments
 from railhil.bus.injector.processes import kill_this_process, stop_this_process
 from railhil.bus.link import open_link
 from railhil.bus.select import choose_bus
@@ -31,12 +30,11 @@ from railhil.controller_node.faulty import controller_of, write_fault_log
 from railhil.controller_node.laws import find
 from railhil.controller_node.serve import FIRST_FRAME_S, run_controller
 from railhil.controller_node.telemetry_file import check_writable, law_document, write_telemetry
-from railhil.scenarios.load import load_any
-from railhil.scenarios.memory_store import memory_at
-from railhil.scenarios.parameters import load_parameters
+from railhil.scenarios.handed import add_handed_argument, taken
+from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec
 from railhil.scenarios.settings import add_fault_argument, add_fault_log_argument, add_set_argument
-from railhil.scenarios.system import system_named
+from railhil.scenarios.system import System, system_named
 
 
 def arguments() -> argparse.ArgumentParser:
@@ -65,20 +63,41 @@ def arguments() -> argparse.ArgumentParser:
         help=f"wall time for the first frame of the bench (default {FIRST_FRAME_S:g} s)",
     )
     add_sent_argument(parser)
+    add_handed_argument(parser)
     add_patience_argument(parser, "the bus administrator, which may wait for another node,")
     add_priority_argument(parser, 0, "default 0")
     add_bus_arguments(parser)
     return parser
 
 
+def _scenario(namespace: argparse.Namespace) -> AnyScenario:
+    if namespace.handed_scenario is not None:
+        return taken(namespace.handed_scenario)
+    from railhil.scenarios.load import load_any
+
+    return load_any(namespace.scenario, namespace.set, namespace.fault)
+
+
+def _law(namespace: argparse.Namespace, system: System) -> LawSpec:
+    """The law, with the parameters and the memory of its files; what reads them is loaded only for these."""
+    parameters, memory = None, None
+    if namespace.parameters is not None:
+        from railhil.scenarios.parameters import load_parameters
+
+        parameters = load_parameters(namespace.parameters)
+    if namespace.memory_from is not None:
+        from railhil.scenarios.memory_store import memory_at
+
+        memory = memory_at(namespace.memory_from)
+    return LawSpec.from_namespace(namespace, system, namespace.controller, parameters, memory)
+
+
 def main(words: Sequence[str] | None = None) -> int:
     """Serve one run; exit code 0 when it came to its end."""
     namespace = parse(arguments(), words)
-    scenario = load_any(namespace.scenario, namespace.set, namespace.fault)
+    scenario = _scenario(namespace)
     system = system_named(scenario.system)
-    parameters = None if namespace.parameters is None else load_parameters(namespace.parameters)
-    memory = None if namespace.memory_from is None else memory_at(namespace.memory_from)
-    law = LawSpec.from_namespace(namespace, namespace.controller or system.law, parameters, memory)
+    law = _law(namespace, system)
     if namespace.check:
         # First load the law, then check whether it can be made as requested.
         print(json.dumps(law_document(law.controller, find(law.controller, system.laws))), flush=True)

@@ -21,6 +21,7 @@ from railhil.controller_node.loop import NO_BALISE, ControlLoop
 from railhil.controller_node.program.model import LawProgram
 from railhil.controller_node.program.ranges import WIRE, Interval, refuse_wraps
 from railhil.controller_node.program.record import record
+from railhil.controller_node.straight import straight
 from railhil.controller_node.telemetry import Telemetry
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec
@@ -64,9 +65,11 @@ def _watched(
     """A control loop whose arithmetic notes its quantities, its program, its telemetry and the cost of a step."""
     loop: ControlLoop[Any] = ControlLoop(scenario, law, arithmetic)
     program = record(scenario, law, wide=arithmetic.wide)
+    ranges = None
     if not arithmetic.wide and not may_wrap:
         period_s, notch_max = scenario.timing.control_period_ns / 1e9, scenario.train.notch_max
-        refuse_wraps(program, loop.law, f"at {period_s:g} s and {notch_max:g} notches")
+        ranges = refuse_wraps(program, loop.law, f"at {period_s:g} s and {notch_max:g} notches")
+    loop.straight = straight(program, loop.law, arithmetic, ranges)
     # Start here, because the constants of the law have been made by now.
     arithmetic.noted = []
     price = cost_of(program, arithmetic, scenario.timing.control_period_ns)

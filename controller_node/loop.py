@@ -14,7 +14,10 @@ from railhil.controller_node.laws.base import SPEED_Q, BaliseReading, Law, LawIn
 from railhil.controller_node.laws.fault import place
 from railhil.controller_node.laws.memory import kept, memory_arguments
 from railhil.controller_node.laws.parameters import law_parameters
+from railhil.controller_node.program.leaves import leaves, like
 from railhil.controller_node.setpoint import SetPoints
+from railhil.controller_node.straight import Straight
+from railhil.controller_node.written.parts import Values
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec
 
@@ -89,7 +92,24 @@ class ControlLoop(Generic[T]):
             self.law: Law[T, Any] = kind(arithmetic, scenario, given, *remembered)
             self.set_points = SetPoints(arithmetic, scenario, indexing, self.law.horizon)
         self._kmh = arithmetic.const(_KMH_PER_01MMPS)
-        self.state: Any = None
+        self._state: Any = None
+        # Leaves of the state after a written-out step, which is newer than the state above.
+        self._leaves: Values | None = None
+        #: The written-out functions of the law, used where they are given.
+        self.straight: Straight | None = None
+
+    @property
+    def state(self) -> Any:
+        """State of the law; None before the first step."""
+        if self._leaves is not None:
+            following = iter(self._leaves)
+            self._state = like(self._state, lambda name, old: next(following))
+            self._leaves = None
+        return self._state
+
+    @state.setter
+    def state(self, state: Any) -> None:
+        self._state, self._leaves = state, None
 
     def inputs(
         self, k: Any, speed_01mmps: Any, position_01mm: Any, balise: BaliseReading[Any] = NO_BALISE
@@ -110,11 +130,39 @@ class ControlLoop(Generic[T]):
         self, k: Any, speed_01mmps: Any, position_01mm: Any, balise: BaliseReading[Any] = NO_BALISE
     ) -> tuple[LawInputs[T], LawOutputs[T]]:
         """One control period; the first one also makes the law's state."""
+        if self.straight is not None and self._state is not None:
+            done = self._written_out(self.straight, k, speed_01mmps, position_01mm, balise)
+            if done is not None:
+                return done
         inputs = self.inputs(k, speed_01mmps, position_01mm, balise)
         if self.state is None:
             self.state = self.law.start(inputs)
         self.state, outputs = self.law.step(self.state, inputs)
         return inputs, outputs
+
+    def _written_out(
+        self, by: Straight, k: Any, speed_01mmps: Any, position_01mm: Any, balise: BaliseReading[Any]
+    ) -> tuple[LawInputs[T], LawOutputs[T]] | None:
+        """:meth:`step` without the law; None where only the law can compute it, and nothing has changed then."""
+        ar = self.arithmetic
+        position = ar.from_raw(position_01mm, 0)
+        wire: Values = (k, ar.from_raw(speed_01mmps, 0), position)
+        track: TrackInputs[T] | tuple[()] = ()
+        if self.law.track:
+            reading = BaliseReading(*[ar.from_raw(value, 0) for value in balise])
+            wire, track = (*wire, *reading), TrackInputs(k, position, reading)
+        before = self._leaves
+        if before is None:
+            before = tuple([value for _, value in leaves(self._state)])
+        done = by.period(before, wire)
+        if done is None:
+            return None
+        given, self._leaves, (notch_raw, notch, *notes), noted = done
+        if ar.noted is not None:
+            ar.noted += noted
+        horizon = self.law.horizon
+        inputs = LawInputs(given[0], given[1], given[2 : 2 + horizon], track)
+        return inputs, LawOutputs(notch_raw, notch, tuple(notes))
 
     def sent(self, notch: T) -> None:
         """Tell the law which notch (Q ``NOTCH_Q``) was really sent since its last step."""

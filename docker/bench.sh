@@ -1,5 +1,5 @@
 #!/bin/sh
-# Role of one container of the bench: bench bus | adapter | plant | controller | supervisor | results
+# Role of one container of the bench: bench bus | adapter | plant | controller | supervisor | results | panel | door
 #
 # The containers share one network namespace (that of `bus`, or with `adapter` the host's) and the volume /bus, where
 # they leave for each other
@@ -8,9 +8,9 @@
 #   results   written by `results` when ./runs can be written to
 #   problem   in place of either: the line that says why not
 #   verdict   exit code of the supervisor; every role ends when it appears
-# The names in capitals come from docker-compose.yml and docker-compose.hardware.yml.
+# The names in capitals come from docker-compose.yml, docker-compose.hardware.yml and docker-compose.panel.yml.
 set -eu
-role=${1:?role: bus, adapter, plant, controller, supervisor or results}
+role=${1:?role: bus, adapter, plant, controller, supervisor, results, panel or door}
 # linux/if_arp.h and linux/if.h
 arphrd_can=280
 iff_up=1
@@ -143,7 +143,7 @@ supervisor)
     cd /
     run railhil run "$SCENARIO" --attach --controller "$CONTROLLER" --arithmetic "$ARITHMETIC" \
         --seed "$SEED" $(pacing) --appear-timeout "$START_TIMEOUT" --patience "$PATIENCE" --rerun-command "$(again)" --quiet \
-        -i "$interface" -c "$channel"
+        ${OPERATOR:+--operator "$OPERATOR"} ${WAIT:+--wait} -i "$interface" -c "$channel"
     echo $code | leave verdict
     exit $code
     ;;
@@ -161,8 +161,18 @@ results)
     : | leave results
     end_with_verdict
     ;;
+panel)
+    read_bus
+    railhil panel "$SCENARIO" --controller "$CONTROLLER" --socket /bus/panel.sock --public-port "$PANEL_PORT" \
+        --operator /bus/operator.sock -i "$interface" -c "$channel" &
+    end_with_verdict
+    ;;
+door)
+    python3 -m railhil.panel.door /bus/panel.sock 8765 &
+    end_with_verdict
+    ;;
 *)
-    say "unknown role, allowed: bus, adapter, plant, controller, supervisor, results"
+    say "unknown role, allowed: bus, adapter, plant, controller, supervisor, results, panel, door"
     exit 2
     ;;
 esac

@@ -62,6 +62,8 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         missing["needs_compiler"] = "MISSING CAPABILITY C compilers gcc and clang (make test installs them as root)"
     if browser() is None and not os.environ.get("RAILHIL_REQUIRE_ALL"):
         missing["needs_browser"] = "MISSING CAPABILITY Chromium (make test installs it as root)"
+    if not all(shutil.which(name) for name in ("node", "npm")):
+        missing["needs_node"] = "MISSING CAPABILITY node and npm"
     for item in items:
         for mark, reason in missing.items():
             if item.get_closest_marker(mark) is not None:

@@ -5,10 +5,10 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
-from can.cli import add_bus_arguments
-
+from railhil.bus.can_settings import add_bus_arguments
 from railhil.bus.errors import BusUnavailable
 from railhil.bus.link import open_link
 from railhil.bus.select import choose_bus
@@ -27,6 +27,8 @@ from railhil.common.patience import Lifelines
 from railhil.common.scheduling import NODE_PRIORITY, cycle
 from railhil.common.whole_file import check_writable
 from railhil.plant_sim.node import PlantNode
+from railhil.scenarios.handed import add_handed_argument, taken
+from railhil.scenarios.plant_fmu import add_fmu_arguments, fmu_of
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.settings import add_fault_argument, add_fault_log_argument, add_set_argument
 
@@ -37,12 +39,14 @@ def arguments() -> argparse.ArgumentParser:
     add_run_arguments(parser)
     add_set_argument(parser)
     add_fault_argument(parser)
+    add_fmu_arguments(parser)
     parser.add_argument(
         "--timing-file", type=Path, metavar="FILE", help="realtime: write lateness and latencies there at the end"
     )
     add_fault_log_argument(parser)
     add_lifeline_argument(parser)
     add_sent_argument(parser)
+    add_handed_argument(parser)
     add_priority_argument(parser, None, f"default {NODE_PRIORITY} with --pace realtime, else 0")
     add_bus_arguments(parser)
     return parser
@@ -93,8 +97,8 @@ def main(words: Sequence[str] | None = None) -> int:
     if namespace.timing_file is not None:
         _check_timing_file(namespace.timing_file, namespace.pace)
     # The plant does not depend on the law.
-    run = RunSpec.from_namespace(namespace, LawSpec())
-    scenario = run.load()
+    run = replace(RunSpec.from_namespace(namespace, LawSpec()), plant_fmu=fmu_of(namespace))
+    scenario = run.load() if namespace.handed_scenario is None else taken(namespace.handed_scenario)
     choice = choose_bus(namespace)
     print(f"plant: {choice.transport} ({choice.reason})", file=sys.stderr)
     priority = namespace.realtime_priority

@@ -265,11 +265,23 @@ class PlantNode:
             if command is not None:
                 self.plant.take(command)
         elif port is self._sup_port:
+            self._obey(now_ns)
+
+    def _obey(self, now_ns: int) -> None:
+        """Do what the supervisor has answered."""
+        order, _ = self._store.read(SupCmd, now_ns)
+        while order is not None and order.command == SupCommand.NONE and not self._pacer.rate:
+            # A pause: in lockstep everything stands still with the plant. The next answer says how it goes on.
+            try:
+                if not self.administrator.poll(self._sup_port):
+                    break
+            except PeerSilent as silence:
+                self._supervisor_lost(silence)
             order, _ = self._store.read(SupCmd, now_ns)
-            if order is not None and order.command == SupCommand.STOP:
-                self.end(Event.ENDED_BY_SUPERVISOR)
-            elif order is not None and order.fault_order and self.injections is not None:
-                self.injections.order(order.fault_number, order.fault_order == FaultOrder.INJECT)
+        if order is not None and order.command == SupCommand.STOP:
+            self.end(Event.ENDED_BY_SUPERVISOR)
+        elif order is not None and order.fault_order and self.injections is not None:
+            self.injections.order(order.fault_number, order.fault_order == FaultOrder.INJECT)
 
     def _controller_silent(self) -> bool:
         """True when the plant stands because it got no commands."""

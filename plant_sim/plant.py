@@ -58,6 +58,8 @@ class Plant(PlantReadings):
         self._step_s = timing.base_tick_ns * 1e-9
         self._full_lag = dynamics.lag(train.actuator_pole_per_s, self._step_s)
         self._motion = dynamics.AT_REST
+        #: The train one step later; another plant may have its own.
+        self._moved = dynamics.step
         self._departed = False
         self._leg_from_m = 0.0
 
@@ -229,7 +231,7 @@ class Plant(PlantReadings):
         full = self._full_lag
         lag_step: Lag = full if ticks == 1.0 else dynamics.lag(self._train.actuator_pole_per_s, ticks * self._step_s)
         steady_n = self.notch_acting * self._train.force_per_notch_n / NOTCH_LSB_PER_NOTCH
-        motion, moving_from_s, moving_to_s = dynamics.step(
+        motion, moving_from_s, moving_to_s = self._moved(
             self._constants, self._grades, self._window, before, steady_n, lag_step
         )
         self._motion = motion

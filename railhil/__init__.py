@@ -5,6 +5,7 @@ Use as a library: docs/library.md. Modules are loaded when a name is first used.
 
 from __future__ import annotations
 
+import os
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +14,9 @@ if TYPE_CHECKING:
     from railhil.library import CampaignOutcome, Outcome, RecordedEvent, Signals, campaign, open_run, run
     from railhil.scenarios.load import load as load_scenario
     from railhil.scenarios.run_spec import LawSpec, RunSpec
+
+if os.environ.get("RAILHIL_PURE", "0") not in ("", "0"):
+    import_module("railhil.pure").use_sources()
 
 #: Name -> module and name there. ``campaign`` is the package of that name, which can be called.
 _PLACES = {

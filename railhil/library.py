@@ -16,13 +16,13 @@ import numpy as np
 from rich.console import Console
 
 from railhil.cli.bus_run import NeverBegan, as_recorded, chosen_bus, recorded
+from railhil.common.choices import USUAL_LAW, USUAL_SCENARIO
 from railhil.common.command_line import RATE
 from railhil.common.errors import InputError, Words
 from railhil.common.output import Output
 from railhil.run_arguments import Parameters, Settings, bus_words, checked_spec, placed, settings_of, spec_of
 from railhil.scenarios.load import stable_name
 from railhil.scenarios.model import AnyScenario
-from railhil.scenarios.run_document import USUAL_LAW, USUAL_SCENARIO
 from railhil.scenarios.run_spec import RunSpec
 from railhil.supervisor.criteria import Criterion
 from railhil.supervisor.documents import CERTIFICATE
@@ -149,7 +149,7 @@ def run(
     scenario: str | Path | RunSpec = USUAL_SCENARIO,
     *,
     controller: str | None = None,
-    arithmetic: str = "iq",
+    arithmetic: str | None = None,
     indexing: str = "time",
     parameters: Parameters | None = None,
     settings: Settings = (),
@@ -168,7 +168,7 @@ def run(
 
     :param scenario: shipped name, path of a TOML file, or a ``RunSpec``, in which case only ``bus``, ``no_controller``
         and ``out`` are used.
-    :param controller: the law; None: the usual one of the scenario's system.
+    :param controller, arithmetic: the law and what it computes with; None: the usual ones of the scenario's system.
     :param faults: what is injected besides the scenario's own faults, one text each (docs/faults.md).
     :param run_number: of the run in the sequence of its seed, for systems whose runs have numbers.
     :param bus: ``local``: all nodes in this process; ``auto``: three processes over the bus that ``railhil run`` would

@@ -9,7 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from railhil.bus.select import HUB_INTERFACE
+from railhil.bus.can_settings import HUB_INTERFACE
 from railhil.common.choices import BUSES
 from railhil.common.errors import InputError
 from railhil.scenarios.load import load_any, stable_name
@@ -30,7 +30,7 @@ def spec_of(
     scenario: str | Path,
     *,
     controller: str | None,
-    arithmetic: str,
+    arithmetic: str | None,
     indexing: str,
     parameters: Parameters | None,
     settings: Settings,
@@ -44,8 +44,9 @@ def spec_of(
     :raises InputError: the scenario cannot be loaded, or the parameters cannot be read.
     """
     name, given = stable_name(str(scenario)), settings_of(settings)
-    if controller is None:
-        controller = system_named(load_any(name, given, faults).system).law
+    if controller is None or arithmetic is None:
+        system = system_named(load_any(name, given, faults).system)
+        controller, arithmetic = controller or system.law, arithmetic or system.arithmetic
     law = LawSpec(controller, arithmetic, indexing, parameters_of(parameters, controller))
     memory_store = None if memory is None else str(Path(memory).resolve())
     return RunSpec(name, given, law, memory_store=memory_store, faults=tuple(faults), **beside)

@@ -20,6 +20,7 @@ ATO = System(
         "batch": "railhil.batch:run_batch",
         "kernel": "railhil.batch.kernel",
         "faulty_plant": "railhil.plant_sim.faults.train:FaultyTrain",
+        "fmu_plant": "railhil.plant_sim.fmu.train:FmuTrain",
         "digest": "railhil.batch:trace_digest",
         "direct": "railhil.bench:direct_run",
         "audit": "railhil.audit.standstill:look",

@@ -25,7 +25,7 @@ from typing import Any
 from pydantic import BaseModel, ConfigDict, Field
 
 from railhil.common.errors import InputError, Words, near_file
-from railhil.scenarios.tomlfile import parsed_toml
+from railhil.scenarios.tomlfile import parsed_toml, toml_table, toml_value
 from railhil.scenarios.validation import validated
 
 #: Digits of the hash that identify a set of parameters in names, tables and the handshake.
@@ -87,6 +87,16 @@ class ParameterSet:
     def controller(self) -> str:
         """Name of law and parameters in the handshake."""
         return f"{self.law}+{self.digest}"
+
+    @property
+    def text(self) -> str:
+        """Content of a file that :func:`load_parameters` reads as this set."""
+        found = f"law = {toml_value(self.law)}\n{toml_table('parameters', self.values)}"
+        if not self.training_seeds:
+            return found
+        return found + toml_table(
+            "training", {"scenario": self.training_scenario, "seeds": sorted(self.training_seeds)}
+        )
 
     def as_json(self) -> dict[str, Any]:
         """The parameters' entry in a certificate: enough to write the file again."""

@@ -14,7 +14,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from railhil.common.choices import ARITHMETICS, BUSES, INDEXINGS, PACES
+from railhil.common.choices import ARITHMETICS, BUSES, INDEXINGS, PACES, USUAL_LAW, USUAL_SCENARIO
 from railhil.common.command_line import APPEAR_MAX_S, RATE_MAX, RATE_MIN, RUN_NUMBER_MAX, SEED_MAX, TASK_PERIOD_MAX_MS
 from railhil.common.errors import Faults, InputError, Words, near_file
 from railhil.common.patience import PATIENCE_S
@@ -23,13 +23,12 @@ from railhil.scenarios.load import load_any, stable_name
 from railhil.scenarios.memory import Memory, memory_from_json
 from railhil.scenarios.memory_store import MemoryStore, memory_at
 from railhil.scenarios.parameters import ParameterSet, load_parameters, parameters_from_json
+from railhil.scenarios.plant_fmu import refuse_fmu
 from railhil.scenarios.settings import canonical_fault, setting
 from railhil.scenarios.system import system_named
 from railhil.scenarios.tomlfile import parsed_toml
 from railhil.scenarios.validation import findings
 
-#: Scenario and law of a run that does not name them.
-USUAL_SCENARIO, USUAL_LAW = "lvshun_tieshan", "ipfc"
 #: Key of a run -> its option of ``railhil run``; the scenario is a positional argument.
 OPTIONS: Mapping[str, str] = {
     "scenario": "scenario",
@@ -49,13 +48,15 @@ OPTIONS: Mapping[str, str] = {
     "bus": "--bus",
     "memory_store": "--memory",
     "memory": "--memory-from",
+    "orders": "--order",
 }
 #: Key of a run -> its environment variable: the name of the option with the prefix ``RAILHIL_``; compose uses the
-#: same names without the prefix. Settings and faults have no variable, because there may be many.
+#: same names without the prefix. Settings, faults and orders have no variable, because
+#: there may be many.
 ENVIRONMENT: Mapping[str, str] = {
     key: "RAILHIL_" + option.lstrip("-").replace("-", "_").upper()
     for key, option in OPTIONS.items()
-    if key not in ("settings", "faults")
+    if key not in ("settings", "faults", "orders")
 }
 #: Keys whose value is a file name, except in a certificate, which holds the content; ``memory_store`` is always one.
 _MEMORY = ("memory", "memory_store")
@@ -84,6 +85,7 @@ class RunDocument(BaseModel):
     bus: Literal[BUSES] = "auto"  # type: ignore[valid-type]
     memory_store: str | None = Field(default=None, min_length=1)
     memory: dict[str, Any] | None = None
+    orders: list[str] = []
 
 
 class _Named(RunDocument):
@@ -125,6 +127,8 @@ def file_layer(path: Path, faults: Faults) -> Layer:
     values: dict[str, Any] = {}
     with faults.kept():
         values = _table(path, stored)
+        if stored:
+            refuse_fmu(values, path)
     model = RunDocument if stored else _Named
     try:
         model.model_validate(values)

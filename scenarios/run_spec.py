@@ -12,20 +12,24 @@ import argparse
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
+from railhil.common.choices import USUAL_LAW, USUAL_SCENARIO
 from railhil.common.command_line import RATE
 from railhil.common.errors import Faults, InputError
 from railhil.common.patience import PATIENCE_S
-from railhil.scenarios.load import load_any, stable_name
-from railhil.scenarios.memory import Memory, memory_from_json
 from railhil.scenarios.model import AnyScenario
-from railhil.scenarios.parameters import ParameterSet, parameters_from_json
-from railhil.scenarios.perturb import require_perturbations
-from railhil.scenarios.run_document import USUAL_LAW, USUAL_SCENARIO, Layer, RunDocument, file_layer, merged
+from railhil.scenarios.orders import ORDER, orders_of
+from railhil.scenarios.plant_fmu import KEY as FMU_KEY
+from railhil.scenarios.plant_fmu import PlantFmu, refuse_fmu
 from railhil.scenarios.settings import fault_words, set_words
-from railhil.scenarios.system import system_named
-from railhil.scenarios.validation import validated
+from railhil.scenarios.system import System, system_named
+
+# What reads and checks files is loaded where it is used: a node that is handed its scenario needs none of it.
+if TYPE_CHECKING:
+    from railhil.scenarios.memory import Memory
+    from railhil.scenarios.parameters import ParameterSet
+    from railhil.scenarios.run_document import Layer
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,12 +55,18 @@ class LawSpec:
     def from_namespace(
         cls,
         namespace: argparse.Namespace,
-        controller: str,
+        system: System,
+        controller: str | None,
         parameters: ParameterSet | None,
         memory: Memory | None = None,
     ) -> LawSpec:
-        """A law from the options of :func:`railhil.common.command_line.add_law_arguments`."""
-        return cls(controller, namespace.arithmetic, namespace.indexing, parameters, namespace.task_period_ms, memory)
+        """A law from the options of :func:`railhil.common.command_line.add_law_arguments`.
+
+        :param system: of the scenario: its law and its arithmetic are those that are not asked for.
+        """
+        arithmetic = namespace.arithmetic or system.arithmetic
+        law = controller or system.law
+        return cls(law, arithmetic, namespace.indexing, parameters, namespace.task_period_ms, memory)
 
     @property
     def label(self) -> str:
@@ -122,9 +132,11 @@ class RunSpec:
     :param pace: ``lockstep`` or ``realtime``; for the latter, ``rate`` is in simulated seconds per second.
     :param patience_s: lockstep: wall time to wait for an answer, see :mod:`railhil.common.patience`.
     :param bus: ``local``: all nodes in one process, without a bus; ``auto``: chosen by :mod:`railhil.bus.select`.
+    :param plant_fmu: simulates the train instead of the system's own plant; only command lines can name it.
     :param memory_store: folder with the law's memory (:mod:`railhil.scenarios.memory_store`): the run begins with it,
         and after a good run the memory that the law wants to keep is written to it. A repeated run does not write it:
         command line and certificate give only the memory with which the run began.
+    :param orders: of an operator, to be given again (:mod:`railhil.scenarios.orders`).
     """
 
     scenario: str = USUAL_SCENARIO
@@ -139,6 +151,8 @@ class RunSpec:
     memory_store: str | None = None
     faults: tuple[str, ...] = ()
     run_number: int = 1
+    orders: tuple[str, ...] = ()
+    plant_fmu: PlantFmu | None = None
 
     @classmethod
     def from_namespace(cls, namespace: argparse.Namespace, law: LawSpec) -> RunSpec:
@@ -146,8 +160,15 @@ class RunSpec:
 
         :raises InputError: there is no such scenario.
         """
+        if getattr(namespace, "handed_scenario", None) is None:
+            from railhil.scenarios.load import stable_name
+
+            name = stable_name(namespace.scenario)
+        else:
+            # By the command that starts the node, which has found it.
+            name = namespace.scenario
         return cls(
-            scenario=stable_name(namespace.scenario),
+            scenario=name,
             settings=tuple(namespace.set),
             law=law,
             seed=namespace.seed,
@@ -168,9 +189,16 @@ class RunSpec:
         Missing keys, as in a certificate of version 0.1.0, have their defaults.
 
         :param file: named in errors; parameters count as read from it.
-        :raises InputError: a value that a run cannot have.
+        :raises InputError: a value that a run cannot have, or an FMU, which only command lines can name.
         """
+        from railhil.scenarios.memory import memory_from_json
+        from railhil.scenarios.parameters import parameters_from_json
+        from railhil.scenarios.run_document import RunDocument
+        from railhil.scenarios.validation import validated
+
+        refuse_fmu(document, file)
         found = validated(RunDocument, dict(document), lambda keys: file)
+        orders_of(found.orders, file)
         given = found.parameters
         parameters = None
         if given is not None:
@@ -190,6 +218,7 @@ class RunSpec:
             memory_store=found.memory_store,
             faults=tuple(found.faults),
             run_number=found.run_number,
+            orders=tuple(found.orders),
         )
 
     @classmethod
@@ -199,6 +228,8 @@ class RunSpec:
         :param faults: errors found while the sources were read.
         :raises InputError: all errors together.
         """
+        from railhil.scenarios.run_document import merged
+
         document, parameters, memory = merged(layers, faults)
         spec = cls.from_json(document, Path("railhil run"))
         return replace(spec, law=replace(spec.law, parameters=parameters, memory=memory))
@@ -209,6 +240,8 @@ class RunSpec:
 
         :raises InputError: the file cannot be read or does not describe a possible run: all errors together.
         """
+        from railhil.scenarios.run_document import file_layer
+
         faults = Faults()
         return cls.from_layers([file_layer(Path(path), faults)], faults)
 
@@ -244,6 +277,8 @@ class RunSpec:
         words += ["--rate", f"{self.rate:g}"] if self.is_realtime else []
         words += ["--perturbed"] * self.perturbed
         words += self.number_words
+        words += [word for text in self.orders for word in (ORDER, text)]
+        words += self.plant_fmu.words if self.plant_fmu is not None else []
         words += ["--patience", f"{self.patience_s:g}"] if self.patience_s != PATIENCE_S else []
         return words + (["--bus", self.bus] if self.is_local else [])
 
@@ -258,9 +293,13 @@ class RunSpec:
         :raises InputError: it cannot be loaded, a perturbed run is requested and it has no perturbations, or the run
             has a number and those of its system have none.
         """
+        from railhil.scenarios.load import load_any
+
         scenario = load_any(self.scenario, self.settings, self.faults)
         self.check_number(scenario)
         if self.perturbed:
+            from railhil.scenarios.perturb import require_perturbations
+
             require_perturbations(scenario, "--perturbed")
         return scenario
 
@@ -287,4 +326,6 @@ class RunSpec:
             "rate": self.rate if self.is_realtime else None,
             "patience_s": self.patience_s,
             "bus": self.bus,
+            "orders": list(self.orders),
+            **({} if self.plant_fmu is None else {FMU_KEY: self.plant_fmu.as_json()}),
         }

@@ -41,16 +41,17 @@ class System:
     :class:`railhil.supervisor.judging.Judging`. ``pictures``: makes the figures of its report from (scenario, recorded
     runs). ``own``: parts used by some modules only: ``task``, ``interface``, ``batch``
     (:func:`railhil.batch.run_batch`) with ``digest`` and, if it has compiled loops, ``kernel``, the name of their
-    module, and ``direct`` (:func:`railhil.bench.direct_run`; without them campaign and audit run the nodes),
+    module, and ``one_by_one`` (why its batch makes each run of a scenario by itself; empty: it makes many at once),
+    and ``direct`` (:func:`railhil.bench.direct_run`; without them campaign and audit run the nodes),
     ``together`` (makes runs of one scenario and law together that differ in seed, number and memory:
     :func:`railhil.batch.stopping.runs.run_together`; for sequences of runs), ``audit``
     (:data:`railhil.audit.bars.OwnLook`), ``export`` (:class:`railhil.controller_node.export.control.Control`; without
     it a law is exported by ``interface``), ``catalogue`` (path of its fault catalogue; without it that of ``ato``),
-    ``faulty_plant`` (:mod:`railhil.plant_sim.faults.plants`) and ``picture``: draws scenario and trace into a file
-    (without it: :mod:`railhil.supervisor.report.signals_picture`). For faults (:mod:`railhil.faults`): ``truth``: where
-    the truth is on its bus; ``named``: commands by name, each a port and a signal (``PORT.Signal``); ``units``: first
-    words of the ports of each unit, if a train has several; ``injects``: places of faults inside its plant
-    (``sensor.speed``).
+    ``faulty_plant`` and ``fmu_plant`` (:mod:`railhil.plant_sim.faults.plants`) and ``picture``: draws scenario and
+    trace into a file (without it: :mod:`railhil.supervisor.report.signals_picture`). For faults
+    (:mod:`railhil.faults`): ``truth``: where the truth is on its bus; ``named``: commands by name, each a port and
+    a signal (``PORT.Signal``); ``units``: first words of the ports of each unit, if a train has several;
+    ``injects``: places of faults inside its plant (``sensor.speed``).
     """
 
     name: str

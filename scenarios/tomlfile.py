@@ -1,8 +1,10 @@
-"""TOML text as a table, with checks that tomllib leaves to its caller: excessive numbers and nesting depths."""
+"""TOML text as a table, with checks that tomllib leaves to its caller (excessive numbers and depths), and back."""
 
 from __future__ import annotations
 
+import json
 import tomllib
+from collections.abc import Mapping
 from typing import Any
 
 #: Maximum nesting of tables and arrays; railhil's own files use four.
@@ -35,3 +37,20 @@ def parsed_toml(text: str) -> dict[str, Any]:
 
 def _too_deep() -> str:
     return f"tables or arrays more than {DEPTH_MAX} deep"
+
+
+def toml_value(value: Any) -> str:
+    """A value as TOML: bool, text, number, or a list of them."""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, str):
+        # Escapes of JSON are escapes of TOML.
+        return json.dumps(value)
+    if isinstance(value, list):
+        return f"[{', '.join(map(toml_value, value))}]"
+    return repr(value)
+
+
+def toml_table(title: str, values: Mapping[str, Any]) -> str:
+    """A table as TOML, with a blank line before it."""
+    return f"\n[{title}]\n" + "".join(f"{key} = {toml_value(value)}\n" for key, value in values.items())

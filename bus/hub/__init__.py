@@ -6,7 +6,8 @@ module       content
 ``wire``     the packet format (SocketCAN frame structs in batches, JSON hello)
 ``address``  channel names, listening and connecting (AF_UNIX SEQPACKET, TCP on loopback)
 ``link``     the client's end of a connection: whole packets, deadlines
-``client``   :class:`~railhil.bus.hub.client.HubBus`, the python-can plugin ``railhil``
+``batches``  :class:`~railhil.bus.hub.batches.HubClient`, a client; ``failures`` what it raises
+``client``   :class:`~railhil.bus.hub.client.HubBus`, the same as the python-can plugin ``railhil``
 ``joining``  how a client connects and says hello
 ``ports``    the hub's end of a connection: never blocks, bounded queue
 ``gateway``  another python-can bus as a port; ``portspec`` its name, ``backlog`` frames waiting for it

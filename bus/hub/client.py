@@ -1,134 +1,68 @@
 """python-can interface ``railhil``: a client of the hub.
 
 ``python -m can.viewer -i railhil -c PATH``, ``can.logger`` and ``cantools monitor`` attach with it
-unchanged; railhil's own nodes use the batch calls :meth:`HubBus.send_frames` and :meth:`HubBus.recv_frames`,
-which avoid a :class:`can.Message` per frame.
+unchanged; railhil's own nodes use :class:`~railhil.bus.hub.batches.HubClient` without python-can, which avoids a
+:class:`can.Message` per frame.
 """
 
 from __future__ import annotations
 
 import errno
-import os
-import socket
 import time
-from collections.abc import Callable, Sequence
 from typing import Any
 
 import can
 
-from railhil.bus.errors import BusUnavailable
-from railhil.bus.frame import EXTENDED, Frame
+from railhil.bus.hub import failures as plain
 from railhil.bus.hub import wire
-from railhil.bus.hub.address import HUB_START_S, default_channel, parse_channel
+from railhil.bus.hub.batches import HubClient
 from railhil.bus.hub.cancontroller import ERROR_PASSIVE
-from railhil.bus.hub.connection import (
-    HubConnection,
-    ReadinessFd,
-    SendTimeout,
-)
-from railhil.bus.hub.joining import ANSWER_TIMEOUT_S, HubUnavailable, connected, exchange_hello
-from railhil.bus.hub.orders import Host, Notices, Order
+from railhil.bus.hub.orders import Host
 
 #: Name in ``Message.channel``: neutral, so that a log does not depend on the path of the socket.
 CHANNEL_NAME = "railhil"
 
 
-class QueueFull(can.CanOperationError):
-    """The transmit queue is full (ENOBUFS), by order."""
+class HubLost(plain.HubLost, can.CanOperationError):
+    """:class:`railhil.bus.hub.failures.HubLost` for python-can."""
 
 
-class HubBus(can.BusABC):
-    """A client port of the hub.
+class SendTimeout(plain.SendTimeout, can.CanOperationError, can.CanTimeoutError):
+    """:class:`railhil.bus.hub.failures.SendTimeout` for python-can."""
 
-    Frames are never lost: ``send`` blocks while the hub cannot take more, and a receiver that falls behind
-    by more than the hub's limit (64 MiB unless set otherwise) is disconnected with :class:`HubLost`, after it
-    has read the packets received before. All clients see the same total order. ``send`` and ``send_frames`` may be
-    mixed, and so may ``recv`` and ``recv_frames``.
 
-    Unlike SocketCAN, a bus opened without ``fd=True`` does receive CAN FD frames (it only cannot send them).
-    ``Message.timestamp`` is the wall clock at reception by this client.
+class QueueFull(plain.QueueFull, can.CanOperationError):
+    """:class:`railhil.bus.hub.failures.QueueFull` for python-can."""
 
-    :ivar hub_properties: properties reported by the hub: ``bitrate_model``, ``arbitration``, ``bitrate_bps``,
-        ``data_bitrate_bps``, ``queue_limit_bytes``, ``faults``, ``restart_ms``.
-    :ivar notices: on a hub with ``--faults``, what it tells about this client's CAN controller and lines; else None.
+    def __init__(self, message: str) -> None:
+        super().__init__(message, error_code=errno.ENOBUFS)
+
+
+class Refused(plain.Refused, can.CanOperationError):
+    """:class:`railhil.bus.hub.failures.Refused` for python-can."""
+
+
+class HubUnavailable(plain.HubUnavailable, can.CanInitializationError):
+    """:class:`railhil.bus.hub.failures.HubUnavailable` for python-can."""
+
+
+class HubBus(HubClient, can.BusABC):
+    """:class:`~railhil.bus.hub.batches.HubClient` as a bus of python-can.
+
+    ``send`` and ``send_frames`` may be mixed, and so may ``recv`` and ``recv_frames``. ``Message.timestamp`` is the
+    wall clock at reception by this client.
     """
 
-    def __init__(
-        self,
-        channel: str | None = None,
-        can_filters: Any = None,
-        receive_own_messages: bool = False,
-        fd: bool = False,
-        connect_timeout: float = HUB_START_S,
-        name: str | None = None,
-        bitrate: int | None = None,
-        coalesce_frames: int = 0,
-        wake_on: Sequence[Frame] = (),
-        send_buffer_bytes: int | None = None,
-        while_connecting: Callable[[], object] | None = None,
-        role: str | None = None,
-        **_other_bus_settings: Any,
-    ) -> None:
-        """Connect to the hub on ``channel``: a socket path or ``tcp://127.0.0.1:PORT``.
+    failures = plain.Failures(HubLost, SendTimeout, QueueFull, Refused, HubUnavailable)
 
-        Without ``channel`` it is the user's default path, see :func:`~railhil.bus.hub.address.default_channel`.
-        ``connect_timeout``: seconds to wait for a hub that is still starting. ``while_connecting``: called between
-        two attempts; an exception from it ends the wait. ``role``: which node of a bench this client is (one of
-        :data:`~railhil.bus.hub.wire.ROLES`); the hub then reports which others are connected, see :meth:`has_left`.
-        ``name``: shown in the hub's messages. ``coalesce_frames``: receive frames in bulk, at most this many together,
-        and at once when one of the classic frames ``wake_on`` arrives (see :mod:`railhil.bus.hub.coalesce`).
-        ``send_buffer_bytes``: how much the kernel may buffer for a hub that does not read (SO_SNDBUF; a full packet
-        needs 4096). ``bitrate``: checked against the hub's bit rate model, ignored if it has none; other settings of
-        real interfaces (such as sample points) have no meaning here and are ignored.
+    def __init__(self, channel: str | None = None, can_filters: Any = None, **settings: Any) -> None:
+        """Connect to the hub, with the settings of :class:`~railhil.bus.hub.batches.HubClient`.
 
         Raises :class:`HubUnavailable`.
         """
-        self._link: HubConnection | None = None
-        self._readiness: ReadinessFd | None = None
-        self._fd_enabled = fd
-        self._is_passive = False
-        self._packet = b""
-        self._offset = 0
-        self._timestamp_s = 0.0
-        self._packet_is_own = False
-        #: Nodes of a bench: those that were connected at any time, and those connected now.
-        self._seen: frozenset[str] = frozenset()
-        self._here: frozenset[str] = frozenset()
-        try:
-            address = parse_channel(default_channel() if channel is None else str(channel))
-        except BusUnavailable as error:
-            raise HubUnavailable(str(error)) from None
-        deadline_s = time.monotonic() + float(connect_timeout)
-        link = connected(address, deadline_s, while_connecting or (lambda: None))
-        try:
-            if send_buffer_bytes is not None:
-                link.sock.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, send_buffer_bytes)
-            hello: dict[str, object] = {
-                "name": name or f"pid {os.getpid()}",
-                "receive_own": bool(receive_own_messages),
-            }
-            hello["hears_faults"] = True
-            if role is not None:
-                hello |= {"role": role, "hears_roles": True}
-            if coalesce_frames:
-                hello["coalesce_frames"] = int(coalesce_frames)
-                hello["wake_on"] = [wire.pack_frame(frame).hex() for frame in wake_on]
-            # A hub that starts slowly also answers slowly.
-            self.hub_properties = exchange_hello(link, hello, max(deadline_s, time.monotonic() + ANSWER_TIMEOUT_S))
-            hub_bitrate = self.hub_properties.get("bitrate_bps")
-            if bitrate is not None and hub_bitrate is not None and int(bitrate) != hub_bitrate:
-                raise HubUnavailable(f"hub at {address}: bitrate: found {bitrate}, the hub models {hub_bitrate}")
-            self.notices = Notices() if self.hub_properties.get("faults") else None
-        except BaseException:
-            # On Ctrl-C, too, the connection must be closed.
-            link.close()
-            raise
-        self._link = link
-        self._can_protocol = can.CanProtocol.CAN_FD if fd else can.CanProtocol.CAN_20
-        self.channel_info = f"railhil hub at {address}"
-        super().__init__(channel=str(address), can_filters=can_filters)
-
-    # --- python-can ---------------------------------------------------------------------------------------
+        HubClient.__init__(self, channel, **settings)
+        self._can_protocol = can.CanProtocol.CAN_FD if self.takes_fd else can.CanProtocol.CAN_20
+        can.BusABC.__init__(self, channel=self.channel_info, can_filters=can_filters)
 
     def send(self, msg: can.Message, timeout: float | None = None) -> None:
         """Send one message.
@@ -138,7 +72,7 @@ class HubBus(can.BusABC):
         ValueError for an impossible frame.
         """
         if msg.is_fd and not self._fd_enabled:
-            raise can.CanOperationError("CAN FD frame on a bus opened without fd=True")
+            raise Refused("CAN FD frame on a bus opened without fd=True")
         self._send(wire.pack_message(msg), None if timeout is None else time.monotonic() + timeout)
 
     def _recv_internal(self, timeout: float | None) -> tuple[can.Message | None, bool]:
@@ -154,23 +88,10 @@ class HubBus(can.BusABC):
         self._update_readiness()
         return message, False
 
-    def fileno(self) -> int:
-        """Descriptor that is readable while :meth:`recv` or :meth:`recv_frames` would not block."""
-        link = self._open_link()
-        if self._readiness is None:
-            self._readiness = ReadinessFd(link.sock)
-            self._update_readiness()
-        return self._readiness.fileno()
-
     def shutdown(self) -> None:
         """Leave the hub; everything sent before is delivered. May be called again."""
-        super().shutdown()
-        if self._readiness is not None:
-            self._readiness.close()
-            self._readiness = None
-        if self._link is not None:
-            self._link.close()
-            self._link = None
+        can.BusABC.shutdown(self)
+        HubClient.shutdown(self)
 
     @property
     def state(self) -> can.BusState:
@@ -186,121 +107,3 @@ class HubBus(can.BusABC):
         if new_state is can.BusState.ERROR:
             raise ValueError("state: found ERROR, allowed: ACTIVE, PASSIVE")
         self._is_passive = new_state is can.BusState.PASSIVE
-
-    # --- batches ------------------------------------------------------------------------------------------
-
-    def send_frames(self, frames: Sequence[Frame], timeout_s: float | None = None, *, even_full: bool = False) -> None:
-        """Send frames in order, up to 256 classic frames in one packet, each CAN FD frame in its own.
-
-        ``timeout_s``: seconds for the whole list, None waits for ever. ``even_full``: give the hub also what a full
-        transmit queue does not take; it discards it and tells who waits for it. Raises as :meth:`send`; ValueError is
-        raised before anything is sent.
-        """
-        deadline_s = None if timeout_s is None else time.monotonic() + timeout_s
-        for packet in self._packets(frames):
-            self._send(packet, deadline_s, even_full)
-
-    def offer_frames(self, frames: Sequence[Frame]) -> int:
-        """Send as many of the frames, from the first on, as the hub takes without waiting; returns their number.
-
-        Raises as :meth:`send_frames`, except :class:`SendTimeout`.
-        """
-        taken = 0
-        for packet in self._packets(frames):
-            try:
-                self._send(packet, 0.0)
-            except (SendTimeout, QueueFull):
-                break
-            taken += 1 if len(packet) == wire.FD_SIZE else len(packet) // wire.CLASSIC_SIZE
-        return taken
-
-    def recv_frames(self, timeout_s: float | None) -> list[Frame]:
-        """All frames of the next packet that pass the filters; [] after the timeout (None waits for ever), and after a
-        notice of a hub with ``--faults``.
-
-        The rest of a packet partly read by ``recv`` comes first. Raises :class:`HubLost`.
-        """
-        deadline_s = None if timeout_s is None else time.monotonic() + timeout_s
-        while self._packet or self._next_packet(deadline_s):
-            frames = wire.unpack_frames(self._packet, self._offset)
-            self._packet, self._offset = b"", 0
-            if self._readiness is not None:
-                self._update_readiness()
-            if self._filters is not None:
-                frames = [frame for frame in frames if self._frame_passes(frame)]
-            if frames:
-                return frames
-        return []
-
-    def has_left(self, role: str) -> bool:
-        """Whether a node of the bench was on the hub and has left; known once all that it sent has been read."""
-        return role in self._seen and role not in self._here
-
-    def is_here(self, role: str) -> bool:
-        """Whether a node of the bench is on the hub, as far as what it sent has been read."""
-        return role in self._here
-
-    def order(self, order: Order) -> None:
-        """Disturb the bus from the next packet on; see :mod:`railhil.bus.hub.orders`.
-
-        Raises :class:`can.CanOperationError` if the hub takes no orders, and as :meth:`send`.
-        """
-        if self.notices is None:
-            raise can.CanOperationError(f"{self.channel_info}: takes no orders, it must be started with --faults")
-        self._open_link().send_packet(wire.encode_notice(order=order.encoded()), None)
-
-    # --- inside -------------------------------------------------------------------------------------------
-
-    def _open_link(self) -> HubConnection:
-        if self._link is None:
-            raise can.CanOperationError("the bus is shut down")
-        return self._link
-
-    def _packets(self, frames: Sequence[Frame]) -> list[bytes]:
-        packets = wire.pack_frames(frames)
-        if not self._fd_enabled and wire.FD_SIZE in map(len, packets):
-            raise can.CanOperationError("CAN FD frame on a bus opened without fd=True")
-        return packets
-
-    def _send(self, packet: bytes, deadline_s: float | None, even_full: bool = False) -> None:
-        link = self._open_link()
-        if self._is_passive:
-            raise can.CanOperationError("the bus is in state PASSIVE (listen only)")
-        if self.notices is not None:
-            if self.notices.host.full and not even_full:
-                raise QueueFull("transmit queue full", error_code=errno.ENOBUFS)
-            self.notices.sending()
-        link.send_packet(packet, deadline_s)
-
-    def _next_packet(self, deadline_s: float | None) -> bool:
-        while True:
-            packet = self._open_link().receive_packet(deadline_s)
-            if packet is None:
-                return False
-            if not len(packet) & wire.NOTICE_LENGTH_BIT:
-                break
-            notice = wire.decode_notice(packet)
-            if "roles" in notice:
-                self._here = frozenset(notice["roles"])
-                self._seen |= self._here
-            elif self.notices is not None:
-                self.notices.take(notice)
-                # On TCP the next packet may be here already, where the socket does not show it.
-                self._update_readiness()
-                return False
-        self._packet_is_own = bool(len(packet) & wire.OWN_LENGTH_BIT)
-        self._packet = packet[: -len(wire.OWN_MARK)] if self._packet_is_own else packet
-        self._offset = 0
-        self._timestamp_s = time.time()
-        return True
-
-    def _update_readiness(self) -> None:
-        if self._readiness is not None:
-            self._readiness.set_buffered(bool(self._packet) or self._open_link().has_buffered())
-
-    def _frame_passes(self, frame: Frame) -> bool:
-        extended = bool(frame.flags & EXTENDED)
-        for rule in self._filters or ():
-            if rule.get("extended", extended) == extended and not (rule["can_id"] ^ frame.can_id) & rule["can_mask"]:
-                return True
-        return False

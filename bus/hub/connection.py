@@ -15,9 +15,7 @@ import time
 from abc import ABC, abstractmethod
 from struct import Struct
 
-import can
-
-from railhil.bus.errors import BusError, BusLost
+from railhil.bus.hub.failures import PLAIN, Failures, HubLost, SendTimeout
 from railhil.bus.hub.wire import MAX_PACKET_SIZE, OWN_MARK
 
 _RECEIVE_SIZE = MAX_PACKET_SIZE + len(OWN_MARK)
@@ -28,14 +26,6 @@ _GOODBYE_TIMEOUT_S = 1.0
 #: Longest wait inside one ``recv`` (SO_RCVTIMEO); reads with an earlier deadline use select first.
 _KERNEL_WAIT_S = 0.02
 _TIMEVAL = Struct("ll")
-
-
-class HubLost(BusLost, can.CanOperationError):
-    """The hub is gone, or has disconnected this client (malformed packet, or too far behind)."""
-
-
-class SendTimeout(BusError, can.CanOperationError, can.CanTimeoutError):
-    """The hub did not accept the frame within the timeout."""
 
 
 def _wait(sock: socket.socket, writable: bool, deadline_s: float | None) -> bool:
@@ -54,10 +44,11 @@ def _wait(sock: socket.socket, writable: bool, deadline_s: float | None) -> bool
 
 
 class HubConnection(ABC):
-    """One connection. ``peer`` is the channel name, used in messages."""
+    """One connection. ``peer`` is the channel name, used in messages; ``failures`` what it raises."""
 
-    def __init__(self, sock: socket.socket, peer: str) -> None:
+    def __init__(self, sock: socket.socket, peer: str, failures: Failures = PLAIN) -> None:
         self.sock = sock
+        self._failures = failures
         self.sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVTIMEO, _TIMEVAL.pack(0, int(_KERNEL_WAIT_S * 1e6)))
         self.peer = peer
         self.is_lost = False
@@ -80,7 +71,7 @@ class HubConnection(ABC):
 
     def _lost(self, why: str) -> HubLost:
         self.is_lost = True
-        return HubLost(f"hub at {self.peer}: {why}")
+        return self._failures.lost(f"hub at {self.peer}: {why}")
 
     def _receive(self, size: int, deadline_s: float | None) -> bytes | None:
         """Bytes of one socket read, or None at the deadline."""
@@ -122,7 +113,7 @@ class HubConnection(ABC):
                 raise self._lost(f"connection lost ({error.strerror})") from None
 
     def _send_timeout(self) -> SendTimeout:
-        return SendTimeout(f"hub at {self.peer}: transmit buffer full, the frame was not taken in time")
+        return self._failures.timeout(f"hub at {self.peer}: transmit buffer full, the frame was not taken in time")
 
 
 class PacketConnection(HubConnection):
@@ -141,8 +132,8 @@ class PacketConnection(HubConnection):
 class StreamConnection(HubConnection):
     """TCP: a big-endian u16 length before each packet."""
 
-    def __init__(self, sock: socket.socket, peer: str) -> None:
-        super().__init__(sock, peer)
+    def __init__(self, sock: socket.socket, peer: str, failures: Failures = PLAIN) -> None:
+        super().__init__(sock, peer, failures)
         self._incoming = bytearray()
         #: Rest of a packet whose first bytes the socket had already taken at a deadline.
         self._unsent = b""

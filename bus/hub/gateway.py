@@ -25,14 +25,12 @@ import time
 from collections import Counter
 from collections.abc import Callable
 
-import can
-
 from railhil.bus.errors import BusLost
 from railhil.bus.frame import ERROR, FD, Frame
 from railhil.bus.hub.arrivals import Arrivals
 from railhil.bus.hub.backlog import Backlog
 from railhil.bus.hub.ports import SwitchPort
-from railhil.bus.hub.portspec import PortSpec, descriptor_of, open_port, open_port_again
+from railhil.bus.hub.portspec import PortSpec, descriptor_of, open_port, open_port_again, takes_fd
 from railhil.bus.hub.wire import pack_frames, unpack_frames
 from railhil.bus.link.batch import BatchLink
 
@@ -81,7 +79,7 @@ class BusPort(SwitchPort):
         self._is_lost = False
         self._lost_s = 0.0
         self._link = open_port(spec, lossless)
-        self._takes_fd = self._link.bus.protocol is not can.CanProtocol.CAN_20
+        self._takes_fd = takes_fd(self._link)
         self._epoll = select.epoll()
         self._epoll.register(self._arrivals.fileno(), select.EPOLLIN)
         self._has_descriptor = descriptor_of(self._link) is not None

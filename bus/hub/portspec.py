@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import can
-from can.util import cast_from_string
-
 from railhil.bus.errors import BusUnavailable
 from railhil.bus.hub.address import parse_channel
+from railhil.bus.hub.batches import HubClient
 from railhil.bus.link import Link, open_link
-from railhil.bus.link.kernel import is_up
 
 #: Beginning of the hub's messages.
 PROGRAM = "railhil hub"
@@ -50,6 +48,10 @@ def parse_port(text: str) -> PortSpec:
 
     Raises :class:`BusUnavailable` with one line.
     """
+    # A hub without other buses does not load python-can.
+    import can
+    from can.util import cast_from_string
+
     bus, *settings = text.split(",")
     interface, _, channel = bus.partition(":")
     if not interface or not channel:
@@ -129,8 +131,11 @@ def open_port(spec: PortSpec, lossless: bool) -> Link:
 def open_port_again(spec: PortSpec, lossless: bool) -> Link | None:
     """Open the bus of a port after an outage, without waiting; None if it is not available."""
     # A SocketCAN interface that is not up can be opened, and would report this only at the first read.
-    if spec.config["interface"] == "socketcan" and not is_up(spec.config["channel"]):
-        return None
+    if spec.config["interface"] == "socketcan":
+        from railhil.bus.link.kernel import is_up
+
+        if not is_up(spec.config["channel"]):
+            return None
     try:
         return _opened(spec, lossless, spec.config | {"connect_timeout": 0.0})
     except BusUnavailable:
@@ -147,13 +152,21 @@ def _opened(spec: PortSpec, lossless: bool, config: dict[str, Any]) -> Link:
     return link
 
 
+def takes_fd(link: Link) -> bool:
+    """Whether CAN FD frames can be sent there."""
+    if isinstance(link.bus, HubClient):
+        return link.bus.takes_fd
+    import can
+
+    return link.bus.protocol is not can.CanProtocol.CAN_20
+
+
 def descriptor_of(link: Link) -> int | None:
     """The descriptor that becomes readable when frames arrive, if the interface has a reliable one."""
     if not link.has_descriptor:
         return None
-    try:
+    # Interfaces without a descriptor report this in different ways, and one that is closing has none any more.
+    with contextlib.suppress(NotImplementedError, *link.failures):
         descriptor = link.bus.fileno()
-    except (NotImplementedError, can.CanError, OSError):
-        # Interfaces without a descriptor report this in different ways, and one that is closing has none any more.
-        return None
-    return descriptor if descriptor >= 0 else None
+        return descriptor if descriptor >= 0 else None
+    return None

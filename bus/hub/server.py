@@ -7,16 +7,18 @@ import signal
 import sys
 import threading
 from collections.abc import Iterator, Sequence
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 from railhil.bus.hub.address import Address, file_identity, listen, parse_channel, remove_socket_file
 from railhil.bus.hub.disturbance import Disturbance
-from railhil.bus.hub.gateway import BusPort
 from railhil.bus.hub.model import WireModel
 from railhil.bus.hub.portspec import PROGRAM, PortSpec
 from railhil.bus.hub.switch import Switch
 from railhil.common.exit_codes import ending_signals
 from railhil.common.plain_text import plain
+
+if TYPE_CHECKING:
+    from railhil.bus.hub.gateway import BusPort
 
 DEFAULT_QUEUE_LIMIT_BYTES = 64 << 20
 DEFAULT_BITRATE_BPS = 500_000
@@ -63,6 +65,8 @@ def serve(
         try:
             with signals.interrupting():
                 for spec in ports:
+                    from railhil.bus.hub.gateway import BusPort
+
                     bus_ports.append(BusPort(spec, lossless=lossless, report=_report))
             switch = Switch(
                 listener,

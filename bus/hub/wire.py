@@ -51,11 +51,12 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from struct import Struct
-from typing import Any
-
-import can
+from typing import TYPE_CHECKING, Any
 
 from railhil.bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame, quick_frame
+
+if TYPE_CHECKING:
+    import can
 
 PROTOCOL_VERSION = 1
 CLASSIC_SIZE = 16
@@ -269,6 +270,8 @@ def unpack_frames(packet: bytes, offset: int = 0) -> list[Frame]:
 
 def unpack_message(packet: bytes, offset: int, timestamp_s: float, channel: str, own: bool) -> can.Message:
     """The python-can message at byte ``offset`` of a packet; ``own`` says that this client sent it."""
+    from can import Message
+
     is_fd = len(packet) == FD_SIZE
     fd_flags = 0
     if is_fd:
@@ -276,7 +279,7 @@ def unpack_message(packet: bytes, offset: int, timestamp_s: float, channel: str,
     else:
         wire_id, length, data = _CLASSIC.unpack_from(packet, offset)
     remote = bool(wire_id & RTR_FLAG)
-    return can.Message(
+    return Message(
         timestamp=timestamp_s,
         arbitration_id=wire_id & EFF_MASK,
         is_extended_id=bool(wire_id & EFF_FLAG),

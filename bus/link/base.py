@@ -6,9 +6,7 @@ import contextlib
 from abc import ABC, abstractmethod
 from collections import Counter
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Protocol
-
-import can
+from typing import TYPE_CHECKING, ClassVar, Protocol
 
 from railhil.bus.errors import BusLost
 from railhil.bus.frame import Frame
@@ -16,11 +14,13 @@ from railhil.bus.sent import SentFrames
 from railhil.common.patience import Lifelines
 
 if TYPE_CHECKING:
+    import can
+
+    from railhil.bus.hub.batches import HubClient
+
     # The hub's models import the error frames of this package.
     from railhil.bus.hub.orders import Disturber
 
-#: Exceptions that python-can and its drivers raise when an interface fails.
-FAILURES = (can.CanError, OSError)
 _TROUBLE = (
     "outages", "bus_off", "error_frames", "send_dropped", "send_retries", "rx_lost", "garbage", "adapter_stuck",
     "adapter_refused", "error_passive", "switch_overs",
@@ -61,7 +61,7 @@ class Endpoint(Protocol):
 
 
 class Link(ABC):
-    """:class:`Endpoint` on a python-can bus.
+    """:class:`Endpoint` on a python-can bus, or on the hub.
 
     ``counters``: ``sent``, ``received``, ``send_retries`` (transmit queue full), ``send_dropped`` (still full after
     the bounded retry, or interface down; newest value wins, nothing stale is sent later), ``rx_lost`` (receive buffer
@@ -71,8 +71,11 @@ class Link(ABC):
     :param say: called with a one-line message when something has happened that the user should know.
     """
 
-    def __init__(self, bus: can.BusABC, say: Callable[[str], None] | None = None) -> None:
-        self.bus = bus
+    #: Exceptions that the bus raises when the interface fails.
+    failures: ClassVar[tuple[type[Exception], ...]]
+
+    def __init__(self, bus: can.BusABC | HubClient, say: Callable[[str], None] | None = None) -> None:
+        self.bus: can.BusABC | HubClient = bus
         self.lossless = False
         self.counters: Counter[str] = Counter()
         #: Called while a frame waits for the bus in lockstep; an exception from it ends the wait.
@@ -129,7 +132,7 @@ class Link(ABC):
 
     def close(self) -> None:
         """See :meth:`Endpoint.close`."""
-        with contextlib.suppress(*FAILURES):
+        with contextlib.suppress(*self.failures):
             # A lost adapter cannot be closed properly; the reason has already been reported.
             self.bus.shutdown()
 

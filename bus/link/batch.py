@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from typing import Any
 
-import can
-
+from railhil.bus.errors import BusError
 from railhil.bus.frame import ERROR, Frame
+from railhil.bus.hub.batches import HubClient
 from railhil.bus.hub.cancontroller import ERROR_PASSIVE
 from railhil.bus.hub.orders import Disturber, Host, Notices, Order
-from railhil.bus.link.base import FAILURES, Link
+from railhil.bus.link.base import Link
 from railhil.bus.link.errorframe import BUS_OFF, describe
 from railhil.bus.link.outage import TIMEOUTS, Timeouts
 from railhil.bus.wallclock import WallClock
@@ -31,23 +30,24 @@ class BatchLink(Link):
     :param timeouts: how long a full transmit queue and the return from bus-off are waited for in real time.
     """
 
+    failures = (BusError, OSError)
+
     def __init__(
         self,
-        bus: can.BusABC,
+        bus: HubClient,
         say: Callable[[str], None] | None = None,
         *,
         timeouts: Timeouts = TIMEOUTS,
         wall: WallClock = time,
     ) -> None:
         super().__init__(bus, say)
-        hub: Any = bus
-        self._send_batch: Callable[..., None] = hub.send_frames
-        self._offer_batch: Callable[[Sequence[Frame]], int] = hub.offer_frames
-        self._receive_batch: Callable[[float | None], list[Frame]] = hub.recv_frames
-        self._has_left: Callable[[str], bool] = hub.has_left
-        self._is_here: Callable[[str], bool] = hub.is_here
-        self._order: Callable[[Order], None] = hub.order
-        self._notices: Notices | None = hub.notices
+        self._send_batch: Callable[..., None] = bus.send_frames
+        self._offer_batch: Callable[[Sequence[Frame]], int] = bus.offer_frames
+        self._receive_batch: Callable[[float | None], list[Frame]] = bus.recv_frames
+        self._has_left: Callable[[str], bool] = bus.has_left
+        self._is_here: Callable[[str], bool] = bus.is_here
+        self._order: Callable[[Order], None] = bus.order
+        self._notices: Notices | None = bus.notices
         self._timeouts = timeouts
         self._wall = wall
         # Frames received while a send waited for room.
@@ -77,7 +77,7 @@ class BatchLink(Link):
         """See :class:`~railhil.bus.hub.orders.Disturber`."""
         try:
             self._order(order)
-        except FAILURES as error:
+        except self.failures as error:
             raise self._lost(f"cannot order: {error}") from error
 
     def has_ended(self, node: str) -> bool:
@@ -106,7 +106,7 @@ class BatchLink(Link):
             self.sent.note(frames)
         try:
             self._send_batch(frames)
-        except FAILURES as error:
+        except self.failures as error:
             raise self._lost(f"cannot send: {error}") from error
         self.counters["sent"] += len(frames)
 
@@ -114,7 +114,7 @@ class BatchLink(Link):
         """See :meth:`Link.offer`."""
         try:
             taken = self._offer_batch(frames)
-        except FAILURES as error:
+        except self.failures as error:
             raise self._lost(f"cannot send: {error}") from error
         self.counters["send_retries"] += taken < len(frames)
         self.counters["sent"] += taken
@@ -127,7 +127,7 @@ class BatchLink(Link):
             return batch
         try:
             batch = self._receive_batch(timeout_s)
-        except FAILURES as error:
+        except self.failures as error:
             raise self._lost(f"cannot receive: {error}") from error
         self.counters["received"] += len(batch)
         if self._notices is not None:
@@ -155,7 +155,7 @@ class BatchLink(Link):
             self.sent.note(frames)
         try:
             self._send_batch(frames, even_full=True)
-        except FAILURES as error:
+        except self.failures as error:
             raise self._lost(f"cannot send: {error}") from error
 
     def _look_at(self, batch: list[Frame]) -> None:

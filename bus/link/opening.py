@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import contextlib
 import sys
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import can
-
+from railhil.bus.can_settings import HUB_INTERFACE, has_settings
 from railhil.bus.errors import BusUnavailable
 from railhil.bus.hub.wire import ROLES
 from railhil.bus.link.base import Link
 from railhil.bus.link.outage import TIMEOUTS, Timeouts
-from railhil.bus.select import HUB_INTERFACE, PIPES
+from railhil.bus.select import PIPES
 from railhil.common.plain_text import plain
+
+if TYPE_CHECKING:
+    import can
 
 
 def open_link(config: dict[str, Any], name: str = "bus", *, timeouts: Timeouts = TIMEOUTS) -> Link:
@@ -28,6 +30,8 @@ def open_link(config: dict[str, Any], name: str = "bus", *, timeouts: Timeouts =
     own = {"role": name} if config.get("interface") == HUB_INTERFACE and name in ROLES else {}
 
     def reopen() -> can.BusABC:
+        import can
+
         return can.Bus(**{**config, **own})
 
     def say(line: str) -> None:
@@ -41,8 +45,12 @@ def open_link(config: dict[str, Any], name: str = "bus", *, timeouts: Timeouts =
 
         return PipeLink(Ends.parse(config["channel"]), name, say)
     try:
-        bus = reopen()
-        if hasattr(bus, "send_frames"):
+        from railhil.bus.hub.batches import HubClient
+
+        is_hub = config.get("interface") == HUB_INTERFACE
+        # What python-can is configured with is added to the given settings, of the hub too.
+        bus = HubClient(**{**_of_hub(config), **own}) if is_hub and not has_settings() else reopen()
+        if isinstance(bus, HubClient):
             from railhil.bus.link.batch import BatchLink
 
             return BatchLink(bus, say)
@@ -69,3 +77,7 @@ def open_link(config: dict[str, Any], name: str = "bus", *, timeouts: Timeouts =
         where = f"{config.get('interface', 'default interface')}:{config.get('channel', 'default channel')}"
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
         raise BusUnavailable(f"bus {where} cannot be opened: {reason}") from error
+
+
+def _of_hub(config: dict[str, Any]) -> dict[str, Any]:
+    return {key: value for key, value in config.items() if key != "interface"}

@@ -14,7 +14,7 @@ from collections.abc import Callable, Sequence
 import can
 
 from railhil.bus.frame import ERROR, Frame, from_message, to_message
-from railhil.bus.link.base import FAILURES, Link
+from railhil.bus.link.base import Link
 from railhil.bus.link.errorframe import BUS_OFF, RESTARTED, describe
 from railhil.bus.link.outage import TIMEOUTS, Outage, Timeouts
 from railhil.bus.wallclock import WallClock
@@ -32,6 +32,9 @@ class SingleLink(Link):
     :param reopen: reopens the interface after a failure; None: a failure is final.
     :param wall: the clock to wait on; links that wait in the kernel use the machine's own.
     """
+
+    failures = (can.CanError, OSError)
+    bus: can.BusABC
 
     def __init__(
         self,
@@ -89,7 +92,7 @@ class SingleLink(Link):
             while taken < len(frames) and self._outage is None:
                 self._put(frames[taken])
                 taken += 1
-        except FAILURES as error:
+        except self.failures as error:
             if _is_full(error):
                 self.counters["send_retries"] += 1
             else:
@@ -102,7 +105,7 @@ class SingleLink(Link):
         while self._outage is None or self._back_for_sending():
             try:
                 self._put(frame)
-            except FAILURES as error:
+            except self.failures as error:
                 if not _is_full(error):
                     self._went_down(error, "send")
                     continue
@@ -150,7 +153,7 @@ class SingleLink(Link):
         """Frames of an open interface, counted and checked for information about its state."""
         try:
             frames = self._get(timeout_s)
-        except FAILURES as error:
+        except self.failures as error:
             self._went_down(error, "receive")
             return []
         if frames:

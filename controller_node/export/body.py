@@ -1,7 +1,8 @@
 """Writes the body of a C function from a recorded program: one line of C for each operation.
 
 Operations that the IQmath library has (N = 1..30) are calls of its functions, all others of the ``iq_*`` functions in
-``railhil_iq.h``. Every value is a local constant, so a debugger shows each of them.
+``railhil_iq.h``. Every value is a local constant, so a debugger shows each of them. A function whose values would not
+fit the stack has variables instead, each used again once its value is no longer needed (:mod:`.slots`).
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from dataclasses import dataclass, field
 
 from railhil.controller_node.arithmetic.base import Constant
 from railhil.controller_node.export.names import Names, comment, identifier, literal
+from railhil.controller_node.export.slots import Slots
 from railhil.controller_node.program.model import Kind, Operation, Program, Quantity, Table, Value
 
 #: The IQmath library provides its functions for 1 to 30 fraction bits.
@@ -91,9 +93,18 @@ class Body:
 
     :param places: C expression of each input of the program, by its name.
     :param parameters: names of the function's parameters.
+    :param shared: values share variables.
     """
 
-    def __init__(self, program: Program, data: Data, places: Mapping[str, str], parameters: Iterable[str] = ()) -> None:
+    def __init__(
+        self,
+        program: Program,
+        data: Data,
+        places: Mapping[str, str],
+        parameters: Iterable[str] = (),
+        *,
+        shared: bool = False,
+    ) -> None:
         self.lines: list[str] = []
         self.locals = 0
         self._data = data
@@ -104,8 +115,12 @@ class Body:
         self._expressions = {value.number: places[name] for name, value in program.inputs}
         used = {value.number for _, value in program.outputs}
         used.update(argument.number for operation in program.operations for argument in operation.arguments)
+        self._slots = Slots(program, self._names) if shared else None
         for operation in program.operations:
             self._write(operation, operation.result.number in used)
+        if self._slots is not None:
+            self.lines[:0] = self._slots.declarations
+            self.locals = self._slots.count
 
     def expression(self, value: Value) -> str:
         """C expression that reads a value."""
@@ -121,24 +136,29 @@ class Body:
     def _write(self, operation: Operation, used: bool) -> None:
         result = operation.result
         quantity = self._quantities.get(result.number)
-        name = self._names.new(quantity.name if quantity else f"v{result.number}")
-        words = remark(result.q, quantity.unit if quantity else "")
         arguments = [self.expression(value) for value in operation.arguments]
+        if self._slots is None:
+            name = self._names.new(quantity.name if quantity else f"v{result.number}")
+            words = remark(result.q, quantity.unit if quantity else "")
+            kind = "int " if result.kind is Kind.CONDITION else "int32_t "
+            constant = "const "
+        else:
+            name, kind, constant = self._slots.taken(operation), "", ""
+            words = remark(result.q, quantity.unit if quantity else "", quantity.name if quantity else "")
         self.locals += 1
         if operation.op == "dot":
-            self._write_dot(name, arguments, operation.parameters[0], words)
+            self._write_dot(f"{kind}{name}", arguments, operation.parameters[0], words)
         else:
             self._note(operation, arguments)
-            kind = "int" if result.kind is Kind.CONDITION else "int32_t"
-            self.lines.append(f"const {kind} {name} = {self._right(operation, arguments)};{words}")
+            self.lines.append(f"{constant}{kind}{name} = {self._right(operation, arguments)};{words}")
         if not used:
             self.lines.append(f"(void){name};")
         self._expressions[result.number] = name
 
-    def _write_dot(self, name: str, arguments: list[str], q: int, words: str) -> None:
-        half = len(arguments) // 2
+    def _write_dot(self, declared: str, arguments: list[str], q: int, words: str) -> None:
+        half, name = len(arguments) // 2, declared.rpartition(" ")[2]
         terms = [_call("rmpy", q, *pair) for pair in zip(arguments[:half], arguments[half:], strict=True)]
-        self.lines.append(f"int32_t {name} = {terms[0]};{words}")
+        self.lines.append(f"{declared} = {terms[0]};{words}")
         self.lines += [f"{name} = iq_add({name}, {term});" for term in terms[1:]]
 
     def _note(self, operation: Operation, arguments: list[str]) -> None:
@@ -198,7 +218,7 @@ class Body:
         raise KeyError(operation.op)
 
 
-def remark(q: int | None, unit: str) -> str:
-    """Comment after a value: its format and unit, if it has them."""
-    words = ", ".join(word for word in ("" if q is None else f"Q{q}", comment(unit)) if word)
+def remark(q: int | None, unit: str, name: str = "") -> str:
+    """Comment after a value: its name, format and unit, if it has them."""
+    words = ", ".join(word for word in (comment(name), "" if q is None else f"Q{q}", comment(unit)) if word)
     return f" /* {words} */" if words else ""

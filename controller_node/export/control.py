@@ -137,6 +137,8 @@ class Control(ABC):
     :raises InputError: like :func:`railhil.controller_node.program.record.record`.
     """
 
+    #: Column of the word that is the number of the control period; empty: there is none.
+    period_word: ClassVar[str] = ""
     programs: LawProgram
     given: tuple[Word, ...]
     told: tuple[Word, ...]

@@ -90,6 +90,7 @@ class NotchControl(Control):
     """See :class:`railhil.controller_node.export.control.Control`."""
 
     scenario: Scenario
+    period_word = "k"
     folder = f"{SHARED}/notch"
     sources = ("railhil_position.c", "railhil_motion.c", "railhil_guard.c", "railhil_law.c")
     headers = ("railhil_position.h", "railhil_motion.h", "railhil_safe.h", "railhil_guard.h", "railhil_law.h")

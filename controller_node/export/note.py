@@ -8,13 +8,13 @@ from railhil.controller_node.cost import cost_of
 from railhil.controller_node.export.body import NAMED_Q
 from railhil.controller_node.export.control import Control, Source
 from railhil.controller_node.export.names import comment
+from railhil.controller_node.export.source import STACK_WORDS
 from railhil.controller_node.program.cycles import CPU_MHZ
 from railhil.controller_node.program.model import LawProgram
 
-#: 16-bit words of the F28335: RAM M0, M1, L0..L7; flash; block M1, the usual place of the stack (TI SPRS439).
+#: 16-bit words of the F28335: RAM M0, M1, L0..L7; flash (TI SPRS439).
 RAM_WORDS = 34 * 1024
 FLASH_WORDS = 256 * 1024
-STACK_WORDS = 1024
 #: A constant whose relative rounding error is larger than this is listed.
 _ROUNDING_NAMED = 1e-4
 

@@ -14,7 +14,7 @@ from railhil.controller_node.arithmetic import make
 from railhil.controller_node.export.control import FLAG_SENT, Control, Period, Play
 from railhil.controller_node.export.names import comment
 from railhil.controller_node.program.evaluate import Evaluator
-from railhil.controller_node.program.record import leaves
+from railhil.controller_node.program.leaves import leaves
 
 _MASK = 2**32 - 1
 

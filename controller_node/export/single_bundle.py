@@ -11,7 +11,7 @@ from railhil.common.errors import InputError, Words
 from railhil.controller_node.export.single import SingleSource, single_source
 from railhil.controller_node.export.source import c_name
 from railhil.controller_node.export.templates import template
-from railhil.controller_node.program.record import leaves
+from railhil.controller_node.program.leaves import leaves
 from railhil.controller_node.vector.controller import VectorController
 from railhil.controller_node.vector.law import Interface, raw_range
 from railhil.scenarios.model import AnyScenario

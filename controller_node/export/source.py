@@ -17,6 +17,10 @@ _POINTER_WORDS = 2
 LONG_WORDS = 2
 #: Deepest function of ``railhil_iq.h``: five 64-bit locals, three arguments, saved registers. Estimated.
 _HELPER_WORDS = 40
+#: Words of block M1 of the F28335, the usual place of the stack (TI SPRS439), and those that a function of the law may
+#: take; the others are for the program around it and for interrupts.
+STACK_WORDS = 1024
+_FRAME_WORDS = 768
 #: Longest name of a law that leaves room for the longest suffix.
 _LAW_LENGTH_MAX = LENGTH_MAX - len("_MAILBOXES_H")
 
@@ -239,28 +243,38 @@ class SourceWriter:
         return self._function("sent", self._programs.sent, self._state.places | told, (self._state,))
 
     def _function(self, name: str, program: Program, places: dict[str, str], into: Sequence[Struct]) -> list[str]:
+        """A function of the law; its values share variables if they would need too much of the stack otherwise."""
         signature = self._signatures()[name]
         parameters = [parameter.replace("*", " ").split()[-1] for parameter in signature]
-        body = Body(program, self._data, places, parameters)
         targets = {leaf: place for struct in into for leaf, place in struct.places.items()}
-        sources = {leaf: body.expression(value) for leaf, value in program.outputs}
-        # A member that is assigned to another one is copied first, before either is written.
-        moved = [source for leaf, source in sources.items() if source in targets.values() and source != targets[leaf]]
-        kept = {source: body.keep(source) for source in dict.fromkeys(moved)}
-        writes = [
-            f"{targets[leaf]} = {kept.get(source, source)};"
-            for leaf, source in sources.items()
-            if source != targets[leaf]
-        ]
+        for shared in (False, True):
+            body = Body(program, self._data, places, parameters, shared=shared)
+            writes = _writes(body, program, targets)
+            frame = _CALL_WORDS + LONG_WORDS * body.locals + _POINTER_WORDS * len(parameters) + _HELPER_WORDS
+            if frame <= _FRAME_WORDS:
+                break
+        self._stack[f"{self._law}_{name}"] = frame
         lines = [*body.lines, *writes]
         text = "\n".join(lines)
         if "events" not in parameters and _uses(text, "events"):
             raise ValueError(f"{name} of the law counts saturations or divisions by zero: clip limits without counting")
         unused = [f"(void){parameter};" for parameter in parameters if not _uses(text, parameter)]
-        frame = _CALL_WORDS + LONG_WORDS * body.locals + _POINTER_WORDS * len(parameters)
-        self._stack[f"{self._law}_{name}"] = frame + _HELPER_WORDS
         opening = f"void {self._law}_{name}({', '.join(signature)})"
         return [opening, "{", *(f"    {line}" for line in (*lines, *unused)), "}"]
+
+
+def _writes(body: Body, program: Program, targets: dict[str, str]) -> list[str]:
+    """Assignments of the outputs.
+
+    :param targets: C expression of each output's member, by its leaf.
+    """
+    sources = {leaf: body.expression(value) for leaf, value in program.outputs}
+    # A member that is assigned to another one is copied first, before either is written.
+    moved = [source for leaf, source in sources.items() if source in targets.values() and source != targets[leaf]]
+    kept = {source: body.keep(source) for source in dict.fromkeys(moved)}
+    return [
+        f"{targets[leaf]} = {kept.get(source, source)};" for leaf, source in sources.items() if source != targets[leaf]
+    ]
 
 
 def _group(leaves: Sequence[tuple[str, Value]], group: str) -> list[tuple[str, Value]]:

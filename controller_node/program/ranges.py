@@ -219,18 +219,20 @@ class Bounded(Protocol):
         """See :meth:`railhil.controller_node.laws.base.Law.state_bounds`."""
 
 
-def refuse_wraps(program: LawProgram, law: Bounded, at: str, wire: Mapping[str, Interval] = WIRE) -> None:
+def refuse_wraps(program: LawProgram, law: Bounded, at: str, wire: Mapping[str, Interval] = WIRE) -> LawRanges:
     """Refuse to start a law in fixed point if one of its operations may wrap: a wrapped notch turns full brake into
     full traction.
 
     :param law: the law of the program, for its ``state_bounds``.
     :param at: the operating point for the error message: "at 0.5 s and 7 notches".
     :param wire: raw ranges of the values that the law may get.
+    :returns: the intervals of its values.
     :raises InputError: the first such operation, identified by the quantity that it contributes to.
     """
-    found = analyse_law(program, law.state_bounds(), wire).may_wrap
+    ranges = analyse_law(program, law.state_bounds(), wire)
+    found = ranges.may_wrap
     if not found:
-        return
+        return ranges
     operation, (low, high) = found[0]
     # A curve overflows in its argument, which ends at 1; all other operations in their result.
     q = operation.curve.q_in if operation.curve else operation.result.q or 0

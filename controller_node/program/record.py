@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from typing import Any, Protocol
 
 from railhil.controller_node.laws.base import NOTCH_Q, BaliseReading
 from railhil.controller_node.laws.fault import law_fault
 from railhil.controller_node.loop import NO_BALISE, ControlLoop
+from railhil.controller_node.program.leaves import leaves, like
 from railhil.controller_node.program.model import BALISE_INPUTS, Kind, LawProgram, Program, Value
 from railhil.controller_node.program.tracer import FormatError, Tracer
 from railhil.scenarios.model import Scenario
@@ -15,29 +16,6 @@ from railhil.scenarios.run_spec import LawSpec
 
 #: Functions of a law whose names differ from those of their programs.
 _FUNCTIONS = {"sent": "with_sent", "first step": "step"}
-
-
-def leaves(value: Any, prefix: str = "") -> Iterator[tuple[str, Any]]:
-    """Named leaves of nested (named) tuples and lists: ``state.model[0]``, ``state.notch``, ..."""
-    if hasattr(value, "_fields"):
-        for name in value._fields:
-            yield from leaves(getattr(value, name), f"{prefix}.{name}" if prefix else name)
-    elif isinstance(value, tuple | list):
-        for i, item in enumerate(value):
-            yield from leaves(item, f"{prefix}[{i}]")
-    else:
-        yield prefix, value
-
-
-def like(template: Any, make: Callable[[str, Any], Any], prefix: str = "") -> Any:
-    """A structure of the same shape (lists become tuples) with new leaves, made from name and old leaf."""
-    if hasattr(template, "_fields"):
-        return type(template)(
-            *(like(getattr(template, name), make, f"{prefix}.{name}" if prefix else name) for name in template._fields)
-        )
-    if isinstance(template, tuple | list):
-        return tuple(like(item, make, f"{prefix}[{i}]") for i, item in enumerate(template))
-    return make(prefix, template)
 
 
 def record(

@@ -36,6 +36,7 @@ def test_no_list_is_empty(name: str) -> None:
 
 def test_one_service_alone_has_a_capability_and_goes_without_no_new_privileges() -> None:
     services = compose_file("docker-compose.yml")["services"]
+    services |= {name: compose_file("docker-compose.panel.yml")["services"][name] for name in ("panel", "door")}
     capable = {name for name, service in services.items() if "cap_add" in service}
     assert capable == {name for name, service in services.items() if "security_opt" not in service} == {"bus"}
 
@@ -62,11 +63,25 @@ def test_the_volume_between_the_containers_knows_no_user() -> None:
     assert "gid" not in volume["driver_opts"]["o"]
 
 
-@pytest.mark.parametrize("name", ["docker-compose.yml", "docker-compose.hardware.yml"])
+def test_the_page_is_published_on_loopback_alone_and_its_bench_has_no_network() -> None:
+    services = compose_file("docker-compose.panel.yml")["services"]
+    published = {name: service["ports"] for name, service in services.items() if "ports" in service}
+    assert published == {"door": ["127.0.0.1:${PANEL_PORT:-8765}:8765"]}
+    assert services["panel"]["network_mode"] == "service:bus"
+    roles = (ROOT / "docker" / "bench.sh").read_text()
+    assert all(f"\n{role})\n" in roles for role in ("panel", "door"))
+
+
+@pytest.mark.parametrize("name", ["docker-compose.yml", "docker-compose.hardware.yml", "docker-compose.panel.yml"])
 def test_every_container_is_limited(name: str) -> None:
     """A run that goes wild must not take the machine with it: processes, memory, files in memory."""
     made = {role: service for role, service in compose_file(name)["services"].items() if "image" in service}
-    assert set(made) == ({"bus", "results", "plant", "controller", "supervisor"} if "hard" not in name else {"adapter"})
+    expected = {
+        "docker-compose.yml": {"bus", "results", "plant", "controller", "supervisor"},
+        "docker-compose.hardware.yml": {"adapter"},
+        "docker-compose.panel.yml": {"panel", "door"},
+    }
+    assert set(made) == expected[name]
     for service in made.values():
         assert 0 < service["pids_limit"] <= 1024
         assert service["mem_limit"] == "${MEMORY_LIMIT:-2g}"

@@ -22,7 +22,7 @@ _LINK = re.compile(r"\]\(([^)\s]+)\)")
 #: From the name of the command to the end of the sentence, the shell's word or the comment. What ``railhil vcan`` runs
 #: is a command line of its own.
 _COMMAND = re.compile(r"\brailhil ((?:bus |memory |new |node |sequence )?[a-z][a-z-]*)((?: (?!-- )[^\s`|#&]+)*)")
-_OPTION = re.compile(r"(?<!\S)--?[a-z][a-z-]*")
+_OPTION = re.compile(r"(?<!\S)--?[a-z][a-z0-9-]*")
 
 
 def _anchor(heading: str) -> str:

@@ -72,10 +72,10 @@ def score(folder: Path) -> dict:
     return json.loads((folder / "score.json").read_text(encoding="utf-8"))
 
 
-def stopped_in_motion(scenario: Path, out: Path, rate: str, module: str | None) -> tuple[Done, dict]:
+def stopped_in_motion(scenario: Path, out: Path, rate: str, role: str | None) -> tuple[Done, dict]:
     """A realtime run of which one process (None: the supervisor) is stopped for a while in the middle."""
     run = Started("run", scenario, "--pace", "realtime", "--rate", rate, "--quiet", "--no-report", "--out", out)
-    process = run.process if module is None else run.child(module)
+    process = run.process if role is None else run.child(role)
     wait_for(lambda: (out / "frames.log").stat().st_size > 60_000)
     process.send_signal(signal.SIGSTOP)
     time.sleep(STOPPED_S)
@@ -128,7 +128,7 @@ def test_realtime_scheduling_can_be_left_out(scenarios: Path) -> None:
 @pytest.mark.wall_clock
 def test_a_pause_of_the_plant_is_flagged(scenarios: Path, tmp_path: Path) -> None:
     """K2. Simulation time stands still with the plant, so no telegram ages: what is left to do is to say so."""
-    done, document = stopped_in_motion(scenarios / "quick.toml", tmp_path / "run", "4", "railhil.plant_sim")
+    done, document = stopped_in_motion(scenarios / "quick.toml", tmp_path / "run", "4", "plant")
     timing = document["run"]["timing"]
     assert timing["source"] == "plant"
     assert timing["lateness"]["max_ms"] > STOPPED_S * 1e3 * 0.9
@@ -153,7 +153,7 @@ def test_a_pause_of_the_supervisor_is_not(scenarios: Path, tmp_path: Path) -> No
 @pytest.mark.wall_clock
 def test_a_pause_of_the_controller_is_missed_polls_and_the_trains_ladder(scenarios: Path, tmp_path: Path) -> None:
     """The train's watch cuts traction after 64 ms and brakes after 256 ms; late answers are not taken for new ones."""
-    done, document = stopped_in_motion(scenarios / "long.toml", tmp_path / "run", "2", "railhil.controller_node")
+    done, document = stopped_in_motion(scenarios / "long.toml", tmp_path / "run", "2", "controller")
     lateness = document["run"]["timing"]["lateness"]
     assert (done.exit_code == 3) is (lateness["late_share"] > LATE_SHARE_MAX), document["line"]
     notch = next(item for item in document["run"]["timing"]["answers"] if item["port"] == "NOTCH_CMD")
@@ -177,7 +177,7 @@ def test_a_hub_that_stands_still_across_the_end_delivers_the_last_second(scenari
     out = tmp_path / "run"
     options = ("--pace", "realtime", "--rate", "8", "--quiet", "--no-report", "--out", out)
     run = Started("run", scenarios / "long.toml", *options)
-    hub, plant = run.child("railhil.bus.hub"), run.child("railhil.plant_sim")
+    hub, plant = run.child("hub"), run.child("plant")
     wait_for(lambda: (out / "frames.log").stat().st_size > 150_000)
     hub.send_signal(signal.SIGSTOP)
     wait_for(lambda: not plant.is_running() or plant.status() == psutil.STATUS_ZOMBIE)
@@ -199,7 +199,7 @@ def test_a_controller_suspended_for_good_is_named(scenarios: Path, tmp_path: Pat
     options = ("--pace", "realtime", "--rate", "20", "--quiet", "--no-report", "--out", out)
     run = Started("run", scenarios / "long.toml", *options)
     wait_for(lambda: (out / "frames.log").stat().st_size > 60_000)
-    controller = run.child("railhil.controller_node")
+    controller = run.child("controller")
     controller.send_signal(signal.SIGSTOP)
     done, _ = run.finish()
     assert done.exit_code == 3

@@ -108,9 +108,9 @@ def test_the_bench_measures_what_the_page_says(made: Results, written: dict[str,
     assert len(made.runs) == len(laws())
     for name, run in made.runs.items():
         assert run.values == there[name]["measured"], name
-        assert run.frames_sha256 == there[name]["frames_sha256"]
+        assert run.sha256 == there[name]["sha256"]
         assert (run.verdict, list(run.reasons)) == (there[name]["verdict"], there[name]["reasons"])
-    assert made.runs["ipfc-iq-0"].frames_sha256 == PUBLISHED_SHA256
+    assert made.runs["ipfc-iq-0"].sha256 == PUBLISHED_SHA256
 
 
 @pytest.mark.slow

@@ -8,11 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from hil_tests.support.stops import SHORT
 from railhil.bus.stopping import BrakeCommand, IlcStatus
 from railhil.scenarios.load import load_any
 from railhil.scenarios.memory import FAULTS, Memory, Record, Stored
+from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.sequences.one import OneRun, runner_of, sequence
+from railhil.sequences.one import OneRun, runner_of, sequence, sequences, through_nodes
 from railhil.sequences.plan import run_specs
 
 pytestmark = [pytest.mark.loop, pytest.mark.slow, pytest.mark.faults]
@@ -83,3 +85,35 @@ def test_without_a_good_slot_it_learns_again_within_5_runs() -> None:
     assert errors[0] > 3.5
     assert abs(errors[5]) <= 0.5
     assert [None if run.record is None else run.record.runs for run in runs] == [1, 2, 3, 4, 5, 6]
+
+
+def test_the_report_of_another_run_teaches_nothing() -> None:
+    settings = (*SHORT, "task.start_m=2560")
+    learned = []
+    for faults in ((), ("STOP_REPORT.ReportRun raw 9 @0s",), ("STOP_REPORT.ReportRun raw 1 @0s",)):
+        scenario = load_any("yizhuang_stop", settings, faults)
+        spec = RunSpec("yizhuang_stop", settings, LawSpec("ilc_stop", "float64"), seed=3, faults=faults, run_number=2)
+        (run,) = sequence(scenario, [spec], through_nodes)
+        assert run.score.verdict in ("PASS", "FAIL")
+        assert run.kept is not None
+        learned.append([one["last_run"] for one in run.kept.values["records"]])
+    assert learned == [[2], [], []]
+
+
+def test_least_squares_learn_from_runs_of_other_speeds_and_loads() -> None:
+    """What they come to after 20 runs: docs/stopping.md."""
+    settings = (*SHORT, "task.start_m=2570", "task.start_spread_kmh=4")
+    scenario = load_any("yizhuang_stop_load", settings)
+    parameters = ParameterSet("ilc_stop", {"learning": "rls_load", "filter": "mean16"}, Path("test.toml"))
+    law = LawSpec("ilc_stop", "float64", parameters=parameters)
+    base = RunSpec("yizhuang_stop_load", settings, law, perturbed=True, bus="local")
+    wanted = [run_specs(base, scenario, seed, 3) for seed in range(8)]
+    errors, learned = np.zeros((8, 3)), np.zeros((8, 3))
+    for place, number, run in sequences(scenario, wanted):
+        errors[place, number - 1] = run.score.signed["stop_error_m"] or np.nan
+        assert run.kept is not None
+        learned[place, number - 1] = run.kept.values["braking"]["runs"]
+    # A stop beyond 3 sigma of what was expected teaches nothing.
+    assert (learned[:, 2] >= 2).all()
+    rms = np.sqrt(np.square(errors).mean(axis=0))
+    assert rms[2] < 0.5 * rms[0]

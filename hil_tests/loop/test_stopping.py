@@ -9,11 +9,13 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import NamedTuple
 
+import numpy as np
 import pytest
 
 from hil_tests.support.cli import railhil
 from hil_tests.support.foreign import PORTABLE_INTERFACE, CNode
 from hil_tests.support.stops import SHORT, stop_scenario
+from railhil import library
 from railhil.bench import BenchRun, local_run
 from railhil.bus.codes import Event
 from railhil.bus.frame import Frame
@@ -127,7 +129,7 @@ def test_a_number_is_refused_where_runs_have_none() -> None:
 )
 def test_the_train_reacts_as_the_catalogue_says(entry: Entry, tmp_path: Path) -> None:
     """The rest of the catalogue: ``railhil faults yizhuang_stop_closed``."""
-    words = ["faults", "yizhuang_stop_closed", "--arithmetic", "float64", "--set", "task.stop_error_max_m=30"]
+    words = ["faults", "yizhuang_stop_closed", "--set", "task.stop_error_max_m=30"]
     given = parser("faults").parse_args(words)
     row = entry_run(given, StartUp(), run_spec(given, "one_shot", None), tmp_path, entry)
     assert row.failures == []
@@ -137,6 +139,47 @@ def test_the_catalogue_of_the_system_is_in_the_fault_language() -> None:
     system = system_named("stop")
     for entry in catalogue_of(system):
         fault_texts(entry.faults, system, lambda row: Path("catalogue"))
+
+
+@pytest.mark.slow
+def test_from_standstill_the_train_starts_accelerates_and_stops(tmp_path: Path) -> None:
+    settings = ("task.start_m=2531", "task.approach_kmh=18", "task.after_stop_s=2")
+    scenario = stop_scenario(*settings, name="yizhuang_stop_from_standstill")
+    run = local_run(scenario, tmp_path, RunSpec(law=LawSpec("reaim", "float64"), seed=3))
+    assert run.score.failures == ()
+    assert run.refused == {}
+    stages = run.trace.raw("ATO_STATE", "AtoStage")
+    changes = [Stage(int(stage)) for stage in stages[np.diff(stages, prepend=-1) != 0]]
+    # The way is so short that the brake is armed before the speed of the approach is reached.
+    assert changes[changes.index(Stage.START) :] == [
+        Stage.START, Stage.ACCELERATE, Stage.ARMED, Stage.BRAKE, Stage.STANDSTILL, Stage.LEARN,
+    ]  # fmt: skip
+    assert 4.0 < max(run.trace.values("TRUTH", "TrueSpeed")) < 5.0
+
+
+@pytest.mark.slow
+def test_announced_low_adhesion_chooses_the_planned_rate() -> None:
+    settings = (*SHORT, "task.start_m=2580", "task.rail.slide_share=1", "task.rail.adhesion_mps2=[0.58, 0.58]")
+    spec = RunSpec(law=LawSpec("reaim", "float64"), seed=3)
+    errors_m, rates_mps2 = [], []
+    for announced in (0, 1):
+        share = f"task.rail.announced_share={announced}"
+        scenario = stop_scenario(*settings, share, name="yizhuang_stop_low_adhesion")
+        run = direct_run(scenario, spec)
+        errors_m.append(run.score.signed["stop_error_m"] or 0.0)
+        rates_mps2.append(-min(run.trace.values("BRAKE_CMD", "CmdAccel")))
+    assert errors_m[0] > 1.0
+    assert abs(errors_m[1]) < 0.2
+    assert rates_mps2[0] > 0.7
+    assert rates_mps2[1] < 0.65
+
+
+@pytest.mark.slow
+def test_every_command_runs_it_in_the_arithmetic_of_the_system(tmp_path: Path) -> None:
+    for command in ("faults", "compare"):
+        given = parser(command).parse_args([command, "yizhuang_stop"])
+        assert run_spec(given, None, None).law == LawSpec("ilc_stop", "float64")
+    assert library.run("yizhuang_stop", settings=SHORT, out=tmp_path / "run").spec.law.arithmetic == "float64"
 
 
 def test_another_base_tick_is_refused() -> None:

@@ -268,7 +268,7 @@ def test_telemetry_survives_the_end_of_the_plant(tmp_path: Path) -> None:
     pace = ("--pace", "realtime", "--rate", "20")
     run = Started("run", "--seed", "1", "--out", folder, "--quiet", "--no-report", *pace)
     wait_for(lambda: (folder / "frames.log").stat().st_size > 400_000)
-    run.child("railhil.plant_sim").send_signal(signal.SIGKILL)
+    run.child("plant").send_signal(signal.SIGKILL)
     done, _ = run.finish()
     assert done.exit_code == 3
     document = json.loads((folder / "telemetry.json").read_text(encoding="utf-8"))

@@ -11,6 +11,7 @@ import xml.etree.ElementTree as ET
 from pathlib import Path
 
 import pytest
+from mcap.reader import make_reader
 
 from hil_tests.support.toy_system import SCENARIO, certificate, install_toy, python, railhil
 
@@ -236,6 +237,19 @@ def test_plot_draws_the_signals_of_the_system(site: Path, recorded: Path, tmp_pa
     # One panel for quantities in metres, one for those in newtons.
     assert first.count(b'<g id="axes_') == 2
     assert {f"<!-- {name} -->".encode() in first for name in ("true_position2_m", "force1_n", "stretch_m")} == {True}
+
+
+def test_export_writes_the_ports_and_signals_of_the_system(site: Path, recorded: Path, tmp_path: Path) -> None:
+    done = railhil(site, "export", recorded, "--mf4", "--mcap", "--parquet", "--csv", "--out", tmp_path)
+    assert done.returncode == 0, done.stderr
+    with (tmp_path / "run.mcap").open("rb") as stream:
+        summary = make_reader(stream).get_summary()
+    assert summary is not None
+    assert {"/signals", "/telegrams/unit1_stat", "/telegrams/unit2_cmd"} <= {
+        channel.topic for channel in summary.channels.values()
+    }
+    rows = (tmp_path / "run.csv").read_text(encoding="utf-8").splitlines()[2:]
+    assert rows == (recorded / "signals.csv").read_text(encoding="utf-8").splitlines()
 
 
 def test_plot_of_a_record_without_truth_is_one_line(site: Path, recorded: Path, tmp_path: Path) -> None:

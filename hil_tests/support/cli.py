@@ -16,6 +16,7 @@ import psutil
 
 from hil_tests.support.warm import run_module
 from railhil.cli.programs import PROGRAMS
+from railhil.supervisor.processes import process_name
 
 #: Enough for start-up and a run at a tenth of the usual speed.
 TIMEOUT_S = 110
@@ -91,16 +92,9 @@ class Started:
     def __init__(self, *arguments: str | Path) -> None:
         self.process = subprocess.Popen(command(*arguments), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 
-    def child(self, module: str) -> psutil.Process:
-        """The child process that runs a module; waits until it exists."""
-
-        def find() -> psutil.Process | None:
-            for child in psutil.Process(self.process.pid).children():
-                if module in child.cmdline():
-                    return child
-            return None
-
-        found: psutil.Process = wait_for(find)
+    def child(self, role: str) -> psutil.Process:
+        """The process of a node; waits until it exists."""
+        found: psutil.Process = wait_for(lambda: node_of(psutil.Process(self.process.pid), role))
         return found
 
     def finish(self) -> tuple[Done, float]:
@@ -108,6 +102,12 @@ class Started:
         start_s = time.monotonic()
         out, err = self.process.communicate(timeout=TIMEOUT_S)
         return Done(self.process.returncode, out, err), time.monotonic() - start_s
+
+
+def node_of(command: psutil.Process, role: str) -> psutil.Process | None:
+    """The process of a node that a command has started, if there is one."""
+    children: list[psutil.Process] = command.children()
+    return next((child for child in children if child.name() == process_name(role)), None)
 
 
 def wait_for(look: Callable[[], Any], timeout_s: float = 30.0) -> Any:

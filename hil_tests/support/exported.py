@@ -19,7 +19,7 @@ from railhil.controller_node.export import Bundle, make_bundle, write_bundle
 from railhil.controller_node.laws.base import BaliseReading
 from railhil.controller_node.laws.note import on_wire
 from railhil.controller_node.loop import NO_BALISE, ControlLoop
-from railhil.controller_node.program.record import leaves
+from railhil.controller_node.program.leaves import leaves
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec
 

@@ -10,7 +10,7 @@ import pytest
 
 from railhil.controller_node.arithmetic.base import Constant
 from railhil.controller_node.laws import GROUP
-from railhil.controller_node.laws.base import Law, LawInputs, LawOutputs
+from railhil.controller_node.laws.base import LawInputs, LawOutputs
 from railhil.controller_node.laws.ipfc import Ipfc, IpfcState
 from railhil.controller_node.program.tracer import Tracer
 
@@ -27,15 +27,15 @@ class Wrapping(Ipfc[Any]):
         return super().step(state, inputs)
 
 
-def plug_in(folder: Path, patch: pytest.MonkeyPatch, **laws: type[Law[Any, Any]]) -> None:
+def plug_in(folder: Path, patch: pytest.MonkeyPatch, /, in_group: str = GROUP, **laws: type[Any]) -> None:
     """Register laws, top-level classes of a test module, under these names until the end of the test.
 
-    :param folder: where the distribution is written.
+    :param folder: where the distribution is written. :param in_group: entry point group of the system's laws.
     """
     package = folder / "plug" / "laws_of_a_test-1.dist-info"
     package.mkdir(parents=True)
     (package / "METADATA").write_text("Metadata-Version: 2.1\nName: laws-of-a-test\nVersion: 1\n")
     lines = [f"{name} = {law.__module__}:{law.__qualname__}" for name, law in laws.items()]
-    (package / "entry_points.txt").write_text("\n".join((f"[{GROUP}]", *lines, "")))
+    (package / "entry_points.txt").write_text("\n".join((f"[{in_group}]", *lines, "")))
     patch.syspath_prepend(str(package.parent))
     importlib.invalidate_caches()

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 from railhil.common.errors import InputError, Words
 from railhil.plant_sim.any_plant import AnyPlant
 from railhil.scenarios.model import AnyScenario
+from railhil.scenarios.plant_fmu import OPTION
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import system_named
 
@@ -24,6 +25,9 @@ LEVELS = ("train", "sensor", "actuator")
 #: The part of a system that makes its plant with faults, from what its plant is made from and the numbered faults: a
 #: :class:`FaultyPlant`. The system lists the places of these faults in ``injects``; others are refused at load.
 PART = "faulty_plant"
+#: The part of a system that makes its plant with an FMU for its motion, from what its plant is made from and the
+#: :class:`~railhil.scenarios.plant_fmu.PlantFmu`. A system without it takes no FMU.
+FMU_PART = "fmu_plant"
 
 
 class FaultyPlant(AnyPlant, Protocol):
@@ -58,6 +62,15 @@ def make_plant(scenario: AnyScenario, run: RunSpec) -> tuple[AnyPlant, Injection
     if system.numbered:
         given = (*given, run.run_number)
     found = _in_plant(scenario, run.seed)
+    if run.plant_fmu is not None:
+        if found:
+            where = Words("faults in the plant")
+            raise InputError(
+                "command line", OPTION, where, "faults of telegrams, nodes and the bus: an FMU has no others"
+            )
+        if FMU_PART not in system.own:
+            raise InputError("command line", OPTION, Words(f"system {system.name}"), f"a system with a part {FMU_PART}")
+        return system.part(FMU_PART)(*given, run.plant_fmu), None
     if not found:
         return system.part("plant")(*given), None
     faulty: FaultyPlant = system.part(PART)(*given, found)

@@ -119,6 +119,7 @@ class StopPlant(TimedPlant):
             int(run.wet),
             int(self.train.motion.speed_mps == 0.0),
             int(doors),
+            self._run_number,
             life=self.next_life(TrainState.PORT),
         )
 

@@ -10,7 +10,7 @@ from railhil.audit.document import document
 from railhil.audit.result import Options, audit
 from railhil.audit.tables import show
 from railhil.batch import say_compiling
-from railhil.batch.nodes import batch_of, kernel_of
+from railhil.batch.nodes import batch_of, kernel_of, one_by_one
 from railhil.batch.perturbed_runs import FIRST_SEED
 from railhil.common.command_line import SEED_MAX, OneLineParser, add_indexing_argument, parse, whole_number
 from railhil.common.exit_codes import FAIL, PASS, guarded
@@ -76,6 +76,8 @@ def _runs(namespace: argparse.Namespace, scenario: AnyScenario) -> int:
         if batch is None:
             how = f"{runs} perturbed runs in each of two arithmetics go through the nodes, one by one"
             say(f"no batch of trains for system {scenario.system}: {how}")
+        elif why := one_by_one(scenario):
+            say(why)
         elif (kernel := kernel_of(scenario)) is not None:
             say_compiling(say, kernel)
     return runs

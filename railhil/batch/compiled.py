@@ -47,6 +47,10 @@ _ASIDE = {"_nrt": False}
 
 part: Callable[[F], F] = numba.njit(**_INLINE)
 aside: Callable[[F], F] = numba.njit(**_ASIDE)
+#: The same for loops over lanes and what they call: a division by zero gives infinity as in arrays of numpy, because a
+#: loop that may raise is not computed side by side.
+side_by_side: Callable[[F], F] = numba.njit(error_model="numpy", **_ASIDE)
+side_by_side_part: Callable[[F], F] = numba.njit(error_model="numpy", **_INLINE)
 
 for _function in compilable.INLINE:
     register_jitable(**_INLINE)(_function)

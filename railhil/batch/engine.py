@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 from railhil.batch.case import Case
 from railhil.batch.kernel import run_period, stand_to_the_end
 from railhil.batch.noise import standard_noise
+from railhil.batch.ordered import loop_of
 from railhil.batch.setup import Times, Trains, common, status_tick, trains
 from railhil.bus.codes import Event
-from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import DIVISION_BY_ZERO, SATURATION, WRAP
 from railhil.controller_node.laws.base import NOTCH_Q, BaliseReading
-from railhil.controller_node.loop import POSITION_MAX_01MM, ControlLoop
+from railhil.controller_node.loop import POSITION_MAX_01MM
 from railhil.plant_sim.any_plant import PlantError
 from railhil.supervisor import measures
 from railhil.supervisor.journey import ErrorGrid, stop_of
@@ -55,8 +55,8 @@ class Engine:
         self.grid = ErrorGrid.of(scenario)
         self.common = common(scenario, case.law.over_distance, self.times)
         if loop is None:
-            loop = ControlLoop(scenario, case.law, make(case.law.arithmetic, batch=True))
-        self._loop: ControlLoop[Any] = loop
+            loop = loop_of(scenario, case.law)
+        self._loop: Any = loop
         self._number = loop.arithmetic
 
     def run(self, seeds: Sequence[int]) -> BatchRuns:
@@ -81,6 +81,8 @@ class Engine:
             run_period(self.common, fleet.tables, records, code, after, tick, int(times.ends[i]))
             if records["ended"].all():
                 break
+        # Not needed any more, and as large as what the scores need.
+        self._loop.state = None
         finite = np.isfinite(records["position_m"] + records["speed_mps"] + records["actuator_n"])
         if not finite.all():
             raise PlantError(f"plant state is not finite with seed {seeds[int(np.argmin(finite))]}")
@@ -101,7 +103,7 @@ class Engine:
         """Score of each run, from the sums computed in the compiled loop."""
         scenario, times, records = self._case.scenario, self.times, fleet.records
         stand_to_the_end(self.common, fleet.tables, records)
-        itae = measures.itae_kmh_s2(fleet.tables.error_sums_kmh, self.grid.counts, self.grid.period_s)
+        itae = measures.itae_kmh_s2(fleet.tables.error_sums_kmh.T, self.grid.counts, self.grid.period_s)
         stopped = records["stop_tick"] >= 0
         last_s = times.truth_s[records["samples"] - 1]
         stop_s = records["stop_01ms"] * _LSB

@@ -47,7 +47,8 @@ class Common(NamedTuple):
 class PerTrain(NamedTuple):
     """Tables with one row for each train: mean grade, balises in the order of passing, delayed notches.
 
-    ``error_sums_kmh`` (N, cycles) and ``control_accel_raw`` (N, control ticks; 0.1 mm/s2) are for the score.
+    ``error_sums_kmh`` (cycles, N) and ``control_accel_raw`` (N, control ticks; 0.1 mm/s2) are for the score. ``lanes``
+    is the working space of the block in progress.
     """
 
     permil: Any
@@ -57,6 +58,7 @@ class PerTrain(NamedTuple):
     staged_code: Any
     error_sums_kmh: Any
     control_accel_raw: Any
+    lanes: Any
 
 
 _FIELDS = [

@@ -28,9 +28,21 @@ def batch_of(scenario: AnyScenario) -> Callable[..., Any] | None:
     return system.part("batch") if "batch" in system.own else None
 
 
+def one_by_one(scenario: AnyScenario) -> str:
+    """Sentence on why the batch of a scenario makes each run by itself; empty: it makes many at once, or there is no
+    batch."""
+    system = system_named(scenario.system)
+    if batch_of(scenario) is None or "one_by_one" not in system.own:
+        return ""
+    why = system.part("one_by_one")(scenario)
+    return f"the batch of system {system.name} makes the runs one by one: {why}" if why else ""
+
+
 def kernel_of(scenario: AnyScenario) -> str | None:
     """Module with the compiled loops of a scenario's batch; None: there is no batch, or it compiles nothing."""
-    return None if batch_of(scenario) is None else system_named(scenario.system).own.get("kernel")
+    if batch_of(scenario) is None or one_by_one(scenario):
+        return None
+    return system_named(scenario.system).own.get("kernel")
 
 
 def run_nodes(case: Case, seeds: Sequence[int]) -> BatchResult:

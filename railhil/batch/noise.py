@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from railhil.batch.ziggurat import numbers_at
 from railhil.scenarios import streams
 
 #: Number of runs whose noise is cached, 3 kB each: searches and comparisons repeat the same seeds.
@@ -20,14 +21,15 @@ def standard_noise(seeds: Sequence[int], ticks: NDArray[np.int64]) -> NDArray[np
 
     :param ticks: rising from 0, shape (ticks,).
     """
-    found = np.empty((ticks.size, len(seeds)))
-    for column, seed in enumerate(seeds):
-        key = (seed, ticks.size, hash(ticks.tobytes()))
+    found = np.empty((len(seeds), ticks.size))
+    which = hash(ticks.tobytes())
+    for row, seed in enumerate(seeds):
+        key = (seed, ticks.size, which)
         numbers = _kept.pop(key, None)
         if numbers is None:
-            numbers = streams.generator(seed, streams.SPEED_NOISE).standard_normal(int(ticks[-1]) + 1)[ticks]
+            numbers = numbers_at(streams.generator(seed, streams.SPEED_NOISE), ticks)
         _kept[key] = numbers
-        found[:, column] = numbers
+        found[row] = numbers
     while len(_kept) > _KEPT:
         _kept.popitem(last=False)
-    return found
+    return np.ascontiguousarray(found.T)

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from railhil.batch import lanes
 from railhil.batch.layout import TRAIN, Common, PerTrain
 from railhil.bench import coupled_schedule
 from railhil.bus.schedule import Schedule
@@ -205,8 +206,9 @@ def trains(scenario: Scenario, seeds: Sequence[int], drawn: bool, times: Times, 
         balises.true_m,
         np.zeros((count, slots)),
         np.zeros((count, slots), dtype=np.int64),
-        np.zeros((count, cycles)),
+        np.zeros((cycles, count)),
         np.zeros((count, int(times.control_columns.max()) + 1), dtype=np.int64),
+        np.ones(lanes.SIZE),
     )
     return Trains(records, tables, balises)
 

@@ -1,7 +1,7 @@
 """One law on arrays for trains whose laws differ in their constants, as those with a memory each.
 
 The law is made once for each train, which gives the constants of all trains in one order; made again on arrays, it gets
-an array wherever they differ. Its code must not depend on what differs.
+an array wherever they differ. All other that it does must be the same (:mod:`.shape`).
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from typing import Any, cast
 
 import numpy as np
 
+from railhil.batch.shape import Shape, shape_of
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Arithmetic, Constant
 from railhil.controller_node.vector.controller import VectorLoop
@@ -48,8 +49,8 @@ def _stacking(arithmetic: Arithmetic[Any], columns: Iterator[tuple[Constant, ...
 class StackedLaw:
     """A law on arrays, and the laws of its trains.
 
-    ``loop``: on arrays; None: the laws differ in more than the values of their constants. ``own``: of each train, not
-    stepped.
+    ``loop``: on arrays; None: the laws differ in more than the values of their constants (``differs`` says in what).
+    ``own``: of each train, not stepped.
 
     :param laws: one for each train, alike but for the memory.
     :raises InputError: as :class:`railhil.controller_node.vector.controller.VectorLoop`.
@@ -65,9 +66,9 @@ class StackedLaw:
             arithmetic, seen = _recording(make(law.arithmetic))
             self.own.append(made(law, arithmetic))
             rows.append(seen)
-        names = [[(one.name, one.q) for one in row] for row in rows]
+        self.differs = _difference(system, scenario, laws)
         self.loop: VectorLoop[Any] | None = None
-        if all(row == names[0] for row in names):
+        if not self.differs:
             columns = iter(list(zip(*rows, strict=True)))
             self.loop = made(laws[0], _stacking(make(laws[0].arithmetic, batch=True), columns))
 
@@ -77,6 +78,17 @@ class StackedLaw:
         :param state: of the law on arrays.
         """
         self.own[train].state = _own(state, train)
+
+
+def _difference(system: System, scenario: AnyScenario, laws: Sequence[LawSpec]) -> str:
+    """In what the laws differ beside the values of their constants; empty: in nothing."""
+    first: Shape = ()
+    for law in laws:
+        if law is laws[0]:
+            first = shape_of(system, scenario, law)
+        elif law != laws[0] and (shape := shape_of(system, scenario, law)) != first:
+            return "constants" if shape[0] != first[0] else "operations"
+    return ""
 
 
 def _own(state: Any, train: int) -> Any:

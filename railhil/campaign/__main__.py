@@ -9,7 +9,7 @@ from pathlib import Path
 
 from rich.console import Console
 
-from railhil.batch.nodes import kernel_of
+from railhil.batch.nodes import kernel_of, one_by_one
 from railhil.campaign.command import arguments, check_combination, request_from
 from railhil.campaign.extras import need
 from railhil.campaign.plan import Request, make_plan
@@ -56,6 +56,8 @@ def _run(namespace: argparse.Namespace) -> int:
 
     if plan.batch is None:
         say(f"no batch of trains for system {plan.scenario.system}: every run goes through the nodes, one by one")
+    elif why := one_by_one(plan.scenario):
+        say(why)
     kernel = kernel_of(plan.scenario)
     with running(namespace.engine, namespace.jobs or -1, namespace.scheduler, say, kernel=kernel) as engine:
         folder, found = execute(plan, namespace.resume or namespace.out, console, engine, say)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import platform
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from importlib.metadata import version
@@ -13,6 +12,7 @@ from typing import Annotated, Any
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
 from railhil.campaign.plan import ALL_LAWS, CHUNK_MAX, RUNS_MAX, Plan, Request
+from railhil.common.build import machine
 from railhil.common.choices import INDEXINGS
 from railhil.common.command_line import SEED_MAX
 from railhil.common.errors import InputError, Words
@@ -116,6 +116,6 @@ def manifest(plan: Plan) -> dict[str, Any]:
         "parameters": {
             entry.label: dict(entry.parameters.values) for entry in plan.entries if entry.parameters is not None
         },
-        "machine": {"python": platform.python_version(), "system": platform.system(), "machine": platform.machine()},
+        "machine": machine(),
         "libraries": {name: version(name) for name in _LIBRARIES},
     }

@@ -14,6 +14,7 @@ from urllib.parse import quote
 
 import railhil
 from railhil.batch.nodes import batch_of
+from railhil.common.choices import USUAL_SCENARIO
 from railhil.common.command_line import SEED_MAX
 from railhil.common.errors import InputError, Words, did_you_mean
 from railhil.controller_node import laws as registered
@@ -21,7 +22,6 @@ from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.parameters import ParameterSet, load_parameters
 from railhil.scenarios.perturb import require_perturbations
-from railhil.scenarios.run_document import USUAL_SCENARIO
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.stored import any_judged_sha256
 from railhil.scenarios.system import System, system_named

@@ -6,14 +6,13 @@ import argparse
 import errno
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import can
-from can.cli import add_bus_arguments
-from rich.progress import BarColumn, Progress, ProgressColumn, TextColumn
-
+from railhil.bus.can_settings import add_bus_arguments
 from railhil.bus.select import BusChoice, choose_bus, no_bus, own_pipes
+from railhil.cli.progress import progress
 from railhil.common.choices import BUSES
 from railhil.common.command_line import add_law_arguments, add_run_arguments
 from railhil.common.errors import InputError, Words
@@ -26,6 +25,7 @@ from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.settings import add_fault_argument, add_set_argument
 from railhil.scenarios.system import DEFAULT, System, system_named
+from railhil.supervisor.desk import Desk
 from railhil.supervisor.documents import read_certificate
 from railhil.supervisor.errors import NO_ROOM
 from railhil.supervisor.events.derive import events_of
@@ -34,6 +34,7 @@ from railhil.supervisor.fault_report import check_faults, transports_of
 from railhil.supervisor.folder import discard_folder, record_failed, write_folder
 from railhil.supervisor.inputs import write_inputs
 from railhil.supervisor.memory import keep_memory, learned, with_memory
+from railhil.supervisor.panel_socket import PanelSocket
 from railhil.supervisor.processes import process_start_ns
 from railhil.supervisor.reactions.expected import with_expectations
 from railhil.supervisor.report.recorded import REPORT, RecordedRun, recorded_run
@@ -96,12 +97,13 @@ def run_system(namespace: argparse.Namespace) -> System:
     return system_named(load_any(namespace.scenario, namespace.set, namespace.fault).system)
 
 
-def run_spec(namespace: argparse.Namespace, controller: str, parameters: ParameterSet | None) -> RunSpec:
-    """The run of one law as described by the command line.
+def run_spec(namespace: argparse.Namespace, controller: str | None, parameters: ParameterSet | None) -> RunSpec:
+    """The run of one law as described by the command line; None: the usual one of the scenario's system.
 
     :raises InputError: there is no such scenario.
     """
-    return RunSpec.from_namespace(namespace, LawSpec.from_namespace(namespace, controller, parameters))
+    law = LawSpec.from_namespace(namespace, run_system(namespace), controller, parameters)
+    return RunSpec.from_namespace(namespace, law)
 
 
 def start_up(namespace: argparse.Namespace) -> StartUp:
@@ -116,6 +118,8 @@ def require_interface(choice: BusChoice) -> None:
     """
     if choice.config.get("interface") is not None:
         return
+    import can
+
     try:
         can.util.load_config(config=dict(choice.config))
     except can.CanInterfaceNotImplementedError:
@@ -158,22 +162,24 @@ def recorded(
     quiet: bool,
     *,
     keep: bool = True,
+    panel: PanelSocket | None = None,
 ) -> tuple[Run | LocalRun, RunResult]:
     """Run one law and write its folder; a signal that arrives while results are written waits until they are complete.
 
     :param made: whether the folder was made for the run; it is then removed if the run never began.
     :param keep: whether the folder is kept; else only what the result needs is written.
+    :param panel: where a person gives orders.
     :returns: the run, whose ``spec`` has the memory that it began with, and its result.
     :raises NeverBegan: no frame came, or the run was refused; the folder is left as it was.
     :raises RecordFailed: folder or memory cannot be written.
     """
     with ExitStack() as held:
         try:
-            on_progress = held.enter_context(_progress(scenario, spec, console, quiet))
+            on_progress = held.enter_context(progress(scenario, spec, folder, console, quiet))
             check_faults(scenario, transports_of(choice, start_up.foreign), spec.pace)
             write_inputs(folder, scenario, spec.law.parameters)
             spec = with_memory(spec, folder)
-            run = _bench(scenario, spec, start_up, choice, folder, on_progress)
+            run = _bench(scenario, spec, start_up, choice, folder, on_progress, panel)
             held.enter_context(run.stop)
         except OSError as error:
             discard_folder(folder, made)
@@ -183,6 +189,9 @@ def recorded(
             discard_folder(folder, made)
             raise
         result = _executed(run, folder, made)
+        if run.session.desk is not None and tuple(run.session.desk.sent) != spec.orders:
+            # The same run again needs no hand.
+            spec = run.spec = replace(spec, orders=tuple(run.session.desk.sent))
         refused = result.exit_code == USAGE and result.sim_time_s == 0
         if refused or result.frames == 0:
             discard_folder(folder, made)
@@ -254,9 +263,11 @@ def _bench(
     choice: BusChoice,
     folder: Path,
     on_progress: Callable[[float], None] | None,
+    panel: PanelSocket | None = None,
 ) -> Run | LocalRun:
     if not spec.is_local:
-        return Run(scenario, spec, start_up, choice, folder, on_progress)
+        desk = None if panel is None else Desk(spec.orders, panel, not spec.is_realtime, scenario.faults)
+        return Run(scenario, spec, start_up, choice, folder, on_progress, desk=desk)
     # Laws and plant are loaded only by processes that compute with them.
     from railhil.local_run import LocalRun
 
@@ -273,30 +284,3 @@ def _executed(run: Run | LocalRun, folder: Path, made: bool) -> RunResult:
         elif isinstance(error, OSError) and error.errno in _CANNOT_GROW:
             raise record_failed(folder, error) from error
         raise
-
-
-@contextmanager
-def _progress(
-    scenario: AnyScenario, spec: RunSpec, console: Output, quiet: bool
-) -> Iterator[Callable[[float], None] | None]:
-    """Progress callback of the run, taking the simulation time in s; None when nothing is to be shown."""
-    if quiet:
-        yield None
-        return
-    columns: tuple[ProgressColumn, ...] = (
-        TextColumn("{task.description}"),
-        BarColumn(),
-        TextColumn("{task.completed:6.1f} of {task.total:.0f} s simulated"),
-    )
-    with Progress(*columns, console=console, auto_refresh=False, transient=True) as progress:
-        task = progress.add_task(spec.law.controller, total=scenario.planned_s)
-        shown_s = -1e9
-
-        def on_progress(sim_time_s: float) -> None:
-            nonlocal shown_s
-            # A redraw costs about a millisecond: one per ten simulated seconds is smooth enough.
-            if sim_time_s - shown_s >= (0.5 if spec.is_realtime else 10.0):
-                shown_s = sim_time_s
-                progress.update(task, completed=sim_time_s, refresh=True)
-
-        yield on_progress

@@ -21,6 +21,8 @@ _MODULES = (
     "score",
     "report",
     "plot",
+    "export",
+    "watch",
     "memory",
     "scenarios",
     "ports",

@@ -7,19 +7,25 @@ import platform
 import sys
 from dataclasses import asdict
 from importlib.metadata import version
+from pathlib import Path
 
 import can
-from can.cli import add_bus_arguments
 
+from railhil.bus.can_settings import add_bus_arguments
 from railhil.bus.errors import BusUnavailable
 from railhil.bus.hub.modelled import HUB
 from railhil.bus.limits import LIMITS
 from railhil.bus.link import open_link
 from railhil.bus.select import BusChoice, choose_bus, config_from_namespace
 from railhil.cli.bus_run import require_interface
+from railhil.common.build import python_build, railhil_build
+from railhil.common.choices import USUAL_SCENARIO
+from railhil.common.errors import InputError
 from railhil.common.exit_codes import PASS, USAGE
 from railhil.common.output import Output, add_json_argument, print_json, table
 from railhil.dbc import wire_contract
+from railhil.scenarios.load import load
+from railhil.scenarios.plant_fmu import PlantFmu
 from railhil.supervisor.doctor.finding import Finding
 from railhil.supervisor.doctor.kernelcan import kernel_can
 from railhil.supervisor.doctor.lateness import lateness
@@ -33,6 +39,10 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser = commands.add_parser("doctor", help="what this machine and its transports can promise")
     add_json_argument(parser)
     parser.add_argument("--quick", action="store_true", help="leave out the measurement, which takes 2 to 4 s")
+    parser.add_argument(
+        "--fmu", metavar="FILE", help="only whether this FMU can be the plant, and does the same twice (extra [fmi])"
+    )
+    parser.add_argument("--fmu-map", metavar="FILE", help="names of its variables (default: FILE of --fmu with .toml)")
     add_bus_arguments(parser)
     parser.set_defaults(work=work)
 
@@ -40,8 +50,8 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 def facts(choice: BusChoice) -> dict[str, str]:
     """Versions, and the bus that a command would choose."""
     return {
-        "railhil": version("railhil"),
-        "python": f"{platform.python_version()} ({sys.executable})",
+        "railhil": f"{version('railhil')}, {railhil_build()}",
+        "python": f"{platform.python_version()}, {python_build()} ({sys.executable})",
         "python-can": version("python-can"),
         "system": f"{platform.system()} {platform.release()} {platform.machine()}",
         "bus": f"{choice.transport} ({choice.reason})",
@@ -70,8 +80,29 @@ def _asked_bus(namespace: argparse.Namespace, choice: BusChoice) -> Finding | No
     return Finding("bus asked for", f"{choice.transport} can be opened")
 
 
+def _fmu(namespace: argparse.Namespace) -> int:
+    """Print whether an FMU is deterministic; exit code 2 if it is not."""
+    # Only here, because it loads the plant.
+    from railhil.plant_sim.fmu.determinism import TICKS, twice
+
+    if namespace.fmu is None:
+        raise InputError("command line", "--fmu-map", namespace.fmu_map, "only with --fmu")
+    named = PlantFmu(namespace.fmu, namespace.fmu_map or str(Path(namespace.fmu).with_suffix(".toml")))
+    document = named.as_json()
+    differs = twice(load(USUAL_SCENARIO), named)
+    if namespace.json:
+        print_json({**document, "ticks": TICKS, "deterministic": not differs, "found": differs})
+    else:
+        console = Output()
+        console.say(f"{'FMU':18} {named.file}, sha256 {document['sha256']}")
+        console.say(f"{'determinism':18} {differs or f'two runs of {TICKS} ticks are equal'}")
+    return USAGE if differs else PASS
+
+
 def work(namespace: argparse.Namespace) -> int:
     """Print facts, findings and limits; exit code 2 if the requested bus cannot be opened."""
+    if namespace.fmu is not None or namespace.fmu_map is not None:
+        return _fmu(namespace)
     choice = choose_bus(namespace)
     require_interface(choice)
     asked = _asked_bus(namespace, choice)

@@ -16,7 +16,7 @@ from rich.console import Console
 from rich.table import Table
 
 from railhil.common.command_line import OneLineParser, add_indexing_argument, parse
-from railhil.common.errors import InputError
+from railhil.common.errors import InputError, Words
 from railhil.common.exit_codes import guarded
 from railhil.controller_node.export.bundle import make_bundle, write_bundle
 from railhil.controller_node.export.single_bundle import single_bundle
@@ -44,6 +44,9 @@ def arguments() -> argparse.ArgumentParser:
     parser.add_argument("--parameters", type=Path, metavar="FILE", help="parameters of the law (default: its own)")
     number = "iq (fixed point, default where the law has it) or float32 (laws of systems with an Interface)"
     parser.add_argument("--arithmetic", choices=("iq", "float32"), help=number)
+    parser.add_argument(
+        "--fmu", action="store_true", help="write it as an FMI 2.0 FMU too (needs a C compiler and the extra [fmi])"
+    )
     parser.add_argument("--force", action="store_true", help="write into a folder that is not empty")
     return parser
 
@@ -83,6 +86,8 @@ def main() -> int:
     system = system_named(scenario.system)
     if _in_single_precision(namespace, system):
         refuse_indexing(system, law)
+        if namespace.fmu:
+            raise InputError("command line", "--fmu", Words("a law in float32"), "a law in fixed point")
         single = single_bundle(scenario, replace(law, arithmetic="float32"))
         write_bundle(single, namespace.out, force=namespace.force)
         size = f"{namespace.law} in single precision: {len(single.source.state)} numbers of state"
@@ -98,7 +103,13 @@ def main() -> int:
         f"{namespace.law} on the target: {source.ram_words} words of RAM, {words} words of constants, "
         f"stack at most {max(source.stack_words.values())} words"
     )
+    if namespace.fmu:
+        from railhil.controller_node.export.fmu import write_fmu
+
+        write_fmu(bundle, scenario, law, namespace.out / f"{source.name}.fmu")
     _list(bundle.files, size, namespace.out)
+    if namespace.fmu:
+        print(f"wrote {namespace.out / f'{source.name}.fmu'}")
     return 0
 
 

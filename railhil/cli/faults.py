@@ -132,7 +132,7 @@ def work(namespace: argparse.Namespace) -> int:
     system = run_system(namespace)
     if namespace.controller:
         system.check_law(namespace.controller, "command line", "--controller")
-    base = run_spec(namespace, namespace.controller or system.law, None)
+    base = run_spec(namespace, namespace.controller, None)
     how = StartUp(ask_for_fifo=not namespace.no_rt, appear_s=namespace.appear_timeout)
     jobs = namespace.jobs if base.is_local else 1
     console = Output(stderr=namespace.json)

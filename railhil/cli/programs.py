@@ -31,6 +31,7 @@ PROGRAMS = {
         "railhil.sequences",
         "sequences of runs of a law that learns from run to run: how its errors become smaller",
     ),
+    "panel": ("railhil.panel", "a page in the browser: the run on a bus, or recorded runs"),
     "reproduce": (
         "railhil.reproduce",
         "run the protocol of a paper and print its tables beside the published ones",

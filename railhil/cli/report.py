@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Sequence
 from pathlib import Path
 
-from railhil.common.errors import InputError
+from railhil.common.errors import InputError, Words
 from railhil.common.extras import missing
 from railhil.common.output import Output
 from railhil.scenarios.stored import any_judged_sha256
@@ -14,11 +15,14 @@ from railhil.supervisor.errors import not_written
 from railhil.supervisor.record import checked_record
 from railhil.supervisor.report.recorded import REPORT, RecordedRun, recorded_run
 
+#: The file by which the folder of a campaign is known.
+_CAMPAIGN = "campaign.json"
+
 
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Register the subcommand."""
     parser = commands.add_parser("report", help="write report.html of recorded runs (needs the extra [report])")
-    parser.add_argument("folder", nargs="+", help="run folder, or the folder of a comparison")
+    parser.add_argument("folder", nargs="+", help="run folder, or the folder of a comparison or of a campaign")
     parser.add_argument("--scenario", help="shipped name or TOML file (default: what certificate.json says)")
     parser.add_argument(
         "--out", metavar="FILE", help="the report (default: report.html in the folder; for several folders: here)"
@@ -33,6 +37,8 @@ def work(namespace: argparse.Namespace) -> int:
     except ImportError as error:
         raise missing("railhil report", error, "report") from None
     given = [Path(text) for text in namespace.folder]
+    if any((path / _CAMPAIGN).is_file() for path in given):
+        return _campaign(given, namespace)
     folders: list[Path] = []
     notes: list[str] = []
     for path in given:
@@ -51,7 +57,25 @@ def work(namespace: argparse.Namespace) -> int:
     else:
         out = Path(REPORT)
     try:
-        write_report(runs, out, list(dict.fromkeys(notes)))
+        write_report(runs, out, list(dict.fromkeys(notes)), folders)
+    except OSError as error:
+        raise not_written("--out", out, "file", error) from None
+    Output().say(str(out))
+    return 0
+
+
+def _campaign(given: Sequence[Path], namespace: argparse.Namespace) -> int:
+    """The report of a campaign."""
+    if len(given) > 1 or namespace.scenario is not None:
+        found = Words("a campaign beside other folders or --scenario")
+        raise InputError("command line", "folder", found, "one campaign alone")
+    try:
+        from railhil.campaign.report import report_of
+    except ImportError as error:
+        raise missing("railhil report of a campaign", error, "campaign") from None
+    out = given[0] / REPORT if namespace.out is None else Path(namespace.out)
+    try:
+        report_of(given[0], out)
     except OSError as error:
         raise not_written("--out", out, "file", error) from None
     Output().say(str(out))

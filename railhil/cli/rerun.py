@@ -8,8 +8,7 @@ import tempfile
 from dataclasses import replace
 from pathlib import Path
 
-from can.cli import add_bus_arguments
-
+from railhil.bus.can_settings import add_bus_arguments
 from railhil.bus.select import LOCAL, config_from_namespace
 from railhil.cli.bus_run import chosen_bus, recorded
 from railhil.common.choices import BUSES

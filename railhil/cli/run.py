@@ -19,12 +19,16 @@ from railhil.cli.bus_run import (
     start_up,
 )
 from railhil.cli.dbcfile import check_foreign_dbc
+from railhil.cli.panel import add_panel_arguments, check_panel, panel_beside, wait_for_start, with_emergency
 from railhil.cli.show import print_result
 from railhil.common.errors import Faults, InputError, Words
 from railhil.common.output import Output, add_json_argument, print_json
+from railhil.scenarios.plant_fmu import OPTION as FMU_OPTION
+from railhil.scenarios.plant_fmu import add_fmu_arguments, fmu_of
 from railhil.scenarios.run_document import OPTIONS, Layer, environment_layer, file_layer
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import system_named
+from railhil.supervisor.fault_report import transports_of
 from railhil.supervisor.folder import run_folder, score_json
 from railhil.supervisor.memory import memory_lines
 from railhil.supervisor.report.recorded import REPORT
@@ -49,6 +53,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser.add_argument(
         "--no-perturbed", dest="perturbed", action="store_false", help="a nominal run, whatever --spec says"
     )
+    add_fmu_arguments(parser)
     parser.add_argument("--out", metavar="DIR", help="run folder (default runs/<utc>-<scenario>-<controller>)")
     parser.add_argument("--attach", action="store_true", help="plant and controller are running already")
     parser.add_argument(
@@ -59,6 +64,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     )
     parser.add_argument("--no-controller", action="store_true", help="the controller is a board or another program")
     parser.add_argument("--dbc", metavar="FILE", help="refuse to run unless this DBC describes the telegrams")
+    add_panel_arguments(parser)
     add_json_argument(parser)
     for action in parser._actions:
         # Only options given here override environment and file.
@@ -77,7 +83,7 @@ def spec_of(namespace: argparse.Namespace, environment: Mapping[str, str]) -> Ru
     layers.append(environment_layer(environment, faults))
     words = {key: getattr(namespace, dest) for key, dest in _DESTINATIONS.items() if dest in namespace}
     layers.append(Layer("command line", words, OPTIONS))
-    return RunSpec.from_layers(layers, faults)
+    return replace(RunSpec.from_layers(layers, faults), plant_fmu=fmu_of(namespace))
 
 
 def _asked(namespace: argparse.Namespace) -> tuple[RunSpec, StartUp]:
@@ -93,6 +99,8 @@ def _asked(namespace: argparse.Namespace) -> tuple[RunSpec, StartUp]:
         raise InputError("command line", given[0], found, "none: the controller of somebody else is not given it")
     if namespace.rerun_command and not namespace.attach:
         raise InputError("command line", "--rerun-command", namespace.rerun_command, "only with --attach")
+    if namespace.attach and spec.plant_fmu is not None:
+        raise InputError("command line", FMU_OPTION, Words("beside --attach"), "it on the command line of the plant")
     if namespace.no_rt and not spec.is_realtime:
         raise InputError("command line", "--no-rt", Words(f"a run in {spec.pace}"), "only in a run with pace realtime")
     how = replace(
@@ -121,6 +129,8 @@ def made_again(path: Path, spec: RunSpec, result: RunResult) -> str:
 def work(namespace: argparse.Namespace) -> int:
     """Run, write the run folder, print; the exit code is the verdict."""
     spec, how = _asked(namespace)
+    check_panel(namespace, spec)
+    spec = with_emergency(namespace, spec)
     scenario = spec.load()
     if namespace.dbc is not None:
         check_foreign_dbc(namespace.dbc, system_named(scenario.system).contract)
@@ -129,7 +139,12 @@ def work(namespace: argparse.Namespace) -> int:
         folder, made = run_folder(namespace.out, scenario.name, spec.law.controller)
         console.say(f"bus: {choice.transport} ({choice.reason})")
         quiet = namespace.quiet or namespace.json or not console.is_terminal
-        run, result = recorded(scenario, spec, how, choice, folder, made, console, quiet)
+        with panel_beside(namespace, spec, choice) as panel:
+            if panel is not None and namespace.wait:
+                spec, scenario = wait_for_start(panel, spec, scenario, transports_of(choice, how.foreign), how.attach)
+            run, result = recorded(scenario, spec, how, choice, folder, made, console, quiet, panel=panel)
+            if panel is not None:
+                panel.tell({"phase": "ended", "exit_code": result.exit_code, "line": result.line})
     found = as_recorded(folder, run, result)
     report = "" if namespace.no_report else report_line([found], folder)
     again = "" if namespace.spec is None else made_again(namespace.spec, spec, result)

@@ -41,16 +41,6 @@ def base_name(dockerfile: Path) -> str:
     return match.group(1)
 
 
-def _mirrors() -> list[tuple[str, str, str]]:
-    """Debian's own package sources of the host: ``(uri, release, components)``, main archive first."""
-    text = debian.run_tool(
-        ["apt-get", "indextargets", "--format", "$(ORIGIN)|$(REPO_URI)|$(RELEASE)|$(COMPONENT)",
-         "Identifier: Packages"]
-    )  # fmt: skip
-    rows = [line.split("|") for line in text.splitlines() if line.startswith("Debian|")]
-    return sorted({(uri, release, part) for _, uri, release, part in rows}, key=lambda row: (len(row[1]), row))
-
-
 def _root_archive(suite: str) -> Path:
     """Tar file of a minimal Debian ``suite``, from the cache or made now."""
     with debian.cache_lock("docker_engine"):
@@ -59,7 +49,7 @@ def _root_archive(suite: str) -> Path:
         archive = home / f"{suite}-minbase.tar"
         if archive.exists():
             return archive
-        mirrors = [uri for uri, release, _ in _mirrors() if release == suite]
+        mirrors = [uri for uri, release, _ in debian.mirrors() if release == suite]
         if not mirrors:
             raise debian.CapabilityError(f"{_PURPOSE}: this host's apt has no Debian mirror for {suite}")
         debian.say(f"{_PURPOSE}: debootstrap {suite} into {home} (about half a minute)")
@@ -115,7 +105,7 @@ def provide_base_image(name: str, environment: Mapping[str, str]) -> None:
     bare = f"railhil-bare-base:{suite}-{archive.stat().st_mtime_ns}"
     with tempfile.TemporaryDirectory(prefix="railhil-base-") as scratch:
         context = Path(scratch)
-        sources = "".join(f"deb {uri} {release} {part}\n" for uri, release, part in _mirrors())
+        sources = "".join(f"deb {uri} {release} {part}\n" for uri, release, part in debian.mirrors())
         (context / "sources.list").write_text(sources)
         (context / "80host").write_text(_apt_settings())
         (context / "pip.conf").write_text(_pip_settings())

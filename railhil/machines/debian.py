@@ -106,13 +106,18 @@ def guarded(name: str, action: Callable[[], int]) -> int:
         return EXIT_MACHINE_FAILED
 
 
-def run_tool(arguments: Sequence[str], cwd: Path | None = None, timeout_s: float = _APT_TIMEOUT_S) -> str:
-    """Standard output of a tool that must succeed.
+def run_tool(
+    arguments: Sequence[str],
+    cwd: Path | None = None,
+    timeout_s: float = _APT_TIMEOUT_S,
+    environment_too: Mapping[str, str] | None = None,
+) -> str:
+    """Standard output of a tool that must succeed, with ``environment_too`` in addition to this process's variables.
 
     Raises:
         MachineError: the tool failed or took longer than ``timeout_s``; the text has its last line.
     """
-    variables = {**environment(), "DEBIAN_FRONTEND": "noninteractive", "LC_ALL": "C"}
+    variables = {**environment(), "DEBIAN_FRONTEND": "noninteractive", "LC_ALL": "C", **(environment_too or {})}
     try:
         done = subprocess.run(
             list(arguments), cwd=cwd, env=variables, stdin=subprocess.DEVNULL, timeout=timeout_s,
@@ -197,6 +202,20 @@ def install_browser() -> None:
     if not any(find_command(command) for command in BROWSERS):
         require_debian_root("report")
         install_commands({"chromium": "chromium"}, "report")
+
+
+def mirrors() -> list[tuple[str, str, str]]:
+    """Debian's own package sources of the host: ``(uri, release, components)``, main archive first.
+
+    Raises:
+        MachineError: apt does not answer.
+    """
+    text = run_tool(
+        ["apt-get", "indextargets", "--format", "$(ORIGIN)|$(REPO_URI)|$(RELEASE)|$(COMPONENT)",
+         "Identifier: Packages"]
+    )  # fmt: skip
+    rows = [line.split("|") for line in text.splitlines() if line.startswith("Debian|")]
+    return sorted({(uri, release, part) for _, uri, release, part in rows}, key=lambda row: (len(row[1]), row))
 
 
 def download_package(package: str, folder: Path, purpose: str) -> Path:

@@ -2,11 +2,13 @@
 
 ::
 
-    paper.py     what a paper is: runs, tables, statements, figures
+    paper.py     what a paper is: entries, tables, statements, figures
     papers.py    the papers by name
-    protocol.py  makes the runs of a paper
+    ways.py      how an entry is made: a run over the in-process bus, or without a bus
+    learned.py   and as a set of sequences
+    protocol.py  makes the entries of a paper
     document.py  the result as one document, and back
     page.py      the result as a page with its pictures and tables
     show.py      the result on a terminal
-    ipfc.py      one module per paper
+    ipfc         one package per paper: ipfc, ngpc, ilc
 """

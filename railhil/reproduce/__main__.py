@@ -48,10 +48,15 @@ def _one_of(names: Sequence[str]) -> Callable[[str], str]:
 
 
 def _seeds(text: str) -> tuple[int, ...]:
-    found = tuple(whole_number(0, SEED_MAX)(item.strip()) for item in text.split(",")[: _SEEDS_MAX + 1])
+    found: list[int] = []
+    for item in text.split(",")[: _SEEDS_MAX + 1]:
+        first, dash, last = (part.strip() for part in item.partition("-"))
+        begin = whole_number(0, SEED_MAX)(first)
+        end = whole_number(begin, SEED_MAX)(last) if dash else begin
+        found += range(begin, min(end, begin + _SEEDS_MAX) + 1)
     if len(found) > _SEEDS_MAX or len(set(found)) < len(found):
         raise argparse.ArgumentTypeError(f"found {text}, allowed at most {_SEEDS_MAX} seeds, each once")
-    return found
+    return tuple(found)
 
 
 def arguments(papers: Mapping[str, str] = PAPERS) -> argparse.ArgumentParser:
@@ -71,7 +76,9 @@ def arguments(papers: Mapping[str, str] = PAPERS) -> argparse.ArgumentParser:
         metavar="PAPER",
         help=f"of {', '.join(names)}; without it they are listed",
     )
-    parser.add_argument("--seeds", type=_seeds, metavar="N,N,...", help="seeds of the runs (default: the paper's page)")
+    parser.add_argument(
+        "--seeds", type=_seeds, metavar="N,N-N,...", help="seeds of the runs (default: those of the paper's page)"
+    )
     parser.add_argument(
         "--jobs", type=whole_number(1, 1024), default=len(os.sched_getaffinity(0)), metavar="N",
         help="runs at a time (default: one for each processor)",

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from importlib.metadata import version
@@ -18,11 +17,6 @@ class Shown:
     name: str
     title: str
     caption: str
-
-
-def again(planned: Planned) -> str:
-    """The command that makes a run of the protocol alone."""
-    return shlex.join(["railhil", "run", *planned.spec.words])
 
 
 def document(paper: Paper, results: Results, pictures: Sequence[Shown] = ()) -> dict[str, Any]:
@@ -48,10 +42,10 @@ def document(paper: Paper, results: Results, pictures: Sequence[Shown] = ()) -> 
 def _run(planned: Planned, found: Measured) -> dict[str, Any]:
     return {
         "run": found.key,
-        "again": again(planned),
+        "again": planned.again,
         "verdict": found.verdict,
         "reasons": list(found.reasons),
-        "frames_sha256": found.frames_sha256,
+        "sha256": found.sha256,
         "measured": dict(found.values),
     }
 
@@ -80,7 +74,7 @@ def _line(table: Table, line: Line) -> dict[str, Any]:
 def results_of(found: Mapping[str, Any]) -> Results:
     """The measured runs of a document made by :func:`document`, without their curves."""
     runs = {
-        run["run"]: Measured(run["run"], run["verdict"], tuple(run["reasons"]), run["frames_sha256"], run["measured"])
+        run["run"]: Measured(run["run"], run["verdict"], tuple(run["reasons"]), run["sha256"], run["measured"])
         for run in found["runs"]
     }
     return Results(tuple(found["seeds"]), runs)

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from railhil.common.whole_file import whole_file
-from railhil.reproduce.document import Shown, again, document
+from railhil.reproduce.document import Shown, document
 from railhil.reproduce.paper import Paper, Results, Table
 from railhil.supervisor.errors import not_written
 
@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 PAGE, RESULTS, RUNS = "page.md", "results.json", "runs"
 #: Digits of a hash in a table; the document has all of them.
 _DIGEST_DIGITS = 12
+#: So many seeds that follow each other are written as a range.
+_MANY_SEEDS = 10
 
 
 def write_page(paper: Paper, results: Results, pictures: Sequence[Picture], folder: Path) -> None:
@@ -36,13 +38,21 @@ def write_page(paper: Paper, results: Results, pictures: Sequence[Picture], fold
     files = {PAGE: page(paper, results, shown(pictures))}
     files |= {f"{table.name}.csv": csv_text(table) for table in paper.tables(results)}
     files |= {f"{picture.name}.svg": picture.svg + "\n" for picture in pictures}
+    files |= parameter_files(paper, results)
     files[RESULTS] = json.dumps(document(paper, results, shown(pictures)), indent=2, allow_nan=False) + "\n"
     try:
         for name, text in files.items():
+            (folder / name).parent.mkdir(exist_ok=True)
             with whole_file(folder / name) as draft:
                 draft.write_text(text, encoding="utf-8", newline="\n")
     except OSError as error:
         raise not_written("--out", folder, "folder", error) from None
+
+
+def parameter_files(paper: Paper, results: Results) -> dict[str, str]:
+    """Content of the parameter files that the commands of the entries name, by path in the folder of the page."""
+    sets = (planned.spec.law.parameters for planned in paper.planned(results.seeds))
+    return {str(one.source): one.text for one in sets if one is not None and not one.source.is_absolute()}
 
 
 def shown(pictures: Sequence[Picture]) -> list[Shown]:
@@ -73,11 +83,11 @@ def page(paper: Paper, results: Results, pictures: Sequence[Shown] = ()) -> str:
 
 def _lines(paper: Paper, results: Results, pictures: Sequence[Shown]) -> Iterator[str]:
     yield from (f"# {paper.title}", "", f"{paper.source}.", "")
-    seeds = "" if results.seeds == paper.seeds else f" --seeds {','.join(map(str, results.seeds))}"
+    seeds = "" if results.seeds == paper.seeds else f" --seeds {seeds_said(results.seeds, ',', '-')}"
     yield f"Written by `railhil reproduce {paper.name}{seeds} --out DIR`, railhil {version('railhil')}; the same seeds"
     yield from ("give the same page on every machine.", "", "## Protocol", "")
     yield from (f"* {sentence}" for sentence in paper.protocol)
-    yield f"* Seeds: {', '.join(map(str, results.seeds))}."
+    yield f"* Seeds: {seeds_said(results.seeds, ', ', ' to ')}."
     if missing := sum(one.key not in results.runs for one in paper.planned(results.seeds)):
         yield f"* {missing} of these runs were not made; figures that need them are missing below."
     yield ""
@@ -102,17 +112,25 @@ def _lines(paper: Paper, results: Results, pictures: Sequence[Shown]) -> Iterato
         yield from _markdown(("where", "reading of this bench", "otherwise"), rows, ())
     # Last, because there may be hundreds.
     yield from ("## Runs", "")
-    yield from _markdown(("run", "verdict", "frames.log SHA-256", "again"), _run_rows(paper, results), ())
+    yield from _markdown(("run", "verdict", "SHA-256", "again"), _run_rows(paper, results), ())
+
+
+def seeds_said(seeds: Sequence[int], comma: str, to: str) -> str:
+    """Seeds in words; many that follow each other by the first and the last."""
+    if len(seeds) >= _MANY_SEEDS and list(seeds) == list(range(seeds[0], seeds[0] + len(seeds))):
+        return f"{seeds[0]}{to}{seeds[-1]}"
+    return comma.join(map(str, seeds))
 
 
 def _run_rows(paper: Paper, results: Results) -> Iterator[list[str]]:
     for planned in paper.planned(results.seeds):
+        again = f"`{planned.again}`" if planned.again else ""
         if (found := results.runs.get(planned.key)) is None:
-            yield [planned.key, "not made", "", f"`{again(planned)}`"]
+            yield [planned.key, "not made", "", again]
             continue
         verdict = f"{found.verdict}{': ' if found.reasons else ''}{'; '.join(found.reasons)}"
-        digest = f"`{found.frames_sha256[:_DIGEST_DIGITS]}`" if found.frames_sha256 else "no log"
-        yield [planned.key, verdict, digest, f"`{again(planned)}`"]
+        digest = f"`{found.sha256[:_DIGEST_DIGITS]}`" if found.sha256 else "no log"
+        yield [planned.key, verdict, digest, again]
 
 
 def _grouped(rows: Sequence[list[str]]) -> Iterator[list[str]]:

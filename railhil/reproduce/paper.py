@@ -6,12 +6,13 @@ that the same seeds give the same bytes.
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from statistics import median
 from typing import TYPE_CHECKING, Any
 
-from railhil.library import Outcome
+from railhil.reproduce.ways import Recorded, Way
 from railhil.scenarios.run_spec import RunSpec
 from railhil.supervisor.report.deviations import Deviation
 
@@ -25,46 +26,56 @@ FOLLOWS, IN_PART, FOLLOWS_NOT, OPEN = "follows", "follows in part", "does not fo
 
 @dataclass(frozen=True, slots=True)
 class Planned:
-    """One run of a protocol: ``key`` names it in tables, documents and folders; ``drawn``: a figure shows it.
+    """One entry of a protocol: ``key`` names it in tables, documents and folders; ``drawn``: a figure shows its curves.
 
-    ``coupled``: the run is made without a bus (:mod:`railhil.vector_bench`), and of the plant's other ports only these
-    are published; None: with the in-process bus and a run folder.
+    ``spec``: the run; of a set of sequences any of its runs. ``how``: the way in which the entry is made.
     """
 
     key: str
     spec: RunSpec
     drawn: bool = False
-    coupled: tuple[str, ...] | None = None
+    how: Way = field(default_factory=Recorded)
+
+    @property
+    def again(self) -> str:
+        """The command that makes it alone; empty: there is none."""
+        words = self.how.words(self.spec)
+        return shlex.join(["railhil", *words]) if words else ""
+
+    @property
+    def identity(self) -> list[str]:
+        """What its figures depend on besides the code: way, law with its parameters, run."""
+        return [repr(self.how), self.spec.law.label, *self.spec.words]
 
 
 @dataclass(frozen=True, slots=True)
 class Measured:
-    """What is kept of a run: its figures by name (None: the run did not get that far), and the curves of a drawn one.
+    """What is kept of an entry: its figures by name (None: a run did not get that far), and the curves of a drawn one.
 
-    ``reasons``: why the verdict is not PASS.
+    ``reasons``: why the verdict is not PASS. ``sha256``: of its log; empty if it has none.
     """
 
     key: str
     verdict: str
     reasons: tuple[str, ...]
-    frames_sha256: str
+    sha256: str
     values: Mapping[str, float | None]
     curves: Any = None
 
 
 @dataclass(frozen=True)
 class Results:
-    """The measured runs of a protocol by key, and the seeds with which they were made; not all need to be there."""
+    """The measured entries of a protocol by key, and the seeds with which they were made; not all need to be there."""
 
     seeds: tuple[int, ...]
     runs: Mapping[str, Measured]
 
     def value(self, key: str, name: str) -> float | None:
-        """A figure of one run; None if it has no value or was not made."""
+        """A figure of one entry; None if it has no value or was not made."""
         return self.runs[key].values[name] if key in self.runs else None
 
     def over(self, keys: Iterable[str], name: str, reduce: Callable[[list[float]], float] = median) -> float | None:
-        """A figure over runs, by default its median; None if one of them has no value or was not made."""
+        """A figure over entries, by default its median; None if one of them has no value or was not made."""
         values = [self.value(key, name) for key in keys]
         known = [value for value in values if value is not None]
         return float(reduce(known)) if values and len(known) == len(values) else None
@@ -160,12 +171,17 @@ class Statement:
     why: str = ""
 
 
+def no_curves(outcome: Any) -> None:
+    """For a paper whose figures are drawn from the measured values."""
+
+
 @dataclass(frozen=True)
 class Paper:
     """One paper.
 
-    ``protocol``: how the runs are made, in sentences. ``seeds``: those of the page; ``planned``: (seeds) -> the runs.
-    ``measure``: (outcome of a run) -> its figures; ``curves``: (outcome) -> what ``figures`` draws of it.
+    ``protocol``: how the runs are made, in sentences. ``seeds``: those of the page; ``planned``: (seeds) -> the
+    entries. ``measure``: (outcome of an entry, as its way makes it) -> its figures; ``curves``: (outcome) -> what
+    ``figures`` draws of one that is ``drawn``.
     ``tables``, ``statements``, ``figures``: (results) -> parts of the page. ``readings``: () -> places of the paper
     that can be read in more than one way, and how the bench reads them. All of them are functions of a module, so that
     a run can be made in another process.
@@ -177,12 +193,12 @@ class Paper:
     protocol: tuple[str, ...]
     seeds: tuple[int, ...]
     planned: Callable[[Sequence[int]], Sequence[Planned]]
-    measure: Callable[[Outcome], Mapping[str, float | None]]
-    curves: Callable[[Outcome], Any]
+    measure: Callable[[Any], Mapping[str, float | None]]
     tables: Callable[[Results], Sequence[Table]]
     statements: Callable[[Results], Sequence[Statement]]
     figures: Callable[[Results], Sequence[Picture]]
     readings: Callable[[], Sequence[Deviation]] = field(default=tuple)
+    curves: Callable[[Any], Any] = no_curves
 
 
 def order(values: Mapping[str, float | None]) -> list[str]:

@@ -8,7 +8,11 @@ from importlib import import_module
 from railhil.reproduce.paper import Paper
 
 #: Name of each paper, in the order of the list, and its record, ``module:object``.
-PAPERS: Mapping[str, str] = {"ipfc": "railhil.reproduce.ipfc:PAPER", "ngpc": "railhil.reproduce.ngpc:PAPER"}
+PAPERS: Mapping[str, str] = {
+    "ipfc": "railhil.reproduce.ipfc:PAPER",
+    "ngpc": "railhil.reproduce.ngpc:PAPER",
+    "ilc": "railhil.reproduce.ilc:PAPER",
+}
 
 
 def paper_named(name: str, papers: Mapping[str, str] = PAPERS) -> Paper:

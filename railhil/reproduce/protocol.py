@@ -1,4 +1,4 @@
-"""Makes the runs of a paper's protocol, each in one process without a bus, as many at a time as asked for."""
+"""Makes the entries of a paper's protocol, each in one process without a bus, as many at a time as asked for."""
 
 from __future__ import annotations
 
@@ -13,14 +13,9 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from railhil import library
 from railhil.common.errors import InputError
 from railhil.common.whole_file import whole_file
-from railhil.controller_node.vector.controller import VectorController
-from railhil.library import Outcome
 from railhil.reproduce.paper import Measured, Paper, Planned, Results
-from railhil.scenarios.run_spec import RunSpec
-from railhil.vector_bench import coupled_run
 
 
 def results(
@@ -72,18 +67,15 @@ def _measured(
     if file is not None and not is_drawn and file.is_file():
         return _read(file, planned)
     with ExitStack() as held:
-        if planned.coupled is None:
-            place = kept or Path(held.enter_context(TemporaryDirectory(prefix="railhil-reproduce-")))
-            outcome = library.run(planned.spec, out=place / planned.key)
-        else:
-            outcome = _coupled(planned.spec, planned.coupled)
+        place = kept or Path(held.enter_context(TemporaryDirectory(prefix="railhil-reproduce-")))
+        made = planned.how.make(planned.spec, place / planned.key)
         found = Measured(
             key=planned.key,
-            verdict=outcome.verdict,
-            reasons=outcome.reasons,
-            frames_sha256=outcome.frames_sha256,
-            values=dict(paper.measure(outcome)),
-            curves=paper.curves(outcome) if is_drawn else None,
+            verdict=made.verdict,
+            reasons=made.reasons,
+            sha256=made.sha256,
+            values=dict(paper.measure(made.outcome)),
+            curves=paper.curves(made.outcome) if is_drawn else None,
         )
     if file is not None:
         with whole_file(file) as draft:
@@ -91,31 +83,13 @@ def _measured(
     return found
 
 
-def _coupled(spec: RunSpec, ports: tuple[str, ...]) -> Outcome:
-    """A run without a bus; it has neither folder nor certificate."""
-    scenario = spec.load()
-    run = coupled_run(scenario, VectorController(scenario, spec.law).step, spec, ports)
-    score = run.score
-    document: dict[str, Any] = score.as_json()
-    return Outcome(
-        Path(),
-        scenario,
-        score.verdict,
-        score.failures,
-        document["scores"],
-        document["signed"],
-        spec.as_json(),
-        run.trace,
-    )
-
-
 def _stored(found: Measured, planned: Planned) -> dict[str, Any]:
     return {
-        "again": planned.spec.words,
+        "entry": planned.identity,
         "railhil": version("railhil"),
         "verdict": found.verdict,
         "reasons": list(found.reasons),
-        "frames_sha256": found.frames_sha256,
+        "sha256": found.sha256,
         "measured": dict(found.values),
     }
 
@@ -129,7 +103,7 @@ def _read(file: Path, planned: Planned) -> Measured:
         found = json.loads(file.read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
         raise InputError(file, "file", str(error), "figures of a run, as --measured writes them") from None
-    for key, allowed in (("again", list(planned.spec.words)), ("railhil", version("railhil"))):
+    for key, allowed in (("entry", planned.identity), ("railhil", version("railhil"))):
         if found.get(key) != allowed:
             raise InputError(file, key, str(found.get(key)), f"{allowed}, or no such file: the run is then made")
-    return Measured(planned.key, found["verdict"], tuple(found["reasons"]), found["frames_sha256"], found["measured"])
+    return Measured(planned.key, found["verdict"], tuple(found["reasons"]), found["sha256"], found["measured"])

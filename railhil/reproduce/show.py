@@ -11,10 +11,10 @@ _COLOURS = {FOLLOWS: "green", IN_PART: "yellow", FOLLOWS_NOT: "red"}
 
 
 def show_papers(console: Output, papers: Iterable[Paper]) -> None:
-    """The papers and the number of their runs."""
+    """The papers and the number of entries of their protocols."""
     rows = table()
-    for name in ("paper", "title", "runs"):
-        rows.add_column(name, justify="right" if name == "runs" else "left")
+    for name in ("paper", "title", "entries"):
+        rows.add_column(name, justify="right" if name == "entries" else "left")
     for paper in papers:
         rows.add_row(paper.name, paper.title, str(len(paper.planned(paper.seeds))))
     console.print(rows)

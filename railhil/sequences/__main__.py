@@ -11,7 +11,7 @@ from typing import Any
 
 from rich.console import Console
 
-from railhil.batch.nodes import kernel_of
+from railhil.batch.nodes import kernel_of, one_by_one
 from railhil.campaign.extras import need
 from railhil.common.command_line import parse
 from railhil.common.exit_codes import FAIL, PASS, guarded
@@ -54,6 +54,8 @@ def _run(namespace: argparse.Namespace) -> int:
     together = together_of(plan.scenario) is not None
     if not together and runner_of(plan.scenario) is through_nodes:
         say(f"system {plan.scenario.system} has no runs without a bus, or not with its faults: the nodes make them all")
+    elif together and (why := one_by_one(plan.scenario)):
+        say(why)
     jobs = namespace.jobs or os.cpu_count() or 1
     name = "dask" if namespace.scheduler is not None else "batch" if jobs == 1 else "joblib"
     with running(

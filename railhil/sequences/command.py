@@ -7,13 +7,12 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from railhil.common.choices import INDEXINGS
+from railhil.common.choices import INDEXINGS, USUAL_SCENARIO
 from railhil.common.command_line import SEED_MAX, OneLineParser, whole_number
 from railhil.common.errors import InputError
 from railhil.common.output import add_json_argument
 from railhil.controller_node.arithmetic import names as arithmetics
 from railhil.scenarios.load import stable_name
-from railhil.scenarios.run_document import USUAL_SCENARIO
 from railhil.scenarios.settings import add_fault_argument, add_set_argument
 from railhil.sequences.plan import CHUNK_MAX, RUNS_MAX, SEQUENCES_MAX, Request
 

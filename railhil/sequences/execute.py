@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import platform
 from collections.abc import Callable
 from dataclasses import asdict
 from functools import partial
@@ -19,6 +18,7 @@ from railhil.campaign.engines import Engine
 from railhil.campaign.parts import RESULTS, PartsFolder, check_same, locked
 from railhil.campaign.results_table import file_bytes
 from railhil.campaign.run import completed
+from railhil.common.build import machine
 from railhil.common.command_line import SEED_MAX
 from railhil.common.errors import InputError, Words
 from railhil.scenarios.stored import any_document
@@ -85,7 +85,7 @@ def _manifest(plan: Plan) -> dict[str, Any]:
         "study": plan.identity,
         "request": asdict(plan.request),
         "scenario": any_document(plan.scenario),
-        "machine": {"python": platform.python_version(), "system": platform.system(), "machine": platform.machine()},
+        "machine": machine(),
     }
 
 

@@ -80,20 +80,23 @@ def together_of(scenario: AnyScenario) -> Callable[..., Any] | None:
     return system.part("together") if "together" in system.own and not needs_nodes(scenario) else None
 
 
-def sequences(scenario: AnyScenario, wanted: Sequence[list[RunSpec]]) -> Iterator[tuple[int, int, OneRun]]:
+def sequences(
+    scenario: AnyScenario, wanted: Sequence[list[RunSpec]], begun: Sequence[Memory] | None = None
+) -> Iterator[tuple[int, int, OneRun]]:
     """The runs of several sequences in any order: place of the sequence, number of the run from 1, the run.
 
     :param wanted: runs of each sequence, equally many.
+    :param begun: memory for the first of the runs of each sequence; None: none.
     :raises InputError: as :func:`sequence`.
     """
     together = together_of(scenario)
+    memories = list(begun or [no_memory(specs[0].law.controller, Path("memory")) for specs in wanted])
     if together is None:
         runner = runner_of(scenario)
         for place, specs in enumerate(wanted):
-            for number, run in enumerate(sequence(scenario, specs, runner), 1):
+            for number, run in enumerate(sequence(scenario, specs, runner, memories[place]), 1):
                 yield place, number, run
         return
-    memories = [no_memory(specs[0].law.controller, Path("memory")) for specs in wanted]
     for number in range(len(wanted[0])):
         specs = [
             replace(sequence[number], law=replace(sequence[number].law, memory=memory))

@@ -12,6 +12,7 @@ from typing import Any
 
 import railhil
 from railhil.campaign.plan import batch_sha256, bench_sha256, law_sha256
+from railhil.common.choices import USUAL_SCENARIO
 from railhil.common.command_line import SEED_MAX
 from railhil.common.errors import InputError, Words
 from railhil.controller_node.law_controller import maker_of
@@ -20,7 +21,6 @@ from railhil.controller_node.laws.memory import require_memory
 from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.parameters import load_parameters
-from railhil.scenarios.run_document import USUAL_SCENARIO
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.stored import any_judged_sha256
 from railhil.scenarios.system import system_named

@@ -22,6 +22,7 @@ from railhil.sequences.pictures import pictures
 from railhil.sequences.plan import Plan
 from railhil.sequences.show import converged
 from railhil.sequences.table import memories
+from railhil.supervisor.report.assets import styles_text
 from railhil.supervisor.report.figures import Picture
 from railhil.supervisor.report.recorded import REPORT, RecordedRun
 
@@ -48,6 +49,7 @@ def page(plan: Plan, summary: Mapping[str, Any], table: pa.Table) -> str:
         pictures=pictures(plan, table),
         examples=_examples(plan, table),
         facts=_facts(plan, summary),
+        chart_styles=styles_text(),
     )
 
 

@@ -10,8 +10,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from can.cli import add_bus_arguments
-
+from railhil.bus.can_settings import add_bus_arguments
 from railhil.bus.select import LOCAL, config_from_namespace
 from railhil.cli.bus_run import add_arguments, run_spec, run_system, start_up
 from railhil.common.choices import BUSES
@@ -47,8 +46,6 @@ def arguments() -> argparse.ArgumentParser:
     run.add_argument("--memory-from", type=Path, metavar="FILE", help="begin with this memory (default: none)")
     run.add_argument("--runs", type=whole_number(1, RUNS_MAX), default=_RUNS, metavar="N", help="runs (default 15)")
     run.add_argument("--out", metavar="DIR", help="folder (default runs/<utc>-<scenario>-sequence)")
-    # The usual one is that of the system.
-    run.set_defaults(arithmetic=None)
     verify = verbs.add_parser("verify", help="check every file of a sequence against its hashes")
     verify.add_argument("sequence", type=Path, metavar="DIR", help="folder of a sequence")
     rerun = verbs.add_parser("rerun", help="make the sequence again: the same bytes, or the first run that differs")
@@ -63,7 +60,6 @@ def arguments() -> argparse.ArgumentParser:
 def _run(namespace: argparse.Namespace) -> int:
     system = run_system(namespace)
     name = namespace.controller or system.law
-    namespace.arithmetic = namespace.arithmetic or system.arithmetic
     system.check_law(name, "command line", "--controller")
     given = None if namespace.parameters is None else load_parameters(namespace.parameters.resolve())
     first = run_spec(namespace, name, given)

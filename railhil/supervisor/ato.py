@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from railhil.bus.telegrams import CtlStat, NotchCmd, SimTruth, TrnPos, TrnSpeed
+from railhil.bus.telegrams import CtlStat, NotchCmd, SimTruth, TrkInfo, TrnPos, TrnSpeed
 from railhil.common.law_order import LAW_ORDER
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.system import system_named
@@ -152,7 +152,9 @@ JUDGING = Judging(
     deviations=deviations,
     advice=advice,
     reckoned=reckoned,
+    shown=(("speed_limit_mps", TrkInfo.PORT, "SpeedLimit"),),
     watches=WATCHES,
     interlocks=INTERLOCKS,
     received=received,
+    ends_at_m=lambda scenario: scenario.plan.distance_m,
 )

@@ -12,7 +12,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from railhil.bus.select import HUB_INTERFACE, LOCAL, BusChoice
+from railhil.bus.can_settings import HUB_INTERFACE
+from railhil.bus.select import LOCAL, BusChoice
 from railhil.common.whole_file import whole_file
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.system import system_named

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import platform
 import shlex
 import tempfile
 import time
@@ -15,6 +14,7 @@ from typing import Any
 
 import railhil
 from railhil.bus.ident import PROFILES
+from railhil.common.build import machine
 from railhil.common.errors import InputError
 from railhil.common.plain_text import plain
 from railhil.common.whole_file import whole_file, write_synced
@@ -23,12 +23,12 @@ from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.stored import any_judged_sha256
 from railhil.scenarios.system import system_named
+from railhil.supervisor.blf_writer import write_blf
 from railhil.supervisor.criteria import limited
 from railhil.supervisor.documents import CERTIFICATE, SCORE
 from railhil.supervisor.errors import RecordFailed, not_written
 from railhil.supervisor.events.event import EVENTS, FAULT, LOST, MISSED_POLL, REFUSED, write_events
 from railhil.supervisor.events.summary import counts_said, explained, reactions, summary, why
-from railhil.supervisor.framelog import write_blf
 from railhil.supervisor.json_file import write_json
 from railhil.supervisor.judging import judging_of
 from railhil.supervisor.learned import NOTHING_LEARNED
@@ -210,7 +210,7 @@ def certificate(
         "line": result.line,
         "command": run_command(spec, start_up, bus_arguments),
         "command_needs": rerun_needs(start_up),
-        "machine": {"python": platform.python_version(), "system": platform.system(), "machine": platform.machine()},
+        "machine": machine(),
         "libraries": {name: version(name) for name in ("python-can", "cantools", "numpy", "scipy")},
         "assumptions": list(scenario.assumptions),
         # What was injected, with all draws: as texts of --fault they make the run again.

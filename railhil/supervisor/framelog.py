@@ -8,20 +8,17 @@ from __future__ import annotations
 
 import hashlib
 import os
-import struct
-import zlib
 from collections.abc import Iterator
 from functools import lru_cache
 from pathlib import Path
 
-from can.io import BLFReader, BLFWriter
-from can.io.blf import BLFParseError
-
-from railhil.bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame, from_message, quick_frame, to_message
-from railhil.common.errors import InputError, Words
+from railhil.bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame, quick_frame
+from railhil.common.errors import InputError
 
 #: Channel name in the log, whatever the transport was.
 CHANNEL = "mvb0"
+#: Name in a run folder.
+LOG_NAME = "frames.log"
 #: candump's mark of an error frame in the identifier (python-can writes a bus error).
 _ERROR_ID = 0x20000080
 _NS_PER_US = 1000
@@ -30,8 +27,6 @@ _TIME_MAX_NS = (1 << 63) - 1
 #: Longest line: 64 bytes of CAN FD in hexadecimal, with time stamp, channel and identifier.
 _LINE_MAX_BYTES = 1024
 BLF_SUFFIX = ".blf"
-#: Exceptions of python-can's reader for data that are not BLF, or end too early.
-_NO_BLF = (BLFParseError, struct.error, zlib.error, ValueError, OverflowError, EOFError)
 #: Standard identifiers as formatted in the log.
 _STANDARD = tuple(f"{can_id:03X}#" for can_id in range(0x800))
 
@@ -65,7 +60,7 @@ class FrameLog:
     """Writes ``frames.log`` of one run folder during the run."""
 
     def __init__(self, folder: Path) -> None:
-        self.path = folder / "frames.log"
+        self.path = folder / LOG_NAME
         self._stream = self.path.open("w", encoding="ascii", newline="\n", buffering=1 << 16)
         self.write = self._stream.write
         #: Flush the buffer to the kernel: from then on a killed recorder no longer loses it.
@@ -116,26 +111,12 @@ def read_log(path: Path) -> Iterator[tuple[int, Frame]]:
     :raises InputError: unreadable file, a line that is not a candump line, a file that ends inside a line, an invalid
         BLF.
     """
-    return _read_blf(path) if path.suffix == BLF_SUFFIX else _read_candump(path)
+    if path.suffix != BLF_SUFFIX:
+        return _read_candump(path)
+    # It loads python-can, which nothing else needs here.
+    from railhil.supervisor.blf_reader import read_blf
 
-
-def _read_blf(path: Path) -> Iterator[tuple[int, Frame]]:
-    """Time stamps are whole microseconds, as in the candump log; BLF stores them as floating-point seconds."""
-    allowed = "a BLF file with at least one frame"
-    count = 0
-    try:
-        with BLFReader(path) as reader:
-            for message in reader:
-                count += 1
-                yield round(message.timestamp * 1e6) * _NS_PER_US, from_message(message)
-            announced = reader.object_count
-    except OSError as error:
-        raise InputError(path, "file", error.strerror or str(error), allowed) from error
-    except _NO_BLF as error:
-        where = f"after frame {count}" if count else "file"
-        raise InputError(path, where, Words(str(error) or type(error).__name__), "a BLF file") from error
-    if count == 0 or count < announced:
-        raise InputError(path, "file", Words(f"{count} of {announced} frames"), f"{allowed}, whole")
+    return read_blf(path)
 
 
 def _read_candump(path: Path) -> Iterator[tuple[int, Frame]]:
@@ -150,7 +131,7 @@ def _read_candump(path: Path) -> Iterator[tuple[int, Frame]]:
                 if not line.endswith("\n"):
                     raise InputError(path, f"line {number}", line, "whole lines (the file is cut off)")
                 try:
-                    yield _parsed(line)
+                    yield parsed_line(line)
                 except (ValueError, IndexError):
                     allowed = "candump lines, (seconds.micros) channel id#data"
                     raise InputError(path, f"line {number}", line.rstrip("\n"), allowed) from None
@@ -172,7 +153,7 @@ def _time_ns(stamp: str) -> int:
     return time_ns
 
 
-def _parsed(line: str) -> tuple[int, Frame]:
+def parsed_line(line: str) -> tuple[int, Frame]:
     """Time and frame of a line; raises ValueError or IndexError if it is invalid."""
     fields = line.split()
     time_ns = _time_ns(fields[0])
@@ -193,11 +174,3 @@ def _parsed(line: str) -> tuple[int, Frame]:
     elif payload[:1] == "R":
         return time_ns, Frame(can_id, b"", flags | REMOTE)
     return time_ns, Frame(can_id, bytes.fromhex(payload), flags)
-
-
-def write_blf(log: Path, out: Path) -> None:
-    """Write the frames of a candump log as BLF, with python-can's writer."""
-    writer = BLFWriter(out)
-    for time_ns, frame in read_log(log):
-        writer.on_message_received(to_message(frame, time_ns / 1e9))
-    writer.stop()

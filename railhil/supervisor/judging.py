@@ -28,6 +28,10 @@ def _no_figures(*given: Any) -> dict[str, Any]:
     return {}
 
 
+def _no_place(*given: Any) -> float | None:
+    return None
+
+
 def _no_text(*given: Any) -> str:
     return ""
 
@@ -47,6 +51,9 @@ class Judging:
     ``published``: description of the published rows; ``deviations``: their source and how it is interpreted here.
     ``advice``: (recorded run, report folder) -> what to try after a FAIL. ``extras``: figures of every score that are 0
     in a good run. ``reckoned``: (scenario, trace) -> columns computed for the rows: header, unit and values.
+    ``shown``: further columns for the panel only, as ``columns``.
+
+    ``ends_at_m``: (scenario) -> where the run is to end, as a position of the system's ``truth`` in m; None: nowhere.
 
     ``learned``: what is measured over sequences of runs; empty: each limit
     (:func:`railhil.supervisor.sequence_measure.sequence_measures`).
@@ -72,10 +79,12 @@ class Judging:
     deviations: Callable[[], tuple[str, Sequence[Any]]] | None = None
     advice: Callable[[Any, Any], str] = _no_text
     reckoned: Callable[[Any, Trace], Sequence[tuple[str, str, FloatArray]]] = _nothing
+    shown: tuple[tuple[str, str, str], ...] = ()
     watches: tuple[Watch, ...] = ()
     interlocks: tuple[Interlocks, ...] = ()
     received: Callable[[Any], Sequence[Received]] = _nothing
     learned: tuple[SequenceMeasure, ...] = ()
+    ends_at_m: Callable[[Any], float | None] = _no_place
 
 
 def judging_of(scenario: AnyScenario) -> Judging:

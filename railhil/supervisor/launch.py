@@ -5,10 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
+from railhil.bus.can_settings import HUB_INTERFACE
 from railhil.bus.link.pipes import Pipes
-from railhil.bus.select import HUB_INTERFACE, BusChoice
+from railhil.bus.select import BusChoice
 from railhil.common.scheduling import HUB_PRIORITY, NODE_PRIORITY
 from railhil.faults.parsed import parsed
+from railhil.scenarios.handed import handed
+from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 from railhil.supervisor.jitter import TIMING
 from railhil.supervisor.processes import Nodes
@@ -48,53 +51,47 @@ def start_nodes(
     start_up: StartUp,
     choice: BusChoice,
     folder: Path,
-    *,
-    faulty: bool = False,
+    scenario: AnyScenario,
     pipes: Pipes | None = None,
 ) -> None:
     """Start plant and controller; what they measure goes into the run folder.
 
+    :param scenario: that of the run, as loaded; the nodes are handed it. With faults they log what they inject, and the
+        controller needs the seed.
     :param pipes: between the nodes, instead of a bus.
-    :param faulty: something is injected: the nodes log it, and the controller needs the seed.
     """
-    patience = ["--patience", str(run.patience_s)]
+    faulty = bool(scenario.faults)
     logged = ["--fault-log", str(folder)] if faulty else []
-    plant = [*run.scenario_words, "--seed", str(run.seed), "--pace", run.pace]
-    plant += ["--appear-timeout", str(start_up.appear_s), *patience]
-    plant += ["--perturbed"] * run.perturbed + run.number_words
+    patience = ["--patience", str(run.patience_s)]
+    with handed(scenario) as (words, inherits):
+
+        def start(role: str, module: str, own: Sequence[str], watches: Sequence[str] = ()) -> None:
+            bus = choice.arguments if pipes is None else ["-i", HUB_INTERFACE, "-c", pipes.ends[role].channel]
+            ends = () if pipes is None else pipes.ends[role].descriptors
+            shared = [*run.scenario_words, *words, *patience, *logged]
+            nodes.start(role, module, [*shared, *own, *bus], watches, [*inherits, *ends])
+            if pipes is not None:
+                pipes.handed_over(role)
+
+        ours = ["supervisor"] if start_up.foreign else ["supervisor", "controller"]
+        start("plant", "railhil.plant_sim", _of_plant(run, start_up, folder), ours)
+        if not start_up.foreign:
+            law = [*run.law.words, "--telemetry", str(folder / TELEMETRY)]
+            law += ["--sent-file", str(sent_file(folder, "controller")), *_scheduling(run, start_up, NODE_PRIORITY)]
+            law += ["--seed", str(run.seed)] if faulty else []
+            start("controller", "railhil.controller_node", law)
+
+
+def _of_plant(run: RunSpec, start_up: StartUp, folder: Path) -> list[str]:
+    words = ["--seed", str(run.seed), "--pace", run.pace, "--appear-timeout", str(start_up.appear_s)]
+    words += ["--perturbed"] * run.perturbed + run.number_words
+    words += run.plant_fmu.words if run.plant_fmu is not None else []
     if run.is_realtime:
-        plant += ["--rate", str(run.rate)]
+        words += ["--rate", str(run.rate)]
         # Without the option a plant would request it by itself.
-        plant += _scheduling(run, start_up, NODE_PRIORITY) or ["--realtime-priority", "0"]
-        plant += ["--timing-file", str(folder / TIMING)]
-    plant += ["--sent-file", str(sent_file(folder, "plant"))]
-    ours = ["supervisor"] if start_up.foreign else ["supervisor", "controller"]
-    _start(nodes, "plant", "railhil.plant_sim", plant + logged, choice, pipes, ours)
-    if start_up.foreign:
-        return
-    law = [*run.law.words, "--telemetry", str(folder / TELEMETRY), *patience]
-    law += ["--sent-file", str(sent_file(folder, "controller"))]
-    law += _scheduling(run, start_up, NODE_PRIORITY)
-    law += [*logged, "--seed", str(run.seed)] if faulty else []
-    _start(nodes, "controller", "railhil.controller_node", [*run.scenario_words, *law], choice, pipes)
-
-
-def _start(
-    nodes: Nodes,
-    role: str,
-    module: str,
-    words: list[str],
-    choice: BusChoice,
-    pipes: Pipes | None,
-    watches: Sequence[str] = (),
-) -> None:
-    if pipes is None:
-        nodes.start(role, module, [*words, *choice.arguments], watches)
-        return
-    ends = pipes.ends[role]
-    words += ["-i", HUB_INTERFACE, "-c", ends.channel]
-    nodes.start(role, module, words, watches, inherited=ends.descriptors)
-    pipes.handed_over(role)
+        words += _scheduling(run, start_up, NODE_PRIORITY) or ["--realtime-priority", "0"]
+        words += ["--timing-file", str(folder / TIMING)]
+    return [*words, "--sent-file", str(sent_file(folder, "plant"))]
 
 
 def longest_stop_s(texts: Iterable[str]) -> float:

@@ -109,7 +109,9 @@ def memory_lines(spec: RunSpec, result: RunResult) -> list[str]:
         why = "the law supplied no memory" if result.trusted else "the run is INVALID"
         return [*lines, f"memory: began with {began}; nothing kept: {why}"]
     if after.record is None:
-        return [*lines, f"memory: began with {began}; nothing kept: the law has learned from this run before"]
+        assert used is not None
+        why = f"run {spec.run_number} is not after run {used.last_run}, the last one learned"
+        return [*lines, f"memory: began with {began}; nothing kept: {why}"]
     to = "the run folder only" if spec.memory_store is None else spec.memory_store
     kept = f"that of {runs_said(after.record.runs)} ({after.record.digest})"
     return [*lines, f"memory: began with {began}; kept {kept} in {to}"]

@@ -7,12 +7,12 @@ import os
 import re
 import signal
 import subprocess
-import sys
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from railhil.common.python_process import Process, start_module
 from railhil.common.scheduling import is_said
 
 #: Time for a node to end by itself after SIGTERM.
@@ -23,6 +23,11 @@ _STOPPED = {128 + number: number.name for number in (signal.SIGINT, signal.SIGTE
 _OF_THE_CONNECTION = re.compile(r" is back after [\d.]+ s$|: [a-z_]+ \d+(, [a-z_]+ \d+)*$")
 #: Index of ``starttime`` in /proc/PID/stat, counted after the command name (proc(5), field 22).
 _STARTTIME = 19
+
+
+def process_name(role: str) -> str:
+    """Name of a node's process, of which the kernel keeps 15 bytes."""
+    return f"railhil {role}"[:15]
 
 
 def process_start_ns() -> int:
@@ -38,7 +43,7 @@ class Node:
     """A child process with its role and the file with its output."""
 
     role: str
-    process: subprocess.Popen[bytes]
+    process: Process
     output: Path
 
     def exit_code(self) -> int | None:
@@ -92,12 +97,12 @@ class Nodes:
         module: str,
         arguments: Sequence[str],
         watches: Sequence[str] = (),
-        inherited: Sequence[int] = (),
+        inherits: Sequence[int] = (),
     ) -> Node:
         """Start ``python -P -m module arguments`` with its output in ``<role>.txt``.
 
         :param watches: this command (``supervisor``) and nodes that are started later, whose end it notices at once.
-        :param inherited: further descriptors for it; they remain open here.
+        :param inherits: open descriptors that its arguments name.
         """
         output = self._folder / f"{role}.txt"
         # See common.patience.Lifelines: this node's own write end, and the read ends of those that it watches.
@@ -108,14 +113,7 @@ class Nodes:
             handed.append(reading)
             words += ["--lifeline", f"{other}={reading}"]
         try:
-            with output.open("wb") as stream:
-                process = subprocess.Popen(
-                    [sys.executable, "-P", "-m", module, *arguments, *words],
-                    stdin=subprocess.DEVNULL,
-                    stdout=stream,
-                    stderr=subprocess.STDOUT,
-                    pass_fds=[*handed, *inherited],
-                )
+            process = start_module(process_name(role), module, [*arguments, *words], output, [*handed, *inherits])
         finally:
             for end in handed:
                 os.close(end)

@@ -6,11 +6,12 @@ import time
 from collections.abc import Callable
 from typing import Any
 
+from railhil.bus.can_settings import HUB_INTERFACE
 from railhil.bus.errors import BusLost, BusOccupied, BusUnavailable
 from railhil.bus.ident import Role, SupIdent
 from railhil.bus.link import Link, open_link
 from railhil.bus.mvb import F_DEVICE_STATUS, master_frame
-from railhil.bus.select import HUB_INTERFACE, BusChoice
+from railhil.bus.select import BusChoice
 from railhil.bus.telegrams import SupCmd
 from railhil.dbc import wire_contract
 from railhil.supervisor.processes import Nodes

@@ -8,18 +8,20 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from railhil.bus.can_settings import HUB_INTERFACE
 from railhil.bus.codes import Event
 from railhil.bus.errors import BusLost
 from railhil.bus.link import Link, open_link
 from railhil.bus.link.pipes import Pipes
 from railhil.bus.order import BusOrder
-from railhil.bus.select import HUB_INTERFACE, BusChoice
+from railhil.bus.select import BusChoice
 from railhil.common.exit_codes import FAIL, INVALID, PASS, TOOL_ERROR, USAGE
 from railhil.common.scheduling import said_in
 from railhil.faults.parsed import parsed
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import system_named
+from railhil.supervisor.desk import Desk
 from railhil.supervisor.fault_report import FaultOutcome, fault_outcomes, missed_faults, missing_logs
 from railhil.supervisor.framelog import FrameLog, read_log
 from railhil.supervisor.jitter import (
@@ -56,6 +58,7 @@ class Run:
     :param open_bus: makes the recorder's link from the arguments of ``can.Bus`` and the name of the node.
     :param silence_s: wall time without a tick after which a started run counts as dead.
     :param after_loss_s: wall time for the other nodes to stop by themselves after a node was lost.
+    :param desk: gives the orders of an operator.
     """
 
     def __init__(
@@ -70,6 +73,7 @@ class Run:
         open_bus: Callable[[dict[str, Any], str], Link] = open_link,
         silence_s: float = SILENCE_S,
         after_loss_s: float = AFTER_LOSS_S,
+        desk: Desk | None = None,
     ) -> None:
         self.scenario = scenario
         self.spec = spec
@@ -79,7 +83,7 @@ class Run:
         self._open_bus = open_bus
         self._after_loss_s = after_loss_s
         self.log = FrameLog(folder)
-        self.session = Session(scenario, self.log.write, spec, fd=choice.fd, on_progress=on_progress)
+        self.session = Session(scenario, self.log.write, spec, fd=choice.fd, on_progress=on_progress, desk=desk)
         contract = system_named(scenario.system).contract
         self._judging = judging_of(scenario)
         #: Telegrams of the record, read back from the log after the run.
@@ -88,6 +92,8 @@ class Run:
         self.stopped_exit_code = 0
         #: Also used by code that writes results after :meth:`execute`, so that no signal interrupts it.
         self.stop = StopSignals()
+        if desk is not None:
+            desk.while_waiting = self.stop.check
         # The hub has one order for all clients; a kernel bus has one per processor.
         in_order = choice.config.get("interface") == HUB_INTERFACE or spec.is_realtime
         self.recorder = Recorder(
@@ -196,8 +202,7 @@ class Run:
 
     def _start(self, nodes: Nodes, pipes: Pipes | None = None) -> None:
         if not self.start_up.attach:
-            faulty = bool(self.scenario.faults)
-            start_nodes(nodes, self.spec, self.start_up, self.choice, self.folder, faulty=faulty, pipes=pipes)
+            start_nodes(nodes, self.spec, self.start_up, self.choice, self.folder, self.scenario, pipes)
 
     def _verdict_line(self, nodes: Nodes, counters: dict[str, int]) -> tuple[str, bool]:
         """The line that explains a run without a score, and whether it was refused as bad input."""

@@ -24,6 +24,7 @@ from railhil.bus.telegrams import RunEvent, SupCmd, TimeSync
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import system_named
+from railhil.supervisor.desk import Desk
 from railhil.supervisor.framelog import log_line
 from railhil.supervisor.senders import Strangers
 from railhil.supervisor.truth_clock import TruthClock
@@ -34,6 +35,7 @@ class Session:
 
     :param write: called with each line of the log.
     :param on_progress: called at each SUP_CMD poll with the simulation time in s.
+    :param desk: gives the orders of an operator; None: those of the run, if it has some.
     """
 
     def __init__(
@@ -44,6 +46,7 @@ class Session:
         *,
         fd: bool = False,
         on_progress: Callable[[float], None] | None = None,
+        desk: Desk | None = None,
     ) -> None:
         system = system_named(scenario.system)
         contract = system.contract
@@ -66,6 +69,11 @@ class Session:
         self._write = write
         self._on_progress = on_progress
         self._life = 0
+        if desk is None and run.orders:
+            desk = Desk(run.orders, None, not run.is_realtime)
+        self.desk = desk
+        # SUP_CMD sent in this run.
+        self._answers = 0
         # Numbers of faults and what is ordered for them, not sent yet.
         self._orders: deque[tuple[int, FaultOrder]] = deque()
         self._ident = make_ident(Role.SUPERVISOR, scenario.sha256, **run.identity, contract=contract)
@@ -122,8 +130,9 @@ class Session:
 
     @property
     def heard_ns(self) -> int:
-        """Monotonic wall time of the plant's last sign of life: its newest tick, or the start of the record."""
-        return max(self.first_frame_ns, self.wall_ns[-1] if self.wall_ns else 0)
+        """Monotonic wall time of the plant's last sign of life: its newest tick or poll, or the start of the record."""
+        # In a pause it polls, and no tick comes.
+        return max(self.first_frame_ns, self.last_poll_ns, self.wall_ns[-1] if self.wall_ns else 0)
 
     @property
     def rate(self) -> float:
@@ -233,8 +242,11 @@ class Session:
         self._life = (self._life + 1) & 0xF
         if self._on_progress is not None:
             self._on_progress(self.sim_time_s)
+        self._answers += 1
         command = SupCommand.STOP if self.disagreements else SupCommand.START
         number, order = self._orders.popleft() if self._orders else (0, FaultOrder.NONE)
+        if self.desk is not None and self._answers > 1 and command is SupCommand.START:
+            command, number, order = self.desk.answer(self._answers, self.sim_time_s)
         return SupCmd(command=command, fault_number=number, fault_order=order, life=self._life)
 
     def order(self, number: int, order: FaultOrder) -> None:

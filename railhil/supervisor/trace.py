@@ -14,11 +14,13 @@ from railhil.bus.frame import ERROR, Frame
 from railhil.bus.ident import Ident
 from railhil.bus.mvb import master_tail, parse_master_frame
 from railhil.bus.store import TrafficStore
-from railhil.dbc import Contract, wire_contract
+from railhil.dbc import Contract, Signal, wire_contract
 
 FloatArray = npt.NDArray[np.float64]
 #: Source of refused frames that belong to no port.
 BUS = "bus"
+#: So many telegrams are decoded faster one by one than as arrays.
+_FEW = 8
 #: Causes that say nothing about the port whose identifier the frame may have.
 _OF_THE_BUS = ("error_frame", "remote_frame", "extended_id")
 
@@ -149,6 +151,8 @@ class Trace:
         found = next((item for item in entry.signals if item.name == signal), None)
         if found is None:
             raise KeyError(f"{port}.{signal}")
+        if self.count(port) <= _FEW:
+            return np.array(self._few(port, entry.data_bytes, found), dtype=np.int64)
         data = np.frombuffer(bytes(self._data.get(port, b"")), dtype=np.uint8).reshape(-1, entry.data_bytes)
         width = min(entry.data_bytes, 8)
         block = data[:, found.block * 8 : found.block * 8 + width].astype(np.uint64)
@@ -161,6 +165,13 @@ class Trace:
             sign = np.int64(1 << (found.length - 1))
             values = (values ^ sign) - sign
         return values
+
+    def _few(self, port: str, size: int, signal: Signal) -> list[int]:
+        """As :meth:`raw`, one telegram after the other: for a panel, which decodes a few telegrams many times."""
+        data, shift = self._data.get(port, b""), size * 8 - signal.first_bit - signal.length
+        mask, most = (1 << signal.length) - 1, signal.raw_range[1]
+        found = [int.from_bytes(data[at : at + size]) >> shift & mask for at in range(0, len(data), size)]
+        return [raw - mask - 1 if raw > most else raw for raw in found]
 
     def values(self, port: str, signal: str) -> FloatArray:
         """Physical values of a signal (raw * scale, in the unit of the port table), shape (n,)."""

@@ -10,9 +10,9 @@ from typing import Any
 
 from railhil import library
 from railhil.cli.bus_run import report_line
+from railhil.common.choices import USUAL_SCENARIO
 from railhil.common.errors import InputError, Words
 from railhil.run_arguments import bus_words, checked_spec, placed, spec_of
-from railhil.scenarios.run_document import USUAL_SCENARIO
 from railhil.supervisor.documents import CERTIFICATE
 from railhil.supervisor.report.recorded import REPORT
 from railhil.testing.live import Live
@@ -21,7 +21,7 @@ from railhil.testing.settings import Settings
 
 _USUAL: Mapping[str, Any] = {
     "controller": None,
-    "arithmetic": "iq",
+    "arithmetic": None,
     "indexing": "time",
     "parameters": None,
     "settings": (),

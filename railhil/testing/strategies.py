@@ -11,6 +11,7 @@ from dataclasses import replace
 from hypothesis import strategies as st
 
 from railhil.bus.select import LOCAL
+from railhil.common.choices import USUAL_SCENARIO
 from railhil.faults.capability import why_not
 from railhil.faults.drawn import Ports, words_drawn
 from railhil.faults.language import fault_text
@@ -19,7 +20,6 @@ from railhil.faults.ports import life_signal
 from railhil.faults.words import COUNT, NAME, PLACES, PPM, SHARE, TIME, Parameter, Word
 from railhil.scenarios.fault_list import disturbed_signals
 from railhil.scenarios.load import load_any
-from railhil.scenarios.run_document import USUAL_SCENARIO
 from railhil.scenarios.system import System, system_named
 
 #: Resolution of instants and durations, and the longest duration, in s.

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Mapping
 from importlib.metadata import version
 from typing import Any
 
+from railhil.scenarios.tomlfile import toml_table, toml_value
 from railhil.tuning import objective
 from railhil.tuning.search import Box, Found, Protocol
 from railhil.tuning.trials import REFERENCE
@@ -17,21 +16,6 @@ _DIGITS = 6
 
 def _rounded(value: float) -> float:
     return float(f"{value:.{_DIGITS}g}")
-
-
-def _toml(value: Any) -> str:
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, str):
-        # Escapes of JSON are escapes of TOML.
-        return json.dumps(value)
-    if isinstance(value, list):
-        return f"[{', '.join(map(_toml, value))}]"
-    return repr(value)
-
-
-def _table(title: str, values: Mapping[str, Any]) -> str:
-    return f"\n[{title}]\n" + "".join(f"{key} = {_toml(value)}\n" for key, value in values.items())
 
 
 def notes(protocol: Protocol, found: Found) -> dict[str, Any]:
@@ -61,9 +45,9 @@ def document(protocol: Protocol, found: Found) -> str:
     scale = {key: _rounded(value) for key, value in {**found.scale.limits, **found.scale.medians}.items()}
     return (
         _HEAD
-        + f"law = {_toml(protocol.law.controller)}\n"
-        + _table("parameters", found.values)
-        + _table("training", {"scenario": protocol.scenario.name, "seeds": list(protocol.seeds)})
-        + _table("training.notes", notes(protocol, found))
-        + _table("training.notes.scale", scale)
+        + f"law = {toml_value(protocol.law.controller)}\n"
+        + toml_table("parameters", found.values)
+        + toml_table("training", {"scenario": protocol.scenario.name, "seeds": list(protocol.seeds)})
+        + toml_table("training.notes", notes(protocol, found))
+        + toml_table("training.notes.scale", scale)
     )

@@ -40,6 +40,7 @@ STOP = System(
         "interface": "railhil.controller_node.laws.stopping.interface:STOP",
         "direct": "railhil.vector_bench:direct_run",
         "batch": "railhil.batch.stopping.runs:run_stops",
+        "one_by_one": "railhil.batch.stopping.runs:one_by_one",
         "together": "railhil.batch.stopping.runs:run_together",
         "kernel": "railhil.batch.stopping.kernel",
         "digest": "railhil.batch.coupled:command_digest",

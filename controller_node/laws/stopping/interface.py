@@ -2,9 +2,10 @@
 
 Readings, in this order: ``speed1`` to ``speed5`` (mm/s, the oldest first, 3.2 ms apart, the last one of the instant of
 the telegram), ``speed_count``, ``speed_valid``, ``slide``; ``odometer`` (mm since the start of the run), ``balise``,
-``balise_odometer``; ``load`` (percent), ``wet``, ``standstill``, ``doors``; ``report_run``, ``report_error`` (mm);
-``level`` (:class:`railhil.bus.stopping.BrakeLevel`, what the train does of itself). Commands: ``u`` (mm/s2, brake
-negative), ``start`` (0.1 ms after the poll), ``valid``. Lengths among the notes are in mm, the variance in 0.0001 m2.
+``balise_odometer``; ``load`` (percent), ``wet``, ``standstill``, ``doors``, ``run`` (number of this run, 0: not known);
+``report_run``, ``report_error`` (mm); ``level`` (:class:`railhil.bus.stopping.BrakeLevel`, what the train does of
+itself). Commands: ``u`` (mm/s2, brake negative), ``start`` (0.1 ms after the poll), ``valid``. Lengths among the notes
+are in mm, the variance in 0.0001 m2.
 
 The position and time of the start are those of the scenario (``task.start_m``). While it tracks, a law holds the speed
 at which the run began: this is what differs from run to run.
@@ -58,6 +59,7 @@ STOP = Interface(
         Reading("wet", TrainState, "wet", age_max_ms=_STATE_MS),
         Reading("standstill", TrainState, "standstill", age_max_ms=_STATE_MS),
         Reading("doors", TrainState, "doors", age_max_ms=_STATE_MS),
+        Reading("run", TrainState, "run", age_max_ms=_STATE_MS),
         Reading("report_run", StopReport, "run", age_max_ms=_REPORT_MS),
         Reading("report_error", StopReport, "error", unit="mm", age_max_ms=_REPORT_MS),
         Reading("level", BrakeStatus, "level", age_max_ms=STALE_MS),

@@ -1,7 +1,7 @@
-"""What the stopping laws share: speed, place, stages, holding the speed of the approach, learning, notes.
+"""What the stopping laws share: the order of a cycle, from speed and place to stage, command and learning.
 
-Stages (:class:`railhil.bus.stopping.Stage`): start (a), accelerate (b), track (c), armed (d1), brake (d2), standstill
-(d3), learn (d4). A law of this kind says when the brake begins and what is commanded then.
+Stages (:mod:`.stages`): start (a), accelerate (b), track (c), armed (d1), brake (d2), standstill (d3), learn (d4).
+A law of this kind says when the brake begins and what is commanded then.
 """
 
 from __future__ import annotations
@@ -13,28 +13,18 @@ from typing import Annotated, Any, ClassVar, Generic, NamedTuple
 
 from pydantic import Field
 
-from railhil.bus.stopping import MM, START_PER_S, VARIANCE_PER_M2, BrakeLevel, Stage
+from railhil.bus.stopping import BrakeLevel
 from railhil.controller_node.arithmetic.base import Arithmetic, Constant, T
 from railhil.controller_node.laws.memory import NOTHING, Remembered
+from railhil.controller_node.laws.stopping.approach import Approach
 from railhil.controller_node.laws.stopping.distance import StoppingDistance
-from railhil.controller_node.laws.stopping.interface import COMMAND_Q, NOTE_Q, START_Q
-from railhil.controller_node.laws.stopping.learning import Learned, Learning, stored_records
+from railhil.controller_node.laws.stopping.learning import Learned, Learning, Report, stored_records
 from railhil.controller_node.laws.stopping.model import Grades
-from railhil.controller_node.laws.stopping.numbers import ACCEL_Q, DISTANCE_Q, GAIN_Q, SPEED_Q, TIME_Q, Numbers
+from railhil.controller_node.laws.stopping.numbers import ACCEL_Q, DISTANCE_Q, SPEED_Q, TIME_Q, Numbers
 from railhil.controller_node.laws.stopping.readings import COUNT_MAX, Gap, Inputs, Measured
+from railhil.controller_node.laws.stopping.stages import Stages
+from railhil.controller_node.laws.stopping.told import Told
 from railhil.controller_node.vector.law import Answer, VectorLaw
-
-#: The brake is armed when it will begin within this distance, m.
-_ARMED_M = 60.0
-#: Speeds at which the train has started, and (below that of the approach) has reached it, m/s.
-_MOVING_MPS, _REACHED_MPS = 0.5, 0.1
-#: Deviations of the speed are limited to this while it is held, m/s.
-_FAR_MPS = 8.0
-#: Acceleration from standstill, m/s2, and the jerk of all commands before the brake, m/s3.
-_START_MPS2, _JERK_MPS3 = 0.6, 0.75
-#: Lengths among the notes are limited to this, m.
-_TOLD_M = 8000.0
-_SCALE_Q = 16
 
 
 @dataclass(frozen=True)
@@ -115,25 +105,11 @@ class StopLaw(VectorLaw[T, StopState[T]]):
         ]
         self.most = hold("accel_max", task.brake.traction_max_mps2, ACCEL_Q, origin)
         self.least = hold("accel_min", -task.brake.braking_max_mps2, ACCEL_Q, origin)
-        self._stages = [hold(f"stage_{stage.name.lower()}", stage, 0, "port table") for stage in Stage]
-        self._standing = task.start_kmh == 0.0
-        self._approach = hold("approach", task.approach_kmh / 3.6, SPEED_Q, origin)
-        self._reached = hold("reached", _REACHED_MPS, SPEED_Q, "law")
-        self._moving = hold("moving", _MOVING_MPS, SPEED_Q, "law")
-        self._armed_m = hold("armed", _ARMED_M, DISTANCE_Q, "law")
-        self._hold = hold("hold", given.hold_per_s, GAIN_Q - 4, "parameters")
-        self._far = [hold("far", _FAR_MPS, SPEED_Q, "law"), hold("minus_far", -_FAR_MPS, SPEED_Q, "law")]
-        self._pull = [hold("pull", _START_MPS2, ACCEL_Q, "law"), hold("minus_pull", -_START_MPS2, ACCEL_Q, "law")]
-        jerk = _JERK_MPS3 * self.period_s
-        self._jerk = [hold("jerk", jerk, ACCEL_Q, "law"), hold("minus_jerk", -jerk, ACCEL_Q, "law")]
+        self._stages = Stages(numbers)
+        self._approach = Approach(numbers, self.grades, task, given.hold_per_s, self.period_s)
+        self._told = Told(numbers, memory)
         self._cut = hold("cut", BrakeLevel.HOLD, 0, "port table")
         self.at_once = hold("at_once", 0.0, TIME_Q, "law")
-        self._told = [hold("told_max", _TOLD_M, DISTANCE_Q, "law"), hold("told_min", -_TOLD_M, DISTANCE_Q, "law")]
-        self._mm = hold("mm", MM, _SCALE_Q, "port table")
-        self._units = hold("start_units", START_PER_S, _SCALE_Q, "port table")
-        self._variance = hold("variance_units", VARIANCE_PER_M2, _SCALE_Q, "port table")
-        self._source = hold("memory_source", memory.source, 0, "memory")
-        self._fault = hold("memory_fault", memory.fault, 0, "memory")
 
     @property
     def constants(self) -> tuple[Constant, ...]:
@@ -201,12 +177,10 @@ class StopLaw(VectorLaw[T, StopState[T]]):
     def start(self, readings: Sequence[T]) -> StopState[T]:
         zero = self.numbers.zero
         measured = self.inputs.measured(readings)
-        speed = measured.samples[-1]
-        cruise = self._approach if self._standing else speed
         return StopState(
             self.inputs.start(measured),
             zero,
-            cruise,
+            self._approach.start(measured.samples[-1]),
             zero,
             self.steady(measured),
             self.numbers.hold("no_distance", 0.0, DISTANCE_Q, "law"),
@@ -216,7 +190,6 @@ class StopLaw(VectorLaw[T, StopState[T]]):
 
     def step(self, state: Any, readings: Sequence[T]) -> tuple[Any, Answer[T]]:
         ar, zero, one = self.ar, self.numbers.zero, self.numbers.one
-        stages = self._stages
         measured = self.inputs.measured(readings)
         gap, samples, fresh = self.inputs.bridged(state.gap, measured)
         refused = self.inputs.refused(gap, self.warm_up)
@@ -229,89 +202,53 @@ class StopLaw(VectorLaw[T, StopState[T]]):
         offset = state.learned.before.offset
         margin = ar.note("margin_m", ar.sub(ar.sub(left, distance), offset), DISTANCE_Q, "m")
 
-        # Stages, each from that of the last cycle: at most one change in a cycle.
-        moves = ar.gt(speed, self._moving)
-        idle, begun, rising, tracking, armed, braking, stands, learnt = stages
-        stage = state.stage
-        after = ar.where(moves, tracking, ar.where(ar.gt(measured.doors, zero), idle, begun))
-        after = _at(ar, stage, begun, ar.where(moves, rising, begun), after)
-        close = ar.gt(speed, ar.sub(state.cruise, self._reached))
-        after = _at(ar, stage, rising, ar.where(close, tracking, rising), after)
-        near = ar.where(ar.gt(self._armed_m, margin), armed, tracking)
-        after = _at(ar, stage, tracking, ar.where(ar.gt(refused, zero), tracking, near), after)
-        begins = ar.where(ar.gt(self.begins(estimate, margin), zero), braking, armed)
-        after = _at(ar, stage, armed, ar.where(ar.gt(refused, zero), tracking, begins), after)
-        still = ar.where(ar.gt(measured.standstill, zero), stands, braking)
-        after = _at(ar, stage, braking, still, after)
-        after = _at(ar, stage, stands, ar.where(ar.gt(state.learned.learned, zero), learnt, stands), after)
-        after = ar.where(ar.gt(stage, stands), learnt, after)
-        stage = ar.note("stage_now", after, 0)
+        begins = self.begins(estimate, margin)
+        done = state.learned.learned
+        stage = self._stages.after(state.stage, measured, speed, state.cruise, margin, refused, begins, done)
 
-        # Before the brake: the speed that the run had when the estimate was first warm, and the grade.
         warm = ar.maximum(state.cruising, ar.sub(one, refused))
-        cruise = state.cruise
-        if not self._standing:
-            cruise = ar.where(ar.gt(warm, state.cruising), speed, cruise)
-        far = ar.clip(ar.sub(cruise, speed), *self._far)
-        kept = ar.mpy_iqx(far, SPEED_Q, self._hold, GAIN_Q - 4, ACCEL_Q)
-        kept = kept if self._standing else ar.where(ar.gt(warm, zero), kept, self.numbers.zero)
-        wanted = ar.sub(ar.clip(kept, *self._pull), self.grades.at(left))
-        pulled = ar.add(state.accel, ar.clip(ar.sub(wanted, state.accel), *self._jerk))
-        pulled = ar.where(ar.gt(stage, idle), pulled, state.accel)
+        cruise = self._approach.speed(state.cruise, speed, state.cruising, warm)
+        pulled = self._approach.command(cruise, speed, warm, left, state.accel)
+        pulled = ar.where(ar.gt(stage, self._stages.idle), pulled, state.accel)
 
-        on = ar.gt(stage, armed)
-        first = ar.where(on, ar.where(ar.gt(braking, state.stage), one, zero), zero)
+        on = ar.gt(stage, self._stages.armed)
+        first = ar.where(on, ar.where(ar.gt(self._stages.braking, state.stage), one, zero), zero)
         missed = ar.where(ar.gt(gap.missed, zero), one, zero)
         own, order = self.brake(own, estimate, margin, state.accel, offset, planned, missed, first)
         accel = ar.clip(ar.where(on, order.accel, pulled), self.most, self.least)
         accel = ar.note("accel", accel, ACCEL_Q, "m/s2")
+        # From here on the command is what the train is told, so that no model has another one.
+        code = self._told.code(accel)
+        accel = self._on_the_bus(code)
         start = ar.where(ar.gt(first, zero), order.start, self.at_once)
 
         # The braking distance of the run, for the innovation test.
         distance_used = ar.where(ar.gt(first, zero), distance, state.braking)
-        ready = ar.where(ar.gt(stage, braking), one, zero)
+        ready = ar.where(ar.gt(stage, self._stages.braking), one, zero)
         by_itself = ar.where(ar.gt(measured.level, self._cut), one, zero)
         spoiled = ar.where(ar.gt(ready, zero), zero, ar.maximum(measured.slide, by_itself))
-        learned = self.learning.step(state.learned, ready, spoiled, measured.run, measured.error, distance_used)
+        learned = self.learning.step(
+            state.learned, ready, spoiled, measured.run, Report(measured.report, measured.error), distance_used
+        )
 
         taught = ar.where(ar.gt(learned.learned, state.learned.learned), ar.sub(one, learned.spoiled), zero)
         own = self.taught(own, first, taught, measured)
 
         new = StopState(gap, stage, cruise, warm, accel, distance_used, learned, own)
-        return new, self._answer(state, stage, accel, start, margin, distance, speed)
+        return new, self._told.answer(stage, code, start, margin, distance, speed, state.learned.before)
 
-    def _answer(self, state: Any, stage: T, accel: T, start: T, margin: T, distance: T, speed: T) -> Answer[T]:
-        ar, one = self.ar, self.numbers.one
-        record = state.learned.before
-
-        def mm(value: T, q: int) -> T:
-            if q == DISTANCE_Q:
-                value = ar.clip(value, *self._told)
-            return ar.mpy_iqx(value, q, self._mm, _SCALE_Q, NOTE_Q)
-
-        commands = (
-            ar.mpy_iqx(accel, ACCEL_Q, self._mm, _SCALE_Q, COMMAND_Q),
-            ar.mpy_iqx(start, TIME_Q, self._units, _SCALE_Q, START_Q),
-            one,
-        )
-        notes = (
-            stage,
-            mm(margin, DISTANCE_Q),
-            mm(distance, DISTANCE_Q),
-            mm(record.offset, DISTANCE_Q),
-            mm(speed, SPEED_Q),
-            self._source,
-            mm(record.offset, DISTANCE_Q),
-            ar.mpy_iqx(record.variance, 24, self._variance, _SCALE_Q, NOTE_Q),
-            record.runs,
-            self._fault,
-        )
-        return Answer(commands, notes)
+    def _on_the_bus(self, code: T) -> T:
+        """The command (m/s2) that is on the bus as ``code`` (mm/s2, Q0)."""
+        return self.ar.clip(self._told.accel(code), self.most, self.least)
 
     def with_sent(self, state: Any, commands: Sequence[T]) -> Any:
-        """Nothing: the safe command is not valid, so the train does not take it; it is known that the run is lost."""
-        learned = state.learned._replace(spoiled=self.numbers.one)
-        return state._replace(learned=learned)
+        """The train does not take a command that is not valid, and such a run is not one to learn from."""
+        ar, zero = self.ar, self.numbers.zero
+        code, _, valid = commands
+        lost = ar.where(ar.gt(valid, zero), zero, self.numbers.one)
+        accel = ar.where(ar.gt(valid, zero), self._on_the_bus(code), state.accel)
+        learned = state.learned._replace(spoiled=ar.maximum(state.learned.spoiled, lost))
+        return state._replace(accel=accel, learned=learned)
 
     # -- memory ---------------------------------------------------------------------------------------------------
 
@@ -329,15 +266,8 @@ class StopLaw(VectorLaw[T, StopState[T]]):
 
     def steady(self, measured: Measured[T]) -> T:
         """The command with which a train that runs keeps its speed, m/s2; 0 for one that stands."""
-        if self._standing:
-            return self.numbers.hold("no_accel", 0.0, ACCEL_Q, "law")
-        return self.ar.neg(self.grades.at(self.way_left(measured.odometer)))
+        return self._approach.steady(self.way_left(measured.odometer))
 
     def way_left(self, odometer: T) -> T:
         """Distance to the stopping point by the odometer, m."""
         return self.ar.sub(self._way, odometer)
-
-
-def _at(ar: Arithmetic[T], stage: T, which: T, then: T, other: T) -> T:
-    """``then`` where the stage is ``which`` or later, else ``other``: applied in the order of the stages."""
-    return ar.where(ar.gt(which, stage), other, then)

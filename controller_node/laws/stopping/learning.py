@@ -4,8 +4,9 @@ The update is P-type terminal iterative learning on the offset b, by which the b
 
     b[j+1] = clip(b[j] + clip(gamma e[j], +-8 m), +-12 m)           e = s_stop - S, overshoot positive
 
-There is none if the wheels slid, the train braked by itself, the run has been learned already, the reported error is
-none that a stop can have, or it is far from what the last runs let expect (innovation test).
+There is none if the wheels slid, the train braked by itself, the report is of another run than this one, this run or a
+later one has been learned already, the reported error is none that a stop can have, or it is far from what the last
+runs let expect (innovation test).
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ import math
 from collections.abc import Mapping
 from typing import Any, Generic, NamedTuple
 
+from railhil.common.command_line import RUN_NUMBER_MAX
 from railhil.controller_node.arithmetic.base import T
 from railhil.controller_node.laws.stopping.numbers import DISTANCE_Q, GAIN_Q, Numbers
 
@@ -33,7 +35,7 @@ _RUNS_MAX = 4000.0
 GAMMA_LEAST = 0.3
 LAST_ERRORS = 8
 #: Format of variances.
-_VARIANCE_Q = 24
+VARIANCE_Q = 24
 #: Format of the gain, which may be above 2.
 _GAMMA_Q = 28
 VERSION = 1
@@ -46,6 +48,13 @@ class Record(NamedTuple, Generic[T]):
     variance: T
     runs: T
     last_run: T
+
+
+class Report(NamedTuple, Generic[T]):
+    """What was measured of a stop: number of its run (Q0, 0: none) and error, m (Q ``DISTANCE_Q``)."""
+
+    run: T
+    error: T
 
 
 class Learned(NamedTuple, Generic[T]):
@@ -81,7 +90,7 @@ def stored_records(values: Mapping[str, Any] | None) -> dict[tuple[int, int], Ma
             "offset_m": (-OFFSET_MAX_M, OFFSET_MAX_M),
             "variance_m2": (VARIANCE_MIN_M2, VARIANCE_MAX_M2),
             "runs": (0, math.inf),
-            "last_run": (0, math.inf),
+            "last_run": (0, RUN_NUMBER_MAX),
         }
         for name, (low, high) in bounds.items():
             value = record[name]
@@ -127,21 +136,24 @@ class Learning(Generic[T]):
                 stored, name = self._stored.get((load_class, wet), first), f"memory_{load_class}_{wet}"
                 self._records[load_class, wet] = Record(
                     hold(f"{name}_offset", stored["offset_m"], DISTANCE_Q, memory),
-                    hold(f"{name}_variance", stored["variance_m2"], _VARIANCE_Q, memory),
+                    hold(f"{name}_variance", stored["variance_m2"], VARIANCE_Q, memory),
                     hold(f"{name}_runs", min(stored["runs"], _RUNS_MAX), 0, memory),
                     hold(f"{name}_last_run", stored["last_run"], 0, memory),
                 )
+        # A train makes its runs one after another: one before the newest run of any record is over.
+        newest = max((record["last_run"] for record in self._stored.values()), default=0)
+        self._newest = hold("memory_last_run", newest, 0, memory)
         self._edges = [hold(f"load_class_{n}", edge, 0, "law") for n, edge in enumerate(_EDGES_PERCENT, 1)]
         self._slots = [[hold(f"slot_{n}_{wet}", n + CLASSES * wet, 0, "law") for wet in (0, 1)] for n in range(CLASSES)]
         self._gamma = hold("gamma", gamma, _GAMMA_Q, "parameters")
         self._least = hold("gamma_least", GAMMA_LEAST, _GAMMA_Q, "law")
         self._step = [hold(f"step_{sign}", sign * STEP_MAX_M, DISTANCE_Q, "law") for sign in (1, -1)]
         self._most = [hold(f"offset_{sign}", sign * OFFSET_MAX_M, DISTANCE_Q, "law") for sign in (1, -1)]
-        self._noise = hold("report_variance", report_sigma_m**2, _VARIANCE_Q, "parameters")
-        self._no_variance = hold("variance_0", 0.0, _VARIANCE_Q, "law")
+        self._noise = hold("report_variance", report_sigma_m**2, VARIANCE_Q, "parameters")
+        self._no_variance = hold("variance_0", 0.0, VARIANCE_Q, "law")
         self._spread = [
-            hold("variance_max", VARIANCE_MAX_M2, _VARIANCE_Q, "law"),
-            hold("variance_min", VARIANCE_MIN_M2, _VARIANCE_Q, "law"),
+            hold("variance_max", VARIANCE_MAX_M2, VARIANCE_Q, "law"),
+            hold("variance_min", VARIANCE_MIN_M2, VARIANCE_Q, "law"),
         ]
         self._five = [hold(f"five_{sign}", 5.0 * sign, DISTANCE_Q, "root of the largest variance") for sign in (1, -1)]
         self._possible = hold("error_max", ERROR_MAX_M, DISTANCE_Q, "law")
@@ -163,19 +175,21 @@ class Learning(Generic[T]):
         nothing = self._numbers.hold("nothing", 0.0, DISTANCE_Q, "law")
         return Learned(slot, record, record, zero, zero, nothing, self._gamma)
 
-    def step(self, learned: Learned[T], ready: T, spoiled: T, run: T, error: T, braking: T) -> Learned[T]:
+    def step(self, learned: Learned[T], ready: T, spoiled: T, run: T, report: Report[T], braking: T) -> Learned[T]:
         """Learn, if there is something to learn from.
 
         :param ready: 1 when the train stands. :param spoiled: 1 in a cycle in which the run became one not to learn
-            from. :param run: of the report. :param error: measured, m. :param braking: braking distance of the run, m.
+            from. :param run: number of this run, 0 if it is not known. :param braking: braking distance of the run, m.
         """
         ar, zero, one = self._numbers.ar, self._numbers.zero, self._numbers.one
+        error = report.error
         spoiled = ar.maximum(learned.spoiled, spoiled)
         old = learned.before
         size = ar.abs(error)
         possible = ar.where(ar.gt(self._possible, size), ready, zero)
-        new_run = ar.where(ar.gt(ar.abs(ar.sub(run, old.last_run)), zero), possible, zero)
-        wanted = ar.where(ar.gt(run, zero), new_run, zero)
+        # Only of the run that the train has just made; without a number of its own it cannot tell.
+        own = ar.where(ar.gt(ar.abs(ar.sub(report.run, run)), zero), zero, possible)
+        wanted = ar.where(ar.gt(run, self._newest), own, zero)
         wanted = ar.where(ar.gt(learned.learned, zero), zero, wanted)
         if not self._active:
             return learned._replace(spoiled=spoiled, learned=ar.maximum(learned.learned, wanted))
@@ -184,14 +198,14 @@ class Learning(Generic[T]):
         share = ar.maximum(ar.div(one, runs, _GAMMA_Q), self._least)
         gamma = share if not self._fixed else self._gamma
         limited = ar.clip(error, *self._five)
-        surprise = ar.sub(ar.mpy_iqx(limited, DISTANCE_Q, limited, DISTANCE_Q, _VARIANCE_Q), old.variance)
+        surprise = ar.sub(ar.mpy_iqx(limited, DISTANCE_Q, limited, DISTANCE_Q, VARIANCE_Q), old.variance)
         variance = ar.clip(ar.add(old.variance, ar.mpy(surprise, share, _GAMMA_Q)), *self._spread)
         if self._shrinks:
             beyond = ar.maximum(ar.sub(variance, self._noise), self._no_variance)
             gamma = ar.mpy(gamma, ar.div(beyond, variance, GAIN_Q), GAIN_Q)
         learns = usable
         if self._sigmas:
-            spread = ar.convert(ar.sqrt(old.variance, _VARIANCE_Q), _VARIANCE_Q, DISTANCE_Q)
+            spread = ar.convert(ar.sqrt(old.variance, VARIANCE_Q), VARIANCE_Q, DISTANCE_Q)
             width = ar.mpy(spread, self._squared, GAIN_Q - 8)
             limit = ar.minimum(width, ar.mpy(braking, self._share, GAIN_Q))
             learns = ar.where(ar.gt(size, limit), zero, usable)
@@ -229,11 +243,11 @@ class Learning(Generic[T]):
         records = dict(self._stored)
         before, after = learned.before, learned.after
         runs, last_run = int(number(after.runs, 0)), int(number(after.last_run, 0))
-        variance_m2 = number(after.variance, _VARIANCE_Q)
+        variance_m2 = number(after.variance, VARIANCE_Q)
         if (runs, last_run, variance_m2) != (
             int(number(before.runs, 0)),
             int(number(before.last_run, 0)),
-            number(before.variance, _VARIANCE_Q),
+            number(before.variance, VARIANCE_Q),
         ):
             old = self._stored.get(key, {})
             errors = list(old.get("last_errors_m", []))

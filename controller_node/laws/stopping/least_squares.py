@@ -119,7 +119,7 @@ class LeastSquares(Generic[T]):
         far = re.ar.where(re.gt(squared, re.mul(self._sigmas, variance)), re.one, re.zero)
         limit = re.mul(self._share, state.expected)
         far = re.ar.where(re.gt(squared, re.mul(limit, limit)), re.one, far)
-        again = re.ar.where(re.gt(re.ar.abs(re.sub(run, state.last_run)), re.zero), re.zero, re.one)
+        again = re.ar.where(re.gt(run, state.last_run), re.zero, re.one)
         stop = re.ar.maximum(re.ar.maximum(far, again), re.ar.maximum(state.learned, re.sub(re.one, usable)))
         gain = [re.div(p, variance) for p in px]
         theta = re.axpy(error, gain, state.theta)

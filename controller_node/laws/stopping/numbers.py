@@ -42,6 +42,11 @@ class Numbers(Generic[T]):
         self._operands[key] = operand = self.ar.const(constant)
         return operand
 
+    def rounded(self, value: T, q_from: int, q_to: int) -> T:
+        """The same value in a format with fewer fraction bits, rounded: :meth:`Arithmetic.convert` floors, by half a
+        bit on average, which a sum over all cycles would add up."""
+        return self.ar.rmpy(value, self.one, q_from - q_to)
+
     def hold_all(self, name: str, values: Sequence[float], q: int, origin: str) -> tuple[T, ...]:
         """Several constants: ``name[0]``, ``name[1]``, ..."""
         return tuple(self.hold(f"{name}[{i}]", value, q, origin) for i, value in enumerate(values))

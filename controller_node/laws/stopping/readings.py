@@ -21,7 +21,8 @@ _PLACE = {reading.name: index for index, reading in enumerate(STOP.readings)}
 
 class Measured(NamedTuple, Generic[T]):
     """``samples`` m/s; ``odometer`` and ``balise_odometer`` m since the start of the run; ``error`` of the reported
-    stop, m; all others Q0: flags are 0 or 1, ``load`` is in percent."""
+    stop, m; all others Q0: flags are 0 or 1, ``load`` is in percent, ``run`` is the number of this run, ``report`` of
+    that whose stop was measured (0: none)."""
 
     samples: tuple[T, ...]
     number: T
@@ -35,6 +36,7 @@ class Measured(NamedTuple, Generic[T]):
     standstill: T
     doors: T
     run: T
+    report: T
     error: T
     level: T
 
@@ -82,6 +84,7 @@ class Inputs(Generic[T]):
             one("wet"),
             one("standstill"),
             one("doors"),
+            one("run"),
             one("report_run"),
             metres(ar.clip(one("report_error"), *self._reported)),
             one("level"),

@@ -139,16 +139,14 @@ class Reaim(StopLaw[T]):
         left = self.way_left(run)
         outside = ar.add(self.grades.at(left), own.disturbance)
         gained = ar.add(gained, ar.mpy(outside, self._cycle, GAIN_Q))
-        guess = ar.add(own.speed, ar.convert(gained, ACCEL_Q, SPEED_Q))
-        mean = ar.mpy(samples[0], self._fifth, GAIN_Q)
-        for sample in samples[1:]:
-            mean = ar.add(mean, ar.mpy(sample, self._fifth, GAIN_Q))
-        earlier = ar.sub(guess, ar.convert(ar.mpy(gained, self._before, GAIN_Q), ACCEL_Q, SPEED_Q))
+        guess = ar.add(own.speed, held.rounded(gained, ACCEL_Q, SPEED_Q))
+        mean = ar.dot((self._fifth,) * len(samples), samples, GAIN_Q)
+        earlier = ar.sub(guess, held.rounded(ar.mpy(gained, self._before, GAIN_Q), ACCEL_Q, SPEED_Q))
         error = ar.clip(ar.sub(mean, earlier), held.fastest, held.slowest)
         # Without new samples, and at standstill, the model goes on alone.
         error = ar.where(ar.gt(fresh, measured.standstill), error, self._still)
-        speed = ar.clip(ar.add(guess, ar.mpy(error, self._on_speed, GAIN_Q)), held.fastest, self._still)
-        disturbance = ar.add(own.disturbance, ar.mpy_iqx(error, SPEED_Q, self._on_disturbance, ACCEL_Q, ACCEL_Q))
+        speed = ar.clip(ar.add(guess, ar.rmpy(error, self._on_speed, GAIN_Q)), held.fastest, self._still)
+        disturbance = ar.add(own.disturbance, ar.rmpy(error, self._on_disturbance, SPEED_Q))
         disturbance = ar.note("disturbance", ar.clip(disturbance, *self._disturbed), ACCEL_Q, "m/s2")
         return Aim(queue, lagged, speed, disturbance, place, own.wait), Estimate(speed, left)
 

@@ -18,7 +18,7 @@ import pytest
 from hil_tests.support.hub import PATIENCE_S, HubProcess, running_hub, socket_folder
 from railhil.bus.errors import BusLost, BusUnavailable
 from railhil.bus.frame import Frame
-from railhil.bus.hub import client
+from railhil.bus.hub import batches
 from railhil.bus.hub.address import HUB_START_S
 from railhil.bus.hub.client import HubBus, HubUnavailable
 from railhil.bus.hub.connection import HubLost
@@ -183,11 +183,11 @@ def test_no_hub_is_one_line_and_a_late_hub_is_waited_for() -> None:
 def test_a_hub_that_is_only_just_starting_is_waited_for_unless_told_otherwise(monkeypatch: pytest.MonkeyPatch) -> None:
     waited_s: list[float] = []
 
-    def refuse(address: object, deadline_s: float, _: object) -> NoReturn:
+    def refuse(address: object, deadline_s: float, *_: object) -> NoReturn:
         waited_s.append(round(deadline_s - time.monotonic()))
         raise HubUnavailable(f"no hub at {address}")
 
-    monkeypatch.setattr(client, "connected", refuse)
+    monkeypatch.setattr(batches, "connected", refuse)
     for settings in ({}, {"connect_timeout": "0"}):
         with pytest.raises(HubUnavailable):
             can.Bus(interface="railhil", channel="hub.sock", **settings)

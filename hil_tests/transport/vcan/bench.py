@@ -6,6 +6,7 @@ import the nodes once; a fork has them already. Everything else is as with ``rai
 
 from __future__ import annotations
 
+import argparse
 import contextlib
 import json
 import multiprocessing
@@ -13,6 +14,7 @@ import os
 import subprocess
 import sys
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from multiprocessing.process import BaseProcess
 from pathlib import Path
 from typing import Any
@@ -24,21 +26,32 @@ from railhil.bus.link import Link, Timeouts, open_link
 from railhil.bus.link.outage import TIMEOUTS
 from railhil.bus.select import BusChoice
 from railhil.common.exit_codes import guarded
+from railhil.common.output import Output
 from railhil.common.patience import Lifelines
 from railhil.common.scheduling import cycle
 from railhil.controller_node.faulty import controller_of, write_fault_log
 from railhil.controller_node.node import ControllerNode
 from railhil.controller_node.serve import run_controller
+from railhil.controller_node.telemetry_file import write_telemetry
 from railhil.plant_sim.node import PlantNode
-from railhil.scenarios.model import Scenario
+from railhil.scenarios.load import load_any
+from railhil.scenarios.memory import no_memory
+from railhil.scenarios.model import AnyScenario, Scenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.sequences.evidence import Evidence, Made, run_name
+from railhil.sequences.plan import run_specs
+from railhil.sequences.record import record
+from railhil.supervisor.memory import learned
 from railhil.supervisor.result import RunResult
 from railhil.supervisor.run import Run
 from railhil.supervisor.session import Session
 from railhil.supervisor.start_up import StartUp
+from railhil.supervisor.telemetry import FILE_NAME as TELEMETRY
 
 #: Simulation time of the beginning of a run.
 _BEGINNING_S = 40.0
+#: The first run of a sequence of :func:`short_stop`.
+STOPS = RunSpec("yizhuang_stop", law=LawSpec("ilc_stop", "float64"), seed=7)
 #: A node that has not ended this long after the record is killed.
 _NODE_END_S = 20.0
 
@@ -50,7 +63,7 @@ def socketcan(channel: str = "vcan0") -> dict[str, Any]:
 
 def run_on(
     config: Mapping[str, Any],
-    scenario: Scenario,
+    scenario: AnyScenario,
     folder: Path,
     *,
     seed: int = 1,
@@ -58,6 +71,7 @@ def run_on(
     rate: float = 1.0,
     controller: str = "ipfc",
     arithmetic: str = "iq",
+    spec: RunSpec | None = None,
     controller_config: Mapping[str, Any] | None = None,
     controller_command: Sequence[str] | None = None,
     on_progress: Callable[[float], None] | None = None,
@@ -76,6 +90,7 @@ def run_on(
     :param config: arguments of ``can.Bus`` for plant and supervisor.
     :param folder: existing run folder.
     :param rate: simulated seconds per wall second; only with ``pace="realtime"``.
+    :param spec: the run, instead of what ``seed`` to ``arithmetic`` say of it.
     :param controller_config: bus of the controller, when it is another one (gateway, adapter).
     :param controller_command: a program to start in place of our controller node; it finds the bus by itself.
     :param on_progress: called in this process at each SUP_CMD poll (160 ms of simulation time) with that time in s;
@@ -85,13 +100,15 @@ def run_on(
     :param reply_ns: realtime: reply time-out of the polls, where 5 ms are too short for an emulated machine.
     :returns: the result, and the exit codes of controller and plant (None: it had to be killed).
     """
-    spec = RunSpec(scenario.name, law=LawSpec(controller, arithmetic), seed=seed, pace=pace, rate=rate)
+    asked = spec or RunSpec(scenario.name, law=LawSpec(controller, arithmetic), seed=seed, pace=pace, rate=rate)
     # The write end closes with the controller's process.
     controller_alive, controller_open = os.pipe()
 
     def run_the_controller() -> int:
         os.close(controller_alive)
-        node = controller_of(scenario, spec.law, seed, folder=folder, kill=kill_this_process, pause=stop_this_process)
+        node = controller_of(
+            scenario, asked.law, asked.seed, folder=folder, kill=kill_this_process, pause=stop_this_process
+        )
         link = open_link(
             dict(config if controller_config is None else controller_config), "controller", timeouts=timeouts
         )
@@ -99,13 +116,14 @@ def run_on(
             return run_controller(node, link)
         finally:
             _write_counters(folder, "controller", {**link.counters, **node.counters})
+            write_telemetry(node, folder / TELEMETRY)
             write_fault_log(node)
 
     def run_the_plant() -> int:
         link = open_link(dict(config), "plant", timeouts=timeouts)
         if controller_command is None:
             link.lifelines = Lifelines({"controller": controller_alive})
-        node = PlantNode(scenario, spec, link, appear_s=appear_s, reply_ns=reply_ns, fault_log=folder)
+        node = PlantNode(scenario, asked, link, appear_s=appear_s, reply_ns=reply_ns, fault_log=folder)
         try:
             node.run()
         finally:
@@ -124,12 +142,50 @@ def run_on(
         nodes.append(_Forked("plant", run_the_plant, folder))
         how = StartUp(attach=True, appear_s=appear_s)
         choice = BusChoice(dict(config), "the test's")
-        result = Run(scenario, spec, how, choice, folder, on_progress, open_bus=open_recorder).execute()
+        result = Run(scenario, asked, how, choice, folder, on_progress, open_bus=open_recorder).execute()
         return result, [node.exit_code(_NODE_END_S) for node in nodes]
     finally:
         os.close(controller_alive)
         for node in nodes:
             node.kill()
+
+
+def short_stop() -> AnyScenario:
+    """The shortest run of the system ``stop``: from 11 km/h, 11 m before the stopping point; it lasts 6 s."""
+    slow = ("task.start_m=2620", "task.start_kmh=10.8", "task.approach_kmh=10.8", "task.after_stop_s=1.5")
+    return load_any("yizhuang_stop", slow)
+
+
+def sequence_on(
+    config: Mapping[str, Any], scenario: AnyScenario, folder: Path, first: RunSpec, runs: int
+) -> list[Made]:
+    """A sequence of runs of a law that learns, each as with :func:`run_on` in a folder of its own.
+
+    :param first: its first run.
+    """
+    memory = no_memory(first.law.controller, folder)
+    made = []
+    for number, spec in enumerate(run_specs(first, scenario, first.seed, runs), 1):
+        place = folder / run_name(number)
+        place.mkdir()
+        spec = replace(spec, law=replace(spec.law, memory=memory))
+        result, exit_codes = run_on(config, scenario, place, spec=spec)
+        assert (result.trusted, exit_codes) == (True, [0, 0])
+        found = learned(scenario, spec, place, result)
+        assert found is not None
+        assert found.record is not None
+        one = Made(number, result.verdict, memory.sha256, result.frames_sha256, found.record.sha256)
+        memory = memory.after(found.record, found.kept.used, found.kept.refused)
+        made.append(one)
+    return made
+
+
+def local_sequence(scenario: AnyScenario, folder: Path, first: RunSpec, runs: int) -> list[Made]:
+    """The same sequence in this process, as ``railhil sequence`` records it."""
+    evidence = Evidence(replace(first, bus="local"), runs, ())
+    console = Output(stderr=True)
+    done = record(folder, evidence, scenario, StartUp(), argparse.Namespace(), console, lambda number, result: None)
+    return list(done.made)
 
 
 class _Enough(Exception):

@@ -9,7 +9,16 @@ import struct
 import pytest
 
 from hil_tests.support.published import PUBLISHED_SHA256
-from hil_tests.transport.vcan.bench import beginning, counters_of, run_on, socketcan
+from hil_tests.transport.vcan.bench import (
+    STOPS,
+    beginning,
+    counters_of,
+    local_sequence,
+    run_on,
+    sequence_on,
+    short_stop,
+    socketcan,
+)
 from railhil import cli
 from railhil.bench import local_run
 from railhil.bus.frame import Frame
@@ -18,6 +27,7 @@ from railhil.bus.select import choose_bus
 from railhil.common.exit_codes import PASS
 from railhil.scenarios.load import load_any
 from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.sequences.evidence import sequence_sha256
 from railhil.testing.health import disturbed
 
 pytestmark = [pytest.mark.needs_socketcan, pytest.mark.timeout(600)]
@@ -52,6 +62,17 @@ def test_high_speed_trains_give_the_bytes_of_every_other_transport(name, folder,
     result, exit_codes = run_on(socketcan(), scenario, folder, seed=3, controller="pid", arithmetic="float64")
     assert (result.line, exit_codes, result.frames_sha256) == ("", [0, 0], expected.frames_sha256)
     assert (folder / "frames.log").read_bytes() == expected.log.read_bytes()
+
+
+def test_a_sequence_of_stops_gives_the_hash_of_every_other_transport(tmp_path):
+    """Three runs of 6 s, each with what the last one has learned."""
+    scenario = short_stop()
+    for name in ("vcan", "local"):
+        (tmp_path / name).mkdir()
+    expected = local_sequence(scenario, tmp_path / "local", STOPS, 3)
+    made = sequence_on(socketcan(), scenario, tmp_path / "vcan", STOPS, 3)
+    assert [one.line for one in made] == [one.line for one in expected]
+    assert sequence_sha256(made) == sequence_sha256(expected)
 
 
 def test_vcan_is_taken_when_nothing_is_said():

@@ -8,12 +8,19 @@ from typing import Any
 
 import pytest
 
+from hil_tests.support.plug import plug_in
 from hil_tests.support.stops import SHORT, stop_scenario
 from railhil.batch.case import Case
 from railhil.batch.coupled import command_digest
+from railhil.batch.nodes import kernel_of, one_by_one
+from railhil.batch.stopping import runs
 from railhil.batch.stopping.runs import Together, run_stops, run_together
+from railhil.controller_node.laws.memory import NOTHING, Remembered
+from railhil.controller_node.laws.stopping.one_shot import OneShot
 from railhil.controller_node.vector.controller import VectorController
-from railhil.scenarios.memory import Memory, next_record, no_memory
+from railhil.scenarios.load import load_any
+from railhil.scenarios.memory import Memory, Record, Stored, next_record, no_memory
+from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.supervisor.learned import kept_of
 from railhil.vector_bench import direct_run
@@ -72,6 +79,98 @@ def test_each_train_has_its_own_memory() -> None:
         assert found == [alone(scenario, spec) for spec in specs]
         memories = [left(memory, one, number) for memory, one in zip(memories, found, strict=True)]
     assert len({str((one.kept or {})["values"]) for one in found}) == 3
+    # A run that is made again is not learned again, as on the bench.
+    again = [replace(spec, law=replace(law, memory=memory)) for spec, memory in zip(specs, memories, strict=True)]
+    kept = [one.kept for one in run_together(scenario, again)]
+    assert kept == [alone(scenario, spec).kept for spec in again]
+    assert [one["values"] for one in kept if one] == [one.kept["values"] for one in found if one.kept]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("arithmetic", "values"),
+    [("float64", {"filter": "kalman_command", "start_inside_cycle": True}), ("float32", {"filter": "mean5"})],
+)
+def test_parameters_and_single_precision_are_those_of_the_bench(arithmetic: str, values: dict[str, Any]) -> None:
+    scenario = stop_scenario(*ROUGH, "task.start_m=2606", name="yizhuang_stop_closed")
+    parameters = ParameterSet("ilc_stop", values, Path("test.toml"))
+    specs = specs_of(LawSpec("ilc_stop", arithmetic, parameters=parameters), 2)
+    assert run_together(scenario, specs) == [alone(scenario, spec) for spec in specs]
+
+
+def stored(law: str, offset_m: float, runs: int) -> Memory:
+    """The memory of a train after some runs."""
+    kept = {"load_class": 0, "wet": 0, "offset_m": offset_m, "variance_m2": 0.01 * runs, "runs": runs, "last_run": 1}
+    values = {"version": 1, "records": [{**kept, "last_errors_m": [0.1] * runs, "gamma": 0.5}]}
+    return Memory(law, (Stored("A", Record(law, "train_1 xiaocun outbound", runs, 1, values)),), Path("store"))
+
+
+@pytest.mark.slow
+def test_a_train_with_a_stored_memory_runs_beside_one_without() -> None:
+    scenario = stop_scenario(*SHORT, name="yizhuang_stop_closed")
+    memories = [stored("reaim", 0.4, 3), no_memory("reaim", Path("memory")), stored("reaim", -0.2, 1)]
+    specs = [
+        RunSpec(law=LawSpec("reaim", "float64", memory=memory), seed=seed, run_number=2)
+        for seed, memory in enumerate(memories)
+    ]
+    found = run_together(scenario, specs, say=refuse)
+    assert found == [alone(scenario, spec) for spec in specs]
+    records = [(one.kept or {})["values"]["records"] for one in found]
+    assert [one[0]["runs"] for one in records] == [4, 1, 2]
+
+
+def refuse(said: str) -> None:
+    raise AssertionError(said)
+
+
+class Branching(OneShot[Any]):
+    """A law whose operations depend on its memory; its constants have the same names and formats."""
+
+    def __init__(self, arithmetic: Any, scenario: Any, parameters: Any = None, memory: Remembered = NOTHING) -> None:
+        super().__init__(arithmetic, scenario, parameters)
+        self._early = memory.values is not None
+
+    @classmethod
+    def memory_key(cls, scenario: Any) -> str:
+        return "train"
+
+    def memory(self, state: Any) -> dict[str, Any]:
+        return {"runs": 1}
+
+    def step(self, state: Any, readings: Any) -> Any:
+        state, answer = super().step(state, readings)
+        if self._early:
+            accel, *rest = answer.commands
+            answer = answer._replace(commands=(self.re.add(accel, accel), *rest))
+        return state, answer
+
+
+@pytest.mark.slow
+def test_laws_that_differ_in_more_than_constants_are_run_one_by_one_and_it_is_said(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    plug_in(tmp_path, monkeypatch, "railhil.laws_stop", branching=Branching)
+    scenario = stop_scenario(*SHORT)
+    had = Memory("branching", (Stored("A", Record("branching", "train", 1, 1, {"runs": 1})),), Path("store"))
+    specs = [
+        RunSpec(law=LawSpec("branching", "float64", memory=memory), run_number=2)
+        for memory in (had, no_memory("branching", Path("store")))
+    ]
+    said: list[str] = []
+    found = run_together(scenario, specs, say=said.append)
+    assert said == ["branching: 2 runs are made one by one: with their memories the law differs in its operations"]
+    assert found == [alone(scenario, spec) for spec in specs]
+    assert found[0].digest != found[1].digest
+
+
+def test_why_all_runs_of_a_scenario_are_made_one_by_one() -> None:
+    usual, other = load_any("yizhuang_stop"), load_any("yizhuang_stop", ["timing.port_period_ms.ATO_STATE=128"])
+    assert (one_by_one(usual), kernel_of(usual)) == ("", "railhil.batch.stopping.kernel")
+    assert one_by_one(other) == (
+        "the batch of system stop makes the runs one by one: its ports have other periods than those of the port table"
+    )
+    assert kernel_of(other) is None
+    assert runs.one_by_one(load_any("yizhuang_stop", (), ("adhesion low 0.06 @10s",))) == "the scenario has faults"
 
 
 def left(memory: Memory, run: Together, number: int) -> Memory:

@@ -7,13 +7,15 @@ import pytest
 
 from benchmarks.constrained import measured
 from benchmarks.qp_solvers import SOLVERS, exceeded, recorded, solved
+from railhil.scenarios.load import load_any
 
 pytest.importorskip("daqp")
 
 
 @pytest.mark.slow
 def test_a_run_is_measured_and_the_jerk_limit_seen() -> None:
-    found = measured("emu3_short", ["task.duration_s=40"], "delay_qp", {"loop": "train", "jerk_max_mps3": 0.1}, 3)
+    scenario = load_any("emu3_short", ["task.duration_s=40"])
+    found = measured(scenario, "emu3_short", "delay_qp", {"loop": "train", "jerk_max_mps3": 0.1}, 3)
     assert 0.0 < found.slope_mps3 < found.largest_slope_mps3 <= 0.15
     assert found.coupler_kn is not None
     assert found.step_us > 0.0

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import can
 import pytest
 
 from hil_tests.support.clock import SetClock
 from railhil.bus.errors import BusLost
 from railhil.bus.frame import Frame
+from railhil.bus.hub.batches import HubClient
 from railhil.bus.hub.cancontroller import BUS_OFF, ERROR_PASSIVE
+from railhil.bus.hub.failures import Refused
 from railhil.bus.hub.orders import Host, Notices, Order
 from railhil.bus.link import errorframe
 from railhil.bus.link.batch import BatchLink
@@ -31,7 +32,7 @@ class FakeHub:
         self.sent += frames
 
     def order(self, order: Order) -> None:
-        raise can.CanOperationError("the bus is shut down")
+        raise Refused("the bus is shut down")
 
     def offer_frames(self, frames: list[Frame]) -> int:
         return 0
@@ -71,7 +72,7 @@ def said() -> list[str]:
 
 @pytest.fixture
 def link(hub: FakeHub, wall: SetClock, said: list[str]) -> BatchLink:
-    bus: can.BusABC = hub  # type: ignore[assignment]
+    bus: HubClient = hub  # type: ignore[assignment]
     return BatchLink(bus, said.append, timeouts=Timeouts(give_up_s=30.0, queue_full_s=0.02), wall=wall)
 
 

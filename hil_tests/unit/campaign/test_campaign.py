@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import argparse
 import json
+import re
+import shutil
 from pathlib import Path
 
 import pyarrow.parquet as pq
@@ -12,6 +15,9 @@ from benchmarks.figures import QUICK_TOML
 from hil_tests.support.cli import railhil
 from railhil.bench import direct_run
 from railhil.campaign.plan import bench_sha256
+from railhil.campaign.report import report_of
+from railhil.cli import report as cli_report
+from railhil.common.errors import InputError
 from railhil.scenarios.canonical import judged_sha256
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec, RunSpec
@@ -210,3 +216,29 @@ def test_help_in_the_list_of_commands():
     done = railhil("campaign", "--help")
     assert done.exit_code == 0
     assert "every run was made (whatever its verdict)" in done.out
+
+
+def test_the_report_has_distributions_and_links_runs_made_again(finished, tmp_path):
+    pages = [tmp_path / "one.html", tmp_path / "two.html"]
+    for page in pages:
+        report_of(finished, page)
+    text = pages[0].read_text(encoding="utf-8")
+    assert pages[1].read_text(encoding="utf-8") == text
+    data = json.loads(re.search(r'id="distribution-data">(.*?)</script>', text)[1])
+    summary = json.loads((finished / "summary.json").read_text())
+    for spread in data["spreads"]:
+        assert [law["label"] for law in spread["laws"]] == list(summary["laws"])
+    label, worst = next((label, law["worst"][0]) for label, law in summary["laws"].items() if law["worst"])
+    name = f"{label}-{worst['seed']}"
+    assert f"--seed {worst['seed']}" in text
+    assert f"--out worst/{name}" in text
+    assert "<a href=" not in text
+    again = tmp_path / "copy"
+    shutil.copytree(finished, again)
+    (again / "worst" / name).mkdir(parents=True)
+    (again / "worst" / name / "report.html").touch()
+    assert cli_report.work(argparse.Namespace(folder=[str(again)], scenario=None, out=None)) == 0
+    assert f'<a href="worst/{name}/report.html">' in (again / "report.html").read_text(encoding="utf-8")
+    (again / "summary.json").unlink()
+    with pytest.raises(InputError, match=r"no summary\.json"):
+        report_of(again, again / "report.html")

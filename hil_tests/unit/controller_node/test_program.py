@@ -14,8 +14,9 @@ from railhil.controller_node.laws.base import NOTCH_Q
 from railhil.controller_node.loop import ControlLoop
 from railhil.controller_node.program.cycles import C28X_CYCLES, FPU_CYCLES, estimated_cycles
 from railhil.controller_node.program.evaluate import Evaluator
+from railhil.controller_node.program.leaves import leaves, like
 from railhil.controller_node.program.model import BranchError, Kind, Value
-from railhil.controller_node.program.record import leaves, like, record
+from railhil.controller_node.program.record import record
 from railhil.controller_node.program.tracer import FormatError, Tracer
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec

@@ -26,9 +26,10 @@ from railhil.controller_node.laws import names
 from railhil.controller_node.laws.ipfc import Ipfc
 from railhil.controller_node.loop import ControlLoop
 from railhil.controller_node.node import ControllerNode
+from railhil.controller_node.program.leaves import leaves
 from railhil.controller_node.program.model import Program
 from railhil.controller_node.program.ranges import WIRE, analyse, analyse_law
-from railhil.controller_node.program.record import leaves, record
+from railhil.controller_node.program.record import record
 from railhil.controller_node.program.tracer import Tracer
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario

@@ -21,6 +21,7 @@ from railhil.reproduce.ngpc.statements import statements
 from railhil.reproduce.ngpc.tables import tables
 from railhil.reproduce.paper import FOLLOWS, FOLLOWS_NOT, IN_PART, OPEN, Measured, Planned, Results
 from railhil.reproduce.protocol import results
+from railhil.reproduce.ways import Coupled
 from railhil.scenarios.load import load_any
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.system import system_named
@@ -202,14 +203,14 @@ def test_a_run_without_a_bus_has_the_scores_of_the_nodes() -> None:
             system, ("task.duration_s=20", "task.rmse_max_kmh=9"), LawSpec("pid", "float64"), seed=3, bus="local"
         )
         one = Planned("one", spec)
-        found = [made_alone(way) for way in (one, replace(one, coupled=ports))]
+        found = [made_alone(way) for way in (one, replace(one, how=Coupled(ports)))]
         assert found[0].values == found[1].values
-        assert [bool(run.frames_sha256) for run in found] == [True, False]
+        assert [bool(run.sha256) for run in found] == [True, False]
 
 
 def test_stored_figures_are_read_again_and_only_those_of_the_same_run(tmp_path: Path) -> None:
     spec = RunSpec("hst_short", ("task.duration_s=8", "task.rmse_max_kmh=9"), LawSpec("pid", "float64"), bus="local")
-    planned = [Planned(name, spec, coupled=("TRUTH",)) for name in ("first", "second")]
+    planned = [Planned(name, spec, how=Coupled(("TRUTH",))) for name in ("first", "second")]
     paper = replace(PAPER, planned=lambda seeds: planned, measure=scores)
     first = results(paper, (1,), measured=tmp_path, only="first")
     assert list(first.runs) == ["first"]
@@ -219,5 +220,5 @@ def test_stored_figures_are_read_again_and_only_those_of_the_same_run(tmp_path: 
     assert [run.verdict for run in again.runs.values()] == ["FAIL", "PASS"]
     assert again.runs["first"].values == first.runs["first"].values
     stored.write_text(stored.read_text().replace("hst_short", "emu3_short"))
-    with pytest.raises(InputError, match=r"first.json: again: found "):
+    with pytest.raises(InputError, match=r"first.json: entry: found "):
         results(paper, (1,), measured=tmp_path)

@@ -14,7 +14,7 @@ from railhil.cli.bus_run import NeverBegan
 from railhil.common.errors import InputError
 from railhil.reproduce.__main__ import arguments, main
 from railhil.reproduce.document import results_of
-from railhil.reproduce.page import page
+from railhil.reproduce.page import page, seeds_said
 from railhil.reproduce.paper import Line, Measured, Results, Table, order
 from railhil.reproduce.papers import PAPERS as SHIPPED
 from railhil.reproduce.papers import paper_named
@@ -51,6 +51,8 @@ def test_each_run_of_a_paper_has_its_scenario_and_its_law() -> None:
         (["ipcf"], "argument PAPER: found ipcf, allowed ipfc (did you mean ipfc?)"),
         (["ipfc", "--seeds", "1,1"], "argument --seeds: found 1,1, allowed at most 1000 seeds, each once"),
         (["ipfc", "--seeds", "1,x"], "argument --seeds: found x, allowed 0..4294967295"),
+        (["ipfc", "--seeds", "0-1000"], "argument --seeds: found 0-1000, allowed at most 1000 seeds, each once"),
+        (["ipfc", "--seeds", "7-5"], "argument --seeds: found 5, allowed 7..4294967295"),
         (["ipfc", "--jobs", "0"], "argument --jobs: found 0"),
     ],
 )
@@ -59,6 +61,14 @@ def test_usage(words: list[str], said: str, capsys: pytest.CaptureFixture[str]) 
         main(words, IPFC)
     assert end.value.code == 2
     assert said in capsys.readouterr().err
+
+
+def test_seeds_may_be_ranges() -> None:
+    assert arguments().parse_args(["ipfc", "--seeds", "3, 7-9,1"]).seeds == (3, 7, 8, 9, 1)
+    seeds = range(5, 15)
+    assert seeds_said(seeds, ",", "-") == "5-14"
+    assert seeds_said(seeds[:-1], ",", "-") == "5,6,7,8,9,10,11,12,13"
+    assert seeds_said([*seeds, 20], ", ", " to ") == "5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 20"
 
 
 def test_options_without_what_they_need(tmp_path: Path) -> None:

@@ -5,13 +5,15 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from can.io import BLFWriter
 
 from benchmarks.figures import QUICK_TOML
 from hil_tests.support.recordings import recorded_folder
-from railhil.bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame
+from railhil.bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame, to_message
 from railhil.common.errors import InputError
 from railhil.scenarios.load import load
-from railhil.supervisor.framelog import log_line, log_sha256, read_log, sha256_of, write_blf
+from railhil.supervisor.blf_writer import write_blf
+from railhil.supervisor.framelog import log_line, log_sha256, read_log, sha256_of
 from railhil.supervisor.record import checked_record
 from railhil.supervisor.score import score
 
@@ -37,6 +39,18 @@ def test_frames_and_hash_are_those_of_the_log(tmp_path: Path) -> None:
     assert [time_ns for time_ns, _ in read_log(blf)] == [time_ns for time_ns, _ in FRAMES]
     assert list(read_log(blf)) == list(read_log(log))
     assert log_sha256(blf) == log_sha256(log) == sha256_of(log)
+
+
+@pytest.mark.parametrize("first_ns", [0, 7_123_456_000])
+def test_the_file_is_the_one_that_python_can_writes(tmp_path: Path, first_ns: int) -> None:
+    # More than one container, with an object that begins in one and ends in the next.
+    many = [(196_000_002_000 + 1_000 * i, Frame(i, bytes([i]) * (i % 9))) for i in range(256)] * 16
+    frames = [*FRAMES, (196_000_001_000, Frame(0, bytes(8), ERROR)), (0, Frame(0x7, b"")), *many]
+    log, blf = written(tmp_path, [(first_ns + time_ns, frame) for time_ns, frame in frames])
+    with BLFWriter(tmp_path / "theirs.blf") as writer:
+        for time_ns, frame in read_log(log):
+            writer.on_message_received(to_message(frame, time_ns / 1e9))
+    assert blf.read_bytes() == (tmp_path / "theirs.blf").read_bytes()
 
 
 def test_error_frames_are_kept(tmp_path: Path) -> None:

@@ -83,11 +83,14 @@ def test_page_is_well_formed_and_needs_nothing_else(which: str, request: pytest.
     for reference in reader.references:
         assert reference.startswith("#")
         assert reference[1:] in reader.ids, reference
-    assert not reader.tags & {"script", "link", "img", "iframe", "object", "embed", "base", "form"}
+    assert "default-src 'none'" in text
+    assert not re.search(r"<script[^>]*\bsrc\b", text)
+    assert not reader.tags & {"link", "img", "iframe", "object", "embed", "base", "form"}
     assert "@import" not in text
     assert {target for target in re.findall(r"url\(([^)]*)\)", text) if not target.startswith("#")} == set()
-    # What is left of addresses are the names of XML vocabularies, which nobody opens.
+    # What is left of addresses are the names of XML vocabularies and the notice of uPlot, which nobody opens.
     assert set(re.findall(r"https?://[^\"'\s]+", text)) == {
+        "https://github.com/leeoniya/uPlot",
         "http://www.w3.org/2000/svg",
         "http://www.w3.org/1999/xlink",
     }

@@ -49,7 +49,7 @@ def run_high_speed(case: Case, seeds: Sequence[int], *, chunk: int = CHUNK) -> B
     :raises InputError: numba is missing, law, arithmetic or parameters do not fit, or a fault needs the nodes.
     :raises PlantError: the simulation failed.
     """
-    if case.scenario.faults or not _usual_periods(case.scenario):
+    if one_by_one(case.scenario):
         return run_coupled(case, seeds)
     # The law is refused here as on the bench.
     VectorController(case.scenario, case.law)
@@ -77,6 +77,13 @@ def _coupled(case: Case, seed: int) -> _Found:
     """One run without arrays."""
     run = run_coupled(case, [seed])
     return _Found(run.scores[0], {name: int(getattr(run, name)[0]) for name in _KINDS}, run.notch_digest[0])
+
+
+def one_by_one(scenario: Any) -> str:
+    """The system's part ``one_by_one``: why its runs are made without arrays; empty: they are not."""
+    if scenario.faults:
+        return "the scenario has faults"
+    return "" if _usual_periods(scenario) else "its ports have other periods than those of the port table"
 
 
 def _usual_periods(scenario: Any) -> bool:

@@ -7,7 +7,7 @@ with faults or other periods of the ports than the port table has.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -33,6 +33,7 @@ from railhil.bus.stopping import (
     Truth,
 )
 from railhil.bus.telegrams import RunEvent
+from railhil.common.output import Output
 from railhil.controller_node.arithmetic.base import DIVISION_BY_ZERO, SATURATION, WRAP
 from railhil.controller_node.laws.fault import law_fault
 from railhil.controller_node.vector.controller import VectorController, VectorLoop
@@ -70,7 +71,7 @@ def run_stops(case: Case, seeds: Sequence[int]) -> BatchResult:
     :raises InputError: numba is missing, law, arithmetic or parameters do not fit, or a fault needs the nodes.
     :raises PlantError: the simulation failed.
     """
-    if not _as_usual(case.scenario):
+    if one_by_one(case.scenario):
         return run_coupled(case, seeds)
     found = run_together(case.scenario, [case.run(int(seed)) for seed in seeds])
     counts = {name: np.array([one.counts[name] for one in found], dtype=np.int64) for name in COUNTS}
@@ -78,10 +79,18 @@ def run_stops(case: Case, seeds: Sequence[int]) -> BatchResult:
     return result_of(judging_of(case.scenario), seeds, scores, counts, digests)
 
 
-def run_together(scenario: AnyScenario, specs: Sequence[RunSpec], *, chunk: int = CHUNK) -> list[Together]:
+def run_together(
+    scenario: AnyScenario,
+    specs: Sequence[RunSpec],
+    *,
+    chunk: int = CHUNK,
+    say: Callable[[str], None] | None = None,
+) -> list[Together]:
     """Runs of one scenario and one law that differ in seed, number and memory, in their order.
 
     :param chunk: number of runs computed together; the results do not depend on it.
+    :param say: told if laws cannot be computed together; None: standard error. That all runs of a scenario are made
+        one by one is the caller's to say (:func:`one_by_one`).
     :raises InputError: as :func:`run_stops`.
     :raises PlantError: the simulation failed.
     """
@@ -90,10 +99,16 @@ def run_together(scenario: AnyScenario, specs: Sequence[RunSpec], *, chunk: int 
     # The law is refused here as on the bench.
     VectorController(scenario, specs[0].law)
     found: list[Together] = []
+    alone_all = bool(one_by_one(scenario))
     for first in range(0, len(specs), chunk):
         some = specs[first : first + chunk]
-        runs = _Runs(scenario, some) if _as_usual(scenario) else None
+        runs = None if alone_all else _Runs(scenario, some)
         whole = runs is not None and runs.run()
+        if runs is not None and not whole:
+            (say or Output(stderr=True).say)(
+                f"{specs[0].law.controller}: {len(some)} runs are made one by one: "
+                f"with their memories the law differs in its {runs.differs}"
+            )
         for train, spec in enumerate(some):
             alone = runs is None or not whole or runs.left[train]
             found.append(_alone(scenario, spec) if alone or runs is None else runs.found(train))
@@ -108,10 +123,13 @@ def _alone(scenario: AnyScenario, spec: RunSpec) -> Together:
     return Together(run.score, counts, command_digest(scenario, run.trace), controller.kept())
 
 
-def _as_usual(scenario: AnyScenario) -> bool:
+def one_by_one(scenario: AnyScenario) -> str:
+    """The system's part ``one_by_one``: why its runs are made without arrays; empty: they are not."""
     timing = scenario.timing
+    if scenario.faults:
+        return "the scenario has faults"
     usual = timing.base_tick_ns == TICK_NS and not timing.port_period_ns and timing.control_period_ns % TICK_NS == 0
-    return usual and not scenario.faults
+    return "" if usual else "its ports have other periods than those of the port table"
 
 
 class _Runs:
@@ -142,6 +160,11 @@ class _Runs:
         self._seen = np.array([run.slide_seen for run in self._drawn], dtype=np.int64)
         self._mark_m = np.array([run.mark_error_m for run in self._drawn])
         self._numbers = np.array([spec.run_number for spec in specs], dtype=np.int64)
+
+    @property
+    def differs(self) -> str:
+        """In what the laws differ so that they cannot be computed together."""
+        return self._laws.differs
 
     def run(self) -> bool:
         """Run all of them; False: their laws cannot be computed together.
@@ -211,6 +234,7 @@ class _Runs:
             self._load,
             self._wet,
             *self._state,
+            self._numbers,
             *self._report,
             zero,
         ]

@@ -14,8 +14,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from can.cli import add_bus_arguments
-
+from railhil.bus.can_settings import add_bus_arguments
 from railhil.bus.link import open_link
 from railhil.bus.select import choose_bus
 from railhil.common.command_line import OneLineParser, parse, whole_number

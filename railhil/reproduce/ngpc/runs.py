@@ -38,6 +38,7 @@ from railhil.reproduce.ngpc.names import (
     units_key,
 )
 from railhil.reproduce.paper import Planned
+from railhil.reproduce.ways import Coupled
 from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.supervisor.high_speed.ride import Ride
@@ -63,7 +64,7 @@ _FAULT: Mapping[str, str] = {
     STRONGER: "train.gain scale 1.4",
 }
 #: Parameters of the laws in a situation that are not their own, and the file for them.
-_GIVEN: Mapping[str, tuple[Mapping[str, str], str]] = {FIXED_MODEL: ({"ident": "off"}, "ident_off.toml")}
+_GIVEN: Mapping[str, tuple[Mapping[str, str], str]] = {FIXED_MODEL: ({"ident": "off"}, "ident_off_{law}.toml")}
 _CALM = ("task.gradient_permil=0", "task.wind_sigma_mps2=0")
 #: The first two minutes, in an arithmetic whose operations are counted.
 _SHORT, _COUNTED = "hst_short", "float32"
@@ -89,8 +90,8 @@ PROTOCOL = (
     f'not identified: `ident = "off"`).',
     "Runs of the journeys, but for the record, are made without a bus: the plant and the law coupled by the same raw "
     "integers. Tests show telegrams and scores equal to those of the nodes. Such a run has no frames.log; the command "
-    "beside it makes the same run over the in-process bus. For a run with `--parameters` the file has to be "
-    f'written first: `{_DITHER} = {_DITHER_MPS2}` for the record, `ident = "off"` for {FIXED_MODEL}, '
+    "beside it makes the same run over the in-process bus. The parameter "
+    f'files stand beside this page: `{_DITHER} = {_DITHER_MPS2}` for the record, `ident = "off"` for {FIXED_MODEL}, '
     '`loop = "mean"` for one loop on the mean speed of three units.',
     "Modelling error: an ELM is trained on the record of a run with a dithered PID, without 300 samples spread over "
     "it, and judged on these.",
@@ -110,12 +111,12 @@ def _tracking(seeds: Sequence[int]) -> Iterator[Planned]:
         settings = _CALM if situation == CALM else ()
         values, file = _GIVEN.get(situation, ({}, ""))
         for law in laws_of(situation):
-            given = ParameterSet(law, values, Path(file)) if values else None
+            given = ParameterSet(law, values, Path(file.format(law=law))) if values else None
             for seed in seeds_of(situation, law, seeds):
                 how = LawSpec(law, _ARITHMETIC, parameters=given)
                 spec = RunSpec(scenario, settings, how, seed, bus="local", faults=faults)
                 is_drawn = law in DRAWN and situation not in BESIDE and seed == seeds[0]
-                yield Planned(key(situation, law, seed), spec, is_drawn, _PORTS)
+                yield Planned(key(situation, law, seed), spec, is_drawn, Coupled(_PORTS))
 
 
 def _records(seeds: Sequence[int]) -> Iterator[Planned]:
@@ -129,12 +130,12 @@ def _records(seeds: Sequence[int]) -> Iterator[Planned]:
 
 def _units(seeds: Sequence[int]) -> Iterator[Planned]:
     for kind, law, loop in UNITS:
-        given = ParameterSet(law, {"loop": loop}, Path("mean_loop.toml")) if loop == "mean" else None
+        given = ParameterSet(law, {"loop": loop}, Path(f"mean_loop_{law}.toml")) if loop == "mean" else None
         for seed in seeds:
             spec = RunSpec(
                 _UNITS_SCENARIO[kind], law=LawSpec(law, _ARITHMETIC, parameters=given), seed=seed, bus="local"
             )
-            yield Planned(units_key(kind, law, loop, seed), spec, coupled=_UNITS_PORTS)
+            yield Planned(units_key(kind, law, loop, seed), spec, how=Coupled(_UNITS_PORTS))
 
 
 def _efforts() -> Iterator[Planned]:

@@ -19,6 +19,8 @@ from railhil.supervisor.sequence_measure import SequenceMeasure
 from railhil.supervisor.status import Status, wrap_failure
 from railhil.supervisor.trace import Trace
 
+#: Median in fixed point against float64: a stop is as exact as lengths on the bus are, whatever the law makes of it.
+_AUDIT_ALLOWED_M = 0.001
 STOP_ERROR = Criterion(
     "stop_error_m",
     "stop error",
@@ -27,10 +29,11 @@ STOP_ERROR = Criterion(
     Approach.stop_error_m,
     limit=Limit(lambda scenario: scenario.task.stop_error_max_m, 0),
     signed="stop_error_m",
+    audit_allowed=_AUDIT_ALLOWED_M,
 )
 CRITERIA = (
     STOP_ERROR,
-    Criterion("overshoot_m", "overshoot", "m", 3, Approach.overshoot_m),
+    Criterion("overshoot_m", "overshoot", "m", 3, Approach.overshoot_m, audit_allowed=_AUDIT_ALLOWED_M),
     Criterion("running_time_s", "running time", "s", 2, Approach.running_time_s),
     Criterion("jerk_mps3", "largest jerk", "m/s3", 3, Approach.jerk_mps3),
     Criterion("brake_travel_mps2", "brake travel", "m/s2", 3, Approach.brake_travel_mps2),
@@ -126,4 +129,5 @@ STOP = Judging(
     published="figures of He and Tang, one run each",
     facts=_facts,
     watches=(_WATCH,),
+    ends_at_m=lambda scenario: scenario.task.stop_m,
 )

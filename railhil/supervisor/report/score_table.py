@@ -13,11 +13,12 @@ from railhil.supervisor.report.recorded import RecordedRun
 @dataclass(frozen=True, slots=True)
 class Cell:
     """A measured value and the published one, as text (empty: none); ``best``: the best measured value of all runs that
-    count as an evaluation."""
+    count as an evaluation; ``missed``: it is outside what the scenario allows."""
 
     measured: str
     published: str
     best: bool
+    missed: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,7 +38,9 @@ def published_text(row: PublishedScore, criterion: Criterion) -> str:
 def _cell(run: RecordedRun, criterion: Criterion, best: str) -> Cell:
     text = criterion.shown(run.score.values[criterion.key])
     is_best = text == best and not run.seed_was_trained
-    return Cell(text, published_text(run.published, criterion) if run.published else "", is_best)
+    published = published_text(run.published, criterion) if run.published else ""
+    missed = criterion.missed(run.scenario, run.score.with_sign(criterion))
+    return Cell(text, published, is_best, bool(missed))
 
 
 def rows(scenario: AnyScenario, criteria: Sequence[Criterion], runs: Sequence[RecordedRun]) -> list[Row]:

@@ -43,12 +43,21 @@ class Style:
         return _LAWS[self.law][0]
 
     @property
+    def dashes(self) -> tuple[float, ...]:
+        """Dash pattern in points; empty for a continuous line."""
+        return _LAWS[self.law][1]
+
+    @property
+    def width(self) -> float:
+        """Width of the line in points."""
+        return _VARIANTS[self.variant][0]
+
+    @property
     def line(self) -> dict[str, Any]:
         """Line in shared axes, for matplotlib; the marker appears only in the legend."""
-        width = _VARIANTS[self.variant][0]
         # matplotlib measures dashes in units of the line width.
-        dashes = tuple(points / width for points in _LAWS[self.law][1])
-        return {"linestyle": (0, dashes) if dashes else "-", "linewidth": width, "markevery": [], **self.marker}
+        dashes = tuple(points / self.width for points in self.dashes)
+        return {"linestyle": (0, dashes) if dashes else "-", "linewidth": self.width, "markevery": [], **self.marker}
 
     @property
     def alone(self) -> dict[str, Any]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import subprocess
 from pathlib import Path
 from typing import Any
@@ -11,6 +12,8 @@ import pytest
 
 from hil_tests.support.cli import railhil
 from hil_tests.support.stops import SHORT, stop_scenario
+from railhil.audit.shadow import compare_codes, errors, shadow_run
+from railhil.controller_node.arithmetic import make
 from railhil.controller_node.laws.stopping.filters import FILTERS
 from railhil.controller_node.laws.stopping.learning import GAMMA_LEAST
 from railhil.controller_node.vector.controller import VectorController
@@ -49,6 +52,18 @@ def test_all_arithmetics_stop_at_the_same_place(law):
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("law", ["ilc_stop", "reaim"])
+def test_fixed_point_commands_what_float64_commands_from_the_same_readings(law):
+    shadow = shadow_run(CLOSED, LawSpec(law, "iq"), make("iq"), seed=5)
+    for codes in compare_codes(shadow.twin, shadow.reference):
+        assert (codes.equal_share >= 0.99, codes.largest <= 1) == (True, True), codes
+    found = {one.name: one for one in errors(shadow.quantities, shadow.twin, shadow.reference)}
+    if law == "reaim":
+        # A sum over all cycles would add up what a conversion floors.
+        assert abs(found["disturbance"].bias) < 1e-5
+
+
+@pytest.mark.slow
 @pytest.mark.needs_compiler
 @pytest.mark.parametrize("law", ["ilc_stop", "reaim"])
 @pytest.mark.parametrize("arithmetic", ["iq", "float32"])
@@ -57,6 +72,9 @@ def test_the_exported_law_computes_the_same_words(law, arithmetic, tmp_path):
     words = ("export-c", law, "yizhuang_stop_closed", *settings, "--arithmetic", arithmetic, "--out", tmp_path)
     done = railhil(*words)
     assert done.exit_code == 0, done.err
+    if arithmetic == "iq":
+        # Block M1 of the target has 1024, also for what is around the law.
+        assert int(re.search(r"stack at most (\d+) words", done.out)[1]) <= 768
     checked = subprocess.run(["make", "-s", "check"], cwd=tmp_path, capture_output=True, text=True, check=False)
     assert checked.returncode == 0, checked.stdout + checked.stderr
     assert ("identical" if arithmetic == "iq" else "every word equal") in checked.stdout

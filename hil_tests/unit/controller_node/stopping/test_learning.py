@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from railhil.controller_node.arithmetic import make
-from railhil.controller_node.laws.stopping.learning import Learning, stored_records
+from railhil.controller_node.laws.stopping.learning import Learning, Report, stored_records
 from railhil.controller_node.laws.stopping.numbers import Numbers
 
 
@@ -17,6 +17,7 @@ def ran(
     error_m: float = 1.0,
     *,
     run: int = 1,
+    own: int | None = None,
     load: float = 0.0,
     wet: float = 0.0,
     spoiled: float = 0.0,
@@ -24,12 +25,16 @@ def ran(
     gamma: float = 0.5,
     **options: Any,
 ) -> dict[str, Any]:
-    """Memory after one run, as it comes back from its file."""
+    """Memory after one run, as it comes back from its file.
+
+    :param run: of the report. :param own: number of the run; None: the same.
+    """
     learning = Learning(Numbers(make("float64")), values, gamma=gamma, **options)
     learned = learning.start(load, wet)
-    learned = learning.step(learned, 0.0, spoiled, 0.0, 0.0, 190.0)
+    number = float(run if own is None else own)
+    learned = learning.step(learned, 0.0, spoiled, number, Report(0.0, 0.0), 190.0)
     for _ in range(3):
-        learned = learning.step(learned, ready, 0.0, float(run), error_m, 190.0)
+        learned = learning.step(learned, ready, 0.0, number, Report(float(run), error_m), 190.0)
     return json.loads(json.dumps(learning.memory(learned)))
 
 
@@ -77,6 +82,20 @@ def test_a_run_is_learned_once_even_after_a_restart():
     assert ran(first, run=7) == first
 
 
+@pytest.mark.parametrize(("own", "report"), [(5, 9), (5, 6), (5, 4), (5, 0), (0, 5), (0, 0)])
+def test_a_report_of_another_run_than_its_own_is_not_learned(own, report):
+    first = ran(run=3)
+    assert ran(first, 2.0, run=report, own=own) == first
+
+
+def test_runs_may_be_missing_but_none_is_learned_after_a_later_one():
+    values = ran(ran(run=3), run=7, load=90.0)
+    assert [one["last_run"] for one in values["records"]] == [3, 7]
+    # Run 5 would be new for its own load class.
+    assert ran(values, run=5) == values
+    assert [one["last_run"] for one in ran(values, run=9)["records"]] == [9, 7]
+
+
 def test_learning_can_be_switched_off():
     first = ran()
     assert ran(first, run=2, active=False) == first
@@ -115,6 +134,7 @@ def test_an_unlikely_stop_only_widens_what_is_expected():
         ({"variance_m2": 1e-9}, "variance_m2"),
         ({"variance_m2": "1"}, "variance_m2"),
         ({"runs": -1}, "runs"),
+        ({"last_run": 65536}, "last_run"),
         ({"load_class": 3}, "load class"),
     ],
 )

@@ -54,7 +54,7 @@ def test_it_finds_delay_gain_and_load():
     assert (brake.values["runs"], brake.values["last_run"]) == (60, 60)
 
 
-@pytest.mark.parametrize("gate", [{"off_m": 38.0}, {"off_m": 5.0}, {"usable": 0.0}, {"number": 30}])
+@pytest.mark.parametrize("gate", [{"off_m": 38.0}, {"off_m": 5.0}, {"usable": 0.0}, {"number": 30}, {"number": 12}])
 def test_gates(gate):
     brake = Brake()
     for _ in range(30):
@@ -70,7 +70,7 @@ def test_the_law_uses_and_keeps_it():
     values = {"version": 1, "records": [], "braking": {**STORED, "theta": [1.0, 1.1, 0.0]}}
     IlcStop.check_memory(scenario, values)
     law = IlcStop(make("float64"), scenario, parameters, Remembered(values))
-    readings = [16000.0] * 5 + [1.0, 1.0] + [0.0] * 11
+    readings = [16000.0] * 5 + [1.0, 1.0] + [0.0] * 12
     state, _ = law.step(law.start(readings), readings)
     assert law.memory(state)["braking"] == values["braking"]
     assert state.own.now[1] == pytest.approx(1.0 * 16 + 1.1 * 16**2 / 1.6 - 0.8 * 0.4**2 / 2, abs=1e-5)

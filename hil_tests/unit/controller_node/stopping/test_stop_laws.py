@@ -46,7 +46,7 @@ class Driven:
         self.law = law(make("float64"), scenario(**changes), parameters, Remembered(memory))
         self.state: Any = None
         self.tick = 0
-        self.given = dict.fromkeys(NAMES, 0.0)
+        self.given = dict.fromkeys(NAMES, 0.0) | {"run": 3.0}
 
     def step(self, *, fresh: bool = True, **readings: float) -> dict[str, float]:
         odometer_m = self.tick * TICK_M
@@ -186,6 +186,36 @@ def test_a_run_in_which_the_controller_lost_its_readings_is_not_learned():
     driven.until(Stage.STANDSTILL, standstill=1.0)
     driven.step(report_run=3.0, report_error=2000.0)
     assert driven.law.memory(driven.state)["records"] == []
+
+
+@pytest.mark.parametrize(("own", "report"), [(3.0, 9.0), (3.0, 4.0), (3.0, 2.0), (0.0, 3.0)])
+@pytest.mark.parametrize("learning", ["offset", "rls_load"])
+def test_the_report_of_another_run_is_not_learned(own, report, learning):
+    driven = Driven(IlcStop, IlcStopParameters(learning=learning))
+    driven.until(Stage.BRAKE)
+    driven.until(Stage.STANDSTILL, standstill=1.0)
+    before = driven.law.memory(driven.state)
+    assert driven.step(run=own, report_run=report, report_error=2000.0)["stage"] == Stage.STANDSTILL
+    assert driven.law.memory(driven.state) == before
+    # Its own report comes after all.
+    driven.step(run=3.0, report_run=3.0, report_error=2000.0)
+    assert driven.law.memory(driven.state) != before
+
+
+@pytest.mark.parametrize(("law", "parameters"), [(IlcStop, IlcStopParameters()), (Reaim, ReaimParameters())])
+def test_the_command_that_a_law_goes_on_from_is_the_one_on_the_bus(law, parameters):
+    driven = Driven(law, parameters)
+    driven.until(Stage.BRAKE)
+    for _ in range(60):
+        found = driven.step()
+        assert found["u"] == int(found["u"])
+        assert driven.state.accel == pytest.approx(found["u"] / 1e3, abs=1e-12)
+    driven.state = driven.law.with_sent(driven.state, [-700.0, 0.0, 1.0])
+    assert driven.state.accel == pytest.approx(-0.7, abs=1e-12)
+    assert driven.state.learned.spoiled == 0.0
+    driven.state = driven.law.with_sent(driven.state, [0.0, 0.0, 0.0])
+    assert driven.state.accel == pytest.approx(-0.7, abs=1e-12)
+    assert driven.state.learned.spoiled == 1.0
 
 
 def test_from_standstill_the_train_starts_when_its_doors_are_closed():

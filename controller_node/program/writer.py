@@ -1,0 +1,285 @@
+"""Writes a recorded program out as one straight-line Python function, which takes a third of the time of the law.
+
+A law calls a method of its arithmetic for every operation. In the written function each operation is one line of
+Python, named after its quantity where it has a name. It computes what the law computes as long as nothing is to be
+counted: a value that would saturate, be divided by zero or leave the range for which the interval analysis has shown
+that nothing wraps (:mod:`railhil.controller_node.program.ranges`) makes it return None, and the law itself computes
+that step (:mod:`railhil.controller_node.straight`).
+
+``fixed`` serves both profiles of fixed point, ``float64`` double precision.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Sequence
+
+from railhil.controller_node.arithmetic.base import INT32_MAX, INT32_MIN
+from railhil.controller_node.program.model import Kind, Operation, Program, Value
+from railhil.controller_node.program.shape import Shape, shape_of
+
+FIXED, FLOAT64 = "fixed", "float64"
+#: Operations that the functions leave to the arithmetic, because they are rare or differ between the profiles.
+_CALLED = {FIXED: ("div", "sqrt"), FLOAT64: ("div", "sqrt", "quantise")}
+_STATE = "state"
+
+
+def is_state(name: str) -> bool:
+    """True for an input or output of a program that belongs to the law's state."""
+    return name.partition(".")[0].partition("[")[0] == _STATE
+
+
+def checked_inputs(program: Program) -> list[tuple[str, Value]]:
+    """Inputs whose range a function of fixed point checks: the state, or the wire values if the program has no state.
+
+    The other inputs are results of another program, whose ranges follow.
+    """
+    states = [(name, value) for name, value in program.inputs if is_state(name)]
+    return [(name, value) for name, value in states or program.inputs if value.kind is Kind.NUMBER]
+
+
+def are_constant(operation: Operation) -> bool:
+    """True for an operation whose limits are both constants: nothing checks then that they are not swapped."""
+    return all(limit.constant is not None for limit in operation.arguments[1:])
+
+
+class _Writer:
+    """One program in one family of arithmetics, line by line."""
+
+    def __init__(self, program: Program, family: str) -> None:
+        self.shape: Shape = shape_of(program, family, formats=family == FIXED)
+        self._program = program
+        self._fixed = family == FIXED
+        self._called = _CALLED[family]
+        self._taken: set[str] = set()
+        self._index = 0
+        self._lines: list[str] = []
+        self._curves = [self._free(f"f_{_word(curve.name)}") for curve in self.shape.curves]
+        self._tables = [self._free(f"t_{_word(table.name)}") for table in self.shape.tables]
+        self._constants = [self._free(f"c_{_word(constant.name)}") for constant in self.shape.constants]
+        self._lasts = [self._free(f"last_{number}") for number in range(len(self.shape.lasts))]
+        self._values = {value.number: self._free(_word(name)) for name, value in program.inputs}
+        noted = {quantity.value.number: quantity.name for quantity in program.quantities}
+        for operation in program.operations:
+            number = operation.result.number
+            self._values[number] = self._free(_word(noted[number]) if number in noted else f"{operation.op}_{number}")
+
+    def _free(self, wanted: str) -> str:
+        """A name that nothing else has."""
+        name, number = wanted, 1
+        while name in self._taken:
+            number += 1
+            name = f"{wanted}_{number}"
+        self._taken.add(name)
+        return name
+
+    def text(self, function: str) -> str:
+        """The factory of the function."""
+        for operation in self._program.operations:
+            self._operation(operation)
+        states = [(name, value) for name, value in self._program.inputs if is_state(name)]
+        given = [value for name, value in self._program.inputs if not is_state(name)]
+        checked = [self._values[value.number] for _, value in checked_inputs(self._program)]
+        head = [f"def {function}(parts: Parts) -> Step:"]
+        for names, field in (
+            (self._constants, "constants"),
+            (self._tables, "tables"),
+            (self._curves, "curves"),
+            (self._lasts, "lasts"),
+        ):
+            head += _unpacked(names, f"parts.{field}")
+        head += [f"    {name} = parts.number.{name}" for name in self._called if self._uses(name)]
+        if self._fixed and checked:
+            bounds = [bound for name in checked for bound in _bounds(name)]
+            head += _unpacked(bounds, "parts.bounds")
+        body: list[str] = []
+        if self._fixed:
+            for name in checked:
+                low, high = _bounds(name)
+                body += [f"    if not {low} <= {name} <= {high}:", "        return None"]
+        body += self._lines
+        after = [self._read(value) for name, value in self._program.outputs if is_state(name)]
+        answer = [self._read(value) for name, value in self._program.outputs if not is_state(name)]
+        noted = [self._read(quantity.value) for quantity in self._program.quantities]
+        body += ["    return ("]
+        for words in (after, answer, noted):
+            body += [f"    {line}" for line in _tuple(words)]
+        body += ["    )"]
+        used = set(re.findall(r"\w+", " ".join(body)))
+        begin = _unpacked([_marked(self._values[value.number], used) for _, value in states], "state")
+        begin += _unpacked([_marked(self._values[value.number], used) for value in given], "given")
+        inner = [
+            "",
+            "    def period(state: Values, given: Values) -> tuple[Values, Values, Values] | None:",
+            *(f"    {line}" for line in (*begin, *body)),
+            "",
+            "    return period",
+        ]
+        return "\n".join([*head, *inner]) + "\n"
+
+    def _uses(self, op: str) -> bool:
+        return any(operation.op == op for operation in self._program.operations)
+
+    def _read(self, value: Value) -> str:
+        if value.constant is not None:
+            return self._constants[self.shape.constant(value.constant)]
+        return self._values[value.number]
+
+    def _say(self, *lines: str) -> None:
+        self._lines += [f"    {line}" for line in lines]
+
+    def _operation(self, operation: Operation) -> None:
+        to = self._values[operation.result.number]
+        words = [self._read(value) for value in operation.arguments]
+        if operation.op in self._called:
+            self._say(f"{to} = {operation.op}({', '.join([*words, *map(str, operation.parameters)])})")
+            return
+        write: Callable[[Operation, str, Sequence[str]], None] | None = getattr(self, f"_write_{operation.op}", None)
+        if write is None:
+            raise KeyError(operation.op)
+        write(operation, to, words)
+
+    # -- one method for each operation ---------------------------------------------------------------------------------
+
+    def _write_add(self, operation: Operation, to: str, words: Sequence[str]) -> None:
+        self._say(f"{to} = {words[0]} + {words[1]}")
+
+    def _write_sub(self, operation: Operation, to: str, words: Sequence[str]) -> None:
+        self._say(f"{to} = {words[0]} - {words[1]}")
+
+    def _write_neg(self, operation: Operation, to: str, words: Sequence[str]) -> None:
+        self._say(f"{to} = -{words[0]}")
+
+    def _write_abs(self, operation: Operation, to: str, words: Sequence[str]) -> None:
+        self._say(f"{to} = abs({words[0]})")
+
+    def _product(self, first: str, second: str, q: int, rounded: bool) -> str:
+        if not self._fixed:
+            return f"{first} * {second}"
+        return f"{first} * {second}{f' + {1 << (q - 1)}' if rounded else ''}{f' >> {q}' if q else ''}"
+
+    def _write_mpy(self, operation: Operation, to: str, words: Sequence[str]) -> None:
+        self._say(f"{to} = {self._product(words[0], words[1], operation.parameters[0], False)}")
+
+    def _write_rmpy(self, operation: Operation, to: str, words: Sequence[str]) -> None:
+        self._say(f"{to} = {self._product(words[0], words[1], operation.parameters[0], True)}")
+
+    def _write_rsmpy(self, operation: Operation, to: str, words: Sequence[str]) -> None:
+        self._write_rmpy(operation, to, words)
+        if self._fixed:
+            self._say(f"if not {INT32_MIN} <= {to} <= {INT32_MAX}:", "    return None")
+
+    def _write_mpy_iqx(self, operation: Operation, to: str, words: Sequence[str]) -> None:
+        q_a, q_b, q = operation.parameters
+        shift = q_a + q_b - q
+        moved = f" >> {shift}" if shift > 0 else f" << {-shift}" if shift else ""
+        self._say(f"{to} = {words[0]} * {words[1]}{moved if self._fixed else ''}")
+
+    def _write_dot(self, operation: Operation, to: str, words: Sequence[str]) -> None:
+        half = len(words) // 2
+        for number, (first, second) in enumerate(zip(words[:half], words[half:], strict=True)):
+            begin = "" if self._fixed or number else "0.0 + "
+            product = self._product(first, second, operation.parameters[0], True)
+            self._say(f"{to} {'+=' if number else '='} {begin}{product}")
+
+    def _write_convert(self, operation: Operation, to: str, words: Sequence[str]) -> None:
+        q_from, q_to = operation.parameters
+        shift = f" << {q_to - q_from}" if q_to > q_from else f" >> {q_from - q_to}" if q_to < q_from else ""
+        self._say(f"{to} = {words[0]}{shift if self._fixed else ''}")
+
+    def _write_quantise(self, operation: Operation, to: str, words: Sequence[str]) -> None:
+        q = operation.parameters[0] - operation.parameters[1]
+        self._say(f"{to} = {words[0]} + {1 << (q - 1)} >> {q}")
+
+    def _write_sat(self, operation: Operation, to: str, words: Sequence[str]) -> None:
+        a, upper, lower = words
+        if not self._fixed:
+            self._write_clip(operation, to, words)
+            return
+        self._say(f"if not {lower} <= {a} <= {upper}:", "    return None", f"{to} = {a}")
+
+    def _write_clip(self, operation: Operation, to: str, words: Sequence[str]) -> None:
+        a, upper, lower = words
+        if self._fixed:
+            if not are_constant(operation):
+                # The profiles differ if the limits are swapped.
+                self._say(f"if {lower} > {upper}:", "    return None")
+            self._say(f"{to} = {a} if {a} < {upper} else {upper}", f"if {to} < {lower}:", f"    {to} = {lower}")
+        else:
+            self._say(f"{to} = {lower} if {lower} > {a} else {a}", f"if {upper} < {to}:", f"    {to} = {upper}")
+
+    def _write_minimum(self, operation: Operation, to: str, words: Sequence[str]) -> None:
+        a, b = words
+        self._say(f"{to} = {b} if {b} < {a} else {a}")
+
+    def _write_maximum(self, operation: Operation, to: str, words: Sequence[str]) -> None:
+        a, b = words
+        self._say(f"{to} = {b} if {b} > {a} else {a}")
+
+    def _write_gt(self, operation: Operation, to: str, words: Sequence[str]) -> None:
+        self._say(f"{to} = {words[0]} > {words[1]}")
+
+    def _write_where(self, operation: Operation, to: str, words: Sequence[str]) -> None:
+        self._say(f"{to} = {words[1]} if {words[0]} else {words[2]}")
+
+    def _write_curve(self, operation: Operation, to: str, words: Sequence[str]) -> None:
+        assert operation.curve is not None
+        curve, a = self._curves[self.shape.curve(operation.curve)], words[0]
+        if not self._fixed:
+            self._say(f"{to} = {curve}({a})")
+            return
+        bits = operation.curve.q_in - 8
+        self._say(
+            f"cell = min({a} >> {bits}, 255)",
+            f"{to} = {curve}[cell]",
+            f"{to} += ({curve}[cell + 1] - {to}) * ({a} - (cell << {bits})) >> {bits}",
+        )
+
+    def _write_at(self, operation: Operation, to: str, words: Sequence[str]) -> None:
+        assert operation.table is not None
+        table, offset = self._tables[self.shape.table(operation.table)], operation.parameters[0]
+        self._say(f"{to} = {table}[{words[0]}{f' + {offset}' if offset else ''}]")
+
+    def _write_index(self, operation: Operation, to: str, words: Sequence[str]) -> None:
+        self._say(f"{to} = min(max({words[0]}, 0), {self._lasts[self._index]})")
+        self._index += 1
+
+    def _write_locate(self, operation: Operation, to: str, words: Sequence[str]) -> None:
+        assert operation.table is not None
+        table = self._tables[self.shape.table(operation.table)]
+        self._say(f"{to} = min(max(bisect_right({table}, {words[0]}) - 1, 0), len({table}) - 2)")
+
+
+def _word(name: str) -> str:
+    """A name of Python from one of the law: ``state.model[0]`` becomes ``state_model_0``."""
+    return re.sub(r"\W+", "_", f"minus_{name[1:]}" if name.startswith("-") else name).strip("_")
+
+
+def _tuple(words: Sequence[str]) -> list[str]:
+    return ["    (", *(f"        {word}," for word in words), "    ),"] if words else ["    (),"]
+
+
+def _bounds(name: str) -> tuple[str, str]:
+    """Names of the bounds of an input."""
+    word = name.removeprefix(f"{_STATE}_")
+    return f"low_{word}", f"high_{word}"
+
+
+def _marked(name: str, used: set[str]) -> str:
+    """A name as it is unpacked: with an underscore if nothing uses it."""
+    return name if name in used else f"_{name}"
+
+
+def _unpacked(names: Sequence[str], of: str) -> list[str]:
+    if len(names) < 2:
+        return [f"    ({name},) = {of}" for name in names]
+    return ["    (", *(f"        {name}," for name in names), f"    ) = {of}"]
+
+
+def written(program: Program, family: str, function: str) -> tuple[str, str]:
+    """Digest of a program's shape, and the text of the factory of its function.
+
+    :raises KeyError: an operation that only a law can do, such as the solution of a problem.
+    """
+    writer = _Writer(program, family)
+    return writer.shape.digest, writer.text(function)

@@ -1,0 +1,180 @@
+"""``railhil run --panel`` and ``railhil panel`` in Chromium, by real clicks."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from hil_tests.support.browser import browser
+from hil_tests.support.cli import command
+from hil_tests.support.short_runs import RUN_297M_TOML
+from railhil.bus.codes import FaultOrder, SupCommand
+from railhil.bus.telegrams import SupCmd
+from railhil.local_run import LocalRun
+from railhil.scenarios.run_spec import RunSpec
+from railhil.supervisor.framelog import read_log
+from railhil.supervisor.trace import trace_of
+
+pytestmark = [pytest.mark.needs_browser, pytest.mark.slow]
+_WAIT_MS = 60_000
+
+
+@pytest.fixture(scope="module")
+def chromium() -> Iterator[Any]:
+    sync_api = pytest.importorskip("playwright.sync_api")
+    with sync_api.sync_playwright() as playwright:
+        found = playwright.chromium.launch(executable_path=browser(), args=["--no-sandbox"])
+        yield found
+        found.close()
+
+
+@contextmanager
+def started(output: Path, *words: str | Path) -> Iterator[tuple[subprocess.Popen[bytes], str]]:
+    """A command that serves a page, and the page's address."""
+    with output.open("wb") as stream:
+        process = subprocess.Popen(command(*words), stdout=stream, stderr=stream, env=os.environ)
+    try:
+        deadline_s = time.monotonic() + 60
+        while (found := re.search(r"http://127\S+", output.read_text())) is None:
+            assert process.poll() is None, output.read_text()
+            assert time.monotonic() < deadline_s
+            time.sleep(0.05)
+        yield process, found[0]
+    finally:
+        process.kill()
+        process.wait()
+
+
+def said(page: Any, selector: str, pattern: str) -> str:
+    """The text of an element, as soon as it matches."""
+    place = page.locator(selector).first
+    page.locator(selector, has_text=re.compile(pattern)).first.wait_for(timeout=_WAIT_MS)
+    return str(place.inner_text())
+
+
+@pytest.fixture(scope="module")
+def run(chromium: Any, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
+    """A run in which every button was pressed once, in the order of the page; what two pages saw."""
+    folder = tmp_path_factory.mktemp("panel")
+    (folder / "short.toml").write_text(RUN_297M_TOML, encoding="utf-8")
+    words = [
+        "run",
+        folder / "short.toml",
+        "--panel",
+        "0",
+        "--wait",
+        "-i",
+        "railhil",
+        "--no-report",
+        "--out",
+        folder / "run",
+    ]
+    seen: dict[str, Any] = {"folder": folder / "run", "requests": [], "errors": []}
+    with started(folder / "output.txt", *words) as (process, address):
+        page, other = chromium.new_page(), chromium.new_page()
+        for one in (page, other):
+            one.on("request", lambda request: seen["requests"].append(request.url))
+            one.on("pageerror", lambda error: seen["errors"].append(str(error)))
+        page.goto(address)
+        other.goto(address.partition("#")[0])
+        page.wait_for_selector("#start:enabled", timeout=_WAIT_MS)
+        for text in ("TRN_SPEED lost", "NOTCH_CMD loss"):
+            page.fill("#fault", text)
+            page.click("#add")
+            seen[text] = said(page, "#answer", ".")
+        # The other page has no token.
+        other.wait_for_selector("#start:enabled", timeout=_WAIT_MS)
+        other.click("#start")
+        said(other, "#answer", "wrong token")
+        page.click("#start")
+        page.wait_for_selector("#pace:enabled", timeout=_WAIT_MS)
+        page.select_option("#pace", "2")
+        for selector in ("[data-do=inject]", "[data-do=clear]", "#pause", "#start", "#emergency", "#reset"):
+            page.wait_for_selector(f"{selector}:enabled", timeout=_WAIT_MS)
+            page.click(selector)
+            said(page, "#answer", "✓")
+            if selector == "#pause":
+                page.wait_for_selector("#start:enabled", timeout=_WAIT_MS)
+        page.click("#frames tr[data-id='280']")
+        page.wait_for_selector("#raw:visible", timeout=_WAIT_MS)
+        said(page, "#events", "emergency")
+        seen["speed"] = [one.inner_text("[data-column=true_speed_mps] b") for one in (page, other)]
+        seen["stats"] = page.evaluate("window.stats()")
+        page.click("#stop")
+        process.wait(60)
+        said(page, "#connection", "lost")
+        page.close()
+        other.close()
+    return seen
+
+
+def test_every_button_is_a_telegram(run):
+    trace = trace_of(read_log(run["folder"] / "frames.log"))
+    commands, orders = trace.raw(SupCmd.PORT, "SupCommand").tolist(), trace.raw(SupCmd.PORT, "FaultOrder").tolist()
+    faults = trace.raw(SupCmd.PORT, "FaultNumber").tolist()
+    sent = [(faults[at], order) for at, order in enumerate(orders) if order]
+    # The faults of the run: the emergency button, and the one that was typed.
+    assert sent == [(2, FaultOrder.INJECT), (2, FaultOrder.CLEAR), (1, FaultOrder.INJECT), (1, FaultOrder.CLEAR)]
+    assert commands[0] == SupCommand.START
+    assert commands[-2] == SupCommand.STOP
+    assert SupCommand.NONE in commands
+
+
+def test_the_certificate_makes_the_same_run_again(run, tmp_path):
+    spec = RunSpec.from_file(run["folder"] / "certificate.json")
+    assert spec.orders
+    again = LocalRun(spec.load(), spec, tmp_path)
+    again.execute()
+    assert again.log.path.read_bytes() == (run["folder"] / "frames.log").read_bytes()
+
+
+def test_the_fault_language_answers_in_one_line(run):
+    assert "did you mean loss?" in run["TRN_SPEED lost"]
+    assert run["NOTCH_CMD loss"] == "✓ NOTCH_CMD loss"
+
+
+def test_the_pages_ask_nobody_else(run):
+    assert run["requests"]
+    assert {re.split("[/?]", url)[2].partition(":")[0] for url in run["requests"]} == {"127.0.0.1"}
+    assert run["errors"] == []
+
+
+def test_two_pages_see_the_train(run):
+    assert all(re.fullmatch(r"\d+\.\d\d km/h", text) for text in run["speed"])
+    assert run["stats"]["rows"] > 10
+
+
+def test_a_killed_server_is_found_again_and_the_page_says_so(run, chromium, tmp_path):
+    words = ["panel", run["folder"], "--port"]
+    page = chromium.new_page()
+    with started(tmp_path / "first.txt", *words, "0") as (_, address):
+        page.goto(f"{address}#t=1.5")
+        page.wait_for_selector("#connection.good", timeout=_WAIT_MS)
+        assert page.input_value("#instant").startswith("1.5")
+        before = page.inner_text("[data-column=true_position_m] b")
+        page.locator("#instant").focus()
+        page.keyboard.press("End")
+        said(page, "[data-column=true_position_m] b", f"^(?!{re.escape(before)})")
+        assert "#t=" in page.url
+    page.wait_for_selector("#connection.bad", timeout=_WAIT_MS)
+    port = re.findall(r":(\d+)", address)[0]
+    with started(tmp_path / "second.txt", *words, port):
+        said(page, "#connection", "again")
+        assert page.evaluate("window.stats().kept[0]") > 10
+        for width_px in (400, 2560):
+            page.set_viewport_size({"width": width_px, "height": 900})
+            beyond = "document.documentElement.scrollWidth - innerWidth"
+            deadline_s = time.monotonic() + 30
+            # The charts follow the width one after the other.
+            while page.evaluate(beyond) > 0 and time.monotonic() < deadline_s:
+                page.wait_for_timeout(50)
+            assert page.evaluate(beyond) <= 0
+    page.close()

@@ -1,0 +1,74 @@
+"""SHA-256 of the frame logs of every law in every arithmetic, to compare builds, Pythons and processors.
+
+``python hil_tests/hashes.py [SYSTEM ...]`` needs only an installed railhil and prints one line for each run: scenario,
+law, arithmetic, seed, SHA-256, or why the law refuses that arithmetic. Two machines agree if they print the same text.
+All runs are made in this process (``--bus local``).
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import tempfile
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import railhil
+from railhil.controller_node import arithmetic as arithmetics
+from railhil.scenarios.system import system_named
+
+
+@dataclass(frozen=True)
+class Run:
+    """A short perturbed run."""
+
+    system: str
+    scenario: str
+    seed: int
+    faults: tuple[str, ...] = ()
+
+    def line(self, law: str, arithmetic: str) -> str:
+        """The line of the run with this law."""
+        head = f"{self.scenario} {law} {arithmetic} {self.seed}"
+        with tempfile.TemporaryDirectory() as folder:
+            try:
+                outcome = railhil.run(
+                    self.scenario, controller=law, arithmetic=arithmetic, seed=self.seed, faults=list(self.faults),
+                    perturbed=True, bus="local", out=Path(folder) / "run",
+                )  # fmt: skip
+            except railhil.InputError as error:
+                return f"{head} refused: {error}"
+            return f"{head} {outcome.frames_sha256}"
+
+
+RUNS = (
+    Run("ato", "yizhuang_05", 7),
+    Run("ato", "lvshun_tieshan_worn_wheels", 1416, ("speed noise 0.05 @20s for 5s seed 3", "brake weak 0.9 @100s")),
+    Run("hst1", "hst_short", 7, ("train.lag scale 1.7 @20s for 30s",)),
+    Run("emu3", "emu3_short", 7),
+    Run("stop", "yizhuang_stop_slide", 7),
+    Run("stop", "yizhuang_stop_closed", 8),
+)
+
+
+def lines(systems: Sequence[str] = ()) -> Iterator[str]:
+    """One line for each run; of these systems only, if any are named."""
+    for run in RUNS:
+        if not systems or run.system in systems:
+            for law in system_named(run.system).law_names():
+                for arithmetic in arithmetics.names():
+                    yield run.line(law, arithmetic)
+
+
+def main() -> int:
+    """Print the lines."""
+    parser = argparse.ArgumentParser(prog="python hil_tests/hashes.py", description=__doc__.splitlines()[0])
+    parser.add_argument("systems", nargs="*", metavar="SYSTEM", help="only the runs of these systems")
+    for line in lines(parser.parse_args().systems):
+        print(line, flush=True)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

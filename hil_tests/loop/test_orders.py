@@ -1,0 +1,83 @@
+"""Orders of an operator in a whole run: on the wire, in the certificate, and the same bytes when made again."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from hil_tests.support.short_runs import RUN_2M_TOML
+from railhil.bus.codes import SupCommand
+from railhil.bus.telegrams import SupCmd
+from railhil.local_run import LocalRun
+from railhil.scenarios.run_spec import RunSpec
+from railhil.supervisor.desk import Desk
+from railhil.supervisor.framelog import read_log
+from railhil.supervisor.session import Session
+from railhil.supervisor.trace import trace_of
+
+
+class Hands:
+    """A panel at which somebody presses buttons at given polls."""
+
+    def __init__(self, presses: dict[int, list[dict[str, object]]]) -> None:
+        self._presses = presses
+        self._looks = 0
+
+    def take(self, timeout_s: float) -> list[dict[str, object]]:
+        self._looks += 1
+        return self._presses.get(self._looks, [])
+
+    def tell(self, report: dict[str, object]) -> None:
+        pass
+
+
+@pytest.fixture
+def spec(tmp_path: Path) -> RunSpec:
+    path = tmp_path / "short.toml"
+    path.write_text(RUN_2M_TOML, encoding="utf-8")
+    return RunSpec(str(path), faults=("TRN_SPEED loss @manual", "safety_loop off @manual"))
+
+
+def made(spec: RunSpec, folder: Path, desk: Desk | None = None) -> LocalRun:
+    folder.mkdir()
+    run = LocalRun(spec.load(), spec, folder)
+    if desk is not None:
+        run.session = Session(run.scenario, run.log.write, spec, desk=desk)
+    run.execute()
+    return run
+
+
+def test_what_was_ordered_by_hand_makes_the_same_run_again(spec, tmp_path):
+    presses = {
+        3: [{"do": "inject", "fault": 1}],
+        5: [{"do": "pause"}],
+        # The answer of the pause looks twice, the next one ends it.
+        7: [{"do": "start"}],
+        9: [{"do": "clear", "fault": 1}],
+        14: [{"do": "stop"}],
+    }
+    desk = Desk((), Hands(presses), True, spec.faults)
+    by_hand = made(spec, tmp_path / "hand", desk)
+    assert [text.partition(" ")[2] for text in desk.sent] == ["inject 1", "pause", "clear 1", "stop"]
+    again = made(replace(spec, orders=tuple(desk.sent)), tmp_path / "again")
+    assert again.log.path.read_bytes() == by_hand.log.path.read_bytes()
+
+    trace = trace_of(read_log(by_hand.log.path))
+    commands = trace.raw(SupCmd.PORT, "SupCommand").tolist()
+    assert commands.count(SupCommand.NONE) == 1
+    assert commands.count(SupCommand.STOP) == 1
+    assert trace.word("RUN_EVENT", "RunEvent", int(trace.raw("RUN_EVENT", "RunEvent")[-1])) == "ended_by_supervisor"
+    # Simulation time stood still.
+    paused = commands.index(SupCommand.NONE)
+    times_ns = trace.times_ns(SupCmd.PORT)
+    assert times_ns[paused + 1] == times_ns[paused]
+
+
+def test_without_orders_nothing_is_different(spec, tmp_path):
+    desk = Desk((), Hands({}), True, spec.faults)
+    assert (
+        made(spec, tmp_path / "desk", desk).log.path.read_bytes() == made(spec, tmp_path / "none").log.path.read_bytes()
+    )
+    assert desk.sent == []

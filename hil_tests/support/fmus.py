@@ -1,0 +1,151 @@
+"""FMUs of a train, built here: one in C (FMI 2.0)."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import zipfile
+from collections.abc import Mapping
+from pathlib import Path
+from xml.sax.saxutils import quoteattr
+
+import fmpy
+
+_SOURCE = Path(__file__).parents[1] / "data" / "fmu" / "train.c"
+#: Name, causality, unit.
+VARIABLES = (
+    ("force", "input", "N"), ("allowed", "input", "1"), ("brake_min", "input", "N"), ("grade", "input", "permil"),
+    ("s", "output", "m"), ("v", "output", "m/s"), ("effort", "output", "N"), ("mass", "parameter", ""),
+    ("pole", "parameter", ""), ("a", "parameter", ""), ("b", "parameter", ""), ("c", "parameter", ""),
+    ("per_permil", "parameter", ""), ("traction_max", "parameter", ""), ("brake_max", "parameter", ""),
+    ("traction_power", "parameter", ""), ("brake_power", "parameter", ""),
+)  # fmt: skip
+MAP = """\
+[inputs]
+force_n = "force"
+traction_allowed = "allowed"
+brake_min_n = "brake_min"
+grade_permil = "grade"
+[outputs]
+position_m = "s"
+speed_mps = "v"
+effort_n = "effort"
+[parameters]
+mass = "inertial_mass_kg"
+pole = "pole_per_s"
+a = "resistance_a_n"
+b = "resistance_b_n_per_mps"
+c = "resistance_c_n_per_mps2"
+per_permil = "grade_n_per_permil"
+traction_max = "traction_force_max_n"
+brake_max = "brake_force_max_n"
+traction_power = "traction_power_max_w"
+brake_power = "brake_power_max_w"
+"""
+
+
+def description(variable_step: bool = True, changes: Mapping[str, tuple[str, str]] = {}) -> str:
+    """``modelDescription.xml`` of the train in C.
+
+    :param changes: causality and unit of variables that are not as in :data:`VARIABLES`.
+    """
+    lines, outputs = [], []
+    for number, (name, causality, unit) in enumerate(VARIABLES):
+        causality, unit = changes.get(name, (causality, unit))
+        kind = {"input": 'variability="continuous"', "output": 'variability="continuous"'}.get(
+            causality, 'variability="fixed"' if causality == "parameter" else 'variability="continuous"'
+        )
+        start = ' start="0"' if causality in ("input", "parameter") else ""
+        declared = f" unit={quoteattr(unit)}" if unit else ""
+        lines.append(
+            f'<ScalarVariable name="{name}" valueReference="{number}" causality="{causality}" {kind}>'
+            f"<Real{start}{declared}/></ScalarVariable>"
+        )
+        outputs += [f'<Unknown index="{number + 1}"/>'] if causality == "output" else []
+    units = "".join(
+        f"<Unit name={quoteattr(unit)}/>" for unit in sorted({unit for *_, unit in VARIABLES} | {"km/h"}) if unit
+    )
+    flag = str(variable_step).lower()
+    return (
+        '<?xml version="1.0" encoding="UTF-8"?><fmiModelDescription fmiVersion="2.0" modelName="train" guid="{train}" '
+        'numberOfEventIndicators="0">'
+        f'<CoSimulation modelIdentifier="train" canHandleVariableCommunicationStepSize="{flag}"/>'
+        f"<UnitDefinitions>{units}</UnitDefinitions>"
+        f"<ModelVariables>{''.join(lines)}</ModelVariables><ModelStructure><Outputs>{''.join(outputs)}</Outputs>"
+        f"<InitialUnknowns>{''.join(outputs)}</InitialUnknowns></ModelStructure></fmiModelDescription>"
+    )
+
+
+def compiled_train(folder: Path, compiler: str = "gcc") -> Path:
+    """The shared library of the train in C."""
+    library = folder / "train.so"
+    headers = Path(fmpy.__file__).parent / "c-code"
+    command = [compiler, "-std=c99", "-O2", "-ffp-contract=off", "-fPIC", "-shared", "-I", str(headers), str(_SOURCE)]
+    subprocess.run([*command, "-o", str(library), "-lm"], check=True, capture_output=True, text=True, timeout=60)
+    return library
+
+
+def packed(fmu: Path, text: str, library: Path | None, names: str = MAP) -> Path:
+    """Write an FMU, and the map beside it; returns its path."""
+    with zipfile.ZipFile(fmu, "w") as archive:
+        archive.writestr("modelDescription.xml", text)
+        if library is not None:
+            archive.write(library, f"binaries/{fmpy.platform}/train.so")
+    fmu.with_suffix(".toml").write_text(names, encoding="utf-8")
+    return fmu
+
+
+#: The same train without limits of power, by pythonfmu (FMI 2.0) or PythonFMU3 (FMI 3.0).
+PYTHON_TRAIN = """\
+from {module} import {slave}, {kind} as Number, {causality} as Causality
+
+
+class Train({slave}):
+    def __init__(self, **kwargs):
+        super().__init__(**kwargs)
+        {clock}self.force = self.brake_min = self.s = self.v = self.effort = 0.0
+        for name in ("force", "brake_min"):
+            self.register_variable(Number(name, causality=Causality.input))
+        for name in ("s", "v", "effort"):
+            self.register_variable(Number(name, causality=Causality.output))
+
+    def do_step(self, current_time, step_size):
+        steady = min(self.force, -self.brake_min) if self.brake_min > 0 else self.force
+        self.effort += (steady - self.effort) * min(1.0, 2 * step_size)
+        before = self.v
+        self.v = max(0.0, before + (self.effort - 3000.0 * (before > 0)) / 220000.0 * step_size)
+        self.s += (before + self.v) / 2 * step_size
+        return {result}
+"""
+PYTHON_MAP = """\
+[inputs]
+force_n = "force"
+brake_min_n = "brake_min"
+[outputs]
+position_m = "s"
+speed_mps = "v"
+effort_n = "effort"
+"""
+_FLAVOURS = {
+    "2.0": {"module": "pythonfmu", "slave": "Fmi2Slave", "kind": "Real", "causality": "Fmi2Causality", "clock": "",
+            "result": "True"},
+    "3.0": {"module": "pythonfmu3", "slave": "Fmi3Slave", "kind": "Float64", "causality": "Fmi3Causality",
+            "clock": "self.time = 0.0\n        self.register_variable(Number('time', causality=Causality.independent))"
+            "\n        ", "result": "Fmi3StepResult(status=Fmi3Status.ok, eventHandlingNeeded=False, "
+            "terminateSimulation=False, earlyReturn=False)"},
+}  # fmt: skip
+
+
+def python_train(folder: Path, version: str) -> Path:
+    """An FMU in Python of this FMI version, which needs the interpreter that runs it; its map is beside it."""
+    text = PYTHON_TRAIN.format(**_FLAVOURS[version])
+    if version == "3.0":
+        text = f"from pythonfmu3 import Fmi3Status, Fmi3StepResult\n{text}"
+    # Python keeps a module by its name: two of these trains in one process need two names.
+    script = folder / f"train_of_fmi_{version[0]}.py"
+    script.write_text(text, encoding="utf-8")
+    command = [sys.executable, "-m", _FLAVOURS[version]["module"], "build", "-f", str(script), "-d", str(folder)]
+    subprocess.run(command, check=True, capture_output=True, text=True, timeout=60)
+    fmu = folder / "Train.fmu"
+    fmu.with_suffix(".toml").write_text(PYTHON_MAP, encoding="utf-8")
+    return fmu

@@ -1,0 +1,63 @@
+"""A short run for the tests of the panel, and a link that hands over its frames."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from hil_tests.support.short_runs import RUN_2M_TOML
+from railhil.bench import local_run
+from railhil.bus.errors import BusLost
+from railhil.bus.frame import Frame
+from railhil.panel.declared import layout_of
+from railhil.panel.listener import Listener
+from railhil.panel.values import rows_of
+from railhil.scenarios.load import load
+from railhil.scenarios.system import system_named
+from railhil.supervisor.framelog import read_log
+
+
+class Recorded:
+    """A run of 2 m."""
+
+    def __init__(self, folder: Path) -> None:
+        path = folder / "short.toml"
+        path.write_text(RUN_2M_TOML, encoding="utf-8")
+        self.scenario = load(str(path))
+        self.trace = local_run(self.scenario, folder).trace
+        self.frames = [frame for _, frame in read_log(folder / "frames.log")]
+        system = system_named(self.scenario.system)
+        self.contract = system.contract
+        self.layout = layout_of(self.scenario, system.contract, None)
+        self.rows = rows_of(self.scenario, self.layout, self.trace)
+
+    def heard(self, frames: list[Frame], look: int) -> np.ndarray:
+        """Rows of a listener that takes so many frames at a time."""
+        listener, last_s, found = Listener(self.scenario, self.contract), -1.0, []
+        for start in range(0, len(frames), look):
+            listener.take(frames[start : start + look])
+            rows = rows_of(self.scenario, self.layout, listener.next_trace(), None, last_s, listener.now_s)
+            if len(rows):
+                last_s = rows[-1, 0]
+                found.append(rows)
+        return np.concatenate(found)
+
+
+class ScriptedLink:
+    """A link that hands over lists of frames, and then is lost."""
+
+    def __init__(self, *arrivals: list[Frame]) -> None:
+        self.arrivals = list(arrivals)
+        self.counters = {"rx_lost": 0}
+        self.bus = None
+        self.closed = False
+
+    def receive(self, timeout_s: float) -> list[Frame]:
+        assert timeout_s == 0.0
+        if not self.arrivals:
+            raise BusLost("gone")
+        return self.arrivals.pop(0)
+
+    def close(self) -> None:
+        self.closed = True

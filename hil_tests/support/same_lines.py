@@ -1,0 +1,39 @@
+"""Two programs that must print the same lines."""
+
+from __future__ import annotations
+
+import sys
+import tempfile
+from pathlib import Path
+from subprocess import PIPE, Popen
+
+from hil_tests.support.paths import ROOT
+from railhil.machines import debian
+
+#: Prints the hashes of every law; needs only an installed railhil.
+HASHES = str(ROOT / "hil_tests" / "hashes.py")
+
+
+def wheel(folder: Path, variables: dict[str, str] | None = None) -> Path:
+    """A wheel of what is committed here, built with these variables into the empty ``folder``."""
+    words = [sys.executable, "-m", "pip", "wheel", "-q", "--no-deps", "--no-build-isolation", "-w", str(folder), "."]
+    # setuptools leaves what it has compiled beside the sources.
+    with tempfile.TemporaryDirectory() as scratch:
+        debian.run_tool(["git", "clone", "-q", str(ROOT), scratch])
+        debian.run_tool(words, cwd=Path(scratch), environment_too=variables)
+    return next(folder.glob("*.whl"))
+
+
+def differences(there: Popen[str], what: str, words: list[str]) -> int:
+    """Compare what the other process prints with what this Python prints for ``HASHES``; returns the exit code."""
+    equal = different = 0
+    with there, Popen([sys.executable, HASHES, *words], stdout=PIPE, text=True) as here:
+        assert there.stdout is not None
+        assert here.stdout is not None
+        for ours, theirs in zip(here.stdout, there.stdout, strict=True):
+            equal += ours == theirs
+            if ours != theirs:
+                different += 1
+                print(f"here  {ours}{what} {theirs}", end="", flush=True)
+    print(f"{equal} equal, {different} different: here and {what}")
+    return 1 if different or not equal or here.returncode or there.returncode else 0

@@ -1,0 +1,157 @@
+"""The laws written out as straight-line functions: they are in the tree as generated, and compute what the laws do."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from hil_tests.support.paths import ROOT
+from railhil.controller_node.arithmetic import make
+from railhil.controller_node.arithmetic.base import Constant
+from railhil.controller_node.controller import Controller
+from railhil.controller_node.laws import load as load_law
+from railhil.controller_node.laws.base import BaliseReading
+from railhil.controller_node.laws.ipfc import Ipfc
+from railhil.controller_node.program.leaves import leaves
+from railhil.controller_node.program.model import Program, Value
+from railhil.controller_node.program.ranges import analyse_law
+from railhil.controller_node.program.record import record
+from railhil.controller_node.program.shape import shape_of
+from railhil.controller_node.program.tracer import Tracer
+from railhil.controller_node.program.writer import FIXED, FLOAT64, written
+from railhil.controller_node.straight import straight
+from railhil.controller_node.written.generate import LAWS, texts
+from railhil.scenarios.load import load
+from railhil.scenarios.run_spec import LawSpec
+
+SCENARIO = load("lvshun_tieshan")
+CASES = [(law, indexing) for law in LAWS for indexing in load_law(law).indexings]
+ARITHMETICS = ["iq", "iq-portable", "float64"]
+#: Control period, speed in 0.1 mm/s, odometer in 0.1 mm; the speeds go beyond what a wire can bring.
+STEP = st.tuples(st.integers(0, 420), st.integers(-10, 1_500_000), st.integers(-(2**31), 2**31 - 1))
+#: A notch sent instead of the law's, or none.
+SENT = st.one_of(st.none(), st.integers(-1792, 1792))
+
+
+def test_written_functions_are_what_the_laws_compute() -> None:
+    """Else: make tables."""
+    folder = ROOT / "controller_node" / "written"
+    found = dict(texts())
+    assert {path.name for path in folder.glob("*.py")} == {*found, "__init__.py", "generate.py", "parts.py"}
+    for name, text in found.items():
+        assert (folder / name).read_text(encoding="utf-8") == text, name
+
+
+@cache
+def _pair(law: str, indexing: str, arithmetic: str) -> tuple[Controller, Controller]:
+    """A controller as the node has it, and one that always computes the law itself."""
+    controllers = [Controller(SCENARIO, LawSpec(law, arithmetic, indexing)) for _ in range(2)]
+    assert controllers[0]._loop.straight is not None
+    controllers[1]._loop.straight = None
+    return controllers[0], controllers[1]
+
+
+def _began_anew(controller: Controller) -> Controller:
+    controller._loop.state = None
+    return controller
+
+
+@pytest.mark.parametrize("arithmetic", ARITHMETICS)
+@pytest.mark.parametrize(("law", "indexing"), CASES)
+@settings(max_examples=12, deadline=None)
+@given(steps=st.lists(st.tuples(STEP, SENT), min_size=2, max_size=6))
+def test_outputs_state_telemetry_and_counters_are_those_of_the_law(
+    law: str, indexing: str, arithmetic: str, steps: list[tuple[tuple[int, int, int], int | None]]
+) -> None:
+    fast, slow = map(_began_anew, _pair(law, indexing, arithmetic))
+    for (k, speed, position), sent in steps:
+        balise = BaliseReading(k % 5, position // 3, position // 2)
+        assert fast.step(k, speed, position, balise) == slow.step(k, speed, position, balise)
+        if sent is not None:
+            fast.sent(sent)
+            slow.sent(sent)
+        assert list(leaves(fast._loop.state)) == list(leaves(slow._loop.state))
+    assert fast.telemetry.rows == slow.telemetry.rows
+    assert fast.counters == slow.counters
+
+
+@pytest.mark.parametrize("arithmetic", ["iq", "iq-portable"])
+def test_a_step_with_an_event_is_computed_by_the_law(arithmetic: str) -> None:
+    """A saturation is counted once, for the quantity in which it occurred, and the functions go on after it."""
+    fast, slow = map(_began_anew, _pair("ipfc", "time", arithmetic))
+    before = fast.counters.saturations
+    taken = []
+    for k in range(6):
+        speed = 250_000 if k == 3 else 1000 * k
+        assert fast.step(k, speed, 0) == slow.step(k, speed, 0)
+        taken.append(fast._loop._leaves is not None)
+    assert fast.counters.saturations > before
+    # The first step makes the state; from the jump on, the limits of the errors' rise are at work.
+    assert taken[:4] == [False, True, True, False]
+    assert fast.telemetry.rows == slow.telemetry.rows
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("arithmetic", ["iq", "float64"])
+def test_a_law_has_its_function_on_other_lines(law: str, arithmetic: str) -> None:
+    for name in ("yizhuang_01_songjiazhuang_xiaocun", "yizhuang_11_jinghai_lu_ciqu_nan", "lvshun_tieshan_worn_wheels"):
+        assert Controller(load(name), LawSpec(law, arithmetic))._loop.straight is not None, name
+
+
+class Careful(Ipfc[Any]):
+    """A law of somebody else, with the operations of ours."""
+
+    name = "careful"
+
+
+def _straight(law: Any, arithmetic: str) -> Any:
+    number = make(arithmetic)
+    program = record(SCENARIO, LawSpec(), wide=number.wide)
+    ranges = None if number.wide else analyse_law(program, law.state_bounds())
+    return straight(program, law, number, ranges)
+
+
+def test_only_shipped_laws_have_functions_and_not_in_single_precision() -> None:
+    number = make("float64")
+    assert _straight(Ipfc(number, SCENARIO), "float64") is not None
+    assert _straight(Careful(number, SCENARIO), "float64") is None
+    assert _straight(Ipfc(number, SCENARIO), "float32") is None
+
+
+def test_fixed_point_needs_the_proof_that_nothing_wraps() -> None:
+    number = make("iq")
+    program = record(SCENARIO, LawSpec())
+    assert straight(program, Ipfc(number, SCENARIO), number, None) is None
+    assert Controller(SCENARIO, LawSpec(), may_wrap=True)._loop.straight is None
+
+
+def _program(constants: list[Constant]) -> Program:
+    tracer = Tracer()
+    program = tracer.begin("part")
+    x = tracer.input("x", 20)
+    limited = tracer.clip(x, *(tracer.const(constant) for constant in constants))
+    program.outputs = [("out", tracer.rmpy(limited, tracer.const(constants[0]), 4))]
+    return program
+
+
+def test_numbers_are_not_in_the_shape() -> None:
+    one, other = Constant("high", 2.0, 20), Constant("low", 1.0, 20)
+    shape = shape_of(_program([one, other]), FIXED, formats=True)
+    assert shape.constants == [one, other]
+    more = shape_of(_program([Constant("high", 7.0, 20), Constant("low", 7.0, 20)]), FIXED, formats=True)
+    assert shape.digest == more.digest
+    assert shape.digest != shape_of(_program([one, other]), FLOAT64, formats=True).digest
+
+
+def test_an_operation_of_a_library_is_not_written_out() -> None:
+    tracer = Tracer(wide=True)
+    program = tracer.begin("part")
+    root: Value = tracer._emit("unheard", [tracer.input("x", None)], None)
+    program.outputs = [("out", root)]
+    with pytest.raises(KeyError, match="unheard"):
+        written(program, FLOAT64, "part")

@@ -1,0 +1,150 @@
+"""What the panel makes of frames: the same rows as signals.csv, also when frames are missing; bounded memory."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from hil_tests.support.panel import Recorded, ScriptedLink
+from railhil.bus.errors import BusUnavailable
+from railhil.bus.frame import Frame
+from railhil.panel.declared import ERROR, layout_of
+from railhil.panel.history import ROWS_MAX, History
+from railhil.panel.listener import Listener
+from railhil.panel.live import LiveRun
+from railhil.panel.receiver import LOOK_FRAMES, Receiver
+from railhil.panel.recorded import thinned
+from railhil.scenarios.load import load_any
+from railhil.scenarios.system import names, system_named
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory: pytest.TempPathFactory) -> Recorded:
+    return Recorded(tmp_path_factory.mktemp("run"))
+
+
+@pytest.mark.parametrize("look", [1, 50, 100_000])
+def test_rows_are_those_of_the_whole_record_however_the_frames_come(run, look):
+    frames = run.frames[:300] if look == 1 else run.frames
+    found = run.heard(frames, look)
+    np.testing.assert_allclose(found, run.rows[: len(found)], rtol=0, atol=1e-9)
+    assert len(found) >= 0.8 * len(frames) / len(run.frames) * len(run.rows)
+
+
+def test_the_tracking_error_is_target_less_speed(run):
+    names_ = [column.name for column in run.layout.columns]
+    error = run.rows[:, 1 + names_.index(ERROR)]
+    target, speed = run.rows[:, 1 + run.layout.target], run.rows[:, 1 + run.layout.speed]
+    np.testing.assert_array_equal(error, target - speed)
+    assert run.layout.columns[run.layout.speed].unit == "km/h"
+
+
+def test_frames_that_were_left_out_do_not_move_the_time(run):
+    """As after a look that dropped the oldest: 50 ms are missing, the rest has its instants."""
+    beside = run.frames[:2000] + run.frames[2030:]
+    found = run.heard(beside, 100)
+    assert found[-1, 0] == pytest.approx(run.rows[-1, 0], abs=0.03)
+    np.testing.assert_allclose(found[-5:, 1:], run.rows[-5:, 1:], rtol=0, atol=0.2)
+
+
+def test_the_time_goes_on_without_the_clock_port(run):
+    speed = set(run.contract.clock_port.can_ids)
+    without = run.frames[:1000] + [frame for frame in run.frames[1000:] if frame.can_id not in speed]
+    assert run.heard(without, 100)[-1, 0] == pytest.approx(run.rows[-1, 0], abs=0.05)
+
+
+def test_polls_and_load_are_counted(run):
+    listener = Listener(run.scenario, run.contract)
+    notch = set(run.contract.port("NOTCH_CMD").can_ids)
+    listener.take(frame for number, frame in enumerate(run.frames) if frame.can_id not in notch or number < 2000)
+    assert listener.missed["NOTCH_CMD"] > 10
+    assert sum(listener.missed.values()) == listener.missed["NOTCH_CMD"]
+    assert listener.load is not None
+    assert 0.05 < listener.load < 0.4
+
+
+def test_another_run_begins_with_its_handshake(run):
+    listener = Listener(run.scenario, run.contract)
+    listener.take(run.frames)
+    assert listener.told_scenario == int(run.scenario.sha256[:8], 16)
+    before = listener.run
+    listener.take(run.frames[:200])
+    assert listener.run == before + 1
+    assert listener.now_s < 1.0
+
+
+def test_too_many_frames_cost_the_oldest_and_are_counted():
+    frames = [Frame(0x100 + number % 8, b"", 0) for number in range(LOOK_FRAMES + 10)]
+    receiver = Receiver({}, lambda config, name: ScriptedLink(frames, []))
+    assert receiver.look() == frames[10:]
+    assert receiver.dropped == 10
+
+
+def test_a_bus_that_goes_is_opened_again():
+    links = [ScriptedLink([Frame(1, b"")], []), ScriptedLink([])]
+    opened: list[ScriptedLink] = []
+
+    def open_bus(config: object, name: str) -> ScriptedLink:
+        if not links:
+            raise BusUnavailable("not there")
+        opened.append(links.pop(0))
+        return opened[-1]
+
+    receiver = Receiver({}, open_bus)
+    receiver._retry_s = 0.0
+    assert len(receiver.look()) == 1
+    assert receiver.look() == []
+    assert receiver.trouble == "gone"
+    assert opened[0].closed
+    receiver._retry_s = 0.0
+    receiver.look()
+    assert receiver.is_open
+
+
+def test_memory_is_bounded():
+    history = History(3)
+    for start in range(0, 10 * ROWS_MAX, 1000):
+        rows = np.arange(start, start + 1000, dtype=float)[:, None].repeat(3, axis=1)
+        history.add(rows)
+    kept = history.rows[:, 0]
+    assert len(kept) <= ROWS_MAX
+    assert kept[0] == 0
+    assert kept[-1] > 9.9 * ROWS_MAX
+    assert (np.diff(kept) > 0).all()
+
+
+def test_a_long_record_keeps_its_extremes():
+    rows = np.zeros((200_000, 2))
+    rows[:, 0] = np.arange(len(rows))
+    rows[123_457, 1], rows[77_777, 1] = 9.0, -9.0
+    found = thinned(rows)
+    assert len(found) <= 40_000
+    assert (found[:, 1].min(), found[:, 1].max()) == (-9.0, 9.0)
+    assert (np.diff(found[:, 0]) >= 0).all()
+
+
+def test_every_system_has_a_layout_from_what_it_declares():
+    scenarios = {"ato": "lvshun_tieshan", "hst1": "jinan_xuzhou", "emu3": "jinan_xuzhou_emu3", "stop": "yizhuang_stop"}
+    for name in set(names()) & scenarios.keys():
+        scenario, system = load_any(scenarios[name]), system_named(name)
+        layout = layout_of(scenario, system.contract, None)
+        assert layout.speed >= 0
+        assert layout.position >= 0
+        assert layout.command >= 0
+        assert layout.tracks
+        assert layout.charts[0].title == "speed"
+    contract = system_named("emu3").contract
+    emu3 = [column.name for column in layout_of(load_any("jinan_xuzhou_emu3"), contract, None).columns]
+    assert {"true_speed1_mps", "true_speed3_mps", "coupler1_kn", "coupler2_kn"} <= set(emu3)
+
+
+def test_pages_are_told_events_and_frames(run):
+    live = LiveRun(run.scenario, Receiver({}, lambda config, name: ScriptedLink(run.frames[:4000], [])), "short")
+    live.look()
+    events = [event["text"] for event in live._events.all]
+    assert "departed" in events
+    rows = {row[1]: row for row in live._list.rows(live.listener)}
+    assert rows["TRN_SPEED"][2] > 100
+    assert rows["TRN_SPEED"][3] == 10.0
+    assert "TrainSpeed" in rows["TRN_SPEED"][6]
+    assert "SupCommand start" in rows["SUP_CMD"][6]

@@ -1,0 +1,190 @@
+"""The page's server: who may connect, who may order, and what a slow page costs."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import struct
+import urllib.error
+import urllib.request
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+from railhil.panel.wire import APPEND, SUBPROTOCOL, batch
+
+websockets = pytest.importorskip("websockets")
+
+from railhil.panel.door import opened  # noqa: E402
+from railhil.panel.server import PanelServer  # noqa: E402
+
+TOKEN = "right"
+
+
+class ScriptedSource:
+    """Shows nothing, notes commands."""
+
+    def __init__(self) -> None:
+        self.commands: list[dict[str, Any]] = []
+        self.watched: set[int] = set()
+
+    def header(self) -> dict[str, Any]:
+        return {"kind": "live"}
+
+    def past(self) -> list[str | bytes]:
+        return ["{}"]
+
+    def look(self) -> list[str | bytes]:
+        return []
+
+    def command(self, command: dict[str, Any]) -> str:
+        self.commands.append(command)
+        return "" if command.get("do") != "fail" else "it cannot be"
+
+    def watch(self, can_ids: set[int]) -> None:
+        self.watched = can_ids
+
+
+def served(visit: Callable[[PanelServer, ScriptedSource], Any], token: str = TOKEN) -> ScriptedSource:
+    """A server while ``visit`` (a coroutine function) is at it."""
+    source = ScriptedSource()
+
+    async def all_of_it() -> None:
+        panel = PanelServer(source, token, 0)
+        server = await panel.listen()
+        try:
+            await visit(panel, source)
+        finally:
+            server.close()
+            await server.wait_closed()
+
+    asyncio.run(all_of_it())
+    return source
+
+
+def page(panel: PanelServer, origin: str | None = None, subprotocol: str = SUBPROTOCOL) -> Any:
+    origin = origin or f"http://127.0.0.1:{panel.port}"
+    return websockets.connect(f"ws://127.0.0.1:{panel.port}/ws", origin=origin, subprotocols=[subprotocol])
+
+
+async def asked(connection: Any, document: Any) -> dict[str, Any]:
+    await connection.send(document if isinstance(document, str) else json.dumps(document))
+    while True:
+        answer = json.loads(await connection.recv())
+        if "refused" in answer or "done" in answer:
+            return dict(answer)
+
+
+@pytest.mark.parametrize(
+    "origin", ["http://evil.example", "http://127.0.0.1", "null", "http://127.0.0.1:1", "https://localhost"]
+)
+def test_a_foreign_page_is_refused(origin):
+    async def visit(panel: PanelServer, source: ScriptedSource) -> None:
+        with pytest.raises(websockets.InvalidStatus) as refused:
+            async with page(panel, origin):
+                pass
+        assert refused.value.response.status_code == 403
+
+    served(visit)
+
+
+def test_a_program_without_an_origin_is_refused():
+    async def visit(panel: PanelServer, source: ScriptedSource) -> None:
+        with pytest.raises(websockets.InvalidStatus):
+            async with websockets.connect(f"ws://127.0.0.1:{panel.port}/ws", subprotocols=[SUBPROTOCOL]):
+                pass
+
+    served(visit)
+
+
+def test_commands_need_the_token():
+    async def visit(panel: PanelServer, source: ScriptedSource) -> None:
+        async with page(panel) as connection:
+            for token in ("wrong", None, 7, "rightx", ""):
+                assert "wrong token" in (await asked(connection, {"do": "stop", "token": token}))["refused"]
+            assert "wrong token" in (await asked(connection, {"do": "stop"}))["refused"]
+            assert (await asked(connection, "[]"))["refused"] == "not an object"
+            assert (await asked(connection, "{"))["refused"] == "not JSON"
+            assert source.commands == []
+            assert await asked(connection, {"do": "stop", "token": TOKEN}) == {"done": "stop"}
+            assert (await asked(connection, {"do": "fail", "token": TOKEN}))["refused"] == "it cannot be"
+
+    assert [command["do"] for command in served(visit).commands] == ["stop", "fail"]
+
+
+def test_a_page_without_commands_takes_none():
+    async def visit(panel: PanelServer, source: ScriptedSource) -> None:
+        async with page(panel) as connection:
+            assert json.loads(await connection.recv())["header"]["commands"] is False
+            assert "no commands" in (await asked(connection, {"do": "stop", "token": ""}))["refused"]
+
+    assert served(visit, token="").commands == []
+
+
+def test_frames_are_watched_while_a_page_wants_them():
+    async def visit(panel: PanelServer, source: ScriptedSource) -> None:
+        async with page(panel) as one, page(panel) as other:
+            await one.send(json.dumps({"watch": 0x118}))
+            await other.send(json.dumps({"watch": 0x110}))
+            await asked(one, "{")
+            await asked(other, "{")
+            assert source.watched == {0x118, 0x110}
+        while source.watched:
+            await asyncio.sleep(0.01)
+
+    served(visit)
+
+
+def test_the_page_may_load_nothing_from_elsewhere():
+    async def visit(panel: PanelServer, source: ScriptedSource) -> None:
+        def fetched(path: str) -> Any:
+            return urllib.request.urlopen(panel.address + path, timeout=10)
+
+        for path in (
+            "",
+            "panel.js",
+            "panel.css",
+            "store.js",
+            "curves.js",
+            "gauges.js",
+            "charts.js",
+            "uPlot.iife.min.js",
+        ):
+            answer = await asyncio.to_thread(fetched, path)
+            assert answer.headers["Content-Security-Policy"].startswith("default-src 'self';")
+            assert answer.read()
+        for path in ("../server.py", "static/panel.js", "x"):
+            with pytest.raises(urllib.error.HTTPError, match="404"):
+                await asyncio.to_thread(fetched, path)
+
+    served(visit)
+
+
+def test_a_batch_is_times_then_columns():
+    rows = np.array([[0.5, 1.0, np.nan], [1.5, 3.0, 4.0]])
+    data = batch(APPEND, 3, rows)
+    assert struct.unpack("<4I", data[:16]) == (APPEND, 3, 2, 2)
+    assert np.frombuffer(data, "<f8", 2, 16).tolist() == [0.5, 1.5]
+    np.testing.assert_array_equal(np.frombuffer(data, "<f4", 4, 32), np.array([1, 3, np.nan, 4], dtype=np.float32))
+
+
+def test_a_door_leads_to_a_panel_at_a_socket(tmp_path):
+    async def all_of_it() -> None:
+        source, socket = ScriptedSource(), str(tmp_path / "panel.sock")
+        door = await opened(socket, "127.0.0.1", 0)
+        port = door.sockets[0].getsockname()[1]
+        panel = PanelServer(source, TOKEN, port, socket)
+        with pytest.raises((websockets.InvalidMessage, websockets.InvalidHandshake, OSError, EOFError)):
+            # The panel has not begun.
+            async with page(panel):
+                pass
+        server = await panel.listen()
+        async with page(panel) as connection:
+            assert await asked(connection, {"do": "stop", "token": TOKEN}) == {"done": "stop"}
+        server.close()
+        await server.wait_closed()
+        door.close()
+
+    asyncio.run(all_of_it())

@@ -1,0 +1,164 @@
+"""What the progress line and ``railhil watch`` show of a run: the values of signals.csv, from the newest telegrams."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import pytest
+from rich.console import Console
+
+from hil_tests.support.fault_runs import fast
+from railhil.bench import local_run
+from railhil.bus.errors import BusLost
+from railhil.bus.frame import Frame
+from railhil.cli import watch
+from railhil.cli.progress import progress
+from railhil.common.output import Output
+from railhil.scenarios.load import load_any
+from railhil.scenarios.model import AnyScenario
+from railhil.scenarios.run_spec import RunSpec
+from railhil.supervisor.follow import Follower
+from railhil.supervisor.framelog import read_log
+from railhil.supervisor.now import Instruments, LogTail, Newest
+from railhil.supervisor.signals import signal_table
+from railhil.supervisor.trace import Trace, trace_of
+
+_FAULT = "TRN_SPEED loss @2s for 1s"
+
+
+class Recorded:
+    """A run of some seconds in which the speed is lost for a second."""
+
+    def __init__(self, folder: Path) -> None:
+        self.scenario: AnyScenario = fast(folder, _FAULT)
+        self.log = folder / "frames.log"
+        local_run(self.scenario, folder, RunSpec(self.scenario.name))
+        self.frames = list(read_log(self.log))
+
+    def trace(self) -> Trace:
+        return trace_of(self.frames)
+
+    def until(self, time_s: float) -> list[tuple[int, Frame]]:
+        return [(time_ns, frame) for time_ns, frame in self.frames if time_ns <= time_s * 1e9]
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory: pytest.TempPathFactory) -> Recorded:
+    return Recorded(tmp_path_factory.mktemp("now"))
+
+
+def test_values_are_those_of_signals_csv(recorded: Recorded, tmp_path: Path) -> None:
+    """From the end of a log that is being written, cut off anywhere."""
+    header, rows = signal_table(recorded.scenario, recorded.trace())
+    lines = recorded.log.read_bytes().splitlines(keepends=True)
+    partial = tmp_path / "frames.log"
+    partial.write_bytes(b"".join(lines[: len(lines) * 3 // 4]) + lines[-1][:17])
+    instruments = Instruments(recorded.scenario)
+    tail = LogTail(partial, recorded.trace().contract)
+    found = instruments.values(tail.look())
+    row = dict(zip(header, rows[np.searchsorted(rows[:, 0], found["time_s"])], strict=True))
+    # The truth opens its tick: what the others send within it is newer.
+    assert found["true_speed_mps"] == pytest.approx(row["true_speed_mps"] * 3.6)
+    assert found["target_speed_mps"] == pytest.approx(row["target_speed_mps"] * 3.6)
+    assert found["true_position_m"] == pytest.approx(row["true_position_m"])
+    assert instruments.to_go_m(found) == pytest.approx(
+        recorded.scenario.described["distance_m"] - row["true_position_m"]
+    )
+    speed, target = found["true_speed_mps"], found["target_speed_mps"]
+    assert instruments.line(found).startswith(f"{speed:.1f} km/h (target {target:.1f}), notch ")
+    partial.write_bytes(recorded.log.read_bytes()[:3000])
+    assert instruments.values(LogTail(partial, recorded.trace().contract).look())
+    assert instruments.line(instruments.values(LogTail(tmp_path / "none", recorded.trace().contract).look())) == ""
+
+
+def test_the_ladder_is_said_while_the_watch_reacts(recorded: Recorded) -> None:
+    instruments = Instruments(recorded.scenario)
+
+    def ladder(time_s: float) -> str:
+        newest = Newest(recorded.trace().contract)
+        for time_ns, frame in recorded.until(time_s):
+            newest.take(time_ns, frame)
+        return instruments.ladder(instruments.values(newest))
+
+    assert ladder(1.9) == "normal"
+    assert ladder(2.3) == "SERVICE BRAKE"
+    assert instruments.ladder({"controller_level": 0.0}) == "normal"
+    assert instruments.ladder({}) == ""
+
+
+@pytest.mark.parametrize(
+    ("name", "values", "line"),
+    [
+        ("emu3", {"true_speed_mps": 100.04, "target_mps": 101.0, "command_mps2": 0.5, "unit2_level": 2.0},
+         "100.0 km/h (target 101.0), command 0.50 m/s², unit 2 TRACTION CUT"),
+        ("yizhuang_stop", {"true_speed_mps": 36.0, "position_m": 100.0, "command_mps2": -0.8, "train_level": 0.0},
+         "36.0 km/h, command -0.80 m/s², normal, "),
+    ],
+)  # fmt: skip
+def test_every_system_shows_what_it_declares(name: str, values: dict[str, float], line: str) -> None:
+    instruments = Instruments(load_any(name))
+    assert instruments.line(values).startswith(line)
+    assert ("to go" in instruments.line(values)) == (name == "yizhuang_stop")
+
+
+def test_a_follower_knows_time_milestones_and_the_next_run(recorded: Recorded) -> None:
+    follower = Follower(recorded.scenario)
+    follower.take(frame for _, frame in recorded.frames)
+    assert follower.now_s == pytest.approx(recorded.frames[-1][0] / 1e9, abs=0.02)
+    assert follower.milestones[0].cause == "departed"
+    assert follower.other_scenario is False
+    follower.take(frame for _, frame in recorded.until(1.0))
+    assert follower.now_s == pytest.approx(1.0, abs=0.02)
+    assert len(follower.milestones) <= 1
+    other = Follower(load_any("yizhuang_02"))
+    other.take(frame for _, frame in recorded.until(0.5))
+    assert other.other_scenario is True
+
+
+class _Bus:
+    """A bus with a record on it, which is then gone."""
+
+    def __init__(self, frames: Sequence[Frame]) -> None:
+        self._parts = [frames[start : start + 500] for start in range(0, len(frames), 500)]
+
+    def receive(self, timeout_s: float) -> list[Frame]:
+        if not self._parts:
+            raise BusLost("the hub has gone")
+        return list(self._parts.pop(0))
+
+
+def test_watch_writes_a_line_per_second_and_a_picture(recorded: Recorded) -> None:
+    view = watch.View(recorded.scenario, lines=True)
+    with pytest.raises(BusLost):
+        watch.watch(_Bus([frame for _, frame in recorded.frames]), view, lambda: None)  # type: ignore[arg-type]
+    lines = view.new_lines()
+    seconds = recorded.frames[-1][0] / 1e9
+    assert seconds / 2.5 <= len(lines) <= seconds + 1
+    assert "km/h (target" in lines[-1]
+    assert view.new_lines() == []
+    screen = Console(file=io.StringIO(), width=100, force_terminal=False)
+    screen.print(view.picture())
+    text = screen.file.getvalue()  # type: ignore[attr-defined]
+    for words in ("true speed", "controller mode", "departed", recorded.scenario.title):
+        assert words in text
+    screen.print(watch.View(recorded.scenario).picture())
+    assert "no run on the bus yet" in screen.file.getvalue()  # type: ignore[attr-defined]
+
+
+def test_the_progress_line_shows_the_run(recorded: Recorded, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("TERM", "xterm")
+    console = Output()
+    console.file, console._force_terminal, console.width, console.is_interactive = io.StringIO(), True, 140, True
+    spec = RunSpec(recorded.scenario.name)
+    with progress(recorded.scenario, spec, recorded.log.parent, console, quiet=False) as on_progress:
+        assert on_progress is not None
+        on_progress(3.0)
+        text = console.file.getvalue()
+    assert "ipfc" in text
+    assert "km/h (target" in text
+    assert "m to go" in text
+    with progress(recorded.scenario, spec, recorded.log.parent, console, quiet=True) as on_progress:
+        assert on_progress is None

@@ -1,0 +1,1 @@
+"""Plants that are FMUs (Functional Mock-up Interface 2.0 and 3.0, co-simulation)."""

@@ -1,0 +1,97 @@
+"""``railhil export``: a recorded run as files of other tools."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable
+from importlib import import_module
+from pathlib import Path
+from typing import NamedTuple
+
+from railhil.common.errors import InputError, Words
+from railhil.common.extras import missing
+from railhil.common.light_start import allow_asammdf
+from railhil.common.output import Output
+from railhil.common.whole_file import whole_file
+from railhil.supervisor.errors import not_written
+from railhil.supervisor.files.content import Content, parsed_start
+from railhil.supervisor.record import checked_record
+
+_ROOM = "railhil.supervisor.files"
+
+
+class _Format(NamedTuple):
+    """Module and function that write a kind of file, its extra (empty: needs none), and its name in the run folder."""
+
+    writer: str
+    extra: str
+    file: str
+    help: str
+
+
+_FORMATS = {
+    "mf4": _Format("mf4_file:write_mf4", "mdf", "run.mf4", "ASAM MDF 4.11: frames, decoded telegrams, signals"),
+    "mcap": _Format("mcap_file:write_mcap", "mcap", "run.mcap", "MCAP: telegrams and signals as ROS 2 messages"),
+    "parquet": _Format("parquet_file:write_parquet", "parquet", "run.parquet", "Parquet: signals with units"),
+    "csv": _Format("csv_file:write_csv", "", "run.csv", "CSV: signals, with certificate and units"),
+    "blf": _Format("blf_file:write_blf_file", "", "run.blf", "BLF: frames, with the times of --start"),
+}
+
+
+def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Register the subcommand."""
+    parser = commands.add_parser("export", help="write a recorded run as files of other tools")
+    parser.add_argument("run", help="run folder")
+    for name, kind in _FORMATS.items():
+        extra = f" (needs the extra [{kind.extra}])" if kind.extra else ""
+        parser.add_argument(f"--{name}", action="store_true", help=f"{kind.help}{extra}")
+    parser.add_argument(
+        "--start", metavar="TIME", help="instant of the run's time 0, with its zone: 2026-11-22T18:42:55Z"
+    )
+    parser.add_argument("--out", metavar="PATH", help="folder, or the file if it is only one (default: the run folder)")
+    parser.set_defaults(work=work)
+
+
+def work(namespace: argparse.Namespace) -> int:
+    """Write the files and print their paths."""
+    wanted = [name for name in _FORMATS if getattr(namespace, name)]
+    if not wanted:
+        raise InputError("command line", "format", Words("none"), ", ".join(f"--{name}" for name in _FORMATS))
+    start = None if namespace.start is None else parsed_start(namespace.start)
+    if "blf" in wanted and start is None:
+        raise InputError("command line", "--blf", Words("no --start"), "--start TIME; without it use frames.blf")
+    writers = {name: _writer(_FORMATS[name]) for name in wanted}
+    content = Content(checked_record(namespace.run, None), start)
+    for name, path in _places(namespace.out, content.record.log.parent, wanted).items():
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            with whole_file(path) as draft:
+                writers[name](content, draft)
+        except OSError as error:
+            raise not_written("--out", path, "file", error) from None
+        Output().say(str(path))
+    return 0
+
+
+def _writer(kind: _Format) -> Callable[[Content, Path], None]:
+    """The function that writes a kind of file.
+
+    :raises InputError: the libraries of its extra are missing.
+    """
+    module, _, name = kind.writer.partition(":")
+    allow_asammdf()
+    try:
+        writer: Callable[[Content, Path], None] = getattr(import_module(f"{_ROOM}.{module}"), name)
+    except ImportError as error:
+        raise missing("railhil export", error, kind.extra) from None
+    return writer
+
+
+def _places(out: str | None, folder: Path, wanted: list[str]) -> dict[str, Path]:
+    """Where each file goes."""
+    if out is not None and not out.strip():
+        raise InputError("command line", "--out", out, "name of a folder or file")
+    place = folder if out is None else Path(out)
+    if out is not None and len(wanted) == 1 and place.suffix == f".{wanted[0]}" and not place.is_dir():
+        return {wanted[0]: place}
+    return {name: place / _FORMATS[name].file for name in wanted}

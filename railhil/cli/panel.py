@@ -1,0 +1,174 @@
+"""``railhil run --panel``: the panel's process beside a run, and the wait for its start button."""
+
+from __future__ import annotations
+
+import argparse
+import subprocess
+import sys
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from dataclasses import replace
+from pathlib import Path
+
+from railhil.bus.select import BusChoice
+from railhil.common.command_line import whole_number
+from railhil.common.errors import InputError, Words
+from railhil.common.extras import install_command
+from railhil.scenarios.model import AnyScenario
+from railhil.scenarios.orders import ORDER
+from railhil.scenarios.run_spec import RunSpec
+from railhil.scenarios.settings import canonical_fault
+from railhil.scenarios.system import system_named
+from railhil.supervisor.fault_report import check_faults
+from railhil.supervisor.panel_socket import PanelSocket
+from railhil.supervisor.sockets import private_socket
+
+_PORT_MAX = 65535
+_END_S = 2.0
+_LOOK_S = 0.1
+_SHOWN_S = 0.2
+#: What the emergency button does: as the driver's mushroom button it opens the safety loop.
+EMERGENCY_PLACE, EMERGENCY = "train.safety_loop", "safety_loop off @manual"
+
+
+def add_panel_arguments(parser: argparse.ArgumentParser) -> None:
+    """Options of a run with a panel."""
+    parser.add_argument(
+        "--panel",
+        nargs="?",
+        const=8765,
+        type=whole_number(0, _PORT_MAX),
+        metavar="PORT",
+        help="serve a page of the run on 127.0.0.1 (default port 8765; 0: any), see railhil panel",
+    )
+    parser.add_argument(
+        "--foxglove",
+        type=whole_number(0, _PORT_MAX),
+        metavar="PORT",
+        help="with --panel: serve Lichtblick, PlotJuggler and Foxglove too, at ws://127.0.0.1:PORT",
+    )
+    parser.add_argument("--wait", action="store_true", help="begin when Start is pressed on the panel")
+    parser.add_argument(
+        "--operator",
+        type=Path,
+        metavar="SOCKET",
+        help="take the orders of railhil panel --operator at this Unix socket",
+    )
+    parser.add_argument(
+        ORDER,
+        action="append",
+        default=[],
+        metavar="TEXT",
+        help='an order of an operator, as certificates have them ("75 inject 1"); may be given again',
+    )
+
+
+def check_panel(namespace: argparse.Namespace, spec: RunSpec) -> None:
+    """Refuse a panel that could not hear or serve anything.
+
+    :raises InputError: the run has no bus, or the extra is not installed.
+    """
+    if namespace.wait and namespace.panel is None and namespace.operator is None:
+        raise InputError("command line", "--wait", Words("without a panel"), "--panel or --operator beside it")
+    if namespace.foxglove is not None and namespace.panel is None:
+        raise InputError("command line", "--foxglove", namespace.foxglove, "--panel beside it")
+    asked = "--panel" if namespace.panel is not None else "--operator" if namespace.operator is not None else ""
+    if asked and spec.is_local:
+        raise InputError(
+            "command line", asked, Words("beside --bus local"), "a run over a bus, which a panel listens to"
+        )
+    if namespace.panel is None:
+        return
+    try:
+        import websockets  # noqa: F401
+    except ImportError as error:
+        found = Words(f"module {error.name} is not installed")
+        raise InputError("command line", "--panel", found, install_command("panel"), "the extra [panel]") from None
+
+
+def with_emergency(namespace: argparse.Namespace, spec: RunSpec) -> RunSpec:
+    """The run with the fault of the emergency button, where there is time to press it and the train has such a loop."""
+    is_watched = namespace.panel is not None or namespace.operator is not None
+    # Nodes that are running already have their faults.
+    is_ours = not (namespace.attach or namespace.no_controller)
+    if not is_watched or not is_ours or not (spec.is_realtime or namespace.wait):
+        return spec
+    scenario = spec.load()
+    has_loop = EMERGENCY_PLACE in system_named(scenario.system).injects
+    if not has_loop or any(text.startswith(EMERGENCY.partition(" ")[0]) for text in scenario.faults):
+        return spec
+    return replace(spec, faults=(*spec.faults, EMERGENCY))
+
+
+@contextmanager
+def panel_beside(namespace: argparse.Namespace, spec: RunSpec, choice: BusChoice) -> Iterator[PanelSocket | None]:
+    """The panel's process while a run is made, and the socket of its orders; None without a panel."""
+    if namespace.panel is None and namespace.operator is None:
+        yield None
+        return
+    with ExitStack() as held:
+        path = namespace.operator or held.enter_context(private_socket())
+        socket = held.enter_context(PanelSocket(path))
+        if namespace.panel is not None:
+            words = [*spec.scenario_words, "--port", str(namespace.panel), "--controller", spec.law.controller]
+            words += ["--operator", str(path), "--child"]
+            words += ["--foxglove", str(namespace.foxglove)] if namespace.foxglove is not None else []
+            held.enter_context(_process([*words, *choice.arguments]))
+        yield socket
+        if namespace.panel is not None:
+            # Time to show the end.
+            time.sleep(_SHOWN_S)
+
+
+@contextmanager
+def _process(words: Sequence[str]) -> Iterator[None]:
+    process = subprocess.Popen([sys.executable, "-P", "-m", "railhil.panel", *words], stdin=subprocess.DEVNULL)
+    try:
+        yield
+    finally:
+        process.terminate()
+        try:
+            process.wait(_END_S)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
+
+
+def wait_for_start(
+    panel: PanelSocket, spec: RunSpec, scenario: AnyScenario, transports: Sequence[str], attach: bool
+) -> tuple[RunSpec, AnyScenario]:
+    """Wait until Start is pressed; faults that are typed meanwhile become faults of the run.
+
+    :param transports: what the run is injected on (:func:`railhil.supervisor.fault_report.transports_of`).
+    :param attach: the nodes are running already, with their faults.
+    :returns: the run with these faults, and its scenario.
+    """
+    while True:
+        panel.tell({"phase": "waiting", "faults": list(scenario.faults), "lockstep": not spec.is_realtime})
+        for command in panel.take(_LOOK_S):
+            if command.get("do") == "start":
+                panel.tell({"answer": command.get("id"), "refused": ""})
+                panel.tell({"phase": "starting", "faults": list(scenario.faults), "lockstep": not spec.is_realtime})
+                return spec, scenario
+            why = "press Start first"
+            if command.get("do") == "fault" and attach:
+                why = "the nodes are running already: give them and railhil run --fault"
+            elif command.get("do") == "fault":
+                try:
+                    spec, scenario = _with_fault(spec, str(command.get("text", "")), transports)
+                    why = ""
+                except InputError as error:
+                    why = str(error)
+            panel.tell({"answer": command.get("id"), "refused": why})
+
+
+def _with_fault(spec: RunSpec, text: str, transports: Sequence[str]) -> tuple[RunSpec, AnyScenario]:
+    """The run with one more fault, by hand unless it says when.
+
+    :raises InputError: it is none, or cannot be injected.
+    """
+    found = replace(spec, faults=(*spec.faults, canonical_fault(text if "@" in text else f"{text} @manual")))
+    scenario = found.load()
+    check_faults(scenario, transports, spec.pace)
+    return found, scenario

@@ -1,0 +1,56 @@
+"""The progress line of a run: how far it is, and speed, target, command, ladder and distance to go."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from rich.progress import BarColumn, Progress, ProgressColumn, TextColumn
+
+from railhil.common.output import Output
+from railhil.scenarios.model import AnyScenario
+from railhil.scenarios.run_spec import RunSpec
+from railhil.scenarios.system import system_named
+from railhil.supervisor.framelog import LOG_NAME
+from railhil.supervisor.now import Instruments, LogTail
+
+#: Wall time between two redraws, in s. A redraw costs about five milliseconds.
+_REDRAW_S = 0.4
+#: A narrow terminal has a short bar, so that the values have room.
+_NARROW, _BAR, _BAR_NARROW = 120, 30, 8
+
+
+@contextmanager
+def progress(
+    scenario: AnyScenario, spec: RunSpec, folder: Path, console: Output, quiet: bool
+) -> Iterator[Callable[[float], None] | None]:
+    """Progress callback of the run, taking the simulation time in s; None when nothing is to be shown.
+
+    :param folder: of the run, whose log is read while it is written.
+    """
+    if quiet:
+        yield None
+        return
+    columns: tuple[ProgressColumn, ...] = (
+        TextColumn("{task.description}"),
+        BarColumn(_BAR if console.width >= _NARROW else _BAR_NARROW),
+        TextColumn("{task.completed:.0f} of {task.total:.0f} s"),
+        TextColumn("{task.fields[now]}"),
+    )
+    instruments = Instruments(scenario)
+    tail = LogTail(folder / LOG_NAME, system_named(scenario.system).contract)
+    with Progress(*columns, console=console, auto_refresh=False, transient=True) as shown:
+        task = shown.add_task(spec.law.controller, total=scenario.planned_s, now="")
+        shown_s = -_REDRAW_S
+
+        def on_progress(sim_time_s: float) -> None:
+            nonlocal shown_s
+            now_s = time.monotonic()
+            if now_s - shown_s >= _REDRAW_S:
+                shown_s = now_s
+                now = instruments.line(instruments.values(tail.look()))
+                shown.update(task, completed=sim_time_s, now=now, refresh=True)
+
+        yield on_progress

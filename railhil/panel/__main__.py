@@ -1,0 +1,36 @@
+"""``python -m railhil.panel`` (the same as ``railhil panel``)."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+
+from railhil.common.command_line import parse
+from railhil.common.errors import InputError
+from railhil.common.exit_codes import guarded
+from railhil.common.extras import missing
+from railhil.common.output import accept_any_text, flush_output
+from railhil.panel.command import arguments
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """Serve the page until a signal, or until what is shown has ended."""
+    accept_any_text()
+    namespace = parse(arguments(), words)
+    try:
+        try:
+            from railhil.panel.serve import serve_panel
+        except ImportError as error:
+            if (error.name or "").partition(".")[0] != "websockets":
+                raise
+            raise missing("railhil panel", error, "panel") from error
+        return serve_panel(namespace)
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        raise InputError("command line", "--port", namespace.port, f"a free port ({reason})") from None
+    finally:
+        flush_output()
+
+
+if __name__ == "__main__":
+    sys.exit(guarded("railhil panel", main))

@@ -1,0 +1,66 @@
+"""The command line of ``railhil panel``."""
+
+from __future__ import annotations
+
+import argparse
+
+from can.cli import add_bus_arguments
+
+from railhil.common.choices import USUAL_SCENARIO
+from railhil.common.command_line import OneLineParser, whole_number
+from railhil.scenarios.settings import add_fault_argument, add_set_argument
+
+#: Port of the page unless one is given.
+PORT = 8765
+_PORT_MAX = 65535
+_EXIT_CODES = """\
+exit codes:
+  0    the page was served until the end of what it shows
+  2    usage or bad input; one line says what was found and what is allowed
+  4    TOOL ERROR: a defect of the panel
+  130  stopped by Ctrl-C, 143 by SIGTERM"""
+
+
+def arguments() -> argparse.ArgumentParser:
+    """Command line of the panel."""
+    parser = OneLineParser(
+        prog="railhil panel",
+        description="A page in the browser, served on 127.0.0.1 only: the run on a bus, or recorded runs.",
+        epilog=_EXIT_CODES,
+    )
+    parser.add_argument(
+        "what",
+        nargs="*",
+        default=[USUAL_SCENARIO],
+        metavar="SCENARIO | RUN",
+        help=f"scenario that runs on the bus (default {USUAL_SCENARIO}), or run folders to show",
+    )
+    parser.add_argument(
+        "--port",
+        type=whole_number(0, _PORT_MAX),
+        default=PORT,
+        metavar="N",
+        help=f"of the page (default {PORT}; 0: any)",
+    )
+    parser.add_argument(
+        "--foxglove",
+        type=whole_number(0, _PORT_MAX),
+        metavar="PORT",
+        help="serve Lichtblick, PlotJuggler and Foxglove too, at ws://127.0.0.1:PORT",
+    )
+    parser.add_argument("--controller", metavar="LAW", help="the law that runs, whose notes are then named")
+    parser.add_argument("--socket", metavar="PATH", help="listen at this Unix socket instead, for containers")
+    parser.add_argument(
+        "--public-port",
+        type=whole_number(1, _PORT_MAX),
+        metavar="N",
+        help="with --socket: port of 127.0.0.1 under which it is published",
+    )
+    parser.add_argument(
+        "--operator", metavar="SOCKET", help="of railhil run --operator, which takes the orders of the page"
+    )
+    parser.add_argument("--child", action="store_true", help=argparse.SUPPRESS)
+    add_set_argument(parser)
+    add_fault_argument(parser)
+    add_bus_arguments(parser)
+    return parser

@@ -1,0 +1,151 @@
+"""What the panel shows of a system, from what the system declares: columns, charts, tracks, lamps.
+
+The columns are those of ``signals.csv`` (:func:`railhil.supervisor.signals.signal_table`), with those that the system
+declares for the panel only (``Judging.shown``); nothing here knows a system.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+from railhil.dbc import Contract
+from railhil.scenarios.model import AnyScenario
+from railhil.supervisor.judging import Judging, judging_of
+from railhil.supervisor.shown import LEVEL, NOTE, SIGNAL, STATE, ShownColumn, shown_columns
+
+#: Title of the chart of a unit; others have the unit.
+_TITLES = {"km/h": "speed", "notch": "command", "m/s²": "acceleration", "kN": "force", "m": "position", "‰": "grade"}
+_SPEED = "km/h"
+_MPS = "m/s"
+#: Kind of a column with the raw values of a lamp.
+LAMP = "lamp"
+#: Target less speed, as a column of its own.
+ERROR = "tracking_error_kmh"
+
+
+@dataclass(frozen=True, slots=True)
+class Chart:
+    """Curves with one axis: places of their columns."""
+
+    title: str
+    unit: str
+    columns: tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Lamp:
+    """A state of the train that is on in normal operation: a signal of a port and its normal raw value.
+
+    ``column``: place of its raw values among the columns.
+    """
+
+    port: str
+    signal: str
+    label: str
+    normal: int
+    column: int
+
+
+@dataclass(frozen=True, slots=True)
+class Layout:
+    """Everything that the page needs to know before the first value.
+
+    ``speed``, ``target``, ``position``, ``command``: places of the columns of the gauges; -1: there is none.
+    The tracking error is a column if there are speed and target.
+    """
+
+    columns: tuple[ShownColumn, ...]
+    charts: tuple[Chart, ...]
+    tracks: tuple[int, ...]
+    lamps: tuple[Lamp, ...]
+    speed: int
+    target: int
+    position: int
+    command: int
+
+    def as_json(self) -> dict[str, Any]:
+        """As the page gets it."""
+        return asdict(self)
+
+
+def layout_of(scenario: AnyScenario, contract: Contract, notes: Sequence[Mapping[str, Any]] | None) -> Layout:
+    """The layout for a scenario.
+
+    :param notes: the law's declaration of its notes, as in a certificate; None: not known.
+    """
+    judging = judging_of(scenario)
+    shown = shown_columns(scenario, contract, notes)
+    # A level without words, of which a watch has those with words, is no curve.
+    columns = [
+        replace(one, kind=STATE) if one.kind == SIGNAL and one.name.endswith("_level") else one for one in shown.columns
+    ]
+    columns += [_further(name, _unit(contract, port, signal)) for name, port, signal in judging.shown]
+    names = [column.name for column in columns]
+    speed, target, position, command = (
+        names.index(name) if name else -1 for name in (shown.speed, shown.target, shown.position, shown.command)
+    )
+    if speed >= 0 and target >= 0:
+        columns.append(ShownColumn(ERROR, "tracking error", _SPEED, 1.0, SIGNAL))
+    lamps = _lamps(judging, contract, len(columns))
+    columns += [ShownColumn(f"{lamp.port}.{lamp.signal}", lamp.label, "", 1.0, LAMP) for lamp in lamps]
+    tracks = tuple(at for at, one in enumerate(columns) if one.kind == LEVEL)
+    return Layout(tuple(columns), _charts(columns, command), tracks, lamps, speed, target, position, command)
+
+
+def _further(name: str, unit: str) -> ShownColumn:
+    """A column that only the panel has."""
+    label = name.rpartition("_")[0].replace("_", " ") if unit else name.replace("_", " ")
+    is_speed = unit == _MPS
+    return ShownColumn(name, label, _SPEED if is_speed else unit, 3.6 if is_speed else 1.0, SIGNAL)
+
+
+def _unit(contract: Contract, port: str, signal: str) -> str:
+    return next(item.unit for item in contract.port(port).signals if item.name == signal)
+
+
+def _charts(columns: Sequence[ShownColumn], command: int) -> tuple[Chart, ...]:
+    """Curves of one unit share a chart; the law's notes have one for each unit, and the tracking error its own."""
+    groups: dict[tuple[str, str], list[int]] = {}
+    for at, column in enumerate(columns):
+        if column.kind not in (SIGNAL, NOTE):
+            continue
+        title = _TITLES.get(column.unit, column.unit or "numbers")
+        if column.kind == NOTE:
+            title = "law"
+        elif column.name == ERROR:
+            title = "tracking error"
+        groups.setdefault((title, column.unit), []).append(at)
+    first = ["speed", "tracking error", "command", "acceleration", "force", "law"]
+    found = [Chart(title, unit, tuple(places)) for (title, unit), places in groups.items() if title != "position"]
+    return tuple(
+        sorted(
+            found,
+            key=lambda chart: (
+                0 if chart.title == "speed" else 1 if chart.title == "tracking error" else 2,
+                command not in chart.columns,
+                first.index(chart.title) if chart.title in first else len(first),
+            ),
+        )
+    )
+
+
+def _lamps(judging: Judging, contract: Contract, before: int) -> tuple[Lamp, ...]:
+    """The lamps, whose columns follow so many others."""
+    found = [
+        (item.port, name, normal)
+        for item in judging.interlocks
+        for name, normal in item.normal.items()
+        if any(entry.name == item.port and name in {one.name for one in entry.signals} for entry in contract.ports)
+    ]
+    return tuple(
+        # A number that is 0 in normal operation says that there is none of something.
+        Lamp(port, name, _label(name) if normal else f"no {_label(name)}", normal, before + place)
+        for place, (port, name, normal) in enumerate(found)
+    )
+
+
+def _label(name: str) -> str:
+    """Words of a signal's name: ``DoorsClosedLocked`` -> ``doors closed locked``."""
+    return "".join(f" {letter.lower()}" if letter.isupper() else letter for letter in name).strip()

@@ -1,0 +1,157 @@
+"""What the panel hears on the bus: simulation time, telegrams, missed polls, load, and the frames by identifier."""
+
+from __future__ import annotations
+
+from collections import Counter, deque
+from collections.abc import Iterable
+
+from railhil.bus.clock import BusClock
+from railhil.bus.frame import ERROR, Frame
+from railhil.bus.ident import PltIdent
+from railhil.bus.lifesign import MAX_STEP
+from railhil.bus.load import longest_frame_bits
+from railhil.bus.mvb import master_tail
+from railhil.bus.schedule import Schedule
+from railhil.bus.store import TrafficStore
+from railhil.bus.telegrams import TimeSync
+from railhil.dbc import Contract, Port
+from railhil.scenarios.model import AnyScenario
+from railhil.supervisor.trace import Trace
+
+#: Raw frames kept of an identifier that somebody watches.
+WATCHED_FRAMES = 100
+#: Simulation time over which the load of the bus is counted.
+_LOAD_NS = 500_000_000
+
+
+class SeenFrame:
+    """The frames of one identifier: how many, the last two instants (simulation time), the newest data."""
+
+    __slots__ = ("before_ns", "count", "data", "flags", "last_ns")
+
+    def __init__(self) -> None:
+        self.count = 0
+        self.last_ns = self.before_ns = 0
+        self.data = b""
+        self.flags = 0
+
+
+class Listener:
+    """Follows the frames of a bus; what was lost before is bridged by the clock, as in every node.
+
+    :param scenario: what is believed to run; PLT_IDENT says whether it does.
+    """
+
+    def __init__(self, scenario: AnyScenario, contract: Contract) -> None:
+        self._contract = contract
+        timing = scenario.timing
+        self._schedule = Schedule.from_contract(timing.base_tick_ns, timing.port_period_ns, contract)
+        clock_port = contract.clock_port
+        self._clock_ids = {clock_port.address, clock_port.fd_id}
+        self._poll_id = contract.poll_id
+        self._polls = {
+            master_tail(port.f_code, port.address): port.name for port in contract.ports if port.mode == "poll"
+        }
+        self._opening = PltIdent.PORT
+        # The polls of the fastest port keep the time going while the clock port is missing.
+        periods = ((self._schedule.ticks(port.name), port.name) for port in contract.ports if self._is_polled(port))
+        self._pace_ticks, self._pace = min(periods, default=(MAX_STEP + 1, ""))
+        #: Identifiers of which raw frames are kept: instant in s and data.
+        self.watched: dict[int, deque[tuple[float, bytes]]] = {}
+        #: Number of the run since this process began; a new handshake of the plant begins a new one.
+        self.run = 0
+        self.restart()
+
+    def restart(self) -> None:
+        """Forget everything: another run begins."""
+        contract = self._contract
+        self.run += 1
+        self.store = TrafficStore(contract.ports)
+        ticks = self._schedule.ticks(contract.clock_port.name)
+        self.clock = BusClock(self._schedule.base_tick_ns, ticks, self.store.counters)
+        self.frames: dict[int, SeenFrame] = {}
+        self.frame_count = 0
+        self.polls = 0
+        self.missed: Counter[str] = Counter()
+        self._awaited: set[str] = set()
+        #: Whether the time is that of the run: its beginning was heard, or TIME_SYNC has told it.
+        self.knows_time = False
+        self._bits = 0
+        self._load_from_ns = 0
+        #: Share of the bus in use, in simulation time; None: not known yet.
+        self.load: float | None = None
+        self.trace = Trace(contract)
+        #: Scenario's hash as told by the plant, first 32 bit; None: not heard.
+        self.told_scenario: int | None = None
+
+    @staticmethod
+    def _is_polled(port: Port) -> bool:
+        return port.mode == "poll" and bool(port.period_ns)
+
+    @property
+    def now_s(self) -> float:
+        """Simulation time of the newest frame."""
+        return self.clock.now_ns / 1e9
+
+    def take(self, frames: Iterable[Frame]) -> None:
+        """Take frames in bus order; their telegrams are added to :attr:`trace`."""
+        for frame in frames:
+            self._take(frame)
+
+    def next_trace(self) -> Trace:
+        """The telegrams since the last call, behind the newest one of each port before them."""
+        trace, self.trace = self.trace, Trace(self._contract)
+        for port in self.store.ports:
+            if times_ns := trace.times_ns(port):
+                self.trace.add(port, times_ns[-1], self.store.raw(port))
+        return trace
+
+    def _take(self, frame: Frame) -> None:
+        can_id, data, flags = frame
+        clock = self.clock
+        if can_id in self._clock_ids and not self.store.check(frame).cause:
+            clock.feed(data)
+        now_ns = clock.now_ns
+        seen = self.frames.get(can_id)
+        if seen is None:
+            seen = self.frames[can_id] = SeenFrame()
+        seen.count += 1
+        seen.before_ns, seen.last_ns, seen.data, seen.flags = seen.last_ns, now_ns, data, flags
+        self.frame_count += 1
+        self._bits += longest_frame_bits(len(data))
+        if now_ns - self._load_from_ns >= _LOAD_NS:
+            self.load = self._bits * 1e9 / (now_ns - self._load_from_ns) / self._contract.bit_rate
+            self._bits, self._load_from_ns = 0, now_ns
+        if can_id in self.watched:
+            self.watched[can_id].append((now_ns / 1e9, data))
+        if can_id == self._poll_id and not flags & ERROR:
+            self._polled(data)
+            return
+        port = self.store.feed(frame, now_ns)
+        if port is None:
+            return
+        self._awaited.discard(port)
+        if port == TimeSync.PORT:
+            clock.synchronise(TimeSync.decode(self.store.raw(port)))
+            self.knows_time = self.knows_time or clock.is_set
+        elif port == self._opening:
+            self._opened(self.store.raw(port))
+        self.trace.add(port, clock.now_ns, self.store.raw(port))
+
+    def _polled(self, data: bytes) -> None:
+        port = self._polls.get(data)
+        if port is not None:
+            if port == self._pace and self._pace_ticks <= MAX_STEP:
+                self.clock.polled(self._pace_ticks)
+            self.polls += 1
+            self.missed[port] += port in self._awaited
+            self._awaited.add(port)
+
+    def _opened(self, data: bytes) -> None:
+        """PLT_IDENT: the plant begins a run, before its first tick."""
+        if self.clock.running:
+            raw = self.store.raw(self._opening)
+            self.restart()
+            data = raw
+        self.knows_time = True
+        self.told_scenario = PltIdent.decode(data).scenario_hash

@@ -1,0 +1,91 @@
+"""The bus as the panel reads it: without waiting, never sending, and opened again when it comes back."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import Any
+
+from railhil.bus.can_settings import HUB_INTERFACE
+from railhil.bus.errors import BusLost, BusUnavailable
+from railhil.bus.frame import Frame
+from railhil.bus.link import Link, open_link
+from railhil.bus.link.passive import be_passive
+
+#: Frames taken at one look; of more than these the oldest are dropped. A real-time run at 1x sends about 30.
+LOOK_FRAMES = 4000
+#: Wall time between two attempts to open a bus that is not there.
+_RETRY_S = 0.5
+#: Frames that the hub hands over together.
+_BULK_FRAMES = 256
+#: Packets read at one look at most, so that a bus faster than this process cannot keep it.
+_LOOK_PACKETS = 400
+
+
+class Receiver:
+    """Reads a bus by looking at it; ``dropped`` counts frames left out because there were too many.
+
+    :param config: arguments of ``can.Bus``.
+    """
+
+    def __init__(self, config: dict[str, Any], open_bus: Callable[..., Link] = open_link) -> None:
+        self._config = dict(config)
+        if config.get("interface") == HUB_INTERFACE:
+            self._config |= {"coalesce_frames": _BULK_FRAMES, "connect_timeout": 0.0}
+        self._open_bus = open_bus
+        self._link: Link | None = None
+        self._retry_s = 0.0
+        self._lost_before = 0
+        self.dropped = 0
+        #: Why there is no bus; empty while there is one.
+        self.trouble = "not opened yet"
+
+    @property
+    def is_open(self) -> bool:
+        """Whether there is a bus."""
+        return self._link is not None
+
+    def look(self) -> list[Frame]:
+        """Frames that have arrived since the last look, oldest first."""
+        if self._link is None and not self._opened():
+            return []
+        assert self._link is not None
+        frames: list[Frame] = []
+        try:
+            for _ in range(_LOOK_PACKETS):
+                arrived = self._link.receive(0.0)
+                if not arrived:
+                    break
+                frames += arrived
+        except BusLost as error:
+            self.close()
+            self.trouble = str(error)
+        if len(frames) > LOOK_FRAMES:
+            self.dropped += len(frames) - LOOK_FRAMES
+            frames = frames[-LOOK_FRAMES:]
+        if self._link is not None:
+            lost = self._link.counters["rx_lost"]
+            self.dropped += lost - self._lost_before
+            self._lost_before = lost
+        return frames
+
+    def close(self) -> None:
+        """Leave the bus."""
+        if self._link is not None:
+            self._link.close()
+            self._link = None
+
+    def _opened(self) -> bool:
+        now_s = time.monotonic()
+        if now_s < self._retry_s:
+            return False
+        self._retry_s = now_s + _RETRY_S
+        try:
+            self._link = self._open_bus(self._config, "panel")
+            be_passive(self._link)
+        except BusUnavailable as error:
+            self.trouble = str(error)
+            return False
+        self._lost_before = 0
+        self.trouble = ""
+        return True

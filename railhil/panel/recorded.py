@@ -1,0 +1,171 @@
+"""Recorded runs as messages for the pages."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from railhil.common.errors import InputError
+from railhil.panel.declared import Chart, Layout, layout_of
+from railhil.panel.values import rows_of
+from railhil.panel.wire import REPLACE, batch
+from railhil.supervisor.events.event import LEVEL, MISSED_POLL, START, RecordedEvent
+from railhil.supervisor.record import Record, checked_record
+from railhil.supervisor.report.recorded import recorded_run, told_apart
+from railhil.supervisor.shown import ShownColumn
+from railhil.supervisor.trace import FloatArray
+
+#: Rows of a run that a page gets; of a longer run the smallest and largest value of each column in equal parts.
+ROWS_MAX = 40_000
+
+
+class RecordedRuns:
+    """Run folders beside each other, of one system.
+
+    :raises InputError: one cannot be read, or is of another system than the first.
+    """
+
+    def __init__(self, folders: Sequence[str]) -> None:
+        records = [checked_record(folder, None) for folder in folders]
+        first = records[0].scenario
+        for folder, record in zip(folders, records, strict=True):
+            if record.scenario.system != first.system:
+                allowed = f"a run of system {first.system}, as in {folders[0]}"
+                raise InputError(folder, "system", record.scenario.system, allowed)
+        layouts = [_layout(record) for record in records]
+        self.layout = union(layouts)
+        self._names = _names(records)
+        self._records = records
+        self._rows = [
+            thinned(
+                _placed(rows_of(one.scenario, layout, one.trace, one.certificate.get("notes")), layout, self.layout)
+            )
+            for one, layout in zip(records, layouts, strict=True)
+        ]
+
+    def header(self) -> dict[str, Any]:
+        """What a page is told first."""
+        runs = [
+            {"name": name, "facts": {"scenario": one.scenario.name, "verdict": _verdict(name, one)}}
+            for name, one in zip(self._names, self._records, strict=True)
+        ]
+        return {"kind": "recorded", "runs": runs, "layout": self.layout.as_json()}
+
+    def past(self) -> list[str | bytes]:
+        """All rows and events."""
+        several = len(self._records) > 1
+        events = [
+            _event(event, f"{name} " if several else "")
+            for name, record in zip(self._names, self._records, strict=True)
+            for event in record.events
+        ]
+        events.sort(key=lambda event: float(event["time_s"]))
+        rows: list[str | bytes] = [batch(REPLACE, number, rows) for number, rows in enumerate(self._rows)]
+        return [*rows, json.dumps({"events": events, "replace": True})]
+
+    def look(self) -> list[str | bytes]:
+        """Nothing is ever new."""
+        return []
+
+    def command(self, command: dict[str, Any]) -> str:
+        """A recorded run takes no orders."""
+        return "a recorded run takes no orders"
+
+    def watch(self, can_ids: set[int]) -> None:
+        """Frames are not shown."""
+
+
+def thinned(rows: FloatArray) -> FloatArray:
+    """At most about :data:`ROWS_MAX` rows: of each part of a longer table its smallest and its largest values."""
+    parts = ROWS_MAX // 2
+    if len(rows) <= ROWS_MAX:
+        return rows
+    edges = np.linspace(0, len(rows), parts + 1).astype(int)[:-1]
+    known = np.isnan(rows)
+    lows = np.minimum.reduceat(np.where(known, np.inf, rows), edges)
+    highs = np.maximum.reduceat(np.where(known, -np.inf, rows), edges)
+    found = np.empty((2 * parts, rows.shape[1]))
+    found[0::2], found[1::2] = lows, highs
+    found[~np.isfinite(found)] = np.nan
+    return found
+
+
+def union(layouts: Sequence[Layout]) -> Layout:
+    """One layout for runs whose laws report different notes: all columns, charts merged by title and unit."""
+    columns: list[ShownColumn] = []
+    for layout in layouts:
+        names = {column.name for column in columns}
+        columns += [column for column in layout.columns if column.name not in names]
+    place = {column.name: at for at, column in enumerate(columns)}
+
+    def placed(layout: Layout, at: int) -> int:
+        return place[layout.columns[at].name] if at >= 0 else -1
+
+    charts: dict[tuple[str, str], list[int]] = {}
+    for layout in layouts:
+        for chart in layout.charts:
+            known = charts.setdefault((chart.title, chart.unit), [])
+            known += [at for one in chart.columns if (at := placed(layout, one)) not in known]
+    first = layouts[0]
+    return replace(
+        first,
+        columns=tuple(columns),
+        charts=tuple(Chart(title, unit, tuple(places)) for (title, unit), places in charts.items()),
+        tracks=tuple(dict.fromkeys(placed(layout, at) for layout in layouts for at in layout.tracks)),
+        lamps=tuple(replace(lamp, column=placed(first, lamp.column)) for lamp in first.lamps),
+        speed=placed(first, first.speed),
+        target=placed(first, first.target),
+        position=placed(first, first.position),
+        command=placed(first, first.command),
+    )
+
+
+def _layout(record: Record) -> Layout:
+    notes: Sequence[Mapping[str, Any]] | None = record.certificate.get("notes")
+    return layout_of(record.scenario, record.trace.contract, notes)
+
+
+def _placed(rows: FloatArray, layout: Layout, wanted: Layout) -> FloatArray:
+    """Rows with the columns of another layout, NaN where a run has none."""
+    at = {column.name: place for place, column in enumerate(layout.columns, 1)}
+    found = np.full((len(rows), 1 + len(wanted.columns)), np.nan)
+    found[:, 0] = rows[:, 0]
+    for place, column in enumerate(wanted.columns, 1):
+        if column.name in at:
+            found[:, place] = rows[:, at[column.name]]
+    return found
+
+
+def _names(records: Sequence[Record]) -> list[str]:
+    runs = [
+        recorded_run(one.log.parent, one.certificate, one.scenario, one.trace, one.score, one.invalid)
+        for one in records
+    ]
+    return [f"{run.scenario.name} {run.label}" if len(runs) == 1 else run.label for run in told_apart(runs)]
+
+
+def _verdict(name: str, record: Record) -> str:
+    verdict = "INVALID" if record.invalid else record.score.verdict
+    missed = record.trace.missed_polls
+    return f"{name}: {verdict}, {missed} of {record.trace.polls} polls missed ({Path(record.log).parent.name})"
+
+
+def _event(event: RecordedEvent, run: str) -> dict[str, Any]:
+    words = [event.level, event.detail or event.cause]
+    text = ": ".join(word.replace("_", " ") for word in words if word)
+    if event.kind == MISSED_POLL:
+        text = f"missed poll: {text}"
+    times = f" ({event.count} times)" if event.count > 1 else ""
+    return {
+        "time_s": event.time_s,
+        "until_s": event.until_s if event.kind in (LEVEL, "fault") else None,
+        "kind": "start" if event.kind == START else event.kind,
+        "source": run + event.source,
+        "text": text + times,
+        "rank": event.rank,
+    }

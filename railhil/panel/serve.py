@@ -1,0 +1,80 @@
+"""Serves the page of one command line."""
+
+from __future__ import annotations
+
+import argparse
+import asyncio
+import secrets
+from pathlib import Path
+from typing import Any
+
+from railhil.bus.select import choose_bus
+from railhil.common.errors import InputError, Words
+from railhil.common.exit_codes import ending_signals
+from railhil.common.orphans import end_with_parent
+from railhil.common.output import Output
+from railhil.controller_node.laws import find
+from railhil.controller_node.telemetry_file import law_document
+from railhil.panel.foxglove import FoxgloveBridge
+from railhil.panel.live import LiveRun
+from railhil.panel.operator import Operator
+from railhil.panel.receiver import Receiver
+from railhil.panel.recorded import RecordedRuns
+from railhil.panel.server import PanelServer
+from railhil.scenarios.load import load_any
+from railhil.scenarios.system import System, system_named
+
+
+def serve_panel(namespace: argparse.Namespace) -> int:
+    """Serve until SIGINT or SIGTERM; returns the exit code.
+
+    :raises InputError: scenario or record cannot be loaded.
+    :raises OSError: a port cannot be opened.
+    """
+    if namespace.child:
+        end_with_parent()
+    if any(Path(text).is_dir() for text in namespace.what):
+        if namespace.foxglove is not None:
+            allowed = "the run on a bus; for a recorded one railhil export --mcap"
+            raise InputError("command line", "--foxglove", Words("beside run folders"), allowed)
+        runs = RecordedRuns(namespace.what)
+        return asyncio.run(_serve(PanelServer(runs, "", namespace.port), Output(stderr=True)))
+    if len(namespace.what) > 1:
+        raise InputError("command line", "SCENARIO", Words(" ".join(namespace.what)), "one scenario, or run folders")
+    scenario = load_any(namespace.what[0], namespace.set, namespace.fault)
+    choice = choose_bus(namespace)
+    operator = Operator(namespace.operator) if namespace.operator else None
+    notes = law_notes(system_named(scenario.system), namespace.controller)
+    source = LiveRun(scenario, Receiver(choice.config), scenario.name, notes, operator)
+    token = secrets.token_urlsafe(16) if operator else ""
+    port = namespace.public_port if namespace.socket and namespace.public_port else namespace.port
+    bridge = None if namespace.foxglove is None else FoxgloveBridge(source, token, namespace.foxglove)
+    return asyncio.run(_serve(PanelServer(source, token, port, namespace.socket), Output(stderr=True), bridge))
+
+
+def law_notes(system: System, law: str | None) -> list[dict[str, Any]] | None:
+    """What the law of a run declares of its notes; None: not known, or the same for every law of the system.
+
+    :raises InputError: there is no such law.
+    """
+    if law is None or "interface" in system.own:
+        return None
+    notes: list[dict[str, Any]] = law_document(law, find(law, system.laws))["notes"]
+    return notes
+
+
+async def _serve(panel: PanelServer, console: Output, bridge: FoxgloveBridge | None = None) -> int:
+    servers = [await panel.listen()]
+    console.say(f"panel: {panel.address}{f'#token={panel.token}' if panel.token else ''}")
+    if bridge is not None:
+        servers.append(await bridge.listen())
+        console.say(f"foxglove: ws://127.0.0.1:{bridge.port}")
+    stopped: list[int] = []
+    loop = asyncio.get_running_loop()
+    for number in ending_signals():
+        loop.add_signal_handler(number, stopped.append, int(number))
+    await panel.run(lambda: bool(stopped), bridge.tell if bridge is not None else lambda: None)
+    for server in servers:
+        server.close()
+        await server.wait_closed()
+    return 128 + stopped[0]

@@ -1,0 +1,202 @@
+"""The page's server: static files and one WebSocket, on loopback, in one thread.
+
+A page is served what is new as long as it keeps up; to one that does not, rows are left out and counted.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import hmac
+import json
+from collections.abc import Callable
+from http import HTTPStatus
+from importlib.resources import files
+from typing import Any, Protocol
+
+from websockets.asyncio.server import Server, ServerConnection, broadcast, serve, unix_serve
+from websockets.datastructures import Headers
+from websockets.exceptions import ConnectionClosed
+from websockets.http11 import Request, Response
+from websockets.typing import Subprotocol
+
+from railhil.panel.wire import SUBPROTOCOL
+
+#: Batches a second at most.
+RATE_HZ = 20.0
+#: Bytes that may wait for a page; then batches are left out.
+_BACKLOG_MAX_BYTES = 1 << 20
+_POLICY = "default-src 'self'; frame-ancestors 'none'; base-uri 'none'; form-action 'none'"
+_TYPES = {".html": "text/html", ".css": "text/css", ".js": "text/javascript"}
+_OWN = ("panel.css", "panel.js", "store.js", "curves.js", "gauges.js")
+_OF_CHARTS = ("uPlot.iife.min.js", "uPlot.min.css", "charts.js", "charts.css")
+#: Path -> package and file.
+_FILES = {
+    "/": ("railhil.panel", "static/panel.html"),
+    **{f"/{name}": ("railhil.panel", f"static/{name}") for name in _OWN},
+    **{f"/{name}": ("railhil.charts", f"static/{name}") for name in _OF_CHARTS},
+}
+
+
+class Source(Protocol):
+    """What is shown."""
+
+    def header(self) -> dict[str, Any]:
+        """What a page is told first."""
+
+    def past(self) -> list[str | bytes]:
+        """Everything so far."""
+
+    def look(self) -> list[str | bytes]:
+        """What is new; called :data:`RATE_HZ` times a second."""
+
+    def command(self, command: dict[str, Any]) -> str:
+        """Carry out a command of a page with the right token; returns why not, empty if it was."""
+
+    def watch(self, can_ids: set[int]) -> None:
+        """Keep raw frames of these identifiers."""
+
+
+class Page:
+    """One page that is connected."""
+
+    def __init__(self, connection: ServerConnection) -> None:
+        self.connection = connection
+        self.left_out = 0
+        self.watched: int | None = None
+
+
+class PanelServer:
+    """Serves one source to any number of pages.
+
+    :param token: what commands must carry; empty: there are no commands.
+    :param socket: listen at this Unix socket instead of ``port``, under which something else publishes it.
+    """
+
+    def __init__(self, source: Source, token: str, port: int, socket: str | None = None) -> None:
+        self._source = source
+        self._socket = socket
+        self.token = token
+        self._pages: dict[ServerConnection, Page] = {}
+        self.port = port
+
+    @property
+    def address(self) -> str:
+        """The page's address without the token."""
+        return f"http://127.0.0.1:{self.port}/"
+
+    async def listen(self) -> Server:
+        """Open the port; 0 becomes a free one.
+
+        :raises OSError: it cannot be opened.
+        """
+        how: dict[str, Any] = {
+            "process_request": self._static,
+            "subprotocols": [Subprotocol(SUBPROTOCOL)],
+            "compression": None,
+            "max_size": 1 << 16,
+            "server_header": "railhil",
+        }
+        if self._socket is not None:
+            return await unix_serve(self._serve, self._socket, **how)
+        server = await serve(self._serve, "127.0.0.1", self.port, **how)
+        self.port = server.sockets[0].getsockname()[1]
+        return server
+
+    async def run(self, ends: Callable[[], bool], beside: Callable[[], None] = lambda: None) -> None:
+        """Look at the source and tell the pages, until ``ends``.
+
+        :param beside: called after each look.
+        """
+        loop = asyncio.get_running_loop()
+        due_s = loop.time()
+        while not ends():
+            for message in self._source.look():
+                self._tell(message)
+            beside()
+            due_s = max(due_s + 1.0 / RATE_HZ, loop.time())
+            await asyncio.sleep(due_s - loop.time())
+
+    def _tell(self, message: str | bytes) -> None:
+        for page in self._pages.values():
+            transport = page.connection.transport
+            if isinstance(message, bytes) and transport.get_write_buffer_size() > _BACKLOG_MAX_BYTES:
+                page.left_out += 1
+                continue
+            _send(page.connection, message)
+
+    def _static(self, connection: ServerConnection, request: Request) -> Response | None:
+        path = request.path.partition("?")[0]
+        if path == "/ws":
+            return self._refused(connection, request)
+        if path not in _FILES:
+            found = HTTPStatus.NO_CONTENT if path == "/favicon.ico" else HTTPStatus.NOT_FOUND
+            return connection.respond(found, "" if found is HTTPStatus.NO_CONTENT else "not found\n")
+        package, name = _FILES[path]
+        body = files(package).joinpath(name).read_bytes()
+        headers = Headers(
+            {
+                "Content-Type": f"{_TYPES[name[name.rindex('.') :]]}; charset=utf-8",
+                "Content-Length": str(len(body)),
+                "Content-Security-Policy": _POLICY,
+                "X-Content-Type-Options": "nosniff",
+                "Referrer-Policy": "no-referrer",
+                "Cache-Control": "no-store",
+                "Connection": "close",
+            }
+        )
+        return Response(HTTPStatus.OK.value, HTTPStatus.OK.phrase, headers, body)
+
+    def _refused(self, connection: ServerConnection, request: Request) -> Response | None:
+        """A page of somebody else must not talk to this server, under whatever name it reaches it."""
+        own = {f"http://{host}:{self.port}" for host in ("127.0.0.1", "localhost", "[::1]")}
+        origins = request.headers.get_all("Origin")
+        if len(origins) != 1 or origins[0] not in own:
+            return connection.respond(HTTPStatus.FORBIDDEN, "origin not allowed\n")
+        return None
+
+    async def _serve(self, connection: ServerConnection) -> None:
+        if connection.subprotocol != SUBPROTOCOL:
+            await connection.close(1002, f"subprotocol {SUBPROTOCOL} only")
+            return
+        page = Page(connection)
+        await connection.send(json.dumps({"header": self._source.header() | {"commands": bool(self.token)}}))
+        for message in self._source.past():
+            await connection.send(message)
+        self._pages[connection] = page
+        try:
+            async for text in connection:
+                answer = self._asked(page, text)
+                if answer is not None:
+                    await connection.send(json.dumps(answer))
+        except ConnectionClosed:
+            return
+        finally:
+            del self._pages[connection]
+            self._watch()
+
+    def _asked(self, page: Page, text: str | bytes) -> dict[str, Any] | None:
+        try:
+            asked = json.loads(text)
+        except ValueError:
+            return {"refused": "not JSON"}
+        if not isinstance(asked, dict):
+            return {"refused": "not an object"}
+        if "watch" in asked:
+            page.watched = asked["watch"] if isinstance(asked["watch"], int) else None
+            self._watch()
+            return None
+        token = asked.pop("token", None)
+        if not self.token:
+            return {"refused": "this page takes no commands"}
+        if not isinstance(token, str) or not hmac.compare_digest(token.encode(), self.token.encode()):
+            return {"refused": "wrong token: open the address that the command has printed"}
+        why = self._source.command(asked)
+        return {"refused": why} if why else {"done": asked.get("do", "")}
+
+    def _watch(self) -> None:
+        self._source.watch({page.watched for page in self._pages.values() if page.watched is not None})
+
+
+def _send(connection: ServerConnection, message: str | bytes) -> None:
+    """Send without waiting; a page that has gone is noticed where it is read."""
+    broadcast([connection], message)

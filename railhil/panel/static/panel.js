@@ -1,0 +1,265 @@
+// The live panel: one WebSocket to the server that has served this page, nothing else.
+import { Store } from "./store.js";
+import { Curves } from "./curves.js";
+import { Gauges, element, showEvents, showFrames, showLamps, shownNumber } from "./gauges.js";
+
+const APPEND = 1, REPLACE = 2;
+const byId = (id) => document.getElementById(id);
+const counters = { batches: 0, rows: 0, frames: 0, since: performance.now(), closed: 0 };
+const page = {
+  header: null, layout: null, stores: [], curves: null, gauges: null, events: [], state: null, picked: null, watched: null,
+  socket: null, token: "", pending: false, answers: new Map(), number: 0,
+};
+
+// The token stands behind # and is not sent with the request; the address bar forgets it, this tab does not.
+function readHash() {
+  const hash = new URLSearchParams(location.hash.slice(1));
+  if (hash.get("token")) {
+    sessionStorage.setItem("railhil-token", hash.get("token"));
+    hash.delete("token");
+    history.replaceState(null, "", hash.size ? `#${hash}` : location.pathname);
+  }
+  page.token = sessionStorage.getItem("railhil-token") ?? "";
+  const instant = Number.parseFloat(hash.get("t") ?? "");
+  return Number.isFinite(instant) ? instant : null;
+}
+
+// ---- connection
+
+function connect() {
+  const socket = new WebSocket(`ws://${location.host}/ws`, "railhil.panel.v1");
+  socket.binaryType = "arraybuffer";
+  page.socket = socket;
+  socket.onopen = () => connected(true);
+  socket.onclose = () => { counters.closed += 1; connected(false); setTimeout(connect, 700); };
+  socket.onmessage = (event) => {
+    if (typeof event.data === "string") take(JSON.parse(event.data)); else takeBatch(event.data);
+  };
+}
+
+function connected(is) {
+  const box = byId("connection");
+  box.className = is ? "good" : "bad";
+  box.textContent = is ? `● connected${counters.closed ? " again" : ""}` : "✕ connection lost, trying again";
+  if (!is) { page.state = null; showDesk(); }
+}
+
+function send(document) {
+  if (page.socket?.readyState === WebSocket.OPEN) page.socket.send(JSON.stringify(document));
+}
+
+function order(document, said) {
+  page.number += 1;
+  page.answers.set(page.number, said);
+  byId("answer").textContent = "";
+  send({ token: page.token, id: page.number, ...document });
+}
+
+// ---- what arrives
+
+function take(message) {
+  if (message.header) begin(message.header);
+  if (message.events) {
+    page.events = message.replace ? message.events : [...page.events, ...message.events].slice(-1000);
+    byId("events-of").hidden = false;
+    showEvents(byId("events"), page.events, pick);
+    page.curves.markers(page.events.filter((one) => one.kind !== "start"));
+  }
+  if (message.state) { page.state = message.state; showState(message); }
+  if (message.refused) answered(message.refused);
+  if (message.answer) {
+    const said = page.answers.get(message.answer.answer);
+    answered(message.answer.refused, said);
+  }
+}
+
+function answered(refused, said = "") {
+  const box = byId("answer");
+  box.className = refused ? "bad" : "";
+  box.textContent = refused ? `✕ ${refused}` : said ? `✓ ${said}` : "";
+}
+
+function begin(header) {
+  page.header = header;
+  page.layout = header.layout;
+  page.stores = header.runs.map(() => new Store(header.layout.columns.length));
+  byId("title").textContent = header.runs.map((run) => run.name).join(" · ");
+  document.title = `${header.runs[0].name} - railhil`;
+  byId("desk").hidden = !header.commands;
+  byId("frames-of").hidden = header.kind !== "live";
+  byId("lamps").hidden = !page.layout.lamps.length || header.runs.length > 1;
+  byId("axis").hidden = page.layout.position < 0;
+  page.gauges = new Gauges(byId("values"), page.layout, header.runs);
+  const charts = byId("charts");
+  charts.replaceChildren();
+  page.curves = new Curves(charts, page.layout, header.runs, page.stores, pick);
+  if (header.kind === "recorded") {
+    const facts = header.runs.map((run) => run.facts.verdict).filter(Boolean);
+    byId("phase").textContent = facts.join(" · ");
+  }
+  if (page.watched !== null) send({ watch: page.watched });
+}
+
+function takeBatch(buffer) {
+  const [kind, run, rows, columns] = new Uint32Array(buffer, 0, 4);
+  if (kind !== APPEND && kind !== REPLACE) return;
+  page.stores[run].take(kind === REPLACE, buffer, rows, columns);
+  counters.batches += 1;
+  counters.rows += rows;
+  page.curves.touch();
+  if (page.picked !== null) requestAnimationFrame(() => page.curves.cursor(page.picked));
+  showLater();
+}
+
+function showLater() {
+  if (page.pending) return;
+  page.pending = true;
+  requestAnimationFrame(() => { page.pending = false; show(); });
+}
+
+// ---- what is shown
+
+function show() {
+  if (!page.gauges) return;
+  const end = Math.max(0, ...page.stores.map((store) => store.endS));
+  const instant = page.picked ?? end;
+  page.gauges.show(page.stores, page.stores.map((store) => store.rowAt(instant + 1e-6)));
+  const row = page.stores[0].rowAt(instant + 1e-6);
+  showLamps(byId("lamps"), page.layout.lamps, page.layout.lamps.map((lamp) => (row < 0 ? NaN : page.stores[0].values[lamp.column][row])));
+  const slider = byId("instant");
+  slider.max = end;
+  if (document.activeElement !== slider || page.picked === null) slider.value = instant;
+  byId("at").textContent = `${instant.toFixed(2)} s`;
+  byId("live").hidden = page.picked === null || page.header.kind !== "live";
+}
+
+function pick(timeS) {
+  page.picked = timeS;
+  if (timeS === null) history.replaceState(null, "", location.pathname);
+  else history.replaceState(null, "", `#t=${Number(timeS.toFixed(3))}`);
+  show();
+  page.curves.cursor(timeS);
+}
+
+function showState(message) {
+  const { state } = message, box = byId("phase"), operator = state.operator;
+  const parts = [`${state.time_s.toFixed(1)} s`];
+  if (operator?.phase) parts.unshift(operator.phase === "ended" ? `ended: ${verdict(operator)}` : operator.phase);
+  parts.push(`bus ${state.load === null ? "–" : `${(100 * state.load).toFixed(1)} %`}`);
+  parts.push(`polls missed ${state.missed} of ${state.polls}`, `frames ${state.frames}`, `dropped here ${state.dropped}`);
+  if (state.lateness) parts.push(`lateness p99 ${shownNumber(state.lateness.p99_ms, "ms")}`);
+  box.textContent = parts.join(" · ");
+  const notice = byId("notice");
+  const trouble = operator?.phase === "waiting" ? "" : state.bus;
+  notice.hidden = !trouble && !state.other_scenario;
+  notice.textContent = trouble || (state.other_scenario ? "the bus carries another scenario than this page was started for" : "");
+  showFrames(byId("frames"), message.frames, page.watched, watch);
+  const raw = message.raw[page.watched];
+  byId("raw").hidden = !raw;
+  if (raw) byId("raw").textContent = raw.slice().reverse().map(([time, data]) => `${time.toFixed(2).padStart(9)}  ${data}`).join("\n");
+  showDesk();
+}
+
+function verdict(operator) {
+  const word = ["PASS", "FAIL", "refused", "INVALID"][operator.exit_code] ?? "TOOL ERROR";
+  return operator.line ? `${word} (${operator.line})` : word;
+}
+
+function watch(id) {
+  page.watched = page.watched === id ? null : id;
+  send({ watch: page.watched });
+}
+
+// ---- orders
+
+const EMERGENCY = "safety_loop off";
+
+function showDesk() {
+  const operator = page.state?.operator, phase = operator?.phase ?? "", faults = operator?.faults ?? [];
+  const emergency = faults.findIndex((text) => text.startsWith(EMERGENCY)) + 1;
+  const runs = phase === "running" || phase === "paused", may = (id, on, why) => {
+    byId(id).disabled = !on;
+    if (why !== undefined) byId(id).title = why;
+  };
+  may("start", phase === "waiting" || phase === "paused");
+  may("pause", phase === "running" && operator.lockstep,
+    operator && !operator.lockstep ? "in real time nothing can stand still" : "pause (P)");
+  may("stop", runs);
+  may("emergency", runs && emergency > 0, emergency ? "open the safety loop (E)" : "no safety loop is prepared in this run");
+  may("reset", runs && emergency > 0);
+  may("pace", runs && operator.lockstep);
+  byId("pace-of").hidden = Boolean(operator) && operator.lockstep === false;
+  may("add", phase === "waiting", phase === "waiting" ? "" : "faults are added before the start (--wait)");
+  byId("fault").disabled = phase !== "waiting";
+  if (operator?.pace !== undefined && document.activeElement !== byId("pace")) byId("pace").value = String(operator.pace);
+  const box = byId("faults"), manual = faults.map((text, at) => [text, at + 1]).filter(([text, at]) => text.includes("@manual") && at !== emergency);
+  const key = JSON.stringify([manual, runs]);
+  if (box.dataset.key === key) return;
+  box.dataset.key = key;
+  box.replaceChildren(...manual.flatMap(([text, number]) => ["inject", "clear"].map((what) => {
+    const short = text.replace(" @manual", ""), button = element("button", { type: "button", "data-do": what, "data-fault": number },
+      what === "inject" ? `⚡ ${short}` : `clear ${short}`);
+    button.disabled = !runs;
+    button.addEventListener("click", () => order({ do: what, fault: number }, `${what} ${short}`));
+    return button;
+  })));
+}
+
+function emergencyNumber() {
+  return (page.state?.operator?.faults ?? []).findIndex((text) => text.startsWith(EMERGENCY)) + 1;
+}
+
+byId("start").addEventListener("click", () => order({ do: "start" }, "start"));
+byId("pause").addEventListener("click", () => order({ do: "pause" }, "pause"));
+byId("stop").addEventListener("click", () => order({ do: "stop" }, "stop"));
+byId("emergency").addEventListener("click", () => order({ do: "inject", fault: emergencyNumber() }, "emergency"));
+byId("reset").addEventListener("click", () => order({ do: "clear", fault: emergencyNumber() }, "reset"));
+byId("pace").addEventListener("change", () => order({ do: "pace", pace: Number(byId("pace").value) }, "pace"));
+byId("desk").addEventListener("submit", (event) => {
+  event.preventDefault();
+  order({ do: "fault", text: byId("fault").value.trim() }, byId("fault").value.trim());
+});
+byId("instant").addEventListener("input", () => pick(Number(byId("instant").value)));
+byId("live").addEventListener("click", () => pick(null));
+byId("whole").addEventListener("click", () => { page.curves.whole(); page.curves.touch(); });
+byId("axis").addEventListener("click", () => {
+  page.curves.overDistance = !page.curves.overDistance;
+  byId("axis").textContent = page.curves.overDistance ? "over time" : "over distance";
+  byId("charts").replaceChildren();
+  page.curves.build();
+  page.curves.markers(page.events);
+});
+byId("theme").addEventListener("click", () => {
+  const dark = document.documentElement.dataset.theme
+    ? document.documentElement.dataset.theme === "dark" : matchMedia("(prefers-color-scheme: dark)").matches;
+  setTheme(dark ? "light" : "dark");
+});
+
+function setTheme(name) {
+  localStorage.setItem("railhil-theme", name);
+  railhilCharts.setTheme(name);
+}
+
+const KEYS = { s: "start", p: "pause", x: "stop", e: "emergency", r: "reset", d: "axis", z: "whole", t: "theme" };
+addEventListener("keydown", (event) => {
+  if (event.ctrlKey || event.metaKey || event.altKey || /^(INPUT|SELECT|TEXTAREA)$/.test(event.target.tagName)) return;
+  const id = KEYS[event.key.toLowerCase()];
+  if (id && !byId(id).disabled && byId(id).offsetParent) { byId(id).click(); event.preventDefault(); }
+});
+
+function countFrame() { counters.frames += 1; requestAnimationFrame(countFrame); }
+
+// Counters since the last call, for tests and measurements.
+window.stats = () => {
+  const now = performance.now(), seconds = (now - counters.since) / 1000;
+  const found = { fps: counters.frames / seconds, batches: counters.batches, rows: counters.rows,
+    redraws: page.curves?.redraws ?? 0, kept: page.stores.map((store) => store.rows), seconds, closed: counters.closed };
+  Object.assign(counters, { frames: 0, since: now });
+  return found;
+};
+
+if (localStorage.getItem("railhil-theme")) railhilCharts.setTheme(localStorage.getItem("railhil-theme"));
+page.picked = readHash();
+addEventListener("hashchange", () => { const instant = readHash(); if (instant !== null) pick(instant); });
+countFrame();
+connect();

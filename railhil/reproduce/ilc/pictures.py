@@ -1,0 +1,134 @@
+"""Figure 6, table 2 as curves, and the learning of ours."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+from railhil.reproduce.ilc import names, published
+from railhil.reproduce.ilc.names import (
+    CYCLES_MS,
+    EPSILONS_M,
+    MEAN,
+    P95,
+    PAPER_CASE,
+    RMS,
+    RUNS,
+    epsilon_key,
+    filter_key,
+    of_all,
+    of_last,
+    of_run,
+)
+from railhil.reproduce.paper import Results
+from railhil.supervisor.report import panels
+from railhil.supervisor.report.figures import Picture, svg
+from railhil.supervisor.report.styles import Style
+
+_NUMBERS = range(1, RUNS + 1)
+_MARKERS = "osD^v"
+_OURS = (
+    ("paper's law", names.OPEN_LEARNED),
+    ("observer, no balises", names.NO_BALISES),
+    ("15 % loss", names.LOSS),
+    ("observer, balises", names.OURS),
+)
+
+
+def pictures(results: Results) -> list[Picture]:
+    """The figures for which entries were made."""
+    drawn = [
+        _figure_6(results) if _made(results, [PAPER_CASE, filter_key(names.NONE)]) else None,
+        _table_2(results) if _made(results, [epsilon_key(EPSILONS_M[0], CYCLES_MS[0], learned=True)]) else None,
+        _ours(results) if _made(results, [key for _, key in _OURS]) else None,
+    ]
+    return [one for one in drawn if one is not None]
+
+
+def _made(results: Results, keys: Sequence[str]) -> bool:
+    return all(key in results.runs for key in keys)
+
+
+def _picture(name: str, title: str, caption: str, draw: Callable[[Axes], None]) -> Picture:
+    with panels.drawing("none"):
+        figure = Figure(figsize=(8.5, 3.6), layout="constrained")
+        axes = figure.subplots()
+        draw(axes)
+        axes.legend(frameon=False, loc="center left", bbox_to_anchor=(1.0, 0.5))
+        return Picture(name, title, caption, svg(figure, name, title))
+
+
+def _curve(
+    axes: Axes, x: Sequence[float], y: Sequence[float | None], number: int, label: str, dashed: bool = False
+) -> None:
+    known = [(a, b) for a, b in zip(x, y, strict=True) if b is not None]
+    axes.plot(
+        [a for a, _ in known],
+        [b for _, b in known],
+        color=Style(number).colour,
+        marker="" if dashed else _MARKERS[number],
+        linestyle="--" if dashed else "-",
+        markersize=3.5,
+        linewidth=0.9 if dashed else 1.2,
+        label=label,
+    )
+
+
+def _by_run(results: Results, key: str, figure: str) -> list[float | None]:
+    return [results.value(key, of_run(figure, number)) for number in _NUMBERS]
+
+
+def _figure_6(results: Results) -> Picture:
+    def errors(axes: Axes) -> None:
+        for number, (label, key) in enumerate((("packet", PAPER_CASE), ("no filter", filter_key(names.NONE)))):
+            _curve(axes, _NUMBERS, _by_run(results, key, MEAN), number, label)
+            _curve(axes, _NUMBERS, _by_run(results, key, P95), number, f"{label}, 95 %", dashed=True)
+        axes.plot([published.ITERATIONS], [published.ERROR_M], "k*", markersize=8, linestyle="none", label="published")
+        axes.axhline(published.LIMIT_M, color="0.7", linewidth=0.8)
+        axes.set(yscale="log", ylabel="error (m)", xlabel="number of the run")
+        _plain(axes)
+
+    caption = (
+        f"Mean error and 95 % of the errors over {len(results.seeds)} sequences. Grey: the limit of 0.3 m. The paper's "
+        "figure is one sequence."
+    )
+    return _picture("figure_6", "Figure 6: error by the number of the run", caption, errors)
+
+
+def _table_2(results: Results) -> Picture:
+    def errors(axes: Axes) -> None:
+        number = 0
+        for learned in (True, False):
+            for cycle_ms in CYCLES_MS:
+                keys = [epsilon_key(one, cycle_ms, learned=learned) for one in EPSILONS_M]
+                name = of_last(MEAN) if learned else of_all(MEAN)
+                label = f"{'learned' if learned else 'not learned'}, {cycle_ms} ms"
+                _curve(axes, EPSILONS_M, [results.value(key, name) for key in keys], number, label)
+                number += 1
+        for epsilon_m, (error_m, _) in published.TABLE_2.items():
+            axes.plot([epsilon_m], [error_m], "k*", markersize=8, linestyle="none", label="published")
+        axes.set(ylabel="mean error (m)", xlabel="eps (m)", ylim=(0, None))
+
+    caption = "Mean error over eps in four readings of table 2, of whose rows only one is known."
+    return _picture("table_2", "Table 2: tolerance eps", caption, errors)
+
+
+def _ours(results: Results) -> Picture:
+    def errors(axes: Axes) -> None:
+        for number, (label, key) in enumerate(_OURS):
+            _curve(axes, _NUMBERS, _by_run(results, key, RMS), number, label)
+        axes.set(yscale="log", ylabel="rms (m)", xlabel="number of the run")
+        _plain(axes)
+
+    caption = f"Rms of the stop error over {len(results.seeds)} sequences of trains with scatter, each law learning."
+    return _picture("ours", "Learning of the paper's law and of ours on trains with scatter", caption, errors)
+
+
+def _plain(axes: Axes) -> None:
+    """Labels of a logarithmic axis as numbers: the usual ones are formulas, which the style leaves as they are."""
+    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, place: f"{value:g}"))
+    axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 3.0)))
+    axes.yaxis.set_minor_formatter(NullFormatter())

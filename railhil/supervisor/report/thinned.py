@@ -1,0 +1,85 @@
+"""Curves of a page in few bytes: the points that can be seen, as base64 of little-endian numbers."""
+
+from __future__ import annotations
+
+import base64
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from railhil.supervisor.trace import FloatArray
+
+Rows = npt.NDArray[np.int64]
+#: Deviation between the drawn line and a point that is left out, as a share of the curve's range.
+TOLERANCE = 2e-4
+
+
+def seen_rows(values: FloatArray, stretches: int, tolerance: float = TOLERANCE) -> Rows:
+    """Rows that are needed to draw a curve; first and last are among them.
+
+    A curve that keeps its value most of the time keeps every change; any other one the extremes of each stretch of
+    rows, without those that lie on the line between their neighbours.
+
+    :param values: shape (n,), NaN: no value.
+    :param stretches: at most as many, with two points each.
+    :returns: ascending, shape (k,).
+    """
+    count = len(values)
+    if count < 3:
+        return np.arange(count)
+    known = np.nan_to_num(values, nan=np.inf)
+    changes = np.flatnonzero(known[1:] != known[:-1])
+    if len(changes) <= stretches:
+        # The last row with the old value and the first with the new one.
+        return np.unique(np.concatenate(([0], changes, changes + 1, [count - 1])))
+    rows = _extremes(known, stretches)
+    finite = values[np.isfinite(values)]
+    return _bent(rows, values, tolerance * float(np.ptp(finite)))
+
+
+def _extremes(values: FloatArray, stretches: int) -> Rows:
+    """The rows of the least and the largest value of each stretch, the first and the last row."""
+    count = len(values)
+    size = -(-count // stretches)
+    if size < 3:
+        return np.arange(count)
+    whole = count // size * size
+    table = values[:whole].reshape(-1, size)
+    starts = np.arange(0, whole, size)
+    found = [[0], starts + table.argmin(axis=1), starts + table.argmax(axis=1), np.arange(whole, count), [count - 1]]
+    return np.unique(np.concatenate(found))
+
+
+def _bent(rows: Rows, values: FloatArray, allowed: float) -> Rows:
+    """Rows without those from which the line between the kept ones is at most ``allowed`` away.
+
+    From each kept row the line goes as far as one slope fits all rows between (the swinging door of process recorders).
+    """
+    at, y = rows.tolist(), values[rows].tolist()
+    kept, low, high = [0], -np.inf, np.inf
+    for place in range(1, len(at)):
+        start = kept[-1]
+        span = at[place] - at[start]
+        slope = (y[place] - y[start]) / span
+        # False where a value is missing, so that both sides of a gap are kept.
+        if not low <= slope <= high and place - 1 > start:
+            kept.append(place - 1)
+            start, span, low, high = place - 1, at[place] - at[place - 1], -np.inf, np.inf
+        if span:
+            low = max(low, (y[place] - allowed - y[start]) / span)
+            high = min(high, (y[place] + allowed - y[start]) / span)
+    kept.append(len(at) - 1)
+    return rows[np.unique(kept)]
+
+
+def packed(rows: Rows, values: FloatArray) -> dict[str, Any]:
+    """A curve for the page: rows as differences (``r``, 8 or 16 or 32 bits each), values as 32-bit floats (``v``)."""
+    steps = np.diff(rows, prepend=0)
+    width = next(bits for bits in (8, 16, 32) if steps.max(initial=0) < 2**bits)
+    return {"w": width, "r": text(steps.astype(f"<u{width // 8}")), "v": text(values[rows].astype("<f4"))}
+
+
+def text(numbers: npt.NDArray[Any]) -> str:
+    """The bytes of an array as base64."""
+    return base64.b64encode(np.ascontiguousarray(numbers).tobytes()).decode("ascii")

@@ -1,0 +1,51 @@
+"""A scenario handed to a node by the command that starts it: read, checked and resolved once for all processes.
+
+The document is in anonymous memory whose descriptor the node inherits, so it cannot come from anybody else, and nothing
+of it remains. A node that is given none reads the files itself.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import pickle
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from railhil.scenarios.model import AnyScenario
+
+_OPTION = "--handed-scenario"
+
+
+def add_handed_argument(parser: argparse.ArgumentParser) -> None:
+    """Option of plant and controller, for the command that starts all nodes."""
+    parser.add_argument(_OPTION, type=int, metavar="DESCRIPTOR", help=argparse.SUPPRESS)
+
+
+@contextmanager
+def handed(scenario: AnyScenario) -> Iterator[tuple[list[str], list[int]]]:
+    """The words of a node's command line, and the descriptors that it must inherit.
+
+    Both are empty for a scenario of a system that plugs in, if it cannot be pickled.
+    """
+    try:
+        document = pickle.dumps(scenario)
+    except (pickle.PicklingError, TypeError, AttributeError):
+        yield [], []
+        return
+    descriptor = os.memfd_create("railhil-scenario")
+    try:
+        with open(descriptor, "wb", closefd=False) as stream:
+            stream.write(document)
+        yield [_OPTION, str(descriptor)], [descriptor]
+    finally:
+        os.close(descriptor)
+
+
+def taken(descriptor: int) -> AnyScenario:
+    """The scenario behind a descriptor of :func:`handed`."""
+    # The descriptor's position is shared with the other node.
+    document = os.pread(descriptor, os.fstat(descriptor).st_size, 0)
+    os.close(descriptor)
+    scenario: AnyScenario = pickle.loads(document)
+    return scenario

@@ -1,0 +1,84 @@
+"""The compiled build, which nobody needs: ``RAILHIL_COMPILED=1 pip install .`` compiles the modules below by mypyc.
+
+Without that variable this file does nothing, and pyproject.toml describes everything. Sources are installed in any
+case: ``RAILHIL_PURE=1`` runs them. Not compiled, although each frame passes them: classes made from the port table
+(telegrams, identities), enumerations with a constructor, subclasses of built-in exceptions, what python-can subclasses,
+and functions that the batch has numba compile from their source (:mod:`railhil.common.compilable`).
+"""
+
+import os
+
+from setuptools import setup
+
+MODULES = [
+    "railhil/bus/acceptance.py",
+    "railhil/bus/administrator.py",
+    "railhil/bus/clock.py",
+    "railhil/bus/codecs.py",
+    "railhil/bus/codes.py",
+    "railhil/bus/frame.py",
+    "railhil/bus/hub/address.py",
+    "railhil/bus/hub/arrivals.py",
+    "railhil/bus/hub/backlog.py",
+    "railhil/bus/hub/bitlength.py",
+    "railhil/bus/hub/cancontroller.py",
+    "railhil/bus/hub/cli.py",
+    "railhil/bus/hub/coalesce.py",
+    "railhil/bus/hub/delivery.py",
+    "railhil/bus/hub/disturbance.py",
+    "railhil/bus/hub/guests.py",
+    "railhil/bus/hub/joining.py",
+    "railhil/bus/hub/lines.py",
+    "railhil/bus/hub/membership.py",
+    "railhil/bus/hub/model.py",
+    "railhil/bus/hub/modelled.py",
+    "railhil/bus/hub/ports.py",
+    "railhil/bus/hub/portspec.py",
+    "railhil/bus/hub/server.py",
+    "railhil/bus/hub/switch.py",
+    "railhil/bus/hub/wire.py",
+    "railhil/bus/link/base.py",
+    "railhil/bus/link/batch.py",
+    "railhil/bus/link/echo.py",
+    "railhil/bus/link/errorframe.py",
+    "railhil/bus/link/kernel.py",
+    "railhil/bus/link/opening.py",
+    "railhil/bus/link/outage.py",
+    "railhil/bus/link/single.py",
+    "railhil/bus/local.py",
+    "railhil/bus/mvb.py",
+    "railhil/bus/order.py",
+    "railhil/bus/reception.py",
+    "railhil/bus/responder.py",
+    "railhil/bus/schedule.py",
+    "railhil/bus/sent.py",
+    "railhil/bus/store.py",
+    "railhil/controller_node/channel.py",
+    "railhil/controller_node/controller.py",
+    "railhil/controller_node/ecan/receiver.py",
+    "railhil/controller_node/guard.py",
+    "railhil/controller_node/law_controller.py",
+    "railhil/controller_node/node.py",
+    "railhil/controller_node/odometer.py",
+    "railhil/controller_node/plausibility.py",
+    "railhil/plant_sim/cycle.py",
+    "railhil/plant_sim/gate.py",
+    "railhil/plant_sim/node.py",
+    "railhil/plant_sim/plant.py",
+    "railhil/plant_sim/status.py",
+    "railhil/plant_sim/supervision.py",
+    "railhil/plant_sim/telegrams.py",
+    "railhil/plant_sim/train.py",
+    "railhil/supervisor/framelog.py",
+    "railhil/supervisor/session.py",
+]
+#: A build environment has no libraries, and no configuration is read: what is compiled depends on the sources only.
+OPTIONS = ["--config-file=", "--follow-imports=silent", "--ignore-missing-imports"]
+
+extensions = []
+if os.environ.get("RAILHIL_COMPILED", "0") not in ("", "0"):
+    from mypyc.build import mypycify
+
+    extensions = mypycify([*OPTIONS, *MODULES], opt_level="3", multi_file=True)
+
+setup(ext_modules=extensions, setup_requires=["mypy>=1.11"] if os.environ.get("RAILHIL_COMPILED") else [])
