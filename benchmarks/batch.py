@@ -22,8 +22,7 @@ TITLE = "batch"
 METHOD = (
     f"Perturbed runs of one scenario under IPFC, {CHUNK} together, in CPU time of one process, best of three passes "
     "with seeds of their own; the machine code is there already. Parts: in float64, each alone, the plant with the "
-    "notch codes of the whole run; law and rest: what they leave of it. Memory: peak of what Python and numpy have "
-    "allocated."
+    "notch codes of the whole run. Memory: peak of what Python and numpy have allocated."
 )
 
 
@@ -109,10 +108,7 @@ def measure(setting: Setting) -> list[Figure]:
     for arithmetic, taken_s in per_run_s.items():
         against = ("direct run to batch", single_s / taken_s) if arithmetic == "float64" else ("", None)
         figures.append(Figure(f"{arithmetic}: runs of one core", 1 / taken_s, "runs/s", against[1], against[0]))
-    rest_s = per_run_s["float64"]
     for name, taken_s in _parts_s(setting, runs).items():
         figures.append(Figure(f"{name}, per run", taken_s * 1e6, "us", taken_s / per_run_s["float64"], "of the run"))
-        rest_s -= taken_s
-    figures.append(Figure("law and rest, per run", rest_s * 1e6, "us", rest_s / per_run_s["float64"], "of the run"))
     peak_mb = _peak_mb(Case(scenario), runs)
     return [*figures, Figure(f"memory of {runs} runs together", peak_mb, "MB", peak_mb / runs * 1000, "MB per 1000")]

@@ -237,6 +237,8 @@ def test_what_cannot_be_together_is_refused(short: Path, tmp_path: Path, words: 
     assert not (tmp_path / "run").exists()
 
 
+# The signal comes at any instruction of the process in which all nodes are: a telegram may be half delivered.
+@pytest.mark.faults
 def test_a_run_that_is_broken_off_keeps_nothing(short: Path, tmp_path: Path) -> None:
     path, folder = tmp_path / "memory", tmp_path / "broken"
     words = ("--controller", "learning", "--bus", "local", "--memory", path, "--out", folder, "--quiet", "--no-report")

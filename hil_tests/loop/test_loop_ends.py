@@ -164,8 +164,6 @@ def test_controller_that_dies_before_its_last_status_is_lost(lvshun, session):
 
 
 def test_plant_that_fails_says_so_on_the_bus(lvshun, session, monkeypatch):
-    node = ControllerNode(lvshun, LawSpec())
-    plant = plant_with(lvshun, session, node.handle)
     whole = dynamics.step
     calls = {"steps": 0}
 
@@ -177,6 +175,8 @@ def test_plant_that_fails_says_so_on_the_bus(lvshun, session, monkeypatch):
         return step._replace(motion=step.motion._replace(position_m=float("nan")))
 
     monkeypatch.setattr(dynamics, "step", broken)
+    node = ControllerNode(lvshun, LawSpec())
+    plant = plant_with(lvshun, session, node.handle)
     with pytest.raises(PlantError, match="not finite"):
         plant.run()
     assert session.ended is Event.ENDED_PLANT_ERROR
