@@ -146,9 +146,14 @@ def chosen_bus(
         if interface == "virtual":
             allowed = "an interface that other processes can open"
             raise InputError("command line", "--interface", interface, allowed)
-        if choice.needs_hub and "interface" not in namespace and not spec.is_realtime and not scenario.faults:
+        if choice.needs_hub and not _others_listen(namespace) and not spec.is_realtime and not scenario.faults:
             choice = own_pipes()
         yield choice
+
+
+def _others_listen(namespace: argparse.Namespace) -> bool:
+    """Whether somebody named a bus, or a panel is to hear the run."""
+    return "interface" in namespace or getattr(namespace, "panel", None) is not None
 
 
 def recorded(
