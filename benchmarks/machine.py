@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import os
 import platform
-import sysconfig
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
 
 import psutil
+
+from railhil.common.build import python_build
 
 _LIBRARIES = ("python-can", "cantools", "numpy", "scipy", "psutil", "fxpmath", "apytypes", "do-mpc")
 #: A machine counts as busy if other processes use more than this share of it.
@@ -78,16 +79,6 @@ def cpu_model(cpuinfo: Path = Path("/proc/cpuinfo")) -> str:
             if key.strip() == "model name":
                 return value.strip()
     return platform.processor() or platform.machine()
-
-
-def python_build(configured: str | None = None) -> str:
-    """How CPython was compiled, as far as it decides its speed: PGO (``--enable-optimizations``) and LTO.
-
-    :param configured: the arguments of its ``configure``; None: those of this interpreter.
-    """
-    words = str(sysconfig.get_config_var("CONFIG_ARGS") or "") if configured is None else configured
-    pgo = "PGO" if "--enable-optimizations" in words else "no PGO"
-    return f"{pgo}, {'LTO' if '--with-lto' in words else 'no LTO'}"
 
 
 def is_emulated() -> bool:

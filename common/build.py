@@ -8,8 +8,6 @@ from importlib.util import find_spec
 
 #: A module that the compiled build always holds (see setup.py).
 _COMPILED = "railhil.bus.store"
-#: Option of CPython's configure script or of its compiler -> name.
-_FLAGS = {"--enable-optimizations": "PGO", "--with-lto": "LTO", "--with-pydebug": "debug"}
 
 
 def railhil_build() -> str:
@@ -18,11 +16,14 @@ def railhil_build() -> str:
     return "compiled" if spec is not None and not (spec.origin or "").endswith(".py") else "pure"
 
 
-def python_build() -> str:
-    """Implementation and the optimisations it was built with: ``CPython, PGO, LTO`` or ``CPython, no PGO/LTO``."""
-    options = sysconfig.get_config_var("CONFIG_ARGS") or ""
-    found = [name for option, name in _FLAGS.items() if option in options]
-    return ", ".join([platform.python_implementation(), *(found or ["no PGO/LTO"])])
+def python_build(configured: str | None = None) -> str:
+    """How CPython was compiled, as far as it decides its speed: PGO (``--enable-optimizations``) and LTO.
+
+    :param configured: the arguments of its ``configure``; None: those of this interpreter.
+    """
+    words = str(sysconfig.get_config_var("CONFIG_ARGS") or "") if configured is None else configured
+    pgo = "PGO" if "--enable-optimizations" in words else "no PGO"
+    return f"{pgo}, {'LTO' if '--with-lto' in words else 'no LTO'}"
 
 
 def machine() -> dict[str, str]:

@@ -185,15 +185,15 @@ def test_killed_node_ends_the_run_and_leaves_a_readable_log(tmp_path, role):
 
 @pytest.mark.faults
 @pytest.mark.slow
-@pytest.mark.parametrize("module", ["railhil.plant_sim", "railhil.controller_node"])
-def test_killed_node_ends_a_run_without_hub(tmp_path, module):
+@pytest.mark.parametrize("role", ["plant", "controller"])
+def test_killed_node_ends_a_run_without_hub(tmp_path, role):
     folder = tmp_path / "run"
     run = Started("run", "--seed", "1", "--out", folder, "--quiet", "--no-report")
     log = folder / "frames.log"
     wait_for(lambda: log.exists() and log.stat().st_size > 200_000)
     others = psutil.Process(run.process.pid).children()
     assert len(others) == 2, "plant and controller alone"
-    run.child(module).send_signal(signal.SIGKILL)
+    run.child(role).send_signal(signal.SIGKILL)
     done, seconds = run.finish()
     assert (done.exit_code, seconds < END_S) == (3, True)
     assert "lost at simulation time" in done.out
