@@ -74,9 +74,11 @@ class Administrator:
 
     def flush(self) -> None:
         """Send what is queued."""
-        if self._queue:
-            self._endpoint.send(self._queue)
+        if queue := self._queue:
+            # Emptied first: a signal in the middle of sending ends the run, and its last event is sent after it. The
+            # frames before it must not go out twice.
             self._queue = []
+            self._endpoint.send(queue)
 
     def poll(self, port: Port) -> bool:
         """Ask the owner of a port for its telegram.

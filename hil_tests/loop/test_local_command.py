@@ -24,6 +24,7 @@ from railhil.local_run import LocalRun
 from railhil.scenarios.load import load, load_any
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.supervisor.folder import code_files
+from railhil.testing.health import disturbed
 
 #: What processes leave of their own.
 _OF_PROCESSES = {"hub.txt", "plant.txt", "controller.txt"}
@@ -147,6 +148,29 @@ def test_ctrl_c_keeps_what_was_recorded(tmp_path: Path) -> None:
     assert certificate["verdict"] == "INVALID"
     assert "stopped by SIGINT at simulation time" in certificate["line"]
     assert (folder / "telemetry.json").is_file()
+
+
+class StopsAfter:
+    """Sends SIGINT to this process at a poll of SUP_CMD."""
+
+    def __init__(self, polls: int) -> None:
+        self._left = polls
+
+    def __call__(self, sim_time_s: float) -> None:
+        self._left -= 1
+        if self._left == 0:
+            signal.raise_signal(signal.SIGINT)
+
+
+def test_a_run_that_is_stopped_at_any_poll_has_lost_nothing(short: Path, tmp_path: Path) -> None:
+    """Also where the poll of SUP_CMD follows a TIME_SYNC; the check of every test in this folder reads the counters."""
+    for polls in range(1, 10):
+        folder = tmp_path / str(polls)
+        folder.mkdir()
+        run = LocalRun(load(short), RunSpec(), folder, StopsAfter(polls))
+        result = run.execute()
+        assert (result.exit_code, run.stopped_exit_code) == (INVALID, 128 + signal.SIGINT)
+        assert disturbed(result.counters) == {}, polls
 
 
 class Stumbling(Ipfc[Any]):

@@ -131,6 +131,24 @@ def test_flush_sends_once_and_nothing_when_there_is_nothing(wall: SetClock) -> N
     assert endpoint.batches == [1]
 
 
+def test_what_a_signal_broke_off_is_not_sent_again(wall: SetClock) -> None:
+    """The run's last event follows after it; a repeated TIME_SYNC before that would count as a bus fault."""
+
+    def broken_off(frame: Frame) -> list[tuple[int, Frame]]:
+        raise KeyboardInterrupt
+
+    endpoint = FakeEndpoint(wall, broken_off)
+    administrator, _ = make(endpoint)
+    administrator.publish(TrnSpeed(1))
+    with pytest.raises(KeyboardInterrupt):
+        administrator.poll(NOTCH)
+    administrator.publish(TrnPos(2))
+    with pytest.raises(KeyboardInterrupt):
+        administrator.flush()
+    assert endpoint.batches == [2, len(frames_of(TrnPos(2)))]
+    assert endpoint.sent[2:] == frames_of(TrnPos(2))
+
+
 def test_lockstep_waits_for_an_answer_of_two_frames_among_foreign_ones(wall: SetClock) -> None:
     block, second, trailer = frames_of(CtlStat(step_count=9))
     noise = [Frame(0x7FF, b"\1"), Frame(0x138, b"", ERROR), Frame(0x13C, bytes(8), REMOTE), *frames_of(NotchCmd(1))]
