@@ -49,7 +49,7 @@ from railhil.supervisor.start_up import StartUp
 from railhil.supervisor.telemetry import FILE_NAME as TELEMETRY
 
 #: Simulation time of the beginning of a run.
-_BEGINNING_S = 40.0
+_BEGINNING_S = 20.0
 #: The first run of a sequence of :func:`short_stop`.
 STOPS = RunSpec("yizhuang_stop", law=LawSpec("ilc_stop", "float64"), seed=7)
 #: Hash of its first two runs; tests over the hub and in one process give it, too.

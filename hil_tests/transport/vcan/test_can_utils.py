@@ -1,20 +1,19 @@
-"""can-utils and cantools with railhil's nodes: they see the same frames as the record, and the nodes tolerate what they
+"""can-utils with railhil's nodes: they see the same frames as the record, and the nodes tolerate what they
 send."""
 
 from __future__ import annotations
 
 import socket
 import subprocess
-import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 
 import pytest
 
+from hil_tests.support.candump import candump_line
 from hil_tests.transport.vcan.bench import counters_of, run_on, socketcan
 from hil_tests.transport.vcan.dump import Dump, frames_of
-from railhil import dbc
 from railhil.bus.frame import ERROR, Frame
 from railhil.bus.link import open_link
 from railhil.bus.mvb import F_DEVICE_STATUS
@@ -112,12 +111,11 @@ def test_load_of_foreign_frames_changes_no_command(hop, hop_reference, folder):
     assert refused >= len([frame for frame in wrong if frame.can_id == 0x128])
 
 
-def test_canplayer_and_cantools(hop, hop_reference):
-    """A controller that hears a recorded run gives the answers of the record; a live dump decodes with units."""
-    decoder = subprocess.Popen(
-        f"candump -n 60 vcan0 | {sys.executable} -m cantools decode --single-line {dbc.__path__[0]}/railhil.dbc",
-        shell=True, stdout=subprocess.PIPE, text=True,
-    )  # fmt: skip
+def test_canplayer_and_candump(hop, hop_reference):
+    """A controller that hears a recorded run gives the answers of the record. A live dump has the lines of which
+    hil_tests/unit/dbc shows that cantools decodes them; to load it here would take ten seconds.
+    """
+    dump = subprocess.Popen(["candump", "-n", "60", "vcan0"], stdout=subprocess.PIPE, text=True)
     contract = wire_contract()
     own_ids = {can_id for port in contract.ports if port.source == "controller" for can_id in port.can_ids}
     node = ControllerNode(hop, LawSpec())
@@ -132,14 +130,15 @@ def test_canplayer_and_cantools(hop, hop_reference):
             for frame in link.receive(0.5):
                 answers += node.handle(frame)
         assert player.wait(60) == 0
-        text, _ = decoder.communicate(timeout=240)
+        text, _ = dump.communicate(timeout=60)
     finally:
         link.close()
-        for process in (player, decoder):
+        for process in (player, dump):
             process.kill()
             process.wait()
     assert link.counters["rx_lost"] == 0
     recorded = frames_of(hop_reference.log)
     assert answers == [frame for frame in recorded if frame.can_id in own_ids]
-    assert "TRN_SPEED(TrainSpeed: 0.0 m/s, SpeedChk: correct" in text
-    assert "NOTCH_CMD(NotchCmd: " in text
+    # The answers of this controller are between the frames of the player, which does not wait for them.
+    assert len(text.splitlines()) == 60
+    assert set(text.splitlines()) <= {candump_line(frame, "vcan0") for frame in recorded}

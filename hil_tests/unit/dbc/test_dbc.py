@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 import railhil.bus.ident
 import railhil.bus.safe_telegrams
 import railhil.bus.telegrams
+from hil_tests.support.candump import candump_line
 from hil_tests.support.paths import ROOT
 from railhil.bus.generate_codecs import codecs_text, telegram_classes
 from railhil.bus.layout import Telegram, signal
@@ -195,10 +196,9 @@ def test_candump_piped_into_cantools_decode():
     frames = TelegramSource(wire_contract().port("TRN_SPEED")).frames(
         railhil.bus.telegrams.TrnSpeed(200_000, life=9).encode()
     )
-    line = f"  vcan0  {frames[0].can_id:03X}   [8]  {frames[0].data.hex(' ').upper()}\n"
     done = subprocess.run(
         [sys.executable, "-m", "cantools", "decode", str(FOLDER / "railhil.dbc")],
-        input=line,
+        input=candump_line(frames[0], "vcan0") + "\n",
         capture_output=True,
         text=True,
         check=True,
