@@ -4,15 +4,32 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import shutil
+import socket
+import time
+import urllib.request
 from collections.abc import Iterator
+from concurrent.futures import Future, ThreadPoolExecutor, wait
 from pathlib import Path
 
 import pytest
+from websockets.sync.client import connect
 
 from hil_tests.support.paths import ROOT
-from hil_tests.transport.compose.engine import PROJECT, SERVICES, Up, compose, containers, docker, traces_on_host, up
+from hil_tests.transport.compose.engine import (
+    PROJECT,
+    SERVICES,
+    Up,
+    compose,
+    containers,
+    docker,
+    tool,
+    traces_on_host,
+    up,
+)
 from railhil.bench import local_run
+from railhil.panel.wire import SUBPROTOCOL
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import RunSpec
 from railhil.supervisor.framelog import sha256_of
@@ -20,8 +37,8 @@ from railhil.supervisor.framelog import sha256_of
 pytestmark = [pytest.mark.needs_docker, pytest.mark.timeout(900)]
 
 _NEEDED = ("dbc", "bus", "scenarios", "plant_sim", "controller_node", "common", "faults", "railhil", "docker")
-_FILES = ("Dockerfile", ".dockerignore", "docker-compose.yml", "docker-compose.hardware.yml", "pyproject.toml",
-          "README.md", "LICENSE")  # fmt: skip
+_FILES = ("Dockerfile", ".dockerignore", "docker-compose.yml", "docker-compose.hardware.yml",
+          "docker-compose.panel.yml", "pyproject.toml", "README.md", "LICENSE")  # fmt: skip
 _SEED = 3
 #: The image is Python with NumPy, SciPy and Matplotlib, and for the batch numba (LLVM) and Arrow: 769 MB, of which the
 #: batch
@@ -122,6 +139,54 @@ def test_another_user_than_before_needs_nothing_taken_away(project):
     finally:
         os.chown(runs, owner, group)
     assert (first.exit_code, second.exit_code) == (0, 0), first.out + second.out
+
+
+def test_the_page_starts_the_run_through_the_published_port(project, tmp_path):
+    """The bytes are those of a run without a page; the port is the one way in, on loopback only."""
+    shutil.copy(Path(__file__).with_name("short_move.toml"), project / "scenarios")
+    earlier = {path.name for path in (project / "runs").iterdir()}
+    given = {"SCENARIO": "/scenarios/short_move.toml", "WAIT": "1", "PANEL_PORT": str(_free_port())}
+    with ThreadPoolExecutor(1) as beside:
+        running = beside.submit(up, project, "docker-compose.panel.yml", **given)
+        try:
+            page, token = _address_in_logs(running).split("#token=")
+            assert page == f"http://127.0.0.1:{given['PANEL_PORT']}/"
+            with urllib.request.urlopen(page, timeout=20) as answer:
+                assert answer.headers["Content-Security-Policy"].startswith("default-src 'self'; ")
+            with connect(f"ws{page[4:]}ws", origin=page[:-1], subprotocols=[SUBPROTOCOL]) as connection:
+                connection.send(json.dumps({"do": "start", "token": token}))
+                wait([running], 120)
+        finally:
+            if not running.done():
+                # Else it would wait for Start.
+                docker("kill", *containers())
+        done = running.result()
+    assert done.exit_code == 0, done.out
+    (folder,) = (path for path in (project / "runs").iterdir() if path.name not in earlier)
+    expected = local_run(load(Path(__file__).with_name("short_move.toml")), tmp_path, RunSpec()).frames_sha256
+    assert sha256_of(folder / "frames.log") == expected
+    assert done.containers["door"]["HostConfig"]["PortBindings"]["8765/tcp"][0]["HostIp"] == "127.0.0.1"
+
+
+def _free_port() -> int:
+    """A port of loopback on which nobody listens."""
+    with socket.socket() as listener:
+        listener.bind(("127.0.0.1", 0))
+        return int(listener.getsockname()[1])
+
+
+def _address_in_logs(running: Future[Up]) -> str:
+    """The address that the panel prints, as soon as it does."""
+    for _ in range(300):
+        named = docker("ps", "-q", "--filter", f"label=com.docker.compose.project={PROJECT}",
+                       "--filter", "label=com.docker.compose.service=panel").split()  # fmt: skip
+        said = tool("docker", "logs", named[0]) if named else None
+        found = re.search(r"http://\S+#token=\S+", said.stderr + said.stdout) if said else None
+        if found:
+            return found.group()
+        assert not running.done(), running.result().out
+        time.sleep(0.2)
+    raise AssertionError("the panel prints no address")
 
 
 def told(done: Up, *words: str) -> str:
