@@ -136,12 +136,11 @@ def gone_on(course: Course, going: Going, target_mps2: float, wander_mps2: float
     :param wander_mps2: further acceleration from outside.
     """
     motion, left_s, lag_s = going.motion, end_s - going.now_s, course.lag_s
-    grade = course.grades_mps2[going.piece]
-    if motion.speed_mps == 0.0 and not (target_mps2 > 0.0 and motion.drive_mps2 + grade > 0.0):
-        # The brake holds a standing train.
+    factor, outside = 1.0, course.grades_mps2[going.piece] + wander_mps2
+    if motion.speed_mps == 0.0 and not (target_mps2 > 0.0 and motion.drive_mps2 + outside > 0.0):
+        # The brake holds a standing train, until all that acts on it together moves it forward.
         drive = moved(motion, target_mps2, 0.0, 0.0, lag_s, left_s).drive_mps2
         return Going(end_s, Motion(motion.position_m, 0.0, drive), going.piece, False, going.stopped_s)
-    factor, outside = 1.0, grade + wander_mps2
     if motion.drive_mps2 < 0.0 and motion.speed_mps <= course.loss_below_mps:
         factor = 1.0 - course.loss
     slides = course.adhesion_mps2 > 0.0 and -factor * motion.drive_mps2 > course.adhesion_mps2
