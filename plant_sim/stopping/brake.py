@@ -148,6 +148,9 @@ def gone_on(course: Course, going: Going, target_mps2: float, wander_mps2: float
     if slides:
         factor, outside = 0.0, outside - course.adhesion_mps2
     after = moved(motion, target_mps2, factor, outside, lag_s, left_s)
+    if motion.speed_mps == 0.0 and after.speed_mps <= 0.0:
+        # The traction does not yet move it against the wander: the brake holds it.
+        return Going(end_s, Motion(motion.position_m, 0.0, after.drive_mps2), going.piece, False, going.stopped_s)
     slow_mps = 0.0
     if course.loss > 0.0 and motion.speed_mps > course.loss_below_mps:
         slow_mps = course.loss_below_mps

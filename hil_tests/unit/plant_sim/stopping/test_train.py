@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 from hil_tests.support.stops import EXACT, FLAT, stop_scenario
+from railhil.plant_sim.stopping.brake import Going, gone_on
 from railhil.plant_sim.stopping.draws import drawn_run, drawn_train
 from railhil.plant_sim.stopping.train import StopTrain
 
@@ -103,6 +104,20 @@ def test_a_standing_train_is_held_and_starts_with_traction() -> None:
     for _ in range(100):
         train.advance()
     assert train.motion.speed_mps > 0.1
+
+
+def test_a_standing_train_whose_traction_is_not_yet_stronger_than_the_wander_is_held() -> None:
+    """It used to look for the instant of its standstill again and again."""
+    train = train_of(*EXACT, *FLAT, "task.start_kmh=0")
+    going = train.going
+    begun = Going(going.now_s, going.motion._replace(drive_mps2=0.01), going.piece, False, -1.0)
+    held = gone_on(train.course, begun, 0.3, -5.0, begun.now_s + 0.0032)
+    assert held.now_s == begun.now_s + 0.0032
+    assert held.motion[:2] == begun.motion[:2]
+    assert held.motion.drive_mps2 > 0.01
+    assert held.stopped_s == -1.0
+    # The traction has become the stronger one.
+    assert gone_on(train.course, begun, 0.3, 0.0, begun.now_s + 0.0032).motion.speed_mps > 0.0
 
 
 def test_low_adhesion_limits_the_braking_and_the_slide_is_seen() -> None:
