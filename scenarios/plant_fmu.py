@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import hashlib
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -22,10 +22,15 @@ class PlantFmu:
 
     An FMU is native code. It is named on the command line only: no scenario, file of a run or certificate can make a
     command load one.
+
+    ``same_twice``: whether it has been seen to do the same in two equal runs; None: nobody has looked, or it cannot be
+    found out, for the reason ``why``.
     """
 
     file: str
     map: str
+    same_twice: bool | None = field(default=None, compare=False)
+    why: str = field(default="", compare=False)
 
     @property
     def words(self) -> list[str]:
@@ -33,7 +38,7 @@ class PlantFmu:
         return [OPTION, self.file, MAP_OPTION, self.map]
 
     def as_json(self) -> dict[str, Any]:
-        """For the certificate: both files with their hashes.
+        """For the certificate: both files with their hashes, and whether the FMU is deterministic.
 
         :raises InputError: one of them cannot be read.
         """
@@ -42,6 +47,8 @@ class PlantFmu:
             "sha256": _sha256(self.file),
             "map": self.map,
             "map_sha256": _sha256(self.map),
+            "deterministic": self.same_twice,
+            **({"deterministic_why": self.why} if self.why else {}),
         }
 
 
@@ -70,15 +77,30 @@ def fmu_of(namespace: argparse.Namespace) -> PlantFmu | None:
     return found
 
 
-def refuse_fmu(document: Mapping[str, Any], file: str | Path) -> None:
-    """Refuse a document that names an FMU.
+def fmu_again(document: Mapping[str, Any], file: str | Path, given: PlantFmu | None = None) -> PlantFmu | None:
+    """The FMU with which the run of a document is made again: the one that the command line names.
 
-    :raises InputError: it does.
+    :param given: on the command line.
+    :raises InputError: the document names one and the command line does not, or the other way round, or they are not
+        the same files.
     """
-    named = document.get(KEY)
-    if named:
-        found = Words(str(named.get("file", "an FMU") if isinstance(named, Mapping) else named))
-        raise InputError(file, KEY, found, f"{OPTION} on the command line of railhil run: an FMU is native code")
+    recorded = document.get(KEY)
+    if not recorded:
+        if given is not None:
+            raise InputError("command line", OPTION, given.file, f"nothing: the run of {file} had no FMU")
+        return None
+    found = Words(str(recorded.get("file", "an FMU") if isinstance(recorded, Mapping) else recorded))
+    if given is None:
+        allowed = f"{OPTION} on the command line: an FMU is native code, which no file can load"
+        raise InputError(file, KEY, found, allowed)
+    now = given.as_json()
+    for key in ("sha256", "map_sha256"):
+        if isinstance(recorded, Mapping) and recorded.get(key) not in (None, now[key]):
+            name = now["file" if key == "sha256" else "map"]
+            raise InputError(name, "sha256", now[key], f"{recorded[key]}, as in {file}")
+    if isinstance(recorded, Mapping):
+        given = replace(given, same_twice=recorded.get("deterministic"), why=str(recorded.get("deterministic_why", "")))
+    return given
 
 
 def _sha256(name: str) -> str:

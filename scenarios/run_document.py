@@ -23,7 +23,8 @@ from railhil.scenarios.load import load_any, stable_name
 from railhil.scenarios.memory import Memory, memory_from_json
 from railhil.scenarios.memory_store import MemoryStore, memory_at
 from railhil.scenarios.parameters import ParameterSet, load_parameters, parameters_from_json
-from railhil.scenarios.plant_fmu import refuse_fmu
+from railhil.scenarios.plant_fmu import KEY as FMU_KEY
+from railhil.scenarios.plant_fmu import PlantFmu, fmu_again
 from railhil.scenarios.settings import canonical_fault, setting
 from railhil.scenarios.system import system_named
 from railhil.scenarios.tomlfile import parsed_toml
@@ -121,14 +122,17 @@ class Layer:
         return InputError(self.source, self.names.get(key, key), found, allowed, hint)
 
 
-def file_layer(path: Path, faults: Faults) -> Layer:
-    """The run of a TOML file, or of a certificate (``.json``) of any version. Errors are added to ``faults``."""
+def file_layer(path: Path, faults: Faults, fmu: PlantFmu | None = None) -> Layer:
+    """The run of a TOML file, or of a certificate (``.json``) of any version. Errors are added to ``faults``.
+
+    :param fmu: that the command line names.
+    """
     stored = path.suffix == ".json"
     values: dict[str, Any] = {}
     with faults.kept():
         values = _table(path, stored)
-        if stored:
-            refuse_fmu(values, path)
+        if values.get(FMU_KEY) and stored:
+            fmu_again(values, path, fmu)
     model = RunDocument if stored else _Named
     try:
         model.model_validate(values)

@@ -21,7 +21,7 @@ from railhil.common.patience import PATIENCE_S
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.orders import ORDER, orders_of
 from railhil.scenarios.plant_fmu import KEY as FMU_KEY
-from railhil.scenarios.plant_fmu import PlantFmu, refuse_fmu
+from railhil.scenarios.plant_fmu import PlantFmu, fmu_again
 from railhil.scenarios.settings import fault_words, set_words
 from railhil.scenarios.system import System, system_named
 
@@ -183,20 +183,21 @@ class RunSpec:
         )
 
     @classmethod
-    def from_json(cls, document: Mapping[str, Any], file: Path) -> RunSpec:
+    def from_json(cls, document: Mapping[str, Any], file: Path, fmu: PlantFmu | None = None) -> RunSpec:
         """The run of a document with the keys of :meth:`as_json`; other keys are ignored, as in a certificate.
 
         Missing keys, as in a certificate of version 0.1.0, have their defaults.
 
         :param file: named in errors; parameters count as read from it.
-        :raises InputError: a value that a run cannot have, or an FMU, which only command lines can name.
+        :param fmu: that the command line names.
+        :raises InputError: a value that a run cannot have, or another FMU than the one on the command line.
         """
         from railhil.scenarios.memory import memory_from_json
         from railhil.scenarios.parameters import parameters_from_json
         from railhil.scenarios.run_document import RunDocument
         from railhil.scenarios.validation import validated
 
-        refuse_fmu(document, file)
+        plant_fmu = fmu_again(document, file, fmu)
         found = validated(RunDocument, dict(document), lambda keys: file)
         orders_of(found.orders, file)
         given = found.parameters
@@ -219,6 +220,7 @@ class RunSpec:
             faults=tuple(found.faults),
             run_number=found.run_number,
             orders=tuple(found.orders),
+            plant_fmu=plant_fmu,
         )
 
     @classmethod
@@ -235,15 +237,16 @@ class RunSpec:
         return replace(spec, law=replace(spec.law, parameters=parameters, memory=memory))
 
     @classmethod
-    def from_file(cls, path: str | Path) -> RunSpec:
+    def from_file(cls, path: str | Path, fmu: PlantFmu | None = None) -> RunSpec:
         """The run described by a TOML file with the keys of :meth:`as_json`, or by a ``certificate.json``.
 
+        :param fmu: that the command line names.
         :raises InputError: the file cannot be read or does not describe a possible run: all errors together.
         """
         from railhil.scenarios.run_document import file_layer
 
         faults = Faults()
-        return cls.from_layers([file_layer(Path(path), faults)], faults)
+        return replace(cls.from_layers([file_layer(Path(path), faults, fmu)], faults), plant_fmu=fmu)
 
     @property
     def is_realtime(self) -> bool:

@@ -7,13 +7,14 @@ of an ``Interface`` (:mod:`.interface`). The rest of the exported C is the same 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar, NamedTuple, Protocol
 
+from railhil.bus.layout import Telegram
 from railhil.controller_node.arithmetic.base import Arithmetic, Constant
 from railhil.controller_node.program.model import LawProgram, Value
-from railhil.dbc import Contract, Port
+from railhil.dbc import Contract, Port, Signal
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec
 from railhil.scenarios.system import system_named
@@ -41,6 +42,26 @@ class Period(NamedTuple):
     flags: int
     given: tuple[int, ...]
     told: tuple[int, ...]
+
+
+class Wire(NamedTuple):
+    """What a word of an FMU is: a description, and the signal whose raw integer it is (None: it is not one)."""
+
+    words: str
+    port: str = ""
+    signal: Signal | None = None
+
+    @classmethod
+    def of(cls, telegram: type[Telegram], field: str) -> Wire:
+        """The raw integer of a telegram's field.
+
+        :raises KeyError: it has no such field.
+        """
+        signal = dict(telegram.signals())[field]
+        unit = "" if signal.unit == "1" else signal.unit
+        words = " ".join(filter(None, (f"{signal.scale:g}", unit)))
+        name = f"{telegram.PORT} {signal.name}"
+        return cls(name if words == "1" else f"{name}, 1 is {words}", telegram.PORT, signal)
 
 
 class Macro(NamedTuple):
@@ -183,6 +204,10 @@ class Control(ABC):
     #: Names of these files: sources, headers.
     sources: ClassVar[tuple[str, ...]]
     headers: ClassVar[tuple[str, ...]]
+
+    def wires(self) -> Mapping[str, Wire]:
+        """What the words of an FMU are, by their columns in the log; those that are missing have no description."""
+        return {}
 
     @property
     def contract(self) -> Contract:

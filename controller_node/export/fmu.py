@@ -1,4 +1,4 @@
-"""The exported law as an FMI 2.0 co-simulation FMU: its C with a frame around it, compiled for this machine."""
+"""The exported law as a co-simulation FMU (FMI 2.0 or 3.0): its C with a frame around it, compiled for this machine."""
 
 from __future__ import annotations
 
@@ -9,32 +9,37 @@ import subprocess
 import tempfile
 import zipfile
 from collections.abc import Mapping
-from importlib.metadata import version
 from pathlib import Path
-from xml.etree import ElementTree as ET
 
 from railhil.common.errors import InputError, Words
 from railhil.common.extras import missing
-from railhil.controller_node.export.bundle import Bundle, control_of
+from railhil.controller_node.export.bundle import Bundle
+from railhil.controller_node.export.fmu_description import build_description, description, terminals
+from railhil.controller_node.export.fmu_law import law_in_fixed_point, law_in_single_precision
+from railhil.controller_node.export.single_bundle import SingleBundle
 from railhil.controller_node.export.templates import template
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec
 
-#: Input that says whether other commands were sent than the law's.
-OTHER_SENT = "other_sent"
-#: Value reference of the first word of the result, as in railhil_fmi2.c.
-_RESULT = 1000
-_HEADERS = ("fmi2Functions.h", "fmi2FunctionTypes.h", "fmi2TypesPlatform.h")
-_FLAGS = ("-std=c99", "-O2", "-Wall", "-Wextra", "-Werror", "-fwrapv", "-fPIC", "-shared")
+#: Versions of FMI, the first is the default; each with the standard's headers.
+_HEADERS = {
+    "2.0": ("fmi2Functions.h", "fmi2FunctionTypes.h", "fmi2TypesPlatform.h"),
+    "3.0": ("fmi3Functions.h", "fmi3FunctionTypes.h", "fmi3PlatformTypes.h"),
+}
+#: What the sources need of a compiler.
+_OPTIONS = "-std=c99 -O2 -fwrapv -ffp-contract=off"
+#: The parameters of the frame's functions are the standard's, used or not.
+_FLAGS = (*_OPTIONS.split(), "-Wall", "-Wextra", "-Wno-unused-parameter", "-Werror", "-fPIC", "-fvisibility=hidden")
 #: Time of all entries of the archive, so that two exports have the same bytes.
 _NO_TIME = (1980, 1, 1, 0, 0, 0)
 
 
-def write_fmu(bundle: Bundle, scenario: AnyScenario, law: LawSpec, path: Path) -> None:
+def write_fmu(bundle: Bundle | SingleBundle, scenario: AnyScenario, law: LawSpec, path: Path, fmi: str = "2.0") -> None:
     """Write the FMU of an export, with its sources and a binary for this platform.
 
     Inputs and outputs are the integers of the C functions; the number of the control period comes from the time.
 
+    :param fmi: version, "2.0" or "3.0".
     :raises InputError: FMPy, whose copy of the standard's headers is used, or a C compiler is missing, or the file
         cannot be written.
     """
@@ -42,45 +47,40 @@ def write_fmu(bundle: Bundle, scenario: AnyScenario, law: LawSpec, path: Path) -
         import fmpy
     except ImportError as error:
         raise missing("railhil export-c --fmu", error, "fmi") from None
-    control = control_of(scenario, law)
-    name = bundle.source.name
-    inputs = [word.column for word in control.record if word.column != control.period_word]
-    inputs.append(OTHER_SENT)
-    places = {column: f"input[{at}]" for at, column in enumerate(inputs)} | {control.period_word: "k"}
-    guid = "{" + hashlib.sha256("".join(bundle.files.values()).encode()).hexdigest()[:32] + "}"
-    frame = template(
-        "railhil_fmi2.c",
-        name,
-        INPUTS=str(len(inputs)),
-        OTHER_SENT=str(len(inputs) - 1),
-        GUID=guid,
-        GIVEN=", ".join(places[word.column] for word in control.given),
-        TOLD=", ".join(places[word.column] for word in control.told),
-    )
+    digest = hashlib.sha256("".join((fmi, *bundle.files.values())).encode())
+    token = "{" + digest.hexdigest()[:32] + "}"
+    if isinstance(bundle, SingleBundle):
+        inside = law_in_single_precision(bundle, scenario, token)
+    else:
+        inside = law_in_fixed_point(bundle, scenario, law, token)
+    name = inside.name
+    frame = f"railhil_fmi{fmi[0]}.c"
     headers = Path(fmpy.__file__).parent / "c-code"
     sources = {
-        f"{name}.c": bundle.files[f"{name}.c"],
-        f"{name}.h": bundle.files[f"{name}.h"],
-        "railhil_iq.h": bundle.files["railhil_iq.h"],
-        "railhil_fmi2.c": frame,
-        **{header: (headers / header).read_text(encoding="utf-8") for header in _HEADERS},
+        **inside.files,
+        frame: template(frame, name),
+        **{header: (headers / header).read_text(encoding="utf-8") for header in _HEADERS[fmi]},
     }
-    period_s = scenario.timing.control_period_ns / 1e9
-    described = _description(name, guid, inputs, bundle.source.columns, period_s)
-    library = _compiled(name, sources)
+    compiled = (f"{name}.c", "railhil_fmu.c", frame)
+    library = _compiled(name, sources, compiled)
+    platform = fmpy.platform if fmi == "2.0" else fmpy.platform_tuple
+    entries = {
+        "modelDescription.xml": description(inside, fmi, compiled),
+        **{f"sources/{file}": text.encode() for file, text in sources.items()},
+        f"binaries/{platform}/{name}{fmpy.sharedLibraryExtension}": library,
+    }
+    if fmi == "3.0":
+        entries["sources/buildDescription.xml"] = build_description(inside, compiled, _OPTIONS)
+        entries["terminalsAndIcons/terminalsAndIcons.xml"] = terminals(inside)
     try:
         with zipfile.ZipFile(path, "w") as archive:
-            for entry, content in (
-                ("modelDescription.xml", described),
-                *((f"sources/{file}", text.encode()) for file, text in sources.items()),
-                (f"binaries/{fmpy.platform}/{name}{fmpy.sharedLibraryExtension}", library),
-            ):
+            for entry, content in entries.items():
                 archive.writestr(zipfile.ZipInfo(entry, _NO_TIME), content, zipfile.ZIP_DEFLATED)
     except OSError as error:
         raise InputError(path, "", Words(error.strerror or str(error)), "a file that can be written") from error
 
 
-def _compiled(name: str, sources: Mapping[str, str]) -> bytes:
+def _compiled(name: str, sources: Mapping[str, str], compiled: tuple[str, ...]) -> bytes:
     """The shared library of the sources, by the compiler in ``CC``, else gcc, else cc."""
     compiler = os.environ.get("CC") or shutil.which("gcc") or shutil.which("cc")
     if not compiler:
@@ -89,7 +89,7 @@ def _compiled(name: str, sources: Mapping[str, str]) -> bytes:
         for file, text in sources.items():
             Path(folder, file).write_text(text, encoding="utf-8")
         # Names without a folder, so that none gets into the library.
-        command = [compiler, *_FLAGS, "-o", f"{name}.lib", f"{name}.c", "railhil_fmi2.c", "-lm"]
+        command = [compiler, *_FLAGS, "-shared", "-o", f"{name}.lib", *compiled, "-lm"]
         try:
             done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
         except OSError as error:
@@ -98,31 +98,3 @@ def _compiled(name: str, sources: Mapping[str, str]) -> bytes:
             said = Words(done.stderr.strip().partition("\n")[0] or f"exit code {done.returncode}")
             raise InputError("railhil export-c --fmu", compiler, said, "a C99 compiler that accepts the export")
         return Path(folder, f"{name}.lib").read_bytes()
-
-
-def _description(name: str, guid: str, inputs: list[str], columns: tuple[str, ...], period_s: float) -> bytes:
-    """``modelDescription.xml``."""
-    root = ET.Element(
-        "fmiModelDescription", fmiVersion="2.0", modelName=name, guid=guid, numberOfEventIndicators="0",
-        generationTool=f"railhil {version('railhil')}", variableNamingConvention="structured",
-    )  # fmt: skip
-    simulation = ET.SubElement(
-        root, "CoSimulation", modelIdentifier=name, canHandleVariableCommunicationStepSize="true"
-    )
-    files = ET.SubElement(simulation, "SourceFiles")
-    for file in (f"{name}.c", "railhil_fmi2.c"):
-        ET.SubElement(files, "File", name=file)
-    ET.SubElement(root, "DefaultExperiment", startTime="0", stepSize=f"{period_s:g}")
-    variables = ET.SubElement(root, "ModelVariables")
-    for at, column in enumerate(inputs):
-        given = {"name": column, "valueReference": str(at), "causality": "input", "variability": "discrete"}
-        ET.SubElement(ET.SubElement(variables, "ScalarVariable", given), "Integer", start="0")
-    told = [(at, column) for at, column in enumerate(columns) if column.startswith(("out.", "events."))]
-    for at, column in told:
-        found = {"name": column, "valueReference": str(_RESULT + at), "causality": "output", "variability": "discrete"}
-        ET.SubElement(ET.SubElement(variables, "ScalarVariable", found | {"initial": "exact"}), "Integer", start="0")
-    outputs = ET.SubElement(ET.SubElement(root, "ModelStructure"), "Outputs")
-    for index in range(len(inputs) + 1, len(inputs) + len(told) + 1):
-        ET.SubElement(outputs, "Unknown", index=str(index))
-    ET.indent(root)
-    return b'<?xml version="1.0" encoding="UTF-8"?>\n' + ET.tostring(root) + b"\n"

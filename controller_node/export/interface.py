@@ -21,6 +21,7 @@ from railhil.controller_node.export.control import (
     Period,
     Play,
     Source,
+    Wire,
     Word,
 )
 from railhil.controller_node.export.names import Names, identifier, literal, wide
@@ -121,6 +122,16 @@ class InterfaceControl(Control):
 
     def input_unit(self, leaf: str, value: Value) -> str:
         return self._units[leaf]
+
+    def wires(self) -> dict[str, Wire]:
+        """Readings and commands are the integers of their signals, notes have the law's own formats."""
+        interface = self._interface
+        given, told = ([word.parameter for word in side] for side in (self.given, self.told))
+        found = wires_of(interface, given, told)
+        for note in interface.notes:
+            words = " ".join(filter(None, (f"1/2^{note.law_q}", note.unit)))
+            found[f"out.{identifier(note.name)}"] = Wire(f"1 is {words}")
+        return found
 
     def macros(self) -> list[Macro]:
         interface = self._interface
@@ -245,6 +256,19 @@ class InterfaceControl(Control):
                 ]
             ),
         }
+
+
+def wires_of(interface: Interface, given: Iterable[str], told: Iterable[str]) -> dict[str, Wire]:
+    """Readings, commands and commands sent by their columns.
+
+    :param given: columns of the readings.
+    :param told: those of the commands, without the word before.
+    """
+    found = {column: Wire.of(item.telegram, item.field) for column, item in zip(given, interface.readings, strict=True)}
+    for column, item in zip(told, interface.commands, strict=True):
+        wire = Wire.of(item.telegram, item.field)
+        found |= {f"out.{column}": wire, f"sent.{column}": Wire(f"sent instead of out.{column}")}
+    return found
 
 
 def _place(kind: type[Telegram] | None, field: str) -> str:

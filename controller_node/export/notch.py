@@ -11,14 +11,25 @@ from typing import Any
 from railhil.bus.safe_telegrams import SAFE_DATA_VERSION, NotchSdt, SpeedSdt
 from railhil.bus.schedule import Schedule
 from railhil.bus.sdt import source_identity
-from railhil.bus.telegrams import TrnPos, TrnSpeed
+from railhil.bus.telegrams import NotchCmd, TrnPos, TrnSpeed
 from railhil.controller_node import odometer
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Arithmetic
 from railhil.controller_node.channel import Latency, channel_cost_ms
 from railhil.controller_node.cost import cost_of
 from railhil.controller_node.export import notch_runs
-from railhil.controller_node.export.control import Comments, Control, Define, Loop, Macro, Period, Play, Source, Word
+from railhil.controller_node.export.control import (
+    Comments,
+    Control,
+    Define,
+    Loop,
+    Macro,
+    Period,
+    Play,
+    Source,
+    Wire,
+    Word,
+)
 from railhil.controller_node.export.names import wide
 from railhil.controller_node.export.templates import SHARED
 from railhil.controller_node.laws import load
@@ -142,6 +153,17 @@ class NotchControl(Control):
             return Macro(signal, f"out.notes[{number}]", note.shift, note.limits, words)
 
         return [macro(signal, found[signal]) if signal in found else Macro(signal) for signal in SLOTS]
+
+    def wires(self) -> dict[str, Wire]:
+        return {
+            "speed_01mmps": Wire.of(TrnSpeed, "speed_01mmps"),
+            "position_01mm": Wire("position from the start of the run, 1 is 0.1 mm: ten times that of TRN_POS"),
+            "balise": Wire("number of the last balise, 0: none yet"),
+            "balise_01mm": Wire("its surveyed position, 1 is 0.1 mm"),
+            "balise_odometer_01mm": Wire("odometer reading when it was passed, 1 is 0.1 mm"),
+            "sent": Wire("notch sent instead of out.notch, 1 is 1/256 notch"),
+            "out.notch": Wire.of(NotchCmd, "notch_256th"),
+        }
 
     def loop(self, number: Arithmetic[int]) -> Loop:
         return _NotchLoop(ControlLoop(self.scenario, self.law, number))

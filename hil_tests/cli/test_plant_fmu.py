@@ -46,7 +46,7 @@ def test_the_whole_scenario_has_the_scores_of_the_native_train(here: Railhil, tr
         assert found["scores"][name] == pytest.approx(native["scores"][name], abs=within), name
     assert found["frames_sha256"] != native["frames_sha256"]
     named = found["plant_fmu"]
-    assert named == PlantFmu(str(train), str(train.with_suffix(".toml"))).as_json()
+    assert named == PlantFmu(str(train), str(train.with_suffix(".toml")), same_twice=True).as_json()
     assert f"--plant-fmu {train} --fmu-map {train.with_suffix('.toml')}" in str(found["command"])
 
 
@@ -103,7 +103,7 @@ def test_no_file_can_make_a_command_load_it(here: Railhil, train: Path) -> None:
     [
         (("--fmu-map", "a.toml"), "--fmu-map: found 'a.toml', allowed only with --plant-fmu"),
         (("--plant-fmu", "no.fmu"), "no.fmu: file: found no such file or directory"),
-        (("hst_short", "--plant-fmu", "TRAIN"), "--plant-fmu: found system hst1, allowed a system with a part"),
+        (("hst_short", "--plant-fmu", "TRAIN"), "inputs.force_n: found no such key, allowed command_mps2"),
         (("--plant-fmu", "TRAIN", "--fault", "sensor.speed stuck @1s for 1s"), "found faults in the plant"),
         (("--plant-fmu", "TRAIN", "--attach", "-i", "socketcan", "-c", "can0"), "--plant-fmu: found beside --attach"),
         (("--set", "timing.loop_delay_s=0.043", "--plant-fmu", "FIXED"), "step: found steps of 0.01 s only"),
@@ -210,5 +210,8 @@ def test_an_fmu_for_another_machine_is_refused(here: Railhil) -> None:
 def test_doctor_says_whether_it_does_the_same_twice(here: Railhil, train: Path, tmp_path: Path) -> None:
     done = here("doctor", "--fmu", train)
     assert done == Done(0, done.out, "")
-    assert "two runs of 4000 ticks are equal" in done.out
-    assert here("doctor", "--fmu-map", "a.toml").exit_code == 2
+    assert "two runs of 4000 steps are equal" in done.out
+    for option in ("--fmu-map", "--fmu-scenario"):
+        refused = here("doctor", option, "a.toml")
+        assert refused.exit_code == 2
+        assert f"{option}: found 'a.toml', allowed only with --fmu" in refused.err

@@ -269,6 +269,10 @@ def test_plot_of_a_record_without_truth_is_one_line(site: Path, recorded: Path, 
         (("--indexing", "distance"), "--indexing: found 'distance', allowed time with system two_carts"),
         (("--set", "task.mass_kg=[1, -3]"), "task.mass_kg[1]: found -3"),
         (("--set", "task.colour=3"), "task.colour: found the unknown key colour"),
+        (
+            ("--plant-fmu", str(SCENARIO), "--fmu-map", str(SCENARIO)),
+            "found system two_carts, allowed a system with a part",
+        ),
         (("--set", "timing.port_period_ms.NOTCH_CMD=20"), "found the unknown port NOTCH_CMD, allowed only TIME_SYNC"),
     ],
 )

@@ -19,6 +19,7 @@ VARIABLES = (
     ("pole", "parameter", ""), ("a", "parameter", ""), ("b", "parameter", ""), ("c", "parameter", ""),
     ("per_permil", "parameter", ""), ("traction_max", "parameter", ""), ("brake_max", "parameter", ""),
     ("traction_power", "parameter", ""), ("brake_power", "parameter", ""),
+    ("outside", "input", "N"), ("start_speed", "parameter", ""), ("start_effort", "parameter", ""),
 )  # fmt: skip
 MAP = """\
 [inputs]
@@ -42,6 +43,32 @@ brake_max = "brake_force_max_n"
 traction_power = "traction_power_max_w"
 brake_power = "brake_power_max_w"
 """
+#: The same train for systems whose commands are accelerations: its mass is 1.
+ACCELERATIONS = {name: (causality, "m/s2") for name, causality, unit in VARIABLES if unit == "N"}
+_MAP_OF_ACCELERATIONS = """\
+[inputs]
+command_mps2 = "force"
+outside_mps2 = "outside"
+grade_permil = "grade"
+[outputs]
+position_m = "s"
+speed_mps = "v"
+drive_mps2 = "effort"
+[parameters]
+pole = "pole_per_s"
+per_permil = "grade_mps2_per_permil"
+start_speed = "start_speed_mps"
+start_effort = "start_drive_mps2"
+"""
+MAP_OF_A_UNIT = f"""\
+{_MAP_OF_ACCELERATIONS}a = "resistance_a_mps2"
+b = "resistance_b_per_s"
+c = "resistance_c_per_m"
+traction_max = "traction_max_mps2"
+brake_max = "braking_max_mps2"
+traction_power = "power_w_per_kg"
+"""
+MAP_OF_A_STOP = _MAP_OF_ACCELERATIONS
 
 
 def description(variable_step: bool = True, changes: Mapping[str, tuple[str, str]] = {}) -> str:
@@ -63,7 +90,9 @@ def description(variable_step: bool = True, changes: Mapping[str, tuple[str, str
         )
         outputs += [f'<Unknown index="{number + 1}"/>'] if causality == "output" else []
     units = "".join(
-        f"<Unit name={quoteattr(unit)}/>" for unit in sorted({unit for *_, unit in VARIABLES} | {"km/h"}) if unit
+        f"<Unit name={quoteattr(unit)}/>"
+        for unit in sorted({unit for *_, unit in VARIABLES} | {"km/h", "m/s2"})
+        if unit
     )
     flag = str(variable_step).lower()
     return (
@@ -76,12 +105,17 @@ def description(variable_step: bool = True, changes: Mapping[str, tuple[str, str
     )
 
 
-def compiled_train(folder: Path, compiler: str = "gcc") -> Path:
-    """The shared library of the train in C."""
+def compiled_train(folder: Path, *options: str, compiler: str = "gcc") -> Path:
+    """The shared library of the train in C.
+
+    :param options: of the compiler; with ``-DDRIFT`` no two runs are equal.
+    """
     library = folder / "train.so"
     headers = Path(fmpy.__file__).parent / "c-code"
     command = [compiler, "-std=c99", "-O2", "-ffp-contract=off", "-fPIC", "-shared", "-I", str(headers), str(_SOURCE)]
-    subprocess.run([*command, "-o", str(library), "-lm"], check=True, capture_output=True, text=True, timeout=60)
+    subprocess.run(
+        [*command, *options, "-o", str(library), "-lm"], check=True, capture_output=True, text=True, timeout=60
+    )
     return library
 
 

@@ -4,38 +4,74 @@ from __future__ import annotations
 
 import hashlib
 import struct
+from typing import NamedTuple, Protocol, cast
 
 from railhil.plant_sim.any_plant import PlantError
-from railhil.plant_sim.fmu.train import FmuTrain
-from railhil.scenarios.model import Scenario
-from railhil.scenarios.plant_fmu import PlantFmu
+from railhil.plant_sim.faults.plants import make_plant
+from railhil.plant_sim.fmu.model import Fmu
+from railhil.plant_sim.fmu.names import Input
+from railhil.scenarios.model import AnyScenario
+from railhil.scenarios.run_spec import RunSpec
 
-#: Ticks of each of the two runs, and the notches (1/256) that they go through, each for an equal part.
+#: Steps of each of the two runs, and the shares of the command that they go through, each for an equal part.
 TICKS = 4000
-_NOTCHES = (1792, 700, -256, 1000, 0, -1200, -1792, 300)
+_SHARES = (1.0, 0.4, -0.15, 0.6, 0.0, -0.7, -1.0, 0.2)
 
 
-def motion_sha256(scenario: Scenario, named: PlantFmu) -> str:
-    """SHA-256 over position, speed and force after every tick of a new instance, driven by fixed notches.
+class FmuPlant(Protocol):
+    """A plant with an FMU for its motion, the part ``fmu_plant`` of a system."""
+
+    #: Its FMUs, one for each unit.
+    fmus: list[Fmu]
+
+
+class Twice(NamedTuple):
+    """``same``: two equal runs gave the same; None: this cannot be found out. ``why``: not the same, or unknown."""
+
+    same: bool | None
+    why: str
+
+
+def outputs_sha256(fmu: Fmu) -> str:
+    """SHA-256 over all outputs of a new instance after every step, driven by fixed inputs.
 
     An FMU that is deterministic gives the same one each time.
 
-    :raises InputError: the FMU cannot be the plant.
-    :raises PlantError: it refuses a step, or its state is not finite.
+    :raises PlantError: it refuses a step.
     """
-    train = FmuTrain(scenario, 0, False, 0.0, named)
     digest = hashlib.sha256()
+    inputs = fmu.quantities.inputs
     for tick in range(TICKS):
-        train.command(_NOTCHES[tick * len(_NOTCHES) // TICKS], False)
-        train.advance()
-        digest.update(struct.pack("<3d", *train.motion[:3]))
+        part = tick * len(_SHARES) // TICKS
+        values = {name: _value(number, one, part) for number, (name, one) in enumerate(inputs.items())}
+        found = fmu.step(values, fmu.step_s)
+        digest.update(struct.pack(f"<{len(found)}d", *found.values()))
     return digest.hexdigest()
 
 
-def twice(scenario: Scenario, named: PlantFmu) -> str:
-    """Why an FMU is not deterministic; empty if it is."""
+def _value(number: int, one: Input, part: int) -> float:
+    """The command follows its shares; each of the other inputs has its other value in one part."""
+    if number == 0:
+        return one.other * _SHARES[part]
+    return one.other if part == number else one.usual
+
+
+def twice(scenario: AnyScenario, run: RunSpec) -> Twice:
+    """Whether the FMU of a run is deterministic.
+
+    :raises InputError: the FMU cannot be the plant.
+    """
+
+    def new() -> Fmu:
+        return cast(FmuPlant, make_plant(scenario, run)[0]).fmus[0]
+
+    first = new()
+    if first.only_once:
+        return Twice(None, "not checked: a process can have only one instance of it")
     try:
-        first, second = (motion_sha256(scenario, named) for _ in range(2))
+        one, other = outputs_sha256(first), outputs_sha256(new())
     except PlantError as error:
-        return str(error)
-    return "" if first == second else f"two equal runs differ (sha256 {first[:16]}, {second[:16]})"
+        return Twice(None, str(error))
+    if one == other:
+        return Twice(True, "")
+    return Twice(False, f"two equal runs differ (sha256 {one[:16]}, {other[:16]})")

@@ -12,7 +12,7 @@ from typing import Any
 from railhil.common.errors import InputError, Words
 from railhil.common.extras import missing
 from railhil.plant_sim.any_plant import PlantError
-from railhil.plant_sim.fmu.names import Named, read_names
+from railhil.plant_sim.fmu.names import Named, Quantities, read_names
 from railhil.scenarios.plant_fmu import OPTION, PlantFmu
 
 _VERSIONS = ("2.0", "3.0")
@@ -31,16 +31,22 @@ def _library(command: str) -> Any:
 class Fmu:
     """One instance of an FMU, from the start of its time.
 
+    :param quantities: what it exchanges with the plant.
     :param train: values of the train's keys, for the parameters that name one.
     :param step_s: the bench's step.
+    :param alone: whether the plant needs no other instance.
     :raises InputError: the FMU cannot be the plant: version, kind, platform, a variable, its causality or unit, a
         parameter, or the step.
     """
 
-    def __init__(self, named: PlantFmu, train: Mapping[str, float], step_s: float) -> None:
+    def __init__(
+        self, named: PlantFmu, quantities: Quantities, train: Mapping[str, float], step_s: float, alone: bool = True
+    ) -> None:
         fmpy = _library(f"railhil {OPTION}")
         self.file = Path(named.file)
-        self.names = read_names(Path(named.map))
+        self.quantities = quantities
+        self.names = read_names(Path(named.map), quantities)
+        self.step_s = step_s
         self._time_s = 0.0
         try:
             self.description = fmpy.read_model_description(str(self.file))
@@ -52,6 +58,11 @@ class Fmu:
         self._check_variables()
         self._check_step(step_s)
         simulation = self.description.coSimulation
+        #: Whether a process can have only one instance.
+        self.only_once = bool(simulation.canBeInstantiatedOnlyOncePerProcess)
+        if self.only_once and not alone:
+            found = Words("canBeInstantiatedOnlyOncePerProcess is true")
+            raise InputError(self.file, "CoSimulation", found, "an instance for each unit of the train")
         #: Whether steps of other lengths than :param:`step_s` are possible.
         self.variable_step = bool(simulation.canHandleVariableCommunicationStepSize)
         self._folder = tempfile.mkdtemp(prefix="railhil-fmu-")
@@ -83,7 +94,7 @@ class Fmu:
                 variable = self._known(f"{key}.{quantity}", named.variable)
                 if variable.causality != causality:
                     raise self._wrong(named.variable, "causality", variable.causality, causality)
-                kinds = (*_REALS, *_BOOLEANS) if quantity == "traction_allowed" else _REALS
+                kinds = (*_REALS, *_BOOLEANS) if quantity in self.quantities.switches else _REALS
                 if variable.type not in kinds:
                     raise self._wrong(named.variable, "type", variable.type, " or ".join(kinds))
                 declared = variable.unit or getattr(variable.declaredType, "unit", None)

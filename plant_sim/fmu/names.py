@@ -6,19 +6,45 @@ import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from railhil.common.errors import InputError, Words, did_you_mean
 
 #: Unit -> its SI unit here, and the factor to it.
 UNITS = {
     "N": ("N", 1.0), "kN": ("N", 1e3), "m": ("m", 1.0), "km": ("m", 1e3), "m/s": ("m/s", 1.0),
-    "km/h": ("m/s", 1 / 3.6), "permil": ("permil", 1.0), "%": ("permil", 10.0), "1": ("1", 1.0),
+    "km/h": ("m/s", 1 / 3.6), "m/s2": ("m/s2", 1.0), "permil": ("permil", 1.0), "%": ("permil", 10.0), "1": ("1", 1.0),
 }  # fmt: skip
-#: What the bench gives to the FMU, and what it takes from it: quantity -> unit.
-INPUTS = {"force_n": "N", "traction_allowed": "1", "brake_min_n": "N", "grade_permil": "permil"}
-OUTPUTS = {"position_m": "m", "speed_mps": "m/s", "effort_n": "N"}
-_NEEDED = ("force_n", *OUTPUTS)
+
+
+class Input(NamedTuple):
+    """Something that the bench gives to the FMU: its unit, its usual value, and another one for the check of
+    determinism (:mod:`railhil.plant_sim.fmu.determinism`)."""
+
+    unit: str
+    usual: float
+    other: float
+
+
+@dataclass(frozen=True, slots=True)
+class Quantities:
+    """What the plant of a system exchanges with an FMU of its train.
+
+    :param inputs: by name; the first is the command.
+    :param outputs: units by name.
+    :param needed: those that every map must have.
+    :param switches: inputs that may be Boolean.
+    """
+
+    inputs: Mapping[str, Input]
+    outputs: Mapping[str, str]
+    needed: tuple[str, ...]
+    switches: tuple[str, ...] = ()
+
+    @property
+    def units(self) -> dict[str, dict[str, str]]:
+        """Units by table of the map and name."""
+        return {"inputs": {name: one.unit for name, one in self.inputs.items()}, "outputs": dict(self.outputs)}
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,7 +66,7 @@ class Names:
     parameters: Mapping[str, float | str]
 
 
-def read_names(path: Path) -> Names:
+def read_names(path: Path, quantities: Quantities) -> Names:
     """The file with the names.
 
     :raises InputError: it cannot be read, or a key or value is not allowed.
@@ -55,13 +81,13 @@ def read_names(path: Path) -> Names:
     found = {
         key: {
             name: _named(path, f"{key}.{name}", entry, unit)
-            for name, unit in quantities.items()
-            if (entry := _section(path, table, key, quantities).get(name)) is not None
+            for name, unit in units.items()
+            if (entry := _section(path, table, key, units).get(name)) is not None
         }
-        for key, quantities in (("inputs", INPUTS), ("outputs", OUTPUTS))
+        for key, units in quantities.units.items()
     }
-    for name in _NEEDED:
-        key = "outputs" if name in OUTPUTS else "inputs"
+    for name in quantities.needed:
+        key = "outputs" if name in quantities.outputs else "inputs"
         if name not in found[key]:
             raise InputError(path, f"{key}.{name}", Words("no such key"), "the name of the FMU's variable")
     parameters = _section(path, table, "parameters", None)

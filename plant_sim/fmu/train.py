@@ -7,11 +7,23 @@ from dataclasses import fields
 from railhil.common.errors import InputError, Words
 from railhil.plant_sim.dynamics import Lag, Motion, Step, Window
 from railhil.plant_sim.fmu.model import Fmu
+from railhil.plant_sim.fmu.names import Input, Quantities
 from railhil.plant_sim.forces import GradeTable, TrainConstants, mean_grade_permil
 from railhil.plant_sim.train import TrainOnBus
 from railhil.scenarios.model import Scenario, Train
 from railhil.scenarios.plant_fmu import PlantFmu
 
+QUANTITIES = Quantities(
+    {
+        "force_n": Input("N", 0.0, 3e5),
+        "traction_allowed": Input("1", 1.0, 0.0),
+        "brake_min_n": Input("N", 0.0, 1e5),
+        "grade_permil": Input("permil", 0.0, 10.0),
+    },
+    {"position_m": "m", "speed_mps": "m/s", "effort_n": "N"},
+    ("force_n", "position_m", "speed_mps", "effort_n"),
+    ("traction_allowed",),
+)
 #: The train waits at the beginning of its run.
 _AT_REST = 1e-6
 
@@ -26,7 +38,8 @@ class FmuTrain(TrainOnBus):
     def __init__(self, scenario: Scenario, seed: int, drawn: bool, rate: float, named: PlantFmu) -> None:
         super().__init__(scenario, seed, drawn, rate)
         train = self._train
-        self._fmu: Fmu = Fmu(named, _numbers(train, self._constants), self._step_s)
+        self._fmu: Fmu = Fmu(named, QUANTITIES, _numbers(train, self._constants), self._step_s)
+        self.fmus = [self._fmu]
         if not self._fmu.variable_step and not float(self._delay_ticks).is_integer():
             found = Words(f"steps of {self._step_s:g} s only (canHandleVariableCommunicationStepSize is false)")
             delay_s = scenario.timing.loop_delay_s

@@ -58,6 +58,8 @@ class PowerUnit:
 
     def __init__(self, data: UnitData, motion: UnitMotion, command_mps2: float) -> None:
         self.motion = motion
+        #: How it moves in a step.
+        self.moved = moved
         #: Braking that should act in the present step, <= 0.
         self.told_mps2 = 0.0
         self._sent = [command_mps2] * REMEMBERED
@@ -138,7 +140,7 @@ class HighSpeedTrain:
                 outside_mps2 = self._coupled_mps2(self.coupler, wind_mps2)
             for unit, command_mps2, outside in zip(self.units, self.commands_mps2, outside_mps2, strict=True):
                 acting = unit.acting_mps2(step, command_mps2)
-                unit.motion = moved(limits, unit.drive, grades, unit.motion, acting, outside, STEP_S)
+                unit.motion = unit.moved(limits, unit.drive, grades, unit.motion, acting, outside, STEP_S)
             self._step = step + 1
         self.wind.step()
 

@@ -136,17 +136,21 @@ def gone_on(course: Course, going: Going, target_mps2: float, wander_mps2: float
     :param wander_mps2: further acceleration from outside.
     """
     motion, left_s, lag_s = going.motion, end_s - going.now_s, course.lag_s
-    factor, outside = 1.0, course.grades_mps2[going.piece] + wander_mps2
-    if motion.speed_mps == 0.0 and not (target_mps2 > 0.0 and motion.drive_mps2 + outside > 0.0):
-        # The brake holds a standing train, until all that acts on it together moves it forward.
+    grade = course.grades_mps2[going.piece]
+    if motion.speed_mps == 0.0 and not (target_mps2 > 0.0 and motion.drive_mps2 + grade > 0.0):
+        # The brake holds a standing train.
         drive = moved(motion, target_mps2, 0.0, 0.0, lag_s, left_s).drive_mps2
         return Going(end_s, Motion(motion.position_m, 0.0, drive), going.piece, False, going.stopped_s)
+    factor, outside = 1.0, grade + wander_mps2
     if motion.drive_mps2 < 0.0 and motion.speed_mps <= course.loss_below_mps:
         factor = 1.0 - course.loss
     slides = course.adhesion_mps2 > 0.0 and -factor * motion.drive_mps2 > course.adhesion_mps2
     if slides:
         factor, outside = 0.0, outside - course.adhesion_mps2
     after = moved(motion, target_mps2, factor, outside, lag_s, left_s)
+    if motion.speed_mps == 0.0 and after.speed_mps <= 0.0:
+        # The traction does not yet move it against the wander: the brake holds it.
+        return Going(end_s, Motion(motion.position_m, 0.0, after.drive_mps2), going.piece, False, going.stopped_s)
     slow_mps = 0.0
     if course.loss > 0.0 and motion.speed_mps > course.loss_below_mps:
         slow_mps = course.loss_below_mps

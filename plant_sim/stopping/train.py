@@ -64,6 +64,8 @@ class StopTrain:
         self.gain, self.delay_s, self.wheel = run.gain, run.delay_s, train.wheel
         self.course = course_of(task, train, run)
         self.going = start_of(task, self.course, run)
+        #: How it goes on to an instant.
+        self.gone_on = gone_on
         #: Mean acceleration of the train in the last tick.
         self.accel_mps2 = 0.0
         #: What has been commanded to act now, and the commands on their way: instant and acceleration.
@@ -142,7 +144,7 @@ class StopTrain:
             while self._coming and self._coming[0][0] <= self.going.now_s:
                 self.target_mps2 = self._coming.popleft()[1]
             end_s = min(until_s, self._coming[0][0]) if self._coming else until_s
-            self.going = gone_on(self.course, self.going, self.achieved_mps2(), wander_mps2, end_s)
+            self.going = self.gone_on(self.course, self.going, self.achieved_mps2(), wander_mps2, end_s)
             while self._left_m and self.motion.position_m >= self._left_m[0]:
                 self._pass_balise()
 

@@ -24,8 +24,8 @@ from railhil.common.errors import InputError
 from railhil.common.exit_codes import PASS, USAGE
 from railhil.common.output import Output, add_json_argument, print_json, table
 from railhil.dbc import wire_contract
-from railhil.scenarios.load import load
 from railhil.scenarios.plant_fmu import PlantFmu
+from railhil.scenarios.run_spec import RunSpec
 from railhil.supervisor.doctor.finding import Finding
 from railhil.supervisor.doctor.kernelcan import kernel_can
 from railhil.supervisor.doctor.lateness import lateness
@@ -41,6 +41,9 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser.add_argument("--quick", action="store_true", help="leave out the measurement, which takes 2 to 4 s")
     parser.add_argument(
         "--fmu", metavar="FILE", help="only whether this FMU can be the plant, and does the same twice (extra [fmi])"
+    )
+    parser.add_argument(
+        "--fmu-scenario", metavar="NAME", help=f"a scenario of the system of --fmu (default: {USUAL_SCENARIO})"
     )
     parser.add_argument("--fmu-map", metavar="FILE", help="names of its variables (default: FILE of --fmu with .toml)")
     add_bus_arguments(parser)
@@ -86,22 +89,26 @@ def _fmu(namespace: argparse.Namespace) -> int:
     from railhil.plant_sim.fmu.determinism import TICKS, twice
 
     if namespace.fmu is None:
-        raise InputError("command line", "--fmu-map", namespace.fmu_map, "only with --fmu")
+        option, value = ("--fmu-map", namespace.fmu_map)
+        if value is None:
+            option, value = ("--fmu-scenario", namespace.fmu_scenario)
+        raise InputError("command line", option, value, "only with --fmu")
     named = PlantFmu(namespace.fmu, namespace.fmu_map or str(Path(namespace.fmu).with_suffix(".toml")))
     document = named.as_json()
-    differs = twice(load(USUAL_SCENARIO), named)
+    run = RunSpec(namespace.fmu_scenario or USUAL_SCENARIO, plant_fmu=named)
+    same, found = twice(run.load(), run)
     if namespace.json:
-        print_json({**document, "ticks": TICKS, "deterministic": not differs, "found": differs})
+        print_json({**document, "ticks": TICKS, "deterministic": same, "found": found})
     else:
         console = Output()
         console.say(f"{'FMU':18} {named.file}, sha256 {document['sha256']}")
-        console.say(f"{'determinism':18} {differs or f'two runs of {TICKS} ticks are equal'}")
-    return USAGE if differs else PASS
+        console.say(f"{'determinism':18} {found or f'two runs of {TICKS} steps are equal'}")
+    return PASS if same else USAGE
 
 
 def work(namespace: argparse.Namespace) -> int:
     """Print facts, findings and limits; exit code 2 if the requested bus cannot be opened."""
-    if namespace.fmu is not None or namespace.fmu_map is not None:
+    if any(value is not None for value in (namespace.fmu, namespace.fmu_map, namespace.fmu_scenario)):
         return _fmu(namespace)
     choice = choose_bus(namespace)
     require_interface(choice)

@@ -16,10 +16,10 @@ from rich.console import Console
 from rich.table import Table
 
 from railhil.common.command_line import OneLineParser, add_indexing_argument, parse
-from railhil.common.errors import InputError, Words
+from railhil.common.errors import InputError
 from railhil.common.exit_codes import guarded
-from railhil.controller_node.export.bundle import make_bundle, write_bundle
-from railhil.controller_node.export.single_bundle import single_bundle
+from railhil.controller_node.export.bundle import Bundle, make_bundle, write_bundle
+from railhil.controller_node.export.single_bundle import SingleBundle, single_bundle
 from railhil.controller_node.laws import is_floating, names
 from railhil.controller_node.vector.node import refuse_indexing
 from railhil.scenarios.load import load_any
@@ -45,8 +45,11 @@ def arguments() -> argparse.ArgumentParser:
     number = "iq (fixed point, default where the law has it) or float32 (laws of systems with an Interface)"
     parser.add_argument("--arithmetic", choices=("iq", "float32"), help=number)
     parser.add_argument(
-        "--fmu", action="store_true", help="write it as an FMI 2.0 FMU too (needs a C compiler and the extra [fmi])"
+        "--fmu",
+        action="store_true",
+        help="write it as a co-simulation FMU too (needs a C compiler and the extra [fmi])",
     )
+    parser.add_argument("--fmi-version", choices=("2.0", "3.0"), help="of the FMU; default 2.0")
     parser.add_argument("--force", action="store_true", help="write into a folder that is not empty")
     return parser
 
@@ -80,18 +83,19 @@ def _in_single_precision(namespace: argparse.Namespace, system: System) -> bool:
 def main() -> int:
     """Write the files and list them."""
     namespace = parse(arguments())
+    if namespace.fmi_version and not namespace.fmu:
+        raise InputError("command line", "--fmi-version", namespace.fmi_version, "only with --fmu")
     parameters = None if namespace.parameters is None else load_parameters(namespace.parameters)
     scenario = load_any(namespace.scenario, namespace.set)
     law = LawSpec(namespace.law, indexing=namespace.indexing, parameters=parameters)
     system = system_named(scenario.system)
     if _in_single_precision(namespace, system):
         refuse_indexing(system, law)
-        if namespace.fmu:
-            raise InputError("command line", "--fmu", Words("a law in float32"), "a law in fixed point")
-        single = single_bundle(scenario, replace(law, arithmetic="float32"))
+        law = replace(law, arithmetic="float32")
+        single = single_bundle(scenario, law)
         write_bundle(single, namespace.out, force=namespace.force)
         size = f"{namespace.law} in single precision: {len(single.source.state)} numbers of state"
-        _list(single.files, size, namespace.out)
+        _end(namespace, single, scenario, law, size)
         return 0
     bundle = make_bundle(scenario, law, lambda controller: _run(scenario, law, controller))
     # A law that may wrap is refused here, and must not run on a chip either.
@@ -103,14 +107,22 @@ def main() -> int:
         f"{namespace.law} on the target: {source.ram_words} words of RAM, {words} words of constants, "
         f"stack at most {max(source.stack_words.values())} words"
     )
+    _end(namespace, bundle, scenario, law, size)
+    return 0
+
+
+def _end(
+    namespace: argparse.Namespace, bundle: Bundle | SingleBundle, scenario: AnyScenario, law: LawSpec, size: str
+) -> None:
+    """Write the FMU, if there is to be one, and list the files."""
+    fmu = namespace.out / f"{bundle.source.name}.fmu"
     if namespace.fmu:
         from railhil.controller_node.export.fmu import write_fmu
 
-        write_fmu(bundle, scenario, law, namespace.out / f"{source.name}.fmu")
+        write_fmu(bundle, scenario, law, fmu, namespace.fmi_version or "2.0")
     _list(bundle.files, size, namespace.out)
     if namespace.fmu:
-        print(f"wrote {namespace.out / f'{source.name}.fmu'}")
-    return 0
+        print(f"wrote {fmu}")
 
 
 def _list(files: Mapping[str, str], size: str, folder: Path) -> None:

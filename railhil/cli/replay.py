@@ -11,6 +11,9 @@ from railhil.common.choices import ARITHMETICS
 from railhil.common.errors import InputError, Words, did_you_mean
 from railhil.common.exit_codes import FAIL, PASS
 from railhil.common.output import Output, add_json_argument, print_json
+from railhil.scenarios.plant_fmu import KEY as FMU_KEY
+from railhil.scenarios.plant_fmu import OPTION as FMU_OPTION
+from railhil.scenarios.plant_fmu import add_fmu_arguments, fmu_of
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.system import system_named
 from railhil.supervisor.framelog import read_log
@@ -28,6 +31,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser.add_argument(
         "--port", action="append", default=[], metavar="PORT", help="compare only this port (default: all of the node)"
     )
+    add_fmu_arguments(parser)
     add_json_argument(parser)
     parser.set_defaults(work=work)
 
@@ -38,7 +42,7 @@ def work(namespace: argparse.Namespace) -> int:
     from railhil.replay import facts, replay
 
     record = checked_record(namespace.log, namespace.scenario)
-    spec = _spec(record, namespace.controller, namespace.arithmetic)
+    spec = _spec(record, namespace)
     _check(record, namespace.node, spec)
     replayed = replay(namespace.node, list(read_log(record.log)), record.scenario, spec)
     ports = _ports(record.log, namespace.port, sorted(replayed.ports))
@@ -61,19 +65,27 @@ def work(namespace: argparse.Namespace) -> int:
     return PASS if replayed.same(ports) else FAIL
 
 
-def _spec(record: Record, controller: str | None, arithmetic: str | None) -> RunSpec:
+def _spec(record: Record, namespace: argparse.Namespace) -> RunSpec:
     """The run of a record: from its certificate, else from its handshake and the command line.
 
-    :raises InputError: no such law.
+    :raises InputError: no such law; for the plant, another FMU than that of the run.
     """
+    controller, arithmetic, fmu = namespace.controller, namespace.arithmetic, fmu_of(namespace)
     system = system_named(record.scenario.system)
+    if namespace.node == "controller" and fmu is not None:
+        raise InputError("command line", FMU_OPTION, fmu.file, "only with --node plant")
     if record.certificate:
-        spec = RunSpec.from_json(record.certificate, record.log)
+        # The controller needs no plant.
+        left_out = {FMU_KEY} if namespace.node == "controller" else set()
+        kept = {key: value for key, value in record.certificate.items() if key not in left_out}
+        spec = RunSpec.from_json(kept, record.log, fmu)
     else:
         ident = record.trace.ident(PltIdent)
         assert ident is not None, "checked_record has read it"
         pace = PACES[ident.pace] if 0 < ident.pace < len(PACES) else "lockstep"
-        spec = RunSpec(law=LawSpec(system.law), seed=ident.seed, perturbed=is_perturbed(ident), pace=pace)
+        spec = RunSpec(
+            law=LawSpec(system.law), seed=ident.seed, perturbed=is_perturbed(ident), pace=pace, plant_fmu=fmu
+        )
     law = spec.law
     if controller is not None and controller != law.controller:
         # Parameters and memory are those of the other law.

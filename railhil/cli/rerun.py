@@ -15,6 +15,7 @@ from railhil.common.choices import BUSES
 from railhil.common.exit_codes import FAIL, PASS
 from railhil.common.output import Output, add_json_argument, print_json
 from railhil.dbc import recorded_contract
+from railhil.scenarios.plant_fmu import add_fmu_arguments, fmu_of
 from railhil.scenarios.system import system_named
 from railhil.supervisor import again
 from railhil.supervisor.difference import Difference, first_difference
@@ -31,6 +32,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         "--bus", choices=BUSES, help="auto: over a bus, as railhil run (default: local, without -i and the like)"
     )
     parser.add_argument("--out", metavar="DIR", help="folder of the repeated run (default: kept only if it differs)")
+    add_fmu_arguments(parser)
     add_json_argument(parser)
     add_bus_arguments(parser)
     parser.set_defaults(work=work)
@@ -38,7 +40,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 
 def work(namespace: argparse.Namespace) -> int:
     """Repeat, compare, print; exit code 0 for the same bytes, 1 for others."""
-    run = again.recorded(namespace.run)
+    run = again.recorded(namespace.run, fmu_of(namespace))
     again.repeatable(run)
     console = Output(stderr=namespace.json)
     spec = replace(run.spec, bus=namespace.bus or ("auto" if config_from_namespace(namespace) else LOCAL))

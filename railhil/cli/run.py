@@ -23,6 +23,7 @@ from railhil.cli.panel import add_panel_arguments, check_panel, panel_beside, wa
 from railhil.cli.show import print_result
 from railhil.common.errors import Faults, InputError, Words
 from railhil.common.output import Output, add_json_argument, print_json
+from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.plant_fmu import OPTION as FMU_OPTION
 from railhil.scenarios.plant_fmu import add_fmu_arguments, fmu_of
 from railhil.scenarios.run_document import OPTIONS, Layer, environment_layer, file_layer
@@ -79,11 +80,12 @@ def spec_of(namespace: argparse.Namespace, environment: Mapping[str, str]) -> Ru
     :raises InputError: all errors together.
     """
     faults = Faults()
-    layers = [] if namespace.spec is None else [file_layer(namespace.spec, faults)]
+    fmu = fmu_of(namespace)
+    layers = [] if namespace.spec is None else [file_layer(namespace.spec, faults, fmu)]
     layers.append(environment_layer(environment, faults))
     words = {key: getattr(namespace, dest) for key, dest in _DESTINATIONS.items() if dest in namespace}
     layers.append(Layer("command line", words, OPTIONS))
-    return replace(RunSpec.from_layers(layers, faults), plant_fmu=fmu_of(namespace))
+    return replace(RunSpec.from_layers(layers, faults), plant_fmu=fmu)
 
 
 def _asked(namespace: argparse.Namespace) -> tuple[RunSpec, StartUp]:
@@ -112,10 +114,26 @@ def _asked(namespace: argparse.Namespace) -> tuple[RunSpec, StartUp]:
     return spec, how
 
 
+def _looked_at(spec: RunSpec, scenario: AnyScenario, console: Output) -> RunSpec:
+    """The run with what its certificate says of its FMU, if it has one: whether it does the same twice.
+
+    :raises InputError: the FMU cannot be the plant.
+    """
+    if spec.plant_fmu is None:
+        return spec
+    # Loads the plant, and native code.
+    from railhil.plant_sim.fmu.determinism import twice
+
+    same, why = twice(scenario, spec)
+    if not same:
+        console.say(f"note: the run may not be repeatable: {spec.plant_fmu.file}: {why}")
+    return replace(spec, plant_fmu=replace(spec.plant_fmu, same_twice=same, why=why))
+
+
 def made_again(path: Path, spec: RunSpec, result: RunResult) -> str:
     """Whether a run repeated from a certificate has the same bytes; empty for another file, a run in real time and a
     changed run."""
-    if path.suffix != ".json" or spec.is_realtime or spec != RunSpec.from_file(path):
+    if path.suffix != ".json" or spec.is_realtime or spec != RunSpec.from_file(path, spec.plant_fmu):
         return ""
     document = json.loads(path.read_text(encoding="utf-8"))
     then = document.get("frames_sha256")
@@ -135,6 +153,7 @@ def work(namespace: argparse.Namespace) -> int:
     if namespace.dbc is not None:
         check_foreign_dbc(namespace.dbc, system_named(scenario.system).contract)
     console = Output(stderr=namespace.json)
+    spec = _looked_at(spec, scenario, console)
     with chosen_bus(namespace, spec, scenario, how.attach or how.foreign) as choice:
         folder, made = run_folder(namespace.out, scenario.name, spec.law.controller)
         console.say(f"bus: {choice.transport} ({choice.reason})")

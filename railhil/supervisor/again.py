@@ -9,6 +9,7 @@ from typing import Any
 
 from railhil.common.errors import InputError, Words
 from railhil.scenarios.model import AnyScenario
+from railhil.scenarios.plant_fmu import PlantFmu
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.stored import SCENARIO, read_scenario
 from railhil.scenarios.system import DEFAULT, system_named
@@ -37,10 +38,12 @@ class Recorded:
         return str(self.certificate["frames_sha256"])
 
 
-def recorded(text: str) -> Recorded:
+def recorded(text: str, fmu: PlantFmu | None = None) -> Recorded:
     """The run of a run folder or of a certificate.
 
-    :raises InputError: there is no certificate, it describes no run, or the log beside it is another one.
+    :param fmu: that the command line names, for a run whose plant was one.
+    :raises InputError: there is no certificate, it describes no run, the log beside it is another one, or its plant was
+        another FMU.
     """
     given = Path(text)
     path = given / CERTIFICATE if given.is_dir() else given
@@ -53,7 +56,7 @@ def recorded(text: str) -> Recorded:
     log = next((log for log in _logs(path.parent) if log.is_file()), None)
     if log is not None and (found := log_sha256(log)) != wanted:
         raise InputError(log, "sha256", found, f"{wanted} ({path.name} beside it): a log that nobody changed")
-    return Recorded(path, document, RunSpec.from_json(document, path), log)
+    return Recorded(path, document, RunSpec.from_json(document, path, fmu), log)
 
 
 def _logs(folder: Path) -> tuple[Path, ...]:

@@ -38,6 +38,7 @@ def _system(name: str, title: str, task: str, units: tuple[str, ...]) -> System:
             "audit_limits": "railhil.supervisor.high_speed.judging:AUDIT_LIMITS",
             "catalogue": "railhil.supervisor.high_speed.reactions:CATALOGUE",
             "faulty_plant": "railhil.plant_sim.high_speed.faults:FaultyHighSpeedPlant",
+            "fmu_plant": "railhil.plant_sim.fmu.high_speed:FmuHighSpeedPlant",
         },
         truth=Truth("TRUTH", position="TruePos", speed="TrueSpeed", acceleration="TrueAccel", beside=("MUTATION",)),
         units=units,

@@ -46,6 +46,7 @@ STOP = System(
         "digest": "railhil.batch.coupled:command_digest",
         "catalogue": "railhil.supervisor.precise_stopping.reactions:CATALOGUE",
         "faulty_plant": "railhil.plant_sim.stopping.faults:FaultyStopPlant",
+        "fmu_plant": "railhil.plant_sim.fmu.stopping:FmuStopPlant",
     },
     truth=Truth("TRUTH", position="TruePos", speed="TrueSpeed", acceleration="TrueAccel", beside=("TRUE_DATA",)),
 )

@@ -1,11 +1,13 @@
 /* A train as an FMI 2.0 co-simulation FMU: first-order actuator, limits of force and power, Davis resistance, grade.
- * Written from the equations in docs/fmi.md, for the tests of --plant-fmu. Position, speed and force, midpoint rule. */
+ * Written from the equations in docs/fmi.md, for the tests of --plant-fmu. Position, speed and force, midpoint rule.
+ * With mass 1 forces are accelerations. */
 #include <math.h>
 #include <stdlib.h>
+#include <time.h>
 #include "fmi2Functions.h"
 
 enum { FORCE, ALLOWED, BRAKE_MIN, GRADE, POSITION, SPEED, EFFORT, MASS, POLE, A, B, C, PER_PERMIL, TRACTION_MAX,
-       BRAKE_MAX, TRACTION_POWER, BRAKE_POWER, COUNT };
+       BRAKE_MAX, TRACTION_POWER, BRAKE_POWER, OUTSIDE, START_SPEED, START_EFFORT, COUNT };
 
 typedef struct { double v[COUNT]; double actuator; } train_t;
 
@@ -22,7 +24,7 @@ static double clipped(const train_t *t, double force, double speed) {
 }
 
 static double resistance(const train_t *t, double speed) {
-    return t->v[A] + speed * (t->v[B] + speed * t->v[C]) + t->v[PER_PERMIL] * t->v[GRADE];
+    return t->v[A] + speed * (t->v[B] + speed * t->v[C]) + t->v[PER_PERMIL] * t->v[GRADE] - t->v[OUTSIDE];
 }
 
 const char *fmi2GetTypesPlatform(void) { return fmi2TypesPlatform; }
@@ -34,7 +36,8 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
                               const fmi2CallbackFunctions *f, fmi2Boolean visible, fmi2Boolean log) {
     (void)name; (void)type; (void)guid; (void)place; (void)f; (void)visible; (void)log;
     train_t *t = calloc(1, sizeof(train_t));
-    if (t) { t->v[ALLOWED] = 1; t->v[MASS] = 1; t->v[POLE] = 1; t->v[TRACTION_POWER] = t->v[BRAKE_POWER] = INFINITY; }
+    if (t) { t->v[ALLOWED] = 1; t->v[MASS] = 1; t->v[POLE] = 1; t->v[TRACTION_POWER] = t->v[BRAKE_POWER] = INFINITY;
+             t->v[TRACTION_MAX] = t->v[BRAKE_MAX] = INFINITY; }
     return t;
 }
 void fmi2FreeInstance(fmi2Component c) { free(c); }
@@ -42,7 +45,12 @@ fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean d, fmi2Real t, fmi2R
     (void)c; (void)d; (void)t; (void)s; (void)e; (void)p; return fmi2OK;
 }
 fmi2Status fmi2EnterInitializationMode(fmi2Component c) { (void)c; return fmi2OK; }
-fmi2Status fmi2ExitInitializationMode(fmi2Component c) { (void)c; return fmi2OK; }
+fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
+    train_t *t = c;
+    t->v[SPEED] = t->v[START_SPEED];
+    t->v[EFFORT] = t->actuator = t->v[START_EFFORT];
+    return fmi2OK;
+}
 fmi2Status fmi2Terminate(fmi2Component c) { (void)c; return fmi2OK; }
 fmi2Status fmi2Reset(fmi2Component c) { (void)c; return fmi2Error; }
 fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference r[], size_t n, fmi2Real v[]) {
@@ -73,6 +81,9 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real at, fmi2Real h, fmi2Boolean keep
     t->v[SPEED] = next;
     t->actuator = steady + offset * decay;
     t->v[EFFORT] = clipped(t, t->actuator, next);
+#ifdef DRIFT
+    t->v[EFFORT] += clock() * 1e-9;
+#endif
     return fmi2OK;
 }
 fmi2Status fmi2GetInteger(fmi2Component c, const fmi2ValueReference r[], size_t n, fmi2Integer v[]) { (void)c; (void)r; (void)v; return n ? fmi2Error : fmi2OK; }

@@ -1,58 +1,76 @@
-"""``railhil export-c --fmu``: the law in FMPy's loop computes the words of the C and the notches of the node."""
+"""``railhil export-c --fmu``: the law in FMPy's loop computes the words of the C and the commands of the node."""
 
 from __future__ import annotations
 
 import subprocess
 import sys
 import zipfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
+from typing import NamedTuple
 
 import fmpy
 import numpy as np
 import pytest
-from fmpy.fmi2 import FMU2Slave
 from fmpy.validation import validate_fmu
 
 import railhil
+from hil_tests.support.fmu_loop import Loop, members
 from hil_tests.support.short_runs import RUN_72M_TOML
+from railhil.controller_node.export.bundle import make_bundle
 from railhil.controller_node.export.control import FLAG_BEGIN, FLAG_SENT
+from railhil.controller_node.export.fmu import write_fmu
+from railhil.controller_node.export.single_bundle import single_bundle
+from railhil.scenarios.load import load_any
+from railhil.scenarios.run_spec import LawSpec
 
 pytestmark = pytest.mark.needs_compiler
 
-#: A law with balises, and one of a system with an interface, for which periods have no number.
-LAWS = (("ipfc_plus_stop", "lvshun_tieshan"), ("pid", "hst_short"))
+VERSIONS = ("2.0", "3.0")
+#: A law with balises, one of a system with an interface, for which periods have no number, and one without formats.
+LAWS = (
+    ("ipfc_plus_stop", "lvshun_tieshan", "iq"),
+    ("pid", "hst_short", "iq"),
+    ("elm_ngpc", "hst_short", "float32"),
+)
 
 
-def _export(folder: Path, law: str, scenario: str, *words: str) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "railhil.cli.export_c", law, scenario, "--out", str(folder), *words]
-    return subprocess.run(command, capture_output=True, text=True, check=False)
+class Export(NamedTuple):
+    """An FMU of each version, and the reference log beside them."""
+
+    fmus: Mapping[str, Path]
+    single: bool
+    log: str
 
 
-@pytest.fixture(scope="module", params=LAWS, ids=lambda param: param[0])
-def exported(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    law, scenario = request.param
-    folder = tmp_path_factory.mktemp(law)
-    done = _export(folder, law, scenario, "--fmu", "--arithmetic", "iq")
-    assert done.returncode == 0, done.stderr
-    return folder / f"{law}.fmu"
+@pytest.fixture(scope="module", params=LAWS, ids=lambda param: f"{param[0]}-{param[2]}")
+def export(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Export:
+    name, scenario, arithmetic = request.param
+    folder = tmp_path_factory.mktemp(name)
+    loaded, law, single = load_any(scenario), LawSpec(name), arithmetic == "float32"
+    bundle = single_bundle(loaded, replace(law, arithmetic="float32")) if single else make_bundle(loaded, law)
+    fmus = {version: folder / f"{version}.fmu" for version in VERSIONS}
+    for version, path in fmus.items():
+        write_fmu(bundle, loaded, law, path, version)
+    return Export(fmus, single, bundle.files[f"{name}_log.txt"])
 
 
-def _in_order(fmu: Path) -> list[list[dict[str, int]]]:
-    """The runs of the reference log whose periods follow one another in time."""
-    return [run for run in _log(fmu) if all(period.get("k", at) == at for at, period in enumerate(run))]
-
-
-def _log(fmu: Path) -> Iterator[list[dict[str, int]]]:
+def _log(export: Export, loop: Loop) -> Iterator[list[dict[str, int]]]:
     """The runs of the reference log, a dictionary for each control period."""
-    lines = (fmu.parent / f"{fmu.stem}_log.txt").read_text().splitlines()
-    columns = next(line for line in lines if line.startswith("# flags ")).split()[1:]
+    lines = export.log.splitlines()
+    if export.single:
+        sent = [name for name in loop.inputs if name.startswith("sent.")]
+        columns = ["flags", *(name for name in loop.inputs if "sent" not in name), *sent, *loop.outputs]
+    else:
+        columns = next(line for line in lines if line.startswith("# flags ")).split()[1:]
     run: list[dict[str, int]] = []
     for line in lines:
         if line.startswith("#"):
             continue
         words = np.array([int(word, 16) for word in line.split()], dtype=np.uint32).astype(np.int32).tolist()
-        period = dict(zip(columns, words, strict=True))
+        # The words of the state end the lines of a log in single precision.
+        period = dict(zip(columns, words, strict=not export.single))
         if period["flags"] & FLAG_BEGIN and run:
             yield run
             run = []
@@ -60,75 +78,54 @@ def _log(fmu: Path) -> Iterator[list[dict[str, int]]]:
     yield run
 
 
-class Loop:
-    """The FMU in FMPy's hands."""
-
-    def __init__(self, fmu: Path, folder: Path) -> None:
-        self.description = fmpy.read_model_description(str(fmu))
-        self.references = {one.name: one.valueReference for one in self.description.modelVariables}
-        self.inputs = [one.name for one in self.description.modelVariables if one.causality == "input"]
-        self.outputs = [one.name for one in self.description.modelVariables if one.causality == "output"]
-        self.period_s = float(self.description.defaultExperiment.stepSize)
-        self.slave = FMU2Slave(
-            guid=self.description.guid, unzipDirectory=fmpy.extract(str(fmu), str(folder)),
-            modelIdentifier=self.description.coSimulation.modelIdentifier, instanceName="law",
-        )  # fmt: skip
-        self.slave.instantiate()
-        self.slave.setupExperiment(startTime=0.0)
-        self.slave.enterInitializationMode()
-        self.slave.exitInitializationMode()
-
-    def set(self, values: dict[str, int]) -> None:
-        self.slave.setInteger([self.references[name] for name in values], list(values.values()))
-
-    def get(self) -> dict[str, int]:
-        found = self.slave.getInteger([self.references[name] for name in self.outputs])
-        return dict(zip(self.outputs, found, strict=True))
-
-    def periods(self, run: list[dict[str, int]]) -> list[dict[str, int]]:
-        """The outputs after each control period of a run of the log."""
-        self.slave.reset()
-        before: dict[str, int] = {}
-        found = []
-        told = [name for name in self.inputs if name not in _given(run[0], self.inputs)]
-        for number, period in enumerate(run):
-            # What was sent in a period is known at the next.
-            sent = {name: before.get(name, 0) for name in told if name != "other_sent"}
-            self.set({name: period[name] for name in self.inputs if name not in told} | sent)
-            self.set({"other_sent": int(bool(before.get("flags", 0) & FLAG_SENT))})
-            self.slave.doStep(period.get("k", number) * self.period_s, self.period_s)
-            found.append(self.get())
-            before = period
-        return found
-
-
-def _given(period: dict[str, int], inputs: list[str]) -> list[str]:
-    """The inputs that are not commands sent."""
-    return [name for name in inputs if name in period and not name.startswith("sent")]
+def _periods(loop: Loop, run: list[dict[str, int]]) -> list[dict[str, int]]:
+    """The outputs after each control period of a run of the log."""
+    loop.slave.reset()
+    before: dict[str, int] = {}
+    found = []
+    told = [name for name in loop.inputs if name.startswith("sent")]
+    given = [name for name in loop.inputs if name not in (*told, "other_sent")]
+    for number, period in enumerate(run):
+        # What was sent in a period is known at the next.
+        loop.set({name: period[name] for name in given} | {name: before.get(name, 0) for name in told})
+        loop.set({"other_sent": int(bool(before.get("flags", 0) & FLAG_SENT))})
+        loop.slave.doStep(period.get("k", number) * loop.period_s, loop.period_s)
+        found.append(loop.get())
+        before = period
+    return found
 
 
 @pytest.mark.slow
-def test_words_are_those_of_the_reference_log(exported: Path, tmp_path: Path) -> None:
+@pytest.mark.parametrize("version", VERSIONS)
+def test_words_are_those_of_the_reference_log(export: Export, version: str, tmp_path: Path) -> None:
     """The log is what the law computes in Python, and what the compiled C is checked against."""
-    loop = Loop(exported, tmp_path)
+    loop = Loop(export.fmus[version], tmp_path)
     compared = 0
-    for run in _in_order(exported):
-        found = loop.periods(run)
-        assert found == [{name: period[name] for name in loop.outputs} for period in run]
-        compared += len(run)
+    for run in _log(export, loop):
+        # Only periods that follow one another in time.
+        if all(period.get("k", at) == at for at, period in enumerate(run)):
+            assert _periods(loop, run) == [{name: period[name] for name in loop.outputs} for period in run]
+            compared += len(run)
     assert compared >= 80
 
 
-def test_fmpy_finds_nothing_wrong_and_the_sources_are_there(exported: Path) -> None:
-    assert validate_fmu(str(exported)) == []
-    with zipfile.ZipFile(exported) as archive:
+@pytest.mark.parametrize("version", VERSIONS)
+def test_fmpy_finds_nothing_wrong_and_the_sources_are_there(export: Export, version: str) -> None:
+    fmu = export.fmus[version]
+    assert validate_fmu(str(fmu)) == []
+    description = fmpy.read_model_description(str(fmu))
+    with zipfile.ZipFile(fmu) as archive:
         names = set(archive.namelist())
-    law = exported.stem
-    assert {f"sources/{law}.c", "sources/railhil_fmi2.c", "sources/fmi2Functions.h", "modelDescription.xml"} <= names
+    law = description.modelName
+    frame = {"2.0": "railhil_fmi2.c", "3.0": "railhil_fmi3.c"}[version]
+    assert {f"sources/{law}.c", "sources/railhil_fmu.c", f"sources/{frame}", "modelDescription.xml"} <= names
+    units = [one.name for one in description.modelVariables if one.unit]
+    assert units == ([] if version == "2.0" else ["time"])
 
 
-def test_a_step_longer_than_a_period_and_a_step_back_are_refused(exported: Path, tmp_path: Path) -> None:
-    loop = Loop(exported, tmp_path)
+@pytest.mark.parametrize("version", VERSIONS)
+def test_a_step_longer_than_a_period_and_a_step_back_are_refused(export: Export, version: str, tmp_path: Path) -> None:
+    loop = Loop(export.fmus[version], tmp_path)
     with pytest.raises(fmpy.fmi1.FMICallException):
         loop.slave.doStep(0.0, 1.1 * loop.period_s)
     loop.slave.doStep(3 * loop.period_s, loop.period_s)
@@ -136,26 +133,71 @@ def test_a_step_longer_than_a_period_and_a_step_back_are_refused(exported: Path,
         loop.slave.doStep(loop.period_s, loop.period_s)
 
 
+def test_other_variables_than_those_of_the_description_are_refused(export: Export, tmp_path: Path) -> None:
+    loop = Loop(export.fmus["3.0"], tmp_path)
+    assert loop.slave.doStep(0.0, loop.period_s) == (False, False, False, loop.period_s)
+    assert loop.slave.getFloat64([loop.references["time"]]) == [loop.period_s]
+    assert loop.slave.getFloat64([]) == loop.slave.getBoolean([]) == []
+    for refused in (
+        lambda: loop.slave.getFloat64([0]),
+        lambda: loop.slave.getBoolean([0]),
+        lambda: loop.slave.setInt32([1000], [1]),
+        lambda: loop.slave.getInt32([100_000]),
+        loop.slave.enterEventMode,
+    ):
+        with pytest.raises(fmpy.fmi1.FMICallException):
+            refused()
+
+
+def _export(folder: Path, law: str, scenario: str, *words: str) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "railhil.cli.export_c", law, scenario, "--out", str(folder), *words]
+    return subprocess.run(command, capture_output=True, text=True, check=False)
+
+
 @pytest.mark.slow
 def test_notches_are_those_of_the_node_and_two_exports_are_equal(tmp_path: Path) -> None:
     scenario = tmp_path / "short.toml"
     scenario.write_text(RUN_72M_TOML)
-    for name in ("one", "two"):
-        assert _export(tmp_path / name, "ipfc", str(scenario), "--fmu").returncode == 0
-    fmus = [tmp_path / name / "ipfc.fmu" for name in ("one", "two")]
-    assert fmus[0].read_bytes() == fmus[1].read_bytes()
+    third = ("--fmi-version", "3.0")
+    for name, version in (("two", ()), ("three", third), ("again", third)):
+        assert _export(tmp_path / name, "ipfc", str(scenario), "--fmu", *version).returncode == 0
+    assert (tmp_path / "three/ipfc.fmu").read_bytes() == (tmp_path / "again/ipfc.fmu").read_bytes()
     run = railhil.run(str(scenario), out=tmp_path / "run")
-    loop = Loop(fmus[0], tmp_path / "fmu")
-    found, seen = [], []
-    for k in range(int(run.trace.end_s / loop.period_s)):
-        at_ns = round(k * loop.period_s * 1e9)
-        # The node runs the law at the first poll in a control period, with the speed of that instant.
-        loop.set({"speed_01mmps": _newest(run, "TRN_SPEED", "TrainSpeed", at_ns)})
-        loop.slave.doStep(k * loop.period_s, loop.period_s)
-        found.append(loop.get()["out.notch"])
-        seen.append(_newest(run, "NOTCH_CMD", "NotchCmd", at_ns))
-    assert len(set(seen)) > 20
-    assert found == seen
+    for name in ("two", "three"):
+        loop = Loop(tmp_path / name / "ipfc.fmu", tmp_path / f"fmu_{name}")
+        found, seen = [], []
+        for k in range(int(run.trace.end_s / loop.period_s)):
+            at_ns = round(k * loop.period_s * 1e9)
+            # The node runs the law at the first poll in a control period, with the speed of that instant.
+            loop.set({"speed_01mmps": _newest(run, "TRN_SPEED", "TrainSpeed", at_ns)})
+            loop.slave.doStep(k * loop.period_s, loop.period_s)
+            found.append(loop.get()["out.notch"])
+            seen.append(_newest(run, "NOTCH_CMD", "NotchCmd", at_ns))
+        assert len(set(seen)) > 20
+        assert found == seen
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("export", [LAWS[2]], ids=["elm_ngpc"], indirect=True)
+def test_commands_in_single_precision_are_those_of_the_node(export: Export, tmp_path: Path) -> None:
+    """The terminals of the FMU say which signal of the bus each of its variables is."""
+    name, scenario, arithmetic = LAWS[2]
+    shorter = ["task.duration_s=40"]
+    run = railhil.run(scenario, controller=name, arithmetic=arithmetic, settings=shorter, out=tmp_path / "run")
+    wired = members(export.fmus["3.0"])
+    for version, fmu in export.fmus.items():
+        loop = Loop(fmu, tmp_path / f"fmu_{version}")
+        assert {name for name in loop.inputs if "sent" not in name} <= wired.keys()
+        found, seen = [], []
+        for k in range(int(run.trace.end_s / loop.period_s)):
+            at_ns = round(k * loop.period_s * 1e9)
+            loop.set({name: _newest(run, *wired[name], at_ns) for name in loop.inputs if name in wired})
+            loop.slave.doStep(k * loop.period_s, loop.period_s)
+            answer = loop.get()
+            found.append([answer[name] for name in loop.outputs if name in wired])
+            seen.append([_newest(run, *wired[name], at_ns) for name in loop.outputs if name in wired])
+        assert len({row[0] for row in seen}) > 20
+        assert found == seen
 
 
 def _newest(run: railhil.Outcome, port: str, signal: str, at_ns: int) -> int:
@@ -164,6 +206,6 @@ def _newest(run: railhil.Outcome, port: str, signal: str, at_ns: int) -> int:
 
 
 def test_what_cannot_be_an_fmu_is_refused(tmp_path: Path) -> None:
-    done = _export(tmp_path / "a", "one_shot", "yizhuang_stop", "--fmu")
+    done = _export(tmp_path / "a", "ipfc", "lvshun_tieshan", "--fmi-version", "3.0")
     assert done.returncode == 2
-    assert "--fmu: found a law in float32, allowed a law in fixed point" in done.stderr
+    assert "--fmi-version: found '3.0', allowed only with --fmu" in done.stderr

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from hil_tests.support.stops import EXACT, FLAT, stop_scenario
-from railhil.plant_sim.stopping.brake import Course, Going, Motion, gone_on
+from railhil.plant_sim.stopping.brake import Going, gone_on
 from railhil.plant_sim.stopping.draws import drawn_run, drawn_train
 from railhil.plant_sim.stopping.train import StopTrain
 
@@ -52,18 +52,6 @@ def test_it_stops_where_the_closed_form_says(kmh: float, after_s: float) -> None
     v0_mps = kmh / 3.6
     expected_m = v0_mps * after_s + stop_distance_m(v0_mps, 0.8 * 0.985, 0.64, 0.42)
     assert gone_m == pytest.approx(expected_m, abs=1e-6)  # 2 mm are asked for
-
-
-def test_a_standing_train_starts_when_all_that_acts_on_it_moves_it_forward() -> None:
-    """The wander of the resistance can hold a train whose traction has begun: time goes on, and then it starts."""
-    course = Course(0.42, 0.0, 0.0, 0.0, (), (0.0,))
-    going = Going(0.0, Motion(0.0, 0.0, 0.005), 0, False, -1.0)
-    held = gone_on(course, going, 0.5, -0.01, 0.003)
-    assert (held.now_s, held.motion.speed_mps) == (0.003, 0.0)
-    assert held.motion.drive_mps2 > 0.005
-    while going.motion.drive_mps2 < 0.02:
-        going = gone_on(course, going, 0.5, -0.01, going.now_s + 0.003)
-    assert going.motion.speed_mps > 0.0
 
 
 def test_with_grades_and_a_loss_at_low_speed_it_stops_where_small_steps_do() -> None:
@@ -116,6 +104,20 @@ def test_a_standing_train_is_held_and_starts_with_traction() -> None:
     for _ in range(100):
         train.advance()
     assert train.motion.speed_mps > 0.1
+
+
+def test_a_standing_train_whose_traction_is_not_yet_stronger_than_the_wander_is_held() -> None:
+    """It used to look for the instant of its standstill again and again."""
+    train = train_of(*EXACT, *FLAT, "task.start_kmh=0")
+    going = train.going
+    begun = Going(going.now_s, going.motion._replace(drive_mps2=0.01), going.piece, False, -1.0)
+    held = gone_on(train.course, begun, 0.3, -5.0, begun.now_s + 0.0032)
+    assert held.now_s == begun.now_s + 0.0032
+    assert held.motion[:2] == begun.motion[:2]
+    assert held.motion.drive_mps2 > 0.01
+    assert held.stopped_s == -1.0
+    # The traction has become the stronger one.
+    assert gone_on(train.course, begun, 0.3, 0.0, begun.now_s + 0.0032).motion.speed_mps > 0.0
 
 
 def test_low_adhesion_limits_the_braking_and_the_slide_is_seen() -> None:

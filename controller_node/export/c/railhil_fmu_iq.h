@@ -1,0 +1,39 @@
+/* What the FMU calls of the law @LAW@, which computes in fixed point. */
+#ifndef RAILHIL_FMU_LAW_H
+#define RAILHIL_FMU_LAW_H
+
+#include "@LAW@.h"
+
+/* All members have 32 bits, so the words of a result are contiguous. */
+typedef struct {
+    @LAW@_in_t in;
+    @LAW@_state_t state;
+    @LAW@_out_t out;
+    iq_events_t events;
+} result_t;
+
+enum { LAW_WORDS = sizeof(result_t) / sizeof(int32_t) };
+
+typedef union {
+    result_t result;
+    int32_t words[LAW_WORDS];
+} fmu_law_t;
+
+static inline void law_sent(fmu_law_t *law, const int32_t *input)
+{
+    @LAW@_sent(&law->result.state, @TOLD@);
+}
+
+/* k: number of the control period, which not every kind of law needs. */
+static inline void law_step(fmu_law_t *law, const int32_t *input, int32_t k, int first)
+{
+    result_t *result = &law->result;
+    (void)k;
+    @LAW@_inputs(@GIVEN@, &result->in, &result->events);
+    if (first) {
+        @LAW@_start(&result->in, &result->state);
+    }
+    @LAW@_step(&result->state, &result->in, &result->out, &result->events);
+}
+
+#endif
