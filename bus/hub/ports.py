@@ -12,6 +12,7 @@ from collections import deque
 
 from railhil.bus.hub.coalesce import Coalescer
 from railhil.bus.hub.wire import MAX_PACKET_SIZE
+from railhil.common.mypyc import mypyc_attr
 
 #: Overhead of a queued packet in addition to its bytes: the bytes object and its place in the queue.
 QUEUED_PACKET_OVERHEAD_BYTES = 48
@@ -28,6 +29,7 @@ class PortFault(Exception):
     """The peer must be disconnected; the text says why, in one line."""
 
 
+@mypyc_attr(allow_interpreted_subclasses=True)
 class SwitchPort(ABC):
     """One port of the switch.
 
