@@ -35,10 +35,10 @@ _ENTRY_POINTS = "[railhil.laws]\nown = own_law:Own\n"
 
 
 def written(folder: Path) -> Path:
-    """A distribution with a law, in an empty folder for PYTHONPATH."""
-    (folder / "own_law.py").write_text(_LAW, encoding="utf-8")
+    """A distribution with a law, in a new folder for PYTHONPATH."""
     about = folder / "own_law-1.dist-info"
     about.mkdir(parents=True)
+    (folder / "own_law.py").write_text(_LAW, encoding="utf-8")
     (about / "METADATA").write_text("Metadata-Version: 2.1\nName: own-law\nVersion: 1\n", encoding="utf-8")
     (about / "entry_points.txt").write_text(_ENTRY_POINTS, encoding="utf-8")
     return folder
