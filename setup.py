@@ -100,6 +100,6 @@ if os.environ.get("RAILHIL_COMPILED", "0") not in ("", "0"):
     extensions = mypycify([*OPTIONS, *MODULES], opt_level="3", multi_file=True)
     for extension in extensions:
         # On processors with fused products gcc would use them, and their last bit differs from Python's.
-        extension.extra_compile_args.append("-ffp-contract=off")
+        extension.extra_compile_args = [*extension.extra_compile_args, "-ffp-contract=off"]
 
 setup(ext_modules=extensions, setup_requires=["mypy>=1.11"] if os.environ.get("RAILHIL_COMPILED") else [])

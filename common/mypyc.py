@@ -1,6 +1,8 @@
 """``@mypyc_attr(allow_interpreted_subclasses=True)``: a class of the compiled build (setup.py) that others subclass.
 
-Without it, mypyc lets no class of interpreted code have a compiled one as its base. Only mypyc reads it.
+Without it, mypyc lets no class of interpreted code have a compiled one as its base. Only mypyc reads it. A subclass
+overrides methods and properties; an attribute it sets in ``__init__``, because compiled code does not see one of the
+subclass's body.
 """
 
 from __future__ import annotations

@@ -72,7 +72,7 @@ def compared(systems: list[str]) -> int:
         here = {**os.environ, "PYTHONPATH": _path(toy, law)}
         wrong += differences(environment.start([USES], folder), "compiled", [], program=USES, environment=here)
         if systems != ["uses"]:
-            wrong += differences(environment.start([HASHES, *systems], folder), "compiled", systems)
+            wrong += differences(environment.start([HASHES, *systems], folder), "compiled", systems, environment=here)
     return 1 if wrong else 0
 
 

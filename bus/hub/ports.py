@@ -38,11 +38,10 @@ class SwitchPort(ABC):
     :meth:`flush` even if the port is not reported writable (monotonic clock); None: not at all.
     """
 
-    #: A client comes and goes by itself; a bus given on the command line does not.
-    is_client = True
-
     def __init__(self, name: str) -> None:
         self.name = name
+        #: A client comes and goes by itself; a bus given on the command line does not.
+        self.is_client = True
         self.is_member = False
         self.receive_own = False
         #: Which node of a bench the client is, and whether it is informed about the others.
