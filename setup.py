@@ -2,8 +2,9 @@
 
 Without that variable this file does nothing, and pyproject.toml describes everything. Sources are installed in any
 case: ``RAILHIL_PURE=1`` runs them. Not compiled, although each frame passes them: classes made from the port table
-(telegrams, identities), enumerations with a constructor, subclasses of built-in exceptions, what python-can subclasses,
-and functions that the batch has numba compile from their source (:mod:`railhil.common.compilable`).
+(telegrams, identities), enumerations with a constructor, subclasses of built-in exceptions, and what python-can
+subclasses. Functions that the batch has numba compile (:mod:`railhil.common.compilable`) it reads from their source. A
+class that interpreted code subclasses says so (:mod:`railhil.common.mypyc`).
 """
 
 import os
@@ -44,6 +45,7 @@ MODULES = [
     "railhil/bus/link/kernel.py",
     "railhil/bus/link/opening.py",
     "railhil/bus/link/outage.py",
+    "railhil/bus/link/pipes.py",
     "railhil/bus/link/single.py",
     "railhil/bus/local.py",
     "railhil/bus/mvb.py",
@@ -55,22 +57,38 @@ MODULES = [
     "railhil/bus/store.py",
     "railhil/controller_node/channel.py",
     "railhil/controller_node/controller.py",
+    "railhil/controller_node/ecan/mailboxes.py",
+    "railhil/controller_node/ecan/module.py",
     "railhil/controller_node/ecan/receiver.py",
+    "railhil/controller_node/ecan/timestamp.py",
     "railhil/controller_node/guard.py",
     "railhil/controller_node/law_controller.py",
+    "railhil/controller_node/loop.py",
     "railhil/controller_node/node.py",
     "railhil/controller_node/odometer.py",
     "railhil/controller_node/plausibility.py",
+    "railhil/controller_node/serve.py",
+    "railhil/controller_node/speed_watch.py",
+    "railhil/controller_node/straight.py",
     "railhil/plant_sim/cycle.py",
+    "railhil/plant_sim/dynamics.py",
+    "railhil/plant_sim/forces.py",
     "railhil/plant_sim/gate.py",
+    "railhil/plant_sim/milestones.py",
     "railhil/plant_sim/node.py",
     "railhil/plant_sim/plant.py",
+    "railhil/plant_sim/plant_readings.py",
+    "railhil/plant_sim/run_end.py",
+    "railhil/plant_sim/sensors.py",
     "railhil/plant_sim/status.py",
     "railhil/plant_sim/supervision.py",
     "railhil/plant_sim/telegrams.py",
     "railhil/plant_sim/train.py",
+    "railhil/plant_sim/train_checks.py",
+    "railhil/supervisor/blf_writer.py",
     "railhil/supervisor/framelog.py",
     "railhil/supervisor/session.py",
+    "railhil/supervisor/trace.py",
 ]
 #: A build environment has no libraries, and no configuration is read: what is compiled depends on the sources only.
 OPTIONS = ["--config-file=", "--follow-imports=silent", "--ignore-missing-imports"]
@@ -80,5 +98,8 @@ if os.environ.get("RAILHIL_COMPILED", "0") not in ("", "0"):
     from mypyc.build import mypycify
 
     extensions = mypycify([*OPTIONS, *MODULES], opt_level="3", multi_file=True)
+    for extension in extensions:
+        # On processors with fused products gcc would use them, and their last bit differs from Python's.
+        extension.extra_compile_args = [*extension.extra_compile_args, "-ffp-contract=off"]
 
 setup(ext_modules=extensions, setup_requires=["mypy>=1.11"] if os.environ.get("RAILHIL_COMPILED") else [])

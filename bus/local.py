@@ -9,8 +9,10 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from railhil.bus.frame import Frame
+from railhil.common.mypyc import mypyc_attr
 
 
+@mypyc_attr(allow_interpreted_subclasses=True)
 class LocalBus:
     """:class:`railhil.bus.link.Endpoint` of the administrator.
 

@@ -1,6 +1,7 @@
 """Functions that run both in the interpreter and, for thousands of trains at once, as machine code, with the same bits.
 
-The bench calls the functions marked :func:`compilable` unchanged. The batch (:mod:`railhil.batch.compiled`) has numba
+The bench calls the functions marked :func:`compilable` unchanged (:func:`compilable_functions` where the compiled build
+of the bench has the module). The batch (:mod:`railhil.batch.compiled`) has numba
 compile the same functions when a compiled loop calls them; nothing is translated, copied or renamed, so a debugger can
 step through them in both (``NUMBA_DISABLE_JIT=1`` also runs the loops of the batch in the interpreter).
 
@@ -15,8 +16,10 @@ This module does not import numba, which is an extra needed only by the batch.
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
-from types import FunctionType
+from pathlib import Path
+from types import BuiltinFunctionType, CodeType, FunctionType, ModuleType
 from typing import Any, TypeVar
 
 import numpy as np
@@ -45,7 +48,39 @@ def compilable_aside(function: F) -> F:
     return function
 
 
+def compilable_functions(*functions: Callable[..., Any], aside: bool = False) -> None:
+    """Mark functions of a module that the compiled build (setup.py) compiles: it calls a decorated one as an object.
+
+    :param aside: as by :func:`compilable_aside`.
+    :raises TypeError: see :func:`compilable`.
+    """
+    (ASIDE if aside else INLINE).extend(map(_checked, functions))
+
+
+def source_of(module: ModuleType) -> Path:
+    """The Python source of a module, which the compiled build has, too."""
+    path = Path(str(module.__file__))
+    return path.with_name(f"{module.__name__.rpartition('.')[2]}.py")
+
+
+def interpreted(function: Callable[..., Any]) -> FunctionType:
+    """A marked function in bytecode, which is what numba reads: itself, or that of a compiled module from its source.
+
+    Its globals are those of its module.
+    """
+    if isinstance(function, FunctionType):
+        return function
+    module = sys.modules[str(function.__module__)]
+    path = source_of(module)
+    whole = compile(path.read_bytes(), str(path), "exec")
+    parts = (part for part in whole.co_consts if isinstance(part, CodeType))
+    return FunctionType(next(part for part in parts if part.co_name == function.__name__), vars(module))
+
+
 def _checked(function: Callable[..., Any]) -> Callable[..., Any]:
+    if isinstance(function, BuiltinFunctionType):
+        # Of a compiled module; its source is checked where it is interpreted.
+        return function
     if not isinstance(function, FunctionType) or function.__code__.co_kwonlyargcount or function.__code__.co_freevars:
         raise TypeError(f"{function.__qualname__}: compilable is a plain function of positional arguments")
     return function

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railhil.common.errors import InputError
+from railhil.common.mypyc import mypyc_attr
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Arithmetic, Counters
 from railhil.controller_node.cost import Cost, cost_of
@@ -84,6 +85,7 @@ def _failed(
     return law_fault(loop.name, type(loop.law), error, function, named[-1].name if named else None)
 
 
+@mypyc_attr(allow_interpreted_subclasses=True)
 class Controller:
     """Controller of one train, see also :class:`railhil.controller_node.law_controller.LawController`.
 

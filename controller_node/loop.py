@@ -8,6 +8,7 @@ from typing import Any, Generic
 
 from railhil.common.choices import INDEXINGS
 from railhil.common.errors import InputError, Words
+from railhil.common.mypyc import mypyc_attr
 from railhil.controller_node.arithmetic.base import Arithmetic, Constant, T
 from railhil.controller_node.laws import load
 from railhil.controller_node.laws.base import SPEED_Q, BaliseReading, Law, LawInputs, LawOutputs, TrackInputs
@@ -58,6 +59,7 @@ def _starting(name: str, kind: type[Law[Any, Any]], scenario: Scenario) -> Itera
         raise InputError("controller", name, Words("a law that fails at its start"), allowed, cause) from error
 
 
+@mypyc_attr(allow_interpreted_subclasses=True)
 class ControlLoop(Generic[T]):
     """Law, set-points and state on one arithmetic; operands are those of the arithmetic, wire values whole numbers.
 

@@ -23,7 +23,7 @@ from __future__ import annotations
 from math import exp, log
 from typing import NamedTuple
 
-from railhil.common.compilable import compilable, compilable_aside, larger, smaller
+from railhil.common.compilable import compilable_functions, larger, smaller
 from railhil.plant_sim.forces import GradeTable, TrainConstants, effort_limit_n, mean_grade_permil, resistance_n
 
 
@@ -73,14 +73,12 @@ class Step(NamedTuple):
     moving_to_s: float
 
 
-@compilable_aside
 def lag(pole_per_s: float, step_s: float) -> Lag:
     """Actuator factors of a step of any length > 0."""
     decay = exp(-pole_per_s * step_s)
     return Lag(step_s, decay, (1.0 - decay) / (pole_per_s * step_s))
 
 
-@compilable
 def force_bounds_n(constants: TrainConstants, window: Window, speed_mps: float) -> tuple[float, float]:
     """Smallest and largest force on the train at a speed, traction positive."""
     low_n = -effort_limit_n(constants.brake, speed_mps)
@@ -90,7 +88,6 @@ def force_bounds_n(constants: TrainConstants, window: Window, speed_mps: float) 
     return low_n, effort_limit_n(constants.traction, speed_mps) if traction else 0.0
 
 
-@compilable_aside
 def clipped_mean_n(first_n: float, last_n: float, mean_n: float, low_n: float, high_n: float) -> float:
     """Mean of a force clipped to ``low_n..high_n`` while it runs from ``first_n`` to ``last_n`` with mean ``mean_n``.
 
@@ -113,14 +110,12 @@ def clipped_mean_n(first_n: float, last_n: float, mean_n: float, low_n: float, h
     return mean_n
 
 
-@compilable
 def applied_n(constants: TrainConstants, window: Window, motion: Motion) -> float:
     """Force on the train at this instant after all limits, traction positive."""
     low_n, high_n = force_bounds_n(constants, window, motion.speed_mps)
     return smaller(larger(motion.actuator_n, low_n), high_n)
 
 
-@compilable
 def acceleration_mps2(constants: TrainConstants, grades: GradeTable, window: Window, motion: Motion) -> float:
     """Acceleration at this instant; 0 for a standing train that the brake or its own resistance holds."""
     grade = mean_grade_permil(grades, motion.position_m)
@@ -130,7 +125,6 @@ def acceleration_mps2(constants: TrainConstants, grades: GradeTable, window: Win
     return net_n / constants.mass_kg
 
 
-@compilable
 def step(
     constants: TrainConstants, grades: GradeTable, window: Window, motion: Motion, steady_n: float, lag_step: Lag
 ) -> Step:
@@ -151,7 +145,6 @@ def step(
     return Step(Motion(position_m + moved_m, next_mps, next_n, accel_mps2), 0.0, step_s)
 
 
-@compilable
 def _mean_acceleration(
     constants: TrainConstants,
     grades: GradeTable,
@@ -175,7 +168,6 @@ def _mean_acceleration(
     return (mean_n - resistance_n(constants, middle_mps, grade)) / constants.mass_kg
 
 
-@compilable_aside
 def _to_rest(
     constants: TrainConstants,
     grades: GradeTable,
@@ -201,7 +193,6 @@ def _to_rest(
     return Step(Motion(position_m + speed_mps * 0.5 * stop_s, 0.0, next_n, 0.0), 0.0, stop_s)
 
 
-@compilable_aside
 def _waiting_s(
     constants: TrainConstants, grades: GradeTable, window: Window, motion: Motion, steady_n: float, lag_step: Lag
 ) -> float:
@@ -217,7 +208,6 @@ def _waiting_s(
     return smaller(log((actuator_n - steady_n) / (against_n - steady_n)) / constants.pole_per_s, lag_step.step_s)
 
 
-@compilable_aside
 def _from_rest(
     constants: TrainConstants,
     grades: GradeTable,
@@ -240,3 +230,7 @@ def _from_rest(
     accel_mps2 = _mean_acceleration(constants, grades, window, standing, next_n, mean_n, moving_s)
     speed_mps = larger(0.0, accel_mps2 * moving_s)
     return Step(Motion(position_m + speed_mps * 0.5 * moving_s, speed_mps, next_n, accel_mps2), waiting_s, step_s)
+
+
+compilable_functions(force_bounds_n, applied_n, acceleration_mps2, step, _mean_acceleration)
+compilable_functions(lag, clipped_mean_n, _to_rest, _waiting_s, _from_rest, aside=True)

@@ -9,7 +9,7 @@ from __future__ import annotations
 from bisect import bisect_right
 from typing import NamedTuple
 
-from railhil.common.compilable import compilable, smaller
+from railhil.common.compilable import compilable_functions, smaller
 
 
 class EffortLimit(NamedTuple):
@@ -42,7 +42,6 @@ class GradeTable(NamedTuple):
     permil_per_m: tuple[float, ...]
 
 
-@compilable
 def mean_grade_permil(table: GradeTable, front_m: float) -> float:
     """Grade averaged over the train with its front at ``front_m``; constant before the first and after the last row."""
     row = bisect_right(table.from_m, front_m) - 1
@@ -51,7 +50,6 @@ def mean_grade_permil(table: GradeTable, front_m: float) -> float:
     return table.permil[row] + table.permil_per_m[row] * (front_m - table.from_m[row])
 
 
-@compilable
 def effort_limit_n(table: EffortLimit, speed_mps: float) -> float:
     """Largest force at a speed: ``min(F_max, P_max / v, curve(v))``, with the curve constant beyond its ends."""
     limit_n = table.force_max_n
@@ -72,10 +70,12 @@ def effort_limit_n(table: EffortLimit, speed_mps: float) -> float:
     return limit_n
 
 
-@compilable
 def resistance_n(constants: TrainConstants, speed_mps: float, grade_permil: float) -> float:
     """Davis resistance and grade force, positive against the motion."""
     running_n = constants.resistance_a_n + speed_mps * (
         constants.resistance_b_n_per_mps + speed_mps * constants.resistance_c_n_per_mps2
     )
     return running_n + constants.grade_n_per_permil * grade_permil
+
+
+compilable_functions(mean_grade_permil, effort_limit_n, resistance_n)

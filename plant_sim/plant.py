@@ -7,6 +7,7 @@ from math import inf, isfinite
 
 from railhil.bus.codes import WatchCause
 from railhil.bus.telegrams import STOP_LEG_MIN_M
+from railhil.common.mypyc import mypyc_attr
 from railhil.plant_sim import dynamics, force_tables
 from railhil.plant_sim.any_plant import PlantError
 from railhil.plant_sim.command_watch import (
@@ -40,6 +41,7 @@ _TRACTION_CUT, _EMERGENCY = CommandWatchLevel.TRACTION_CUT, CommandWatchLevel.EM
 SLIVER_TICKS = 1e-9
 
 
+@mypyc_attr(allow_interpreted_subclasses=True)
 class Plant(PlantReadings):
     """One train on one run, advanced tick by tick (``scenario.timing.base_tick_ns``) from standstill at position 0.
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from railhil.common.mypyc import mypyc_attr
 from railhil.plant_sim import dynamics, forces
 from railhil.plant_sim.command_watch import CommandWatchLevel, CommandWatchState
 from railhil.plant_sim.dynamics import Motion, Window
@@ -9,6 +10,7 @@ from railhil.plant_sim.sensors import AxleSensors
 from railhil.scenarios.model import Train
 
 
+@mypyc_attr(allow_interpreted_subclasses=True)
 class PlantReadings:
     """Properties of :class:`railhil.plant_sim.plant.Plant`, computed from its state when they are read."""
 

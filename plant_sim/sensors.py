@@ -5,7 +5,7 @@ The batch compiles the two readings (:mod:`railhil.common.compilable` says what 
 
 from __future__ import annotations
 
-from railhil.common.compilable import compilable
+from railhil.common.compilable import compilable_functions
 from railhil.scenarios import streams
 from railhil.scenarios.model import Sensors
 
@@ -13,7 +13,6 @@ from railhil.scenarios.model import Sensors
 _NOISE_BLOCK = 4096
 
 
-@compilable
 def speed_reading_01mmps(speed_mps: float, noise_mps: float, wheel_factor: float, lsb_mps: float) -> int:
     """Reading of a true speed >= 0, in 0.1 mm/s. A standing axle reads 0, and the reading is never negative."""
     if speed_mps <= 0.0:
@@ -22,7 +21,6 @@ def speed_reading_01mmps(speed_mps: float, noise_mps: float, wheel_factor: float
     return round(counts * lsb_mps * 1e4) if counts > 0 else 0
 
 
-@compilable
 def odometer_reading_mm(position_m: float, wheel_factor: float, lsb_m: float) -> int:
     """Odometer at a true position, in mm, to its resolution."""
     return round(round(position_m * wheel_factor / lsb_m) * lsb_m * 1000)
@@ -62,3 +60,6 @@ class AxleSensors:
     def odometer_between_mm(self, position_m: float) -> int:
         """Odometer at a true position, in mm, interpolated between its counts as a balise reader does."""
         return round(position_m * self.sensors.wheel_factor * 1000)
+
+
+compilable_functions(speed_reading_01mmps, odometer_reading_mm)

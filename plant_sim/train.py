@@ -9,6 +9,7 @@ from railhil.bus.codes import WatchCause
 from railhil.bus.layout import Telegram
 from railhil.bus.safe_telegrams import NotchSdt
 from railhil.bus.telegrams import CtlStat, NotchCmd
+from railhil.common.mypyc import mypyc_attr
 from railhil.plant_sim.command_watch import CommandWatchState
 from railhil.plant_sim.gate import CommandGate
 from railhil.plant_sim.plant import NOTCH_LSB_PER_NOTCH, Plant
@@ -19,6 +20,7 @@ from railhil.scenarios.model import Scenario
 from railhil.scenarios.perturb import perturbed
 
 
+@mypyc_attr(allow_interpreted_subclasses=True)
 class TrainOnBus(Plant):
     """See :class:`railhil.plant_sim.any_plant.AnyPlant`.
 

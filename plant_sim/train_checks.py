@@ -24,7 +24,8 @@ from math import exp, inf
 from typing import NamedTuple
 
 from railhil.bus.codes import WatchCause
-from railhil.common.compilable import compilable, compilable_aside, larger, smaller
+from railhil.common.compilable import compilable_functions, larger, smaller
+from railhil.common.mypyc import mypyc_attr
 from railhil.plant_sim.dynamics import Motion
 from railhil.plant_sim.forces import TrainConstants, effort_limit_n
 from railhil.scenarios.model import Scenario
@@ -91,7 +92,6 @@ def slow_decay(checks: TrainChecks, pole_per_s: float, tick_s: float) -> float:
     return exp(-SLOWEST * pole_per_s * tick_s * checks.look_ticks)
 
 
-@compilable
 def is_beyond_authority(checks: TrainChecks, position_m: float, speed_mps: float) -> bool:
     """True when the train is moving and can no longer stop before the end of its authority as planned."""
     return speed_mps > 0.0 and speed_mps * speed_mps > 2.0 * checks.end_braking_mps2 * larger(
@@ -99,7 +99,6 @@ def is_beyond_authority(checks: TrainChecks, position_m: float, speed_mps: float
     )
 
 
-@compilable_aside
 def forces_step(
     checks: TrainChecks,
     constants: TrainConstants,
@@ -131,18 +130,17 @@ def forces_step(
     return ForceState(left_n, running, floor_n, weak + 1 if missing else 0)
 
 
-@compilable
 def is_running(checks: TrainChecks, state: ForceState) -> bool:
     """True when the train has traction that nobody demands."""
     return state.running_looks > checks.running_looks
 
 
-@compilable
 def is_weak(checks: TrainChecks, state: ForceState) -> bool:
     """True when the brake does not answer."""
     return state.weak_looks > checks.weak_looks
 
 
+@mypyc_attr(allow_interpreted_subclasses=True)
 class OwnChecks:
     """The checks of one train, tick by tick.
 
@@ -189,3 +187,7 @@ class OwnChecks:
         if self._has_end and is_beyond_authority(checks, position_m, speed_mps):
             return WatchCause.END_OF_AUTHORITY
         return _NOTHING
+
+
+compilable_functions(is_beyond_authority, is_running, is_weak)
+compilable_functions(forces_step, aside=True)

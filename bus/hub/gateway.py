@@ -59,10 +59,9 @@ class BusPort(SwitchPort):
     :raises BusUnavailable: the bus cannot be opened.
     """
 
-    is_client = False
-
     def __init__(self, spec: PortSpec, *, lossless: bool, report: Callable[[str], None]) -> None:
         super().__init__(f"port {spec.transport}")
+        self.is_client = False
         self.is_member = True
         self.counters: Counter[str] = Counter()
         #: Counters of links that had to be replaced.

@@ -12,6 +12,7 @@ from collections import deque
 
 from railhil.bus.hub.coalesce import Coalescer
 from railhil.bus.hub.wire import MAX_PACKET_SIZE
+from railhil.common.mypyc import mypyc_attr
 
 #: Overhead of a queued packet in addition to its bytes: the bytes object and its place in the queue.
 QUEUED_PACKET_OVERHEAD_BYTES = 48
@@ -28,6 +29,7 @@ class PortFault(Exception):
     """The peer must be disconnected; the text says why, in one line."""
 
 
+@mypyc_attr(allow_interpreted_subclasses=True)
 class SwitchPort(ABC):
     """One port of the switch.
 
@@ -36,11 +38,10 @@ class SwitchPort(ABC):
     :meth:`flush` even if the port is not reported writable (monotonic clock); None: not at all.
     """
 
-    #: A client comes and goes by itself; a bus given on the command line does not.
-    is_client = True
-
     def __init__(self, name: str) -> None:
         self.name = name
+        #: A client comes and goes by itself; a bus given on the command line does not.
+        self.is_client = True
         self.is_member = False
         self.receive_own = False
         #: Which node of a bench the client is, and whether it is informed about the others.

@@ -135,7 +135,6 @@ class _Signals:
     """SIGTERM, SIGINT and SIGHUP end the hub, SIGUSR1 makes it report, from the very start (main thread only)."""
 
     def __init__(self) -> None:
-        self._switch: Switch | None = None
         self._is_stopped = False
         self._may_interrupt = False
         self._previous: dict[int, Any] = {}
@@ -164,22 +163,25 @@ class _Signals:
 
     @contextlib.contextmanager
     def sent_to(self, switch: Switch) -> Iterator[None]:
-        """Pass the signals to the switch during the block."""
-        self._switch = switch
+        """Pass the signals to the switch during the block.
+
+        By its descriptor, because a compiled loop goes to sleep without a look for signals.
+        """
+        if not self._previous:
+            yield
+            return
+        before = signal.set_wakeup_fd(switch.wake_fd, warn_on_full_buffer=False)
         if self._is_stopped:
             switch.stop()
         try:
             yield
         finally:
-            self._switch = None
+            signal.set_wakeup_fd(before)
 
     def _stop(self, *_: object) -> None:
         self._is_stopped = True
-        if self._switch is not None:
-            self._switch.stop()
-        elif self._may_interrupt:
+        if self._may_interrupt:
             raise _StoppedAtStart
 
     def _tell(self, *_: object) -> None:
-        if self._switch is not None:
-            self._switch.tell()
+        """Only a running switch has something to tell, and its descriptor has told it."""

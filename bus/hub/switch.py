@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 import select
+import signal
 import socket
 import time
 from collections.abc import Callable, Sequence
@@ -20,11 +21,12 @@ from railhil.bus.hub.membership import READ, WRITE, Membership
 from railhil.bus.hub.model import WireModel
 from railhil.bus.hub.ports import PortClosed, PortFault, SwitchPort
 from railhil.bus.hub.wire import NOTICE_LENGTH_BIT, fault_of
+from railhil.common.exit_codes import ending_signals
 
 #: How long a stopped hub continues to deliver packets that it has already taken.
 DRAIN_TIMEOUT_S = 1.0
 _DRAIN_LOOK_S = 0.005
-_STOP, _TELL = b"s", b"t"
+_STOP = b"s"
 _READ_EVENTS = select.EPOLLIN | select.EPOLLHUP | select.EPOLLERR
 
 
@@ -73,13 +75,14 @@ class Switch:
         self._delivery = Delivery(self._all, model, disturbance)
         self._carry = self._delivery.carry
 
+    @property
+    def wake_fd(self) -> int:
+        """For :func:`signal.set_wakeup_fd`: an ending signal ends the loop, and SIGUSR1 lets it report its counters."""
+        return self._wake_write
+
     def stop(self) -> None:
         """End the loop; may be called from another thread or a signal handler."""
         os.write(self._wake_write, _STOP)
-
-    def tell(self) -> None:
-        """Let the loop report the counters of its ports; may be called as :meth:`stop`."""
-        os.write(self._wake_write, _TELL)
 
     def report_statistics(self) -> None:
         """One line for each port that has counters."""
@@ -205,9 +208,9 @@ class Switch:
 
     def _wake(self) -> None:
         asked = os.read(self._wake_read, 64)
-        if _TELL in asked:
+        if signal.SIGUSR1 in asked:
             self.report_statistics()
-        self._stopping = self._stopping or _STOP in asked
+        self._stopping = self._stopping or _STOP in asked or any(number in asked for number in ending_signals())
 
     def _drain(self) -> None:
         """Carry packets that clients sent before the stop and deliver backlogs, within :data:`DRAIN_TIMEOUT_S`."""

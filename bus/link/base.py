@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, ClassVar, Protocol
 from railhil.bus.errors import BusLost
 from railhil.bus.frame import Frame
 from railhil.bus.sent import SentFrames
+from railhil.common.mypyc import mypyc_attr
 from railhil.common.patience import Lifelines
 
 if TYPE_CHECKING:
@@ -60,6 +61,7 @@ class Endpoint(Protocol):
         """Leave the bus."""
 
 
+@mypyc_attr(allow_interpreted_subclasses=True)
 class Link(ABC):
     """:class:`Endpoint` on a python-can bus, or on the hub.
 

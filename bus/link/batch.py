@@ -14,11 +14,13 @@ from railhil.bus.link.base import Link
 from railhil.bus.link.errorframe import BUS_OFF, describe
 from railhil.bus.link.outage import TIMEOUTS, Timeouts
 from railhil.bus.wallclock import WallClock
+from railhil.common.mypyc import mypyc_attr
 
 #: Interval between two looks whether a full transmit queue has room again.
 _LOOK_S = 0.0005
 
 
+@mypyc_attr(allow_interpreted_subclasses=True)
 class BatchLink(Link):
     """:class:`~railhil.bus.link.base.Link` on an interface with ``send_frames``, ``offer_frames``, ``recv_frames`` and
     ``notices``.

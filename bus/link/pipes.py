@@ -26,6 +26,7 @@ from railhil.bus.link.base import Link
 from railhil.bus.mvb import F_DEVICE_STATUS, master_frame
 from railhil.bus.select import PIPES
 from railhil.bus.telegrams import SupCmd
+from railhil.common.mypyc import mypyc_attr
 from railhil.common.patience import PATIENCE_S
 from railhil.dbc import wire_contract
 
@@ -142,6 +143,7 @@ class _NoBus:
         """Nothing beside the descriptors."""
 
 
+@mypyc_attr(allow_interpreted_subclasses=True)
 class PipeLink(Link):
     """:class:`~railhil.bus.link.base.Link` of one node on the pipes of its run; classic frames, lockstep only.
 

@@ -18,6 +18,7 @@ from railhil.bus.link.base import Link
 from railhil.bus.link.errorframe import BUS_OFF, RESTARTED, describe
 from railhil.bus.link.outage import TIMEOUTS, Outage, Timeouts
 from railhil.bus.wallclock import WallClock
+from railhil.common.mypyc import mypyc_attr
 
 #: Interval between attempts while the transmit queue is full (ENOBUFS), which python-can raises at once.
 _SEND_RETRY_S = 0.0005
@@ -26,6 +27,7 @@ _SEND_TIMEOUT_S = 0.005
 _FULL = (errno.ENOBUFS, errno.EAGAIN)
 
 
+@mypyc_attr(allow_interpreted_subclasses=True)
 class SingleLink(Link):
     """:class:`~railhil.bus.link.base.Link` on an interface that sends and receives single frames.
 

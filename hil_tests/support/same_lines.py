@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 import tempfile
+from collections.abc import Mapping
 from pathlib import Path
 from subprocess import PIPE, Popen
 
@@ -12,6 +13,8 @@ from railhil.machines import debian
 
 #: Prints the hashes of every law; needs only an installed railhil.
 HASHES = str(ROOT / "hil_tests" / "hashes.py")
+#: Prints what users do; needs the distributions that it names, too.
+USES = str(ROOT / "hil_tests" / "uses.py")
 
 
 def wheel(folder: Path, variables: dict[str, str] | None = None) -> Path:
@@ -24,10 +27,20 @@ def wheel(folder: Path, variables: dict[str, str] | None = None) -> Path:
     return next(folder.glob("*.whl"))
 
 
-def differences(there: Popen[str], what: str, words: list[str]) -> int:
-    """Compare what the other process prints with what this Python prints for ``HASHES``; returns the exit code."""
+def differences(
+    there: Popen[str],
+    what: str,
+    words: list[str],
+    *,
+    program: str = HASHES,
+    environment: Mapping[str, str] | None = None,
+) -> int:
+    """Compare what the other process prints with what this Python prints for ``program``; returns the exit code.
+
+    :param environment: of this Python; None: that of this process.
+    """
     equal = different = 0
-    with there, Popen([sys.executable, HASHES, *words], stdout=PIPE, text=True) as here:
+    with there, Popen([sys.executable, program, *words], env=environment, stdout=PIPE, text=True) as here:
         assert there.stdout is not None
         assert here.stdout is not None
         for ours, theirs in zip(here.stdout, there.stdout, strict=True):

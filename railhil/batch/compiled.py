@@ -1,7 +1,7 @@
 """Registers the functions shared by bench and batch with numba, and caches the machine code.
 
 A function marked in :mod:`railhil.common.compilable` is compiled in place when a compiled loop calls it by its own
-name, which numba's ``register_jitable`` allows. A compiled function computes the same bits as the interpreted one: no
+name, which numba's ``overload`` allows. A compiled function computes the same bits as the interpreted one: no
 fast maths, no fused products, and the same ``exp`` and ``log`` of the C library.
 """
 
@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from railhil.common import compilable
-from railhil.common.compilable import F
+from railhil.common.compilable import F, interpreted, source_of
 from railhil.common.extras import missing
 
 # Importing them registers their marked functions with numba.
@@ -33,7 +33,7 @@ from railhil.supervisor import measures
 
 try:
     import numba
-    from numba.extending import overload, register_jitable
+    from numba.extending import overload
 except ImportError as error:
     raise missing("batch", error, "campaign") from None
 
@@ -52,10 +52,16 @@ aside: Callable[[F], F] = numba.njit(**_ASIDE)
 side_by_side: Callable[[F], F] = numba.njit(error_model="numpy", **_ASIDE)
 side_by_side_part: Callable[[F], F] = numba.njit(error_model="numpy", **_INLINE)
 
-for _function in compilable.INLINE:
-    register_jitable(**_INLINE)(_function)
-for _function in compilable.ASIDE:
-    register_jitable(**_ASIDE)(_function)
+
+def _as_marked(function: Callable[..., Any]) -> Callable[..., Any]:
+    """What numba's ``register_jitable`` makes of a function, also for one that is compiled already."""
+    source = interpreted(function)
+    return lambda *given: source
+
+
+for _functions, _options in ((compilable.INLINE, _INLINE), (compilable.ASIDE, _ASIDE)):
+    for _function in _functions:
+        overload(_function, jit_options=_options, strict=False)(_as_marked(_function))
 
 
 def _bisect_right(values: Any, value: Any) -> Callable[..., int]:
@@ -121,8 +127,8 @@ def cached(*sources: str) -> Callable[[Callable[..., Any]], Any]:
         stopping_brake,
     )
     modules = (*plant, target, measures, compilable)
-    for path in (__file__, *(str(module.__file__) for module in modules), *sources):
-        digest.update(Path(path).read_bytes())
+    for path in (Path(__file__), *map(source_of, modules), *map(Path, sources)):
+        digest.update(path.read_bytes())
     home = os.environ.get("NUMBA_CACHE_DIR") or os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
     folder = Path(home) / "railhil" / f"batch-{digest.hexdigest()[:16]}"
     try:

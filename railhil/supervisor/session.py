@@ -21,6 +21,7 @@ from railhil.bus.mvb import F_DEVICE_STATUS, master_frame
 from railhil.bus.responder import Reading, Responder
 from railhil.bus.schedule import Schedule
 from railhil.bus.telegrams import RunEvent, SupCmd, TimeSync
+from railhil.common.mypyc import mypyc_attr
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import system_named
@@ -30,6 +31,7 @@ from railhil.supervisor.senders import Strangers
 from railhil.supervisor.truth_clock import TruthClock
 
 
+@mypyc_attr(allow_interpreted_subclasses=True)
 class Session:
     """Records one run.
 

@@ -14,6 +14,7 @@ from railhil.bus.frame import ERROR, Frame
 from railhil.bus.ident import Ident
 from railhil.bus.mvb import master_tail, parse_master_frame
 from railhil.bus.store import TrafficStore
+from railhil.common.mypyc import mypyc_attr
 from railhil.dbc import Contract, Signal, wire_contract
 
 FloatArray = npt.NDArray[np.float64]
@@ -47,6 +48,7 @@ class Told(NamedTuple):
         return {"exact": self.exact, "nodes": dict(self.nodes)}
 
 
+@mypyc_attr(allow_interpreted_subclasses=True)
 class Trace:
     """Committed telegrams per port, with the simulation time of each.
 
