@@ -2,27 +2,24 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from railhil.common.errors import InputError, Words, did_you_mean, near_file
-from railhil.scenarios import check, convert, model
+from railhil.scenarios import model
 from railhil.scenarios.blame import blamed
 from railhil.scenarios.canonical import judged_sha256, scenario_sha256
-from railhil.scenarios.envelope import CurveError
 from railhil.scenarios.fault_rows import faults_of_rows
-from railhil.scenarios.generate import fastest_time_s, generate
 from railhil.scenarios.keys import USUAL
 from railhil.scenarios.layers import DATA, Layers, Without, shipped_name, shipped_names, short_name
-from railhil.scenarios.reference import Key, keys
-from railhil.scenarios.schema import FAULT_TAGS, TRAIN_TAGS, ScenarioFile
 from railhil.scenarios.stored import document, scenario_of
 from railhil.scenarios.system import DEFAULT, System, system_named
-from railhil.scenarios.task import ScenarioKind
-from railhil.scenarios.validation import Keys, dotted, validated
+
+if TYPE_CHECKING:
+    from railhil.scenarios.reference import Key
+    from railhil.scenarios.task import ScenarioKind
 
 RUNS = DATA / "runs"
 
@@ -118,9 +115,11 @@ class TrainScenarios:
         self._system = system
 
     def read(self, layers: Layers) -> model.Scenario:
+        # A record's scenario is complete: who reads records needs neither tables of files nor the checks of them.
+        from railhil.scenarios.train_files import read_train_scenario
+
         rows = layers.merged().get("fault", ())
-        parts = _parts(layers)
-        return _build(parts, faults_of_rows(rows, self._system, lambda row: layers.origin("fault", row)))
+        return read_train_scenario(layers, faults_of_rows(rows, self._system, lambda row: layers.origin("fault", row)))
 
     def document(self, scenario: model.Scenario) -> dict[str, Any]:
         return document(scenario)
@@ -133,102 +132,6 @@ class TrainScenarios:
         return judged_sha256(scenario)
 
     def usual_keys(self) -> list[Key]:
+        from railhil.scenarios.reference import keys
+
         return [key for key in keys() if key.name in USUAL]
-
-
-@dataclass(frozen=True, slots=True)
-class Parts:
-    """A scenario file, read and checked except for its target speed curve."""
-
-    file: ScenarioFile
-    train: model.Train
-    line: model.Line
-    refuse: convert.Refuse
-
-
-def read_parts(path: Path) -> Parts:
-    """Files, train and line of a scenario. Raises :class:`InputError`."""
-    return _parts(Layers(path))
-
-
-def _parts(layers: Layers) -> Parts:
-    path = layers.main
-
-    def refuse(keys: Keys, found: object, allowed: str) -> InputError:
-        return InputError(layers.origin(*keys), dotted(keys), found, allowed)
-
-    file = validated(ScenarioFile, layers.merged(), lambda keys: layers.origin(*keys), (*TRAIN_TAGS, *FAULT_TAGS))
-    if path.parent == RUNS and file.name != path.stem:
-        raise refuse(("name",), file.name, f"{path.stem}, the name of the file")
-    train = convert.train(file.train, refuse)
-    line, section_m = convert.line(file.line, train.length_m, refuse)
-    check.check_tables(train, line, refuse)
-    if section_m is not None and abs(section_m - file.plan.distance_m) > check.DISTANCE_TOLERANCE_M:
-        raise refuse(("plan", "distance_m"), file.plan.distance_m, f"{section_m:g} m, the distance of the stops")
-    return Parts(file, train, line, refuse)
-
-
-def _build(parts: Parts, faults: tuple[str, ...]) -> model.Scenario:
-    file, refuse = parts.file, parts.refuse
-    timing = convert.timing(file.timing)
-    perturbations = convert.perturbations(file.perturbations)
-    watch = convert.watch(file.watch)
-    check.check_timing(timing, perturbations, refuse)
-    check.check_perturbations(perturbations, refuse)
-    check.check_watch(watch, refuse)
-    curve, running_time_s = _target(parts)
-    target = check.checked_target(curve, refuse)
-    scenario = model.Scenario(
-        name=file.name,
-        title=file.title,
-        train=parts.train,
-        line=parts.line,
-        target=curve,
-        plan=convert.plan(file.plan, running_time_s),
-        timing=timing,
-        sensors=convert.sensors(file.sensors),
-        energy=convert.energy(file.energy),
-        watch=watch,
-        safety=convert.safety(file.safety),
-        perturbations=perturbations,
-        published=tuple(model.PublishedScore.of(row.model_dump()) for row in file.published),
-        assumptions=(*file.train.assumptions, *file.line.assumptions, *file.assumptions),
-        faults=faults,
-    )
-    check.check_run(scenario, target, refuse)
-    check.check_authority(scenario, refuse)
-    return replace(scenario, sha256=scenario_sha256(scenario))
-
-
-def _target(parts: Parts) -> tuple[model.TargetCurve, float]:
-    """The target curve and the running time: from the nodes if they are given, else generated."""
-    table, given_s = parts.file.target, parts.file.plan.running_time_s
-    if table.nodes_s_mps2 is None:
-        return generated_target(parts)
-    if given_s is None:
-        raise parts.refuse(("plan",), Words("no running_time_s"), "running_time_s beside given nodes")
-    return model.TargetCurve(tuple(table.nodes_s_mps2)), given_s
-
-
-def generated_target(parts: Parts) -> tuple[model.TargetCurve, float]:
-    """Curve and running time from ``[target.generate]``; a reserve is rounded up to whole seconds.
-
-    Raises :class:`InputError` when there is no such table or when no curve meets the requirements.
-    """
-    table, plan = parts.file.target.generate, parts.file.plan
-    if table is None:
-        raise parts.refuse(("target",), Words(), "nodes_s_mps2 or a [target.generate] table")
-    limits = convert.curve_limits(table)
-    given_s, reserve = plan.running_time_s, plan.running_time_reserve_percent
-    try:
-        if given_s is None and reserve is not None:
-            fastest_s = fastest_time_s(parts.line, parts.train, plan.distance_m, limits)
-            running_time_s = float(math.ceil(fastest_s * (1 + reserve / 100)))
-        elif given_s is not None and reserve is None:
-            running_time_s = given_s
-        else:
-            found = Words("neither" if given_s is None else "both")
-            raise parts.refuse(("plan",), found, "exactly one of running_time_s and running_time_reserve_percent")
-        return generate(parts.line, parts.train, plan.distance_m, running_time_s, limits), running_time_s
-    except CurveError as error:
-        raise parts.refuse(("target", "generate"), Words(str(error)), "a run that line and train permit") from None

@@ -13,8 +13,9 @@ from pathlib import Path
 
 from railhil.common.errors import InputError, Words
 from railhil.scenarios.layers import DATA
-from railhil.scenarios.load import RUNS, Parts, find, generated_target, read_parts
+from railhil.scenarios.load import RUNS, find
 from railhil.scenarios.model import TargetCurve
+from railhil.scenarios.train_files import Parts, generated_target, read_parts
 
 
 def target_file_text(parts: Parts, curve: TargetCurve) -> str:

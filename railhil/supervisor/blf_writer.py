@@ -7,13 +7,17 @@ Format: ``can/io/blf.py`` of python-can 4.6 (after Toby Lorenz, Vector BLF); a t
 from __future__ import annotations
 
 import zlib
+from collections.abc import Iterator
 from functools import lru_cache
 from pathlib import Path
 from struct import Struct
 from typing import BinaryIO
 
+import numpy as np
+
 from railhil.bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame
-from railhil.supervisor.framelog import read_log
+from railhil.supervisor.framelog import log_parts
+from railhil.supervisor.log_columns import ClassicColumns
 
 #: signature, its size, application (5: python-can) with version, version of the format, file size, uncompressed size,
 #: count of objects, count read, and two SYSTEMTIMEs, which are 0 for a log in simulation time.
@@ -30,8 +34,16 @@ _CLASSIC = Struct(f"{_HEADER}BBL8s")
 _FD = Struct(f"{_HEADER}BBLLBBB5x64s")
 #: length, flags, error code, position, length, frame length, identifier, more flags, data
 _ERROR = Struct(f"{_HEADER}HLBBBxLLH2x8s")
+_CLASSIC_FIELDS = np.dtype(
+    [
+        ("sign", "S4"), ("header", "<u2"), ("version", "<u2"), ("size", "<u4"), ("type", "<u4"), ("flags", "<u4"),
+        ("client", "<u2"), ("object_version", "<u2"), ("since_ns", "<u8"), ("channel", "<u2"), ("mark", "u1"),
+        ("length", "u1"), ("id", "<u4"), ("data", "u1", 8),
+    ]
+)  # fmt: skip
 _CLASSIC_TYPE, _CONTAINER_TYPE, _ERROR_TYPE, _FD_TYPE = 1, 10, 73, 100
 _OBJECT_SIZE, _HEADER_SIZE = Struct(_OBJECT).size, 32
+_CLASSIC_HEAD = (b"LOBJ", _HEADER_SIZE, 1, _CLASSIC.size, _CLASSIC_TYPE)
 _ZLIB = 2
 _TIME_IN_NS = 2
 _CHANNEL = 1
@@ -51,19 +63,47 @@ def write_blf(log: Path, out: Path) -> None:
     with out.open("wb") as stream:
         stream.write(bytes(_FILE.size))
         waiting = bytearray()
-        size, count, start_s = _FILE.size, 0, None
-        for time_ns, frame in read_log(log):
-            if start_s is None:
-                start_s = int(time_ns / 1e9 * 1000) / 1000
-            waiting += _packed(frame, _since_ns(time_ns, start_s))
-            count += 1
-            if len(waiting) >= _CONTAINER_BYTES:
+        size, count = _FILE.size, 0
+        for number, objects in _objects(log):
+            waiting += objects
+            count += number
+            while len(waiting) >= _CONTAINER_BYTES:
                 size += _write_container(stream, waiting)
         while waiting:
             size += _write_container(stream, waiting)
         file_size = stream.tell()
         stream.seek(0)
         stream.write(_FILE.pack(b"LOGG", _FILE.size, 5, 0, 0, 0, 2, 6, 8, 1, file_size, size, count, 0))
+
+
+def _objects(log: Path) -> Iterator[tuple[int, bytes]]:
+    """Count and objects of each part of a log."""
+    start_s = None
+    for part in log_parts(log):
+        if isinstance(part, ClassicColumns):
+            start_s = _start_s(int(part.times_ns[0])) if start_s is None else start_s
+            yield len(part.times_ns), _packed_columns(part, start_s)
+            continue
+        for time_ns, frame in part:
+            start_s = _start_s(time_ns) if start_s is None else start_s
+            yield 1, _packed(frame, _since_ns(time_ns, start_s))
+
+
+def _start_s(time_ns: int) -> float:
+    """Time of the first frame as the file has it, in whole ms."""
+    return int(time_ns / 1e9 * 1000) / 1000
+
+
+def _packed_columns(columns: ClassicColumns, start_s: float) -> bytes:
+    """As :func:`_packed` for each of the frames."""
+    objects = np.zeros(len(columns.times_ns), _CLASSIC_FIELDS)
+    for name, value in zip(("sign", "header", "version", "size", "type"), _CLASSIC_HEAD, strict=True):
+        objects[name] = value
+    objects["flags"] = _TIME_IN_NS
+    objects["since_ns"] = np.maximum(0, ((columns.times_ns / 1e9 - start_s) * 1e9).astype(np.int64))
+    objects["channel"] = _CHANNEL
+    objects["length"], objects["id"], objects["data"] = columns.lengths, columns.can_ids, columns.data
+    return objects.tobytes()
 
 
 @lru_cache(maxsize=4)
@@ -89,8 +129,7 @@ def _packed(frame: Frame, since_ns: int) -> bytes:
         code, fd_flags = _FD_CODES[length], 3 if flags & BRS else 1
         return _FD.pack(*head, mark, code, can_id, 0, 0, fd_flags, len(data), data)
     return _CLASSIC.pack(
-        b"LOBJ", _HEADER_SIZE, 1, _CLASSIC.size, _CLASSIC_TYPE, _TIME_IN_NS, 0, 0, since_ns, _CHANNEL, mark, length,
-        can_id, data,
+        *_CLASSIC_HEAD, _TIME_IN_NS, 0, 0, since_ns, _CHANNEL, mark, length, can_id, data,
     )  # fmt: skip
 
 

@@ -10,10 +10,13 @@ import hashlib
 import os
 from collections.abc import Iterator
 from functools import lru_cache
+from io import BytesIO
+from itertools import repeat
 from pathlib import Path
 
 from railhil.bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame, quick_frame
 from railhil.common.errors import InputError
+from railhil.supervisor.log_columns import ClassicColumns, classic_columns
 
 #: Channel name in the log, whatever the transport was.
 CHANNEL = "mvb0"
@@ -26,6 +29,8 @@ _NS_PER_US = 1000
 _TIME_MAX_NS = (1 << 63) - 1
 #: Longest line: 64 bytes of CAN FD in hexadecimal, with time stamp, channel and identifier.
 _LINE_MAX_BYTES = 1024
+#: Of a log, read at once.
+_PART_BYTES = 1 << 20
 BLF_SUFFIX = ".blf"
 #: Standard identifiers as formatted in the log.
 _STANDARD = tuple(f"{can_id:03X}#" for can_id in range(0x800))
@@ -119,26 +124,52 @@ def read_log(path: Path) -> Iterator[tuple[int, Frame]]:
     return read_blf(path)
 
 
-def _read_candump(path: Path) -> Iterator[tuple[int, Frame]]:
+def log_parts(path: Path) -> Iterator[ClassicColumns | Iterator[tuple[int, Frame]]]:
+    """The frames of a candump log in parts: as columns, or one by one where they are not all alike.
+
+    :raises InputError: as :func:`read_log`, also while such a part is read.
+    """
     try:
-        stream = path.open(encoding="ascii", newline="\n")
+        stream = path.open("rb")
     except OSError as error:
         raise InputError(path, "file", error.strerror or str(error), "a readable candump log") from error
     with stream:
         number = 0
-        try:
-            for number, line in enumerate(stream, 1):
-                if not line.endswith("\n"):
-                    raise InputError(path, f"line {number}", line, "whole lines (the file is cut off)")
-                try:
-                    yield parsed_line(line)
-                except (ValueError, IndexError):
-                    allowed = "candump lines, (seconds.micros) channel id#data"
-                    raise InputError(path, f"line {number}", line.rstrip("\n"), allowed) from None
-        except UnicodeDecodeError as error:
-            raise InputError(path, f"after line {number}", error.object[:16], "a candump log (text)") from error
+        while part := stream.read(_PART_BYTES):
+            part += stream.readline()
+            columns = classic_columns(part, CHANNEL)
+            yield _one_by_one(path, part, number) if columns is None else columns
+            number += part.count(b"\n")
         if number == 0:
             raise InputError(path, "file", "", "a candump log with at least one frame")
+
+
+def _read_candump(path: Path) -> Iterator[tuple[int, Frame]]:
+    for part in log_parts(path):
+        if not isinstance(part, ClassicColumns):
+            yield from part
+            continue
+        block = part.data.tobytes()
+        starts = range(0, len(block), 8)
+        data = [block[start : start + size] for start, size in zip(starts, part.lengths.tolist(), strict=True)]
+        frames = map(quick_frame, zip(part.can_ids.tolist(), data, repeat(0)))
+        yield from zip(part.times_ns.tolist(), frames, strict=True)
+
+
+def _one_by_one(path: Path, part: bytes, before: int) -> Iterator[tuple[int, Frame]]:
+    """Frames of lines of a log, after ``before`` others."""
+    for number, content in enumerate(BytesIO(part), before + 1):
+        try:
+            line = content.decode("ascii")
+        except UnicodeDecodeError as error:
+            raise InputError(path, f"after line {number - 1}", content[:16], "a candump log (text)") from error
+        if not line.endswith("\n"):
+            raise InputError(path, f"line {number}", line, "whole lines (the file is cut off)")
+        try:
+            yield parsed_line(line)
+        except (ValueError, IndexError):
+            allowed = "candump lines, (seconds.micros) channel id#data"
+            raise InputError(path, f"line {number}", line.rstrip("\n"), allowed) from None
 
 
 @lru_cache(maxsize=4)

@@ -1,0 +1,118 @@
+"""Scenario files of ``ato``: read, checked, and with their target speed curve."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from railhil.common.errors import InputError, Words
+from railhil.scenarios import check, convert, model
+from railhil.scenarios.canonical import scenario_sha256
+from railhil.scenarios.envelope import CurveError
+from railhil.scenarios.generate import fastest_time_s, generate
+from railhil.scenarios.layers import DATA, Layers
+from railhil.scenarios.schema import FAULT_TAGS, TRAIN_TAGS, ScenarioFile
+from railhil.scenarios.validation import Keys, dotted, validated
+
+_RUNS = DATA / "runs"
+
+
+@dataclass(frozen=True, slots=True)
+class Parts:
+    """A scenario file, read and checked except for its target speed curve."""
+
+    file: ScenarioFile
+    train: model.Train
+    line: model.Line
+    refuse: convert.Refuse
+
+
+def read_parts(path: Path) -> Parts:
+    """Files, train and line of a scenario. Raises :class:`InputError`."""
+    return _parts(Layers(path))
+
+
+def _parts(layers: Layers) -> Parts:
+    path = layers.main
+
+    def refuse(keys: Keys, found: object, allowed: str) -> InputError:
+        return InputError(layers.origin(*keys), dotted(keys), found, allowed)
+
+    file = validated(ScenarioFile, layers.merged(), lambda keys: layers.origin(*keys), (*TRAIN_TAGS, *FAULT_TAGS))
+    if path.parent == _RUNS and file.name != path.stem:
+        raise refuse(("name",), file.name, f"{path.stem}, the name of the file")
+    train = convert.train(file.train, refuse)
+    line, section_m = convert.line(file.line, train.length_m, refuse)
+    check.check_tables(train, line, refuse)
+    if section_m is not None and abs(section_m - file.plan.distance_m) > check.DISTANCE_TOLERANCE_M:
+        raise refuse(("plan", "distance_m"), file.plan.distance_m, f"{section_m:g} m, the distance of the stops")
+    return Parts(file, train, line, refuse)
+
+
+def read_train_scenario(layers: Layers, faults: tuple[str, ...]) -> model.Scenario:
+    """The scenario of a file with its base files and these faults. Raises :class:`InputError`."""
+    parts = _parts(layers)
+    file, refuse = parts.file, parts.refuse
+    timing = convert.timing(file.timing)
+    perturbations = convert.perturbations(file.perturbations)
+    watch = convert.watch(file.watch)
+    check.check_timing(timing, perturbations, refuse)
+    check.check_perturbations(perturbations, refuse)
+    check.check_watch(watch, refuse)
+    curve, running_time_s = _target(parts)
+    target = check.checked_target(curve, refuse)
+    scenario = model.Scenario(
+        name=file.name,
+        title=file.title,
+        train=parts.train,
+        line=parts.line,
+        target=curve,
+        plan=convert.plan(file.plan, running_time_s),
+        timing=timing,
+        sensors=convert.sensors(file.sensors),
+        energy=convert.energy(file.energy),
+        watch=watch,
+        safety=convert.safety(file.safety),
+        perturbations=perturbations,
+        published=tuple(model.PublishedScore.of(row.model_dump()) for row in file.published),
+        assumptions=(*file.train.assumptions, *file.line.assumptions, *file.assumptions),
+        faults=faults,
+    )
+    check.check_run(scenario, target, refuse)
+    check.check_authority(scenario, refuse)
+    return replace(scenario, sha256=scenario_sha256(scenario))
+
+
+def _target(parts: Parts) -> tuple[model.TargetCurve, float]:
+    """The target curve and the running time: from the nodes if they are given, else generated."""
+    table, given_s = parts.file.target, parts.file.plan.running_time_s
+    if table.nodes_s_mps2 is None:
+        return generated_target(parts)
+    if given_s is None:
+        raise parts.refuse(("plan",), Words("no running_time_s"), "running_time_s beside given nodes")
+    return model.TargetCurve(tuple(table.nodes_s_mps2)), given_s
+
+
+def generated_target(parts: Parts) -> tuple[model.TargetCurve, float]:
+    """Curve and running time from ``[target.generate]``; a reserve is rounded up to whole seconds.
+
+    Raises :class:`InputError` when there is no such table or when no curve meets the requirements.
+    """
+    table, plan = parts.file.target.generate, parts.file.plan
+    if table is None:
+        raise parts.refuse(("target",), Words(), "nodes_s_mps2 or a [target.generate] table")
+    limits = convert.curve_limits(table)
+    given_s, reserve = plan.running_time_s, plan.running_time_reserve_percent
+    try:
+        if given_s is None and reserve is not None:
+            fastest_s = fastest_time_s(parts.line, parts.train, plan.distance_m, limits)
+            running_time_s = float(math.ceil(fastest_s * (1 + reserve / 100)))
+        elif given_s is not None and reserve is None:
+            running_time_s = given_s
+        else:
+            found = Words("neither" if given_s is None else "both")
+            raise parts.refuse(("plan",), found, "exactly one of running_time_s and running_time_reserve_percent")
+        return generate(parts.line, parts.train, plan.distance_m, running_time_s, limits), running_time_s
+    except CurveError as error:
+        raise parts.refuse(("target", "generate"), Words(str(error)), "a run that line and train permit") from None
