@@ -71,6 +71,15 @@ again() {
     echo "SCENARIO='$SCENARIO' CONTROLLER=$CONTROLLER ARITHMETIC=$ARITHMETIC SEED=$SEED PACE=$PACE RATE=$RATE $started"
 }
 
+# The law that runs where none is chosen: that of the scenario's system, whose notes the panel then names. Nothing for a
+# scenario that cannot be loaded, which the panel itself reports.
+usual_law() {
+    python3 -c 'import sys
+from railhil.scenarios.load import load_any
+from railhil.scenarios.system import system_named
+print(system_named(load_any(sys.argv[1]).system).law)' "$SCENARIO" 2>/dev/null || true
+}
+
 # Flags of the pace. The default rate belongs to no pace; another one is passed on, and refused in lockstep.
 pacing() {
     echo --pace "$PACE"
@@ -131,8 +140,8 @@ plant)
     ;;
 controller)
     read_bus
-    run railhil node controller "$SCENARIO" --controller "$CONTROLLER" --arithmetic "$ARITHMETIC" \
-        --patience "$PATIENCE" --realtime-priority "$(priority 40)" -i "$interface" -c "$channel"
+    run railhil node controller "$SCENARIO" ${CONTROLLER:+--controller "$CONTROLLER"} \
+        ${ARITHMETIC:+--arithmetic "$ARITHMETIC"} --patience "$PATIENCE" --realtime-priority "$(priority 40)" -i "$interface" -c "$channel"
     [ $code -eq 0 ] || say "ended with $code"
     end_with_verdict $code
     ;;
@@ -141,8 +150,9 @@ supervisor)
     await results || refused
     # The run folder's default name is below ./runs, which is /runs from here.
     cd /
-    run railhil run "$SCENARIO" --attach --controller "$CONTROLLER" --arithmetic "$ARITHMETIC" \
-        --seed "$SEED" $(pacing) --appear-timeout "$START_TIMEOUT" --patience "$PATIENCE" --rerun-command "$(again)" --quiet \
+    run railhil run "$SCENARIO" --attach ${CONTROLLER:+--controller "$CONTROLLER"} \
+        ${ARITHMETIC:+--arithmetic "$ARITHMETIC"} --seed "$SEED" $(pacing) --appear-timeout "$START_TIMEOUT" \
+        --patience "$PATIENCE" --rerun-command "$(again)" --quiet \
         ${OPERATOR:+--operator "$OPERATOR"} ${WAIT:+--wait} -i "$interface" -c "$channel"
     echo $code | leave verdict
     exit $code
@@ -163,8 +173,9 @@ results)
     ;;
 panel)
     read_bus
-    railhil panel "$SCENARIO" --controller "$CONTROLLER" --socket /bus/panel.sock --public-port "$PANEL_PORT" \
-        --operator /bus/operator.sock -i "$interface" -c "$channel" &
+    law=${CONTROLLER:-$(usual_law)}
+    railhil panel "$SCENARIO" ${law:+--controller "$law"} --socket /bus/panel.sock \
+        --public-port "$PANEL_PORT" --operator /bus/operator.sock -i "$interface" -c "$channel" &
     end_with_verdict
     ;;
 door)

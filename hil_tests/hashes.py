@@ -1,8 +1,8 @@
 """SHA-256 of the frame logs of every law in every arithmetic, to compare builds, Pythons and processors.
 
-``python hil_tests/hashes.py [SYSTEM ...]`` needs only an installed railhil and prints one line for each run: scenario,
-law, arithmetic, seed, SHA-256, or why the law refuses that arithmetic. Two machines agree if they print the same text.
-All runs are made in this process (``--bus local``).
+``python hil_tests/hashes.py [--law LAW] [SYSTEM ...]`` needs only an installed railhil and prints one line for
+each run: scenario, law, arithmetic, seed, SHA-256, or why the law refuses that arithmetic. Two machines agree if they
+print the same text. All runs are made in this process (``--bus local``).
 """
 
 from __future__ import annotations
@@ -52,11 +52,12 @@ RUNS = (
 )
 
 
-def lines(systems: Sequence[str] = ()) -> Iterator[str]:
-    """One line for each run; of these systems only, if any are named."""
+def lines(systems: Sequence[str] = (), law_only: str | None = None) -> Iterator[str]:
+    """One line for each run; of these systems and of this law only, if any are named."""
     for run in RUNS:
         if not systems or run.system in systems:
-            for law in system_named(run.system).law_names():
+            laws = system_named(run.system).law_names()
+            for law in laws if law_only is None else [law for law in laws if law == law_only]:
                 for arithmetic in arithmetics.names():
                     yield run.line(law, arithmetic)
 
@@ -65,7 +66,9 @@ def main() -> int:
     """Print the lines."""
     parser = argparse.ArgumentParser(prog="python hil_tests/hashes.py", description=__doc__.splitlines()[0])
     parser.add_argument("systems", nargs="*", metavar="SYSTEM", help="only the runs of these systems")
-    for line in lines(parser.parse_args().systems):
+    parser.add_argument("--law", help="only the runs of this law")
+    options = parser.parse_args()
+    for line in lines(options.systems, options.law):
         print(line, flush=True)
     return 0
 

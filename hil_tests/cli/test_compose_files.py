@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import os
 import re
+import subprocess
+import sys
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -11,6 +15,7 @@ import yaml
 
 from hil_tests.support.paths import ROOT
 from railhil.scenarios.run_spec import RunSpec
+from railhil.scenarios.system import system_named
 
 _FILES = sorted(path.name for path in ROOT.glob("docker-compose*.yml"))
 
@@ -47,13 +52,65 @@ def test_defaults_are_those_of_the_command() -> None:
     run = RunSpec()
     assert said == said | {
         "SCENARIO": f"${{SCENARIO:-{run.scenario}}}",
-        "CONTROLLER": f"${{CONTROLLER:-{run.law.controller}}}",
-        "ARITHMETIC": f"${{ARITHMETIC:-{run.law.arithmetic}}}",
         "SEED": f"${{SEED:-{run.seed}}}",
         "PACE": f"${{PACE:-{run.pace}}}",
         "PATIENCE": f"${{PATIENCE:-{run.patience_s:g}}}",
         "RATE": f"${{RATE:-{run.rate:g}}}",
     }
+
+
+def test_law_and_arithmetic_are_left_to_the_system_unless_they_are_chosen() -> None:
+    """Not every system has the fixed point, and each has laws of its own."""
+    for name in ("docker-compose.yml", "docker-compose.panel.yml"):
+        file = compose_file(name)
+        for service in [file["x-bench"], *file["services"].values()]:
+            said = service.get("environment", {})
+            assert {said.get(key, f"${{{key}:-}}") for key in ("CONTROLLER", "ARITHMETIC")} == {
+                "${CONTROLLER:-}", "${ARITHMETIC:-}",
+            }  # fmt: skip
+
+
+def role_words(role: str, folder: Path, scenario: str, **chosen: str) -> list[str]:
+    """What a role of docker/bench.sh starts railhil with, on a volume that is ``folder``."""
+    for name in ("can", "results", "verdict"):
+        (folder / name).write_text("socketcan\nvcan0\ndocker compose up\n")
+    stub = folder / "bin"
+    stub.mkdir()
+    (stub / "railhil").write_text(
+        f"#!/bin/sh\nprintf '%s\\n' \"$@\" >{folder}/words.part; mv {folder}/words.part {folder}/words\n"
+    )
+    # Waits until the words of a command in the background are there.
+    (stub / "sleep").write_text(f"#!/bin/sh\nuntil [ -e {folder}/words ]; do /bin/sleep 0.05; done\n")
+    (stub / "python3").write_text(f'#!/bin/sh\nexec {sys.executable} "$@"\n')
+    for name in ("railhil", "sleep", "python3"):
+        (stub / name).chmod(0o755)
+    text = (ROOT / "docker" / "bench.sh").read_text().replace("/bus/", f"{folder}/").replace("    cd /\n", "")
+    environment = {
+        "SCENARIO": scenario, "CONTROLLER": "", "ARITHMETIC": "", "SEED": "0", "PACE": "lockstep", "RATE": "1",
+        "START_TIMEOUT": "1", "PATIENCE": "60", "PANEL_PORT": "8765", "PYTHONPATH": str(ROOT), **chosen,
+    }  # fmt: skip
+    done = subprocess.run(
+        ["sh", "-s", role], input=text, capture_output=True, text=True, timeout=60, check=False, cwd=folder,
+        env={**environment, "PATH": f"{stub}:{os.environ['PATH']}"},
+    )  # fmt: skip
+    assert done.returncode == 0, done.stdout + done.stderr
+    return (folder / "words").read_text().splitlines()
+
+
+@pytest.mark.parametrize("role", ["controller", "supervisor"])
+def test_nodes_are_told_law_and_arithmetic_when_they_are_chosen(role: str, tmp_path: Path) -> None:
+    for name in ("left", "chosen"):
+        (tmp_path / name).mkdir()
+    left = role_words(role, tmp_path / "left", "jinan_xuzhou")
+    assert not {"--controller", "--arithmetic"} & set(left)
+    chosen = role_words(role, tmp_path / "chosen", "lvshun_tieshan", CONTROLLER="tdmc", ARITHMETIC="float32")
+    assert "--controller tdmc --arithmetic float32" in " ".join(chosen)
+
+
+@pytest.mark.slow
+def test_the_panel_names_the_notes_of_the_law_of_the_system(tmp_path: Path) -> None:
+    words = role_words("panel", tmp_path, "jinan_xuzhou")
+    assert words[words.index("--controller") + 1] == system_named("hst1").law
 
 
 def test_the_volume_between_the_containers_knows_no_user() -> None:

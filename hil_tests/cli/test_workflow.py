@@ -7,6 +7,7 @@ import os
 import re
 import subprocess
 import sys
+import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -109,6 +110,11 @@ def test_bench_step_leaves_a_report_and_a_summary(tmp_path):
     assert "PASS" in (tmp_path / "summary.md").read_text()
 
 
+def test_bench_step_leaves_law_and_arithmetic_to_the_system() -> None:
+    inputs = workflow("bench.yml")[True]["workflow_call"]["inputs"]
+    assert {inputs[name]["default"] for name in ("controller", "arithmetic")} == {""}
+
+
 @pytest.mark.parametrize(("name", "value"), [("scenario", "$(touch broken)"), ("parameters", "none.toml")])
 def test_bench_step_fails_when_the_run_does(tmp_path, name, value):
     done = bench_step(tmp_path, **{"scenario": str(_SHORT), name: value})
@@ -135,6 +141,16 @@ def test_a_lock_file_names_all_that_the_project_needs(name: str, version: str) -
     for line in locks.requirements(locks.LOCKS[name][0]):
         wanted = Requirement(line)
         assert found[canonicalize_name(wanted.name)] in wanted.specifier, line
+
+
+def test_no_extra_needs_what_no_lock_file_has() -> None:
+    """Also those extras that no workflow installs by their name: their libraries are needed by the tests."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    lines = [line for extra in project["optional-dependencies"].values() for line in extra]
+    for version in locks.LOCKS["ci"][1]:
+        found = locked_packages(locks.FOLDER / f"ci-{version}.txt")
+        for wanted in map(Requirement, lines):
+            assert found[canonicalize_name(wanted.name)] in wanted.specifier, (version, str(wanted))
 
 
 def test_there_is_a_lock_file_for_each_python_and_no_other() -> None:
