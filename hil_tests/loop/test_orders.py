@@ -16,6 +16,7 @@ from railhil.supervisor.desk import Desk
 from railhil.supervisor.events.derive import events_of
 from railhil.supervisor.events.event import LEVEL
 from railhil.supervisor.framelog import read_log
+from railhil.supervisor.reactions.by_hand import faults_by_hand
 from railhil.supervisor.session import Session
 from railhil.supervisor.trace import trace_of
 
@@ -75,6 +76,30 @@ def test_what_was_ordered_by_hand_makes_the_same_run_again(spec, tmp_path):
     paused = commands.index(SupCommand.NONE)
     times_ns = trace.times_ns(SupCmd.PORT)
     assert times_ns[paused + 1] == times_ns[paused]
+
+
+def test_a_fault_of_the_catalogue_that_is_typed_during_a_run_makes_the_same_run_again(spec, tmp_path):
+    spec = replace(spec, faults=())
+    faults = faults_by_hand(spec.load())
+    # A train of one unit has no second one, and nothing is prepared twice.
+    assert len(set(faults)) == len(faults) > 40
+    spec = replace(spec, faults=faults)
+    presses = {
+        3: [{"do": "fault", "text": "TRN_SPEED loss for 320 ms"}],
+        4: [{"do": "fault", "text": "brake weak 30%"}],
+        12: [{"do": "stop"}],
+    }
+    desk = Desk((), Hands(presses), True, spec.faults)
+    by_hand = made(spec, tmp_path / "hand", desk)
+    number = faults.index("TRN_SPEED loss @manual combine id T3") + 1
+    other = faults.index("brake weak 30% @manual combine id C3a") + 1
+    assert [text.partition(" ")[2] for text in desk.sent] == [
+        f"inject {number}", f"inject {other}", f"clear {number}", "stop"
+    ]  # fmt: skip
+    levels = {event.cause for event in events_of(by_hand.scenario, by_hand.trace) if event.kind == LEVEL}
+    assert "speed_age" in levels
+    again = made(replace(spec, orders=tuple(desk.sent)), tmp_path / "again")
+    assert again.log.path.read_bytes() == by_hand.log.path.read_bytes()
 
 
 @pytest.mark.parametrize(
