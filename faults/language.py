@@ -27,6 +27,7 @@ from railhil.faults.words import NAME, TIME, Parameter, Word, word_of, words_at
 FAULTS_MAX = 255
 _SEED_MAX = 0xFFFF_FFFF
 _TAIL = ("for", "until", "after", "seed", "unit", "units", "combine", "id", "expect")
+_FIRST_OF_TAIL = re.compile(rf"\s(?:{'|'.join(_TAIL)})(?=\s|$)")
 _VERDICTS = ("PASS", "FAIL", "INVALID")
 _EVENT = re.compile(r"[a-z][a-z0-9_]*")
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.\-]*")
@@ -288,6 +289,20 @@ def _check_expect(expect: Expect, complain: Complain) -> None:
         raise complain(expect.level, ", ".join(WATCH_LEVELS), did_you_mean(expect.level, WATCH_LEVELS))
     if expect.detected_by and not _NAME.fullmatch(expect.detected_by):
         raise complain(expect.detected_by, "a cause of the watches")
+
+
+def with_hand(text: str) -> str:
+    """The text with ``@manual`` where a text says when, if it says nothing: before ``for``, ``until``, ..."""
+    if "@" in text or not text.strip():
+        return text
+    found = _FIRST_OF_TAIL.search(text)
+    at = found.start() if found else len(text)
+    return f"{text[:at]} @manual{text[at:]}"
+
+
+def sameness(fault: Fault) -> tuple[object, ...]:
+    """What makes two faults the same but for when they begin and end."""
+    return fault.place, fault.what, tuple(sorted(fault.values.items())), fault.count, fault.after, fault.units
 
 
 def fault_text(fault: Fault, *, judging: bool = True) -> str:

@@ -71,6 +71,7 @@ def run(chromium: Any, tmp_path_factory: pytest.TempPathFactory) -> dict[str, An
         "--panel",
         "0",
         "--wait",
+        "--catalogue",
         "-i",
         "railhil",
         "--no-report",
@@ -103,6 +104,12 @@ def run(chromium: Any, tmp_path_factory: pytest.TempPathFactory) -> dict[str, An
             said(page, "#answer", "✓")
             if selector == "#pause":
                 page.wait_for_selector("#start:enabled", timeout=_WAIT_MS)
+        # During the run: what is prepared, with a duration, and what is not.
+        for text in ("TRN_POS stuck", "TRN_POS loss"):
+            page.fill("#fault", text)
+            page.fill("#lasts", "0.5")
+            page.click("#add:enabled")
+            seen[text] = said(page, "#answer", "TRN_POS")
         page.click("#frames tr[data-id='280']")
         page.wait_for_selector("#raw:visible", timeout=_WAIT_MS)
         said(page, "#events", "emergency")
@@ -121,8 +128,16 @@ def test_every_button_is_a_telegram(run):
     commands, orders = trace.raw(SupCmd.PORT, "SupCommand").tolist(), trace.raw(SupCmd.PORT, "FaultOrder").tolist()
     faults = trace.raw(SupCmd.PORT, "FaultNumber").tolist()
     sent = [(faults[at], order) for at, order in enumerate(orders) if order]
-    # The faults of the run: the emergency button, and the one that was typed.
-    assert sent == [(2, FaultOrder.INJECT), (2, FaultOrder.CLEAR), (1, FaultOrder.INJECT), (1, FaultOrder.CLEAR)]
+    # The faults of the run: the emergency button, the catalogue, and the one that was typed before the start.
+    faults_of_run = RunSpec.from_file(run["folder"] / "certificate.json").faults
+    typed, prepared = len(faults_of_run), faults_of_run.index("TRN_POS loss @manual combine id T4") + 1
+    assert faults_of_run[-1] == "NOTCH_CMD loss @manual combine"
+    assert [(number, order) for number, order in sent if number != prepared] == [
+        (typed, FaultOrder.INJECT), (typed, FaultOrder.CLEAR), (1, FaultOrder.INJECT), (1, FaultOrder.CLEAR)
+    ]  # fmt: skip
+    assert (prepared, FaultOrder.INJECT) in sent
+    assert "not prepared in this run" in run["TRN_POS stuck"]
+    assert run["TRN_POS loss"] == "✓ TRN_POS loss for 0.5s"
     assert commands[0] == SupCommand.START
     assert commands[-2] == SupCommand.STOP
     assert SupCommand.NONE in commands

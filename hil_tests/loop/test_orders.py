@@ -8,12 +8,15 @@ from pathlib import Path
 import pytest
 
 from hil_tests.support.short_runs import RUN_2M_TOML
-from railhil.bus.codes import SupCommand
+from railhil.bus.codes import FaultOrder, SupCommand
 from railhil.bus.telegrams import SupCmd
 from railhil.local_run import LocalRun
-from railhil.scenarios.run_spec import RunSpec
+from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.supervisor.desk import Desk
+from railhil.supervisor.events.derive import events_of
+from railhil.supervisor.events.event import LEVEL
 from railhil.supervisor.framelog import read_log
+from railhil.supervisor.reactions.by_hand import faults_by_hand
 from railhil.supervisor.session import Session
 from railhil.supervisor.trace import trace_of
 
@@ -73,6 +76,51 @@ def test_what_was_ordered_by_hand_makes_the_same_run_again(spec, tmp_path):
     paused = commands.index(SupCommand.NONE)
     times_ns = trace.times_ns(SupCmd.PORT)
     assert times_ns[paused + 1] == times_ns[paused]
+
+
+def test_a_fault_of_the_catalogue_that_is_typed_during_a_run_makes_the_same_run_again(spec, tmp_path):
+    spec = replace(spec, faults=())
+    faults = faults_by_hand(spec.load())
+    # A train of one unit has no second one, and nothing is prepared twice.
+    assert len(set(faults)) == len(faults) > 40
+    spec = replace(spec, faults=faults)
+    presses = {
+        3: [{"do": "fault", "text": "TRN_SPEED loss for 320 ms"}],
+        4: [{"do": "fault", "text": "brake weak 30%"}],
+        12: [{"do": "stop"}],
+    }
+    desk = Desk((), Hands(presses), True, spec.faults)
+    by_hand = made(spec, tmp_path / "hand", desk)
+    number = faults.index("TRN_SPEED loss @manual combine id T3") + 1
+    other = faults.index("brake weak 30% @manual combine id C3a") + 1
+    assert [text.partition(" ")[2] for text in desk.sent] == [
+        f"inject {number}", f"inject {other}", f"clear {number}", "stop"
+    ]  # fmt: skip
+    levels = {event.cause for event in events_of(by_hand.scenario, by_hand.trace) if event.kind == LEVEL}
+    assert "speed_age" in levels
+    again = made(replace(spec, orders=tuple(desk.sent)), tmp_path / "again")
+    assert again.log.path.read_bytes() == by_hand.log.path.read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("scenario", "level"),
+    [("hst_short", "service_brake"), ("emu3_short", "service_brake"), ("yizhuang_stop", "emergency")],
+)
+def test_the_emergency_button_of_every_train_makes_the_same_run_again(scenario, level, tmp_path):
+    """A press of the button, its release, and the stop of the run are telegrams; their list makes the same bytes."""
+    laws = {"hst_short": "pid", "emu3_short": "pid", "yizhuang_stop": "ilc_stop"}
+    spec = RunSpec(
+        scenario, law=LawSpec(controller=laws[scenario], arithmetic="float64"), faults=("safety_loop off @manual",)
+    )
+    presses = {4: [{"do": "inject", "fault": 1}], 12: [{"do": "clear", "fault": 1}], 20: [{"do": "stop"}]}
+    by_hand = made(spec, tmp_path / "hand", desk := Desk((), Hands(presses), True, spec.faults))
+    assert [text.partition(" ")[2] for text in desk.sent] == ["inject 1", "clear 1", "stop"]
+    trace = by_hand.trace
+    assert trace.raw(SupCmd.PORT, "FaultOrder").tolist().count(FaultOrder.INJECT) == 1
+    taken = [event for event in events_of(by_hand.scenario, trace) if event.kind == LEVEL]
+    assert [(event.level, event.cause) for event in taken][-1] == (level, "")
+    again = made(replace(spec, orders=tuple(desk.sent)), tmp_path / "again")
+    assert again.log.path.read_bytes() == by_hand.log.path.read_bytes()
 
 
 def test_without_orders_nothing_is_different(spec, tmp_path):

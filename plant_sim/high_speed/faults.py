@@ -4,6 +4,7 @@
 gain       achieved share of the commanded acceleration, multiplied
 lag        time constant of traction and brake, multiplied
 delay      both delays longer
+loop       ``safety_loop off``: all units brake with all that they have, for good
 ========== ==============================================================================================
 
 Words of traction and brake of a unit: ``weak``, ``scale``, ``off``: a share of its acceleration; ``stuck``: that of
@@ -16,18 +17,21 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from railhil.bus.high_speed import SPEED_PER_MPS
+from railhil.bus.high_speed import SPEED_PER_MPS, UnitCause, UnitLevel
 from railhil.bus.injector.activity import Activity
 from railhil.bus.layout import CHECK_ERRONEOUS, Telegram
 from railhil.faults.model import Fault
 from railhil.plant_sim.faults.injections import Injections, MotionEvents, number_of
 from railhil.plant_sim.faults.readings import FaultySensor, Quantity
+from railhil.plant_sim.faults.safety_loop import SafetyLoop
 from railhil.plant_sim.high_speed.dynamics import Drive, UnitLimits, UnitMotion, drive
 from railhil.plant_sim.high_speed.plant import HighSpeedPlant
 from railhil.plant_sim.high_speed.train import STEP_S, PowerUnit, UnitData
 
 #: A side whose acceleration differs by more than this from the healthy one shows its fault.
 _NOTICED_MPS2 = 0.001
+#: Places of the mutations.
+_MUTATIONS = ("gain", "lag", "delay")
 
 
 class _Side:
@@ -123,6 +127,7 @@ class FaultyHighSpeedPlant(HighSpeedPlant):
         self.injections = injected = Injections(faults, seed, scenario.timing.base_tick_ns)
         super().__init__(scenario, seed, drawn, rate)
         self._motions = MotionEvents()
+        self._loop = SafetyLoop(injected)
         train = self.train
         units = [
             FaultyUnit(unit.data, unit.motion, command, number)
@@ -146,10 +151,19 @@ class FaultyHighSpeedPlant(HighSpeedPlant):
             injected.happened(event)
         if injected.look(self.tick, train.position_m, train.speed_mps):
             for unit in self._units:
-                unit.change(injected.at("train", unit=unit.number), train.limits)
-            for one in injected.at("train"):
+                unit.change(injected.at("train", *_MUTATIONS, unit=unit.number), train.limits)
+            self._loop.look()
+            for one in injected.at("train", *_MUTATIONS):
                 (value,) = one.fault.values.values()
                 injected.effect(one, one.active, "0" if one.fault.place.name == "delay" else "1", str(value))
+
+    def _obey(self, unit: int, command_mps2: float | None) -> None:
+        watch = self.watches[unit]
+        if self._loop.opened and watch.cause is not UnitCause.BRAKE_NOT_ANSWERING:
+            # The wire has no cause for it; the log of the faults has.
+            watch.level, watch.cause = UnitLevel.SERVICE_BRAKE, UnitCause.NONE
+            command_mps2 = -self.train.limits.braking_mps2
+        super()._obey(unit, command_mps2)
 
     def advance(self) -> None:
         super().advance()

@@ -4,6 +4,7 @@
 gain, lag    of the brake, multiplied
 delay        longer
 adhesion     ``low``: the rail allows a deceleration of coefficient * g
+safety_loop  ``off``: the emergency brake, for good
 ============ ============================================================================================
 
 Words of traction and brake: ``weak``, ``scale``, ``off``: a share of its acceleration; ``stuck``: that of the fault's
@@ -20,11 +21,12 @@ from typing import Any
 
 from railhil.bus.injector.activity import Activity
 from railhil.bus.layout import CHECK_ERRONEOUS, Telegram
-from railhil.bus.stopping import MM, SAMPLE_S, Odo, SpeedRaw
+from railhil.bus.stopping import MM, SAMPLE_S, BrakeCause, BrakeLevel, Odo, SpeedRaw
 from railhil.faults.model import Fault
 from railhil.plant_sim.faults.balises import FaultyReader, UnreadBalise
 from railhil.plant_sim.faults.injections import Injections, MotionEvents, number_of
 from railhil.plant_sim.faults.readings import FaultySensor, Quantity
+from railhil.plant_sim.faults.safety_loop import SafetyLoop
 from railhil.plant_sim.stopping.brake import GRAVITY_MPS2
 from railhil.plant_sim.stopping.draws import RunDraw, TrainDraw
 from railhil.plant_sim.stopping.plant import StopPlant
@@ -33,6 +35,8 @@ from railhil.scenarios.model import Balise
 
 #: A side whose acceleration differs by more than this from the healthy one shows its fault.
 _NOTICED_MPS2 = 0.001
+#: Places of the mutations.
+_MUTATIONS = ("gain", "lag", "delay", "adhesion")
 
 
 class _Side:
@@ -148,6 +152,7 @@ class FaultyStopPlant(StopPlant):
         self.injections = injected = Injections(faults, seed, scenario.timing.base_tick_ns)
         super().__init__(scenario, seed, drawn, rate, run_number)
         self._motions = MotionEvents()
+        self._loop = SafetyLoop(injected)
         for side, name in zip(self.train.sides, ("traction", "brake"), strict=True):
             side.faults = injected.at("actuator", name)
         self._speed_sensor = FaultySensor(injected, Quantity.of(SpeedRaw, "speed1", MM), SAMPLE_S, "speed")
@@ -165,8 +170,12 @@ class FaultyStopPlant(StopPlant):
         for event in self._motions.seen(motion.speed_mps, train.accel_mps2, max(0.0, motion.drive_mps2)):
             injected.happened(event)
         if injected.look(self.tick, motion.position_m, motion.speed_mps):
-            train.change(injected.at("train"))
-            for one in injected.at("train"):
+            train.change(injected.at("train", *_MUTATIONS))
+            self._loop.look()
+            if self._loop.opened and self.watch.level is not BrakeLevel.EMERGENCY:
+                # The wire has no cause for it; the log of the faults has.
+                self.watch.level, self.watch.cause = BrakeLevel.EMERGENCY, BrakeCause.NONE
+            for one in injected.at("train", *_MUTATIONS):
                 (value,) = one.fault.values.values()
                 injected.effect(one, one.active, "0" if one.fault.place.name == "delay" else "1", str(value))
 

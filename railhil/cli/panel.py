@@ -48,6 +48,11 @@ def add_panel_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="PORT",
         help="with --panel: serve Lichtblick, PlotJuggler and Foxglove too, at ws://127.0.0.1:PORT",
     )
+    parser.add_argument(
+        "--catalogue",
+        action="store_true",
+        help="with --panel or --operator: prepare the system's fault catalogue, to be injected during the run",
+    )
     parser.add_argument("--wait", action="store_true", help="begin when Start is pressed on the panel")
     parser.add_argument(
         "--operator",
@@ -71,6 +76,11 @@ def check_panel(namespace: argparse.Namespace, spec: RunSpec) -> None:
     """
     if namespace.wait and namespace.panel is None and namespace.operator is None:
         raise InputError("command line", "--wait", Words("without a panel"), "--panel or --operator beside it")
+    if namespace.catalogue and namespace.panel is None and namespace.operator is None:
+        raise InputError("command line", "--catalogue", Words("without a panel"), "--panel or --operator beside it")
+    if namespace.catalogue and (namespace.attach or namespace.no_controller):
+        found = Words("beside nodes that are running already")
+        raise InputError("command line", "--catalogue", found, "nodes that railhil run starts, with its faults")
     if namespace.foxglove is not None and namespace.panel is None:
         raise InputError("command line", "--foxglove", namespace.foxglove, "--panel beside it")
     asked = "--panel" if namespace.panel is not None else "--operator" if namespace.operator is not None else ""
@@ -99,6 +109,18 @@ def with_emergency(namespace: argparse.Namespace, spec: RunSpec) -> RunSpec:
     if not has_loop or any(text.startswith(EMERGENCY.partition(" ")[0]) for text in scenario.faults):
         return spec
     return replace(spec, faults=(*spec.faults, EMERGENCY))
+
+
+def with_catalogue(namespace: argparse.Namespace, spec: RunSpec) -> RunSpec:
+    """The run with the system's fault catalogue prepared, if that is asked for.
+
+    :raises InputError: the run would have too many faults.
+    """
+    if not namespace.catalogue:
+        return spec
+    from railhil.supervisor.reactions.by_hand import faults_by_hand
+
+    return replace(spec, faults=(*spec.faults, *faults_by_hand(spec.load())))
 
 
 @contextmanager
@@ -168,7 +190,13 @@ def _with_fault(spec: RunSpec, text: str, transports: Sequence[str]) -> tuple[Ru
 
     :raises InputError: it is none, or cannot be injected.
     """
-    found = replace(spec, faults=(*spec.faults, canonical_fault(text if "@" in text else f"{text} @manual")))
+    # Loading the language takes a tenth of the start of a command.
+    from railhil.faults.language import fault_text, parse, with_hand
+
+    fault = parse(canonical_fault(with_hand(text)))
+    # Those of a catalogue say that others may act at their place; one that is typed beside them says it too.
+    beside = any(other.combine and other.id and other.place == fault.place for other in map(parse, spec.faults))
+    found = replace(spec, faults=(*spec.faults, fault_text(replace(fault, combine=fault.combine or beside))))
     scenario = found.load()
     check_faults(scenario, transports, spec.pace)
     return found, scenario

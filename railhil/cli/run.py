@@ -19,7 +19,14 @@ from railhil.cli.bus_run import (
     start_up,
 )
 from railhil.cli.dbcfile import check_foreign_dbc
-from railhil.cli.panel import add_panel_arguments, check_panel, panel_beside, wait_for_start, with_emergency
+from railhil.cli.panel import (
+    add_panel_arguments,
+    check_panel,
+    panel_beside,
+    wait_for_start,
+    with_catalogue,
+    with_emergency,
+)
 from railhil.cli.show import print_result
 from railhil.common.errors import Faults, InputError, Words
 from railhil.common.output import Output, add_json_argument, print_json
@@ -148,7 +155,7 @@ def work(namespace: argparse.Namespace) -> int:
     """Run, write the run folder, print; the exit code is the verdict."""
     spec, how = _asked(namespace)
     check_panel(namespace, spec)
-    spec = with_emergency(namespace, spec)
+    spec = with_catalogue(namespace, with_emergency(namespace, spec))
     scenario = spec.load()
     if namespace.dbc is not None:
         check_foreign_dbc(namespace.dbc, system_named(scenario.system).contract)
@@ -167,7 +174,8 @@ def work(namespace: argparse.Namespace) -> int:
     found = as_recorded(folder, run, result)
     report = "" if namespace.no_report else report_line([found], folder)
     again = "" if namespace.spec is None else made_again(namespace.spec, spec, result)
-    notes = [one.line for one in result.faults]
+    # What was prepared for a hand that never came is not worth a line each.
+    notes = [one.line for one in result.faults if one.begun_s is not None or not namespace.catalogue]
     notes += [*memory_lines(run.spec, result), *([again] if again else [])]
     if namespace.json:
         if report and not (folder / REPORT).is_file():

@@ -12,6 +12,8 @@ from collections.abc import Callable, Sequence
 from typing import Any, Protocol
 
 from railhil.bus.codes import FaultOrder, SupCommand
+from railhil.common.errors import InputError
+from railhil.faults.parsed import parsed
 from railhil.scenarios.orders import Order, orders_of
 
 #: Wall time for which an answer is held back during a pause; each of them is in the record.
@@ -22,6 +24,8 @@ _TELL_S = 0.1
 _LOOK_S = 0.05
 #: Paces that can be asked for, simulated seconds per second; 0: as fast as possible.
 PACE_MIN, PACE_MAX = 0.1, 1000.0
+#: Longest duration of a fault that can be asked for; one without lasts until it is cleared.
+DURATION_MAX_S = 86_400.0
 REALTIME_PAUSE = "in real time nothing can stand still: pause a run in lockstep"
 
 
@@ -50,6 +54,12 @@ class Desk:
         self._lockstep = lockstep
         self._faults = list(faults)
         self._waiting: deque[tuple[str, int]] = deque()
+        #: Durations asked for, by the number of a fault; then the simulation times at which it is cleared.
+        self._lasts_s: dict[int, float] = {}
+        self._ends_s: dict[int, float] = {}
+        #: Numbers of faults that were injected, and of those that can still be cleared.
+        self._injected: set[int] = set()
+        self._active: set[int] = set()
         self._paused = False
         #: Simulated seconds per second, 0: as fast as possible; and from which instants it counts.
         self._pace = 0.0
@@ -67,6 +77,7 @@ class Desk:
         """
         if self._panel is not None:
             self._serve(self._panel, sim_time_s)
+            self._end_faults(sim_time_s)
         order = self._planned.get(number) or self._next(number)
         if order is None:
             return SupCommand.START, 0, FaultOrder.NONE
@@ -75,7 +86,14 @@ class Desk:
             return SupCommand.STOP, 0, FaultOrder.NONE
         if order.word == "pause":
             return SupCommand.NONE, 0, FaultOrder.NONE
-        what = FaultOrder.INJECT if order.word == "inject" else FaultOrder.CLEAR
+        what = FaultOrder.CLEAR
+        if order.word == "inject":
+            what = FaultOrder.INJECT
+            # An order of the run's own list, too, can be cleared on the page.
+            self._injected.add(order.fault)
+            self._active.add(order.fault)
+            if order.fault in self._lasts_s:
+                self._ends_s[order.fault] = sim_time_s + self._lasts_s.pop(order.fault)
         return SupCommand.START, order.fault, what
 
     def _next(self, number: int) -> Order | None:
@@ -83,6 +101,17 @@ class Desk:
             word, fault = self._waiting.popleft()
             return Order(number, word, fault)
         return Order(number, "pause") if self._paused else None
+
+    def _end_faults(self, sim_time_s: float) -> None:
+        """Clear the faults whose duration is over: with the first SUP_CMD at or after its end."""
+        for number in [one for one, end_s in self._ends_s.items() if sim_time_s >= end_s]:
+            del self._ends_s[number]
+            if number in self._active:
+                self._clear(number)
+
+    def _clear(self, number: int) -> None:
+        self._active.discard(number)
+        self._waiting.append(("clear", number))
 
     def _serve(self, panel: Panel, sim_time_s: float) -> None:
         """Take the panel's commands; hold the answer back for a pause or a slower pace."""
@@ -120,8 +149,14 @@ class Desk:
                 return f"the run has no fault {number}"
             if "manual" not in self._faults[number - 1]:
                 return f"fault {number} is not triggered by hand (@manual)"
-            self._waiting.append((str(what), number))
+            if what == "inject":
+                return self._inject(number, command.get("for_s"))
+            if number not in self._active:
+                return f"fault {number} is not injected"
+            self._clear(number)
             return ""
+        if what == "fault":
+            return self._inject_text(str(command.get("text", "")))
         if what == "stop":
             self._waiting.append(("stop", 0))
             self._paused = False
@@ -141,6 +176,37 @@ class Desk:
             return ""
         return f"no such command: {what}"
 
+    def _inject(self, number: int, for_s: object) -> str:
+        """Inject a fault of the run, for a duration if one is given; returns why not."""
+        if number in self._injected:
+            return f"fault {number} has been injected: a fault is injected once"
+        if for_s is not None:
+            if isinstance(for_s, bool) or not isinstance(for_s, (int, float)) or not 0 < for_s <= DURATION_MAX_S:
+                return f"duration: found {for_s}, allowed above 0 s to {DURATION_MAX_S:g} s"
+            self._lasts_s[number] = float(for_s)
+        self._injected.add(number)
+        self._active.add(number)
+        self._waiting.append(("inject", number))
+        return ""
+
+    def _inject_text(self, text: str) -> str:
+        """Inject the prepared fault that a text names (``TRN_SPEED loss 5% for 3s``), now; returns why not."""
+        # The language is loaded only when somebody uses it.
+        from railhil.faults.language import parse, sameness, with_hand
+
+        try:
+            fault = parse(with_hand(text), "page")
+        except InputError as error:
+            return str(error)
+        if fault.trigger.kind != "manual" or fault.until:
+            return f"{text}: in a run a fault begins now and lasts for some time: without @ and until"
+        known = enumerate(parsed(self._faults), start=1)
+        same = [at for at, one in known if one.trigger.kind == "manual" and sameness(one) == sameness(fault)]
+        fresh = [number for number in same if number not in self._injected]
+        if not same:
+            return f"{text}: not prepared in this run; prepared are those of the list, others before the start (--wait)"
+        return self._inject((fresh or same)[0], fault.duration_s)
+
     def _report(self, panel: Panel, sim_time_s: float, now_s: float) -> None:
         if now_s - self._told_s < _TELL_S:
             return
@@ -152,6 +218,8 @@ class Desk:
                 "pace": self._pace,
                 "lockstep": self._lockstep,
                 "faults": self._faults,
+                "injected": sorted(self._injected),
+                "active": sorted(self._active),
                 "orders": len(self.sent),
             }
         )

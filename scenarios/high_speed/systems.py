@@ -8,8 +8,16 @@ from railhil.scenarios.system import System
 #: Milestones of both systems.
 EVENTS = {"emergency_called": 32, "arrived": 33}
 
-#: Places of faults inside their plants: mutations of the dynamics, sensors, traction and brakes.
-INJECTS = ("train.gain", "train.lag", "train.delay", "sensor.speed", "actuator.traction", "actuator.brake")
+#: Places of faults inside their plants: mutations of the dynamics, safety loop, sensors, traction and brakes.
+INJECTS = (
+    "train.gain",
+    "train.lag",
+    "train.delay",
+    "train.safety_loop",
+    "sensor.speed",
+    "actuator.traction",
+    "actuator.brake",
+)
 
 
 def _system(name: str, title: str, task: str, units: tuple[str, ...]) -> System:

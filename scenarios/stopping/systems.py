@@ -8,12 +8,13 @@ from railhil.scenarios.system import System
 #: Milestones of the system.
 EVENTS = {"slide_begun": 32}
 
-#: Places of faults inside its plant: mutations of brake and rail, sensors, traction and brake.
+#: Places of faults inside its plant: mutations of brake and rail, safety loop, sensors, traction and brake.
 INJECTS = (
     "train.gain",
     "train.lag",
     "train.delay",
     "train.adhesion",
+    "train.safety_loop",
     "sensor.speed",
     "sensor.position",
     "sensor.balise",

@@ -256,6 +256,15 @@ def test_a_slow_brake_and_one_with_a_dead_time_act_later() -> None:
     assert speeds[2] == pytest.approx(speeds[0] + 0.5, abs=0.02)
 
 
+def test_an_open_safety_loop_brakes_all_units_for_good() -> None:
+    plant = faulty("train.safety_loop off @2s for 1s")
+    assert driven(plant, 0.5, 2.0) > 0.5
+    driven(plant, 0.5, 10.0)
+    assert plant.train.speed_mps == 0.0
+    assert plant.train.commands_mps2 == [-plant.train.limits.braking_mps2]
+    assert (plant.watches[0].level, plant.watches[0].cause) == (UnitLevel.SERVICE_BRAKE, UnitCause.NONE)
+
+
 def test_a_sensor_that_is_off_says_so() -> None:
     plant = faulty("sensor.speed off @1s")
     driven(plant, 0.3, 2.0)

@@ -63,6 +63,25 @@ def test_a_fault_is_ordered_once_and_noted(clock):
     assert {"answer": 7, "refused": ""} in panel.told
 
 
+def test_a_fault_of_some_duration_is_cleared_with_the_first_telegram_after_it(clock):
+    one, panel = desk([{"do": "inject", "fault": 1, "for_s": 0.3}])
+    said = [one.answer(number, 12.0 + 0.16 * (number - 75)) for number in range(75, 79)]
+    assert said == [(SupCommand.START, 1, FaultOrder.INJECT), STARTED, (SupCommand.START, 1, FaultOrder.CLEAR), STARTED]
+    assert one.sent == ["75 inject 1", "77 clear 1"]
+    panel.looks = [[{"do": "inject", "fault": 1}]]
+    assert one.answer(79, 13.0) == STARTED
+    assert "injected once" in panel.refusals[-1]
+
+
+def test_a_prepared_fault_is_injected_by_its_text(clock):
+    faults = (*FAULTS, "TRN_SPEED loss 5% @manual combine id T1b", "speed off @manual combine id S1a")
+    panel = ScriptedPanel([{"do": "fault", "text": "sensor.speed off for 200 ms"}])
+    one = Desk((), panel, True, faults)
+    assert one.answer(75, 12.0) == (SupCommand.START, 4, FaultOrder.INJECT)
+    assert one.answer(76, 12.16) == STARTED
+    assert one.answer(77, 12.32) == (SupCommand.START, 4, FaultOrder.CLEAR)
+
+
 def test_orders_that_come_together_are_sent_one_by_one(clock):
     one, _ = desk([{"do": "inject", "fault": 1}, {"do": "clear", "fault": 1}, {"do": "stop"}])
     assert one.answer(75, 12.0)[2] is FaultOrder.INJECT
@@ -111,6 +130,14 @@ def test_a_pace_holds_the_answer_back(clock):
         ({"do": "inject", "fault": 3}, "no fault 3"),
         ({"do": "inject", "fault": "1"}, "no fault 1"),
         ({"do": "inject", "fault": 2}, "not triggered by hand"),
+        ({"do": "inject", "fault": 1, "for_s": 0}, "duration: found 0, allowed above 0 s"),
+        ({"do": "inject", "fault": 1, "for_s": float("nan")}, "duration: found nan"),
+        ({"do": "inject", "fault": 1, "for_s": "5"}, "duration: found 5"),
+        ({"do": "clear", "fault": 1}, "not injected"),
+        ({"do": "fault", "text": "TRN_SPEED lost"}, "did you mean loss?"),
+        ({"do": "fault", "text": "TRN_SPEED loss @30s"}, "begins now"),
+        ({"do": "fault", "text": "TRN_SPEED loss 30%"}, "not prepared in this run"),
+        ({"do": "fault"}, "found nothing"),
         ({"do": "pace", "pace": 0.01}, "allowed 0"),
         ({"do": "pace", "pace": "fast"}, "allowed 0"),
         ({"do": "explode"}, "no such command"),

@@ -173,6 +173,15 @@ function watch(id) {
 // ---- orders
 
 const EMERGENCY = "safety_loop off";
+// What railhil run --catalogue has prepared.
+const CATALOGUED = / @manual .*\bcombine id (\S+)$/;
+const shortFault = (text) => text.replace(" @manual", "").replace(/ combine( id \S+)?$/, "");
+
+// The duration that is typed, for a fault that is injected now.
+function duration() {
+  const text = byId("lasts").value.trim();
+  return text ? { for_s: Number(text) } : {};
+}
 
 function showDesk() {
   const operator = page.state?.operator, phase = operator?.phase ?? "", faults = operator?.faults ?? [];
@@ -189,18 +198,23 @@ function showDesk() {
   may("reset", runs && emergency > 0);
   may("pace", runs && operator.lockstep);
   byId("pace-of").hidden = Boolean(operator) && operator.lockstep === false;
-  may("add", phase === "waiting", phase === "waiting" ? "" : "faults are added before the start (--wait)");
-  byId("fault").disabled = phase !== "waiting";
+  const prepared = faults.map((text, at) => [text, at + 1]).filter(([text]) => CATALOGUED.test(text));
+  const can = phase === "waiting" || (runs && prepared.length > 0);
+  may("add", can, can ? "" : "faults are added before the start (--wait), or prepared (--catalogue)");
+  byId("add").textContent = runs ? "Inject" : "Add";
+  byId("fault").disabled = byId("lasts").disabled = !can;
   if (operator?.pace !== undefined && document.activeElement !== byId("pace")) byId("pace").value = String(operator.pace);
-  const box = byId("faults"), manual = faults.map((text, at) => [text, at + 1]).filter(([text, at]) => text.includes("@manual") && at !== emergency);
-  const key = JSON.stringify([manual, runs]);
+  const box = byId("faults"), active = operator?.active ?? [], manual = faults.map((text, at) => [text, at + 1])
+    .filter(([text, at]) => text.includes("@manual") && at !== emergency && (!CATALOGUED.test(text) || active.includes(at)));
+  const key = JSON.stringify([manual, runs, faults.length]);
   if (box.dataset.key === key) return;
   box.dataset.key = key;
-  box.replaceChildren(...manual.flatMap(([text, number]) => ["inject", "clear"].map((what) => {
-    const short = text.replace(" @manual", ""), button = element("button", { type: "button", "data-do": what, "data-fault": number },
+  byId("prepared").replaceChildren(...prepared.map(([text]) => element("option", { value: shortFault(text), label: CATALOGUED.exec(text)[1] })));
+  box.replaceChildren(...manual.flatMap(([text, number]) => (CATALOGUED.test(text) ? ["clear"] : ["inject", "clear"]).map((what) => {
+    const short = shortFault(text), button = element("button", { type: "button", "data-do": what, "data-fault": number },
       what === "inject" ? `⚡ ${short}` : `clear ${short}`);
     button.disabled = !runs;
-    button.addEventListener("click", () => order({ do: what, fault: number }, `${what} ${short}`));
+    button.addEventListener("click", () => order({ do: what, fault: number, ...(what === "inject" ? duration() : {}) }, `${what} ${short}`));
     return button;
   })));
 }
@@ -217,7 +231,9 @@ byId("reset").addEventListener("click", () => order({ do: "clear", fault: emerge
 byId("pace").addEventListener("change", () => order({ do: "pace", pace: Number(byId("pace").value) }, "pace"));
 byId("desk").addEventListener("submit", (event) => {
   event.preventDefault();
-  order({ do: "fault", text: byId("fault").value.trim() }, byId("fault").value.trim());
+  const { for_s: lasts } = duration(), typed = byId("fault").value.trim();
+  const text = lasts === undefined || / for /.test(typed) ? typed : `${typed} for ${lasts}s`;
+  order({ do: "fault", text }, text);
 });
 byId("instant").addEventListener("input", () => pick(Number(byId("instant").value)));
 byId("live").addEventListener("click", () => pick(null));

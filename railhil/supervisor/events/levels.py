@@ -12,6 +12,9 @@ from railhil.supervisor.events.declared import Watch
 from railhil.supervisor.events.event import LEVEL, START, RecordedEvent
 from railhil.supervisor.trace import FloatArray, Trace
 
+#: Word of a cause that is none.
+_NO_CAUSE = "none"
+
 
 def reports(trace: Trace, watch: Watch) -> bool:
     """Whether the record can have the watch's levels; that of an earlier version may not."""
@@ -47,6 +50,8 @@ def watch_events(scenario: Any, trace: Trace, watch: Watch, end_s: float) -> Ite
             continue
         word = trace.word(watch.port, watch.level, level)
         cause = trace.word(watch.port, watch.cause, int(causes[first])) if has_cause else ""
+        # A level that was taken without a cause of the watch, as by an open safety loop.
+        cause = "" if cause == _NO_CAUSE else cause
         if level not in watch.ladder:
             yield RecordedEvent(begun_s, watch.name, START, word, until_s=until_s)
         elif first == 0 and cause in watch.start and after < len(levels):

@@ -99,6 +99,12 @@ class TestFaults:
         assert plant.watch.level is BrakeLevel.EMERGENCY
         assert abs(plant.train.motion.drive_mps2 + 1.2) < 1e-3
 
+    def test_an_open_safety_loop_is_the_emergency_brake_for_good(self) -> None:
+        plant = braked(plant_with("train.safety_loop off @1s for 500ms"))
+        assert (plant.watch.level, plant.watch.cause) == (BrakeLevel.EMERGENCY, BrakeCause.NONE)
+        assert abs(plant.train.motion.drive_mps2 + 1.2) < 1e-3
+        assert braked(plant_with("train.safety_loop off @60s")).watch.level is BrakeLevel.NORMAL
+
     def test_of_the_adhesion(self) -> None:
         plant = braked(plant_with("adhesion low 0.05"))
         assert plant.train.slides
