@@ -26,7 +26,8 @@ LEVELS = ("train", "sensor", "actuator")
 #: :class:`FaultyPlant`. The system lists the places of these faults in ``injects``; others are refused at load.
 PART = "faulty_plant"
 #: The part of a system that makes its plant with an FMU for its motion, from what its plant is made from and the
-#: :class:`~railhil.scenarios.plant_fmu.PlantFmu`. A system without it takes no FMU.
+#: :class:`~railhil.scenarios.plant_fmu.PlantFmu`: a :class:`~railhil.plant_sim.fmu.determinism.FmuPlant`. A system
+#: without it takes no FMU.
 FMU_PART = "fmu_plant"
 
 
