@@ -11,8 +11,8 @@ import pytest
 from hil_tests.support.paths import ROOT
 
 NAMES = {
-    "SCENARIO": "lvshun_tieshan", "CONTROLLER": "ipfc", "ARITHMETIC": "iq", "SEED": "0", "PACE": "lockstep", "RATE": "1",
-    "START_TIMEOUT": "60", "PATIENCE": "60",
+    "SCENARIO": "lvshun_tieshan", "CONTROLLER": "ipfc", "ARITHMETIC": "iq", "SEED": "0", "PACE": "lockstep",
+    "RATE": "1", "START_TIMEOUT": "60", "PATIENCE": "60",
 }  # fmt: skip
 
 
