@@ -86,6 +86,12 @@ pacing() {
     if [ "$PACE" = realtime ] || [ "$RATE" != 1 ]; then echo --rate "$RATE"; fi
 }
 
+# How long the plant waits for the supervisor, s: with WAIT a person presses Start first, and the controller waits 300 s
+# for its first frame.
+appear() {
+    if [ -n "${WAIT:-}" ] && [ "$START_TIMEOUT" -lt 300 ]; then echo 300; else echo "$START_TIMEOUT"; fi
+}
+
 # SCHED_FIFO priority to ask for: none in lockstep, which has no deadlines.
 priority() {
     if [ "$PACE" = realtime ]; then echo "$1"; else echo 0; fi
@@ -134,7 +140,7 @@ adapter)
 plant)
     read_bus
     run railhil node plant "$SCENARIO" $(pacing) --seed "$SEED" \
-        --appear-timeout "$START_TIMEOUT" --patience "$PATIENCE" -i "$interface" -c "$channel"
+        --appear-timeout "$(appear)" --patience "$PATIENCE" -i "$interface" -c "$channel"
     [ $code -eq 0 ] || say "ended with $code"
     end_with_verdict $code
     ;;

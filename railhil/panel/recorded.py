@@ -12,6 +12,7 @@ import numpy as np
 
 from railhil.common.errors import InputError
 from railhil.panel.declared import Chart, Layout, layout_of
+from railhil.panel.learning import learning_charts, run_folders
 from railhil.panel.values import rows_of
 from railhil.panel.wire import REPLACE, batch
 from railhil.supervisor.events.event import LEVEL, MISSED_POLL, START, RecordedEvent
@@ -25,12 +26,13 @@ ROWS_MAX = 40_000
 
 
 class RecordedRuns:
-    """Run folders beside each other, of one system.
+    """Run folders beside each other, of one system; of a recorded sequence its first and last run, and what it learned.
 
     :raises InputError: one cannot be read, or is of another system than the first.
     """
 
     def __init__(self, folders: Sequence[str]) -> None:
+        asked, (folders, every) = list(folders), run_folders(folders)
         records = [checked_record(folder, None) for folder in folders]
         first = records[0].scenario
         for folder, record in zip(folders, records, strict=True):
@@ -39,8 +41,10 @@ class RecordedRuns:
                 raise InputError(folder, "system", record.scenario.system, allowed)
         layouts = [_layout(record) for record in records]
         self.layout = union(layouts)
-        self._names = _names(records)
+        # Runs of a sequence differ in their numbers.
+        self._names = _names(records) if asked == folders else [Path(folder).name for folder in folders]
         self._records = records
+        self._learning = learning_charts(first, every)
         self._rows = [
             thinned(
                 _placed(rows_of(one.scenario, layout, one.trace, one.certificate.get("notes")), layout, self.layout)
@@ -54,7 +58,7 @@ class RecordedRuns:
             {"name": name, "facts": {"scenario": one.scenario.name, "verdict": _verdict(name, one)}}
             for name, one in zip(self._names, self._records, strict=True)
         ]
-        return {"kind": "recorded", "runs": runs, "layout": self.layout.as_json()}
+        return {"kind": "recorded", "runs": runs, "layout": self.layout.as_json(), "learning": self._learning}
 
     def past(self) -> list[str | bytes]:
         """All rows and events."""

@@ -8,7 +8,7 @@ const byId = (id) => document.getElementById(id);
 const counters = { batches: 0, rows: 0, frames: 0, since: performance.now(), closed: 0 };
 const page = {
   header: null, layout: null, stores: [], curves: null, gauges: null, events: [], state: null, picked: null, watched: null,
-  socket: null, token: "", pending: false, answers: new Map(), number: 0,
+  learning: [], socket: null, token: "", pending: false, answers: new Map(), number: 0,
 };
 
 // The token stands behind # and is not sent with the request; the address bar forgets it, this tab does not.
@@ -93,11 +93,24 @@ function begin(header) {
   const charts = byId("charts");
   charts.replaceChildren();
   page.curves = new Curves(charts, page.layout, header.runs, page.stores, pick);
+  showLearning(header.learning ?? []);
   if (header.kind === "recorded") {
     const facts = header.runs.map((run) => run.facts.verdict).filter(Boolean);
     byId("phase").textContent = facts.join(" · ");
   }
   if (page.watched !== null) send({ watch: page.watched });
+}
+
+// Of a law with a memory: its errors and what it keeps, by the number of the run.
+function showLearning(charts) {
+  const place = byId("learning");
+  for (const one of page.learning) one.destroy();
+  place.replaceChildren();
+  place.hidden = !charts.length;
+  page.learning = charts.map(({ title, unit, series, data }) => railhilCharts.chart(place, {
+    title, unit, x: { label: "run", unit: "" }, sync: "learning",
+    series: series.map((label, at) => ({ label, unit, colour: at ? "target" : 0, dash: at ? [8, 4] : undefined })),
+  }, data));
 }
 
 function takeBatch(buffer) {

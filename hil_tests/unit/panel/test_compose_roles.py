@@ -1,0 +1,60 @@
+"""The roles of the containers with a panel, by their script, with a ``railhil`` that only notes its words."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from hil_tests.support.paths import ROOT
+
+NAMES = {
+    "SCENARIO": "lvshun_tieshan", "CONTROLLER": "ipfc", "ARITHMETIC": "iq", "SEED": "0", "PACE": "lockstep",
+    "RATE": "1", "START_TIMEOUT": "60", "PATIENCE": "60",
+}  # fmt: skip
+
+
+def words_of(role: str, folder: Path, **names: str) -> list[str]:
+    """What a role gives to ``railhil``."""
+    bus = folder / "bus"
+    bus.mkdir()
+    (bus / "can").write_text("railhil\n/bus/hub.sock\ndocker compose up\n")
+    for name in ("results", "verdict"):
+        (bus / name).touch()
+    script = (ROOT / "docker/bench.sh").read_text().replace("/bus/", f"{bus}/")
+    (folder / "railhil").write_text(f'#!/bin/sh\nprintf "%s\\n" "$@" >{folder}/words\n')
+    (folder / "railhil").chmod(0o755)
+    environment = {**NAMES, **names, "PATH": f"{folder}:{os.environ['PATH']}"}
+    subprocess.run(["sh", "-c", script, "bench", role], env=environment, check=True, timeout=30)
+    return (folder / "words").read_text().split("\n")
+
+
+def option(words: list[str], name: str) -> str:
+    return words[words.index(name) + 1]
+
+
+@pytest.mark.parametrize(
+    ("names", "seconds"),
+    [({}, "60"), ({"WAIT": ""}, "60"), ({"WAIT": "1"}, "300"), ({"WAIT": "1", "START_TIMEOUT": "900"}, "900")],
+)
+def test_the_plant_waits_for_the_start_button(names: dict[str, str], seconds: str, tmp_path: Path) -> None:
+    assert option(words_of("plant", tmp_path, **names), "--appear-timeout") == seconds
+
+
+def test_the_supervisor_takes_orders_and_the_panel_gives_them_at_one_socket(tmp_path: Path) -> None:
+    for role in ("supervisor", "panel"):
+        (tmp_path / role).mkdir()
+    supervisor = words_of("supervisor", tmp_path / "supervisor", OPERATOR="/bus/operator.sock", WAIT="1")
+    assert "--wait" in supervisor
+    assert option(supervisor, "--operator") == "/bus/operator.sock"
+    panel = words_of("panel", tmp_path / "panel", PANEL_PORT="8770")
+    assert option(panel, "--public-port") == "8770"
+    assert option(panel, "--operator").endswith("/operator.sock")
+
+
+def test_the_compose_file_tells_the_plant_of_the_wait() -> None:
+    services = (ROOT / "docker-compose.panel.yml").read_text().partition("\nservices:")[2]
+    plant = services.partition("\n  plant:")[2].partition("\n  supervisor:")[0]
+    assert "WAIT: ${WAIT:-}" in plant

@@ -1,0 +1,54 @@
+"""The learning curve of a recorded sequence, as the page gets it."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from railhil.common.errors import InputError
+from railhil.panel.learning import learning_charts, run_folders
+from railhil.panel.recorded import RecordedRuns
+from railhil.scenarios.load import load_any
+from railhil.sequences.sequence_command import main
+
+pytestmark = pytest.mark.slow
+
+
+@pytest.fixture(scope="module")
+def sequence(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Two runs of the stopping train."""
+    folder = tmp_path_factory.mktemp("learning") / "night"
+    words = ["yizhuang_stop", "--controller", "ilc_stop", "--runs", "2", "--bus", "local", "--no-report"]
+    assert main(["run", *words, "--out", str(folder)]) == 0
+    return folder
+
+
+def test_a_sequence_is_its_first_and_last_run_and_what_it_learned(sequence: Path) -> None:
+    header = RecordedRuns([str(sequence)]).header()
+    assert [run["name"] for run in header["runs"]] == ["run001", "run002"]
+    charts = {chart["title"]: chart for chart in header["learning"]}
+    numbers, errors, upper, lower = charts["stop error by run"]["data"]
+    assert numbers == [1, 2]
+    signed = [json.loads((sequence / f"run00{one}" / "score.json").read_text())["signed"] for one in numbers]
+    assert errors == [one["stop_error_m"] for one in signed]
+    assert (upper, lower) == ([0.3, 0.3], [-0.3, -0.3])
+    kept = [json.loads((sequence / f"run00{one}" / "memory.json").read_text())["values"] for one in numbers]
+    for name in ("gamma", "offset_m"):
+        assert charts[f"memory: records {name}"]["data"] == [[1, 2], [one["records"][0][name] for one in kept]]
+
+
+def test_runs_beside_each_other_learn_only_if_they_are_of_one_sequence(sequence: Path) -> None:
+    scenario = load_any("yizhuang_stop")
+    first, second = (str(sequence / name) for name in ("run001", "run002"))
+    assert len(learning_charts(scenario, [second, first])) > 1
+    assert learning_charts(scenario, [first]) == []
+    assert learning_charts(scenario, [first, first]) == []
+
+
+def test_a_sequence_without_a_finished_run_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "sequence.json").write_text("{}")
+    (tmp_path / "run001").mkdir()
+    with pytest.raises(InputError, match="without a finished run"):
+        run_folders([str(tmp_path)])

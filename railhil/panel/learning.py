@@ -1,0 +1,98 @@
+"""Runs of a law that learns, for a page: its errors and its memory by the number of the run."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from railhil.common.errors import InputError, Words
+from railhil.scenarios.memory import MEMORY_AFTER, BadRecord, read_record
+from railhil.scenarios.model import AnyScenario
+from railhil.supervisor.documents import read_certificate, read_score
+from railhil.supervisor.judging import judging_of
+from railhil.supervisor.sequence_measure import sequence_measures
+
+#: What ``railhil sequence run`` writes beside its run folders, and how it names these.
+_SEQUENCE, _RUNS = "sequence.json", "run[0-9]*"
+
+
+def run_folders(texts: Sequence[str]) -> tuple[list[str], list[str]]:
+    """The run folders that are meant: whose curves are shown, and all of them.
+
+    Of a recorded sequence, the curves of its first and its last run are shown.
+
+    :raises InputError: a sequence has no finished run.
+    """
+    shown: list[str] = []
+    every: list[str] = []
+    for text in texts:
+        folder = Path(text)
+        if not (folder / _SEQUENCE).is_file():
+            shown.append(text)
+            every.append(text)
+            continue
+        # A run that was interrupted has no certificate yet.
+        runs = sorted(str(one) for one in folder.glob(_RUNS) if read_certificate(one) is not None)
+        if not runs:
+            raise InputError(folder, "", Words("a sequence without a finished run"), "one finished run or more")
+        shown += dict.fromkeys((runs[0], runs[-1]))
+        every += runs
+    return shown, every
+
+
+def learning_charts(scenario: AnyScenario, folders: Sequence[str]) -> list[dict[str, Any]]:
+    """Charts over the number of the run: what the system measures over sequences, and each number in the memory.
+
+    ``data`` of a chart: numbers of the runs, then a list for each of its ``series``, None where there is no value.
+
+    :returns: empty unless the folders are runs of one law with a memory, each with a number of its own.
+    :raises InputError: a file is damaged.
+    """
+    runs: dict[int, tuple[Mapping[str, float | None], dict[str, float]]] = {}
+    laws = set()
+    for folder in map(Path, folders):
+        certificate, score = read_certificate(folder), read_score(folder)
+        if certificate is None or score is None or not (folder / MEMORY_AFTER).is_file():
+            continue
+        laws.add(certificate["controller"])
+        number = int(certificate.get("run_number") or 0)
+        if number in runs:
+            return []
+        try:
+            record = read_record(folder / MEMORY_AFTER)
+        except BadRecord as bad:
+            raise bad.error from None
+        runs[number] = {**score["scores"], **score["signed"]}, dict(_numbers(record.values))
+    if len(runs) < 2 or len(laws) > 1:
+        return []
+    numbers = sorted(runs)
+    charts = []
+    for measure in sequence_measures(scenario, judging_of(scenario)):
+        criterion, limit = measure.criterion, measure.converged
+        errors = [runs[number][0].get(criterion.signed or criterion.key) for number in numbers]
+        lines = [("limit", limit), *([("-limit", -limit)] if criterion.signed else [])]
+        charts.append(
+            {
+                "title": f"{criterion.title} by run",
+                "unit": criterion.unit,
+                "series": [criterion.title, *(name for name, _ in lines)],
+                "data": [numbers, errors, *([value] * len(numbers) for _, value in lines)],
+            }
+        )
+    for name in dict.fromkeys(name for number in numbers for name in runs[number][1]):
+        kept = [runs[number][1].get(name) for number in numbers]
+        charts.append({"title": f"memory: {name}", "unit": "", "series": [name], "data": [numbers, kept]})
+    return charts
+
+
+def _numbers(values: Any, name: str = "") -> Iterator[tuple[str, float]]:
+    """What a memory holds besides counters, keys and histories: each number with a decimal point, by its place."""
+    if isinstance(values, Mapping):
+        for key, value in values.items():
+            yield from _numbers(value, f"{name} {key}".strip())
+    elif isinstance(values, list) and all(isinstance(one, Mapping) for one in values):
+        for place, one in enumerate(values, start=1):
+            yield from _numbers(one, name if len(values) == 1 else f"{name} {place}")
+    elif isinstance(values, float):
+        yield name, values
