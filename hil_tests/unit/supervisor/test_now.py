@@ -76,6 +76,15 @@ def test_values_are_those_of_signals_csv(recorded: Recorded, tmp_path: Path) -> 
     assert instruments.line(instruments.values(LogTail(tmp_path / "none", recorded.trace().contract).look())) == ""
 
 
+def test_the_table_looks_up_the_instants_of_a_port_once(recorded: Recorded, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A panel makes the table 20 times a second; most columns share a port."""
+    asked: list[str] = []
+    times_s = Trace.times_s
+    monkeypatch.setattr(Trace, "times_s", lambda trace, port: (asked.append(port), times_s(trace, port))[1])
+    signal_table(recorded.scenario, recorded.trace())
+    assert asked.count("CTL_STAT") == 1
+
+
 def test_the_ladder_is_said_while_the_watch_reacts(recorded: Recorded) -> None:
     instruments = Instruments(recorded.scenario)
 
