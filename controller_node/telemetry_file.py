@@ -13,9 +13,11 @@ from railhil.bus.ident import PROFILES
 from railhil.common import whole_file as wholefile
 from railhil.common.errors import InputError
 from railhil.controller_node.any_controller import AnyController
+from railhil.controller_node.laws import find
 from railhil.controller_node.laws.note import slots
 from railhil.controller_node.program.cycles import CPU_MHZ, FLASH_FACTOR
 from railhil.controller_node.telemetry import QuantityTelemetry
+from railhil.scenarios.system import System
 
 
 def _row(row: QuantityTelemetry) -> dict[str, Any]:
@@ -40,6 +42,17 @@ def law_document(name: str, law: Any) -> dict[str, Any]:
             scenario: [seeds.start, seeds.stop, seeds.step] for scenario, seeds in law.design_seeds.items()
         },
     }
+
+
+def law_notes(system: System, law: str | None) -> list[dict[str, Any]] | None:
+    """What the law of a run declares of its notes; None: not known, or the same for every law of the system.
+
+    :raises InputError: there is no such law.
+    """
+    if law is None or "interface" in system.own:
+        return None
+    notes: list[dict[str, Any]] = law_document(law, find(law, system.laws))["notes"]
+    return notes
 
 
 def telemetry_document(node: AnyController) -> dict[str, Any]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from rich.console import Group, RenderableType
@@ -21,9 +21,11 @@ from railhil.bus.select import choose_bus
 from railhil.cli.bus_run import require_interface
 from railhil.common.choices import USUAL_SCENARIO
 from railhil.common.output import Output, table
+from railhil.controller_node.telemetry_file import law_notes
 from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.settings import add_fault_argument, add_set_argument
+from railhil.scenarios.system import system_named
 from railhil.supervisor.follow import Follower
 from railhil.supervisor.now import Instruments
 from railhil.supervisor.shown import LEVEL
@@ -47,6 +49,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser.add_argument(
         "scenario", nargs="?", default=USUAL_SCENARIO, help=f"what runs there (default {USUAL_SCENARIO})"
     )
+    parser.add_argument("--controller", metavar="LAW", help="the law that runs, whose notes are then named")
     add_set_argument(parser)
     add_fault_argument(parser)
     add_bus_arguments(parser)
@@ -56,16 +59,17 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 def work(namespace: argparse.Namespace) -> int:
     """Watch the bus.
 
-    :raises InputError: no such scenario, or no interface.
+    :raises InputError: no such scenario, law, or interface.
     :raises BusUnavailable: the bus cannot be opened.
     """
     scenario = load_any(namespace.scenario, namespace.set, namespace.fault)
+    notes = law_notes(system_named(scenario.system), namespace.controller)
     choice = choose_bus(namespace)
     require_interface(choice)
     console = Output()
     link = listening(choice.config)
     console.say(f"bus: {choice.transport} ({choice.reason}), listening only")
-    view = View(scenario, lines=not console.is_terminal)
+    view = View(scenario, notes, lines=not console.is_terminal)
     try:
         if console.is_terminal:
             with Live(view.picture(), console=console, auto_refresh=False, transient=False) as live:
@@ -114,12 +118,15 @@ def watch(link: Link, view: View, show: Callable[[], object]) -> None:
 class View:
     """What is shown of the frames of a bus.
 
+    :param notes: the law's declaration of its notes; None: not known.
     :param lines: lines are wanted, one per simulated second.
     """
 
-    def __init__(self, scenario: AnyScenario, lines: bool = False) -> None:
+    def __init__(
+        self, scenario: AnyScenario, notes: Sequence[Mapping[str, Any]] | None = None, lines: bool = False
+    ) -> None:
         self._scenario = scenario
-        self._instruments = Instruments(scenario)
+        self._instruments = Instruments(scenario, notes)
         self.follower = Follower(scenario)
         self._wants_lines = lines
         self._lines: list[str] = []

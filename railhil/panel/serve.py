@@ -6,15 +6,13 @@ import argparse
 import asyncio
 import secrets
 from pathlib import Path
-from typing import Any
 
 from railhil.bus.select import choose_bus
 from railhil.common.errors import InputError, Words
 from railhil.common.exit_codes import ending_signals
 from railhil.common.orphans import end_with_parent
 from railhil.common.output import Output
-from railhil.controller_node.laws import find
-from railhil.controller_node.telemetry_file import law_document
+from railhil.controller_node.telemetry_file import law_notes
 from railhil.panel.foxglove import FoxgloveBridge
 from railhil.panel.live import LiveRun
 from railhil.panel.operator import Operator
@@ -22,7 +20,7 @@ from railhil.panel.receiver import Receiver
 from railhil.panel.recorded import RecordedRuns
 from railhil.panel.server import PanelServer
 from railhil.scenarios.load import load_any
-from railhil.scenarios.system import System, system_named
+from railhil.scenarios.system import system_named
 
 
 def serve_panel(namespace: argparse.Namespace) -> int:
@@ -50,17 +48,6 @@ def serve_panel(namespace: argparse.Namespace) -> int:
     port = namespace.public_port if namespace.socket and namespace.public_port else namespace.port
     bridge = None if namespace.foxglove is None else FoxgloveBridge(source, token, namespace.foxglove)
     return asyncio.run(_serve(PanelServer(source, token, port, namespace.socket), Output(stderr=True), bridge))
-
-
-def law_notes(system: System, law: str | None) -> list[dict[str, Any]] | None:
-    """What the law of a run declares of its notes; None: not known, or the same for every law of the system.
-
-    :raises InputError: there is no such law.
-    """
-    if law is None or "interface" in system.own:
-        return None
-    notes: list[dict[str, Any]] = law_document(law, find(law, system.laws))["notes"]
-    return notes
 
 
 async def _serve(panel: PanelServer, console: Output, bridge: FoxgloveBridge | None = None) -> int:

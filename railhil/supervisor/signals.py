@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from railhil.scenarios.model import AnyScenario
 from railhil.supervisor.events.declared import Watch
@@ -31,11 +32,15 @@ def signal_table(scenario: AnyScenario, trace: Trace, notes: Any = None) -> tupl
     found += [(f"{watch.name}_level", watch.port, ranks(trace, watch)) for watch in watches]
     found += [(header, judging.truth, values) for header, _, values in judging.reckoned(scenario, trace)]
     columns = [time_s]
+    # Many columns come from one port, and a panel makes this table 20 times a second.
+    places: dict[str, npt.NDArray[np.int64]] = {}
     for _, port, values in found:
         if port == judging.truth:
             columns.append(values)
             continue
-        at = np.searchsorted(trace.times_s(port), time_s, side="right") - 1
+        if port not in places:
+            places[port] = np.searchsorted(trace.times_s(port), time_s, side="right") - 1
+        at = places[port]
         columns.append(np.where(at >= 0, np.append(values, np.nan)[at], np.nan))
     return ["time_s", *(header for header, _, _ in found)], np.column_stack(columns)
 

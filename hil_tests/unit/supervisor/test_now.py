@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import io
 from collections.abc import Sequence
 from pathlib import Path
@@ -16,6 +17,7 @@ from railhil.bus.errors import BusLost
 from railhil.bus.frame import Frame
 from railhil.cli import watch
 from railhil.cli.progress import progress
+from railhil.common.errors import InputError
 from railhil.common.output import Output
 from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario
@@ -72,6 +74,15 @@ def test_values_are_those_of_signals_csv(recorded: Recorded, tmp_path: Path) -> 
     partial.write_bytes(recorded.log.read_bytes()[:3000])
     assert instruments.values(LogTail(partial, recorded.trace().contract).look())
     assert instruments.line(instruments.values(LogTail(tmp_path / "none", recorded.trace().contract).look())) == ""
+
+
+def test_the_table_looks_up_the_instants_of_a_port_once(recorded: Recorded, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A panel makes the table 20 times a second; most columns share a port."""
+    asked: list[str] = []
+    times_s = Trace.times_s
+    monkeypatch.setattr(Trace, "times_s", lambda trace, port: (asked.append(port), times_s(trace, port))[1])
+    signal_table(recorded.scenario, recorded.trace())
+    assert asked.count("CTL_STAT") == 1
 
 
 def test_the_ladder_is_said_while_the_watch_reacts(recorded: Recorded) -> None:
@@ -162,3 +173,30 @@ def test_the_progress_line_shows_the_run(recorded: Recorded, monkeypatch: pytest
     assert "m to go" in text
     with progress(recorded.scenario, spec, recorded.log.parent, console, quiet=True) as on_progress:
         assert on_progress is None
+
+
+def test_watch_names_the_notes_of_the_law(recorded: Recorded, monkeypatch: pytest.MonkeyPatch) -> None:
+    """With ``--controller`` the notes have the names that the law declares, else numbers."""
+    bus = _Bus([frame for _, frame in recorded.frames])
+    bus.close = lambda: None  # type: ignore[attr-defined]
+    views: list[watch.View] = []
+    monkeypatch.setattr(watch, "load_any", lambda *asked: recorded.scenario)
+    monkeypatch.setattr(watch, "listening", lambda config: bus)
+    monkeypatch.setattr(watch, "watch", lambda link, view, show: views.append(view))
+    parser = argparse.ArgumentParser()
+    watch.add_parser(parser.add_subparsers())
+    for arguments in (["--controller", "ipfc"], []):
+        namespace = parser.parse_args(["watch", "-i", "railhil", "-c", "x", *arguments])
+        assert namespace.work(namespace) == 0
+        views[-1].take([frame for _, frame in recorded.frames])
+    texts = []
+    for view in views:
+        screen = Console(file=io.StringIO(), width=100, force_terminal=False)
+        screen.print(view.picture())
+        texts.append(screen.file.getvalue())  # type: ignore[attr-defined]
+    assert "softening factor" in texts[0]
+    assert "note 2" not in texts[0]
+    assert "note 2" in texts[1]
+    namespace = parser.parse_args(["watch", "-i", "railhil", "-c", "x", "--controller", "no_such_law"])
+    with pytest.raises(InputError, match="no_such_law"):
+        namespace.work(namespace)
