@@ -50,8 +50,8 @@ def _check_octet(data: int) -> int:
 
 
 def _octets_of_bytes(shift: int) -> list[int]:
-    """The octet of every byte at a number of bits from the end: the XOR of those of its bits, which are divided alone
-    because dividing every byte would take a tenth of the start of a node."""
+    """The octet of every byte at a number of bits from the end: the XOR of those of its bits. Only these are
+    divided, because every process makes the tables at its start."""
     octets = [0]
     for bit in range(8):
         alone = _check_octet(1 << bit + shift)
