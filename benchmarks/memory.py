@@ -13,24 +13,22 @@ from railhil.supervisor.processes import process_name
 
 TITLE = "memory"
 METHOD = (
-    "Peak resident set (VmHWM of the kernel, shared library pages included) of each process of one `railhil run`, read "
-    "every 20 ms until the command ends; MB = 10^6 bytes."
+    "Largest proportional set (Pss of the kernel: each page in RAM divided by the number of processes that have it; "
+    "nodes are forked, so their resident sets count the pages of the supervisor again) of each process of one "
+    "`railhil run`, read every 20 ms until the command ends; MB = 10^6 bytes."
 )
 LIMIT_MB = 150.0
 _LOOK_S = 0.02
 _ROLES = ("hub", "plant", "controller")
 
 
-def peak_mb(pid: int) -> float:
-    """Peak resident set of a process in MB; 0 when it has ended."""
+def share_mb(pid: int) -> float:
+    """Memory in MB of a process, each page divided by the number of processes that have it; 0 when it has ended."""
     try:
-        status = Path(f"/proc/{pid}/status").read_text(encoding="ascii", errors="replace")
+        rollup = Path(f"/proc/{pid}/smaps_rollup").read_text(encoding="ascii", errors="replace")
     except (FileNotFoundError, ProcessLookupError):
         return 0.0
-    for line in status.splitlines():
-        if line.startswith("VmHWM:"):
-            return int(line.split()[1]) * 1024 / 1e6
-    return 0.0
+    return sum(int(line.split()[1]) for line in rollup.splitlines() if line.startswith("Pss:")) * 1024 / 1e6
 
 
 def _role(process: psutil.Process) -> str | None:
@@ -58,13 +56,13 @@ def measure(setting: Setting) -> list[Figure]:
                     if role is not None:
                         pids[role] = child.pid
             for role, pid in pids.items():
-                peaks_mb[role] = max(peaks_mb[role], peak_mb(pid))
+                peaks_mb[role] = max(peaks_mb[role], share_mb(pid))
             time.sleep(_LOOK_S)
         running.finish()
     unseen = [role for role, peak in peaks_mb.items() if peak == 0]
     if unseen:
         raise MeasurementError(f"memory: no sight of {', '.join(unseen)}")
     return [
-        Figure(f"{role}: peak resident set", peak, "MB", peak / LIMIT_MB, f"to the limit of {LIMIT_MB:g} MB")
+        Figure(f"{role}: peak proportional set", peak, "MB", peak / LIMIT_MB, f"to the limit of {LIMIT_MB:g} MB")
         for role, peak in peaks_mb.items()
     ]

@@ -49,9 +49,19 @@ def _check_octet(data: int) -> int:
     return remainder << 1 | (data.bit_count() + remainder.bit_count()) & 1
 
 
+def _octets_of_bytes(shift: int) -> list[int]:
+    """The octet of every byte at a number of bits from the end: the XOR of those of its bits. Only these are
+    divided, because every process makes the tables at its start."""
+    octets = [0]
+    for bit in range(8):
+        alone = _check_octet(1 << bit + shift)
+        octets += [alone ^ octet for octet in octets]
+    return octets
+
+
 def _octets_of_words(place: int) -> bytes:
     """The octet of every 16-bit word at ``place`` words before the last one; inverted for the last."""
-    low, high = ([_check_octet(value << 16 * place + shift) for value in range(256)] for shift in (0, 8))
+    low, high = (_octets_of_bytes(16 * place + shift) for shift in (0, 8))
     inversion = 0 if place else 0xFF
     row, everywhere = int.from_bytes(bytes(low)), int.from_bytes(b"\1" * 256)
     return b"".join((row ^ (octet ^ inversion) * everywhere).to_bytes(256) for octet in high)

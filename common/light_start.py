@@ -2,11 +2,25 @@
 
 from __future__ import annotations
 
+import gc
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 
 _ASAMMDF = "asammdf"
+#: New objects after which unreachable cycles are looked for; Python's own number is 700.
+_OBJECTS = 20_000
+
+
+@contextmanager
+def rare_collection() -> Iterator[None]:
+    """Inside ``with``, cycles are looked for more rarely: while modules load, nearly every new object stays."""
+    before = gc.get_threshold()
+    gc.set_threshold(_OBJECTS, *before[1:])
+    try:
+        yield
+    finally:
+        gc.set_threshold(*before)
 
 
 @contextmanager

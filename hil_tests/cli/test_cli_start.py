@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import gc
 import subprocess
 import sys
 
 import pytest
 
+from railhil.cli import commands, main
 from railhil.cli.commands import parser
 
 
@@ -37,6 +39,12 @@ def test_a_command_loads_no_library_that_it_does_not_use():
     assert done.stdout.split() == ["numpy"]
 
 
+def test_a_record_is_scored_without_the_checks_of_scenario_files():
+    code = "import sys, railhil.cli.score; print('railhil.scenarios.schema' in sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "False"
+
+
 @pytest.mark.parametrize(
     "module", ["plant_sim.command", "controller_node.command", "supervisor.run", "cli.run", "local_run", "replay"]
 )
@@ -57,3 +65,11 @@ def test_a_run_without_faults_loads_nothing_of_them(module):
         "railhil.faults.parsed",
         "railhil.bus.injector.processes",
     }
+
+
+def test_cycles_are_looked_for_rarely_during_a_command_only(monkeypatch):
+    before, during = gc.get_threshold(), []
+    monkeypatch.setattr(commands, "work", lambda given: during.append(gc.get_threshold()[0]) or 0)
+    assert main(["score"]) == 0
+    assert during[0] > before[0]
+    assert gc.get_threshold() == before

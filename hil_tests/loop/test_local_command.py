@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import signal
 from pathlib import Path
 from typing import Any
@@ -43,8 +44,9 @@ def documents(folder: Path) -> tuple[dict[str, Any], dict[str, Any]]:
 
 @pytest.mark.slow
 def test_the_default_run_has_the_published_hash(tmp_path: Path) -> None:
-    done = railhil("run", "--bus", "local", "--out", tmp_path / "run", "--quiet", "--no-report")
+    done = railhil("run", "--bus", "local", "--out", tmp_path / "run", "--quiet", "--no-report", "--verbose")
     assert done.exit_code == PASS, done.err
+    assert re.search(r"^all files written \d+\.\d\d s after the last frame$", done.out, re.MULTILINE)
     assert documents(tmp_path / "run")[0]["frames_sha256"] == PUBLISHED_SHA256
 
 

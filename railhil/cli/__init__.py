@@ -6,6 +6,7 @@ import sys
 from collections.abc import Sequence
 
 from railhil.common.exit_codes import guarded
+from railhil.common.light_start import rare_collection
 
 
 def main(words: Sequence[str] | None = None) -> int:
@@ -22,8 +23,9 @@ def main(words: Sequence[str] | None = None) -> int:
         from railhil.cli import programs as outside
 
         outside.become_program(given)
-        from railhil.cli import commands
+        with rare_collection():
+            from railhil.cli import commands
 
-        return commands.work(given)
+            return commands.work(given)
 
     return guarded("railhil", work)

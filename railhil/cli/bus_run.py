@@ -73,7 +73,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--no-rt", action="store_true", help="realtime: normal scheduling, no locked memory, even where permitted"
     )
     parser.add_argument("--no-report", action="store_true", help="write no report.html")
-    parser.add_argument("--verbose", action="store_true", help="print all that the scenario assumes")
+    parser.add_argument(
+        "--verbose", action="store_true", help="print all that the scenario assumes, and how long the end took"
+    )
     parser.add_argument("--quiet", action="store_true", help="no progress bar")
     parser.add_argument(
         "--bus",
@@ -146,14 +148,15 @@ def chosen_bus(
         if interface == "virtual":
             allowed = "an interface that other processes can open"
             raise InputError("command line", "--interface", interface, allowed)
-        if choice.needs_hub and not _others_listen(namespace) and not spec.is_realtime and not scenario.faults:
+        if gets_pipes(namespace, choice) and not spec.is_realtime and not scenario.faults:
             choice = own_pipes()
         yield choice
 
 
-def _others_listen(namespace: argparse.Namespace) -> bool:
-    """Whether somebody named a bus, or a panel is to hear the run."""
-    return "interface" in namespace or getattr(namespace, "panel", None) is not None
+def gets_pipes(namespace: argparse.Namespace, choice: BusChoice) -> bool:
+    """Whether a run in lockstep that injects nothing gets pipes instead of the chosen bus: it is a hub of its own, and
+    nobody has named it or wants a panel to hear the run."""
+    return choice.needs_hub and "interface" not in namespace and getattr(namespace, "panel", None) is None
 
 
 def recorded(

@@ -16,8 +16,8 @@ from railhil.bus.errors import BusUnavailable
 from railhil.bus.hub.modelled import HUB
 from railhil.bus.limits import LIMITS
 from railhil.bus.link import open_link
-from railhil.bus.select import BusChoice, choose_bus, config_from_namespace
-from railhil.cli.bus_run import require_interface
+from railhil.bus.select import BusChoice, choose_bus, config_from_namespace, own_pipes
+from railhil.cli.bus_run import gets_pipes, require_interface
 from railhil.common.build import python_build, railhil_build
 from railhil.common.choices import USUAL_SCENARIO
 from railhil.common.errors import InputError
@@ -50,14 +50,23 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser.set_defaults(work=work)
 
 
-def facts(choice: BusChoice) -> dict[str, str]:
+def _bus_sentence(namespace: argparse.Namespace, choice: BusChoice) -> str:
+    """The bus of a run with these options: one in lockstep that would get a hub unasked gets pipes instead."""
+    named = f"{choice.transport} ({choice.reason})"
+    if not gets_pipes(namespace, choose_bus(namespace, Path("a hub of the run's own"))):
+        return named
+    pipes = own_pipes()
+    return f"{pipes.transport} ({pipes.reason}); with faults, in real time or with other clients {named}"
+
+
+def facts(namespace: argparse.Namespace, choice: BusChoice) -> dict[str, str]:
     """Versions, and the bus that a command would choose."""
     return {
         "railhil": f"{version('railhil')}, {railhil_build()}",
         "python": f"{platform.python_version()}, {python_build()} ({sys.executable})",
         "python-can": version("python-can"),
         "system": f"{platform.system()} {platform.release()} {platform.machine()}",
-        "bus": f"{choice.transport} ({choice.reason})",
+        "bus": _bus_sentence(namespace, choice),
         "DBC sha256": wire_contract().sha256,
     }
 
@@ -117,10 +126,12 @@ def work(namespace: argparse.Namespace) -> int:
     code = USAGE if asked and asked.advice else PASS
     if namespace.json:
         hub = [row._asdict() for row in HUB]
-        print_json({**facts(choice), "findings": [asdict(item) for item in found], "limits": LIMITS, "hub": hub})
+        print_json(
+            {**facts(namespace, choice), "findings": [asdict(item) for item in found], "limits": LIMITS, "hub": hub}
+        )
         return code
     console = Output()
-    for key, value in facts(choice).items():
+    for key, value in facts(namespace, choice).items():
         console.say(f"{key:18} {value}")
     for item in found:
         console.say(f"{item.subject:18} {item.found}")

@@ -184,5 +184,5 @@ def work(namespace: argparse.Namespace) -> int:
             console.say(line)
         print_json(score_json(scenario, result, run.spec))
     else:
-        print_result(console, found, result, folder, notes, report, namespace.verbose)
+        print_result(console, found, result, folder, notes, report, namespace.verbose, run.session.heard_ns)
     return run.stopped_exit_code or result.exit_code

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -62,13 +63,21 @@ def print_verdict(console: Output, verdict: str, line: str) -> None:
 
 
 def print_result(
-    console: Output, run: RecordedRun, result: RunResult, folder: Path, notes: Sequence[str], report: str, verbose: bool
+    console: Output,
+    run: RecordedRun,
+    result: RunResult,
+    folder: Path,
+    notes: Sequence[str],
+    report: str,
+    verbose: bool,
+    last_frame_ns: int,
 ) -> None:
     """Table, facts of the run, verdict and, after a FAIL, what to try.
 
     :param notes: lines on what else has come of the run.
-    :param verbose: print all that the scenario assumes.
+    :param verbose: print all that the scenario assumes, and how long the command took after the last frame.
     :param report: the line about ``report.html``, empty if none was requested.
+    :param last_frame_ns: monotonic time of the last frame.
     """
     scenario = run.scenario
     print_scores(console, scenario, [(f"{run.label} {run.certificate['arithmetic']} (measured)", result.score)])
@@ -80,6 +89,9 @@ def print_result(
         f"{result.sim_time_s:.2f} s simulated in {result.wall_time_s:.2f} s = {result.speed_factor:.0f} times "
         f"real time, {result.frames} frames on {result.transport}, first frame after {result.first_frame_s:.2f} s"
     )
+    if verbose:
+        after_s = (time.monotonic_ns() - last_frame_ns) / 1e9
+        console.say(f"all files written {after_s:.2f} s after the last frame")
     if result.timing is not None and result.timing.jitter is not None:
         timing = result.timing.as_json()
         if result.timing.pace:

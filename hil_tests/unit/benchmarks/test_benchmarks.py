@@ -9,14 +9,13 @@ import subprocess
 import sys
 from pathlib import Path
 
-import psutil
 import pytest
 
 from benchmarks import arithmetic
 from benchmarks.__main__ import NAMES, run
 from benchmarks.figures import Figure, MeasurementError, Setting
 from benchmarks.machine import Machine, cpu_model
-from benchmarks.memory import peak_mb
+from benchmarks.memory import share_mb
 from benchmarks.processes import RunCommand
 from railhil.controller_node.arithmetic import make
 
@@ -38,7 +37,7 @@ EXPECTED = {
     "codec": "SIM_TRUTH (3 frames): receive, all checks and decode",
     "predictive_peer": "do-mpc: step, median",
     "training": "BP",
-    "memory": "controller: peak resident set",
+    "memory": "controller: peak proportional set",
 }
 
 
@@ -155,14 +154,24 @@ def test_cpu_model_is_the_kernel_s_word(tmp_path):
     assert cpu_model(tmp_path / "missing")
 
 
-def test_peak_outlives_the_memory_that_made_it():
-    resident_mb = psutil.Process().memory_info().rss / 1e6
+def test_memory_of_two_processes_is_counted_once():
     block = bytearray(b"\1") * 60_000_000
+    alone_mb = share_mb(os.getpid())
+    assert alone_mb > 60
+    reading, writing = os.pipe()
+    if (child := os.fork()) == 0:
+        os.close(writing)
+        os.read(reading, 1)
+        os._exit(0)
+    try:
+        assert 30 < share_mb(child) < alone_mb - 25
+        assert share_mb(os.getpid()) < alone_mb - 25
+    finally:
+        os.close(writing)
+        os.waitpid(child, 0)
+        os.close(reading)
     assert len(block) == 60_000_000
-    del block
-    # The kernel's counters are exact to some hundred kB only.
-    assert peak_mb(os.getpid()) > resident_mb + 55
-    assert peak_mb(2**31 - 2) == 0.0
+    assert share_mb(2**31 - 2) == 0.0
 
 
 def test_quick_scenario_is_a_short_run(tmp_path):

@@ -10,8 +10,11 @@ from typing import Any
 import pytest
 
 from hil_tests.support.cli import railhil
+from railhil.bus import select
 from railhil.bus.hub.modelled import HUB
 from railhil.bus.limits import LIMITS
+from railhil.cli.commands import parser
+from railhil.cli.doctor import facts
 from railhil.common.scheduling import NODE_PRIORITY
 from railhil.supervisor.doctor import lateness, scheduling
 from railhil.supervisor.doctor.finding import Finding, and_so_on, said_by
@@ -243,6 +246,24 @@ def test_tools(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "docker").write_text("#!/bin/sh\necho 27.1\n")
     assert docker() == Finding("docker", "engine 27.1 with compose")
     assert said_by("no-such-tool-here") is None
+
+
+@pytest.mark.parametrize(
+    ("words", "vcan", "begin"),
+    [
+        ([], False, "railhil:pipes ("),
+        ([], True, "socketcan:vcan0 ("),
+        (["-i", "railhil", "-c", "/tmp/x.sock"], False, "railhil:/tmp/x.sock ("),
+    ],
+)
+def test_the_bus_is_the_one_that_a_run_gets(
+    words: list[str], vcan: bool, begin: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(select, "vcan_available", lambda: vcan)
+    namespace = parser("doctor").parse_args(["doctor", *words])
+    said = facts(namespace, select.choose_bus(namespace))["bus"]
+    assert said.startswith(begin)
+    assert ("user-space hub" in said) == (begin == "railhil:pipes (")
 
 
 # -- the command ------------------------------------------------------------------------------------------------------
