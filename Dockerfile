@@ -12,6 +12,10 @@ RUN python3 -c 'import tomllib; p = tomllib.load(open("pyproject.toml", "rb"))["
 extras = p["optional-dependencies"]; \
 print("\n".join(p["dependencies"] + extras["report"] + extras["campaign"] + extras["panel"]))' >/requirements.txt \
     && /opt/railhil/bin/pip install --no-cache-dir --only-binary=:all: -r /requirements.txt
+# 1: the modules of setup.py compiled for the processor of the image, some minutes.
+ARG RAILHIL_COMPILED=0
+RUN if [ "$RAILHIL_COMPILED" != 0 ]; then \
+    apt-get update && apt-get install -y --no-install-recommends gcc libc6-dev python3-dev; fi
 COPY . ./
 # Of no use at run time, a third of the size: pip itself, the libraries' own test suites, and what is there for compilers
 # and type checkers.

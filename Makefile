@@ -20,7 +20,7 @@ SIDE_BY_SIDE = $(BIN)/pytest -q -n $$(($$(nproc) + 1)) --dist loadfile --no-load
 # Files of tests that keep real time: collecting all the others takes as long as some of these tests.
 REAL_TIME    = $$(grep -rlw --include='test_*.py' wall_clock hil_tests)
 
-.PHONY: run test test-fast test-here test-vcan test-compose test-docker test-docker-vcan test-wheel test-arm64 test-compiled mutants lint lint-types lint-imports compiled bench dbc tables tuned $(TUNED_LAWS:%=tuned-%) install locks locked clean
+.PHONY: run test test-fast test-here test-vcan test-compose test-docker test-docker-vcan test-wheel test-arm64 test-compiled wheels mutants lint lint-types lint-imports compiled bench dbc tables tuned $(TUNED_LAWS:%=tuned-%) install locks locked clean
 
 # A run that misses the limits of its scenario (exit code 1) is a result, not an error of make.
 run: $(VENV)/.installed
@@ -71,6 +71,10 @@ test-compiled: $(VENV)/.installed-dev
 # The hashes of every law on aarch64, emulated, and here; half an hour, and not part of `make test`.
 test-arm64: $(VENV)/.installed-dev
 	@$(BIN)/python -m hil_tests.arm64 $(ARGS)
+
+# The wheels of a release into dist/: the pure one, with ARGS=--compiled also that of this processor (docs/release.md).
+wheels: $(VENV)/.installed-dev
+	@$(BIN)/python -m hil_tests.wheels $(ARGS)
 
 lint: $(VENV)/.installed-dev
 	$(BIN)/ruff check .
@@ -147,4 +151,4 @@ locked: | $(VENV)/bin/pip
 	@touch $(VENV)/.installed-dev $(VENV)/.installed
 
 clean:
-	rm -rf $(VENV) build *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache
+	rm -rf $(VENV) build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache

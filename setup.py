@@ -94,7 +94,8 @@ MODULES = [
 OPTIONS = ["--config-file=", "--follow-imports=silent", "--ignore-missing-imports"]
 
 extensions = []
-if os.environ.get("RAILHIL_COMPILED", "0") not in ("", "0"):
+compiled = os.environ.get("RAILHIL_COMPILED", "0") not in ("", "0")
+if compiled:
     from mypyc.build import mypycify
 
     extensions = mypycify([*OPTIONS, *MODULES], opt_level="3", multi_file=True)
@@ -102,4 +103,4 @@ if os.environ.get("RAILHIL_COMPILED", "0") not in ("", "0"):
         # On processors with fused products gcc would use them, and their last bit differs from Python's.
         extension.extra_compile_args = [*extension.extra_compile_args, "-ffp-contract=off"]
 
-setup(ext_modules=extensions, setup_requires=["mypy>=1.11"] if os.environ.get("RAILHIL_COMPILED") else [])
+setup(ext_modules=extensions, setup_requires=["mypy>=1.11"] if compiled else [])

@@ -199,7 +199,12 @@ def add_run_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="N",
         help="number of the run in the sequence of its seed, for systems that learn from run to run (default 1)",
     )
-    parser.add_argument("--pace", choices=PACES, default="lockstep")
+    parser.add_argument(
+        "--pace",
+        choices=PACES,
+        default="lockstep",
+        help="as fast as the nodes answer, or by the clock (default lockstep)",
+    )
     parser.add_argument(
         "--appear-timeout",
         type=seconds,

@@ -59,6 +59,13 @@ def test_defaults_are_those_of_the_command() -> None:
     }
 
 
+def test_the_image_can_be_built_compiled() -> None:
+    """setup.py reads the build argument; without that file the image would be pure whatever is asked for."""
+    dockerfile = (ROOT / "Dockerfile").read_text()
+    assert "!setup.py" in (ROOT / ".dockerignore").read_text().splitlines()
+    assert dockerfile.index("ARG RAILHIL_COMPILED=0") < dockerfile.index("pip install --no-cache-dir --no-deps .")
+
+
 def test_law_and_arithmetic_are_left_to_the_system_unless_they_are_chosen() -> None:
     """Not every system has the fixed point, and each has laws of its own."""
     for name in ("docker-compose.yml", "docker-compose.panel.yml"):

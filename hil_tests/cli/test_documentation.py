@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from argparse import ArgumentParser, _SubParsersAction
+from argparse import SUPPRESS, ArgumentParser, _SubParsersAction
+from collections.abc import Iterator
 from functools import cache
 
 import pytest
@@ -12,7 +13,7 @@ from hil_tests.support.paths import ROOT
 from hil_tests.support.venvs import project
 from railhil.cli import commands
 from railhil.cli import programs as outside
-from railhil.cli.completion import program_parser
+from railhil.cli.completion import program_parser, whole_parser
 
 _PAGES = ("README.md", "CONTRIBUTING.md", *sorted(str(page.relative_to(ROOT)) for page in ROOT.glob("docs/**/*.md")))
 #: Of our own repository, and of a file in it as it is.
@@ -88,6 +89,25 @@ def test_options_of_printed_commands_exist(page):
         if command in _options():
             unknown = [option for option in _OPTION.findall(rest) if option not in _options()[command]]
             assert not unknown, f"railhil {command}{rest}"
+
+
+def _leaves(parser: ArgumentParser, name: str = "railhil") -> Iterator[tuple[str, ArgumentParser]]:
+    below = _subparsers(parser)
+    for word, sub in below.items():
+        yield from _leaves(sub, f"{name} {word}")
+    if not below:
+        yield name, parser
+
+
+def test_every_option_says_what_it_is_and_is_in_the_documentation() -> None:
+    text = "\n".join((ROOT / page).read_text(encoding="utf-8") for page in _PAGES)
+    named = set(re.findall(r"(?<![\w-])--?[a-z][a-z0-9-]*", text)) | {"-h"}
+    for name, parser in _leaves(whole_parser()):
+        assert parser.epilog, name
+        for action in parser._actions:
+            assert action.help, (name, action.dest)
+            if action.option_strings and action.help != SUPPRESS:
+                assert named & set(action.option_strings), (name, action.option_strings)
 
 
 def test_code_blocks_name_only_commands_that_exist():

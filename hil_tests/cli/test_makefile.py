@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import os
+import platform
 import subprocess
 from pathlib import Path
 
 import pytest
 
+from hil_tests import wheels
 from hil_tests.support.paths import ROOT
 
 _PIP = """#!/bin/sh
@@ -19,6 +21,19 @@ echo 'Building wheel for railhil (pyproject.toml): started'
 echo 'Installing collected packages: numpy, rich, railhil'
 exit "${PIP_EXIT:-0}"
 """
+
+
+@pytest.mark.parametrize(
+    ("name", "compiled", "right"),
+    [
+        ("railhil-0.1.0-py3-none-any.whl", False, True),
+        ("railhil-0.1.0-py3-none-any.whl", True, False),
+        (f"railhil-0.1.0-cp311-cp311-linux_{platform.machine()}.whl", True, True),
+        (f"railhil-0.1.0-cp311-cp311-linux_{platform.machine()}.whl", False, False),
+    ],
+)
+def test_a_wheel_of_another_kind_than_asked_for_is_an_error(name: str, compiled: bool, right: bool) -> None:
+    assert wheels.fits(name, compiled) is right
 
 
 @pytest.mark.parametrize(
