@@ -24,6 +24,7 @@ from railhil.common.extras import missing
 #: Benchmarks in the order of measurement. Each module has TITLE, METHOD and ``measure(setting)``.
 NAMES = (
     "lockstep",
+    "features",
     "transports",
     "jitter",
     "arithmetic",

@@ -27,6 +27,7 @@ UNITS = {"us", "ns", "s", "frames/s", "sim s/s", "runs/s", "Mops/s", "%", "cycle
 #: A figure that must be there.
 EXPECTED = {
     "lockstep": "iq: command to first frame, median",
+    "features": "with the panel: speed factor, median",
     "transports": "hub, gateway, hub: round trip, one CPU, Python",
     "jitter": "hub, TCP loopback: busy, normal, Python",
     "arithmetic": "rsmpy, 100,000 at once: apytypes",

@@ -1,0 +1,224 @@
+"""``python -m benchmarks.against WHAT ...``: this version and others, the same run in turns, each as its own default.
+
+WHAT is a commit of this repository, a folder with a railhil (a clone, an unpacked archive), or the Python of an
+environment in which one is installed, such as an older version or a compiled build.
+"""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import tomllib
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from benchmarks.counting import counting
+from benchmarks.figures import FULL_SCENARIO, MeasurementError, Setting, median
+from benchmarks.machine import cpu_model
+from railhil.common.errors import InputError
+from railhil.common.exit_codes import FAIL, PASS, guarded
+
+_TOP = Path(__file__).resolve().parents[1]
+#: Left out of the command for a version that does not have them.
+_WISHED = ("--quiet", "--no-report")
+_PATIENCE_S = 300.0
+#: Prints how the other Python and its railhil were built; an older railhil has nothing to say about itself.
+_DESCRIBE = """\
+import platform, sysconfig
+from importlib.util import find_spec
+flags = sysconfig.get_config_var("CONFIG_ARGS") or ""
+pgo = "PGO" if "--enable-optimizations" in flags else "no PGO"
+lto = "LTO" if "--with-lto" in flags else "no LTO"
+store = find_spec("railhil.bus.store")
+build = "pure" if store is None or store.origin.endswith(".py") else "compiled"
+print(f"{platform.python_implementation()} {platform.python_version()} ({pgo}, {lto}), railhil {build}")
+"""
+
+
+@dataclass(slots=True)
+class Version:
+    """One railhil to measure, and what was found.
+
+    ``factors``: simulated seconds per wall second of each run. ``cpu_s``: processor time of each command with all its
+    processes.
+    """
+
+    name: str
+    python: str
+    environment: dict[str, str]
+    build: str = ""
+    options: list[str] = field(default_factory=list)
+    factors: list[float] = field(default_factory=list)
+    cpu_s: list[float] = field(default_factory=list)
+    transports: set[str] = field(default_factory=set)
+    hashes: set[str] = field(default_factory=set)
+
+
+def _unpacked(commit: str, folder: Path) -> Path:
+    """The tree of a commit below ``folder``.
+
+    :raises InputError: there is no such commit.
+    """
+    found = subprocess.run(["git", "-C", str(_TOP), "archive", commit], capture_output=True, check=False)
+    if found.returncode:
+        raise InputError("command line", "WHAT", commit, "a commit, a folder with a railhil, or a Python")
+    target = folder / "trees" / commit.replace("/", "_")
+    target.mkdir(parents=True)
+    subprocess.run(["tar", "-x", "-C", str(target)], input=found.stdout, check=True)
+    return target
+
+
+def _importable(tree: Path, folder: Path) -> str:
+    """PYTHONPATH of a tree, with the entry points (laws, bus, systems) that its installation would have."""
+    project = tomllib.loads((tree / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    info = folder / "entry_points" / tree.name / f"railhil-{project['version']}.dist-info"
+    info.mkdir(parents=True)
+    (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: railhil\nVersion: {project['version']}\n")
+    lines = []
+    for group, points in project.get("entry-points", {}).items():
+        lines += [f"[{group}]", *(f"{name} = {value}" for name, value in points.items())]
+    (info / "entry_points.txt").write_text("\n".join(lines) + "\n")
+    return os.pathsep.join((str(info.parent), str(tree)))
+
+
+def version_of(what: str, folder: Path) -> Version:
+    """What the command line names.
+
+    :param folder: for unpacked trees.
+    :raises InputError: it is neither a commit nor a folder with a railhil nor a Python.
+    """
+    path = Path(what)
+    if path.is_file() and os.access(path, os.X_OK):
+        # Not resolved: the Python of an environment is a link.
+        return Version(what, str(path.absolute()), {})
+    if path.is_dir() and not (path / "pyproject.toml").is_file():
+        raise InputError("command line", "WHAT", what, "a folder with a railhil and its pyproject.toml")
+    tree = path.resolve() if path.is_dir() else _unpacked(what, folder)
+    return Version(what, sys.executable, {"PYTHONPATH": _importable(tree, folder)})
+
+
+def _asked(version: Version, words: Sequence[str], folder: Path) -> subprocess.CompletedProcess[str]:
+    # Neither the folder of this repository nor its PYTHONPATH may decide which railhil is imported.
+    outside = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
+    return subprocess.run(
+        [version.python, *words],
+        cwd=folder,
+        env={**outside, **version.environment},
+        stdin=subprocess.DEVNULL,
+        capture_output=True,
+        text=True,
+        timeout=_PATIENCE_S,
+        check=False,
+    )
+
+
+def describe(version: Version, folder: Path) -> None:
+    """Fill in how it was built, and which of the wished options its command has.
+
+    :raises MeasurementError: it does not start.
+    """
+    told = _asked(version, ["-c", _DESCRIBE], folder)
+    usage = _asked(version, ["-m", "railhil.cli", "run", "--help"], folder)
+    for done in (told, usage):
+        if done.returncode:
+            last = done.stderr.strip().splitlines()[-1:] or ["no message"]
+            raise MeasurementError(f"{version.name}: {last[0]}")
+    version.build = told.stdout.strip()
+    version.options = [option for option in _WISHED if option in usage.stdout]
+
+
+def run_once(version: Version, scenario: str, out: Path) -> None:
+    """One run of it into the folder ``out``, added to what was found.
+
+    :raises MeasurementError: no verdict, or no speed in its score.
+    """
+    before = os.times()
+    done = _asked(version, ["-m", "railhil.cli", "run", scenario, "--out", str(out), *version.options], out.parent)
+    after = os.times()
+    if done.returncode not in (PASS, FAIL):
+        last = (done.stderr or done.stdout).strip().splitlines()[-1:] or ["no message"]
+        raise MeasurementError(f"{version.name}: exit code {done.returncode}: {last[0]}")
+    run = json.loads((out / "score.json").read_text(encoding="utf-8")).get("run", {})
+    if "speed_factor" not in run:
+        raise MeasurementError(f"{version.name}: score.json has no speed factor")
+    version.factors.append(float(run["speed_factor"]))
+    version.cpu_s.append(after.children_user + after.children_system - before.children_user - before.children_system)
+    # The path of a hub's socket is another one in each run.
+    transport, slash, _ = str(run.get("transport", "not in the score")).partition("/")
+    version.transports.add(f"{transport}hub" if slash else transport)
+    version.hashes.add(hashlib.sha256((out / "frames.log").read_bytes()).hexdigest())
+
+
+def _lines(versions: Sequence[Version]) -> list[str]:
+    """What is printed of all versions; the last one is this."""
+    here = versions[-1]
+    lines = []
+    for version in versions:
+        factor, cpu_s = median(version.factors), median(version.cpu_s)
+        lines += [
+            version.name,
+            f"  build      {version.build}",
+            f"  transport  {', '.join(sorted(version.transports))}",
+            f"  factor     {factor:.1f} times real time, median of {len(version.factors)} "
+            f"({min(version.factors):.1f} to {max(version.factors):.1f})",
+            f"  processor  {cpu_s:.2f} s, median of the whole command "
+            f"({min(version.cpu_s):.2f} to {max(version.cpu_s):.2f})",
+            *(f"  frames.log {sha256}" for sha256 in sorted(version.hashes)),
+        ]
+        if version is not here:
+            pairs = [now / was for now, was in zip(here.factors, version.factors, strict=True)]
+            lines.append(
+                f"  ratio      this version is {median(pairs):.2f} times as fast, median of the pairs "
+                f"({min(pairs):.2f} to {max(pairs):.2f})"
+            )
+    return lines
+
+
+def _load() -> str:
+    return ", ".join(f"{value:.2f}" for value in os.getloadavg())
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="python -m benchmarks.against", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("what", nargs="+", metavar="WHAT", help="commit, folder, or Python")
+    parser.add_argument("--pairs", type=int, choices=range(1, 101), default=5, metavar="N", help="runs of each (5)")
+    parser.add_argument("--counting", type=int, choices=range(65), default=0, metavar="N", help="processes beside")
+    parser.add_argument("--quick", action="store_true", help="a run of 8 s: a check, not a measurement")
+    return parser
+
+
+def work(arguments: Sequence[str] | None = None) -> int:
+    """The command: exit code 0, 1 if a version had different frame logs of the same run."""
+    options = _parser().parse_args(arguments)
+    with tempfile.TemporaryDirectory(prefix="railhil-") as name:
+        folder = Path(name)
+        scenario = Setting.make(options.quick, folder).scenario_name
+        here = Version("this version", sys.executable, {"PYTHONPATH": str(_TOP)})
+        versions = [*(version_of(what, folder) for what in options.what), here]
+        for version in versions:
+            describe(version, folder)
+        print(f"CPU        {cpu_model()}, {len(os.sched_getaffinity(0))} cores usable")
+        print(f"run        {scenario if options.quick else FULL_SCENARIO}, {options.pairs} of each, in turns")
+        print(f"beside     {options.counting} processes that only count")
+        print(f"load       {_load()} (1, 5, 15 min) before")
+        with counting(options.counting):
+            for number in range(options.pairs):
+                for index, version in enumerate(versions):
+                    run_once(version, scenario, folder / f"run{index}-{number}")
+        print(f"load       {_load()} after", *_lines(versions), sep="\n")
+    unequal = [version.name for version in versions if len(version.hashes) > 1]
+    for name in unequal:
+        print(f"OTHER BYTES in the runs of {name}")
+    return FAIL if unequal else PASS
+
+
+if __name__ == "__main__":
+    sys.exit(guarded("benchmarks.against", work))

@@ -1,0 +1,83 @@
+"""Other versions beside this one, and a campaign that is killed."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+
+import pytest
+
+from benchmarks import against, killed_campaign
+from benchmarks.figures import MeasurementError
+from railhil.common.errors import InputError
+
+TOP = Path(__file__).resolve().parents[3]
+#: Stands for an older railhil: knows one of the wished options and writes what the comparison reads.
+OLDER = """
+import json, pathlib, sys
+words = sys.argv[1:]
+if "--help" in words:
+    print("--quiet")
+elif "--no-report" in words:
+    sys.exit(2)
+else:
+    out = pathlib.Path(words[words.index("--out") + 1])
+    out.mkdir()
+    (out / "frames.log").write_bytes(out.name.encode())
+    (out / "score.json").write_text(json.dumps(SCORE))
+"""
+
+
+def older(folder: Path, score: dict[str, object]) -> against.Version:
+    package = folder / "tree" / "railhil"
+    package.mkdir(parents=True)
+    (package / "__init__.py").touch()
+    (package / "cli.py").write_text(f"SCORE = {json.dumps(score)}\n{OLDER}")
+    (package.parent / "pyproject.toml").write_text(
+        '[project]\nversion = "0.0.1"\n[project.entry-points."railhil.laws"]\nipfc = "railhil.cli:SCORE"\n'
+    )
+    return against.version_of(str(package.parent), folder)
+
+
+def test_an_older_version_is_given_only_the_options_that_it_has(tmp_path):
+    version = older(tmp_path, {"run": {"speed_factor": 50.0, "transport": "railhil:/tmp/hub.sock"}})
+    against.describe(version, tmp_path)
+    assert version.options == ["--quiet"]
+    against.run_once(version, "line", tmp_path / "a")
+    against.run_once(version, "line", tmp_path / "b")
+    assert (version.factors, version.transports, len(version.hashes)) == ([50.0, 50.0], {"railhil:hub"}, 2)
+
+
+def test_a_version_without_speed_is_no_measurement(tmp_path):
+    version = older(tmp_path, {"run": {}})
+    with pytest.raises(MeasurementError, match="no speed factor"):
+        against.run_once(version, "line", tmp_path / "a")
+
+
+def test_what_is_no_version_is_one_line(tmp_path):
+    for what in ("no-such-commit", str(tmp_path)):
+        with pytest.raises(InputError, match="WHAT"):
+            against.version_of(what, tmp_path)
+
+
+def test_a_python_is_taken_as_it_is(tmp_path):
+    assert against.version_of(sys.executable, tmp_path).environment == {}
+
+
+@pytest.mark.slow
+def test_this_version_beside_itself(capsys):
+    assert against.work([str(TOP), "--pairs", "1", "--quick"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    hashes = [line for line in lines if "frames.log" in line]
+    assert len(hashes) == 2
+    assert hashes[0] == hashes[1]
+    assert any("this version is" in line for line in lines)
+
+
+@pytest.mark.slow
+def test_a_killed_campaign_ends_with_the_same_bytes(tmp_path):
+    found = killed_campaign.measure(tmp_path, ["--runs", "120", "--chunk", "1"], kills=1, longest_s=0.1)
+    assert found.same
+    assert found.parts == 120
+    assert 0 < found.parts_at_kill[-1] < 120
