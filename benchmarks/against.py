@@ -33,11 +33,14 @@ _DESCRIBE = """\
 import platform, sysconfig
 from importlib.util import find_spec
 flags = sysconfig.get_config_var("CONFIG_ARGS") or ""
-pgo = "PGO" if "--enable-optimizations" in flags else "no PGO"
+pgo = "PGO," if "--enable-optimizations" in flags else "no PGO,"
 lto = "LTO" if "--with-lto" in flags else "no LTO"
+if "--enable-shared" in flags and "/libpython" not in open("/proc/self/maps").read():
+    # Debian: the configuration is that of another build.
+    pgo, lto = "PGO and", "LTO not told"
 store = find_spec("railhil.bus.store")
 build = "pure" if store is None or store.origin.endswith(".py") else "compiled"
-print(f"{platform.python_implementation()} {platform.python_version()} ({pgo}, {lto}), railhil {build}")
+print(f"{platform.python_implementation()} {platform.python_version()} ({pgo} {lto}), railhil {build}")
 """
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import platform
 import sysconfig
 from importlib.util import find_spec
+from pathlib import Path
 
 #: A module that the compiled build always holds (see setup.py).
 _COMPILED = "railhil.bus.store"
@@ -16,14 +17,26 @@ def railhil_build() -> str:
     return "compiled" if spec is not None and not (spec.origin or "").endswith(".py") else "pure"
 
 
-def python_build(configured: str | None = None) -> str:
+def python_build(configured: str | None = None, shared: bool | None = None) -> str:
     """How CPython was compiled, as far as it decides its speed: PGO (``--enable-optimizations``) and LTO.
 
+    Debian builds CPython twice, and its program tells the configuration of the other build, that of the library: then
+    nothing is known.
+
     :param configured: the arguments of its ``configure``; None: those of this interpreter.
+    :param shared: whether the interpreter is that of a shared library; None: look.
     """
     words = str(sysconfig.get_config_var("CONFIG_ARGS") or "") if configured is None else configured
+    if "--enable-shared" in words and not (_from_library() if shared is None else shared):
+        return "PGO and LTO not told"
     pgo = "PGO" if "--enable-optimizations" in words else "no PGO"
     return f"{pgo}, {'LTO' if '--with-lto' in words else 'no LTO'}"
+
+
+def _from_library() -> bool:
+    """Whether this interpreter is in libpython; True where that cannot be seen."""
+    maps = Path("/proc/self/maps")
+    return not maps.exists() or "/libpython" in maps.read_text(encoding="utf-8", errors="replace")
 
 
 def machine() -> dict[str, str]:

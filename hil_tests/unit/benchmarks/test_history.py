@@ -60,6 +60,13 @@ def test_another_file_is_refused_in_one_line(tmp_path: Path, text: str) -> None:
 def test_the_build_of_python_is_said() -> None:
     assert python_build("'--enable-optimizations' '--with-lto=full'") == "PGO, LTO"
     assert python_build("'--prefix=/usr'") == "no PGO, no LTO"
+    assert python_build("'--enable-shared'", shared=True) == "no PGO, no LTO"
+
+
+def test_the_configuration_of_another_build_says_nothing() -> None:
+    """Debian's python3 is no program of the shared library whose configuration it tells."""
+    assert python_build("'--enable-shared' '--prefix=/usr'", shared=False) == "PGO and LTO not told"
+    assert python_build().count("PGO") == 1
 
 
 def test_counting_processes_end_with_the_measurement() -> None:
