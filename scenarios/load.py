@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -119,7 +120,8 @@ class TrainScenarios:
         from railhil.scenarios.train_files import read_train_scenario
 
         rows = layers.merged().get("fault", ())
-        return read_train_scenario(layers, faults_of_rows(rows, self._system, lambda row: layers.origin("fault", row)))
+        faults_of = partial(faults_of_rows, rows, self._system, lambda row: layers.origin("fault", row))
+        return read_train_scenario(layers, faults_of)
 
     def document(self, scenario: model.Scenario) -> dict[str, Any]:
         return document(scenario)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -50,9 +51,14 @@ def _parts(layers: Layers) -> Parts:
     return Parts(file, train, line, refuse)
 
 
-def read_train_scenario(layers: Layers, faults: tuple[str, ...]) -> model.Scenario:
-    """The scenario of a file with its base files and these faults. Raises :class:`InputError`."""
+def read_train_scenario(layers: Layers, faults_of: Callable[[], tuple[str, ...]]) -> model.Scenario:
+    """The scenario of a file with its base files.
+
+    :param faults_of: reads its faults, after the types of all keys have been checked.
+    :raises InputError: it is wrong.
+    """
     parts = _parts(layers)
+    faults = faults_of()
     file, refuse = parts.file, parts.refuse
     timing = convert.timing(file.timing)
     perturbations = convert.perturbations(file.perturbations)

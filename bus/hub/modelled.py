@@ -20,7 +20,7 @@ HUB = (
         "order",
         "",
         "every frame reaches every client, in one order for all",
-        "sampling, propagation delay, receive overflow (a client 64 MiB behind is disconnected)",
+        "sampling, propagation delay, receive overflow (a client 64 MiB behind, `--queue-limit`, is disconnected)",
     ),
     Modelled("acknowledgement", "", "", "a frame counts as sent when nobody hears it"),
     Modelled(
