@@ -28,7 +28,7 @@ _WAIT_MS = 60_000
 
 @pytest.fixture(scope="module")
 def chromium() -> Iterator[Any]:
-    sync_api = pytest.importorskip("playwright.sync_api")
+    sync_api = pytest.importorskip("playwright.sync_api", reason="MISSING CAPABILITY playwright")
     with sync_api.sync_playwright() as playwright:
         found = playwright.chromium.launch(executable_path=browser(), args=["--no-sandbox"])
         yield found

@@ -32,6 +32,7 @@ from railhil.scenarios.load import load_any
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.system import system_named
 from railhil.supervisor.framelog import log_sha256
+from railhil.supervisor.precise_stopping import panels
 from railhil.supervisor.precise_stopping.approach import Approach
 from railhil.supervisor.reactions.catalogue import Entry, catalogue_of
 from railhil.supervisor.session import Session
@@ -228,7 +229,6 @@ def test_the_c_node_answers_both_status_polls_as_ours(tmp_path: Path) -> None:
 
 
 def test_the_figures_are_drawn(both: Both) -> None:
-    panels = pytest.importorskip("railhil.supervisor.precise_stopping.panels")
     scenario = stop_scenario(*SHORT, name="yizhuang_stop_closed")
     run = SimpleNamespace(
         label="one", controller="one_shot", scenario=scenario, trace=both.local.trace, can_be_drawn=True

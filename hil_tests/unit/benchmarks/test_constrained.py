@@ -9,7 +9,7 @@ from benchmarks.constrained import measured
 from benchmarks.qp_solvers import SOLVERS, exceeded, recorded, solved
 from railhil.scenarios.load import load_any
 
-pytest.importorskip("daqp")
+pytest.importorskip("daqp", reason="MISSING CAPABILITY daqp")
 
 
 @pytest.mark.slow

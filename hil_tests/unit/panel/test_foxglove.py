@@ -12,7 +12,7 @@ import pytest
 
 from hil_tests.support.panel import Recorded, ScriptedLink
 
-websockets = pytest.importorskip("websockets")
+websockets = pytest.importorskip("websockets", reason="MISSING CAPABILITY websockets")
 
 from railhil.panel.foxglove import SUBPROTOCOLS, FoxgloveBridge  # noqa: E402
 from railhil.panel.live import LiveRun  # noqa: E402

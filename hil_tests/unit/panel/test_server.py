@@ -15,7 +15,7 @@ import pytest
 
 from railhil.panel.wire import APPEND, SUBPROTOCOL, batch
 
-websockets = pytest.importorskip("websockets")
+websockets = pytest.importorskip("websockets", reason="MISSING CAPABILITY websockets")
 
 from railhil.panel.door import opened  # noqa: E402
 from railhil.panel.server import PanelServer  # noqa: E402

@@ -176,7 +176,7 @@ def test_shares_of_runs() -> None:
 @pytest.fixture(scope="module")
 def opened(run: RecordedRun, tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Any, str, list[str]]]:
     """A browser, the address of a report of two runs, and what any page has asked for."""
-    api = pytest.importorskip("playwright.sync_api")
+    api = pytest.importorskip("playwright.sync_api", reason="MISSING CAPABILITY playwright")
     path = tmp_path_factory.mktemp("page") / "report.html"
     write_report([run, replace(run, label="other", certificate={**run.certificate, "controller": "tdmc"})], path)
     asked: list[str] = []

@@ -27,7 +27,7 @@ from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.vector_bench import direct_run
 
-pytest.importorskip("daqp")
+pytest.importorskip("daqp", reason="MISSING CAPABILITY daqp")
 
 PERIOD_S = 0.2
 
@@ -178,7 +178,7 @@ def test_what_was_really_sent_is_what_the_program_knows() -> None:
 
 @pytest.mark.slow
 def test_runs_together_are_the_runs_alone() -> None:
-    pytest.importorskip("numba")
+    pytest.importorskip("numba", reason="MISSING CAPABILITY numba")
     from railhil.batch.case import Case
     from railhil.batch.coupled import run_coupled
     from railhil.batch.high_speed.runs import run_high_speed
