@@ -14,13 +14,13 @@ TUNED_LAWS ?= ipfc ipfc_plus ipfc_plus_stop tpfc1 tpfc2 tdmc fuzzy_pid
 PART         = $(BIN)/python -m hil_tests.part
 COUNTS       = build/test_counts
 HERE         = not needs_socketcan and not needs_docker
-# A file at a time, so that what a module's tests share is made once. One worker more than there are cores: many tests wait.
-# hil_tests/conftest.py puts the long ones first.
-SIDE_BY_SIDE = $(BIN)/pytest -q -n $$(($$(nproc) + 1)) --dist loadfile --no-loadscope-reorder
+# A file at a time, so that what a module's tests share is made once. Two workers more than there are cores: many tests
+# wait. hil_tests/conftest.py puts the long ones first.
+SIDE_BY_SIDE = $(BIN)/pytest -q -n $$(($$(nproc) + 2)) --dist loadfile --no-loadscope-reorder
 # Files of tests that keep real time: collecting all the others takes as long as some of these tests.
 REAL_TIME    = $$(grep -rlw --include='test_*.py' wall_clock hil_tests)
 
-.PHONY: run test test-fast test-here test-vcan test-compose test-docker test-docker-vcan test-wheel test-arm64 test-compiled wheels mutants lint lint-types lint-imports compiled bench dbc tables tuned $(TUNED_LAWS:%=tuned-%) install locks locked clean
+.PHONY: run test test-fast test-here test-side-by-side test-real-time test-vcan test-compose test-docker test-docker-vcan test-wheel test-arm64 test-compiled wheels mutants lint lint-types lint-imports compiled bench dbc tables tuned $(TUNED_LAWS:%=tuned-%) install locks locked clean
 
 # A run that misses the limits of its scenario (exit code 1) is a result, not an error of make.
 run: $(VENV)/.installed
@@ -28,35 +28,43 @@ run: $(VENV)/.installed
 	@$(BIN)/railhil run $(ARGS) || [ $$? -eq 1 ]
 
 # Everything: lint, all tests, and the capabilities (compilers, Chromium, kernel SocketCAN, Docker) brought up where this
-# machine permits. The machines run beside each other, each printed whole at its end; the last line is the sum.
+# machine permits. The tests in real time leave the processors idle most of the time: the emulated machines take that
+# time, and only that (--behind). Each part is printed whole at its end; the last line is the sum.
 test: $(VENV)/.installed-dev
 	@rm -f $(COUNTS)
 	@$(MAKE) --no-print-directory BESIDE=compiled lint
-	@$(MAKE) --no-print-directory PART="$(PART) --counts $(COUNTS)" test-here
-	@$(MAKE) --no-print-directory PART="$(PART) --counts $(COUNTS)" -j$$(nproc) -Otarget test-docker-vcan test-vcan test-docker
+	@$(MAKE) --no-print-directory PART="$(PART) --counts $(COUNTS)" test-side-by-side
+	@$(MAKE) --no-print-directory PART="$(PART) --counts $(COUNTS)" BEHIND=--behind BEFORE_DOCKER=test-real-time -j3 -Otarget \
+	  test-docker-vcan test-vcan test-real-time test-docker
 	@$(PART) --counts $(COUNTS) --total 5
 
 # What a developer runs all day: a file at a time on each core, without what is slow or needs a machine.
 test-fast: $(VENV)/.installed-dev
 	$(SIDE_BY_SIDE) -m "$(HERE) and not slow and not wall_clock"
 
-# All that needs no machine. What keeps real time runs alone, after the rest.
+# All that needs no machine. What keeps real time runs after the rest.
 test-here: $(VENV)/.installed-dev
+	@$(MAKE) --no-print-directory test-side-by-side
+	@$(MAKE) --no-print-directory test-real-time
+
+test-side-by-side: $(VENV)/.installed-dev
 	@$(PART) --tool compilers --tool browser "tests side by side" $(SIDE_BY_SIDE) -m "$(HERE) and not wall_clock"
-	@$(PART) "tests in real time, alone" $(BIN)/pytest -q -m "$(HERE) and wall_clock" $(REAL_TIME)
+
+test-real-time: $(VENV)/.installed-dev
+	@$(PART) "tests in real time" $(BIN)/pytest -q -m "$(HERE) and wall_clock" $(REAL_TIME)
 
 # On kernel SocketCAN: the host's, else that of a throw-away virtual machine (root on Debian).
 test-vcan: $(VENV)/.installed-dev
-	@$(PART) --tool can-utils --tool compilers "kernel SocketCAN" $(BIN)/python -m hil_tests.transport.vcan
+	@$(PART) $(BEHIND) --tool can-utils --tool compilers "kernel SocketCAN" $(BIN)/python -m hil_tests.transport.vcan
 
 # docker-compose.yml on a real engine: the host's, else a private one (root on Debian).
-test-docker: $(VENV)/.installed-dev
+test-docker: $(VENV)/.installed-dev $(BEFORE_DOCKER)
 	@$(PART) Docker $(BIN)/python -m railhil.machines.docker_engine --timeout 1500 -- \
 	  $(BIN)/pytest -q -m needs_docker hil_tests/transport/compose
 
 # The same on a kernel with CAN.
 test-docker-vcan: $(VENV)/.installed-dev
-	@$(PART) "Docker on kernel CAN" $(BIN)/python -m hil_tests.transport.compose.vcan_runs
+	@$(PART) $(BEHIND) "Docker on kernel CAN" $(BIN)/python -m hil_tests.transport.compose.vcan_runs
 
 test-compose: test-docker test-docker-vcan
 
@@ -122,12 +130,13 @@ $(VENV)/bin/pip:
 	  && apt-get update -q && apt-get install -y -q python3-venv && $(PYTHON) -m venv $(VENV); }
 
 # One line for each step of pip: on a slow machine all of them take minutes. Its complaints go to standard error.
-# (awk and grep may keep lines back until they have many.)
+# (awk and grep may keep lines back until they have many.) Bytecode is made of what is imported, when it is: of all
+# libraries it would take as long as fetching them.
 PIP_STEPS = while read -r word rest; do set -- $$rest; case "$$word $$rest" in \
   Collecting*) echo "  fetching $$1";; \
   "Building wheel"*started) echo "  building $$3";; \
   "Installing collected"*) echo "  unpacking $$(($$\# - 2)) packages";; esac; done
-pip-install = { $(BIN)/pip install --disable-pip-version-check --progress-bar off $(1); echo $$? >$(VENV)/.pip-exit; } \
+pip-install = { $(BIN)/pip install --no-compile --disable-pip-version-check --progress-bar off $(1); echo $$? >$(VENV)/.pip-exit; } \
   | $(PIP_STEPS); exit $$(cat $(VENV)/.pip-exit)
 
 $(VENV)/.installed: pyproject.toml | $(VENV)/bin/pip

@@ -1,7 +1,8 @@
 """One part of ``make test``: a command that ends with pytest's summary line, after installing the tools that it needs.
 
 A missing capability (a tool; a machine that ends with 77) is reported prominently; with ``RAILHIL_REQUIRE_ALL=1`` it is
-a failure, so that continuous integration never skips silently.
+a failure, so that continuous integration never skips silently. With ``--behind`` the command has only the time that no
+other process wants (``SCHED_IDLE``).
 
 Exit code: 0 if everything that could run has passed, else 1. With ``--counts FILE`` the counts are written there and
 the exit code is 0, so the next part runs in any case; ``--total N`` prints the sum of the N parts and sets the exit
@@ -88,6 +89,7 @@ def main(words: Sequence[str] | None = None) -> int:
     """Command line; see the module's docstring."""
     parser = argparse.ArgumentParser(prog="python -m hil_tests.part")
     parser.add_argument("--tool", action="append", choices=TOOLS, default=[])
+    parser.add_argument("--behind", action="store_true")
     parser.add_argument("--counts", type=Path)
     parser.add_argument("--total", type=int)
     parser.add_argument("command", nargs=argparse.REMAINDER, metavar="NAME COMMAND")
@@ -101,6 +103,8 @@ def main(words: Sequence[str] | None = None) -> int:
     else:
         name, *command = options.command
         print(f"\n=== {name} ===", flush=True)
+        if options.behind:
+            os.sched_setscheduler(0, os.SCHED_IDLE, os.sched_param(0))
         counts = _install(options.tool) + _run(name, command)
     closing = ", ".join(f"{counts[word]} {word}" for word in ("passed", "failed", "skipped"))
     if options.counts is None or options.total is not None:

@@ -60,6 +60,14 @@ def test_missing_capability_fails_only_where_all_are_demanded(monkeypatch, capsy
     assert "3 passed, 0 failed, 2 skipped" in out or code == 1
 
 
+def test_a_part_behind_takes_only_time_that_nobody_wants():
+    """A process of its own: nobody gives this class of scheduling back without permission."""
+    asked = f"import os; print(os.sched_getscheduler(0) == os.SCHED_IDLE); print({CLOSING!r})"
+    words = [sys.executable, "-m", "hil_tests.part", "--behind", "machine", sys.executable, "-c", asked]
+    done = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines()[2] == "True"
+
+
 def test_total_is_the_sum_and_judges(tmp_path, capsys):
     counts = ["--counts", str(tmp_path / "build" / "counts")]
     assert part.main([*counts, "first", "sh", "-c", "echo 1 failed, 5 passed in 1.00s; exit 1"]) == 0

@@ -9,6 +9,7 @@ import subprocess
 import sys
 import sysconfig
 import tomllib
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -149,9 +150,14 @@ class Environment:
         (found,) = (self.bin.parent / "lib").glob("python*/site-packages")
         return found
 
-    def run(self, command: str, *arguments: str | Path, exit_code: int = 0) -> str:
-        """Standard output of a command of this environment, which ends with ``exit_code``."""
-        done = self._done(command, *arguments)
+    def run(
+        self, command: str, *arguments: str | Path, exit_code: int = 0, variables: Mapping[str, str] | None = None
+    ) -> str:
+        """Standard output of a command of this environment, which ends with ``exit_code``.
+
+        :param variables: of its environment, beside those of this process.
+        """
+        done = self._done(command, *arguments, more=variables)
         assert done.returncode == exit_code, done.stdout + done.stderr
         return done.stdout
 
@@ -161,9 +167,11 @@ class Environment:
         assert (done.returncode, done.stdout) == (2, ""), done.stdout + done.stderr
         return done.stderr
 
-    def _done(self, command: str, *arguments: str | Path) -> subprocess.CompletedProcess[str]:
+    def _done(
+        self, command: str, *arguments: str | Path, more: Mapping[str, str] | None = None
+    ) -> subprocess.CompletedProcess[str]:
         hidden = {"PYTHONPATH", "PYTHONHOME", "VIRTUAL_ENV"}
-        variables = {name: value for name, value in os.environ.items() if name not in hidden}
+        variables = {name: value for name, value in os.environ.items() if name not in hidden} | dict(more or {})
         return subprocess.run(
             [self.bin / command, *arguments], cwd=self.folder, capture_output=True, text=True, timeout=300, check=False,
             env={**variables, "PATH": f"{self.bin}:{variables.get('PATH', '')}"},

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from benchmarks.figures import QUICK_TOML
 from hil_tests.support.paths import ROOT
 from hil_tests.support.venvs import RUNNING, Environment, base_python, downloaded, libraries_of, project
 from hil_tests.wheel.conftest import Built
@@ -40,6 +41,15 @@ from railhil.cli import main
 for command in sys.argv[1:]:
     with contextlib.suppress(SystemExit):
         main([*command.split(), "--help"])
+"""
+#: A compiled function of the batch makes numpy's numbers, and its machine code is kept.
+_COMPILES = """
+import numpy as np
+from railhil.batch.compiled import FUNCTIONS
+from railhil.batch.ziggurat import numbers_at
+places = np.arange(9)
+same = (numbers_at(np.random.default_rng(3), places) == np.random.default_rng(3).standard_normal(9)).all()
+print(same and any(kept.is_there for kept in FUNCTIONS))
 """
 
 
@@ -126,8 +136,12 @@ def test_its_log_is_scored(installed: Environment, run_folder: Path, nominal: Be
 
 
 def test_campaign_of_a_few_runs(installed: Environment) -> None:
-    said = installed.run("railhil", "campaign", "--runs", "4", "--laws", "ipfc", "--out", "campaign")
-    assert "ipfc" in said
+    """numba reads what is installed and compiles one function of it; the loops are interpreted, or compiling them would
+    take as long as all other tests of the wheel."""
+    assert installed.run("python", "-c", _COMPILES).split() == ["True"]
+    (installed.folder / "quick.toml").write_text(QUICK_TOML)
+    words = ("campaign", "quick.toml", "--runs", "1", "--laws", "ipfc", "--out", "campaign")
+    assert "ipfc" in installed.run("railhil", *words, variables={"NUMBA_DISABLE_JIT": "1"})
     assert (installed.folder / "campaign" / "campaign.json").is_file()
 
 
