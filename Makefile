@@ -28,7 +28,7 @@ run: $(VENV)/.installed
 	@$(BIN)/railhil run $(ARGS) || [ $$? -eq 1 ]
 
 # Everything: lint, all tests, and the capabilities (compilers, Chromium, kernel SocketCAN, Docker) brought up where this
-# machine permits. The tests in real time leave the processors idle most of the time: the emulated machines take that
+# machine permits. The tests in real time leave the processors idle most of the time: the virtual machines take that
 # time, and only that (--behind). Each part is printed whole at its end; the last line is the sum.
 test: $(VENV)/.installed-dev
 	@rm -f $(COUNTS)
@@ -53,7 +53,7 @@ test-side-by-side: $(VENV)/.installed-dev
 test-real-time: $(VENV)/.installed-dev
 	@$(PART) "tests in real time" $(BIN)/pytest -q -m "$(HERE) and wall_clock" $(REAL_TIME)
 
-# On kernel SocketCAN: the host's, else that of a throw-away virtual machine (root on Debian).
+# On kernel SocketCAN: the host's, else that of a throw-away virtual machine (Debian).
 test-vcan: $(VENV)/.installed-dev
 	@$(PART) $(BEHIND) --tool can-utils --tool compilers "kernel SocketCAN" $(BIN)/python -m hil_tests.transport.vcan
 

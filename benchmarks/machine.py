@@ -16,8 +16,8 @@ _LIBRARIES = ("python-can", "cantools", "numpy", "scipy", "psutil", "fxpmath", "
 #: A machine counts as busy if other processes use more than this share of it.
 _BUSY_SHARE = 0.5
 _LOOK_S = 0.5
-#: Part of the CPU's name if QEMU emulates it instead of using the host's CPU.
-_EMULATOR = "QEMU TCG"
+#: Parts of the CPU's name: emulated by QEMU; the host's, where a user-mode kernel makes the system calls.
+_EMULATORS = ("QEMU TCG", "UML")
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +46,7 @@ class Machine:
     @property
     def emulated(self) -> bool:
         """True in a machine that is emulated by software, such as that of ``railhil vcan``."""
-        return _EMULATOR in self.cpu
+        return _is_emulators(self.cpu)
 
     @property
     def warning(self) -> str:
@@ -81,9 +81,13 @@ def cpu_model(cpuinfo: Path = Path("/proc/cpuinfo")) -> str:
     return platform.processor() or platform.machine()
 
 
+def _is_emulators(cpu: str) -> bool:
+    return any(name in cpu for name in _EMULATORS)
+
+
 def is_emulated() -> bool:
     """See :attr:`Machine.emulated`."""
-    return _EMULATOR in cpu_model()
+    return _is_emulators(cpu_model())
 
 
 def this_machine() -> Machine:

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import multiprocessing
 import os
+import shutil
 import signal
 import socket
 import subprocess
@@ -17,6 +18,9 @@ import pytest
 from hil_tests.support.cli import wait_for
 from railhil.machines import debian, namespace, vcan, vcan_vm
 from railhil.machines.compiled import compile_by
+from railhil.machines.user_mode import USER_MODE
+from railhil.machines.vm_image import VmImage
+from railhil.machines.vm_kind import Kind
 
 _FAMILY = OSError(97, "Address family not supported by protocol")
 
@@ -31,7 +35,7 @@ needs_namespaces = pytest.mark.skipif(not namespaces_permitted(), reason="MISSIN
 
 @pytest.fixture
 def no_machine(monkeypatch):
-    def refuse() -> None:
+    def refuse(_: object) -> None:
         raise debian.CapabilityError("a virtual machine needs Debian")
 
     monkeypatch.setattr(vcan_vm, "ensure_machine", refuse)
@@ -51,6 +55,7 @@ def no_can(monkeypatch):
         ([], ["neither a namespace", "no CAN sockets", "modprobe", "nor a virtual machine", "needs Debian"]),
         (["--via", "namespace"], ["no CAN sockets", "linux-modules-extra"]),
         (["--via", "machine"], ["needs Debian"]),
+        (["--via", "user-mode"], ["needs Debian"]),
     ],
 )
 def test_what_was_tried_stands_in_one_line(no_can, no_machine, capsys, via, named):
@@ -59,6 +64,55 @@ def test_what_was_tried_stands_in_one_line(no_can, no_machine, capsys, via, name
     assert captured.out == ""
     assert len(captured.err.splitlines()) == 1
     assert [word for word in named if word not in captured.err] == []
+
+
+def booting(words: Sequence[str], monkeypatch) -> Kind:
+    """A kind of machine whose command line is a script; it needs no image."""
+    monkeypatch.setattr(vcan_vm, "ensure_machine", lambda kind: VmImage(Path("kernel"), Path("initrd")))
+    return Kind("a script", USER_MODE.recipe, {}, lambda boot: [*words, str(boot.control)])
+
+
+def test_a_machine_that_does_not_boot_gives_way_to_the_next(monkeypatch, capfd):
+    bad = booting(["sh", "-c", "echo ptrace: not permitted", "sh"], monkeypatch)
+    good = booting(["sh", "-c", "cd $0; touch began; echo 7 >exit_code"], monkeypatch)
+    failed = booting(["sh", "-c", "cd $0; touch began; echo panic"], monkeypatch)
+
+    def run(kind: Kind) -> int:
+        return vcan_vm.run(kind, ["true"])
+
+    assert vcan_vm.first_that_boots(run, [bad, good]) == 7
+    with pytest.raises(debian.MachineError, match="without an exit code: ptrace: not permitted"):
+        vcan_vm.first_that_boots(run, [bad])
+    # The command may have done something: it is not run again.
+    with pytest.raises(debian.MachineError, match="panic"):
+        vcan_vm.first_that_boots(run, [failed, good])
+    assert capfd.readouterr().out == ""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM])
+def test_nothing_of_a_user_mode_kernel_outlives_the_command(tmp_path, number):
+    try:
+        vcan_vm.ensure_machine(USER_MODE)
+    except debian.CapabilityError as error:
+        pytest.skip(f"MISSING CAPABILITY user-mode kernel: {error}")
+    (tmp_path / "runs").mkdir()
+    words = [sys.executable, "-m", "railhil.cli", "vcan", "--via", "user-mode", "--memory", "256", "--"]
+    command = subprocess.Popen([*words, "sh", "-c", "touch runs/began; sleep 60"], cwd=tmp_path, stderr=subprocess.PIPE)
+    wait_for((tmp_path / "runs/began").exists)
+
+    def kernels() -> set[str]:
+        """Control folders of all user-mode kernels: they are named on the command line."""
+        words = subprocess.run(["ps", "-eww", "-o", "args"], capture_output=True, text=True, check=True).stdout.split()
+        return {word.removeprefix("railhil=") for word in words if word.startswith("railhil=/")}
+
+    (control,) = (name for name in kernels() if str(tmp_path) in Path(name, "command").read_text())
+    command.send_signal(number)
+    command.communicate()
+    wait_for(lambda: control not in kernels())
+    if number == signal.SIGKILL:
+        shutil.rmtree(control)
+    assert not Path(control).exists()
 
 
 @needs_namespaces

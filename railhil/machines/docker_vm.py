@@ -67,7 +67,11 @@ def run(command: Sequence[str], *, shares: Sequence[Path] = (), timeout_s: float
             _disk_with(data, disk)
         words = [sys.executable, "-m", "railhil.machines.docker_engine", "--no-base-image"]
         words += ["--timeout", str(timeout_s), "--", *command]
-        return vcan_vm.run(words, shares=shares, disks={disk: data}, timeout_s=timeout_s, memory_mb=4096, processors=1)
+        return vcan_vm.first_that_boots(
+            lambda kind: vcan_vm.run(
+                kind, words, shares=shares, disks={disk: data}, timeout_s=timeout_s, memory_mb=4096, processors=1
+            )
+        )
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -4,8 +4,9 @@ The first of these that the host supports is used; a line on standard error says
 
 ``namespace``
     a fresh network namespace of the host's kernel: full speed, the host's own interfaces are not touched;
-``machine``
-    a throw-away virtual machine with Debian's kernel (:mod:`railhil.machines.vcan_vm`).
+``user-mode``, ``machine``
+    a throw-away virtual machine with a kernel of Debian's (:mod:`railhil.machines.vcan_vm`): a user-mode kernel, or an
+    emulated machine, which is slower.
 
 Exit code: the command's own, 128 + number for one that a signal ended; 77 when this host can have neither (one line
 says why); 124 after ``--timeout``; 125 when the machine itself failed; 2 for a wrong command line.
@@ -25,8 +26,9 @@ from pathlib import Path
 from railhil.common.command_line import OneLineParser, whole_number
 from railhil.common.exit_codes import hear_interrupts
 from railhil.machines import debian, namespace, vcan_vm
+from railhil.machines.vm_kind import Kind
 
-_WAYS = ("namespace", "machine")
+_WAYS = ("namespace", *vcan_vm.KINDS)
 #: Interface names accepted by the kernel, except those that a shell or ``ip`` could misinterpret.
 _INTERFACE = re.compile(r"[A-Za-z][A-Za-z0-9_.]{0,14}")
 _TIMEOUT_MAX_S = 86_400
@@ -52,7 +54,7 @@ def arguments() -> argparse.ArgumentParser:
     parser.add_argument("--memory", type=whole_number(256, 1 << 20), default=2048, metavar="MB",
                         help="of the virtual machine, default %(default)s")  # fmt: skip
     parser.add_argument("--processors", type=whole_number(1, 16), default=2, metavar="N",
-                        help="of the virtual machine, default %(default)s; 1 on a busy host")  # fmt: skip
+                        help="of an emulated machine, default %(default)s; 1 on a busy host")  # fmt: skip
     parser.add_argument("--interfaces", type=_interfaces, default=("vcan0", "vcan1"), metavar="NAMES",
                         help="default vcan0,vcan1")  # fmt: skip
     parser.add_argument("--via", choices=_WAYS, help="this one or none")
@@ -108,15 +110,16 @@ def _in_namespace(options: argparse.Namespace) -> int:
     return namespace.run(options.command, options.interfaces, environment=_environment(), timeout_s=options.timeout)
 
 
-def _in_machine(options: argparse.Namespace, reason: str) -> int:
-    vcan_vm.ensure_machine()
+def _in_machine(kind: Kind, options: argparse.Namespace, reason: str) -> int:
+    vcan_vm.ensure_machine(kind)
     with _kept_folders(options.share) as folders:
         kept = ", ".join(map(str, folders)) or "no folder"
         debian.say(
-            f"vcan: {', '.join(options.interfaces)} in a virtual machine, some 25 times slower ({reason}); "
+            f"vcan: {', '.join(options.interfaces)} in {kind.said} ({reason}); "
             f"kept afterwards: {kept}, what is written elsewhere is gone"
         )
         return vcan_vm.run(
+            kind,
             options.command,
             interfaces=options.interfaces,
             environment=_environment(),
@@ -134,15 +137,16 @@ def _run(options: argparse.Namespace) -> int:
         CapabilityError: the host supports none; the text names what was tried.
     """
     reason = "asked for"
-    if options.via != "machine":
+    if options.via in (None, "namespace"):
         try:
             return _in_namespace(options)
         except debian.CapabilityError as error:
             if options.via is not None:
                 raise
             reason = str(error)
+    kinds = list(vcan_vm.KINDS.values()) if options.via is None else [vcan_vm.KINDS[options.via]]
     try:
-        return _in_machine(options, reason)
+        return vcan_vm.first_that_boots(lambda kind: _in_machine(kind, options, reason), kinds)
     except debian.CapabilityError as error:
         if options.via is not None:
             raise

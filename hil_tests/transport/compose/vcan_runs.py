@@ -37,6 +37,8 @@ _PROJECT = (
     "scenarios",
 )
 _TIMEOUT_S = 2400.0
+#: Where it runs in the virtual machine: in a folder of the host, all files would belong to one user.
+_INSIDE = "/var/tmp/railhil-vcan-inside"
 _INTERFACES = "ip link add can0 type vcan && ip link add can1 type vcan && ip link set can0 up"
 #: Programs in Python that run there outside the containers.
 _IN_THE_MACHINE = ("railhil.machines.docker_engine", "railhil.controller_node")
@@ -44,7 +46,7 @@ _IN_THE_MACHINE = ("railhil.machines.docker_engine", "railhil.controller_node")
 _IFF_UP = 1
 #: Name the folder and the cases to the tests.
 FOLDER_VARIABLE, CASES_VARIABLE = "RAILHIL_VCAN_RUNS", "RAILHIL_VCAN_CASES"
-#: In the virtual machine one takes a minute, the published run five.
+#: In the virtual machine one takes half a minute and more.
 CASES = ("vcan", "foreign")
 LONG_CASES = ("published", "hardware", "foreign")
 
@@ -100,7 +102,9 @@ def run(cases: Sequence[str]) -> int:
         else:
             for module in _IN_THE_MACHINE:
                 compile_by([sys.executable, "-m", module, "--help"])
-            words = ["sh", "-ec", f"{_INTERFACES} && exec {shlex.join(words)}"]
+            words = ["sh", str(_SCRIPT), _INSIDE, sys.executable, *cases]
+            there, back = (shlex.join(["cp", "-a", f"{a}/.", b]) for a, b in ((name, _INSIDE), (_INSIDE, name)))
+            words = ["sh", "-ec", f"{_INTERFACES}; mkdir {_INSIDE}; {there}; {shlex.join(words)}; {back}"]
             code = docker_vm.run(words, shares=[folder], timeout_s=_TIMEOUT_S)
         if code != 0:
             raise debian.MachineError(f"{_SCRIPT.name} ended with {code}")

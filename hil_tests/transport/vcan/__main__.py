@@ -1,6 +1,6 @@
 """The tests on kernel SocketCAN, where there is one: ``python -m hil_tests.transport.vcan [--long] [OPTION ...]``
 
-Where that is a virtual machine's, the published run would take as long as all the others together: there its beginning
+Where that is a virtual machine's, the published run would take a fifth of all the time: there its beginning
 is enough, and ``--long`` makes all of it.
 
 Exit code: as of :mod:`railhil.machines.vcan`; that of pytest when the tests cannot even be collected.

@@ -1,6 +1,6 @@
 """One run of three processes on a real bus, with the nodes forked instead of started as commands.
 
-In the virtual machine that gives the kernel (:mod:`railhil.machines.vcan_vm`) it takes ten seconds and more to
+In the virtual machine that gives the kernel (:mod:`railhil.machines.vcan_vm`) it takes seconds to
 import the nodes once; a fork has them already. Everything else is as with ``railhil run --attach``.
 """
 

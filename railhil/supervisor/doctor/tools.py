@@ -8,8 +8,8 @@ from pathlib import Path
 
 from railhil.supervisor.doctor.finding import Finding, and_so_on, said_by
 
-#: What `railhil vcan` needs, and the Debian package of each.
-_MACHINE_TOOLS = {"qemu-system-x86_64": "qemu-system-x86", "depmod": "kmod", "setpriv": "util-linux"}
+#: What `railhil vcan` needs to fetch a user-mode kernel and to start it, and the Debian package of each.
+_MACHINE_TOOLS = {"dpkg-deb": "dpkg", "setpriv": "util-linux"}
 _SYSTEM_PATH = "/usr/local/sbin:/usr/sbin:/sbin"
 
 
