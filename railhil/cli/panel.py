@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import signal
 import subprocess
 import sys
 import time
@@ -124,8 +125,13 @@ def with_catalogue(namespace: argparse.Namespace, spec: RunSpec) -> RunSpec:
 
 
 @contextmanager
-def panel_beside(namespace: argparse.Namespace, spec: RunSpec, choice: BusChoice) -> Iterator[PanelSocket | None]:
-    """The panel's process while a run is made, and the socket of its orders; None without a panel."""
+def panel_beside(
+    namespace: argparse.Namespace, spec: RunSpec, choice: BusChoice, folder: Path
+) -> Iterator[PanelSocket | None]:
+    """The panel's process while a run is made, and the socket of its orders; None without a panel.
+
+    :param folder: of the run; the panel follows its record where there is no bus to listen to.
+    """
     if namespace.panel is None and namespace.operator is None:
         yield None
         return
@@ -136,7 +142,8 @@ def panel_beside(namespace: argparse.Namespace, spec: RunSpec, choice: BusChoice
             words = [*spec.scenario_words, "--port", str(namespace.panel), "--controller", spec.law.controller]
             words += ["--operator", str(path), "--child"]
             words += ["--foxglove", str(namespace.foxglove)] if namespace.foxglove is not None else []
-            held.enter_context(_process([*words, *choice.arguments]))
+            bus = ["--follow", str(folder)] if choice.needs_pipes else choice.arguments
+            held.enter_context(_process([*words, *bus]))
         yield socket
         if namespace.panel is not None:
             # Time to show the end.
@@ -150,6 +157,8 @@ def _process(words: Sequence[str]) -> Iterator[None]:
         yield
     finally:
         process.terminate()
+        # A suspended process takes the signal only when it continues.
+        process.send_signal(signal.SIGCONT)
         try:
             process.wait(_END_S)
         except subprocess.TimeoutExpired:

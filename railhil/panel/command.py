@@ -59,6 +59,11 @@ def arguments() -> argparse.ArgumentParser:
     parser.add_argument(
         "--operator", metavar="SOCKET", help="of railhil run --operator, which takes the orders of the page"
     )
+    parser.add_argument(
+        "--follow",
+        metavar="RUN",
+        help="instead of a bus: the run that is being made in this folder, in lockstep without a hub",
+    )
     parser.add_argument("--child", action="store_true", help=argparse.SUPPRESS)
     add_set_argument(parser)
     add_fault_argument(parser)

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import argparse
 import asyncio
+import os
 import secrets
 from pathlib import Path
 
-from railhil.bus.select import choose_bus
+from railhil.bus.select import arguments_from_config, choose_bus, config_from_namespace
 from railhil.common.errors import InputError, Words
 from railhil.common.exit_codes import ending_signals
 from railhil.common.orphans import end_with_parent
 from railhil.common.output import Output
 from railhil.controller_node.telemetry_file import law_notes
+from railhil.panel.following import FollowedRun
 from railhil.panel.foxglove import FoxgloveBridge
 from railhil.panel.live import LiveRun
 from railhil.panel.operator import Operator
@@ -21,6 +23,9 @@ from railhil.panel.recorded import RecordedRuns
 from railhil.panel.server import PanelServer
 from railhil.scenarios.load import load_any
 from railhil.scenarios.system import system_named
+
+#: How much less a panel beside a run is worth than the run.
+_NICE = 10
 
 
 def serve_panel(namespace: argparse.Namespace) -> int:
@@ -31,6 +36,8 @@ def serve_panel(namespace: argparse.Namespace) -> int:
     """
     if namespace.child:
         end_with_parent()
+        # The run goes first where both want a processor.
+        os.nice(_NICE)
     if any(Path(text).is_dir() for text in namespace.what):
         if namespace.foxglove is not None:
             allowed = "the run on a bus; for a recorded one railhil export --mcap"
@@ -40,14 +47,23 @@ def serve_panel(namespace: argparse.Namespace) -> int:
     if len(namespace.what) > 1:
         raise InputError("command line", "SCENARIO", Words(" ".join(namespace.what)), "one scenario, or run folders")
     scenario = load_any(namespace.what[0], namespace.set, namespace.fault)
-    choice = choose_bus(namespace)
     operator = Operator(namespace.operator) if namespace.operator else None
     notes = law_notes(system_named(scenario.system), namespace.controller)
-    source = LiveRun(scenario, Receiver(choice.config), scenario.name, notes, operator)
+    source = LiveRun(scenario, _receiver(namespace), scenario.name, notes, operator)
     token = secrets.token_urlsafe(16) if operator else ""
     port = namespace.public_port if namespace.socket and namespace.public_port else namespace.port
     bridge = None if namespace.foxglove is None else FoxgloveBridge(source, token, namespace.foxglove)
     return asyncio.run(_serve(PanelServer(source, token, port, namespace.socket), Output(stderr=True), bridge))
+
+
+def _receiver(namespace: argparse.Namespace) -> Receiver:
+    if namespace.follow is None:
+        return Receiver(choose_bus(namespace).config)
+    if given := config_from_namespace(namespace):
+        found = Words(" ".join(arguments_from_config(given)) or "a timing")
+        raise InputError("command line", "--follow", found, "no option of a bus beside it")
+    folder = Path(namespace.follow)
+    return Receiver({}, lambda config, name: FollowedRun(folder))
 
 
 async def _serve(panel: PanelServer, console: Output, bridge: FoxgloveBridge | None = None) -> int:
