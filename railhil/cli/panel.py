@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import argparse
+import os
 import signal
 import subprocess
 import sys
 import time
 from collections.abc import Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
 
@@ -29,6 +30,8 @@ _PORT_MAX = 65535
 _END_S = 2.0
 _LOOK_S = 0.1
 _SHOWN_S = 0.2
+#: How much less important the panel is than the run.
+_NICE = 10
 #: What the emergency button does: as the driver's mushroom button it opens the safety loop.
 EMERGENCY_PLACE, EMERGENCY = "train.safety_loop", "safety_loop off @manual"
 
@@ -153,6 +156,9 @@ def panel_beside(
 @contextmanager
 def _process(words: Sequence[str]) -> Iterator[None]:
     process = subprocess.Popen([sys.executable, "-P", "-m", "railhil.panel", *words], stdin=subprocess.DEVNULL)
+    with suppress(OSError):
+        # The run goes first where both want a processor. The panel may have ended already.
+        os.setpriority(os.PRIO_PROCESS, process.pid, _NICE)
     try:
         yield
     finally:

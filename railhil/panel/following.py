@@ -6,6 +6,7 @@ no trace in it.
 
 from __future__ import annotations
 
+import contextlib
 import os
 from collections import Counter
 from pathlib import Path
@@ -14,8 +15,10 @@ from railhil.bus.errors import BusLost, BusUnavailable
 from railhil.bus.frame import Frame
 from railhil.supervisor.framelog import LOG_NAME, frames_of
 
-#: Largest part that is read at once; of more than this the oldest lines are left out. About 4000 classic frames.
-LOOK_BYTES = 180_000
+#: Read at one look: about 8000 classic frames.
+LOOK_BYTES = 360_000
+#: What may wait to be read, about 350 000 frames; of more the oldest lines are left out.
+BACKLOG_BYTES = 16 << 20
 _SKIP_BYTES = 1 << 20
 
 
@@ -24,10 +27,13 @@ class FollowedRun:
 
     ``counters["rx_lost"]``: lines left out because there were too many.
 
+    :param beside: process of the supervisor, whose processors the reader moves to as soon as frames come: one of the
+        others then belongs to the nodes (:meth:`railhil.supervisor.processes.Nodes.keep_together`). 0: of nobody.
     :raises BusUnavailable: the run has not begun, or its log cannot be read.
     """
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, beside: int = 0) -> None:
+        self._beside = beside
         self._path = path = folder / LOG_NAME
         try:
             self._stream = path.open("rb", buffering=0)
@@ -40,7 +46,7 @@ class FollowedRun:
         self._begun = b""
 
     def receive(self, timeout_s: float | None = 0.0) -> list[Frame]:
-        """What was written since the last call, at most the newest :data:`LOOK_BYTES` of it; never waits.
+        """The next frames, oldest first, at most :data:`LOOK_BYTES` of lines; never waits.
 
         :raises BusLost: it is no log of a run.
         """
@@ -48,6 +54,10 @@ class FollowedRun:
         text = self._begun + self._stream.read(LOOK_BYTES)
         whole = text.rfind(b"\n") + 1
         self._begun = text[whole:]
+        if self._beside and whole:
+            with contextlib.suppress(ProcessLookupError):
+                os.sched_setaffinity(0, os.sched_getaffinity(self._beside))
+            self._beside = 0
         try:
             return frames_of(text[:whole])
         except (ValueError, IndexError):
@@ -55,7 +65,7 @@ class FollowedRun:
 
     def _skip(self) -> None:
         """Count the lines that are too many, without reading what they say."""
-        unread = os.fstat(self._stream.fileno()).st_size - self._stream.tell() - LOOK_BYTES
+        unread = os.fstat(self._stream.fileno()).st_size - self._stream.tell() - BACKLOG_BYTES
         if unread <= 0:
             return
         while unread > 0 and (part := self._stream.read(min(unread, _SKIP_BYTES))):

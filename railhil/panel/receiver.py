@@ -50,11 +50,17 @@ class Receiver:
     """Reads a bus by looking at it; ``dropped`` counts frames left out because there were too many.
 
     :param config: arguments of ``can.Bus``.
+    :param waits: what is not read at one look waits for the next one, as in a file.
     """
 
     def __init__(
-        self, config: dict[str, Any], open_bus: Callable[[dict[str, Any], str], Source] = open_listening
+        self,
+        config: dict[str, Any],
+        open_bus: Callable[[dict[str, Any], str], Source] = open_listening,
+        waits: bool = False,
     ) -> None:
+        self._packets = 1 if waits else _LOOK_PACKETS
+        self._frames_max = None if waits else LOOK_FRAMES
         self._config = dict(config)
         if config.get("interface") == HUB_INTERFACE:
             self._config |= {"coalesce_frames": _BULK_FRAMES, "connect_timeout": 0.0}
@@ -78,7 +84,7 @@ class Receiver:
         assert self._link is not None
         frames: list[Frame] = []
         try:
-            for _ in range(_LOOK_PACKETS):
+            for _ in range(self._packets):
                 arrived = self._link.receive(0.0)
                 if not arrived:
                     break
@@ -86,9 +92,9 @@ class Receiver:
         except BusLost as error:
             self.close()
             self.trouble = str(error)
-        if len(frames) > LOOK_FRAMES:
-            self.dropped += len(frames) - LOOK_FRAMES
-            frames = frames[-LOOK_FRAMES:]
+        if self._frames_max is not None and len(frames) > self._frames_max:
+            self.dropped += len(frames) - self._frames_max
+            frames = frames[-self._frames_max :]
         if self._link is not None:
             lost = self._link.counters["rx_lost"]
             self.dropped += lost - self._lost_before
