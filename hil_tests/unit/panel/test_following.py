@@ -22,7 +22,7 @@ from railhil.supervisor.framelog import LOG_NAME, log_line
 
 pytest.importorskip("websockets", reason="MISSING CAPABILITY websockets")
 
-from railhil.panel.serve import serve_panel  # noqa: E402
+from railhil.panel.serve import serve_panel
 
 FRAMES = [Frame(0x100 + number % 8, bytes([number & 0xFF] * (number % 9))) for number in range(1000)]
 LINES = [log_line(number * 10_000_000, frame).encode() for number, frame in enumerate(FRAMES)]
