@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import signal
-import socket
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +11,7 @@ import psutil
 import pytest
 
 from hil_tests.support.cli import Started, wait_for
+from hil_tests.support.operator import pressed
 from hil_tests.support.short_runs import RUN_2M_TOML
 from railhil.bus.codes import SupCommand
 from railhil.bus.frame import Frame
@@ -24,17 +24,6 @@ from railhil.supervisor.framelog import read_log
 from railhil.supervisor.trace import trace_of
 
 pytestmark = [pytest.mark.loop, pytest.mark.slow]
-
-
-def pressed(desk: Path, do: str) -> bool:
-    """Press a button at the socket of a run; False while there is none."""
-    try:
-        with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as hand:
-            hand.connect(str(desk))
-            hand.send(json.dumps({"do": do}).encode())
-    except (FileNotFoundError, ConnectionRefusedError):
-        return False
-    return True
 
 
 def panel_of(command: Started) -> psutil.Process | None:
@@ -53,7 +42,7 @@ def test_a_panel_that_is_gone_changes_nothing(tmp_path: Path, how: signal.Signal
         "run", scenario, "--panel", "0", "--operator", desk, "--out", folder, "--quiet", "--no-report"
     )  # fmt: skip
     # It is taken at the second SUP_CMD, so the run cannot be over before.
-    wait_for(lambda: pressed(desk, "pause"))
+    wait_for(lambda: pressed(desk, {"do": "pause"}))
     panel: Any = wait_for(lambda: panel_of(run))
     panel.send_signal(how)
     followed = FollowedRun(wait_for(lambda: (folder / "frames.log").exists() and folder))
@@ -66,7 +55,7 @@ def test_a_panel_that_is_gone_changes_nothing(tmp_path: Path, how: signal.Signal
 
     wait_for(has_paused)
     assert not any(child.name() == "railhil hub" for child in psutil.Process(run.process.pid).children())
-    assert pressed(desk, "start")
+    assert pressed(desk, {"do": "start"})
     done, _ = run.finish()
     assert done.exit_code in (PASS, FAIL), done.err
     assert not panel.is_running()
