@@ -155,8 +155,8 @@ def chosen_bus(
 
 def gets_pipes(namespace: argparse.Namespace, choice: BusChoice) -> bool:
     """Whether a run in lockstep that injects nothing gets pipes instead of the chosen bus: it is a hub of its own, and
-    nobody has named it or wants a panel to hear the run."""
-    return choice.needs_hub and "interface" not in namespace and getattr(namespace, "panel", None) is None
+    nobody has named it. A run that waits for its start may be given faults meanwhile."""
+    return choice.needs_hub and "interface" not in namespace and not getattr(namespace, "wait", False)
 
 
 def recorded(

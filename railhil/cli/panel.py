@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import argparse
+import os
+import signal
 import subprocess
 import sys
 import time
 from collections.abc import Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
 
@@ -28,6 +30,8 @@ _PORT_MAX = 65535
 _END_S = 2.0
 _LOOK_S = 0.1
 _SHOWN_S = 0.2
+#: How much less important the panel is than the run.
+_NICE = 10
 #: What the emergency button does: as the driver's mushroom button it opens the safety loop.
 EMERGENCY_PLACE, EMERGENCY = "train.safety_loop", "safety_loop off @manual"
 
@@ -124,8 +128,13 @@ def with_catalogue(namespace: argparse.Namespace, spec: RunSpec) -> RunSpec:
 
 
 @contextmanager
-def panel_beside(namespace: argparse.Namespace, spec: RunSpec, choice: BusChoice) -> Iterator[PanelSocket | None]:
-    """The panel's process while a run is made, and the socket of its orders; None without a panel."""
+def panel_beside(
+    namespace: argparse.Namespace, spec: RunSpec, choice: BusChoice, folder: Path
+) -> Iterator[PanelSocket | None]:
+    """The panel's process while a run is made, and the socket of its orders; None without a panel.
+
+    :param folder: of the run; the panel follows its record where there is no bus to listen to.
+    """
     if namespace.panel is None and namespace.operator is None:
         yield None
         return
@@ -136,7 +145,8 @@ def panel_beside(namespace: argparse.Namespace, spec: RunSpec, choice: BusChoice
             words = [*spec.scenario_words, "--port", str(namespace.panel), "--controller", spec.law.controller]
             words += ["--operator", str(path), "--child"]
             words += ["--foxglove", str(namespace.foxglove)] if namespace.foxglove is not None else []
-            held.enter_context(_process([*words, *choice.arguments]))
+            bus = ["--follow", str(folder)] if choice.needs_pipes else choice.arguments
+            held.enter_context(_process([*words, *bus]))
         yield socket
         if namespace.panel is not None:
             # Time to show the end.
@@ -146,10 +156,15 @@ def panel_beside(namespace: argparse.Namespace, spec: RunSpec, choice: BusChoice
 @contextmanager
 def _process(words: Sequence[str]) -> Iterator[None]:
     process = subprocess.Popen([sys.executable, "-P", "-m", "railhil.panel", *words], stdin=subprocess.DEVNULL)
+    with suppress(OSError):
+        # The run goes first where both want a processor. The panel may have ended already.
+        os.setpriority(os.PRIO_PROCESS, process.pid, _NICE)
     try:
         yield
     finally:
         process.terminate()
+        # A suspended process takes the signal only when it continues.
+        process.send_signal(signal.SIGCONT)
         try:
             process.wait(_END_S)
         except subprocess.TimeoutExpired:

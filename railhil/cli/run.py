@@ -165,7 +165,7 @@ def work(namespace: argparse.Namespace) -> int:
         folder, made = run_folder(namespace.out, scenario.name, spec.law.controller)
         console.say(f"bus: {choice.transport} ({choice.reason})")
         quiet = namespace.quiet or namespace.json or not console.is_terminal
-        with panel_beside(namespace, spec, choice) as panel:
+        with panel_beside(namespace, spec, choice, folder) as panel:
             if panel is not None and namespace.wait:
                 spec, scenario = wait_for_start(panel, spec, scenario, transports_of(choice, how.foreign), how.attach)
             run, result = recorded(scenario, spec, how, choice, folder, made, console, quiet, panel=panel)

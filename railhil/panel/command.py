@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from can.cli import add_bus_arguments
-
+from railhil.bus.can_settings import add_bus_arguments
 from railhil.common.choices import USUAL_SCENARIO
 from railhil.common.command_line import OneLineParser, whole_number
 from railhil.scenarios.settings import add_fault_argument, add_set_argument
@@ -58,6 +57,11 @@ def arguments() -> argparse.ArgumentParser:
     )
     parser.add_argument(
         "--operator", metavar="SOCKET", help="of railhil run --operator, which takes the orders of the page"
+    )
+    parser.add_argument(
+        "--follow",
+        metavar="RUN",
+        help="instead of a bus: the run that is being made in this folder, in lockstep without a hub",
     )
     parser.add_argument("--child", action="store_true", help=argparse.SUPPRESS)
     add_set_argument(parser)

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Mapping
+from typing import Any, Protocol
 
 from railhil.bus.can_settings import HUB_INTERFACE
 from railhil.bus.errors import BusLost, BusUnavailable
 from railhil.bus.frame import Frame
-from railhil.bus.link import Link, open_link
+from railhil.bus.link import open_link
 from railhil.bus.link.passive import be_passive
 
 #: Frames taken at one look; of more than these the oldest are dropped. A real-time run at 1x sends about 30.
@@ -22,18 +22,50 @@ _BULK_FRAMES = 256
 _LOOK_PACKETS = 400
 
 
+class Source(Protocol):
+    """What frames are read from."""
+
+    @property
+    def counters(self) -> Mapping[str, int]:
+        """Counts of what happened; ``rx_lost``: frames lost."""
+
+    def receive(self, timeout_s: float | None) -> list[Frame]:
+        """Frames that have come; raises BusLost."""
+
+    def close(self) -> None:
+        """Leave it."""
+
+
+def open_listening(config: dict[str, Any], name: str) -> Source:
+    """A bus that is only listened to.
+
+    :raises BusUnavailable: it cannot be opened.
+    """
+    link = open_link(config, name)
+    be_passive(link)
+    return link
+
+
 class Receiver:
     """Reads a bus by looking at it; ``dropped`` counts frames left out because there were too many.
 
     :param config: arguments of ``can.Bus``.
+    :param waits: what is not read at one look waits for the next one, as in a file.
     """
 
-    def __init__(self, config: dict[str, Any], open_bus: Callable[..., Link] = open_link) -> None:
+    def __init__(
+        self,
+        config: dict[str, Any],
+        open_bus: Callable[[dict[str, Any], str], Source] = open_listening,
+        waits: bool = False,
+    ) -> None:
+        self._packets = 1 if waits else _LOOK_PACKETS
+        self._frames_max = None if waits else LOOK_FRAMES
         self._config = dict(config)
         if config.get("interface") == HUB_INTERFACE:
             self._config |= {"coalesce_frames": _BULK_FRAMES, "connect_timeout": 0.0}
         self._open_bus = open_bus
-        self._link: Link | None = None
+        self._link: Source | None = None
         self._retry_s = 0.0
         self._lost_before = 0
         self.dropped = 0
@@ -52,7 +84,7 @@ class Receiver:
         assert self._link is not None
         frames: list[Frame] = []
         try:
-            for _ in range(_LOOK_PACKETS):
+            for _ in range(self._packets):
                 arrived = self._link.receive(0.0)
                 if not arrived:
                     break
@@ -60,9 +92,9 @@ class Receiver:
         except BusLost as error:
             self.close()
             self.trouble = str(error)
-        if len(frames) > LOOK_FRAMES:
-            self.dropped += len(frames) - LOOK_FRAMES
-            frames = frames[-LOOK_FRAMES:]
+        if self._frames_max is not None and len(frames) > self._frames_max:
+            self.dropped += len(frames) - self._frames_max
+            frames = frames[-self._frames_max :]
         if self._link is not None:
             lost = self._link.counters["rx_lost"]
             self.dropped += lost - self._lost_before
@@ -82,7 +114,6 @@ class Receiver:
         self._retry_s = now_s + _RETRY_S
         try:
             self._link = self._open_bus(self._config, "panel")
-            be_passive(self._link)
         except BusUnavailable as error:
             self.trouble = str(error)
             return False

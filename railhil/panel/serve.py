@@ -1,26 +1,30 @@
-"""Serves the page of one command line."""
+"""Serves the page of one command line; what only some need is loaded for them alone."""
 
 from __future__ import annotations
 
 import argparse
 import asyncio
+import os
 import secrets
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from railhil.bus.select import choose_bus
+from railhil.bus.select import arguments_from_config, choose_bus, config_from_namespace
 from railhil.common.errors import InputError, Words
 from railhil.common.exit_codes import ending_signals
 from railhil.common.orphans import end_with_parent
 from railhil.common.output import Output
 from railhil.controller_node.telemetry_file import law_notes
-from railhil.panel.foxglove import FoxgloveBridge
+from railhil.panel.following import FollowedRun
 from railhil.panel.live import LiveRun
 from railhil.panel.operator import Operator
 from railhil.panel.receiver import Receiver
-from railhil.panel.recorded import RecordedRuns
 from railhil.panel.server import PanelServer
 from railhil.scenarios.load import load_any
 from railhil.scenarios.system import system_named
+
+if TYPE_CHECKING:
+    from railhil.panel.foxglove import FoxgloveBridge
 
 
 def serve_panel(namespace: argparse.Namespace) -> int:
@@ -35,19 +39,38 @@ def serve_panel(namespace: argparse.Namespace) -> int:
         if namespace.foxglove is not None:
             allowed = "the run on a bus; for a recorded one railhil export --mcap"
             raise InputError("command line", "--foxglove", Words("beside run folders"), allowed)
+        from railhil.panel.recorded import RecordedRuns
+
         runs = RecordedRuns(namespace.what)
         return asyncio.run(_serve(PanelServer(runs, "", namespace.port), Output(stderr=True)))
     if len(namespace.what) > 1:
         raise InputError("command line", "SCENARIO", Words(" ".join(namespace.what)), "one scenario, or run folders")
     scenario = load_any(namespace.what[0], namespace.set, namespace.fault)
-    choice = choose_bus(namespace)
     operator = Operator(namespace.operator) if namespace.operator else None
     notes = law_notes(system_named(scenario.system), namespace.controller)
-    source = LiveRun(scenario, Receiver(choice.config), scenario.name, notes, operator)
+    source = LiveRun(scenario, _receiver(namespace), scenario.name, notes, operator)
     token = secrets.token_urlsafe(16) if operator else ""
     port = namespace.public_port if namespace.socket and namespace.public_port else namespace.port
-    bridge = None if namespace.foxglove is None else FoxgloveBridge(source, token, namespace.foxglove)
-    return asyncio.run(_serve(PanelServer(source, token, port, namespace.socket), Output(stderr=True), bridge))
+    bridge: FoxgloveBridge | None = None
+    if namespace.foxglove is not None:
+        from railhil.panel.foxglove import FoxgloveBridge
+
+        bridge = FoxgloveBridge(source, token, namespace.foxglove)
+    panel = PanelServer(source, token, port, namespace.socket)
+    # A record waits for who reads it, a bus does not; viewers of the bridge are not counted.
+    panel.looks_alone = namespace.follow is None or bridge is not None
+    return asyncio.run(_serve(panel, Output(stderr=True), bridge))
+
+
+def _receiver(namespace: argparse.Namespace) -> Receiver:
+    if namespace.follow is None:
+        return Receiver(choose_bus(namespace).config)
+    if given := config_from_namespace(namespace):
+        found = Words(" ".join(arguments_from_config(given)) or "a timing")
+        raise InputError("command line", "--follow", found, "no option of a bus beside it")
+    folder = Path(namespace.follow)
+    beside = os.getppid() if namespace.child else 0
+    return Receiver({}, lambda config, name: FollowedRun(folder, beside), waits=True)
 
 
 async def _serve(panel: PanelServer, console: Output, bridge: FoxgloveBridge | None = None) -> int:

@@ -77,6 +77,8 @@ class PanelServer:
         self._socket = socket
         self.token = token
         self._pages: dict[ServerConnection, Page] = {}
+        #: Whether the source is looked at while there is no page.
+        self.looks_alone = True
         self.port = port
 
     @property
@@ -110,6 +112,9 @@ class PanelServer:
         loop = asyncio.get_running_loop()
         due_s = loop.time()
         while not ends():
+            if not self._pages and not self.looks_alone:
+                await asyncio.sleep(1.0 / RATE_HZ)
+                continue
             for message in self._source.look():
                 self._tell(message)
             beside()

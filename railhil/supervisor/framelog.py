@@ -149,11 +149,22 @@ def _read_candump(path: Path) -> Iterator[tuple[int, Frame]]:
         if not isinstance(part, ClassicColumns):
             yield from part
             continue
-        block = part.data.tobytes()
-        starts = range(0, len(block), 8)
-        data = [block[start : start + size] for start, size in zip(starts, part.lengths.tolist(), strict=True)]
-        frames = map(quick_frame, zip(part.can_ids.tolist(), data, repeat(0)))
-        yield from zip(part.times_ns.tolist(), frames, strict=True)
+        yield from zip(part.times_ns.tolist(), _classic_frames(part), strict=True)
+
+
+def _classic_frames(part: ClassicColumns) -> Iterator[Frame]:
+    block = part.data.tobytes()
+    starts = range(0, len(block), 8)
+    data = [block[start : start + size] for start, size in zip(starts, part.lengths.tolist(), strict=True)]
+    return map(quick_frame, zip(part.can_ids.tolist(), data, repeat(0)))
+
+
+def frames_of(text: bytes) -> list[Frame]:
+    """Frames of whole lines of a log; raises ValueError or IndexError if one is invalid."""
+    columns = classic_columns(text, CHANNEL)
+    if columns is not None:
+        return list(_classic_frames(columns))
+    return [parsed_line(line)[1] for line in text.decode("ascii").splitlines(keepends=True)]
 
 
 def _one_by_one(path: Path, part: bytes, before: int) -> Iterator[tuple[int, Frame]]:

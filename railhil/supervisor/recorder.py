@@ -88,7 +88,9 @@ class Recorder:
         """Record until the run has ended, or is given up (:attr:`lost`)."""
         session = self._session
         look_s = time.monotonic() + _LOOK_S
-        flush_s = time.monotonic() + FLUSH_S
+        # In lockstep a panel may follow the record; in real time it listens on a bus.
+        interval_s = FLUSH_S if self._spec.is_realtime else 0.0
+        flush_s = time.monotonic() + interval_s
         opened_s = open_s = time.monotonic()
         give_up_s: float | None = None
         # Looks in a row, not wall time: this process may have been suspended together with the others.
@@ -115,7 +117,7 @@ class Recorder:
             look_s = now_s + _LOOK_S
             if now_s >= flush_s:
                 self._flush()
-                flush_s = now_s + FLUSH_S
+                flush_s = now_s + interval_s
             if give_up_s is None:
                 ended = nodes.ended()
                 failed = any(node.exit_code() for node in ended)

@@ -93,7 +93,7 @@ class Run:
         #: Also used by code that writes results after :meth:`execute`, so that no signal interrupts it.
         self.stop = StopSignals()
         if desk is not None:
-            desk.while_waiting = self.stop.check
+            desk.while_waiting = self._while_held
         # The hub has one order for all clients; a kernel bus has one per processor.
         in_order = choice.config.get("interface") == HUB_INTERFACE or spec.is_realtime
         self.recorder = Recorder(
@@ -108,6 +108,11 @@ class Run:
             silence_s=silence_s,
             after_loss_s=after_loss_s,
         )
+
+    def _while_held(self) -> None:
+        """An answer is held back: what was recorded before it is written, for those who follow the record."""
+        self.stop.check()
+        self.log.flush()
 
     def execute(self) -> RunResult:
         """Make the complete run. A signal (Ctrl-C, SIGTERM, SIGHUP) during recording ends it as INVALID, with the

@@ -188,3 +188,23 @@ def test_a_door_leads_to_a_panel_at_a_socket(tmp_path):
         door.close()
 
     asyncio.run(all_of_it())
+
+
+@pytest.mark.parametrize(("alone", "looks"), [(True, True), (False, False)])
+def test_a_record_is_read_only_while_there_is_a_page(monkeypatch, alone, looks):
+    looked: list[int] = []
+    monkeypatch.setattr(ScriptedSource, "look", lambda source: looked.append(1) or [])
+
+    async def visit(panel: PanelServer, source: ScriptedSource) -> None:
+        panel.looks_alone = alone
+        for _ in range(2):
+            await panel.run(iter((False, False, True)).__next__)
+        assert bool(looked) is looks
+        async with page(panel) as connection:
+            await connection.recv()
+            while not panel._pages:
+                await asyncio.sleep(0.01)
+            await panel.run(lambda: bool(looked))
+        assert looked
+
+    served(visit)
