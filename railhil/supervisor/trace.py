@@ -63,6 +63,8 @@ class Trace:
         self._order: dict[str, array[int]] = {}
         self._added = 0
         self._data: dict[str, bytearray] = {}
+        #: What :meth:`ident` has found, with the data of the telegrams; a trace that continues another takes it over.
+        self.idents: dict[type[Ident], tuple[bytes, Ident | None]] = {}
         #: The telegrams of a port as numbers, of which the signals are cut, while there are few of them.
         self._words: dict[str, list[int]] = {}
         #: Polls in the record.
@@ -190,17 +192,24 @@ class Trace:
 
     def ident(self, telegram: type[Ident]) -> Ident | None:
         """First handshake telegram of a node, None when it is not in the record."""
-        columns: dict[str, list[int]] | None = None
-        for index in range(self.count(telegram.PORT)):
-            columns = columns or {
-                name: self.raw(telegram.PORT, signal).tolist()
-                for name, signal in telegram.signal_names()
-                if self.has(telegram.PORT, signal)
-            }
-            ident = telegram(**{name: values[index] for name, values in columns.items()})
-            if ident.is_own:
-                return ident
-        return None
+        data = bytes(self._data.get(telegram.PORT, b""))
+        known = self.idents.get(telegram)
+        if known is None or known[0] != data:
+            known = self.idents[telegram] = data, self._ident(telegram)
+        return known[1]
+
+    def _ident(self, telegram: type[Ident]) -> Ident | None:
+        known = {entry.name for entry in self.contract.port(telegram.PORT).signals}
+        columns = {
+            name: self.raw(telegram.PORT, signal).tolist()
+            for name, signal in telegram.signal_names()
+            if signal in known
+        }
+        idents = (
+            telegram(**{name: values[index] for name, values in columns.items()})
+            for index in range(self.count(telegram.PORT))
+        )
+        return next((ident for ident in idents if ident.is_own), None)
 
 
 def trace_of(frames: Iterable[tuple[int, Frame]], contract: Contract | None = None) -> Trace:
