@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from can.cli import add_bus_arguments
-
+from railhil.bus.can_settings import add_bus_arguments
 from railhil.common.choices import USUAL_SCENARIO
 from railhil.common.command_line import OneLineParser, whole_number
 from railhil.scenarios.settings import add_fault_argument, add_set_argument

@@ -21,7 +21,7 @@ FloatArray = npt.NDArray[np.float64]
 #: Source of refused frames that belong to no port.
 BUS = "bus"
 #: So many telegrams are decoded faster one by one than as arrays.
-_FEW = 8
+_FEW = 12
 _NO_WORDS: list[int] = []
 #: Causes that say nothing about the port whose identifier the frame may have.
 _OF_THE_BUS = ("error_frame", "remote_frame", "extended_id")
