@@ -107,7 +107,10 @@ def guarded(name: str, main: Callable[[], int]) -> int:
         code = exit_code_of(error)
         expected = code != TOOL_ERROR or hasattr(error, "exit_code")
         kind = "" if expected else f"{type(error).__name__}: "
+        # What is wrong with the command itself names it: a library that is missing.
+        is_named = f"{getattr(error, 'file', '')} ".startswith(f"{name} ")
+        line = text if is_named else f"{name}: {kind}{text}"
         # If standard error is full or closed, the exit code still tells.
         with contextlib.suppress(OSError):
-            print(plain(f"{name}: {kind}{text}"), file=sys.stderr, flush=True)
+            print(plain(line), file=sys.stderr, flush=True)
         return code

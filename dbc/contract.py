@@ -80,6 +80,30 @@ class Port:
     signals: tuple[Signal, ...]
     #: Sent only in scenarios that ask for it.
     optional: bool = False
+    _signals: dict[str, Signal] = field(init=False, repr=False, compare=False)
+    _cuts: dict[str, tuple[int, int, int]] = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        bits = DATA_BITS[self.f_code]
+        cuts = {
+            one.name: (bits - one.first_bit - one.length, (1 << one.length) - 1, one.raw_range[1])
+            for one in self.signals
+        }
+        object.__setattr__(self, "_signals", {item.name: item for item in self.signals})
+        object.__setattr__(self, "_cuts", cuts)
+
+    def cut(self, name: str) -> tuple[int, int, int]:
+        """Where a signal lies in the telegram as one number: bits behind it, mask, largest raw value; KeyError for an
+        unknown one."""
+        return self._cuts[name]
+
+    def signal(self, name: str) -> Signal:
+        """Signal by name; KeyError for an unknown one."""
+        return self._signals[name]
+
+    def has(self, name: str) -> bool:
+        """Whether the telegram has this signal."""
+        return name in self._signals
 
     @property
     def data_bytes(self) -> int:
@@ -119,13 +143,19 @@ class Contract:
     base_tick_ns: int
     ports: tuple[Port, ...]
     sha256: str
+    _ports: dict[str, Port] = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "_ports", {port.name: port for port in self.ports})
 
     def port(self, name: str) -> Port:
         """Port by name; KeyError for an unknown one."""
-        for port in self.ports:
-            if port.name == name:
-                return port
-        raise KeyError(name)
+        return self._ports[name]
+
+    def has(self, port: str, signal: str) -> bool:
+        """Whether there is such a port, with such a signal."""
+        found = self._ports.get(port)
+        return found is not None and found.has(signal)
 
     @property
     def clock_port(self) -> Port:

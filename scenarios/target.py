@@ -14,6 +14,7 @@ The batch compiles :func:`time_in_piece_s` for single numbers (:mod:`railhil.com
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Any, overload
 
 import numpy as np
@@ -180,6 +181,12 @@ class Target:
         if falling:
             return falling[0]
         return length_s if length_s < np.inf and abs(self._piece_speed(i, length_s)) <= _REST_MPS else None
+
+
+@lru_cache(maxsize=8)
+def target_of(curve: TargetCurve) -> Target:
+    """The evaluated curve, made once: for a panel, which asks 15 times a second."""
+    return Target(curve)
 
 
 #: Speeds below this count as standstill: rounding error from summing hundreds of exact pieces.

@@ -39,6 +39,17 @@ def test_a_command_loads_no_library_that_it_does_not_use():
     assert done.stdout.split() == ["numpy"]
 
 
+def test_the_panel_starts_without_what_python_can_loads_for_files():
+    """asammdf brings pandas and pyarrow: 90 MB in a process that serves a page."""
+    code = (
+        "import runpy, sys; from railhil.common.exit_codes import guarded; sys.argv[1:] = ['--help']\n"
+        "try: runpy.run_module('railhil.panel', run_name='__main__')\n"
+        "except SystemExit: print(*(name for name in ('asammdf', 'pandas', 'pyarrow') if name in sys.modules))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines()[-1] == ""
+
+
 def test_a_record_is_scored_without_the_checks_of_scenario_files():
     code = "import sys, railhil.cli.score; print('railhil.scenarios.schema' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

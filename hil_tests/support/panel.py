@@ -12,7 +12,7 @@ from railhil.bus.errors import BusLost
 from railhil.bus.frame import Frame
 from railhil.panel.declared import layout_of
 from railhil.panel.listener import Listener
-from railhil.panel.values import rows_of
+from railhil.panel.values import Rows
 from railhil.scenarios.load import load
 from railhil.scenarios.system import system_named
 from railhil.supervisor.framelog import read_log
@@ -30,14 +30,15 @@ class Recorded:
         system = system_named(self.scenario.system)
         self.contract = system.contract
         self.layout = layout_of(self.scenario, system.contract, None)
-        self.rows = rows_of(self.scenario, self.layout, self.trace)
+        self.rows = Rows(self.scenario, self.layout).of(self.trace)
 
     def heard(self, frames: list[Frame], look: int) -> np.ndarray:
         """Rows of a listener that takes so many frames at a time."""
         listener, last_s, found = Listener(self.scenario, self.contract), -1.0, []
+        made = Rows(self.scenario, self.layout)
         for start in range(0, len(frames), look):
             listener.take(frames[start : start + look])
-            rows = rows_of(self.scenario, self.layout, listener.next_trace(), None, last_s, listener.now_s)
+            rows = made.of(listener.next_trace(), last_s, listener.now_s)
             if len(rows):
                 last_s = rows[-1, 0]
                 found.append(rows)

@@ -17,6 +17,7 @@ from railhil.scenarios.load import short_names
 _ARGUMENTS = {
     "railhil.campaign": "railhil.campaign.command",
     "railhil.learning": "railhil.learning.command",
+    "railhil.panel": "railhil.panel.command",
     "railhil.sequences": "railhil.sequences.command",
     "railhil.sequences.sequence_command": "railhil.sequences.sequence_command",
     "railhil.tuning": "railhil.tuning.command",

@@ -5,16 +5,20 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 
-from railhil.common.command_line import parse
-from railhil.common.errors import InputError
 from railhil.common.exit_codes import guarded
-from railhil.common.extras import missing
-from railhil.common.output import accept_any_text, flush_output
-from railhil.panel.command import arguments
 
 
 def main(words: Sequence[str] | None = None) -> int:
-    """Serve the page until a signal, or until what is shown has ended."""
+    """Serve the page until a signal, or until what is shown has ended.
+
+    Its modules are loaded here: python-can, which they need, must not load asammdf (:func:`guarded`).
+    """
+    from railhil.common.command_line import parse
+    from railhil.common.errors import InputError
+    from railhil.common.extras import missing
+    from railhil.common.output import accept_any_text, flush_output
+    from railhil.panel.command import arguments
+
     accept_any_text()
     namespace = parse(arguments(), words)
     try:

@@ -101,6 +101,7 @@ class Listener:
     def next_trace(self) -> Trace:
         """The telegrams since the last call, behind the newest one of each port before them."""
         trace, self.trace = self.trace, Trace(self._contract)
+        self.trace.idents = trace.idents
         for port in self.store.ports:
             if times_ns := trace.times_ns(port):
                 self.trace.add(port, times_ns[-1], self.store.raw(port))

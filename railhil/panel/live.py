@@ -18,14 +18,16 @@ from railhil.panel.listener import WATCHED_FRAMES, Listener
 from railhil.panel.live_events import LiveEvents
 from railhil.panel.operator import Operator
 from railhil.panel.receiver import Receiver
-from railhil.panel.values import rows_of
+from railhil.panel.values import Rows
 from railhil.panel.wire import APPEND, REPLACE, batch
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.system import system_named
 from railhil.supervisor.trace import FloatArray, Trace
 
-#: Wall time between two lists of frames, states of lamps and counters.
-SLOW_S = 0.1
+#: Wall time between two states (time, counters), and between two lists of frames for pages that show them.
+STATE_S = 0.2
+#: The same for pages that have scrolled elsewhere.
+LIST_S = 1.0
 
 
 class LiveRun:
@@ -45,10 +47,10 @@ class LiveRun:
     ) -> None:
         system = system_named(scenario.system)
         self._scenario = scenario
-        self._notes = notes
         self._operator = operator
         self.receiver = receiver
         self.layout: Layout = layout_of(scenario, system.contract, notes)
+        self._rows = Rows(scenario, self.layout, notes)
         self.listener = Listener(scenario, system.contract)
         self._list = FrameList(system.contract)
         self._events = LiveEvents(scenario, system, self.layout)
@@ -62,7 +64,7 @@ class LiveRun:
         self.scenario_name = scenario.name
         #: Name of this process's runs, for viewers that must tell them apart.
         self.session = f"{os.getpid()}-{time.time_ns()}"
-        self._slow_s = 0.0
+        self._state_s = self._list_s = self._frames_s = 0.0
         self._title = title
 
     def header(self) -> dict[str, Any]:
@@ -79,7 +81,7 @@ class LiveRun:
         """Everything so far, for a page that has just come."""
         messages: list[str | bytes] = [batch(REPLACE, 0, self._history.rows)]
         messages.append(json.dumps({"events": self._events.all, "replace": True}))
-        messages.append(json.dumps(self._slow()))
+        messages += [json.dumps(self._state()), json.dumps(self._frames())]
         return messages
 
     def look(self) -> list[str | bytes]:
@@ -93,10 +95,21 @@ class LiveRun:
         if self._operator is not None:
             messages += [json.dumps({"answer": answer}) for answer in self._operator.look()]
         now_s = time.monotonic()
-        if now_s - self._slow_s >= SLOW_S:
-            self._slow_s = now_s
-            messages.append(json.dumps(self._slow()))
+        if now_s - self._state_s >= STATE_S:
+            self._state_s = now_s
+            messages.append(json.dumps(self._state()))
+        if now_s - self._list_s >= LIST_S:
+            self._list_s = now_s
+            messages.append(json.dumps(self._frames()))
         return messages
+
+    def frames(self) -> str:
+        """See :meth:`railhil.panel.server.Source.frames`."""
+        now_s = time.monotonic()
+        if now_s - self._frames_s < STATE_S:
+            return ""
+        self._frames_s = now_s
+        return json.dumps(self._frames())
 
     def command(self, command: dict[str, Any]) -> str:
         """Pass a command to the supervisor; returns why not, empty if it was."""
@@ -120,7 +133,7 @@ class LiveRun:
         trace = listener.next_trace()
         if not listener.knows_time:
             return messages
-        rows = rows_of(self._scenario, self.layout, trace, self._notes, self._last_s, listener.now_s)
+        rows = self._rows.of(trace, self._last_s, listener.now_s)
         self.fresh_rows, self.fresh_trace = rows, trace
         if len(rows):
             self._last_s = float(rows[-1, 0])
@@ -130,7 +143,10 @@ class LiveRun:
             messages.append(json.dumps({"events": found}))
         return messages
 
-    def _slow(self) -> dict[str, Any]:
+    def _frames(self) -> dict[str, Any]:
+        return {"frames": self._list.rows(self.listener), "raw": self._list.watched(self.listener)}
+
+    def _state(self) -> dict[str, Any]:
         listener = self.listener
         return {
             "state": {
@@ -145,6 +161,4 @@ class LiveRun:
                 "operator": None if self._operator is None else self._operator.report,
                 "other_scenario": listener.told_scenario not in (None, int(self._scenario.sha256[:8], 16)),
             },
-            "frames": self._list.rows(listener),
-            "raw": self._list.watched(listener),
         }

@@ -13,7 +13,7 @@ import numpy as np
 from railhil.common.errors import InputError
 from railhil.panel.declared import Chart, Layout, layout_of
 from railhil.panel.learning import learning_charts, run_folders
-from railhil.panel.values import rows_of
+from railhil.panel.values import Rows
 from railhil.panel.wire import REPLACE, batch
 from railhil.supervisor.events.event import LEVEL, MISSED_POLL, START, RecordedEvent
 from railhil.supervisor.record import Record, checked_record
@@ -47,7 +47,7 @@ class RecordedRuns:
         self._learning = learning_charts(first, every)
         self._rows = [
             thinned(
-                _placed(rows_of(one.scenario, layout, one.trace, one.certificate.get("notes")), layout, self.layout)
+                _placed(Rows(one.scenario, layout, one.certificate.get("notes")).of(one.trace), layout, self.layout)
             )
             for one, layout in zip(records, layouts, strict=True)
         ]
@@ -75,6 +75,10 @@ class RecordedRuns:
     def look(self) -> list[str | bytes]:
         """Nothing is ever new."""
         return []
+
+    def frames(self) -> str:
+        """There is no bus."""
+        return ""
 
     def command(self, command: dict[str, Any]) -> str:
         """A recorded run takes no orders."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 import asyncio
 import hmac
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from http import HTTPStatus
 from importlib.resources import files
 from typing import Any, Protocol
@@ -21,8 +21,8 @@ from websockets.typing import Subprotocol
 
 from railhil.panel.wire import SUBPROTOCOL
 
-#: Batches a second at most.
-RATE_HZ = 20.0
+#: Batches a second at most; a look costs about the same however little has come.
+RATE_HZ = 15.0
 #: Bytes that may wait for a page; then batches are left out.
 _BACKLOG_MAX_BYTES = 1 << 20
 _POLICY = "default-src 'self'; frame-ancestors 'none'; base-uri 'none'; form-action 'none'"
@@ -49,6 +49,9 @@ class Source(Protocol):
     def look(self) -> list[str | bytes]:
         """What is new; called :data:`RATE_HZ` times a second."""
 
+    def frames(self) -> str:
+        """The list of frames for the pages that show it; called after a look, empty if it is not due yet."""
+
     def command(self, command: dict[str, Any]) -> str:
         """Carry out a command of a page with the right token; returns why not, empty if it was."""
 
@@ -63,6 +66,7 @@ class Page:
         self.connection = connection
         self.left_out = 0
         self.watched: int | None = None
+        self.shows_frames = False
 
 
 class PanelServer:
@@ -112,22 +116,30 @@ class PanelServer:
         loop = asyncio.get_running_loop()
         due_s = loop.time()
         while not ends():
-            if not self._pages and not self.looks_alone:
+            pages = list(self._pages.values())
+            if not pages and not self.looks_alone:
                 await asyncio.sleep(1.0 / RATE_HZ)
                 continue
             for message in self._source.look():
-                self._tell(message)
+                self._tell(message, pages)
+            showing = [page for page in pages if page.shows_frames]
+            if showing and (text := self._source.frames()):
+                self._tell(text, showing)
             beside()
             due_s = max(due_s + 1.0 / RATE_HZ, loop.time())
             await asyncio.sleep(due_s - loop.time())
 
-    def _tell(self, message: str | bytes) -> None:
-        for page in self._pages.values():
-            transport = page.connection.transport
-            if isinstance(message, bytes) and transport.get_write_buffer_size() > _BACKLOG_MAX_BYTES:
+    @staticmethod
+    def _tell(message: str | bytes, pages: Sequence[Page]) -> None:
+        """Send without waiting; a page that has gone is noticed where it is read."""
+        takes = []
+        for page in pages:
+            if isinstance(message, bytes) and page.connection.transport.get_write_buffer_size() > _BACKLOG_MAX_BYTES:
                 page.left_out += 1
                 continue
-            _send(page.connection, message)
+            takes.append(page.connection)
+        if takes:
+            broadcast(takes, message)
 
     def _static(self, connection: ServerConnection, request: Request) -> Response | None:
         path = request.path.partition("?")[0]
@@ -190,6 +202,9 @@ class PanelServer:
             page.watched = asked["watch"] if isinstance(asked["watch"], int) else None
             self._watch()
             return None
+        if "frames" in asked:
+            page.shows_frames = asked["frames"] is True
+            return None
         token = asked.pop("token", None)
         if not self.token:
             return {"refused": "this page takes no commands"}
@@ -200,8 +215,3 @@ class PanelServer:
 
     def _watch(self) -> None:
         self._source.watch({page.watched for page in self._pages.values() if page.watched is not None})
-
-
-def _send(connection: ServerConnection, message: str | bytes) -> None:
-    """Send without waiting; a page that has gone is noticed where it is read."""
-    broadcast([connection], message)

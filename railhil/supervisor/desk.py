@@ -61,6 +61,8 @@ class Desk:
         self._injected: set[int] = set()
         self._active: set[int] = set()
         self._paused = False
+        #: Nothing is ordered after Stop: the plant ends with it.
+        self._stopped = False
         #: Simulated seconds per second, 0: as fast as possible; and from which instants it counts.
         self._pace = 0.0
         self._pace_from: tuple[float, float] = (0.0, 0.0)
@@ -78,11 +80,12 @@ class Desk:
         if self._panel is not None:
             self._serve(self._panel, sim_time_s)
             self._end_faults(sim_time_s)
-        order = self._planned.get(number) or self._next(number)
+        order = None if self._stopped else self._planned.get(number) or self._next(number)
         if order is None:
             return SupCommand.START, 0, FaultOrder.NONE
         self.sent.append(order.text)
         if order.word == "stop":
+            self._stopped = True
             return SupCommand.STOP, 0, FaultOrder.NONE
         if order.word == "pause":
             return SupCommand.NONE, 0, FaultOrder.NONE
@@ -143,6 +146,8 @@ class Desk:
 
     def _obey(self, command: dict[str, Any], sim_time_s: float) -> str:
         """Carry out one command; returns why not."""
+        if self._stopped or ("stop", 0) in self._waiting:
+            return "the run has been stopped"
         what, number, pace = command.get("do"), command.get("fault"), command.get("pace")
         if what in ("inject", "clear"):
             if not isinstance(number, int) or not 1 <= number <= len(self._faults):
@@ -158,6 +163,8 @@ class Desk:
         if what == "fault":
             return self._inject_text(str(command.get("text", "")))
         if what == "stop":
+            # What was to be cleared later is over with the run.
+            self._ends_s.clear()
             self._waiting.append(("stop", 0))
             self._paused = False
             return ""

@@ -6,13 +6,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from railhil.scenarios.model import AnyScenario
 from railhil.supervisor.events.declared import Watch
 from railhil.supervisor.events.levels import ranks, reports
 from railhil.supervisor.judging import Judging, judging_of
 from railhil.supervisor.notes import note_values
+from railhil.supervisor.sampled import Sampler
 from railhil.supervisor.trace import FloatArray, Trace
 
 
@@ -22,7 +22,11 @@ def signal_table(scenario: AnyScenario, trace: Trace, notes: Any = None) -> tupl
 
     :param notes: the law's declaration of its notes, as in the certificate; None: not known.
     """
-    judging = judging_of(scenario)
+    return table_of(judging_of(scenario), scenario, trace, notes)
+
+
+def table_of(judging: Judging, scenario: AnyScenario, trace: Trace, notes: Any = None) -> tuple[list[str], FloatArray]:
+    """As :func:`signal_table`, with the scenario's judging: for a panel, which makes this table 15 times a second."""
     time_s = trace.times_s(judging.truth)
     found = [(header, port, trace.values(port, signal)) for header, port, signal in judging.columns]
     for status in judging.status.every if judging.status else ():
@@ -31,18 +35,12 @@ def signal_table(scenario: AnyScenario, trace: Trace, notes: Any = None) -> tupl
     watches = _watches(judging, trace)
     found += [(f"{watch.name}_level", watch.port, ranks(trace, watch)) for watch in watches]
     found += [(header, judging.truth, values) for header, _, values in judging.reckoned(scenario, trace)]
-    columns = [time_s]
-    # Many columns come from one port, and a panel makes this table 20 times a second.
-    places: dict[str, npt.NDArray[np.int64]] = {}
-    for _, port, values in found:
-        if port == judging.truth:
-            columns.append(values)
-            continue
-        if port not in places:
-            places[port] = np.searchsorted(trace.times_s(port), time_s, side="right") - 1
-        at = places[port]
-        columns.append(np.where(at >= 0, np.append(values, np.nan)[at], np.nan))
-    return ["time_s", *(header for header, _, _ in found)], np.column_stack(columns)
+    sampler = Sampler(trace, time_s)
+    table: FloatArray = np.empty((len(time_s), 1 + len(found)))
+    table[:, 0] = time_s
+    for place, (_, port, values) in enumerate(found, start=1):
+        table[:, place] = values if port == judging.truth else sampler.of(port, values)
+    return ["time_s", *(header for header, _, _ in found)], table
 
 
 def _watches(judging: Judging, trace: Trace) -> list[Watch]:

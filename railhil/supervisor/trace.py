@@ -21,7 +21,8 @@ FloatArray = npt.NDArray[np.float64]
 #: Source of refused frames that belong to no port.
 BUS = "bus"
 #: So many telegrams are decoded faster one by one than as arrays.
-_FEW = 8
+_FEW = 12
+_NO_WORDS: list[int] = []
 #: Causes that say nothing about the port whose identifier the frame may have.
 _OF_THE_BUS = ("error_frame", "remote_frame", "extended_id")
 
@@ -62,6 +63,10 @@ class Trace:
         self._order: dict[str, array[int]] = {}
         self._added = 0
         self._data: dict[str, bytearray] = {}
+        #: What :meth:`ident` has found, with the data of the telegrams; a trace that continues another takes it over.
+        self.idents: dict[type[Ident], tuple[bytes, Ident | None]] = {}
+        #: The telegrams of a port as numbers, of which the signals are cut, while there are few of them.
+        self._words: dict[str, list[int]] = {}
         #: Polls in the record.
         self.polls = 0
         #: Refused frames and telegrams, in the order of the record.
@@ -138,23 +143,24 @@ class Trace:
 
     def has(self, port: str, signal: str) -> bool:
         """Whether the contract of the record has this signal; that of an earlier version may not."""
-        return any(item.name == signal for entry in self.contract.ports if entry.name == port for item in entry.signals)
+        return self.contract.has(port, signal)
 
     def word(self, port: str, signal: str, raw: int) -> str:
         """A raw value as the wire contract names it, else as a number; KeyError for an unknown port or signal."""
-        found = next((item for item in self.contract.port(port).signals if item.name == signal), None)
-        if found is None:
-            raise KeyError(f"{port}.{signal}")
-        return found.values.get(raw, str(raw))
+        return self._signal(port, signal).values.get(raw, str(raw))
+
+    def _signal(self, port: str, signal: str) -> Signal:
+        try:
+            return self.contract.port(port).signal(signal)
+        except KeyError:
+            raise KeyError(f"{port}.{signal}") from None
 
     def raw(self, port: str, signal: str) -> npt.NDArray[np.int64]:
         """Raw values of a signal, shape (n,); KeyError for an unknown port or signal."""
+        found = self._signal(port, signal)
+        if len(self._times_ns.get(port, ())) <= _FEW:
+            return np.array(self._few(port, signal), dtype=np.int64)
         entry = self.contract.port(port)
-        found = next((item for item in entry.signals if item.name == signal), None)
-        if found is None:
-            raise KeyError(f"{port}.{signal}")
-        if self.count(port) <= _FEW:
-            return np.array(self._few(port, entry.data_bytes, found), dtype=np.int64)
         data = np.frombuffer(bytes(self._data.get(port, b"")), dtype=np.uint8).reshape(-1, entry.data_bytes)
         width = min(entry.data_bytes, 8)
         block = data[:, found.block * 8 : found.block * 8 + width].astype(np.uint64)
@@ -168,20 +174,31 @@ class Trace:
             values = (values ^ sign) - sign
         return values
 
-    def _few(self, port: str, size: int, signal: Signal) -> list[int]:
+    def _few(self, port: str, signal: str) -> list[int]:
         """As :meth:`raw`, one telegram after the other: for a panel, which decodes a few telegrams many times."""
-        data, shift = self._data.get(port, b""), size * 8 - signal.first_bit - signal.length
-        mask, most = (1 << signal.length) - 1, signal.raw_range[1]
-        found = [int.from_bytes(data[at : at + size]) >> shift & mask for at in range(0, len(data), size)]
-        return [raw - mask - 1 if raw > most else raw for raw in found]
+        entry = self.contract.port(port)
+        words = self._words.get(port, _NO_WORDS)
+        if len(words) != self.count(port):
+            data, size = self._data[port], entry.data_bytes
+            words = self._words[port] = [int.from_bytes(data[at : at + size]) for at in range(0, len(data), size)]
+        shift, mask, most = entry.cut(signal)
+        found = [word >> shift & mask for word in words]
+        return found if most == mask else [raw - mask - 1 if raw > most else raw for raw in found]
 
     def values(self, port: str, signal: str) -> FloatArray:
         """Physical values of a signal (raw * scale, in the unit of the port table), shape (n,)."""
-        scale = next(item.scale for item in self.contract.port(port).signals if item.name == signal)
+        scale = self._signal(port, signal).scale
         return np.asarray(self.raw(port, signal) * scale, dtype=np.float64)
 
     def ident(self, telegram: type[Ident]) -> Ident | None:
         """First handshake telegram of a node, None when it is not in the record."""
+        data = bytes(self._data.get(telegram.PORT, b""))
+        known = self.idents.get(telegram)
+        if known is None or known[0] != data:
+            known = self.idents[telegram] = data, self._ident(telegram)
+        return known[1]
+
+    def _ident(self, telegram: type[Ident]) -> Ident | None:
         known = {entry.name for entry in self.contract.port(telegram.PORT).signals}
         columns = {
             name: self.raw(telegram.PORT, signal).tolist()

@@ -12,6 +12,7 @@ import pytest
 
 from hil_tests.support.paths import ROOT
 from railhil.common import extras
+from railhil.common.exit_codes import USAGE, guarded
 from railhil.common.extras import install_command, missing
 
 _EXTRAS = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["optional-dependencies"]
@@ -59,3 +60,12 @@ def test_a_library_that_cannot_be_used_is_told_from_one_that_is_not_there() -> N
     )
     broken = str(missing("x", ImportError("Numba needs NumPy 2.3 or less", name="numba"), "campaign"))
     assert "found an installation that cannot be used (Numba needs NumPy 2.3 or less), allowed " in broken
+
+
+@pytest.mark.parametrize("name", ["railhil", "railhil panel"])
+def test_the_line_names_the_command_once(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    def work() -> int:
+        raise missing("railhil panel", ModuleNotFoundError("No module named 'websockets'", name="websockets"), "panel")
+
+    assert guarded(name, work) == USAGE
+    assert capsys.readouterr().err.startswith("railhil panel: module websockets: found not installed")

@@ -29,6 +29,7 @@ class ScriptedSource:
     def __init__(self) -> None:
         self.commands: list[dict[str, Any]] = []
         self.watched: set[int] = set()
+        self.lists = 0
 
     def header(self) -> dict[str, Any]:
         return {"kind": "live"}
@@ -38,6 +39,10 @@ class ScriptedSource:
 
     def look(self) -> list[str | bytes]:
         return []
+
+    def frames(self) -> str:
+        self.lists += 1
+        return json.dumps({"frames": self.lists})
 
     def command(self, command: dict[str, Any]) -> str:
         self.commands.append(command)
@@ -133,6 +138,25 @@ def test_frames_are_watched_while_a_page_wants_them():
             assert source.watched == {0x118, 0x110}
         while source.watched:
             await asyncio.sleep(0.01)
+
+    served(visit)
+
+
+def test_the_list_of_frames_goes_to_pages_that_show_it():
+    async def visit(panel: PanelServer, source: ScriptedSource) -> None:
+        async with page(panel) as shows, page(panel) as other:
+            await shows.send(json.dumps({"frames": True}))
+            await asked(shows, "{")
+            await asked(other, "{")
+            looks = iter([False, False, True])
+            await panel.run(lambda: next(looks))
+            assert [json.loads(await shows.recv()), json.loads(await shows.recv())] == [{"frames": 1}, {"frames": 2}]
+            assert (await asked(other, "{")) == {"refused": "not JSON"}
+            await shows.send(json.dumps({"frames": False}))
+            await asked(shows, "{")
+            looks = iter([False, True])
+            await panel.run(lambda: next(looks))
+        assert source.lists == 2
 
     served(visit)
 

@@ -89,6 +89,17 @@ def test_orders_that_come_together_are_sent_one_by_one(clock):
     assert one.answer(77, 12.32)[0] is SupCommand.STOP
 
 
+def test_nothing_is_ordered_after_stop(clock):
+    one, panel = desk([{"do": "inject", "fault": 1, "for_s": 0.1}], planned=("80 inject 1",))
+    assert one.answer(75, 12.0)[2] is FaultOrder.INJECT
+    panel.looks = [[{"do": "stop"}, {"do": "clear", "fault": 1}, {"do": "pause"}]]
+    assert one.answer(76, 12.05)[0] is SupCommand.STOP
+    assert panel.refusals[1:] == ["", "the run has been stopped", "the run has been stopped"]
+    # The duration of the fault is over, and an order of the run's own list is due.
+    assert [one.answer(number, 12.2) for number in range(77, 82)] == [STARTED] * 5
+    assert one.sent == ["75 inject 1", "76 stop"]
+
+
 def test_a_pause_lasts_until_start_and_each_of_its_answers_is_noted(clock):
     one, panel = desk([{"do": "pause"}])
     assert one.answer(75, 12.0) == PAUSED

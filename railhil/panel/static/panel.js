@@ -7,7 +7,7 @@ const APPEND = 1, REPLACE = 2;
 const byId = (id) => document.getElementById(id);
 const counters = { batches: 0, rows: 0, frames: 0, since: performance.now(), closed: 0 };
 const page = {
-  header: null, layout: null, stores: [], curves: null, gauges: null, events: [], state: null, picked: null, watched: null,
+  header: null, layout: null, stores: [], curves: null, gauges: null, events: [], state: null, picked: null, watched: null, listSeen: false,
   learning: [], socket: null, token: "", pending: false, answers: new Map(), number: 0,
 };
 
@@ -65,7 +65,8 @@ function take(message) {
     showEvents(byId("events"), page.events, pick);
     page.curves.markers(page.events.filter((one) => one.kind !== "start"));
   }
-  if (message.state) { page.state = message.state; showState(message); }
+  if (message.state) { page.state = message.state; showState(message.state); }
+  if (message.frames) showList(message);
   if (message.refused) answered(message.refused);
   if (message.answer) {
     const said = page.answers.get(message.answer.answer);
@@ -99,6 +100,7 @@ function begin(header) {
     byId("phase").textContent = facts.join(" · ");
   }
   if (page.watched !== null) send({ watch: page.watched });
+  tellShown();
 }
 
 // Of a law with a memory: its errors and what it keeps, by the number of the run.
@@ -154,8 +156,8 @@ function pick(timeS) {
   page.curves.cursor(timeS);
 }
 
-function showState(message) {
-  const { state } = message, box = byId("phase"), operator = state.operator;
+function showState(state) {
+  const box = byId("phase"), operator = state.operator;
   const parts = [`${state.time_s.toFixed(1)} s`];
   if (operator?.phase) parts.unshift(operator.phase === "ended" ? `ended: ${verdict(operator)}` : operator.phase);
   parts.push(`bus ${state.load === null ? "–" : `${(100 * state.load).toFixed(1)} %`}`);
@@ -166,11 +168,19 @@ function showState(message) {
   const trouble = operator?.phase === "waiting" ? "" : state.bus;
   notice.hidden = !trouble && !state.other_scenario;
   notice.textContent = trouble || (state.other_scenario ? "the bus carries another scenario than this page was started for" : "");
+  showDesk();
+}
+
+function showList(message) {
   showFrames(byId("frames"), message.frames, page.watched, watch);
   const raw = message.raw[page.watched];
   byId("raw").hidden = !raw;
   if (raw) byId("raw").textContent = raw.slice().reverse().map(([time, data]) => `${time.toFixed(2).padStart(9)}  ${data}`).join("\n");
-  showDesk();
+}
+
+// The list of frames comes often only while it can be seen.
+function tellShown() {
+  send({ frames: page.listSeen && !document.hidden });
 }
 
 function verdict(operator) {
@@ -290,5 +300,8 @@ window.stats = () => {
 if (localStorage.getItem("railhil-theme")) railhilCharts.setTheme(localStorage.getItem("railhil-theme"));
 page.picked = readHash();
 addEventListener("hashchange", () => { const instant = readHash(); if (instant !== null) pick(instant); });
+new IntersectionObserver((entries) => { page.listSeen = entries.at(-1).isIntersecting; tellShown(); })
+  .observe(byId("frames-of").querySelector(".scroll"));
+document.addEventListener("visibilitychange", tellShown);
 countFrame();
 connect();

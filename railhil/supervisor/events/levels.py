@@ -23,11 +23,8 @@ def reports(trace: Trace, watch: Watch) -> bool:
 
 def ranks(trace: Trace, watch: Watch) -> FloatArray:
     """Place in the ladder (0 = normal) in each telegram of the watch's port, NaN for other states; shape (n,)."""
-    raw = trace.raw(watch.port, watch.level)
-    found: FloatArray = np.full(len(raw), np.nan)
-    for rank, value in enumerate(watch.ladder):
-        found[raw == value] = rank
-    return found
+    rank_of = {value: float(rank) for rank, value in enumerate(watch.ladder)}
+    return np.array([rank_of.get(raw, np.nan) for raw in trace.raw(watch.port, watch.level).tolist()], dtype=np.float64)
 
 
 def watch_events(scenario: Any, trace: Trace, watch: Watch, end_s: float) -> Iterator[RecordedEvent]:

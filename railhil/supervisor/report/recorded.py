@@ -13,7 +13,7 @@ from railhil.bus.ident import INDEXINGS, CtlIdent
 from railhil.bus.telegrams import CtlStat, NotchCmd, SimTruth
 from railhil.scenarios.model import AnyScenario, PublishedScore, Scenario
 from railhil.scenarios.parameters import DIGEST_DIGITS
-from railhil.scenarios.target import Target
+from railhil.scenarios.target import target_of
 from railhil.supervisor.documents import read_score
 from railhil.supervisor.events.event import RecordedEvent
 from railhil.supervisor.events.summary import explained, why
@@ -156,7 +156,7 @@ class Curves:
 
 def wanted_mps(scenario: Scenario, trace: Trace) -> FloatArray:
     """The set-point that the law followed, at each SIM_TRUTH: by time, or by the train's position; shape (n,)."""
-    target = Target(scenario.target)
+    target = target_of(scenario.target)
     ident = trace.ident(CtlIdent)
     over_distance = ident is not None and ident.indexing == INDEXINGS.index("distance")
     time_s = target.time_s(trace.values(SimTruth.PORT, "TruePos")) if over_distance else trace.times_s(SimTruth.PORT)
