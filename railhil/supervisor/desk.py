@@ -19,6 +19,8 @@ from railhil.supervisor.given_values import GivenValues, prepared_for
 PAUSE_S = 1.0
 #: Wall time between two reports to the panel.
 _TELL_S = 0.1
+#: Wall time between two measurements of the lateness.
+_LATENESS_S = 1.0
 #: Longest wait without a look for signals.
 _LOOK_S = 0.05
 #: Paces that can be asked for, simulated seconds per second; 0: as fast as possible.
@@ -68,6 +70,10 @@ class Desk:
         self._told_s = 0.0
         #: All that was ordered, as texts.
         self.sent: list[str] = []
+        #: Lateness of a real-time run (:class:`railhil.supervisor.live_lateness.LiveLateness`); None: not measured.
+        self.lateness: Callable[[], dict[str, Any] | None] = lambda: None
+        self._lateness_s = 0.0
+        self._late: dict[str, Any] | None = None
         #: Called while it waits; an exception from it ends the wait.
         self.while_waiting: Callable[[], None] = lambda: None
 
@@ -207,12 +213,15 @@ class Desk:
         if now_s - self._told_s < _TELL_S:
             return
         self._told_s = now_s
+        if now_s - self._lateness_s >= _LATENESS_S:
+            self._lateness_s, self._late = now_s, self.lateness()
         panel.tell(
             {
                 "phase": "paused" if self._paused else "running",
                 "time_s": sim_time_s,
                 "pace": self._pace,
                 "lockstep": self._lockstep,
+                "lateness": self._late,
                 "faults": self._faults,
                 "injected": sorted(self._injected),
                 "active": sorted(self._active),

@@ -195,6 +195,18 @@ def test_what_cannot_be_done_is_refused_and_changes_nothing(clock, command, word
     assert one.sent == []
 
 
+def test_the_lateness_of_a_real_time_run_is_measured_once_a_second_and_told(clock):
+    one, panel = desk(lockstep=False)
+    measured = iter(range(10))
+    one.lateness = lambda: {"worst_ms": next(measured)}
+    for number in range(75, 95):
+        one.answer(number, 12.0)
+        clock[0] += 0.16
+    told = [report["lateness"]["worst_ms"] for report in panel.told]
+    assert told[0] == 0
+    assert told[-1] in (2, 3)
+
+
 @pytest.mark.parametrize("what", ["pause", "start", "pace"])
 def test_real_time_cannot_stand_still(clock, what):
     one, panel = desk([{"do": what, "pace": 2}], lockstep=False)

@@ -1,7 +1,7 @@
 // The live panel: one WebSocket to the server that has served this page, nothing else.
 import { Store } from "./store.js";
 import { Curves } from "./curves.js";
-import { Gauges, element, showEvents, showFrames, showLamps, shownNumber } from "./gauges.js";
+import { Gauges, element, showEvents, showFrames, showLamps } from "./gauges.js";
 
 const APPEND = 1, REPLACE = 2;
 const byId = (id) => document.getElementById(id);
@@ -160,7 +160,8 @@ function showState(message) {
   if (operator?.phase) parts.unshift(operator.phase === "ended" ? `ended: ${verdict(operator)}` : operator.phase);
   parts.push(`bus ${state.load === null ? "–" : `${(100 * state.load).toFixed(1)} %`}`);
   parts.push(`polls missed ${state.missed} of ${state.polls}`, `frames ${state.frames}`, `dropped here ${state.dropped}`);
-  if (state.lateness) parts.push(`lateness p99 ${shownNumber(state.lateness.p99_ms, "ms")}`);
+  const late = operator?.lateness;
+  if (late) parts.push(`ticks late p99 ${late.p99_ms.toFixed(2)} ms, worst ${late.worst_ms.toFixed(2)} ms`);
   box.textContent = parts.join(" · ");
   const notice = byId("notice");
   const trouble = operator?.phase === "waiting" ? "" : state.bus;
