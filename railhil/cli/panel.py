@@ -32,8 +32,8 @@ _SHOWN_S = 0.2
 EMERGENCY_PLACE, EMERGENCY = "train.safety_loop", "safety_loop off @manual"
 
 
-def add_panel_arguments(parser: argparse.ArgumentParser) -> None:
-    """Options of a run with a panel."""
+def add_page_argument(parser: argparse.ArgumentParser) -> None:
+    """``--panel [PORT]``."""
     parser.add_argument(
         "--panel",
         nargs="?",
@@ -42,6 +42,11 @@ def add_panel_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="PORT",
         help="serve a page of the run on 127.0.0.1 (default port 8765; 0: any), see railhil panel",
     )
+
+
+def add_panel_arguments(parser: argparse.ArgumentParser) -> None:
+    """Options of a run with a panel."""
+    add_page_argument(parser)
     parser.add_argument(
         "--foxglove",
         type=whole_number(0, _PORT_MAX),
@@ -88,8 +93,12 @@ def check_panel(namespace: argparse.Namespace, spec: RunSpec) -> None:
         raise InputError(
             "command line", asked, Words("beside --bus local"), "a run over a bus, which a panel listens to"
         )
-    if namespace.panel is None:
-        return
+    if namespace.panel is not None:
+        require_websockets()
+
+
+def require_websockets() -> None:
+    """Refuse a panel whose extra is not installed. Raises InputError."""
     try:
         import websockets  # noqa: F401
     except ImportError as error:
@@ -136,7 +145,7 @@ def panel_beside(namespace: argparse.Namespace, spec: RunSpec, choice: BusChoice
             words = [*spec.scenario_words, "--port", str(namespace.panel), "--controller", spec.law.controller]
             words += ["--operator", str(path), "--child"]
             words += ["--foxglove", str(namespace.foxglove)] if namespace.foxglove is not None else []
-            held.enter_context(_process([*words, *choice.arguments]))
+            held.enter_context(panel_process([*words, *choice.arguments]))
         yield socket
         if namespace.panel is not None:
             # Time to show the end.
@@ -144,7 +153,8 @@ def panel_beside(namespace: argparse.Namespace, spec: RunSpec, choice: BusChoice
 
 
 @contextmanager
-def _process(words: Sequence[str]) -> Iterator[None]:
+def panel_process(words: Sequence[str]) -> Iterator[None]:
+    """``railhil panel`` with these words, as long as this context."""
     process = subprocess.Popen([sys.executable, "-P", "-m", "railhil.panel", *words], stdin=subprocess.DEVNULL)
     try:
         yield

@@ -66,6 +66,7 @@ function take(message) {
     page.curves.markers(page.events.filter((one) => one.kind !== "start"));
   }
   if (message.state) { page.state = message.state; showState(message); }
+  if (message.learning) showLearning(message.learning);
   if (message.refused) answered(message.refused);
   if (message.answer) {
     const said = page.answers.get(message.answer.answer);
