@@ -14,6 +14,7 @@ import numpy as np
 from railhil.panel.declared import Layout, layout_of
 from railhil.panel.frame_list import FrameList
 from railhil.panel.history import History
+from railhil.panel.kinds import kinds_of
 from railhil.panel.listener import WATCHED_FRAMES, Listener
 from railhil.panel.live_events import LiveEvents
 from railhil.panel.operator import Operator
@@ -103,6 +104,11 @@ class LiveRun:
         if self._operator is None:
             return "no supervisor takes commands here: start the run with railhil run --panel"
         return self._operator.command(command)
+
+    def kinds(self) -> list[dict[str, Any]]:
+        """Kinds of faults that take values during the run."""
+        report = {} if self._operator is None else self._operator.report
+        return kinds_of(report.get("faults", ()))
 
     def watch(self, can_ids: set[int]) -> None:
         """Keep raw frames of these identifiers."""

@@ -89,6 +89,10 @@ class RecordedRuns:
     def watch(self, can_ids: set[int]) -> None:
         """Frames are not shown."""
 
+    def kinds(self) -> list[dict[str, Any]]:
+        """A recorded run takes no faults."""
+        return []
+
 
 def thinned(rows: FloatArray) -> FloatArray:
     """At most about :data:`ROWS_MAX` rows: of each part of a longer table its smallest and its largest values."""

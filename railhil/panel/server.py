@@ -27,7 +27,7 @@ RATE_HZ = 20.0
 _BACKLOG_MAX_BYTES = 1 << 20
 _POLICY = "default-src 'self'; frame-ancestors 'none'; base-uri 'none'; form-action 'none'"
 _TYPES = {".html": "text/html", ".css": "text/css", ".js": "text/javascript"}
-_OWN = ("panel.css", "panel.js", "store.js", "curves.js", "gauges.js")
+_OWN = ("panel.css", "panel.js", "store.js", "curves.js", "gauges.js", "fault_form.js")
 _OF_CHARTS = ("uPlot.iife.min.js", "uPlot.min.css", "charts.js", "charts.css")
 #: Path -> package and file.
 _FILES = {
@@ -54,6 +54,9 @@ class Source(Protocol):
 
     def watch(self, can_ids: set[int]) -> None:
         """Keep raw frames of these identifiers."""
+
+    def kinds(self) -> list[dict[str, Any]]:
+        """Kinds of faults that take values during the run (:func:`railhil.panel.kinds.kinds_of`)."""
 
 
 class Page:
@@ -185,6 +188,8 @@ class PanelServer:
             page.watched = asked["watch"] if isinstance(asked["watch"], int) else None
             self._watch()
             return None
+        if "kinds" in asked:
+            return {"kinds": self._source.kinds()}
         token = asked.pop("token", None)
         if not self.token:
             return {"refused": "this page takes no commands"}

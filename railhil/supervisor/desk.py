@@ -225,6 +225,7 @@ class Desk:
                 "faults": self._faults,
                 "injected": sorted(self._injected),
                 "active": sorted(self._active),
+                "sending": self._given.faults,
                 "orders": len(self.sent),
             }
         )

@@ -21,6 +21,11 @@ class GivenValues:
         self._waiting: deque[tuple[int, bytes]] = deque()
         self._sent = 0
 
+    @property
+    def faults(self) -> list[int]:
+        """Faults whose values are on their way."""
+        return [fault for fault, _ in self._waiting]
+
     def add(self, fault: int, octets: bytes) -> None:
         """Send the values of a fault, and inject it."""
         self._waiting.append((fault, octets))

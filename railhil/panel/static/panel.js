@@ -1,6 +1,7 @@
 // The live panel: one WebSocket to the server that has served this page, nothing else.
 import { Store } from "./store.js";
 import { Curves } from "./curves.js";
+import { FaultForm } from "./fault_form.js";
 import { Gauges, element, showEvents, showFrames, showLamps } from "./gauges.js";
 
 const APPEND = 1, REPLACE = 2;
@@ -66,6 +67,7 @@ function take(message) {
     page.curves.markers(page.events.filter((one) => one.kind !== "start"));
   }
   if (message.state) { page.state = message.state; showState(message); }
+  if (message.kinds) form.take(message.kinds);
   if (message.learning) showLearning(message.learning);
   if (message.refused) answered(message.refused);
   if (message.answer) {
@@ -218,21 +220,24 @@ function showDesk() {
   may("add", can, can ? "" : "faults are added before the start (--wait), or prepared (--catalogue)");
   byId("add").textContent = runs ? "Inject" : "Add";
   byId("fault").disabled = byId("lasts").disabled = !can;
+  byId("own").hidden = !can;
   if (operator?.pace !== undefined && document.activeElement !== byId("pace")) byId("pace").value = String(operator.pace);
   const box = byId("faults"), active = operator?.active ?? [], manual = faults.map((text, at) => [text, at + 1])
     .filter(([text, at]) => text.includes("@manual") && at !== emergency && (!CATALOGUED.test(text) || active.includes(at)));
-  const key = JSON.stringify([manual, runs, faults.length]);
+  const sending = operator?.sending ?? [], key = JSON.stringify([manual, runs, faults.length, sending]);
   if (box.dataset.key === key) return;
   box.dataset.key = key;
   byId("prepared").replaceChildren(...prepared.map(([text]) => element("option", { value: shortFault(text), label: CATALOGUED.exec(text)[1] })));
   box.replaceChildren(...manual.flatMap(([text, number]) => (CATALOGUED.test(text) ? ["clear"] : ["inject", "clear"]).map((what) => {
     const short = shortFault(text), button = element("button", { type: "button", "data-do": what, "data-fault": number },
-      what === "inject" ? `⚡ ${short}` : `clear ${short}`);
+      what === "inject" ? `⚡ ${short}` : sending.includes(number) ? `clear ${short} (being sent)` : `clear ${short}`);
     button.disabled = !runs;
     button.addEventListener("click", () => order({ do: what, fault: number, ...(what === "inject" ? duration() : {}) }, `${what} ${short}`));
     return button;
   })));
 }
+
+const form = new FaultForm(byId("own"), () => send({ kinds: true }), (text) => { byId("fault").value = text; });
 
 function emergencyNumber() {
   return (page.state?.operator?.faults ?? []).findIndex((text) => text.startsWith(EMERGENCY)) + 1;
