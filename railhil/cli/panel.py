@@ -113,11 +113,26 @@ def with_emergency(namespace: argparse.Namespace, spec: RunSpec) -> RunSpec:
     is_ours = not (namespace.attach or namespace.no_controller)
     if not is_watched or not is_ours or not (spec.is_realtime or namespace.wait):
         return spec
-    scenario = spec.load()
+    return replace(spec, faults=(*spec.faults, *_emergency_of(spec.load())))
+
+
+def _emergency_of(scenario: AnyScenario) -> tuple[str, ...]:
+    """The fault of the emergency button; none without such a loop, or if the scenario has one there."""
     has_loop = EMERGENCY_PLACE in system_named(scenario.system).injects
-    if not has_loop or any(text.startswith(EMERGENCY.partition(" ")[0]) for text in scenario.faults):
-        return spec
-    return replace(spec, faults=(*spec.faults, EMERGENCY))
+    taken = any(text.startswith(EMERGENCY.partition(" ")[0]) for text in scenario.faults)
+    return (EMERGENCY,) if has_loop and not taken else ()
+
+
+def prepared_faults(scenario: str, catalogue: bool) -> tuple[str, ...]:
+    """What the page injects in a run whose nodes are started apart, as in containers: each of them, and the supervisor,
+    is given these faults.
+
+    :param catalogue: with the fault catalogue of the system.
+    :raises InputError: the scenario cannot be loaded.
+    """
+    spec = RunSpec(scenario)
+    spec = replace(spec, faults=_emergency_of(spec.load()))
+    return with_catalogue(argparse.Namespace(catalogue=catalogue), spec).faults
 
 
 def with_catalogue(namespace: argparse.Namespace, spec: RunSpec) -> RunSpec:

@@ -123,6 +123,17 @@ def missing_logs(folder: Path, scenario: AnyScenario) -> list[str]:
     return [name for name in names if not (folder / name).is_file()]
 
 
+def take_logs(source: Path, folder: Path) -> None:
+    """Move the logs that nodes have left in a folder of their own into the run folder.
+
+    :raises OSError: one cannot be read or written.
+    """
+    for path in sorted(source.glob(LOGS)):
+        with whole_file(folder / path.name) as draft:
+            draft.write_bytes(path.read_bytes())
+        path.unlink()
+
+
 def check_faults(scenario: AnyScenario, transports: Sequence[str], pace: str) -> None:
     """Refuse a run with a fault that cannot be injected (:mod:`railhil.faults.capability`).
 

@@ -22,7 +22,7 @@ from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import system_named
 from railhil.supervisor.desk import Desk
-from railhil.supervisor.fault_report import FaultOutcome, fault_outcomes, missed_faults, missing_logs
+from railhil.supervisor.fault_report import FaultOutcome, fault_outcomes, missed_faults, missing_logs, take_logs
 from railhil.supervisor.framelog import FrameLog, read_log
 from railhil.supervisor.jitter import (
     WALL,
@@ -163,7 +163,11 @@ class Run:
     def _await_fault_logs(self) -> None:
         """Nodes that were started elsewhere write what they have injected a moment after the end of the run."""
         deadline_s = time.monotonic() + self._after_loss_s
-        while missing_logs(self.folder, self.scenario) and time.monotonic() < deadline_s:
+        while True:
+            if self.start_up.fault_logs is not None:
+                take_logs(self.start_up.fault_logs, self.folder)
+            if not missing_logs(self.folder, self.scenario) or time.monotonic() >= deadline_s:
+                return
             time.sleep(_LOOK_S)
 
     def _was_killed(self, nodes: Nodes, outcomes: list[FaultOutcome]) -> bool:
