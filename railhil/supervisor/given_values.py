@@ -7,7 +7,6 @@ from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 from railhil.common.errors import InputError
-from railhil.faults.model import Draw, Fault
 from railhil.scenarios.orders import Order
 
 
@@ -65,6 +64,7 @@ def prepared_for(
     """
     # The language is loaded only when somebody uses it.
     from railhil.faults.language import fault_text, parse, sameness, with_hand
+    from railhil.faults.model import Draw
     from railhil.faults.ordered import is_kind, octets_of
 
     try:
@@ -75,10 +75,8 @@ def prepared_for(
         return f"{text}: in a run a fault begins now and lasts for some time: without @ and until"
     if any(isinstance(value, Draw) for value in wanted.values.values()):
         return f"{text}: in a run nothing is drawn: numbers only"
-    prepared: dict[int, Fault] = {}
-    for number, one in enumerate(map(parse, faults), start=1):
-        if one.trigger.kind == "manual" and is_kind(one, wanted):
-            prepared[number] = one
+    known = enumerate(map(parse, faults), start=1)
+    prepared = {number: one for number, one in known if one.trigger.kind == "manual" and is_kind(one, wanted)}
     if not prepared:
         return f"{text}: not prepared in this run; prepared are those of the list, others before the start (--wait)"
     fresh = [number for number in prepared if number not in injected]
