@@ -136,6 +136,16 @@ class LiveRun:
             messages.append(json.dumps({"events": found}))
         return messages
 
+    def _is_other_scenario(self) -> bool:
+        """Whether the plant has told another scenario; one with faults that the operator has added is not another."""
+        told = self.listener.told_scenario
+        if told in (None, int(self._scenario.sha256[:8], 16)):
+            return False
+        # A hash with other faults is another one, and says nothing more.
+        report = {} if self._operator is None else self._operator.report
+        own = list(self._scenario.faults)
+        return bool(report.get("faults", own) == own)
+
     def _slow(self) -> dict[str, Any]:
         listener = self.listener
         return {
@@ -149,7 +159,7 @@ class LiveRun:
                 "dropped": self.receiver.dropped,
                 "rate": listener.clock.rate,
                 "operator": None if self._operator is None else self._operator.report,
-                "other_scenario": listener.told_scenario not in (None, int(self._scenario.sha256[:8], 16)),
+                "other_scenario": self._is_other_scenario(),
             },
             "frames": self._list.rows(listener),
             "raw": self._list.watched(listener),
