@@ -68,11 +68,16 @@ class WatchCause(IntEnum):
 
 
 class FaultOrder(IntEnum):
-    """What SUP_CMD asks for a fault that is triggered by hand."""
+    """What SUP_CMD asks for a fault that is triggered by hand.
+
+    ``VALUE``: ``fault_number`` is an octet of the values of the fault that is injected next
+    (:mod:`railhil.faults.ordered`). The DBC does not name it.
+    """
 
     NONE = 0
     INJECT = 1
     CLEAR = 2
+    VALUE = 3
 
 
 class TimeState(IntEnum):

@@ -56,7 +56,8 @@ class SupCmd(Telegram):
         |command|fault|order| chk         life |
         +-------+-----+-----+------------------+
 
-    ``fault``: number of a fault of the run, from 1; ``order``: see :class:`railhil.bus.codes.FaultOrder`.
+    ``fault``: number of a fault of the run, from 1, or an octet; ``order``: see
+    :class:`railhil.bus.codes.FaultOrder`.
     """
 
     PORT: ClassVar[str] = "SUP_CMD"

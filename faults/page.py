@@ -87,7 +87,8 @@ pairs a short journey is enough (`hil_tests/data/pairs.toml`). A signal (Ctrl-C,
 command at once; it prints what was found so far.
 
 Nodes that are started by hand (`railhil node`, `railhil run --attach`) are given the same faults and the same
-`--seed`, also the controller, and write their logs with `--fault-log FOLDER`, the run folder.
+`--seed`, also the controller, and write their logs with `--fault-log FOLDER`, the run folder, or any folder that
+`railhil run --attach --fault-logs FOLDER` is given.
 """
 _TITLES = {
     "train": "Train",

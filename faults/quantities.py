@@ -33,7 +33,8 @@ _EXAMPLE = {
 _NUMBER = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)(.*)")
 _DRAW = re.compile(r"(uniform|normal)\(([^,()]*),([^,()]*)\)")
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
-_LARGEST = 1e15
+#: Largest number of a text.
+LARGEST = 1e15
 
 
 def allowed_text(unit: str) -> str:
@@ -56,7 +57,7 @@ def number_of(text: str, unit: str) -> float | None:
             return None
     except (InvalidOperation, OverflowError):
         return None
-    if not math.isfinite(value) or abs(value) > _LARGEST or (unit == COUNT and value != int(value)):
+    if not math.isfinite(value) or abs(value) > LARGEST or (unit == COUNT and value != int(value)):
         return None
     # Minus zero is a zero.
     return value + 0.0

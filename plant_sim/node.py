@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NoReturn
 
 from railhil.bus.administrator import REPLY_NS, Administrator
 from railhil.bus.clock import Pacer
-from railhil.bus.codes import Event, FaultOrder, SupCommand
+from railhil.bus.codes import Event, SupCommand
 from railhil.bus.errors import PeerSilent
 from railhil.bus.hub.orders import Disturber
 from railhil.bus.ident import Role, make_ident
@@ -281,7 +281,7 @@ class PlantNode:
         if order is not None and order.command == SupCommand.STOP:
             self.end(Event.ENDED_BY_SUPERVISOR)
         elif order is not None and order.fault_order and self.injections is not None:
-            self.injections.order(order.fault_number, order.fault_order == FaultOrder.INJECT)
+            self.injections.order(order.fault_number, order.fault_order)
 
     def _controller_silent(self) -> bool:
         """True when the plant stands because it got no commands."""

@@ -1,6 +1,7 @@
 """Orders of an operator in a run, as text: ``75 inject 1`` is sent with the 75th SUP_CMD of the run.
 
-SUP_CMD is polled at fixed instants of simulation time, so the same orders make the same run again.
+SUP_CMD is polled at fixed instants of simulation time, so the same orders make the same run again. ``76 value 61``
+sends an octet of the values of the fault that is injected next (:mod:`railhil.faults.ordered`).
 """
 
 from __future__ import annotations
@@ -14,27 +15,27 @@ from railhil.common.errors import InputError
 
 #: The option of ``railhil run``.
 ORDER = "--order"
-#: What can be ordered; the first two with the number of a fault of the run.
-WORDS = ("inject", "clear", "pause", "stop")
-_OF_FAULTS = WORDS[:2]
-#: Faults are numbered in 8 bits.
-_FAULT_MAX = 255
-_TEXT = re.compile(r"(?P<answer>[0-9]{1,9}) (?P<word>[a-z]+)(?: (?P<fault>[0-9]{1,3}))?")
-_ALLOWED = "'N inject FAULT', 'N clear FAULT', 'N pause' or 'N stop', with N from 2: the number of the SUP_CMD"
+#: What can be ordered; the first two with the number of a fault of the run, the third with an octet.
+WORDS = ("inject", "clear", "value", "pause", "stop")
+#: The smallest number of each that has one; faults are numbered in 8 bits.
+_LOWEST = {"inject": 1, "clear": 1, "value": 0}
+_NUMBER_MAX = 255
+_TEXT = re.compile(r"(?P<answer>[0-9]{1,9}) (?P<word>[a-z]+)(?: (?P<number>[0-9]{1,3}))?")
+_ALLOWED = "'N inject FAULT', 'N clear FAULT', 'N value OCTET', 'N pause' or 'N stop', N from 2: number of the SUP_CMD"
 
 
 @dataclass(frozen=True, slots=True)
 class Order:
-    """One order: the number of the SUP_CMD that carries it (1 is the start), the word, the fault or 0."""
+    """One order: the number of the SUP_CMD that carries it (1 is the start), the word, the fault, the octet or 0."""
 
     answer: int
     word: str
-    fault: int = 0
+    number: int = 0
 
     @property
     def text(self) -> str:
         """As in a certificate."""
-        return f"{self.answer} {self.word}" + (f" {self.fault}" if self.fault else "")
+        return f"{self.answer} {self.word}" + (f" {self.number}" if self.word in _LOWEST else "")
 
 
 def order_of(text: str, source: str | Path = ORDER) -> Order:
@@ -45,13 +46,10 @@ def order_of(text: str, source: str | Path = ORDER) -> Order:
     """
     found = _TEXT.fullmatch(text)
     if found is not None:
-        one = Order(int(found["answer"]), found["word"], int(found["fault"] or 0))
-        names_fault = one.word in _OF_FAULTS and 1 <= one.fault <= _FAULT_MAX
-        if (
-            one.answer >= 2
-            and one.word in WORDS
-            and (names_fault or (one.word not in _OF_FAULTS and not found["fault"]))
-        ):
+        one = Order(int(found["answer"]), found["word"], int(found["number"] or 0))
+        lowest = _LOWEST.get(one.word)
+        fits = not found["number"] if lowest is None else found["number"] and lowest <= one.number <= _NUMBER_MAX
+        if one.answer >= 2 and one.word in WORDS and fits:
             return one
     raise InputError(source, "order", text, _ALLOWED)
 

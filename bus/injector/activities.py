@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
+from railhil.bus.codes import FaultOrder
 from railhil.bus.injector.activity import Activity
 from railhil.bus.injector.log import InjectionLog
 from railhil.faults.model import Fault
@@ -22,13 +23,15 @@ class Activities:
         self.all = [Activity(fault, number) for number, fault in faults]
         self.log = InjectionLog()
         self.now_ns = 0
-        self._orders: list[tuple[int, bool]] = []
+        self._orders: list[tuple[int, int]] = []
+        # Values of the fault that is injected next.
+        self._octets = bytearray()
 
     def look(self, now_ns: int, position_m: float, speed_mps: float) -> None:
         """Begin and end faults at an instant, by the truth."""
         self.now_ns = now_ns
-        for number, inject in self._orders:
-            self.order_now(number, inject)
+        for number, order in self._orders:
+            self.order_now(number, order)
         self._orders = []
         for one in self.all:
             if one.look(now_ns, position_m, speed_mps) and one.fault.what == CLEAR:
@@ -40,14 +43,23 @@ class Activities:
             for one in self.all:
                 one.happened(event, self.now_ns)
 
-    def order(self, orders: Iterable[tuple[int, bool]]) -> None:
-        """Orders by hand (number of the fault, inject or clear); they act from the next instant on."""
+    def order(self, orders: Iterable[tuple[int, int]]) -> None:
+        """Orders by hand (number of the fault, :class:`railhil.bus.codes.FaultOrder`); they act from the next instant
+        on."""
         self._orders += orders
 
-    def order_now(self, number: int, inject: bool) -> None:
-        """An order by hand that acts from the present instant on; numbers of faults elsewhere are ignored."""
+    def order_now(self, number: int, order: int) -> None:
+        """An order by hand that acts from the present instant on; numbers of faults elsewhere are ignored.
+
+        Values of which a part was lost inject nothing.
+        """
+        if order == FaultOrder.VALUE:
+            self._octets.append(number)
+            return
+        octets, self._octets = bytes(self._octets), bytearray()
+        inject = order == FaultOrder.INJECT
         for one in self.all:
-            if one.number == number:
+            if one.number == number and not (inject and octets and not one.give(octets)):
                 one.order(inject, self.now_ns)
 
     def note(self, activity: Activity, before: str, after: str) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from railhil.faults.model import Fault
+from railhil.faults.ordered import with_octets
 
 _NS_PER_S = 1_000_000_000
 
@@ -19,7 +20,7 @@ class Activity:
 
     __slots__ = (
         "_at_ns", "_before", "_duration_ns", "_edge", "_end_ns", "_met", "active", "begun_ns", "ended_ns", "fault",
-        "hits", "number", "over",
+        "given", "hits", "number", "over",
     )  # fmt: skip
 
     def __init__(self, fault: Fault, number: int) -> None:
@@ -27,6 +28,8 @@ class Activity:
         self.number = number
         self.active = False
         self.over = False
+        #: Whether an operator has given it other values.
+        self.given = False
         #: Simulation time at which it became active and at which it ended; None before.
         self.begun_ns: int | None = None
         self.ended_ns: int | None = None
@@ -84,6 +87,15 @@ class Activity:
             self._meet(now_ns)
         elif not inject and not self.over:
             self._finish(now_ns)
+
+    def give(self, octets: bytes) -> bool:
+        """Other values for a fault that has not begun (:mod:`railhil.faults.ordered`); False: they are not whole."""
+        if self._met or self.over:
+            return True
+        found = with_octets(self.number, self.fault, octets)
+        if found is not None:
+            self.fault, self.given = found, True
+        return found is not None
 
     def hit(self, now_ns: int) -> None:
         """It has changed one more telegram or sample; after ``count`` of them it is over."""

@@ -21,7 +21,7 @@ class Flood:
 
     def __init__(self, activity: Activity, bit_rate: int) -> None:
         self._activity = activity
-        self._per_s = number_of(activity.fault, "share") * bit_rate / FRAME_BITS
+        self._bit_rate = bit_rate
         self._sent = 0
 
     def frames(self, activities: Activities) -> list[Frame]:
@@ -29,7 +29,8 @@ class Flood:
         one = self._activity
         if not one.active or one.begun_ns is None:
             return []
-        due = int((activities.now_ns - one.begun_ns) / 1e9 * self._per_s) + 1
+        per_s = number_of(one.fault, "share") * self._bit_rate / FRAME_BITS
+        due = int((activities.now_ns - one.begun_ns) / 1e9 * per_s) + 1
         count, self._sent = due - self._sent, due
         if count > 0:
             activities.note(one, "", f"{count} x {FOREIGN_ID:03X}")

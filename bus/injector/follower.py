@@ -50,8 +50,8 @@ class Follower:
         self.ended: Event | None = None
         #: Events since :meth:`take_events`, in lower case.
         self._events: list[str] = []
-        #: Orders by hand: number of the fault, and whether it is to be injected.
-        self._orders: list[tuple[int, bool]] = []
+        #: Orders by hand: number of the fault (or an octet), and what is ordered.
+        self._orders: list[tuple[int, int]] = []
         self._own_events = injection.events
         clock = contract.clock_port if at_plant or truth is None else contract.port(truth.port)
         self._clock = clock.name
@@ -101,7 +101,7 @@ class Follower:
         elif name == SupCmd.PORT:
             order = SupCmd.decode(data)
             if order.fault_order != FaultOrder.NONE:
-                self._orders.append((order.fault_number, order.fault_order == FaultOrder.INJECT))
+                self._orders.append((order.fault_number, order.fault_order))
         if name in self._levels:
             level = raw_of(data, self._levels[name])
             if level != self._level.get(name, 0):
@@ -114,7 +114,7 @@ class Follower:
         found, self._events = self._events, []
         return found
 
-    def take_orders(self) -> list[tuple[int, bool]]:
+    def take_orders(self) -> list[tuple[int, int]]:
         """Orders by hand since the last call."""
         found, self._orders = self._orders, []
         return found

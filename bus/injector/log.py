@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 from railhil.bus.injector.activity import Activity
 from railhil.common.whole_file import whole_file
+from railhil.faults.language import fault_text
 
 #: Files of a run folder, by node: ``faults-plant.csv``.
 FILE_NAME = "faults-{node}.csv"
@@ -41,11 +42,15 @@ class InjectionLog:
         activity.hit(time_ns)
 
     def text(self, activities: Sequence[Activity]) -> str:
-        """The file: a row ``begun`` and ``ended`` for each fault that became active, and one for each hit, by time."""
+        """The file: a row ``begun`` and ``ended`` for each fault that became active, and one for each hit, by time.
+
+        ``begun`` of a fault with values that an operator has given has its text.
+        """
         rows = [(hit.time_ns, hit.fault, 1, hit) for hit in self.hits]
         for one in activities:
             if one.begun_ns is not None:
-                rows.append((one.begun_ns, one.number, 0, Hit(one.number, one.begun_ns, "begun", "", "")))
+                text = fault_text(one.fault, judging=False) if one.given else ""
+                rows.append((one.begun_ns, one.number, 0, Hit(one.number, one.begun_ns, "begun", "", text)))
             if one.ended_ns is not None and one.begun_ns is not None:
                 rows.append((one.ended_ns, one.number, 2, Hit(one.number, one.ended_ns, "ended", "", "")))
         buffer = io.StringIO()

@@ -17,6 +17,8 @@ from hil_tests.support.browser import browser
 from hil_tests.support.cli import command
 from railhil.bus.codes import FaultOrder, SupCommand
 from railhil.bus.telegrams import SupCmd
+from railhil.faults.language import parse
+from railhil.faults.ordered import octets_of
 from railhil.local_run import LocalRun
 from railhil.scenarios.run_spec import RunSpec
 from railhil.supervisor.framelog import read_log
@@ -114,6 +116,16 @@ def run(chromium: Any, tmp_path_factory: pytest.TempPathFactory) -> dict[str, An
             page.fill("#lasts", "0.5")
             page.click("#add:enabled")
             seen[text] = said(page, "#answer", "TRN_POS")
+        # A kind that is prepared, with a number and a duration of the operator's own; the first one is out of range.
+        page.click("#own summary")
+        page.select_option("#own select", label="brake weak")
+        for share in ("130", "62.5"):
+            page.fill("#own input[data-name=share]", share)
+            page.fill("#lasts", "2")
+            page.click("#add:enabled")
+            seen[share] = said(page, "#answer", f"brake weak {share}%")
+        # Seven SUP_CMD later it acts.
+        said(page, "#faults", r"clear brake weak 62\.5%(?! \(being sent)")
         page.click("#frames tr[data-id='280']")
         page.wait_for_selector("#raw:visible", timeout=_WAIT_MS)
         # The last before Stop: a train that stands after its emergency brake ends the run.
@@ -139,6 +151,15 @@ def test_every_button_is_a_telegram(run):
     faults_of_run = RunSpec.from_file(run["folder"] / "certificate.json").faults
     typed, prepared = len(faults_of_run), faults_of_run.index("TRN_POS loss @manual combine id T4") + 1
     assert faults_of_run[-1] == "NOTCH_CMD loss @manual combine"
+    weak = next(at for at, text in enumerate(faults_of_run, start=1) if text.startswith("brake weak"))
+    # The operator's own number: octets, then the fault; what was out of range sent nothing.
+    own = octets_of(weak, parse(faults_of_run[weak - 1]), parse("brake weak 62.5% @manual"))
+    # They may have begun again, behind the end of the fault before.
+    assert [number for number, order in sent if order == FaultOrder.VALUE][-len(own) :] == [*own]
+    assert (weak, FaultOrder.INJECT) in sent
+    assert "found '130%', allowed share of the force that is left: 0% to 100%" in run["130"]
+    assert run["62.5"] == "✓ brake weak 62.5% for 2s"
+    sent = [one for one in sent if one[1] != FaultOrder.VALUE and one[0] != weak]
     assert [(number, order) for number, order in sent if number != prepared] == [
         (typed, FaultOrder.INJECT), (typed, FaultOrder.CLEAR), (1, FaultOrder.INJECT), (1, FaultOrder.CLEAR)
     ]  # fmt: skip

@@ -15,6 +15,7 @@ from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.supervisor.desk import Desk
 from railhil.supervisor.events.derive import events_of
 from railhil.supervisor.events.event import LEVEL
+from railhil.supervisor.fault_report import fault_outcomes
 from railhil.supervisor.framelog import read_log
 from railhil.supervisor.reactions.by_hand import faults_by_hand
 from railhil.supervisor.session import Session
@@ -100,6 +101,31 @@ def test_a_fault_of_the_catalogue_that_is_typed_during_a_run_makes_the_same_run_
     assert "speed_age" in levels
     again = made(replace(spec, orders=tuple(desk.sent)), tmp_path / "again")
     assert again.log.path.read_bytes() == by_hand.log.path.read_bytes()
+
+
+def test_faults_with_values_of_the_operator_make_the_same_run_again(spec, tmp_path):
+    """At a telegram of the plant, inside the plant and at the controller; the report names the values."""
+    prepared = ("TRN_SPEED loss 5% @manual", "speed delayed @manual combine", "NOTCH_CMD.NotchCmd offset 9 @manual")
+    spec = replace(spec, faults=prepared)
+    presses = {
+        3: [
+            {"do": "fault", "text": "TRN_SPEED loss 62.5% for 320ms"},
+            {"do": "fault", "text": "NOTCH_CMD.NotchCmd offset -2.5"},
+            {"do": "fault", "text": "speed delayed 750ms"},
+        ],
+        35: [{"do": "stop"}],
+    }
+    by_hand = made(spec, tmp_path / "hand", desk := Desk((), Hands(presses), True, spec.faults))
+    outcomes = [one.text for one in fault_outcomes(tmp_path / "hand", by_hand.scenario, spec.seed)]
+    assert [text.partition(" @")[0] for text in outcomes] == [
+        "TRN_SPEED loss 62.5%", "speed delayed 750ms", "NOTCH_CMD.NotchCmd offset -2.5"
+    ]  # fmt: skip
+    again = made(replace(spec, orders=tuple(desk.sent)), tmp_path / "again")
+    assert again.log.path.read_bytes() == by_hand.log.path.read_bytes()
+    # The values act: the faults as they were prepared make another run.
+    plain = tuple(text for text in desk.sent if " value " not in text)
+    other = made(replace(spec, orders=plain), tmp_path / "plain")
+    assert other.trace.raw("NOTCH_CMD", "NotchCmd").tolist() != by_hand.trace.raw("NOTCH_CMD", "NotchCmd").tolist()
 
 
 @pytest.mark.parametrize(

@@ -21,7 +21,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from railhil.bus.injector.activity import Activity
-from railhil.plant_sim.faults.injections import Injections, number_of
+from railhil.plant_sim.faults.injections import Injections, longest, number_of
 from railhil.plant_sim.forces import EffortLimit
 
 #: A force that differs by more than this from the commanded one is a fault's effect.
@@ -62,12 +62,13 @@ class Side:
         self._sign = sign
         self._tick_s = tick_s
         self._held_n: dict[int, float] = {}
-        longest = max((self._dead_ticks(one) for one in faults), default=0)
+        late = [one.fault for one in faults if one.fault.what == "dead_time"]
+        most = max((self._ticks(longest(fault, "delay_s")) for fault in late), default=0)
         # Notches of this side at the ends of the last ticks; None: no fault needs them.
-        self._past: deque[int] | None = deque([0], maxlen=longest + 1) if longest else None
+        self._past: deque[int] | None = deque([0], maxlen=most + 1) if most else None
 
-    def _dead_ticks(self, one: Activity) -> int:
-        return round(number_of(one.fault, "delay_s") / self._tick_s) if one.fault.what == "dead_time" else 0
+    def _ticks(self, time_s: float) -> int:
+        return round(time_s / self._tick_s)
 
     def change(self, force_n: float) -> None:
         """Faults have begun or ended.
@@ -89,7 +90,7 @@ class Side:
             elif what == "slow":
                 pole *= number_of(one.fault, "factor")
             elif what == "dead_time":
-                dead_ticks += self._dead_ticks(one)
+                dead_ticks += self._ticks(number_of(one.fault, "delay_s"))
             elif what == "full":
                 instead_n = float("inf")
             elif what == "stuck":

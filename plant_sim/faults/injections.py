@@ -9,6 +9,7 @@ import numpy as np
 from railhil.bus.injector.activities import Activities
 from railhil.bus.injector.activity import Activity
 from railhil.faults.model import BRAKING_MPS2, Fault
+from railhil.faults.ordered import parameters_of
 from railhil.scenarios import streams
 
 
@@ -67,9 +68,10 @@ class Injections:
         """An event of the run at the present tick, in lower case; a fault that waits for it begins with the next."""
         self._all.happened((event,))
 
-    def order(self, number: int, inject: bool) -> None:
-        """An order by hand for the fault of that number; numbers of faults elsewhere are ignored."""
-        self._all.order_now(number, inject)
+    def order(self, number: int, order: int) -> None:
+        """An order by hand (:class:`railhil.bus.codes.FaultOrder`) for the fault of that number; numbers of faults
+        elsewhere are ignored."""
+        self._all.order_now(number, order)
 
     def hit(self, activity: Activity, before: str, after: str) -> None:
         """A fault has changed one sample or command at the present tick."""
@@ -80,6 +82,12 @@ class Injections:
         if acts and not self._acting.get(activity.number, False):
             self.hit(activity, before, after)
         self._acting[activity.number] = acts
+
+
+def longest(fault: Fault, name: str) -> float:
+    """The largest that a parameter can become: an operator may give a fault by hand other values."""
+    by_hand = fault.trigger.kind == "manual"
+    return next(one.high for one in parameters_of(fault) if one.name == name) if by_hand else number_of(fault, name)
 
 
 def number_of(fault: Fault, name: str) -> float:

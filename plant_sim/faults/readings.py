@@ -31,7 +31,7 @@ import numpy as np
 
 from railhil.bus.injector.activity import Activity
 from railhil.bus.layout import Telegram
-from railhil.plant_sim.faults.injections import Injections, number_of
+from railhil.plant_sim.faults.injections import Injections, longest, number_of
 
 
 class Reading(NamedTuple):
@@ -171,13 +171,13 @@ class Slow(ReadingFault):
 class Delayed(ReadingFault):
     def __init__(self, activity: Activity, quantity: Quantity, source: np.random.Generator, tick_s: float) -> None:
         super().__init__(activity, quantity, source, tick_s)
-        self._past: deque[Reading] = deque(maxlen=round(self.parameter("delay_s") / tick_s) + 1)
+        self._past: deque[Reading] = deque(maxlen=round(longest(activity.fault, "delay_s") / tick_s) + 1)
 
     def seen(self, reading: Reading) -> None:
         self._past.append(reading)
 
     def changed(self, reading: Reading) -> Reading:
-        return self._past[0]
+        return self._past[max(0, len(self._past) - 1 - round(self.parameter("delay_s") / self.tick_s))]
 
 
 WORDS: Mapping[str, type[ReadingFault]] = {

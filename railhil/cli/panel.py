@@ -36,8 +36,8 @@ _NICE = 10
 EMERGENCY_PLACE, EMERGENCY = "train.safety_loop", "safety_loop off @manual"
 
 
-def add_panel_arguments(parser: argparse.ArgumentParser) -> None:
-    """Options of a run with a panel."""
+def add_page_argument(parser: argparse.ArgumentParser) -> None:
+    """``--panel [PORT]``."""
     parser.add_argument(
         "--panel",
         nargs="?",
@@ -46,6 +46,11 @@ def add_panel_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="PORT",
         help="serve a page of the run on 127.0.0.1 (default port 8765; 0: any), see railhil panel",
     )
+
+
+def add_panel_arguments(parser: argparse.ArgumentParser) -> None:
+    """Options of a run with a panel."""
+    add_page_argument(parser)
     parser.add_argument(
         "--foxglove",
         type=whole_number(0, _PORT_MAX),
@@ -92,8 +97,12 @@ def check_panel(namespace: argparse.Namespace, spec: RunSpec) -> None:
         raise InputError(
             "command line", asked, Words("beside --bus local"), "a run over a bus, which a panel listens to"
         )
-    if namespace.panel is None:
-        return
+    if namespace.panel is not None:
+        require_websockets()
+
+
+def require_websockets() -> None:
+    """Refuse a panel whose extra is not installed. Raises InputError."""
     try:
         import websockets  # noqa: F401
     except ImportError as error:
@@ -108,11 +117,26 @@ def with_emergency(namespace: argparse.Namespace, spec: RunSpec) -> RunSpec:
     is_ours = not (namespace.attach or namespace.no_controller)
     if not is_watched or not is_ours or not (spec.is_realtime or namespace.wait):
         return spec
-    scenario = spec.load()
+    return replace(spec, faults=(*spec.faults, *_emergency_of(spec.load())))
+
+
+def _emergency_of(scenario: AnyScenario) -> tuple[str, ...]:
+    """The fault of the emergency button; none without such a loop, or if the scenario has one there."""
     has_loop = EMERGENCY_PLACE in system_named(scenario.system).injects
-    if not has_loop or any(text.startswith(EMERGENCY.partition(" ")[0]) for text in scenario.faults):
-        return spec
-    return replace(spec, faults=(*spec.faults, EMERGENCY))
+    taken = any(text.startswith(EMERGENCY.partition(" ")[0]) for text in scenario.faults)
+    return (EMERGENCY,) if has_loop and not taken else ()
+
+
+def prepared_faults(scenario: str, catalogue: bool) -> tuple[str, ...]:
+    """What the page injects in a run whose nodes are started apart, as in containers: each of them, and the supervisor,
+    is given these faults.
+
+    :param catalogue: with the fault catalogue of the system.
+    :raises InputError: the scenario cannot be loaded.
+    """
+    spec = RunSpec(scenario)
+    spec = replace(spec, faults=_emergency_of(spec.load()))
+    return with_catalogue(argparse.Namespace(catalogue=catalogue), spec).faults
 
 
 def with_catalogue(namespace: argparse.Namespace, spec: RunSpec) -> RunSpec:
@@ -146,7 +170,7 @@ def panel_beside(
             words += ["--operator", str(path), "--child"]
             words += ["--foxglove", str(namespace.foxglove)] if namespace.foxglove is not None else []
             bus = ["--follow", str(folder)] if choice.needs_pipes else choice.arguments
-            held.enter_context(_process([*words, *bus]))
+            held.enter_context(panel_process([*words, *bus]))
         yield socket
         if namespace.panel is not None:
             # Time to show the end.
@@ -154,7 +178,8 @@ def panel_beside(
 
 
 @contextmanager
-def _process(words: Sequence[str]) -> Iterator[None]:
+def panel_process(words: Sequence[str]) -> Iterator[None]:
+    """``railhil panel`` with these words, as long as this context."""
     process = subprocess.Popen([sys.executable, "-P", "-m", "railhil.panel", *words], stdin=subprocess.DEVNULL)
     with suppress(OSError):
         # The run goes first where both want a processor. The panel may have ended already.

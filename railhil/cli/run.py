@@ -70,6 +70,12 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         metavar="TEXT",
         help="--attach: command in certificate.json to repeat the run",
     )
+    parser.add_argument(
+        "--fault-logs",
+        type=Path,
+        metavar="DIR",
+        help="--attach: folder in which the nodes leave the logs of their faults (default: the run folder)",
+    )
     parser.add_argument("--no-controller", action="store_true", help="the controller is a board or another program")
     parser.add_argument("--dbc", metavar="FILE", help="refuse to run unless this DBC describes the telegrams")
     add_panel_arguments(parser)
@@ -108,6 +114,8 @@ def _asked(namespace: argparse.Namespace) -> tuple[RunSpec, StartUp]:
         raise InputError("command line", given[0], found, "none: the controller of somebody else is not given it")
     if namespace.rerun_command and not namespace.attach:
         raise InputError("command line", "--rerun-command", namespace.rerun_command, "only with --attach")
+    if namespace.fault_logs is not None and not namespace.attach:
+        raise InputError("command line", "--fault-logs", str(namespace.fault_logs), "only with --attach")
     if namespace.attach and spec.plant_fmu is not None:
         raise InputError("command line", FMU_OPTION, Words("beside --attach"), "it on the command line of the plant")
     if namespace.no_rt and not spec.is_realtime:
@@ -117,6 +125,7 @@ def _asked(namespace: argparse.Namespace) -> tuple[RunSpec, StartUp]:
         attach=namespace.attach,
         foreign=namespace.no_controller,
         rerun_command=namespace.rerun_command,
+        fault_logs=namespace.fault_logs,
     )
     return spec, how
 

@@ -14,7 +14,7 @@ from railhil.supervisor.judging import judging_of
 from railhil.supervisor.sequence_measure import sequence_measures
 
 #: What ``railhil sequence run`` writes beside its run folders, and how it names these.
-_SEQUENCE, _RUNS = "sequence.json", "run[0-9]*"
+SEQUENCE, _RUNS = "sequence.json", "run[0-9]*"
 
 
 def run_folders(texts: Sequence[str]) -> tuple[list[str], list[str]]:
@@ -28,7 +28,7 @@ def run_folders(texts: Sequence[str]) -> tuple[list[str], list[str]]:
     every: list[str] = []
     for text in texts:
         folder = Path(text)
-        if not (folder / _SEQUENCE).is_file():
+        if not (folder / SEQUENCE).is_file():
             shown.append(text)
             every.append(text)
             continue

@@ -14,6 +14,7 @@ import numpy as np
 from railhil.panel.declared import Layout, layout_of
 from railhil.panel.frame_list import FrameList
 from railhil.panel.history import History
+from railhil.panel.kinds import kinds_of
 from railhil.panel.listener import WATCHED_FRAMES, Listener
 from railhil.panel.live_events import LiveEvents
 from railhil.panel.operator import Operator
@@ -117,6 +118,11 @@ class LiveRun:
             return "no supervisor takes commands here: start the run with railhil run --panel"
         return self._operator.command(command)
 
+    def kinds(self) -> list[dict[str, Any]]:
+        """Kinds of faults that take values during the run."""
+        report = {} if self._operator is None else self._operator.report
+        return kinds_of(report.get("faults", ()))
+
     def watch(self, can_ids: set[int]) -> None:
         """Keep raw frames of these identifiers."""
         kept = self.listener.watched
@@ -146,6 +152,16 @@ class LiveRun:
     def _frames(self) -> dict[str, Any]:
         return {"frames": self._list.rows(self.listener), "raw": self._list.watched(self.listener)}
 
+    def _is_other_scenario(self) -> bool:
+        """Whether the plant has told another scenario; one with faults that the operator has added is not another."""
+        told = self.listener.told_scenario
+        if told in (None, int(self._scenario.sha256[:8], 16)):
+            return False
+        # A hash with other faults is another one, and says nothing more.
+        report = {} if self._operator is None else self._operator.report
+        own = list(self._scenario.faults)
+        return bool(report.get("faults", own) == own)
+
     def _state(self) -> dict[str, Any]:
         listener = self.listener
         return {
@@ -159,6 +175,6 @@ class LiveRun:
                 "dropped": self.receiver.dropped,
                 "rate": listener.clock.rate,
                 "operator": None if self._operator is None else self._operator.report,
-                "other_scenario": listener.told_scenario not in (None, int(self._scenario.sha256[:8], 16)),
+                "other_scenario": self._is_other_scenario(),
             },
         }

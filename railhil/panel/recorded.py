@@ -12,6 +12,7 @@ import numpy as np
 
 from railhil.common.errors import InputError
 from railhil.panel.declared import Chart, Layout, layout_of
+from railhil.panel.growing import Growing
 from railhil.panel.learning import learning_charts, run_folders
 from railhil.panel.values import Rows
 from railhil.panel.wire import REPLACE, batch
@@ -45,6 +46,7 @@ class RecordedRuns:
         self._names = _names(records) if asked == folders else [Path(folder).name for folder in folders]
         self._records = records
         self._learning = learning_charts(first, every)
+        self._growing = Growing(first, asked)
         self._rows = [
             thinned(
                 _placed(Rows(one.scenario, layout, one.certificate.get("notes")).of(one.trace), layout, self.layout)
@@ -73,8 +75,12 @@ class RecordedRuns:
         return [*rows, json.dumps({"events": events, "replace": True})]
 
     def look(self) -> list[str | bytes]:
-        """Nothing is ever new."""
-        return []
+        """New is only what a sequence that is being recorded has learned."""
+        charts = self._growing.look()
+        if charts is None:
+            return []
+        self._learning = charts
+        return [json.dumps({"learning": charts})]
 
     def frames(self) -> str:
         """There is no bus."""
@@ -86,6 +92,10 @@ class RecordedRuns:
 
     def watch(self, can_ids: set[int]) -> None:
         """Frames are not shown."""
+
+    def kinds(self) -> list[dict[str, Any]]:
+        """A recorded run takes no faults."""
+        return []
 
 
 def thinned(rows: FloatArray) -> FloatArray:

@@ -27,7 +27,7 @@ RATE_HZ = 15.0
 _BACKLOG_MAX_BYTES = 1 << 20
 _POLICY = "default-src 'self'; frame-ancestors 'none'; base-uri 'none'; form-action 'none'"
 _TYPES = {".html": "text/html", ".css": "text/css", ".js": "text/javascript"}
-_OWN = ("panel.css", "panel.js", "store.js", "curves.js", "gauges.js")
+_OWN = ("panel.css", "panel.js", "store.js", "curves.js", "gauges.js", "fault_form.js")
 _OF_CHARTS = ("uPlot.iife.min.js", "uPlot.min.css", "charts.js", "charts.css")
 #: Path -> package and file.
 _FILES = {
@@ -57,6 +57,9 @@ class Source(Protocol):
 
     def watch(self, can_ids: set[int]) -> None:
         """Keep raw frames of these identifiers."""
+
+    def kinds(self) -> list[dict[str, Any]]:
+        """Kinds of faults that take values during the run (:func:`railhil.panel.kinds.kinds_of`)."""
 
 
 class Page:
@@ -205,6 +208,8 @@ class PanelServer:
         if "frames" in asked:
             page.shows_frames = asked["frames"] is True
             return None
+        if "kinds" in asked:
+            return {"kinds": self._source.kinds()}
         token = asked.pop("token", None)
         if not self.token:
             return {"refused": "this page takes no commands"}

@@ -6,13 +6,16 @@ import argparse
 import shutil
 import sys
 import tempfile
-from collections.abc import Sequence
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from pathlib import Path
 
 from railhil.bus.can_settings import add_bus_arguments
 from railhil.bus.select import LOCAL, config_from_namespace
 from railhil.cli.bus_run import add_arguments, run_spec, run_system, start_up
+from railhil.cli.panel import add_page_argument, panel_process, require_websockets
 from railhil.common.choices import BUSES
 from railhil.common.command_line import OneLineParser, parse, whole_number
 from railhil.common.errors import InputError
@@ -33,6 +36,8 @@ from railhil.supervisor.result import RunResult
 from railhil.supervisor.start_up import StartUp
 
 _RUNS = 15
+#: Wall time for which the page of a finished sequence stays.
+_SHOWN_S = 1.0
 
 
 def arguments() -> argparse.ArgumentParser:
@@ -46,6 +51,7 @@ def arguments() -> argparse.ArgumentParser:
     run.add_argument("--memory-from", type=Path, metavar="FILE", help="begin with this memory (default: none)")
     run.add_argument("--runs", type=whole_number(1, RUNS_MAX), default=_RUNS, metavar="N", help="runs (default 15)")
     run.add_argument("--out", metavar="DIR", help="folder (default runs/<utc>-<scenario>-sequence)")
+    add_page_argument(run)
     verify = verbs.add_parser("verify", help="check every file of a sequence against its hashes")
     verify.add_argument("sequence", type=Path, metavar="DIR", help="folder of a sequence")
     rerun = verbs.add_parser("rerun", help="make the sequence again: the same bytes, or the first run that differs")
@@ -74,7 +80,16 @@ def _run(namespace: argparse.Namespace) -> int:
     if evidence.made:
         console.say(f"{folder}: {len(evidence.made)} of {evidence.runs} runs are there already")
     try:
-        found = record(folder, evidence, scenario, start_up(namespace), namespace, console, _told(console, scenario))
+        with _page(namespace.panel, folder, bool(evidence.made)) as shown:
+            say = _told(console, scenario)
+
+            def told(number: int, result: RunResult) -> None:
+                say(number, result)
+                shown()
+
+            # A page listens to no bus: the runs keep their pipes.
+            bus = argparse.Namespace(**{**vars(namespace), "panel": None})
+            found = record(folder, evidence, scenario, start_up(namespace), bus, console, told)
     except KeyboardInterrupt:
         done = len(read_evidence(folder).made)
         raise KeyboardInterrupt(f"stopped; {done} of {evidence.runs} runs are in {folder}") from None
@@ -83,6 +98,29 @@ def _run(namespace: argparse.Namespace) -> int:
     console.say(f"sequence sha256 {found.sha256}")
     console.say(f"folder {folder}")
     return PASS
+
+
+@contextmanager
+def _page(port: int | None, folder: Path, has_runs: bool) -> Iterator[Callable[[], None]]:
+    """The page of a sequence (``railhil panel FOLDER``); it needs a finished run: call what is yielded after each."""
+    if port is None:
+        yield lambda: None
+        return
+    require_websockets()
+    with ExitStack() as held:
+        is_shown = False
+
+        def shown() -> None:
+            nonlocal is_shown
+            if not is_shown:
+                held.enter_context(panel_process([str(folder), "--port", str(port), "--child"]))
+                is_shown = True
+
+        if has_runs:
+            shown()
+        yield shown
+        # Time to show the last run.
+        time.sleep(_SHOWN_S)
 
 
 def _told(console: Output, scenario: AnyScenario) -> Told:

@@ -12,20 +12,22 @@ from collections.abc import Callable, Sequence
 from typing import Any, Protocol
 
 from railhil.bus.codes import FaultOrder, SupCommand
-from railhil.common.errors import InputError
-from railhil.faults.parsed import parsed
 from railhil.scenarios.orders import Order, orders_of
+from railhil.supervisor.given_values import GivenValues, prepared_for
 
 #: Wall time for which an answer is held back during a pause; each of them is in the record.
 PAUSE_S = 1.0
 #: Wall time between two reports to the panel.
 _TELL_S = 0.1
+#: Wall time between two measurements of the lateness.
+_LATENESS_S = 1.0
 #: Longest wait without a look for signals.
 _LOOK_S = 0.05
 #: Paces that can be asked for, simulated seconds per second; 0: as fast as possible.
 PACE_MIN, PACE_MAX = 0.1, 1000.0
 #: Longest duration of a fault that can be asked for; one without lasts until it is cleared.
 DURATION_MAX_S = 86_400.0
+_FAULT_ORDERS = {"inject": FaultOrder.INJECT, "clear": FaultOrder.CLEAR, "value": FaultOrder.VALUE}
 REALTIME_PAUSE = "in real time nothing can stand still: pause a run in lockstep"
 
 
@@ -54,6 +56,7 @@ class Desk:
         self._lockstep = lockstep
         self._faults = list(faults)
         self._waiting: deque[tuple[str, int]] = deque()
+        self._given = GivenValues()
         #: Durations asked for, by the number of a fault; then the simulation times at which it is cleared.
         self._lasts_s: dict[int, float] = {}
         self._ends_s: dict[int, float] = {}
@@ -69,11 +72,15 @@ class Desk:
         self._told_s = 0.0
         #: All that was ordered, as texts.
         self.sent: list[str] = []
+        #: Lateness of a real-time run (:class:`railhil.supervisor.live_lateness.LiveLateness`); None: not measured.
+        self.lateness: Callable[[], dict[str, Any] | None] = lambda: None
+        self._lateness_s = 0.0
+        self._late: dict[str, Any] | None = None
         #: Called while it waits; an exception from it ends the wait.
         self.while_waiting: Callable[[], None] = lambda: None
 
     def answer(self, number: int, sim_time_s: float) -> tuple[SupCommand, int, FaultOrder]:
-        """What the SUP_CMD of this number says: command, number of a fault, and what is ordered for it.
+        """What the SUP_CMD of this number says: command, number of a fault or octet, and what is ordered.
 
         :param sim_time_s: the present simulation time.
         """
@@ -89,21 +96,20 @@ class Desk:
             return SupCommand.STOP, 0, FaultOrder.NONE
         if order.word == "pause":
             return SupCommand.NONE, 0, FaultOrder.NONE
-        what = FaultOrder.CLEAR
         if order.word == "inject":
-            what = FaultOrder.INJECT
             # An order of the run's own list, too, can be cleared on the page.
-            self._injected.add(order.fault)
-            self._active.add(order.fault)
-            if order.fault in self._lasts_s:
-                self._ends_s[order.fault] = sim_time_s + self._lasts_s.pop(order.fault)
-        return SupCommand.START, order.fault, what
+            self._injected.add(order.number)
+            self._active.add(order.number)
+            if order.number in self._lasts_s:
+                self._ends_s[order.number] = sim_time_s + self._lasts_s.pop(order.number)
+        return SupCommand.START, order.number, _FAULT_ORDERS[order.word]
 
     def _next(self, number: int) -> Order | None:
         if self._waiting:
             word, fault = self._waiting.popleft()
+            self._given.interrupted()
             return Order(number, word, fault)
-        return Order(number, "pause") if self._paused else None
+        return Order(number, "pause") if self._paused else self._given.next(number)
 
     def _end_faults(self, sim_time_s: float) -> None:
         """Clear the faults whose duration is over: with the first SUP_CMD at or after its end."""
@@ -114,6 +120,7 @@ class Desk:
 
     def _clear(self, number: int) -> None:
         self._active.discard(number)
+        self._given.drop(number)
         self._waiting.append(("clear", number))
 
     def _serve(self, panel: Panel, sim_time_s: float) -> None:
@@ -155,7 +162,7 @@ class Desk:
             if "manual" not in self._faults[number - 1]:
                 return f"fault {number} is not triggered by hand (@manual)"
             if what == "inject":
-                return self._inject(number, command.get("for_s"))
+                return self._inject(number, b"", command.get("for_s"))
             if number not in self._active:
                 return f"fault {number} is not injected"
             self._clear(number)
@@ -183,8 +190,8 @@ class Desk:
             return ""
         return f"no such command: {what}"
 
-    def _inject(self, number: int, for_s: object) -> str:
-        """Inject a fault of the run, for a duration if one is given; returns why not."""
+    def _inject(self, number: int, octets: bytes, for_s: object) -> str:
+        """Inject a fault of the run with these values, for a duration if one is given; returns why not."""
         if number in self._injected:
             return f"fault {number} has been injected: a fault is injected once"
         if for_s is not None:
@@ -193,40 +200,39 @@ class Desk:
             self._lasts_s[number] = float(for_s)
         self._injected.add(number)
         self._active.add(number)
-        self._waiting.append(("inject", number))
+        if octets:
+            self._given.add(number, octets)
+        else:
+            self._waiting.append(("inject", number))
         return ""
 
     def _inject_text(self, text: str) -> str:
-        """Inject the prepared fault that a text names (``TRN_SPEED loss 5% for 3s``), now; returns why not."""
-        # The language is loaded only when somebody uses it.
-        from railhil.faults.language import parse, sameness, with_hand
-
-        try:
-            fault = parse(with_hand(text), "page")
-        except InputError as error:
-            return str(error)
-        if fault.trigger.kind != "manual" or fault.until:
-            return f"{text}: in a run a fault begins now and lasts for some time: without @ and until"
-        known = enumerate(parsed(self._faults), start=1)
-        same = [at for at, one in known if one.trigger.kind == "manual" and sameness(one) == sameness(fault)]
-        fresh = [number for number in same if number not in self._injected]
-        if not same:
-            return f"{text}: not prepared in this run; prepared are those of the list, others before the start (--wait)"
-        return self._inject((fresh or same)[0], fault.duration_s)
+        """Inject the prepared fault that a text means (``TRN_SPEED loss 5% for 3s``), now; returns why not."""
+        found = prepared_for(text, self._faults, self._injected)
+        if isinstance(found, str):
+            return found
+        number, octets, duration_s, made = found
+        if not (why := self._inject(number, octets, duration_s)):
+            self._faults[number - 1] = made
+        return why
 
     def _report(self, panel: Panel, sim_time_s: float, now_s: float) -> None:
         if now_s - self._told_s < _TELL_S:
             return
         self._told_s = now_s
+        if now_s - self._lateness_s >= _LATENESS_S:
+            self._lateness_s, self._late = now_s, self.lateness()
         panel.tell(
             {
                 "phase": "paused" if self._paused else "running",
                 "time_s": sim_time_s,
                 "pace": self._pace,
                 "lockstep": self._lockstep,
+                "lateness": self._late,
                 "faults": self._faults,
                 "injected": sorted(self._injected),
                 "active": sorted(self._active),
+                "sending": self._given.faults,
                 "orders": len(self.sent),
             }
         )

@@ -123,6 +123,17 @@ def missing_logs(folder: Path, scenario: AnyScenario) -> list[str]:
     return [name for name in names if not (folder / name).is_file()]
 
 
+def take_logs(source: Path, folder: Path) -> None:
+    """Move the logs that nodes have left in a folder of their own into the run folder.
+
+    :raises OSError: one cannot be read or written.
+    """
+    for path in sorted(source.glob(LOGS)):
+        with whole_file(folder / path.name) as draft:
+            draft.write_bytes(path.read_bytes())
+        path.unlink()
+
+
 def check_faults(scenario: AnyScenario, transports: Sequence[str], pace: str) -> None:
     """Refuse a run with a fault that cannot be injected (:mod:`railhil.faults.capability`).
 
@@ -176,13 +187,17 @@ def _text(rows: Sequence[_Row]) -> str:
 
 
 def _outcome(number: int, fault: Fault, rows: Sequence[_Row]) -> FaultOutcome:
-    from railhil.faults.language import fault_text
+    from railhil.faults.language import fault_text, parse
     from railhil.faults.model import Trigger
 
     own = [row for row in rows if row[0] == number]
     begun = [time_ns for _, time_ns, what, *_ in own if what == "begun"]
     ended = [time_ns for _, time_ns, what, *_ in own if what == "ended"]
     hits = [time_ns for _, time_ns, what, *_ in own if what not in ("begun", "ended")]
+    given = [text for _, _, what, _, text in own if what == "begun" and text]
+    if given:
+        # An operator gave it other values.
+        fault = replace(fault, values=parse(given[0]).values)
     by_hand = fault.trigger.kind == "manual"
     if by_hand and begun:
         # The same run again needs no hand.

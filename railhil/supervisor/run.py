@@ -22,7 +22,7 @@ from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import system_named
 from railhil.supervisor.desk import Desk
-from railhil.supervisor.fault_report import FaultOutcome, fault_outcomes, missed_faults, missing_logs
+from railhil.supervisor.fault_report import FaultOutcome, fault_outcomes, missed_faults, missing_logs, take_logs
 from railhil.supervisor.framelog import FrameLog, read_log
 from railhil.supervisor.jitter import (
     WALL,
@@ -35,6 +35,7 @@ from railhil.supervisor.jitter import (
 )
 from railhil.supervisor.judging import judging_of
 from railhil.supervisor.launch import longest_stop_s, needs_orders, start_hub, start_nodes
+from railhil.supervisor.live_lateness import LiveLateness
 from railhil.supervisor.processes import Nodes, process_start_ns
 from railhil.supervisor.recorder import AFTER_LOSS_S, SILENCE_S, Recorder
 from railhil.supervisor.recorder_link import open_recorder, refuse_occupied
@@ -94,6 +95,9 @@ class Run:
         self.stop = StopSignals()
         if desk is not None:
             desk.while_waiting = self._while_held
+            if spec.is_realtime:
+                late = LiveLateness(self.session.wall_ticks, self.session.wall_ns)
+                desk.lateness = lambda: late.report(self._wall_tick_ns())
         # The hub has one order for all clients; a kernel bus has one per processor.
         in_order = choice.config.get("interface") == HUB_INTERFACE or spec.is_realtime
         self.recorder = Recorder(
@@ -164,7 +168,11 @@ class Run:
     def _await_fault_logs(self) -> None:
         """Nodes that were started elsewhere write what they have injected a moment after the end of the run."""
         deadline_s = time.monotonic() + self._after_loss_s
-        while missing_logs(self.folder, self.scenario) and time.monotonic() < deadline_s:
+        while True:
+            if self.start_up.fault_logs is not None:
+                take_logs(self.start_up.fault_logs, self.folder)
+            if not missing_logs(self.folder, self.scenario) or time.monotonic() >= deadline_s:
+                return
             time.sleep(_LOOK_S)
 
     def _was_killed(self, nodes: Nodes, outcomes: list[FaultOutcome]) -> bool:
@@ -287,14 +295,18 @@ class Run:
     def _shown(self) -> ShownTelemetry | None:
         return shown_telemetry(self.trace, self._judging.status)
 
+    def _wall_tick_ns(self) -> float:
+        """Wall time between two ticks of a real-time run, at the plant's pace."""
+        return self.scenario.timing.base_tick_ns / kept_pace(self.spec.rate, self.session.rate)[0]
+
     def _timing(self) -> RunTiming:
         """Timing of the run, after all nodes have ended."""
         session = self.session
         if not self.spec.is_realtime:
             return lockstep_timing(self.trace)
         write_wall_times(session.wall_ticks, session.wall_ns, self.folder / WALL)
-        rate, pace = kept_pace(self.spec.rate, session.rate)
-        arrivals = arrivals_of(session.wall_ticks, session.wall_ns, self.scenario.timing.base_tick_ns / rate)
+        pace = kept_pace(self.spec.rate, session.rate)[1]
+        arrivals = arrivals_of(session.wall_ticks, session.wall_ns, self._wall_tick_ns())
         paths = [self.folder / f"{role}.txt" for role in ("hub", "plant", "controller")]
         said = {path.stem: said_in(path.read_text(errors="replace"), path.stem) for path in paths if path.is_file()}
         scheduling = {**said, "supervisor": self.recorder.scheduling.sentence}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 
 from railhil.common.patience import APPEAR_S
 from railhil.scenarios.run_spec import RunSpec
@@ -17,6 +18,7 @@ class StartUp:
     :param foreign: the controller is a board or another program: all nodes except it are started.
     :param rerun_command: the command that the certificate names for repeating an attached run; empty: a run that starts
         its own nodes.
+    :param fault_logs: folder in which running nodes leave the logs of their faults; None: the run folder.
     :param appear_s: wall time for all nodes to appear.
     """
 
@@ -24,6 +26,7 @@ class StartUp:
     attach: bool = False
     foreign: bool = False
     rerun_command: str = ""
+    fault_logs: Path | None = None
     appear_s: float = APPEAR_S
 
     def realtime_scheduling(self, run: RunSpec) -> bool:

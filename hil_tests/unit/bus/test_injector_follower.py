@@ -182,7 +182,7 @@ def test_orders_by_hand() -> None:
         SupCmd(0, 3, FaultOrder.INJECT, life=1), SupCmd(0, 4, FaultOrder.CLEAR, life=2), SupCmd(0, 5, FaultOrder.NONE),
     ):  # fmt: skip
         assert not see(follower, order)
-    assert follower.take_orders() == [(3, True), (4, False)]
+    assert follower.take_orders() == [(3, FaultOrder.INJECT), (4, FaultOrder.CLEAR)]
     assert follower.take_orders() == []
 
 

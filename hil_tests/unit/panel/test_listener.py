@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import json
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -12,6 +15,7 @@ from railhil.panel.declared import ERROR, layout_of
 from railhil.panel.history import ROWS_MAX, History
 from railhil.panel.listener import Listener
 from railhil.panel.live import LiveRun
+from railhil.panel.operator import Operator
 from railhil.panel.receiver import LOOK_FRAMES, Receiver
 from railhil.panel.recorded import thinned
 from railhil.scenarios.load import load_any
@@ -148,3 +152,20 @@ def test_pages_are_told_events_and_frames(run):
     assert rows["TRN_SPEED"][3] == 10.0
     assert "TrainSpeed" in rows["TRN_SPEED"][6]
     assert "SupCommand start" in rows["SUP_CMD"][6]
+
+
+def test_a_run_with_faults_of_the_operator_is_no_other_scenario(run: Recorded) -> None:
+    """As in containers, whose panel is not given the faults of the nodes, and after a fault was added with --wait."""
+    other = replace(run.scenario, sha256="0" * 64)
+    found = []
+    for faults in ([], ["safety_loop off @manual"]):
+        operator = Operator("nowhere")
+        operator.report = {"phase": "running", "faults": faults}
+        live = LiveRun(
+            other, Receiver({}, lambda config, name: ScriptedLink(run.frames[:4000], [])), "short", None, operator
+        )
+        live.look()
+        operator.report = {"phase": "running", "faults": faults}
+        told = [json.loads(message) for message in live.past() if isinstance(message, str)]
+        found += [one["state"]["other_scenario"] for one in told if "state" in one]
+    assert found == [True, False]

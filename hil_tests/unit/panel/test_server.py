@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from railhil.panel.kinds import kinds_of
 from railhil.panel.wire import APPEND, SUBPROTOCOL, batch
 
 websockets = pytest.importorskip("websockets", reason="MISSING CAPABILITY websockets")
@@ -50,6 +51,9 @@ class ScriptedSource:
 
     def watch(self, can_ids: set[int]) -> None:
         self.watched = can_ids
+
+    def kinds(self) -> list[dict[str, Any]]:
+        return kinds_of(["TRN_SPEED loss @manual"])
 
 
 def served(visit: Callable[[PanelServer, ScriptedSource], Any], token: str = TOKEN) -> ScriptedSource:
@@ -117,6 +121,18 @@ def test_commands_need_the_token():
             assert (await asked(connection, {"do": "fail", "token": TOKEN}))["refused"] == "it cannot be"
 
     assert [command["do"] for command in served(visit).commands] == ["stop", "fail"]
+
+
+def test_the_kinds_of_faults_are_told_to_a_page_that_asks():
+    async def visit(panel: PanelServer, source: ScriptedSource) -> None:
+        async with page(panel) as connection:
+            await connection.recv()
+            await connection.recv()
+            await connection.send(json.dumps({"kinds": True}))
+            (kind,) = json.loads(await connection.recv())["kinds"]
+            assert (kind["name"], kind["parameters"][0]["range"]) == ("TRN_SPEED loss", "0% to 100%")
+
+    served(visit)
 
 
 def test_a_page_without_commands_takes_none():

@@ -7,6 +7,8 @@ from typing import Any
 import pytest
 
 from railhil.bus.codes import FaultOrder, SupCommand
+from railhil.faults.language import parse
+from railhil.faults.ordered import octets_of
 from railhil.supervisor import desk as module
 from railhil.supervisor.desk import Desk
 
@@ -82,6 +84,41 @@ def test_a_prepared_fault_is_injected_by_its_text(clock):
     assert one.answer(77, 12.32) == (SupCommand.START, 4, FaultOrder.CLEAR)
 
 
+def carried(one: Desk, first: int, last: int) -> list[tuple[int, FaultOrder]]:
+    """What the SUP_CMD of these numbers carry."""
+    return [one.answer(number, 12.0 + 0.16 * (number - first))[1:] for number in range(first, last + 1)]
+
+
+def test_values_go_out_as_octets_before_the_fault_and_the_certificate_has_them(clock):
+    one, panel = desk([{"do": "fault", "text": "TRN_SPEED loss 12% for 300ms"}])
+    octets = octets_of(1, parse(FAULTS[0]), parse("TRN_SPEED loss 12% @manual"))
+    expected = [*((octet, FaultOrder.VALUE) for octet in octets), (1, FaultOrder.INJECT)]
+    assert carried(one, 75, 80 + len(octets)) == [
+        *expected, (0, FaultOrder.NONE), (1, FaultOrder.CLEAR), *[(0, FaultOrder.NONE)] * 3
+    ]  # fmt: skip
+    assert carried(Desk(one.sent, None, True, FAULTS), 75, 74 + len(expected)) == expected
+    assert [report["faults"][0] for report in panel.told if "faults" in report][-1] == "TRN_SPEED loss 12% @manual"
+
+
+def test_values_begin_again_after_another_order_and_wait_for_the_end_of_a_pause(clock):
+    panel = ScriptedPanel([{"do": "fault", "text": "TRN_SPEED loss 12%"}], [], [{"do": "inject", "fault": 3}])
+    one = Desk((), panel, True, (*FAULTS, "safety_loop off @manual"))
+    octets = octets_of(1, parse(FAULTS[0]), parse("TRN_SPEED loss 12% @manual"))
+    assert carried(one, 2, 4) == [(octets[0], FaultOrder.VALUE), (octets[1], FaultOrder.VALUE), (3, FaultOrder.INJECT)]
+    panel.looks = [[{"do": "pause"}]]
+    assert one.answer(5, 12.0) == PAUSED
+    panel.looks = [[{"do": "start"}]]
+    assert carried(one, 6, 6 + len(octets)) == [
+        *((octet, FaultOrder.VALUE) for octet in octets),
+        (1, FaultOrder.INJECT),
+    ]
+
+
+def test_a_fault_whose_values_are_on_their_way_can_be_cleared(clock):
+    one, _ = desk([{"do": "fault", "text": "TRN_SPEED loss 12%"}], [{"do": "clear", "fault": 1}])
+    assert [order for _, order in carried(one, 2, 4)] == [FaultOrder.VALUE, FaultOrder.CLEAR, FaultOrder.NONE]
+
+
 def test_orders_that_come_together_are_sent_one_by_one(clock):
     one, _ = desk([{"do": "inject", "fault": 1}, {"do": "clear", "fault": 1}, {"do": "stop"}])
     assert one.answer(75, 12.0)[2] is FaultOrder.INJECT
@@ -147,7 +184,14 @@ def test_a_pace_holds_the_answer_back(clock):
         ({"do": "clear", "fault": 1}, "not injected"),
         ({"do": "fault", "text": "TRN_SPEED lost"}, "did you mean loss?"),
         ({"do": "fault", "text": "TRN_SPEED loss @30s"}, "begins now"),
-        ({"do": "fault", "text": "TRN_SPEED loss 30%"}, "not prepared in this run"),
+        ({"do": "fault", "text": "TRN_SPEED loss x3"}, "not prepared in this run"),
+        ({"do": "fault", "text": "TRN_SPEED stuck"}, "not prepared in this run"),
+        (
+            {"do": "fault", "text": "TRN_SPEED loss 130%"},
+            "found '130%', allowed share of the telegrams that are lost: 0%",
+        ),
+        ({"do": "fault", "text": "TRN_SPEED loss uniform(1%,2%)"}, "numbers only"),
+        ({"do": "fault", "text": "TRN_SPEED loss 5% for 0s"}, "a duration above 0"),
         ({"do": "fault"}, "found nothing"),
         ({"do": "pace", "pace": 0.01}, "allowed 0"),
         ({"do": "pace", "pace": "fast"}, "allowed 0"),
@@ -160,6 +204,18 @@ def test_what_cannot_be_done_is_refused_and_changes_nothing(clock, command, word
     assert one.answer(75, 12.0) == STARTED
     assert words in panel.refusals[0]
     assert one.sent == []
+
+
+def test_the_lateness_of_a_real_time_run_is_measured_once_a_second_and_told(clock):
+    one, panel = desk(lockstep=False)
+    measured = iter(range(10))
+    one.lateness = lambda: {"worst_ms": next(measured)}
+    for number in range(75, 95):
+        one.answer(number, 12.0)
+        clock[0] += 0.16
+    told = [report["lateness"]["worst_ms"] for report in panel.told]
+    assert told[0] == 0
+    assert told[-1] in (2, 3)
 
 
 @pytest.mark.parametrize("what", ["pause", "start", "pace"])

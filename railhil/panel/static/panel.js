@@ -1,7 +1,8 @@
 // The live panel: one WebSocket to the server that has served this page, nothing else.
 import { Store } from "./store.js";
 import { Curves } from "./curves.js";
-import { Gauges, element, showEvents, showFrames, showLamps, shownNumber } from "./gauges.js";
+import { FaultForm } from "./fault_form.js";
+import { Gauges, element, showEvents, showFrames, showLamps } from "./gauges.js";
 
 const APPEND = 1, REPLACE = 2;
 const byId = (id) => document.getElementById(id);
@@ -67,6 +68,8 @@ function take(message) {
   }
   if (message.state) { page.state = message.state; showState(message.state); }
   if (message.frames) showList(message);
+  if (message.kinds) form.take(message.kinds);
+  if (message.learning) showLearning(message.learning);
   if (message.refused) answered(message.refused);
   if (message.answer) {
     const said = page.answers.get(message.answer.answer);
@@ -162,7 +165,8 @@ function showState(state) {
   if (operator?.phase) parts.unshift(operator.phase === "ended" ? `ended: ${verdict(operator)}` : operator.phase);
   parts.push(`bus ${state.load === null ? "–" : `${(100 * state.load).toFixed(1)} %`}`);
   parts.push(`polls missed ${state.missed} of ${state.polls}`, `frames ${state.frames}`, `dropped here ${state.dropped}`);
-  if (state.lateness) parts.push(`lateness p99 ${shownNumber(state.lateness.p99_ms, "ms")}`);
+  const late = operator?.lateness;
+  if (late) parts.push(`ticks late p99 ${late.p99_ms.toFixed(2)} ms, worst ${late.worst_ms.toFixed(2)} ms`);
   box.textContent = parts.join(" · ");
   const notice = byId("notice");
   const trouble = operator?.phase === "waiting" ? "" : state.bus;
@@ -226,21 +230,24 @@ function showDesk() {
   may("add", can, can ? "" : "faults are added before the start (--wait), or prepared (--catalogue)");
   byId("add").textContent = runs ? "Inject" : "Add";
   byId("fault").disabled = byId("lasts").disabled = !can;
+  byId("own").hidden = !can;
   if (operator?.pace !== undefined && document.activeElement !== byId("pace")) byId("pace").value = String(operator.pace);
   const box = byId("faults"), active = operator?.active ?? [], manual = faults.map((text, at) => [text, at + 1])
     .filter(([text, at]) => text.includes("@manual") && at !== emergency && (!CATALOGUED.test(text) || active.includes(at)));
-  const key = JSON.stringify([manual, runs, faults.length]);
+  const sending = operator?.sending ?? [], key = JSON.stringify([manual, runs, faults.length, sending]);
   if (box.dataset.key === key) return;
   box.dataset.key = key;
   byId("prepared").replaceChildren(...prepared.map(([text]) => element("option", { value: shortFault(text), label: CATALOGUED.exec(text)[1] })));
   box.replaceChildren(...manual.flatMap(([text, number]) => (CATALOGUED.test(text) ? ["clear"] : ["inject", "clear"]).map((what) => {
     const short = shortFault(text), button = element("button", { type: "button", "data-do": what, "data-fault": number },
-      what === "inject" ? `⚡ ${short}` : `clear ${short}`);
+      what === "inject" ? `⚡ ${short}` : sending.includes(number) ? `clear ${short} (being sent)` : `clear ${short}`);
     button.disabled = !runs;
     button.addEventListener("click", () => order({ do: what, fault: number, ...(what === "inject" ? duration() : {}) }, `${what} ${short}`));
     return button;
   })));
 }
+
+const form = new FaultForm(byId("own"), () => send({ kinds: true }), (text) => { byId("fault").value = text; });
 
 function emergencyNumber() {
   return (page.state?.operator?.faults ?? []).findIndex((text) => text.startsWith(EMERGENCY)) + 1;
