@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import signal
 from pathlib import Path
 from typing import Any
@@ -44,6 +45,11 @@ def test_a_panel_that_is_gone_changes_nothing(tmp_path: Path, how: signal.Signal
     # It is taken at the second SUP_CMD, so the run cannot be over before.
     wait_for(lambda: pressed(desk, {"do": "pause"}))
     panel: Any = wait_for(lambda: panel_of(run))
+    # Less important than the run.
+    wait_for(lambda: panel.nice() > 0)
+    ours = os.sched_getaffinity(0)
+    wait_for(lambda: len(ours) == 1 or set(panel.cpu_affinity()) != ours)
+    processors = set(panel.cpu_affinity())
     panel.send_signal(how)
     followed = FollowedRun(wait_for(lambda: (folder / "frames.log").exists() and folder))
     heard: list[Frame] = []
@@ -55,6 +61,8 @@ def test_a_panel_that_is_gone_changes_nothing(tmp_path: Path, how: signal.Signal
 
     wait_for(has_paused)
     assert not any(child.name() == "railhil hub" for child in psutil.Process(run.process.pid).children())
+    if len(ours) > 1:
+        assert not processors & set(run.child("plant").cpu_affinity()), "in lockstep the nodes have one for themselves"
     assert pressed(desk, {"do": "start"})
     done, _ = run.finish()
     assert done.exit_code in (PASS, FAIL), done.err

@@ -8,7 +8,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
@@ -24,6 +24,7 @@ from railhil.scenarios.settings import canonical_fault
 from railhil.scenarios.system import system_named
 from railhil.supervisor.fault_report import check_faults
 from railhil.supervisor.panel_socket import PanelSocket
+from railhil.supervisor.processes import nodes_processor
 from railhil.supervisor.sockets import private_socket
 
 _PORT_MAX = 65535
@@ -170,7 +171,9 @@ def panel_beside(
             words += ["--operator", str(path), "--child"]
             words += ["--foxglove", str(namespace.foxglove)] if namespace.foxglove is not None else []
             bus = ["--follow", str(folder)] if choice.needs_pipes else choice.arguments
-            held.enter_context(panel_process([*words, *bus]))
+            # In lockstep even the start of the panel must not be on the processor of the nodes.
+            apart = set() if spec.is_realtime else nodes_processor()[1]
+            held.enter_context(panel_process([*words, *bus], apart))
         yield socket
         if namespace.panel is not None:
             # Time to show the end.
@@ -178,12 +181,17 @@ def panel_beside(
 
 
 @contextmanager
-def panel_process(words: Sequence[str]) -> Iterator[None]:
-    """``railhil panel`` with these words, as long as this context."""
+def panel_process(words: Sequence[str], apart: Collection[int] = ()) -> Iterator[None]:
+    """``railhil panel`` with these words, as long as this context.
+
+    :param apart: processors it shall keep to; empty: any.
+    """
     process = subprocess.Popen([sys.executable, "-P", "-m", "railhil.panel", *words], stdin=subprocess.DEVNULL)
     with suppress(OSError):
         # The run goes first where both want a processor. The panel may have ended already.
         os.setpriority(os.PRIO_PROCESS, process.pid, _NICE)
+        if apart:
+            os.sched_setaffinity(process.pid, apart)
     try:
         yield
     finally:

@@ -6,7 +6,6 @@ no trace in it.
 
 from __future__ import annotations
 
-import contextlib
 import os
 from collections import Counter
 from pathlib import Path
@@ -27,13 +26,10 @@ class FollowedRun:
 
     ``counters["rx_lost"]``: lines left out because there were too many.
 
-    :param beside: process of the supervisor, whose processors the reader moves to as soon as frames come: one of the
-        others then belongs to the nodes (:meth:`railhil.supervisor.processes.Nodes.keep_together`). 0: of nobody.
     :raises BusUnavailable: the run has not begun, or its log cannot be read.
     """
 
-    def __init__(self, folder: Path, beside: int = 0) -> None:
-        self._beside = beside
+    def __init__(self, folder: Path) -> None:
         self._path = path = folder / LOG_NAME
         try:
             self._stream = path.open("rb", buffering=0)
@@ -54,10 +50,6 @@ class FollowedRun:
         text = self._begun + self._stream.read(LOOK_BYTES)
         whole = text.rfind(b"\n") + 1
         self._begun = text[whole:]
-        if self._beside and whole:
-            with contextlib.suppress(ProcessLookupError):
-                os.sched_setaffinity(0, os.sched_getaffinity(self._beside))
-            self._beside = 0
         try:
             return frames_of(text[:whole])
         except (ValueError, IndexError):

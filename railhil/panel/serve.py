@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import asyncio
-import os
 import secrets
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -69,8 +68,7 @@ def _receiver(namespace: argparse.Namespace) -> Receiver:
         found = Words(" ".join(arguments_from_config(given)) or "a timing")
         raise InputError("command line", "--follow", found, "no option of a bus beside it")
     folder = Path(namespace.follow)
-    beside = os.getppid() if namespace.child else 0
-    return Receiver({}, lambda config, name: FollowedRun(folder, beside), waits=True)
+    return Receiver({}, lambda config, name: FollowedRun(folder), waits=True)
 
 
 async def _serve(panel: PanelServer, console: Output, bridge: FoxgloveBridge | None = None) -> int:

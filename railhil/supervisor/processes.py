@@ -80,6 +80,14 @@ class Node:
         return code < 0 or code in _STOPPED
 
 
+def nodes_processor() -> tuple[int, set[int]]:
+    """In lockstep: the processor of the nodes that this process starts, and those of all others (none: there is only
+    one). The processor is chosen by the process number, so that several benches spread over the processors."""
+    processors = sorted(os.sched_getaffinity(0))
+    chosen = processors[os.getpid() % len(processors)]
+    return chosen, set(processors) - {chosen}
+
+
 class Nodes:
     """The child processes of one run; a context manager that leaves none behind."""
 
@@ -125,19 +133,17 @@ class Nodes:
         """Put hub, plant and controller on one processor, the supervisor on the others.
 
         In lockstep only one of the three works at a time, so nothing is lost; switching between processors that have
-        gone to sleep would cost more than the work itself. The processor is chosen by the process number, so that
-        several benches spread over the processors.
+        gone to sleep would cost more than the work itself.
         """
-        processors = sorted(os.sched_getaffinity(0))
-        if len(processors) < 2:
+        chosen, others = nodes_processor()
+        if not others:
             return
-        chosen = processors[os.getpid() % len(processors)]
         for node in self.nodes:
             # The end of a node is detected elsewhere.
             with contextlib.suppress(ProcessLookupError):
                 os.sched_setaffinity(node.process.pid, {chosen})
-        self._before = set(processors)
-        os.sched_setaffinity(0, self._before - {chosen})
+        self._before = others | {chosen}
+        os.sched_setaffinity(0, others)
 
     def ended(self) -> list[Node]:
         """Nodes that have ended."""
