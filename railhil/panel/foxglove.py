@@ -29,8 +29,8 @@ _CDR_HEADER = b"\0\1\0\0"
 _MESSAGE_DATA, _TIME, _SERVICE_RESPONSE, _SERVICE_REQUEST = 1, 2, 3, 2
 _WARNING = 1
 _BACKLOG_MAX_BYTES = 1 << 20
-#: Rows of the default topics in one look: at 15 looks a second 60 Hz, above which viewers warn.
-ROWS_A_LOOK = 4
+#: Rows of the default topics in one look: at 10 looks a second 60 Hz, above which viewers warn.
+ROWS_A_LOOK = 6
 #: Telegrams of a port on its /full topic in one look; more come only in lockstep.
 _FULL_A_LOOK = 500
 _SIGNALS_ID, _FULL_ID = 1, 100

@@ -25,10 +25,11 @@ from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.system import system_named
 from railhil.supervisor.trace import FloatArray, Trace
 
-#: Wall time between two states (time, counters), and between two lists of frames for pages that show them.
-STATE_S = 0.2
-#: The same for pages that have scrolled elsewhere.
-LIST_S = 1.0
+#: Least wall time between two states (time, counters), and two lists of frames for pages that show them: every second
+#: look.
+STATE_S = 0.15
+#: The same between two lists for pages that have scrolled elsewhere: every tenth look.
+LIST_S = 0.95
 
 
 class LiveRun:

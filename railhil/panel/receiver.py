@@ -12,8 +12,8 @@ from railhil.bus.frame import Frame
 from railhil.bus.link import open_link
 from railhil.bus.link.passive import be_passive
 
-#: Frames taken at one look; of more than these the oldest are dropped. A real-time run at 1x sends about 40.
-LOOK_FRAMES = 6000
+#: Frames taken at one look; of more than these the oldest are dropped. A real-time run at 1x sends about 60.
+LOOK_FRAMES = 8000
 #: Wall time between two attempts to open a bus that is not there.
 _RETRY_S = 0.5
 #: Frames that the hub hands over together.

@@ -22,7 +22,7 @@ from websockets.typing import Subprotocol
 from railhil.panel.wire import SUBPROTOCOL
 
 #: Batches a second at most; a look costs about the same however little has come.
-RATE_HZ = 15.0
+RATE_HZ = 10.0
 #: Bytes that may wait for a page; then batches are left out.
 _BACKLOG_MAX_BYTES = 1 << 20
 _POLICY = "default-src 'self'; frame-ancestors 'none'; base-uri 'none'; form-action 'none'"

@@ -26,7 +26,7 @@ def signal_table(scenario: AnyScenario, trace: Trace, notes: Any = None) -> tupl
 
 
 def table_of(judging: Judging, scenario: AnyScenario, trace: Trace, notes: Any = None) -> tuple[list[str], FloatArray]:
-    """As :func:`signal_table`, with the scenario's judging: for a panel, which makes this table 15 times a second."""
+    """As :func:`signal_table`, with the scenario's judging: for a panel, which makes this table 10 times a second."""
     time_s = trace.times_s(judging.truth)
     found = [(header, port, trace.values(port, signal)) for header, port, signal in judging.columns]
     for status in judging.status.every if judging.status else ():

@@ -11,6 +11,7 @@ import pytest
 from hil_tests.support.panel import Recorded, ScriptedLink
 from railhil.bus.errors import BusUnavailable
 from railhil.bus.frame import Frame
+from railhil.panel import live as live_module
 from railhil.panel.declared import ERROR, layout_of
 from railhil.panel.history import ROWS_MAX, History
 from railhil.panel.listener import Listener
@@ -140,6 +141,18 @@ def test_every_system_has_a_layout_from_what_it_declares():
     contract = system_named("emu3").contract
     emu3 = [column.name for column in layout_of(load_any("jinan_xuzhou_emu3"), contract, None).columns]
     assert {"true_speed1_mps", "true_speed3_mps", "coupler1_kn", "coupler2_kn"} <= set(emu3)
+
+
+def test_state_and_list_of_frames_do_not_come_at_every_look(run, monkeypatch):
+    now_s = [100.0]
+    monkeypatch.setattr(live_module.time, "monotonic", lambda: now_s[0])
+    live = LiveRun(run.scenario, Receiver({}, lambda config, name: ScriptedLink(*[[]] * 30)), "short")
+    told, lists = [], 0
+    for _ in range(20):
+        told += [next(iter(json.loads(message))) for message in live.look()]
+        lists += bool(live.frames())
+        now_s[0] += 0.1
+    assert (told.count("state"), told.count("frames"), lists) == (10, 2, 10)
 
 
 def test_pages_are_told_events_and_frames(run):
