@@ -10,7 +10,7 @@ from pathlib import Path
 
 import psutil
 
-from railhil.common.build import python_build
+from railhil.common.build import python_build, railhil_build
 
 _LIBRARIES = ("python-can", "cantools", "numpy", "scipy", "psutil", "fxpmath", "apytypes", "do-mpc")
 #: A machine counts as busy if other processes use more than this share of it.
@@ -24,8 +24,8 @@ _EMULATORS = ("QEMU TCG", "UML")
 class Machine:
     """Description of the machine and its state before the first benchmark.
 
-    ``build``: how this CPython was compiled. ``load_1min``: runnable processes, mean over a minute. ``cpu_used``: share
-    of all cores in use, 0..1.
+    ``build``: how this CPython was compiled; ``railhil_build``: ``pure`` or ``compiled``. ``load_1min``: runnable
+    processes, mean over a minute. ``cpu_used``: share of all cores in use, 0..1.
     """
 
     cpu: str
@@ -34,6 +34,7 @@ class Machine:
     kernel: str
     python: str
     build: str
+    railhil_build: str
     libraries: dict[str, str]
     load_1min: float
     cpu_used: float
@@ -66,6 +67,7 @@ class Machine:
             ("CPU", f"{self.cpu}, {self.cores} cores usable, {self.memory_gb:.1f} GB"),
             ("system", self.kernel),
             ("Python", f"{self.python} ({self.build})"),
+            ("railhil", self.railhil_build),
             ("libraries", ", ".join(f"{name} {number}" for name, number in self.libraries.items())),
             ("at start", f"load average {self.load_1min:.2f} (1 min), {self.cpu_used:.0%} of the CPU in use"),
         ]
@@ -99,6 +101,7 @@ def this_machine() -> Machine:
         kernel=f"{platform.system()} {platform.release()} {platform.machine()}",
         python=f"{platform.python_implementation()} {platform.python_version()}",
         build=python_build(),
+        railhil_build=railhil_build(),
         libraries={name: version(name) for name in _LIBRARIES},
         load_1min=os.getloadavg()[0],
         cpu_used=psutil.cpu_percent(interval=_LOOK_S) / 100,

@@ -26,7 +26,10 @@ def description(law: FmuLaw, fmi: str, sources: tuple[str, ...]) -> bytes:
         "fmiModelDescription", {"fmiVersion": fmi, "modelName": law.name, token: law.token},
         generationTool=f"railhil {version('railhil')}", variableNamingConvention="structured",
     )  # fmt: skip
-    simulation = {"modelIdentifier": law.name, _STEP_SIZE: "true"}
+    state = "FMUstate" if second else "FMUState"
+    simulation = {
+        "modelIdentifier": law.name, _STEP_SIZE: "true", f"canGetAndSet{state}": "true", f"canSerialize{state}": "true"
+    }  # fmt: skip
     if second:
         root.set("numberOfEventIndicators", "0")
         files = ET.SubElement(ET.SubElement(root, "CoSimulation", simulation), "SourceFiles")

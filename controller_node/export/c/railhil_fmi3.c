@@ -126,7 +126,7 @@ fmi3Status fmi3SetClock(fmi3Instance c, const fmi3ValueReference r[], size_t n, 
     return status(n == 0);
 }
 
-/* Not declared in modelDescription.xml: other modes, events, clocks, states to keep, derivatives. */
+/* Not declared in modelDescription.xml: other modes, events, clocks, derivatives. */
 fmi3Status fmi3EnterEventMode(fmi3Instance c) { return fmi3Error; }
 fmi3Status fmi3EnterStepMode(fmi3Instance c) { return fmi3Error; }
 fmi3Status fmi3EnterConfigurationMode(fmi3Instance c) { return fmi3Error; }
@@ -155,12 +155,30 @@ fmi3Status fmi3GetVariableDependencies(fmi3Instance c, fmi3ValueReference r, siz
     return fmi3Error;
 }
 
-fmi3Status fmi3GetFMUState(fmi3Instance c, fmi3FMUState *s) { return fmi3Error; }
-fmi3Status fmi3SetFMUState(fmi3Instance c, fmi3FMUState s) { return fmi3Error; }
-fmi3Status fmi3FreeFMUState(fmi3Instance c, fmi3FMUState *s) { return fmi3Error; }
-fmi3Status fmi3SerializedFMUStateSize(fmi3Instance c, fmi3FMUState s, size_t *n) { return fmi3Error; }
-fmi3Status fmi3SerializeFMUState(fmi3Instance c, fmi3FMUState s, fmi3Byte b[], size_t n) { return fmi3Error; }
-fmi3Status fmi3DeserializeFMUState(fmi3Instance c, const fmi3Byte b[], size_t n, fmi3FMUState *s) { return fmi3Error; }
+fmi3Status fmi3GetFMUState(fmi3Instance c, fmi3FMUState *s) { return status(fmu_keep(c, s)); }
+fmi3Status fmi3SetFMUState(fmi3Instance c, fmi3FMUState s) { return status(fmu_go_back(c, s)); }
+
+fmi3Status fmi3FreeFMUState(fmi3Instance c, fmi3FMUState *s)
+{
+    if (s != NULL) {
+        free(*s);
+        *s = NULL;
+    }
+    return fmi3OK;
+}
+
+fmi3Status fmi3SerializedFMUStateSize(fmi3Instance c, fmi3FMUState s, size_t *n)
+{
+    *n = STATE_BYTES;
+    return fmi3OK;
+}
+
+fmi3Status fmi3SerializeFMUState(fmi3Instance c, fmi3FMUState s, fmi3Byte b[], size_t n) { return status(fmu_to_bytes(s, b, n)); }
+
+fmi3Status fmi3DeserializeFMUState(fmi3Instance c, const fmi3Byte b[], size_t n, fmi3FMUState *s)
+{
+    return status(fmu_from_bytes(b, n, s));
+}
 
 fmi3Status fmi3GetDirectionalDerivative(fmi3Instance c, const fmi3ValueReference u[], size_t nu,
                                         const fmi3ValueReference k[], size_t nk, const fmi3Float64 seed[], size_t seeds,

@@ -55,6 +55,47 @@ int fmu_set(fmu_t *one, const uint32_t *references, size_t count, const int32_t 
     return 1;
 }
 
+int fmu_keep(const fmu_t *one, void **state)
+{
+    if (*state == NULL) {
+        *state = malloc(sizeof *one);
+    }
+    if (*state == NULL) {
+        return 0;
+    }
+    memcpy(*state, one, sizeof *one);
+    return 1;
+}
+
+int fmu_go_back(fmu_t *one, const void *state)
+{
+    if (state == NULL) {
+        return 0;
+    }
+    memcpy(one, state, sizeof *one);
+    return 1;
+}
+
+int fmu_to_bytes(const void *state, void *bytes, size_t count)
+{
+    if (state == NULL || count < STATE_BYTES) {
+        return 0;
+    }
+    memcpy(bytes, FMU_TOKEN, sizeof FMU_TOKEN);
+    memcpy((char *)bytes + sizeof FMU_TOKEN, state, sizeof(fmu_t));
+    return 1;
+}
+
+int fmu_from_bytes(const void *bytes, size_t count, void **state)
+{
+    fmu_t one;
+    if (count != STATE_BYTES || memcmp(bytes, FMU_TOKEN, sizeof FMU_TOKEN) != 0) {
+        return 0;
+    }
+    memcpy(&one, (const char *)bytes + sizeof FMU_TOKEN, sizeof one);
+    return fmu_keep(&one, state);
+}
+
 int fmu_step(fmu_t *one, double now_s, double step_s)
 {
     const double period = floor(now_s / PERIOD_S + NEARLY);

@@ -35,6 +35,15 @@ void fmu_begin(fmu_t *one);
 int fmu_get(const fmu_t *one, const uint32_t *references, size_t count, int32_t *values);
 int fmu_set(fmu_t *one, const uint32_t *references, size_t count, const int32_t *values);
 
+/* Keep all of an instance in *state (NULL: a new one), and go back to it; 0: no memory, or no state. */
+int fmu_keep(const fmu_t *one, void **state);
+int fmu_go_back(fmu_t *one, const void *state);
+
+/* A state as bytes: the token, then the state as this binary keeps it. 0: too few bytes, or the bytes of another FMU. */
+enum { STATE_BYTES = sizeof FMU_TOKEN + sizeof(fmu_t) };
+int fmu_to_bytes(const void *state, void *bytes, size_t count);
+int fmu_from_bytes(const void *bytes, size_t count, void **state);
+
 /* A step; 0: it is longer than a period, or begins before the last one. */
 int fmu_step(fmu_t *one, double now_s, double step_s);
 

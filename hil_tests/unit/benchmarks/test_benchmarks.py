@@ -138,7 +138,7 @@ def test_a_run_that_does_not_start_is_no_measurement(socket_folder):
 
 
 def machine(load_1min: float, cpu_used: float) -> Machine:
-    return Machine("cpu", 2, 8.0, "Linux", "CPython", "PGO, LTO", {}, load_1min, cpu_used)
+    return Machine("cpu", 2, 8.0, "Linux", "CPython", "PGO, LTO", "pure", {}, load_1min, cpu_used)
 
 
 @pytest.mark.parametrize(("load_1min", "cpu_used", "busy"), [(0.1, 0.05, False), (1.2, 0.05, True), (0.1, 0.6, True)])

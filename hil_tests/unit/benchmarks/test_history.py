@@ -18,7 +18,15 @@ NOW = datetime(2026, 1, 2, 3, 4, 5, tzinfo=UTC)
 
 
 def measured(factor: float, taken_s: float, **machine: Any) -> dict[str, Any]:
-    described = {"cpu": "A", "cores": 2, "python": "CPython 3.11", "build": "PGO, LTO", "counting": 0, "load_1min": 0.5}
+    described = {
+        "cpu": "A",
+        "cores": 2,
+        "python": "CPython 3.11",
+        "build": "PGO, LTO",
+        "railhil_build": "pure",
+        "counting": 0,
+        "load_1min": 0.5,
+    }
     figures = [
         {"name": "factor", "value": factor, "unit": "sim s/s"},
         {"name": "command", "value": taken_s, "unit": "s"},
@@ -41,9 +49,22 @@ def test_what_has_become_worse_is_said(tmp_path: Path, factor: float, taken_s: f
         assert found == [told]
 
 
-@pytest.mark.parametrize("other", [{"cpu": "B"}, {"build": "no PGO, no LTO"}, {"counting": 2}])
+@pytest.mark.parametrize(
+    "other", [{"cpu": "B"}, {"build": "no PGO, no LTO"}, {"railhil_build": "compiled"}, {"counting": 2}]
+)
 def test_only_like_is_compared_with_like(other: dict[str, Any]) -> None:
     assert not history.losses([measured(100.0, 2.0, **other)], measured(1.0, 2.0))
+
+
+def test_a_line_without_the_build_of_railhil_is_read_and_compared_with_none(tmp_path: Path) -> None:
+    """As histories were written before it was part of them."""
+    path = tmp_path / "history.jsonl"
+    older = measured(100.0, 2.0)
+    assert older.pop("railhil_build") == "pure"
+    history.append(path, older)
+    found = history.read(path)
+    assert found == [older]
+    assert not history.losses(found, measured(1.0, 2.0))
 
 
 @pytest.mark.parametrize("text", ["nonsense", "{}", '{"figures": 3}', "3"])

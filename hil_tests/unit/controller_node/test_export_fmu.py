@@ -133,6 +133,40 @@ def test_a_step_longer_than_a_period_and_a_step_back_are_refused(export: Export,
         loop.slave.doStep(loop.period_s, loop.period_s)
 
 
+@pytest.mark.parametrize("version", VERSIONS)
+def test_steps_repeated_from_a_kept_state_give_the_same_words(export: Export, version: str, tmp_path: Path) -> None:
+    """Kept in memory, or as bytes over a reset, and not from the bytes of another FMU."""
+    loop = Loop(export.fmus[version], tmp_path)
+    simulation = loop.description.coSimulation
+    assert (simulation.canGetAndSetFMUstate, simulation.canSerializeFMUstate) == (True, True)
+    given = [name for name in loop.inputs if "sent" not in name]
+
+    def steps(first: int, last: int) -> list[dict[str, int]]:
+        found = []
+        for k in range(first, last):
+            loop.set({name: 100 * k + at for at, name in enumerate(given)})
+            loop.slave.doStep(k * loop.period_s, loop.period_s)
+            found.append(loop.get())
+        return found
+
+    before = steps(0, 3)
+    state = loop.slave.getFMUState()
+    kept = loop.slave.serializeFMUState(state)
+    after = steps(3, 8)
+    assert before + after != [before[0]] * 8
+    loop.slave.setFMUState(state)
+    assert loop.get() == before[-1]
+    assert steps(3, 8) == after
+    loop.slave.freeFMUState(state)
+    loop.slave.reset()
+    loop.slave.setFMUState(again := loop.slave.deserializeFMUState(kept))
+    assert steps(3, 8) == after
+    loop.slave.freeFMUState(again)
+    for refused in (kept[:-1], b"\1" + kept[1:]):
+        with pytest.raises(fmpy.fmi1.FMICallException):
+            loop.slave.deserializeFMUState(refused)
+
+
 def test_other_variables_than_those_of_the_description_are_refused(export: Export, tmp_path: Path) -> None:
     loop = Loop(export.fmus["3.0"], tmp_path)
     assert loop.slave.doStep(0.0, loop.period_s) == (False, False, False, loop.period_s)
