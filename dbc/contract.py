@@ -84,7 +84,8 @@ class Port:
     _cuts: dict[str, tuple[int, int, int]] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        bits = DATA_BITS[self.f_code]
+        # Whether the F code is one of them is checked later, with the file's name.
+        bits = DATA_BITS.get(self.f_code, 0)
         cuts = {
             one.name: (bits - one.first_bit - one.length, (1 << one.length) - 1, one.raw_range[1])
             for one in self.signals
