@@ -20,7 +20,7 @@ SIDE_BY_SIDE = $(BIN)/pytest -q -n $$(($$(nproc) + 2)) --dist loadfile --no-load
 # Files of tests that keep real time: collecting all the others takes as long as some of these tests.
 REAL_TIME    = $$(grep -rlw --include='test_*.py' wall_clock hil_tests)
 
-.PHONY: run test test-fast test-here test-side-by-side test-real-time test-vcan test-compose test-docker test-docker-vcan test-wheel test-arm64 test-compiled wheels mutants lint lint-types lint-imports compiled bench dbc tables tuned $(TUNED_LAWS:%=tuned-%) install locks locked clean
+.PHONY: run test test-fast test-here test-side-by-side test-real-time test-vcan test-compose test-docker test-docker-vcan test-wheel test-arm64 test-compiled wheels mutants lint lint-types lint-imports prepared-batches prepared-bytecode bench dbc tables tuned $(TUNED_LAWS:%=tuned-%) install locks locked clean
 
 # A run that misses the limits of its scenario (exit code 1) is a result, not an error of make.
 run: $(VENV)/.installed
@@ -28,12 +28,14 @@ run: $(VENV)/.installed
 	@$(BIN)/railhil run $(ARGS) || [ $$? -eq 1 ]
 
 # Everything: lint, all tests, and the capabilities (compilers, Chromium, kernel SocketCAN, Docker) brought up where this
-# machine permits. The tests in real time leave the processors idle most of the time: the virtual machines take that
-# time, and only that (--behind). Each part is printed whole at its end; the last line is the sum.
+# machine permits. What the last parts need of packages, kernels and images is fetched and built beside the first ones, in
+# idle time. The tests in real time leave the processors idle most of the time: the virtual machines take that time, and
+# only that (--behind). Each part is printed whole at its end; the last line is the sum.
 test: $(VENV)/.installed-dev
 	@rm -f $(COUNTS)
-	@$(MAKE) --no-print-directory BESIDE=compiled lint
-	@$(MAKE) --no-print-directory PART="$(PART) --counts $(COUNTS)" test-side-by-side
+	@$(BIN)/python -m hil_tests.prepared machines & \
+	  $(MAKE) --no-print-directory BESIDE="prepared-batches prepared-bytecode" lint && \
+	  $(MAKE) --no-print-directory PART="$(PART) --counts $(COUNTS)" test-side-by-side; code=$$?; wait; exit $$code
 	@$(MAKE) --no-print-directory PART="$(PART) --counts $(COUNTS)" BEHIND=--behind BEFORE_DOCKER=test-real-time -j3 -Otarget \
 	  test-docker-vcan test-vcan test-real-time test-docker
 	@$(PART) --counts $(COUNTS) --total 5
@@ -87,7 +89,7 @@ wheels: $(VENV)/.installed-dev
 lint: $(VENV)/.installed-dev
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
-	@$(MAKE) --no-print-directory -j$$(nproc) -Otarget lint-types lint-imports $(BESIDE)
+	@$(MAKE) --no-print-directory -j$$(($$(nproc) + 1)) -Otarget $(BESIDE) lint-types lint-imports
 
 lint-types: $(VENV)/.installed-dev
 	$(BIN)/mypy
@@ -95,9 +97,9 @@ lint-types: $(VENV)/.installed-dev
 lint-imports: $(VENV)/.installed-dev
 	$(BIN)/lint-imports
 
-# What each worker of the tests would compile for itself. `make test` does it beside mypy, which takes one core.
-compiled: $(VENV)/.installed-dev
-	@$(BIN)/python -m hil_tests.compiled
+# What each worker of the tests would compile for itself. `make test` does it beside mypy.
+prepared-batches prepared-bytecode: prepared-%: $(VENV)/.installed-dev
+	@$(BIN)/python -m hil_tests.prepared $*
 
 # Every mutant of what judges, moves and protects (hil_tests/mutation/targets.toml); takes minutes.
 mutants: $(VENV)/.installed-dev

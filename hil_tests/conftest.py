@@ -21,6 +21,8 @@ from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import RunSpec
 
+#: Objects made, less those freed, between two collections.
+_GARBAGE = 100_000
 #: A slow test takes as long as so many others.
 _SLOW_WEIGHT = 20
 
@@ -36,12 +38,14 @@ def pytest_configure(config: pytest.Config) -> None:
 
 @pytest.hookimpl(wrapper=True)
 def pytest_collection() -> Iterator[None]:
-    """Thousands of tests stay for the whole session: the collector of garbage need not look at them again and again."""
+    """Thousands of tests stay for the whole session: the collector of garbage need not look at them again and again.
+    Nor need it look as often as by default at the objects of a run, which come and go by the hundred."""
     gc.disable()
     try:
         return (yield)
     finally:
         gc.freeze()
+        gc.set_threshold(_GARBAGE)
         gc.enable()
 
 

@@ -13,7 +13,7 @@ import platform
 import shutil
 import subprocess
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -132,20 +132,22 @@ def run_tool(
 
 
 def with_package_lists(action: Callable[[], str], purpose: str) -> str:
-    """Result of an apt action, tried again after ``apt-get update`` when the lists are missing or old.
+    """Result of an apt action, tried again after ``apt-get update`` when the lists are missing or old; one process at
+    a time.
 
     Raises:
         CapabilityError: it also fails with fresh lists, so no mirror is reachable or the package is unknown.
     """
-    try:
-        return action()
-    except MachineError:
-        pass_on = ["apt-get", *_APT_OPTIONS, "-qq", "update"]
-    try:
-        run_tool(pass_on)
-        return action()
-    except MachineError as error:
-        raise CapabilityError(f"{purpose}: no package from the Debian mirror ({error})") from error
+    with cache_lock("apt"):
+        try:
+            return action()
+        except MachineError:
+            update = ["apt-get", *_APT_OPTIONS, "-qq", "update"]
+        try:
+            run_tool(update)
+            return action()
+        except MachineError as error:
+            raise CapabilityError(f"{purpose}: no package from the Debian mirror ({error})") from error
 
 
 def install_commands(packages: Mapping[str, str], purpose: str) -> None:
@@ -154,11 +156,20 @@ def install_commands(packages: Mapping[str, str], purpose: str) -> None:
     Raises:
         CapabilityError: a package is not available.
     """
-    missing = sorted({package for command, package in packages.items() if find_command(command) is None})
-    if not missing:
-        return
-    say(f"{purpose}: installing {', '.join(missing)}")
-    install = ["apt-get", *_APT_OPTIONS, "-y", "--no-install-recommends", "install", *missing]
+    missing = {package for command, package in packages.items() if find_command(command) is None}
+    if missing:
+        _install(missing, purpose)
+
+
+def _install(packages: Iterable[str], purpose: str) -> None:
+    """Install Debian packages.
+
+    Raises:
+        CapabilityError: a package is not available.
+    """
+    names = sorted(packages)
+    say(f"{purpose}: installing {', '.join(names)}")
+    install = ["apt-get", *_APT_OPTIONS, "-y", "--no-install-recommends", "install", *names]
     with_package_lists(lambda: run_tool(install), purpose)
 
 
@@ -174,12 +185,22 @@ def _have_commands(packages: Mapping[str, str], purpose: str) -> None:
 
 
 def install_compilers() -> None:
-    """Ensure that gcc, clang and make are installed, with the C library's headers, for the exported C.
+    """Ensure that gcc, clang and make are installed for the exported C, with the C library's headers and the libraries
+    of the sanitizers.
 
     Raises:
         CapabilityError: they are missing and cannot be had.
     """
-    _have_commands({"gcc": "build-essential", "make": "build-essential", "clang": "clang"}, "exported C")
+    purpose = "exported C"
+    commands = {"gcc": "build-essential", "make": "build-essential", "clang": "clang"}
+    missing = {package for command, package in commands.items() if find_command(command) is None}
+    try:
+        run_tool(["sh", "-c", "echo 'int main(void) { return 0; }' | clang -fsanitize=undefined -x c -o /dev/null -"])
+    except MachineError:
+        missing.add("libclang-rt-dev")
+    if missing:
+        require_debian_root(purpose)
+        _install(missing, purpose)
 
 
 def install_can_tools() -> None:

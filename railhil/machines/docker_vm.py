@@ -27,8 +27,13 @@ _SPARE_BYTES = 1 << 30
 _BUILD_S = 900.0
 
 
-def _build(project: Path) -> None:
-    """Build the project's image with the engine of the host, so that its layers are in the engine's data."""
+def build_image(project: Path) -> None:
+    """Build the project's image with a private engine of the host, so that its layers are in that engine's data.
+
+    Raises:
+        CapabilityError: this host cannot have one, or another engine answers.
+        MachineError: the image does not build.
+    """
     if engine_answers():
         raise debian.CapabilityError(f"{_PURPOSE} needs the data of a private engine, here another one answers")
     with docker_engine() as environment:
@@ -59,7 +64,7 @@ def run(command: Sequence[str], *, shares: Sequence[Path] = (), timeout_s: float
     """
     debian.require_debian_root(_PURPOSE)
     debian.install_commands({"mke2fs": "e2fsprogs"}, _PURPOSE)
-    _build(Path.cwd())
+    build_image(Path.cwd())
     data = debian.cache_dir() / DATA_FOLDER
     with tempfile.TemporaryDirectory(prefix="railhil-disk-", dir="/var/tmp") as scratch:
         disk = Path(scratch, "docker.ext4")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from importlib import import_module
 from pathlib import Path
 
-from hil_tests.compiled import BATCHES, compile_batches
+from hil_tests.prepared import BATCHES, compile_batches
 from railhil.batch.compiled import FUNCTIONS
 from railhil.scenarios.load import load_any
 from railhil.scenarios.system import names, system_named
