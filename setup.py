@@ -47,6 +47,7 @@ MODULES = [
     "railhil/bus/link/outage.py",
     "railhil/bus/link/pipes.py",
     "railhil/bus/link/single.py",
+    "railhil/bus/link/turn.py",
     "railhil/bus/local.py",
     "railhil/bus/mvb.py",
     "railhil/bus/order.py",

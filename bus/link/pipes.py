@@ -23,6 +23,7 @@ from railhil.bus.frame import Frame
 from railhil.bus.hub.wire import CLASSIC_SIZE, ROLES, pack_frame, pack_frames, unpack_frames
 from railhil.bus.ident import Role, SupIdent
 from railhil.bus.link.base import Link
+from railhil.bus.link.turn import Turn
 from railhil.bus.mvb import F_DEVICE_STATUS, master_frame
 from railhil.bus.select import PIPES
 from railhil.bus.telegrams import SupCmd
@@ -155,10 +156,10 @@ class PipeLink(Link):
         self._ends = ends
         self._bell = ends.bell
         self._is_recorder = role == _SUPERVISOR
-        waits_on = ends.bell if self._is_recorder else ends.inbox
         poller = select.poll()
-        poller.register(waits_on, select.POLLIN)
-        self._wait = poller.poll
+        poller.register(ends.bell, select.POLLIN)
+        self._rung = poller.poll
+        self._turn = Turn(ends.inbox, moves=role == "controller")
         others = dict(ends.others)
         # The bus administrator acts on every answer: its inbox comes last.
         last = "plant" if role != "plant" else "controller"
@@ -199,11 +200,11 @@ class PipeLink(Link):
         :raises BusLost: no other node is left (not for the supervisor, which has started them), or what has arrived is
             not made of frames.
         """
-        ready = self._wait(None if timeout_s is None else timeout_s * 1000)
+        timeout_ms = None if timeout_s is None else timeout_s * 1000
         if self._is_recorder:
-            if ready:
+            if self._rung(timeout_ms):
                 os.eventfd_read(self._bell)
-        elif not ready:
+        elif not self._turn.wait(timeout_ms):
             return []
         try:
             packet = os.read(self._ends.inbox, _READ_BYTES)

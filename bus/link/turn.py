@@ -1,0 +1,117 @@
+"""How a node on pipes waits for its turn: awake while the machine is calm, else asleep.
+
+Waking a process that sleeps takes longer than most of what it is woken for. So a node looks again and again, and gives
+its processor away in between (``sched_yield``). Another process that is given the processor keeps it for milliseconds:
+where turns come late, the node sleeps for the next thousands of turns, and for more of them if it is late again.
+
+While the controller is awake it uses another processor than the plant; asleep it shares the plant's, because only one
+of the two acts at a time.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import select
+import time
+from typing import NamedTuple
+
+#: Looks before a node sleeps all the same: some milliseconds.
+_LOOKS = 2000
+#: A turn that is later than this was not kept back by the work of another node.
+_LATE_NS = 1_000_000
+#: What one late turn weighs against turns in time, and the weight at which the node goes to sleep.
+_LATE_WEIGHT = 50
+_LATE_MAX = 150
+
+
+class Sleep(NamedTuple):
+    """Turns for which a node sleeps: at first, while the nodes start; after late turns; at most, when it is late again
+    and again."""
+
+    starting: int = 60
+    least: int = 5_000
+    most: int = 80_000
+
+
+_SLEEP = Sleep()
+
+
+class Turn:
+    """Waits until a descriptor is readable.
+
+    :param moves: use another processor while awake than while asleep, if this process has meanwhile been limited to one
+        of those that it may use now.
+    """
+
+    def __init__(self, descriptor: int, *, moves: bool = False, sleep: Sleep = _SLEEP) -> None:
+        poller = select.poll()
+        poller.register(descriptor, select.POLLIN)
+        self._poll = poller.poll
+        self._moves = moves
+        self._allowed = os.sched_getaffinity(0)
+        # The processor shared with the plant, while it is left.
+        self._shared: set[int] = set()
+        self._sleep = sleep
+        self._asleep = sleep.starting
+        self._next_asleep = sleep.least
+        self._weight = 0
+
+    @property
+    def is_awake(self) -> bool:
+        """True while it does not sleep between two looks."""
+        return self._asleep == 0
+
+    def wait(self, timeout_ms: float | None) -> bool:
+        """True when the descriptor is readable; False after the time-out (None: there is none)."""
+        poll = self._poll
+        if self._asleep:
+            self._asleep -= 1
+            if not self._asleep:
+                self._rise()
+            return bool(poll(timeout_ms))
+        if poll(0):
+            return True
+        if timeout_ms == 0:
+            return False
+        begun_ns = time.monotonic_ns()
+        for _ in range(_LOOKS):
+            os.sched_yield()
+            if poll(0):
+                self._came(time.monotonic_ns() - begun_ns)
+                return True
+        self._came(_LATE_NS)
+        return bool(poll(timeout_ms))
+
+    def _came(self, after_ns: int) -> None:
+        """A turn has come, or has not come while the node was awake."""
+        if after_ns < _LATE_NS:
+            if self._weight:
+                self._weight -= 1
+                if not self._weight:
+                    self._next_asleep = max(self._next_asleep // 2, self._sleep.least)
+            return
+        self._weight += _LATE_WEIGHT
+        if self._weight >= _LATE_MAX:
+            self._weight = 0
+            self._asleep = self._next_asleep
+            self._next_asleep = min(self._next_asleep * 2, self._sleep.most)
+            if self._shared:
+                self._go_to(self._shared)
+                self._shared = set()
+
+    def _rise(self) -> None:
+        """Stay awake from now on."""
+        if not self._moves:
+            return
+        now = os.sched_getaffinity(0)
+        others = self._allowed - now
+        if len(now) == 1 and others and self._go_to(others):
+            self._shared = now
+
+    def _go_to(self, processors: set[int]) -> bool:
+        # Which processors a container may use can change at any time; to stay is slower, and not wrong.
+        with contextlib.suppress(OSError):
+            os.sched_setaffinity(0, processors)
+            return True
+        return False
