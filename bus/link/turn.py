@@ -40,8 +40,8 @@ _SLEEP = Sleep()
 class Turn:
     """Waits until a descriptor is readable.
 
-    :param moves: use another processor while awake than while asleep, if this process has meanwhile been limited to one
-        of those that it may use now.
+    :param moves: use another processor while awake than while asleep: not awake before this process has been limited to
+        one of those that it may use now.
     """
 
     def __init__(self, descriptor: int, *, moves: bool = False, sleep: Sleep = _SLEEP) -> None:
@@ -105,8 +105,10 @@ class Turn:
         if not self._moves:
             return
         now = os.sched_getaffinity(0)
-        others = self._allowed - now
-        if len(now) == 1 and others and self._go_to(others):
+        if len(now) > 1:
+            # Not placed yet.
+            self._asleep = self._sleep.starting
+        elif (others := self._allowed - now) and self._go_to(others):
             self._shared = now
 
     def _go_to(self, processors: set[int]) -> bool:

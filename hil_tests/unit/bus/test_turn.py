@@ -114,12 +114,28 @@ def test_awake_it_leaves_the_shared_processor_and_asleep_it_returns(
     assert os.sched_getaffinity(0) == shared
 
 
-@pytest.mark.parametrize("moves", [True, False])
-def test_a_node_that_was_put_nowhere_stays(pipe: tuple[int, int], processors: set[int], moves: bool) -> None:
-    turn = Turn(pipe[0], moves=moves, sleep=AT_ONCE)
-    if not moves:
-        processors = {min(processors)}
-        os.sched_setaffinity(0, processors)
-    come(turn, pipe)
-    late(turn, pipe)
+def test_it_stays_asleep_until_it_has_been_placed(pipe: tuple[int, int], processors: set[int]) -> None:
+    if len(processors) < 2:
+        pytest.skip("MISSING CAPABILITY two processors")
+    turn = Turn(pipe[0], moves=True, sleep=AT_ONCE)
+    for _ in range(20):
+        come(turn, pipe)
+        assert not turn.is_awake
     assert os.sched_getaffinity(0) == processors
+    os.sched_setaffinity(0, {max(processors)})
+    come(turn, pipe)
+    assert turn.is_awake
+    assert os.sched_getaffinity(0) == processors - {max(processors)}
+
+
+def test_who_need_not_move_stays(pipe: tuple[int, int], processors: set[int]) -> None:
+    """The plant, and any node where there is one processor."""
+    only = {min(processors)}
+    for moves in (False, True):
+        if moves:
+            os.sched_setaffinity(0, only)
+        turn = Turn(pipe[0], moves=moves, sleep=AT_ONCE)
+        os.sched_setaffinity(0, only)
+        come(turn, pipe)
+        late(turn, pipe)
+        assert os.sched_getaffinity(0) == only
