@@ -30,7 +30,7 @@ class Sleep(NamedTuple):
     and again."""
 
     starting: int = 60
-    least: int = 5_000
+    least: int = 1_500
     most: int = 80_000
 
 

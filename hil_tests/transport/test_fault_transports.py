@@ -54,6 +54,8 @@ def _adapter() -> Iterator[tuple[dict[str, Any], dict[str, Any]]]:
         yield rig.hub, rig.adapter
 
 
+#: What a command is given for a bus of its own.
+OPTIONS = {"local": ["--bus", "local"], "hub": ["-i", "railhil"], "pipes": []}
 #: Buses of plant and controller.
 BUSES = {"tcp": _tcp, "gateway": _gateway, "adapter": _adapter}
 
@@ -84,7 +86,7 @@ def local_sha256(tmp_path_factory: pytest.TempPathFactory) -> Callable[[tuple[st
     return sha256
 
 
-@pytest.mark.parametrize("bus", ["local", "hub", *BUSES])
+@pytest.mark.parametrize("bus", [*OPTIONS, *BUSES])
 def test_a_train_whose_controller_is_killed_stops_by_itself(bus: str, tmp_path: Path, local_sha256: Any) -> None:
     scenario = fast(tmp_path, *KILLED)
     if bus in BUSES:
@@ -95,13 +97,13 @@ def test_a_train_whose_controller_is_killed_stops_by_itself(bus: str, tmp_path: 
         assert all(one.hits for one in result.faults)
         made = Made.of(tmp_path / "run", result)
     else:
-        made = by_command(tmp_path, *(["--bus", "local"] if bus == "local" else ["-i", "railhil"]), faults=KILLED)
+        made = by_command(tmp_path, *OPTIONS[bus], faults=KILLED)
         assert made.exit_code == 1
     assert made.frames_sha256 == local_sha256(KILLED)
     assert_stopped_by_its_own_watch(scenario, made)
 
 
-@pytest.mark.parametrize("bus", ["hub", "adapter"])
+@pytest.mark.parametrize("bus", ["hub", "pipes", "adapter"])
 def test_a_controller_that_hangs_starts_anew_or_brakes(bus: str, tmp_path: Path, local_sha256: Any) -> None:
     if bus == "adapter":
         (tmp_path / "run").mkdir()
@@ -113,10 +115,31 @@ def test_a_controller_that_hangs_starts_anew_or_brakes(bus: str, tmp_path: Path,
         assert all(one.hits for one in result.faults)
         made = Made.of(tmp_path / "run", result)
     else:
-        made = by_command(tmp_path, "-i", "railhil", faults=BRAKED)
+        made = by_command(tmp_path, *OPTIONS[bus], faults=BRAKED)
     assert made.frames_sha256 == local_sha256(BRAKED)
     # Judged by what the train did: what the controller said while it hung was no stranger's.
     assert (made.exit_code, made.line.split(" ")[:2]) == (1, ["stop", "error"])
+
+
+@pytest.mark.parametrize(
+    ("fault", "needs"),
+    [
+        ("bus off @8s for 300ms", False),
+        ("bus load 80% @8s for 1s", False),
+        ("TRN_SPEED duplicate 50% copies 2 @8s for 1s", False),
+        ("speed wrong 1.1 @8s", False),
+        ("bus error_frames 2% @8s for 1s", True),
+        ("bus.a open @8s", True),
+    ],
+)
+def test_only_a_fault_of_the_bus_itself_needs_the_hub(
+    fault: str, needs: bool, tmp_path: Path, local_sha256: Callable[[tuple[str, ...]], str]
+) -> None:
+    made = by_command(tmp_path, faults=(fault,))
+    certificate = json.loads((made.folder / "certificate.json").read_text(encoding="utf-8"))
+    assert certificate["transport"].endswith("hub.sock" if needs else ":pipes")
+    if not needs:
+        assert made.frames_sha256 == local_sha256((fault,))
 
 
 @pytest.mark.wall_clock

@@ -33,6 +33,7 @@ from railhil.supervisor.events.injected import fault_events
 from railhil.supervisor.fault_report import check_faults, transports_of
 from railhil.supervisor.folder import discard_folder, record_failed, write_folder
 from railhil.supervisor.inputs import write_inputs
+from railhil.supervisor.launch import needs_orders
 from railhil.supervisor.memory import keep_memory, learned, with_memory
 from railhil.supervisor.panel_socket import PanelSocket
 from railhil.supervisor.processes import process_start_ns
@@ -134,7 +135,7 @@ def chosen_bus(
     namespace: argparse.Namespace, spec: RunSpec, scenario: AnyScenario, attach: bool = False
 ) -> Iterator[BusChoice]:
     """The bus of one run, from python-can's options if given; the socket of the run's own hub is in a temporary
-    folder. A run in lockstep that would get a hub unasked, and injects nothing, needs none: its nodes get pipes.
+    folder. A run in lockstep that would get a hub unasked, and whose faults need none, has none: its nodes get pipes.
 
     :raises InputError: the chosen bus cannot carry a run.
     """
@@ -148,14 +149,14 @@ def chosen_bus(
         if interface == "virtual":
             allowed = "an interface that other processes can open"
             raise InputError("command line", "--interface", interface, allowed)
-        if gets_pipes(namespace, choice) and not spec.is_realtime and not scenario.faults:
+        if gets_pipes(namespace, choice) and not spec.is_realtime and not needs_orders(scenario.faults):
             choice = own_pipes()
         yield choice
 
 
 def gets_pipes(namespace: argparse.Namespace, choice: BusChoice) -> bool:
-    """Whether a run in lockstep that injects nothing gets pipes instead of the chosen bus: it is a hub of its own, and
-    nobody has named it. A run that waits for its start may be given faults meanwhile."""
+    """Whether a run in lockstep whose faults need no hub gets pipes instead of the chosen bus: it is a hub of its own,
+    and nobody has named it. A run that waits for its start may be given faults of the bus meanwhile."""
     return choice.needs_hub and "interface" not in namespace and not getattr(namespace, "wait", False)
 
 

@@ -56,7 +56,7 @@ def _bus_sentence(namespace: argparse.Namespace, choice: BusChoice) -> str:
     if not gets_pipes(namespace, choose_bus(namespace, Path("a hub of the run's own"))):
         return named
     pipes = own_pipes()
-    return f"{pipes.transport} ({pipes.reason}); with faults, in real time or with other clients {named}"
+    return f"{pipes.transport} ({pipes.reason}); with faults of the bus, in real time or with other clients {named}"
 
 
 def facts(namespace: argparse.Namespace, choice: BusChoice) -> dict[str, str]:
