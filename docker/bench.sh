@@ -110,6 +110,33 @@ why_not() {
     fi
 }
 
+# Faults that the page injects, one a line: the nodes run before the supervisor, and all three are given the same ones.
+# Nothing without a panel, or in lockstep without WAIT, which is over before a button is pressed.
+prepared() {
+    if [ -z "${PREPARED:-}" ] || { [ "$PACE" != realtime ] && [ -z "${WAIT:-}" ]; }; then return; fi
+    python3 -c 'import sys
+from railhil.cli.panel import prepared_faults
+print(*prepared_faults(sys.argv[1], bool(sys.argv[2])), sep="\n")' "$SCENARIO" "${CATALOGUE:-}" 2>/dev/null || true
+}
+
+# The words of the nodes' faults, whose logs the supervisor takes from the volume.
+set --
+case $role in plant | controller | supervisor)
+    faults=$(prepared)
+    if [ -n "$faults" ]; then
+        mkdir -p /bus/faults
+        while IFS= read -r fault; do set -- "$@" --fault "$fault"; done <<END
+$faults
+END
+        case $role in
+        plant) set -- "$@" --fault-log /bus/faults ;;
+        controller) set -- "$@" --fault-log /bus/faults --seed "$SEED" ;;
+        supervisor) set -- "$@" --fault-logs /bus/faults ;;
+        esac
+    fi
+    ;;
+esac
+
 case $role in
 bus)
     if reason=$(ip link add dev vcan0 type vcan 2>&1 && ip link set dev vcan0 up 2>&1); then
@@ -140,14 +167,15 @@ adapter)
 plant)
     read_bus
     run railhil node plant "$SCENARIO" $(pacing) --seed "$SEED" \
-        --appear-timeout "$(appear)" --patience "$PATIENCE" -i "$interface" -c "$channel"
+        --appear-timeout "$(appear)" --patience "$PATIENCE" "$@" -i "$interface" -c "$channel"
     [ $code -eq 0 ] || say "ended with $code"
     end_with_verdict $code
     ;;
 controller)
     read_bus
     run railhil node controller "$SCENARIO" ${CONTROLLER:+--controller "$CONTROLLER"} \
-        ${ARITHMETIC:+--arithmetic "$ARITHMETIC"} --patience "$PATIENCE" --realtime-priority "$(priority 40)" -i "$interface" -c "$channel"
+        ${ARITHMETIC:+--arithmetic "$ARITHMETIC"} --patience "$PATIENCE" --realtime-priority "$(priority 40)" "$@" \
+        -i "$interface" -c "$channel"
     [ $code -eq 0 ] || say "ended with $code"
     end_with_verdict $code
     ;;
@@ -159,7 +187,7 @@ supervisor)
     run railhil run "$SCENARIO" --attach ${CONTROLLER:+--controller "$CONTROLLER"} \
         ${ARITHMETIC:+--arithmetic "$ARITHMETIC"} --seed "$SEED" $(pacing) --appear-timeout "$START_TIMEOUT" \
         --patience "$PATIENCE" --rerun-command "$(again)" --quiet \
-        ${OPERATOR:+--operator "$OPERATOR"} ${WAIT:+--wait} -i "$interface" -c "$channel"
+        ${OPERATOR:+--operator "$OPERATOR"} ${WAIT:+--wait} "$@" -i "$interface" -c "$channel"
     echo $code | leave verdict
     exit $code
     ;;

@@ -155,3 +155,9 @@ def test_without_orders_nothing_is_different(spec, tmp_path):
         made(spec, tmp_path / "desk", desk).log.path.read_bytes() == made(spec, tmp_path / "none").log.path.read_bytes()
     )
     assert desk.sent == []
+
+
+def test_the_recorder_has_the_time_of_the_run_with_prepared_faults(spec, tmp_path):
+    """It judges TIME_SYNC by the ticks that it has seen, and takes the pace from it."""
+    run = made(spec, tmp_path / "run")
+    assert [cause for cause in run.session.counters if cause.startswith("time_")] == []

@@ -144,13 +144,13 @@ def test_only_a_fault_of_the_bus_itself_needs_the_hub(
 
 @pytest.mark.wall_clock
 def test_in_real_time_the_process_is_stopped_and_killed(tmp_path: Path) -> None:
-    """SIGSTOP and SIGCONT, then SIGKILL. At 10 simulated seconds a second 400 ms of the run are 40 ms; polls without an
-    answer end after one period of NOTCH_CMD, so that they do not hold the train back."""
+    """SIGSTOP and SIGCONT, then SIGKILL. At 5 simulated seconds a second 400 ms of the run are 80 ms; 120 ms later the
+    train would stand. Polls without an answer end within a period of NOTCH_CMD, so that they do not hold it back."""
     scenario = fast(tmp_path, "controller stop @8s for 400ms combine", f"{KILL} combine")
     (tmp_path / "run").mkdir()
     with running_hub() as hub:
         result, exit_codes = run_on(
-            _hub(hub.channel), scenario, tmp_path / "run", seed=0, pace="realtime", rate=10.0, reply_ns=2_000_000
+            _hub(hub.channel), scenario, tmp_path / "run", seed=0, pace="realtime", rate=5.0, reply_ns=2_000_000
         )
     assert exit_codes[0] == -9
     made = Made.of(tmp_path / "run", result)

@@ -128,6 +128,18 @@ def _emergency_of(scenario: AnyScenario) -> tuple[str, ...]:
     return (EMERGENCY,) if has_loop and not taken else ()
 
 
+def prepared_faults(scenario: str, catalogue: bool) -> tuple[str, ...]:
+    """What the page injects in a run whose nodes are started apart, as in containers: each of them, and the supervisor,
+    is given these faults.
+
+    :param catalogue: with the fault catalogue of the system.
+    :raises InputError: the scenario cannot be loaded.
+    """
+    spec = RunSpec(scenario)
+    spec = replace(spec, faults=_emergency_of(spec.load()))
+    return with_catalogue(argparse.Namespace(catalogue=catalogue), spec).faults
+
+
 def with_catalogue(namespace: argparse.Namespace, spec: RunSpec) -> RunSpec:
     """The run with the system's fault catalogue prepared, if that is asked for.
 

@@ -160,8 +160,10 @@ class Session:
         if frame[0] in self._seen_ids and not frame[2] & ERROR:
             can_id = frame[0]
             if can_id in self._clock_ids:
+                # Under faults too: TIME_SYNC is judged by it.
+                new = self._responder.opens_tick(frame)
                 truth_clock = self._truth_clock
-                if truth_clock.clock(frame) if truth_clock is not None else self._responder.opens_tick(frame):
+                if new if truth_clock is None else truth_clock.clock(frame):
                     # As in _arrived; a call for each tick is felt.
                     self.wall_ticks.append(self._time.tick)
                     self.wall_ns.append(time.monotonic_ns())

@@ -30,6 +30,7 @@ from hil_tests.transport.compose.engine import (
     up,
 )
 from railhil.bench import local_run
+from railhil.cli.panel import EMERGENCY
 from railhil.panel.wire import SUBPROTOCOL
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import RunSpec
@@ -143,7 +144,7 @@ def test_another_user_than_before_needs_nothing_taken_away(project):
 
 
 def test_the_page_starts_the_run_through_the_published_port(project, tmp_path):
-    """The bytes are those of every transport; the port is the one way in, on loopback only."""
+    """The bytes are those of a run with the prepared fault; the port is the one way in, on loopback only."""
     shutil.copy(Path(__file__).with_name("short_move.toml"), project / "scenarios")
     earlier = {path.name for path in (project / "runs").iterdir()}
     given = {"SCENARIO": "/scenarios/short_move.toml", "WAIT": "1", "PANEL_PORT": str(_free_port())}
@@ -164,7 +165,7 @@ def test_the_page_starts_the_run_through_the_published_port(project, tmp_path):
         done = running.result()
     assert done.exit_code == 0, done.out
     (folder,) = (path for path in (project / "runs").iterdir() if path.name not in earlier)
-    scenario = load(Path(__file__).with_name("short_move.toml"))
+    scenario = load(Path(__file__).with_name("short_move.toml"), (), (EMERGENCY,))
     assert sha256_of(folder / "frames.log") == local_run(scenario, tmp_path, RunSpec()).frames_sha256
     assert done.containers["door"]["HostConfig"]["PortBindings"]["8765/tcp"][0]["HostIp"] == "127.0.0.1"
 

@@ -67,7 +67,8 @@ def test_benchmark_gives_figures_with_units(name):
     for figure in figures:
         assert figure["unit"] in UNITS, figure
         assert math.isfinite(figure["value"]), figure
-        assert figure["value"] > 0, figure
+        # A difference of two times can be negative where the machine is busy.
+        assert figure["value"] > 0 or "added" in figure["name"], figure
         assert (figure["ratio"] is None) == (figure["against"] == ""), figure
         assert figure["ratio"] is None or figure["ratio"] > 0, figure
         assert all(math.isfinite(value) for value in figure["spread"].values()), figure

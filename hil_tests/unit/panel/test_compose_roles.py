@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import os
 import subprocess
+import sys
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
 
 from hil_tests.support.paths import ROOT
+from railhil.cli.panel import EMERGENCY, prepared_faults
 
 NAMES = {
     "SCENARIO": "lvshun_tieshan", "CONTROLLER": "ipfc", "ARITHMETIC": "iq", "SEED": "0", "PACE": "lockstep",
@@ -25,7 +28,9 @@ def words_of(role: str, folder: Path, **names: str) -> list[str]:
         (bus / name).touch()
     script = (ROOT / "docker/bench.sh").read_text().replace("/bus/", f"{bus}/")
     (folder / "railhil").write_text(f'#!/bin/sh\nprintf "%s\\n" "$@" >{folder}/words\n')
-    (folder / "railhil").chmod(0o755)
+    (folder / "python3").write_text(f'#!/bin/sh\nexec {sys.executable} "$@"\n')
+    for program in ("railhil", "python3"):
+        (folder / program).chmod(0o755)
     environment = {**NAMES, **names, "PATH": f"{folder}:{os.environ['PATH']}"}
     subprocess.run(["sh", "-c", script, "bench", role], env=environment, check=True, timeout=30)
     return (folder / "words").read_text().split("\n")
@@ -57,4 +62,31 @@ def test_the_supervisor_takes_orders_and_the_panel_gives_them_at_one_socket(tmp_
 def test_the_compose_file_tells_the_plant_of_the_wait() -> None:
     services = (ROOT / "docker-compose.panel.yml").read_text().partition("\nservices:")[2]
     plant = services.partition("\n  plant:")[2].partition("\n  supervisor:")[0]
-    assert "WAIT: ${WAIT:-}" in plant
+    assert "<<: *prepared" in plant
+    assert "WAIT: ${WAIT:-}" in (ROOT / "docker-compose.panel.yml").read_text().partition("\nservices:")[0]
+
+
+@pytest.mark.parametrize(
+    ("role", "names", "logs"),
+    [
+        ("plant", {"PREPARED": "1", "WAIT": "1"}, "--fault-log"),
+        ("controller", {"PREPARED": "1", "PACE": "realtime"}, "--fault-log"),
+        ("supervisor", {"PREPARED": "1", "PACE": "realtime", "OPERATOR": "/bus/operator.sock"}, "--fault-logs"),
+        ("supervisor", {"PREPARED": "1"}, ""),
+        ("supervisor", {"PACE": "realtime", "CATALOGUE": "1"}, ""),
+    ],
+)
+def test_the_nodes_and_the_supervisor_prepare_the_same_faults(
+    role: str, names: dict[str, str], logs: str, tmp_path: Path
+) -> None:
+    words = words_of(role, tmp_path, **names)
+    assert [after for word, after in pairwise(words) if word == "--fault"] == ([EMERGENCY] if logs else [])
+    assert [word for word in words if word.startswith("--fault-log")] == ([logs] if logs else [])
+    # Its random numbers are those of the run.
+    assert "--seed" in words or role != "controller"
+
+
+def test_the_catalogue_is_prepared_too() -> None:
+    found = prepared_faults("lvshun_tieshan", True)
+    assert found[0] == EMERGENCY
+    assert len(found) > 40
