@@ -65,7 +65,10 @@ class IpfcPlusState(NamedTuple, Generic[T]):
 
 
 class IpfcPlusCore(Law[T, State]):
-    """Observer and errors of IPFC+, and the notch for an acceleration. Speeds in km/h (Q20), notch in notches."""
+    """What the laws built on IPFC+ share: the surprise of a reading, the errors, and the notch for an acceleration.
+
+    Speeds in km/h (Q20), notch in notches.
+    """
 
     indexings: ClassVar[tuple[str, ...]] = ("time",)
     track: ClassVar[bool] = True
@@ -153,20 +156,81 @@ class IpfcPlusCore(Law[T, State]):
         index = self._ar.index(k, self._last_k)
         return {name: self._ar.at(table, index) for name, table in self._tables.items()}
 
-    def _started(self, speed: T) -> IpfcPlusState[T]:
-        """The nominal train with its actuator at rest."""
-        zero = self._zero
-        observer = ObserverState(speed, zero, self._gain, zero, zero)
-        return IpfcPlusState(observer, zero, zero, self._odometer.start())
+    def _outputs(self, accel: T, gain: T, planned: dict[str, T]) -> LawOutputs[T]:
+        """The notch for an acceleration.
 
-    def _outputs(self, accel: T, observer: ObserverState[T], planned: dict[str, T]) -> LawOutputs[T]:
-        """The notch for an acceleration."""
+        :param gain: acceleration per notch (km/h/s, Q22).
+        """
         ar = self._ar
         accel = ar.note("accel", accel, ACCEL_Q, "km/h/s")
-        notch_raw = ar.note("notch_raw", ar.div(accel, observer.gain, NOTCH_RAW_Q), NOTCH_RAW_Q, "notch")
+        notch_raw = ar.note("notch_raw", ar.div(accel, gain, NOTCH_RAW_Q), NOTCH_RAW_Q, "notch")
         clipped = ar.clip(notch_raw, planned["notch_upper"], planned["notch_lower"])
         notch = ar.note("notch", ar.quantise(clipped, NOTCH_RAW_Q, NOTCH_Q), NOTCH_Q, "notch")
         return LawOutputs(notch_raw, notch, (self._basis, self._one_softening))
+
+    def _surprise(self, before: T, disturbance: T, gained: T, speed: T, planned: dict[str, T]) -> tuple[T, T]:
+        """Speed expected at this reading, and by how much the reading differs from it (km/h, Q20).
+
+        :param before: the observed speed at the last reading; ``gained`` since then from the actuator.
+        """
+        ar = self._ar
+        expected = ar.add(before, gained)
+        expected = ar.add(expected, ar.rmpy(disturbance, self._period, _ACCEL_BY_UNIT_TO_SPEED))
+        expected = ar.sub(expected, planned["drag_over_period"])
+        # A standing train gives no information about its forces; if it cannot have stopped, the reading is a fault.
+        moving = ar.gt(speed, self._zero)
+        expected_still = ar.where(ar.gt(expected, self._standstill), expected, self._zero)
+        expected = ar.note("expected", ar.where(moving, expected, expected_still), SPEED_Q, "km/h")
+        surprise = ar.clip(ar.sub(speed, expected), *self._innovation_limits)
+        return expected, ar.note("surprise", ar.where(moving, surprise, self._zero), SPEED_Q, "km/h")
+
+    def _corrected(self, value: T, surprise: T, weight: T, shift: int, limits: tuple[T, T]) -> T:
+        """An estimate corrected by the surprise."""
+        ar = self._ar
+        return ar.clip(ar.add(value, ar.rmpy(surprise, weight, shift)), *limits)
+
+    def _deviations(self, before: T, speed: T, place: Place[T], planned: dict[str, T]) -> tuple[T, T]:
+        """Errors of speed (km/h, Q20) and position (0.1 mm, Q6) when the next notch takes effect.
+
+        :param before: the speed at this reading, ``speed`` when the notch takes effect, both as measured at the wheel.
+        """
+        ar = self._ar
+        speed = ar.add(speed, ar.rmpy(speed, place.wheel, WHEEL_Q))
+        speed = ar.note("speed_ahead", speed, SPEED_Q, "km/h")
+        advance = ar.rmpy(ar.add(before, speed), self._advance, _SPEED_TO_GAP)
+        gap = ar.clip(ar.sub(planned["target_position"], place.odometer), *self._gap_limits)
+        error_x = ar.sub(ar.convert(gap, 0, GAP_Q), ar.add(place.correction, advance))
+        error_x = ar.note("position_error", ar.clip(error_x, *self._position_error_limits), GAP_Q, "0.1 mm")
+        error_v = ar.clip(ar.sub(planned["target_speed"], speed), *self._speed_error_limits)
+        return ar.note("speed_error", error_v, SPEED_Q, "km/h"), error_x
+
+
+class IpfcPlus(IpfcPlusCore[T, IpfcPlusState[T]]):
+    """The IPFC+ law on one arithmetic.
+
+    Raises ``ValueError`` for parameters that do not fit the scenario.
+    """
+
+    name: ClassVar[str] = "ipfc_plus"
+    parameters_type: ClassVar[type[Any]] = IpfcPlusParameters
+    tunable: ClassVar[Mapping[str, tuple[float, float]]] = TUNABLE
+    parameters_origin: ClassVar[str] = "designed on seeds 0 to 199"
+    design_seeds: ClassVar[Mapping[str, range]] = DESIGN_SEEDS
+
+    def __init__(
+        self, arithmetic: Arithmetic[T], scenario: Scenario, parameters: IpfcPlusParameters | None = None
+    ) -> None:
+        self.table = compute_constants(parameters or IpfcPlusParameters(), scenario)
+        super().__init__(arithmetic, scenario, self.table)
+
+    def start(self, inputs: LawInputs[T]) -> IpfcPlusState[T]:
+        """The nominal train with its actuator at rest."""
+        zero = self._zero
+        observer = ObserverState(inputs.speed, zero, self._gain, zero, zero)
+        return IpfcPlusState(observer, zero, zero, self._odometer.start())
+
+    def with_sent(self, state: IpfcPlusState[T], notch: T) -> IpfcPlusState[T]:
+        return state._replace(notch=self._ar.convert(notch, NOTCH_Q, UNIT_Q))
 
     def _observe(self, state: IpfcPlusState[T], speed: T, planned: dict[str, T]) -> ObserverState[T]:
         """Advance the observer from the last reading to this one: prediction, and correction by the innovation."""
@@ -174,18 +238,11 @@ class IpfcPlusCore(Law[T, State]):
         drive = (old.lagged, state.notch_before, state.notch)
         lagged = ar.note("lagged", ar.dot(self._lagged, drive, _UNIT_TO_UNIT), UNIT_Q, "notch")
         integral = ar.dot(self._integral, drive, _UNIT_TO_UNIT)
-        expected = ar.add(old.speed, self._gained(old, integral, old.lagged, lagged))
-        expected = ar.add(expected, ar.rmpy(old.disturbance, self._period, _ACCEL_BY_UNIT_TO_SPEED))
-        expected = ar.sub(expected, planned["drag_over_period"])
-        # A standing train gives no information about its forces; if it cannot have stopped, the reading is a fault.
-        moving = ar.gt(speed, self._zero)
-        expected_still = ar.where(ar.gt(expected, self._standstill), expected, self._zero)
-        expected = ar.note("expected", ar.where(moving, expected, expected_still), SPEED_Q, "km/h")
-        surprise = ar.clip(ar.sub(speed, expected), *self._innovation_limits)
-        surprise = ar.note("surprise", ar.where(moving, surprise, self._zero), SPEED_Q, "km/h")
+        gained = self._gained(old, integral, old.lagged, lagged)
+        expected, surprise = self._surprise(old.speed, old.disturbance, gained, speed, planned)
 
         def corrected(value: T, weight: str, shift: int, limits: tuple[T, T]) -> T:
-            return ar.clip(ar.add(value, ar.rmpy(surprise, planned[weight], shift)), *limits)
+            return self._corrected(value, surprise, planned[weight], shift, limits)
 
         to_accel = _SPEED_BY_UNIT_TO_ACCEL
         return ObserverState(
@@ -212,9 +269,8 @@ class IpfcPlusCore(Law[T, State]):
         late = ar.rmpy(observer.lag, ar.sub(after, before), _UNIT_TO_UNIT)
         return ar.rmpy(observer.gain, ar.sub(integral, late), _ACCEL_BY_UNIT_TO_SPEED)
 
-    def _errors(self, observer: ObserverState[T], notch: T, place: Place[T], planned: dict[str, T]) -> tuple[T, T, T]:
-        """Force (km/h/s, Q22), and errors of speed (km/h, Q20) and position (0.1 mm, Q6) when the next notch takes
-        effect."""
+    def _ahead(self, observer: ObserverState[T], notch: T, planned: dict[str, T]) -> tuple[T, T]:
+        """Force (km/h/s, Q22) and speed at the wheel (km/h, Q20) when the next notch takes effect."""
         ar = self._ar
         drive = (observer.lagged, notch)
         lagged = ar.dot(self._delay_lagged, drive, _UNIT_TO_UNIT)
@@ -224,41 +280,7 @@ class IpfcPlusCore(Law[T, State]):
         force = ar.note("force", force, ACCEL_Q, "km/h/s")
         speed = ar.add(observer.speed, self._gained(observer, integral, observer.lagged, lagged))
         speed = ar.add(speed, ar.rmpy(observer.disturbance, self._delay, _ACCEL_BY_UNIT_TO_SPEED))
-        speed = ar.sub(speed, planned["drag_over_delay"])
-        speed = ar.add(speed, ar.rmpy(speed, place.wheel, WHEEL_Q))
-        speed = ar.note("speed_ahead", speed, SPEED_Q, "km/h")
-        advance = ar.rmpy(ar.add(observer.speed, speed), self._advance, _SPEED_TO_GAP)
-        gap = ar.clip(ar.sub(planned["target_position"], place.odometer), *self._gap_limits)
-        error_x = ar.sub(ar.convert(gap, 0, GAP_Q), ar.add(place.correction, advance))
-        error_x = ar.note("position_error", ar.clip(error_x, *self._position_error_limits), GAP_Q, "0.1 mm")
-        error_v = ar.clip(ar.sub(planned["target_speed"], speed), *self._speed_error_limits)
-        return force, ar.note("speed_error", error_v, SPEED_Q, "km/h"), error_x
-
-
-class IpfcPlus(IpfcPlusCore[T, IpfcPlusState[T]]):
-    """The IPFC+ law on one arithmetic.
-
-    Raises ``ValueError`` for parameters that do not fit the scenario.
-    """
-
-    name: ClassVar[str] = "ipfc_plus"
-    parameters_type: ClassVar[type[Any]] = IpfcPlusParameters
-    tunable: ClassVar[Mapping[str, tuple[float, float]]] = TUNABLE
-    parameters_origin: ClassVar[str] = "designed on seeds 0 to 199"
-    design_seeds: ClassVar[Mapping[str, range]] = DESIGN_SEEDS
-
-    def __init__(
-        self, arithmetic: Arithmetic[T], scenario: Scenario, parameters: IpfcPlusParameters | None = None
-    ) -> None:
-        self.table = compute_constants(parameters or IpfcPlusParameters(), scenario)
-        super().__init__(arithmetic, scenario, self.table)
-
-    def start(self, inputs: LawInputs[T]) -> IpfcPlusState[T]:
-        """The nominal train with its actuator at rest."""
-        return self._started(inputs.speed)
-
-    def with_sent(self, state: IpfcPlusState[T], notch: T) -> IpfcPlusState[T]:
-        return state._replace(notch=self._ar.convert(notch, NOTCH_Q, UNIT_Q))
+        return force, ar.sub(speed, planned["drag_over_delay"])
 
     def step(self, state: IpfcPlusState[T], inputs: LawInputs[T]) -> tuple[IpfcPlusState[T], LawOutputs[T]]:
         ar = self._ar
@@ -267,7 +289,8 @@ class IpfcPlus(IpfcPlusCore[T, IpfcPlusState[T]]):
         planned = self._at(track.k)
         balises, place = self._odometer.step(state.balises, track)
         observer = self._observe(state, inputs.speed, planned)
-        force, error_v, error_x = self._errors(observer, state.notch, place, planned)
+        force, speed = self._ahead(observer, state.notch, planned)
+        error_v, error_x = self._deviations(observer.speed, speed, place, planned)
 
         accel = ar.add(planned["feed_forward"], ar.rmpy(planned["force_rate"], observer.lag, _UNIT_TO_UNIT))
         accel = ar.sub(accel, observer.disturbance)
@@ -275,6 +298,6 @@ class IpfcPlus(IpfcPlusCore[T, IpfcPlusState[T]]):
         accel = ar.add(accel, ar.rmpy(error_v, planned["by_speed"], _SPEED_BY_UNIT_TO_ACCEL))
         error_f = ar.sub(ar.sub(planned["planned_force"], observer.disturbance), force)
         accel = ar.add(accel, ar.rmpy(error_f, self._by_force, _UNIT_TO_UNIT))
-        outputs = self._outputs(accel, observer, planned)
+        outputs = self._outputs(accel, observer.gain, planned)
         new_state = IpfcPlusState(observer, ar.convert(outputs.notch, NOTCH_Q, UNIT_Q), state.notch, balises)
         return new_state, outputs

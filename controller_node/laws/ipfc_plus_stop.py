@@ -12,9 +12,8 @@ from collections.abc import Mapping
 from typing import Any, ClassVar, Generic, NamedTuple
 
 from railhil.controller_node.arithmetic.base import Arithmetic, T
-from railhil.controller_node.laws.balise_odometer import Place
+from railhil.controller_node.laws.balise_odometer import BaliseState, Place
 from railhil.controller_node.laws.base import NOTCH_Q, SPEED_Q, LawInputs, LawOutputs
-from railhil.controller_node.laws.ipfc_plus import IpfcPlusCore, IpfcPlusState
 from railhil.controller_node.laws.ipfc_plus_constants import (
     ACCEL_Q,
     GAP_Q,
@@ -29,6 +28,7 @@ from railhil.controller_node.laws.ipfc_plus_stop_constants import (
     IpfcPlusStopParameters,
     stop_constants,
 )
+from railhil.controller_node.laws.stop_observer import StopObserver, StopObserverState
 from railhil.controller_node.laws.survey_odometer import SurveyOdometer, WheelBounds
 from railhil.scenarios.model import Scenario
 
@@ -39,13 +39,16 @@ _GAP_TO_STOP_ACCEL = GAP_Q + STOP_GAIN_Q - ACCEL_Q
 
 
 class IpfcPlusStopState(NamedTuple, Generic[T]):
-    """Memory of the law between two control periods."""
+    """Memory of the law between two control periods; the notches last sent and the one before in Q24."""
 
-    plus: IpfcPlusState[T]
+    observer: StopObserverState[T]
+    notch: T
+    notch_before: T
+    balises: BaliseState[T]
     wheel: WheelBounds[T]
 
 
-class IpfcPlusStop(IpfcPlusCore[T, IpfcPlusStopState[T]]):
+class IpfcPlusStop(StopObserver[T, IpfcPlusStopState[T]]):
     """The law on one arithmetic.
 
     Raises ``ValueError`` for parameters that do not fit the scenario.
@@ -72,38 +75,43 @@ class IpfcPlusStop(IpfcPlusCore[T, IpfcPlusStopState[T]]):
 
     def state_bounds(self) -> dict[str, tuple[float, float]]:
         t = self.table
-        wheel = (-t.wheel_max.value, t.wheel_max.value)
-        return {f"plus.{name}": bounds for name, bounds in super().state_bounds().items()} | {
+        bounds, wheel = super().state_bounds(), (-t.wheel_max.value, t.wheel_max.value)
+        return bounds | {
+            "observer.delay": (-t.delay_max.value, t.delay_max.value),
+            "observer.lagged_twice": bounds["observer.lagged"],
             "wheel.low": wheel,
             "wheel.high": wheel,
         }
 
     def start(self, inputs: LawInputs[T]) -> IpfcPlusStopState[T]:
         """The nominal train with its actuator at rest."""
-        return IpfcPlusStopState(self._started(inputs.speed), self._survey.start())
+        zero = self._zero
+        return IpfcPlusStopState(
+            self._unobserved(inputs.speed), zero, zero, self._odometer.start(), self._survey.start()
+        )
 
     def with_sent(self, state: IpfcPlusStopState[T], notch: T) -> IpfcPlusStopState[T]:
-        sent = self._ar.convert(notch, NOTCH_Q, UNIT_Q)
-        return state._replace(plus=state.plus._replace(notch=sent))
+        return state._replace(notch=self._ar.convert(notch, NOTCH_Q, UNIT_Q))
 
     def step(self, state: IpfcPlusStopState[T], inputs: LawInputs[T]) -> tuple[IpfcPlusStopState[T], LawOutputs[T]]:
-        ar, (plus, wheel) = self._ar, state
-        track = inputs.track
+        ar, track = self._ar, inputs.track
         assert track, "the controller gives a law with track what it asks for"
         planned = self._at(track.k)
-        balises, fitted = self._odometer.step(plus.balises, track)
-        wheel, place = self._survey.step(wheel, (plus.balises, balises), track, fitted)
-        observer = self._observe(plus, inputs.speed, planned)
-        force, error_v, error_x = self._errors(observer, plus.notch, place, planned)
+        balises, fitted = self._odometer.step(state.balises, track)
+        wheel, place = self._survey.step(state.wheel, (state.balises, balises), track, fitted)
+        observer = self._observe(state.observer, (state.notch_before, state.notch), inputs.speed, planned)
+        force, speed = self._ahead(observer, state.notch, planned)
+        error_v, error_x = self._deviations(observer.speed, speed, place, planned)
 
         planned_force = self._at_the_wheel(planned["planned_force"], place)
         error_f = ar.sub(ar.sub(planned_force, observer.disturbance), force)
         correction = self._correct(planned, error_x, error_v, error_f)
-        accel = ar.add(planned["feed_forward"], ar.rmpy(planned["force_rate"], observer.lag, _UNIT_TO_UNIT))
+        behind = ar.add(observer.lag, observer.delay)
+        accel = ar.add(planned["feed_forward"], ar.rmpy(planned["force_rate"], behind, _UNIT_TO_UNIT))
         accel = ar.sub(self._at_the_wheel(accel, place), observer.disturbance)
-        outputs = self._outputs(ar.add(accel, correction), observer, planned)
-        plus = IpfcPlusState(observer, ar.convert(outputs.notch, NOTCH_Q, UNIT_Q), plus.notch, balises)
-        return IpfcPlusStopState(plus, wheel), outputs
+        outputs = self._outputs(ar.add(accel, correction), observer.gain, planned)
+        sent = ar.convert(outputs.notch, NOTCH_Q, UNIT_Q)
+        return IpfcPlusStopState(observer, sent, state.notch, balises, wheel), outputs
 
     def _at_the_wheel(self, accel: T, place: Place[T]) -> T:
         """An acceleration of the train (km/h/s, Q22) as measured at its wheel: divided by 1 + w, to the first order."""

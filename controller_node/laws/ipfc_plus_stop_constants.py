@@ -30,7 +30,9 @@ from railhil.controller_node.laws.ipfc_plus_constants import (
     rounded,
 )
 from railhil.controller_node.laws.ipfc_plus_design import DESIGN_SEEDS as DESIGNED_BEFORE
+from railhil.controller_node.laws.ipfc_plus_design import plan
 from railhil.controller_node.laws.ipfc_plus_stop_design import StopWeights, stop_gains
+from railhil.controller_node.laws.stop_observer_design import StopUncertainty, lag_twice, stop_observer_gains
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.target import Target
 
@@ -59,7 +61,15 @@ class IpfcPlusStopParameters(IpfcPlusParameters):
     """Parameters of the law: those of IPFC+, and of the end phase."""
 
     #: Longer than that of IPFC+: the end phase makes up for it, and the ride is smoother.
-    replan_max_s: ReplanTime = 12.0
+    replan_max_s: ReplanTime = 12.5
+    #: Of the actuator's time constant alone, and of the loop's delay.
+    lag_sigma_s: Ten = 0.21
+    lag_error_max_s: Ten = 0.6
+    delay_sigma_s: Ten = 0.035
+    delay_error_max_s: Ten = 0.15
+    #: Of the disturbance, as a share of the change of the planned drag; its random walk is that of the rest.
+    drag_sigma: Ten = 0.19
+    disturbance_walk_mps2: Ten = 0.0005
     #: Largest error of a surveyed balise, m. 0: the fit of IPFC+ from the second balise on.
     survey_tolerance_m: Ten = 0.05
     #: Forces are converted from the measured wheel to the real one.
@@ -73,8 +83,8 @@ class IpfcPlusStopParameters(IpfcPlusParameters):
     correction_max_mps2: Annotated[float, Field(ge=0, le=10)] = 0.6
     #: Deviations that weigh as much as each other: position and speed at the stop, demand held for 1 s.
     stop_position_m: Annotated[float, Field(ge=1e-4, le=1)] = 0.001
-    stop_speed_mps: Annotated[float, Field(ge=1e-4, le=1)] = 0.001
-    stop_demand_mps2: Annotated[float, Field(ge=1e-2, le=10)] = 0.02
+    stop_speed_mps: Annotated[float, Field(ge=1e-4, le=1)] = 0.0018
+    stop_demand_mps2: Annotated[float, Field(ge=1e-2, le=10)] = 0.075
 
 
 @dataclass(frozen=True)
@@ -82,9 +92,13 @@ class IpfcPlusStopConstants(IpfcPlusConstants):
     """Constant table of the law on one scenario."""
 
     ending: Row = field(metadata=held(0, "1 in the end phase"))
+    observe_delay: Row = field(metadata=held(UNIT_Q, "Kalman gain of the delay"))
     stop_by_position: Row = field(metadata=held(STOP_GAIN_Q, "end phase: gain on the position error"))
     stop_by_speed: Row = field(metadata=held(UNIT_Q, "end phase: gain on the speed error"))
     stop_by_force: Row = field(metadata=held(UNIT_Q, "end phase: gain on the error of the acting force"))
+    twice: Row = field(metadata=held(UNIT_Q, "actuator over one period, its lag twice"))
+    delay_twice: Row = field(metadata=held(UNIT_Q, "actuator over the loop delay, its lag twice"))
+    delay_max: Constant = field(metadata=held(UNIT_Q, "largest error of the delay believed"))
     capture_position: Constant = field(metadata=held(GAP_Q, "largest position error of the end phase"))
     capture_speed: Constant = field(metadata=held(SPEED_Q, "largest speed error of the end phase"))
     correction_max: Constant = field(metadata=held(ACCEL_Q, "largest correction of the end phase"))
@@ -113,6 +127,34 @@ def _end_phase(p: IpfcPlusStopParameters, scenario: Scenario, speed_kmh: np.ndar
     }
 
 
+def _observer(p: IpfcPlusStopParameters, scenario: Scenario, periods: int) -> dict[str, ArrayLike]:
+    """Constants of the observer, in place of those of IPFC+ and in addition to them."""
+    period_s, train = scenario.timing.control_period_ns / 1e9, scenario.train
+    now = plan(scenario, np.arange(periods, dtype=np.float64) * period_s, p.drag_fed_forward)
+    unknown = StopUncertainty(
+        p.gain_sigma,
+        p.lag_sigma_s,
+        p.delay_sigma_s,
+        p.disturbance_sigma_mps2,
+        p.disturbance_walk_mps2,
+        p.drag_sigma,
+        p.speed_noise_mps,
+    )
+    pole = train.actuator_pole_per_s
+    gains = stop_observer_gains(now.force_mps2, now.drag_mps2, pole, period_s, unknown)
+    twice = lag_twice(pole, period_s, p.loop_delay_s)
+    return {
+        "observe_speed": gains[:, 0],
+        "observe_disturbance": gains[:, 1],
+        "observe_gain": gains[:, 2] * train.force_per_notch_n / train.inertial_mass_kg,
+        "observe_lag": gains[:, 3] / _KMH,
+        "observe_delay": gains[:, 4] / _KMH,
+        "twice": twice.over_period,
+        "delay_twice": twice.over_delay,
+        "delay_max": p.delay_error_max_s,
+    }
+
+
 def stop_constants(p: IpfcPlusStopParameters, scenario: Scenario) -> IpfcPlusStopConstants:
     """The constant table of a scenario. Raises ``ValueError`` as that of IPFC+ does."""
     base: Mapping[str, ArrayLike] = constant_values(p, scenario)
@@ -127,4 +169,5 @@ def stop_constants(p: IpfcPlusStopParameters, scenario: Scenario) -> IpfcPlusSto
         "half": 0.5,
     }
     speed_kmh = np.asarray(base["target_speed"])
-    return rounded(IpfcPlusStopConstants, {**base, **_end_phase(p, scenario, speed_kmh), **added})
+    added |= _observer(p, scenario, speed_kmh.size) | _end_phase(p, scenario, speed_kmh)
+    return rounded(IpfcPlusStopConstants, {**base, **added})

@@ -24,6 +24,10 @@ def step(parts: Parts) -> Step:
         c_lagged_0,
         c_lagged_1,
         c_lagged_2,
+        c_twice_0,
+        c_twice_1,
+        c_twice_2,
+        c_twice_3,
         c_integral_0,
         c_integral_1,
         c_integral_2,
@@ -39,10 +43,15 @@ def step(parts: Parts) -> Step:
         c_gain_min,
         c_lag_max,
         c_minus_lag_max,
+        c_delay_max,
+        c_minus_delay_max,
         c_delay_lagged_0,
         c_delay_lagged_1,
         c_delay_integral_0,
         c_delay_integral_1,
+        c_delay_twice_0,
+        c_delay_twice_1,
+        c_delay_twice_2,
         c_pole,
         c_delay,
         c_advance,
@@ -78,6 +87,7 @@ def step(parts: Parts) -> Step:
         t_observe_lag,
         t_by_position,
         t_by_speed,
+        t_observe_delay,
         t_ending,
         t_stop_by_position,
         t_stop_by_speed,
@@ -86,26 +96,30 @@ def step(parts: Parts) -> Step:
     (last_0,) = parts.lasts
     div = parts.number.div
     (
-        low_plus_observer_speed,
-        high_plus_observer_speed,
-        low_plus_observer_disturbance,
-        high_plus_observer_disturbance,
-        low_plus_observer_gain,
-        high_plus_observer_gain,
-        low_plus_observer_lag,
-        high_plus_observer_lag,
-        low_plus_observer_lagged,
-        high_plus_observer_lagged,
-        low_plus_notch,
-        high_plus_notch,
-        low_plus_notch_before,
-        high_plus_notch_before,
-        low_plus_balises_number,
-        high_plus_balises_number,
-        low_plus_balises_squares,
-        high_plus_balises_squares,
-        low_plus_balises_errors,
-        high_plus_balises_errors,
+        low_observer_speed,
+        high_observer_speed,
+        low_observer_disturbance,
+        high_observer_disturbance,
+        low_observer_gain,
+        high_observer_gain,
+        low_observer_lag,
+        high_observer_lag,
+        low_observer_delay,
+        high_observer_delay,
+        low_observer_lagged,
+        high_observer_lagged,
+        low_observer_lagged_twice,
+        high_observer_lagged_twice,
+        low_notch,
+        high_notch,
+        low_notch_before,
+        high_notch_before,
+        low_balises_number,
+        high_balises_number,
+        low_balises_squares,
+        high_balises_squares,
+        low_balises_errors,
+        high_balises_errors,
         low_wheel_low,
         high_wheel_low,
         low_wheel_high,
@@ -114,16 +128,18 @@ def step(parts: Parts) -> Step:
 
     def period(state: Values, given: Values) -> tuple[Values, Values, Values] | None:
         (
-            state_plus_observer_speed,
-            state_plus_observer_disturbance,
-            state_plus_observer_gain,
-            state_plus_observer_lag,
-            state_plus_observer_lagged,
-            state_plus_notch,
-            state_plus_notch_before,
-            state_plus_balises_number,
-            state_plus_balises_squares,
-            state_plus_balises_errors,
+            state_observer_speed,
+            state_observer_disturbance,
+            state_observer_gain,
+            state_observer_lag,
+            state_observer_delay,
+            state_observer_lagged,
+            state_observer_lagged_twice,
+            state_notch,
+            state_notch_before,
+            state_balises_number,
+            state_balises_squares,
+            state_balises_errors,
             state_wheel_low,
             state_wheel_high,
         ) = state
@@ -136,262 +152,291 @@ def step(parts: Parts) -> Step:
             in_track_balise_position_01mm,
             in_track_balise_odometer_01mm,
         ) = given
-        if not low_plus_observer_speed <= state_plus_observer_speed <= high_plus_observer_speed:
+        if not low_observer_speed <= state_observer_speed <= high_observer_speed:
             return None
-        if not low_plus_observer_disturbance <= state_plus_observer_disturbance <= high_plus_observer_disturbance:
+        if not low_observer_disturbance <= state_observer_disturbance <= high_observer_disturbance:
             return None
-        if not low_plus_observer_gain <= state_plus_observer_gain <= high_plus_observer_gain:
+        if not low_observer_gain <= state_observer_gain <= high_observer_gain:
             return None
-        if not low_plus_observer_lag <= state_plus_observer_lag <= high_plus_observer_lag:
+        if not low_observer_lag <= state_observer_lag <= high_observer_lag:
             return None
-        if not low_plus_observer_lagged <= state_plus_observer_lagged <= high_plus_observer_lagged:
+        if not low_observer_delay <= state_observer_delay <= high_observer_delay:
             return None
-        if not low_plus_notch <= state_plus_notch <= high_plus_notch:
+        if not low_observer_lagged <= state_observer_lagged <= high_observer_lagged:
             return None
-        if not low_plus_notch_before <= state_plus_notch_before <= high_plus_notch_before:
+        if not low_observer_lagged_twice <= state_observer_lagged_twice <= high_observer_lagged_twice:
             return None
-        if not low_plus_balises_number <= state_plus_balises_number <= high_plus_balises_number:
+        if not low_notch <= state_notch <= high_notch:
             return None
-        if not low_plus_balises_squares <= state_plus_balises_squares <= high_plus_balises_squares:
+        if not low_notch_before <= state_notch_before <= high_notch_before:
             return None
-        if not low_plus_balises_errors <= state_plus_balises_errors <= high_plus_balises_errors:
+        if not low_balises_number <= state_balises_number <= high_balises_number:
+            return None
+        if not low_balises_squares <= state_balises_squares <= high_balises_squares:
+            return None
+        if not low_balises_errors <= state_balises_errors <= high_balises_errors:
             return None
         if not low_wheel_low <= state_wheel_low <= high_wheel_low:
             return None
         if not low_wheel_high <= state_wheel_high <= high_wheel_high:
             return None
-        index_19 = min(max(in_track_k, 0), last_0)
-        at_20 = t_target_position[index_19]
-        at_21 = t_target_speed[index_19]
-        at_22 = t_feed_forward[index_19]
-        at_23 = t_planned_force[index_19]
-        at_24 = t_force_rate[index_19]
-        at_25 = t_notch_upper[index_19]
-        at_26 = t_notch_lower[index_19]
-        at_27 = t_drag_over_period[index_19]
-        at_28 = t_drag_over_delay[index_19]
-        at_29 = t_observe_speed[index_19]
-        at_30 = t_observe_disturbance[index_19]
-        at_31 = t_observe_gain[index_19]
-        at_32 = t_observe_lag[index_19]
-        at_33 = t_by_position[index_19]
-        at_34 = t_by_speed[index_19]
-        at_35 = t_ending[index_19]
-        at_36 = t_stop_by_position[index_19]
-        at_37 = t_stop_by_speed[index_19]
-        at_38 = t_stop_by_force[index_19]
-        clip_39 = in_track_balise_position_01mm if in_track_balise_position_01mm < c_odometer_max else c_odometer_max
-        if clip_39 < c_zero:
-            clip_39 = c_zero
-        clip_40 = in_track_balise_odometer_01mm if in_track_balise_odometer_01mm < c_odometer_max else c_odometer_max
-        if clip_40 < c_zero:
-            clip_40 = c_zero
-        rmpy_41 = clip_40 * c_per_distance + 33554432 >> 26
-        sub_42 = clip_39 - clip_40
-        rmpy_43 = sub_42 * c_per_distance + 8388608 >> 24
-        rmpy_44 = rmpy_41 * rmpy_41 + 536870912 >> 30
-        add_45 = state_plus_balises_squares + rmpy_44
-        clip_46 = rmpy_43 if rmpy_43 < c_wheel_max else c_wheel_max
-        if clip_46 < c_minus_wheel_max:
-            clip_46 = c_minus_wheel_max
-        rmpy_47 = rmpy_41 * clip_46 + 2147483648 >> 32
-        add_48 = state_plus_balises_errors + rmpy_47
-        clip_49 = add_48 if add_48 < c_sum_max else c_sum_max
-        if clip_49 < c_minus_sum_max:
-            clip_49 = c_minus_sum_max
-        sub_50 = in_track_balise_number - state_plus_balises_number
-        abs_51 = abs(sub_50)
-        gt_52 = abs_51 > c_zero
-        rmpy_53 = rmpy_41 * c_wheel_max + 134217728 >> 28
-        add_54 = rmpy_53 + c_balise_slack
-        abs_55 = abs(rmpy_43)
-        gt_56 = add_54 > abs_55
-        gt_57 = c_sum_max > add_45
-        where_58 = add_45 if gt_57 else state_plus_balises_squares
-        where_59 = where_58 if gt_56 else state_plus_balises_squares
-        balise_squares = where_59 if gt_52 else state_plus_balises_squares
-        where_61 = clip_49 if gt_57 else state_plus_balises_errors
-        where_62 = where_61 if gt_56 else state_plus_balises_errors
-        balise_errors = where_62 if gt_52 else state_plus_balises_errors
-        div_64 = div(balise_errors, balise_squares, 30)
-        wheel = div_64 if div_64 < c_wheel_max else c_wheel_max
+        index_21 = min(max(in_track_k, 0), last_0)
+        at_22 = t_target_position[index_21]
+        at_23 = t_target_speed[index_21]
+        at_24 = t_feed_forward[index_21]
+        at_25 = t_planned_force[index_21]
+        at_26 = t_force_rate[index_21]
+        at_27 = t_notch_upper[index_21]
+        at_28 = t_notch_lower[index_21]
+        at_29 = t_drag_over_period[index_21]
+        at_30 = t_drag_over_delay[index_21]
+        at_31 = t_observe_speed[index_21]
+        at_32 = t_observe_disturbance[index_21]
+        at_33 = t_observe_gain[index_21]
+        at_34 = t_observe_lag[index_21]
+        at_35 = t_by_position[index_21]
+        at_36 = t_by_speed[index_21]
+        at_37 = t_observe_delay[index_21]
+        at_38 = t_ending[index_21]
+        at_39 = t_stop_by_position[index_21]
+        at_40 = t_stop_by_speed[index_21]
+        at_41 = t_stop_by_force[index_21]
+        clip_42 = in_track_balise_position_01mm if in_track_balise_position_01mm < c_odometer_max else c_odometer_max
+        if clip_42 < c_zero:
+            clip_42 = c_zero
+        clip_43 = in_track_balise_odometer_01mm if in_track_balise_odometer_01mm < c_odometer_max else c_odometer_max
+        if clip_43 < c_zero:
+            clip_43 = c_zero
+        rmpy_44 = clip_43 * c_per_distance + 33554432 >> 26
+        sub_45 = clip_42 - clip_43
+        rmpy_46 = sub_45 * c_per_distance + 8388608 >> 24
+        rmpy_47 = rmpy_44 * rmpy_44 + 536870912 >> 30
+        add_48 = state_balises_squares + rmpy_47
+        clip_49 = rmpy_46 if rmpy_46 < c_wheel_max else c_wheel_max
+        if clip_49 < c_minus_wheel_max:
+            clip_49 = c_minus_wheel_max
+        rmpy_50 = rmpy_44 * clip_49 + 2147483648 >> 32
+        add_51 = state_balises_errors + rmpy_50
+        clip_52 = add_51 if add_51 < c_sum_max else c_sum_max
+        if clip_52 < c_minus_sum_max:
+            clip_52 = c_minus_sum_max
+        sub_53 = in_track_balise_number - state_balises_number
+        abs_54 = abs(sub_53)
+        gt_55 = abs_54 > c_zero
+        rmpy_56 = rmpy_44 * c_wheel_max + 134217728 >> 28
+        add_57 = rmpy_56 + c_balise_slack
+        abs_58 = abs(rmpy_46)
+        gt_59 = add_57 > abs_58
+        gt_60 = c_sum_max > add_48
+        where_61 = add_48 if gt_60 else state_balises_squares
+        where_62 = where_61 if gt_59 else state_balises_squares
+        balise_squares = where_62 if gt_55 else state_balises_squares
+        where_64 = clip_52 if gt_60 else state_balises_errors
+        where_65 = where_64 if gt_59 else state_balises_errors
+        balise_errors = where_65 if gt_55 else state_balises_errors
+        div_67 = div(balise_errors, balise_squares, 30)
+        wheel = div_67 if div_67 < c_wheel_max else c_wheel_max
         if wheel < c_minus_wheel_max:
             wheel = c_minus_wheel_max
-        clip_66 = in_track_position_01mm if in_track_position_01mm < c_odometer_max else c_odometer_max
-        if clip_66 < c_zero:
-            clip_66 = c_zero
-        correction = clip_66 * wheel + 8388608 >> 24
-        clip_68 = in_track_balise_position_01mm if in_track_balise_position_01mm < c_odometer_max else c_odometer_max
-        if clip_68 < c_zero:
-            clip_68 = c_zero
-        clip_69 = in_track_balise_odometer_01mm if in_track_balise_odometer_01mm < c_odometer_max else c_odometer_max
+        clip_69 = in_track_position_01mm if in_track_position_01mm < c_odometer_max else c_odometer_max
         if clip_69 < c_zero:
             clip_69 = c_zero
-        rmpy_70 = clip_69 * c_per_distance + 33554432 >> 26
-        sub_71 = clip_68 - clip_69
-        rmpy_72 = sub_71 * c_per_distance + 8388608 >> 24
-        clip_73 = rmpy_72 if rmpy_72 < c_bound_max else c_bound_max
-        if clip_73 < c_minus_bound_max:
-            clip_73 = c_minus_bound_max
-        maximum_74 = c_share_min if c_share_min > rmpy_70 else rmpy_70
-        convert_75 = maximum_74 << 2
-        sub_76 = clip_73 - c_tolerance
-        div_77 = div(sub_76, convert_75, 30)
-        add_78 = clip_73 + c_tolerance
-        div_79 = div(add_78, convert_75, 30)
-        gt_80 = balise_squares > state_plus_balises_squares
-        gt_81 = rmpy_70 > c_share_min
-        maximum_82 = state_wheel_low if state_wheel_low > div_77 else div_77
-        clip_83 = maximum_82 if maximum_82 < c_wheel_max else c_wheel_max
-        if clip_83 < c_minus_wheel_max_2:
-            clip_83 = c_minus_wheel_max_2
-        where_84 = clip_83 if gt_81 else state_wheel_low
-        wheel_low = where_84 if gt_80 else state_wheel_low
-        minimum_86 = state_wheel_high if state_wheel_high < div_79 else div_79
-        clip_87 = minimum_86 if minimum_86 < c_wheel_max else c_wheel_max
-        if clip_87 < c_minus_wheel_max_2:
-            clip_87 = c_minus_wheel_max_2
-        where_88 = clip_87 if gt_81 else state_wheel_high
-        wheel_high = where_88 if gt_80 else state_wheel_high
-        add_90 = wheel_low + wheel_high
-        rmpy_91 = add_90 * c_half + 8388608 >> 24
-        gt_92 = wheel_low > wheel_high
-        wheel_bounded = wheel if gt_92 else rmpy_91
-        place_correction = clip_66 * wheel_bounded + 8388608 >> 24
-        lagged = c_lagged_0 * state_plus_observer_lagged + 8388608 >> 24
-        lagged += c_lagged_1 * state_plus_notch_before + 8388608 >> 24
-        lagged += c_lagged_2 * state_plus_notch + 8388608 >> 24
-        dot_96 = c_integral_0 * state_plus_observer_lagged + 8388608 >> 24
-        dot_96 += c_integral_1 * state_plus_notch_before + 8388608 >> 24
-        dot_96 += c_integral_2 * state_plus_notch + 8388608 >> 24
-        sub_97 = lagged - state_plus_observer_lagged
-        rmpy_98 = state_plus_observer_lag * sub_97 + 8388608 >> 24
-        sub_99 = dot_96 - rmpy_98
-        rmpy_100 = state_plus_observer_gain * sub_99 + 33554432 >> 26
-        add_101 = state_plus_observer_speed + rmpy_100
-        rmpy_102 = state_plus_observer_disturbance * c_period + 33554432 >> 26
-        add_103 = add_101 + rmpy_102
-        sub_104 = add_103 - at_27
-        gt_105 = in_speed > c_zero
-        gt_106 = sub_104 > c_standstill
-        where_107 = sub_104 if gt_106 else c_zero
-        expected = sub_104 if gt_105 else where_107
-        sub_109 = in_speed - expected
-        clip_110 = sub_109 if sub_109 < c_innovation_max else c_innovation_max
-        if clip_110 < c_minus_innovation_max:
-            clip_110 = c_minus_innovation_max
-        surprise = clip_110 if gt_105 else c_zero
-        rmpy_112 = surprise * at_29 + 8388608 >> 24
-        add_113 = expected + rmpy_112
-        observed_speed = add_113 if add_113 < c_speed_max else c_speed_max
+        correction = clip_69 * wheel + 8388608 >> 24
+        clip_71 = in_track_balise_position_01mm if in_track_balise_position_01mm < c_odometer_max else c_odometer_max
+        if clip_71 < c_zero:
+            clip_71 = c_zero
+        clip_72 = in_track_balise_odometer_01mm if in_track_balise_odometer_01mm < c_odometer_max else c_odometer_max
+        if clip_72 < c_zero:
+            clip_72 = c_zero
+        rmpy_73 = clip_72 * c_per_distance + 33554432 >> 26
+        sub_74 = clip_71 - clip_72
+        rmpy_75 = sub_74 * c_per_distance + 8388608 >> 24
+        clip_76 = rmpy_75 if rmpy_75 < c_bound_max else c_bound_max
+        if clip_76 < c_minus_bound_max:
+            clip_76 = c_minus_bound_max
+        maximum_77 = c_share_min if c_share_min > rmpy_73 else rmpy_73
+        convert_78 = maximum_77 << 2
+        sub_79 = clip_76 - c_tolerance
+        div_80 = div(sub_79, convert_78, 30)
+        add_81 = clip_76 + c_tolerance
+        div_82 = div(add_81, convert_78, 30)
+        gt_83 = balise_squares > state_balises_squares
+        gt_84 = rmpy_73 > c_share_min
+        maximum_85 = state_wheel_low if state_wheel_low > div_80 else div_80
+        clip_86 = maximum_85 if maximum_85 < c_wheel_max else c_wheel_max
+        if clip_86 < c_minus_wheel_max_2:
+            clip_86 = c_minus_wheel_max_2
+        where_87 = clip_86 if gt_84 else state_wheel_low
+        wheel_low = where_87 if gt_83 else state_wheel_low
+        minimum_89 = state_wheel_high if state_wheel_high < div_82 else div_82
+        clip_90 = minimum_89 if minimum_89 < c_wheel_max else c_wheel_max
+        if clip_90 < c_minus_wheel_max_2:
+            clip_90 = c_minus_wheel_max_2
+        where_91 = clip_90 if gt_84 else state_wheel_high
+        wheel_high = where_91 if gt_83 else state_wheel_high
+        add_93 = wheel_low + wheel_high
+        rmpy_94 = add_93 * c_half + 8388608 >> 24
+        gt_95 = wheel_low > wheel_high
+        wheel_bounded = wheel if gt_95 else rmpy_94
+        place_correction = clip_69 * wheel_bounded + 8388608 >> 24
+        lagged = c_lagged_0 * state_observer_lagged + 8388608 >> 24
+        lagged += c_lagged_1 * state_notch_before + 8388608 >> 24
+        lagged += c_lagged_2 * state_notch + 8388608 >> 24
+        lagged_twice = c_twice_0 * state_observer_lagged_twice + 8388608 >> 24
+        lagged_twice += c_twice_1 * state_observer_lagged + 8388608 >> 24
+        lagged_twice += c_twice_2 * state_notch_before + 8388608 >> 24
+        lagged_twice += c_twice_3 * state_notch + 8388608 >> 24
+        dot_100 = c_integral_0 * state_observer_lagged + 8388608 >> 24
+        dot_100 += c_integral_1 * state_notch_before + 8388608 >> 24
+        dot_100 += c_integral_2 * state_notch + 8388608 >> 24
+        sub_101 = lagged_twice - state_observer_lagged_twice
+        rmpy_102 = state_observer_lag * sub_101 + 8388608 >> 24
+        sub_103 = lagged - state_observer_lagged
+        rmpy_104 = state_observer_delay * sub_103 + 8388608 >> 24
+        add_105 = rmpy_102 + rmpy_104
+        sub_106 = dot_100 - add_105
+        rmpy_107 = state_observer_gain * sub_106 + 33554432 >> 26
+        add_108 = state_observer_speed + rmpy_107
+        rmpy_109 = state_observer_disturbance * c_period + 33554432 >> 26
+        add_110 = add_108 + rmpy_109
+        sub_111 = add_110 - at_29
+        gt_112 = in_speed > c_zero
+        gt_113 = sub_111 > c_standstill
+        where_114 = sub_111 if gt_113 else c_zero
+        expected = sub_111 if gt_112 else where_114
+        sub_116 = in_speed - expected
+        clip_117 = sub_116 if sub_116 < c_innovation_max else c_innovation_max
+        if clip_117 < c_minus_innovation_max:
+            clip_117 = c_minus_innovation_max
+        surprise = clip_117 if gt_112 else c_zero
+        rmpy_119 = surprise * at_31 + 8388608 >> 24
+        add_120 = expected + rmpy_119
+        observed_speed = add_120 if add_120 < c_speed_max else c_speed_max
         if observed_speed < c_minus_speed_max:
             observed_speed = c_minus_speed_max
-        rmpy_115 = surprise * at_30 + 2097152 >> 22
-        add_116 = state_plus_observer_disturbance + rmpy_115
-        disturbance = add_116 if add_116 < c_disturbance_max else c_disturbance_max
+        rmpy_122 = surprise * at_32 + 2097152 >> 22
+        add_123 = state_observer_disturbance + rmpy_122
+        disturbance = add_123 if add_123 < c_disturbance_max else c_disturbance_max
         if disturbance < c_minus_disturbance_max:
             disturbance = c_minus_disturbance_max
-        rmpy_118 = surprise * at_31 + 2097152 >> 22
-        add_119 = state_plus_observer_gain + rmpy_118
-        gain = add_119 if add_119 < c_gain_max else c_gain_max
+        rmpy_125 = surprise * at_33 + 2097152 >> 22
+        add_126 = state_observer_gain + rmpy_125
+        gain = add_126 if add_126 < c_gain_max else c_gain_max
         if gain < c_gain_min:
             gain = c_gain_min
-        rmpy_121 = surprise * at_32 + 524288 >> 20
-        add_122 = state_plus_observer_lag + rmpy_121
-        lag = add_122 if add_122 < c_lag_max else c_lag_max
+        rmpy_128 = surprise * at_34 + 524288 >> 20
+        add_129 = state_observer_lag + rmpy_128
+        lag = add_129 if add_129 < c_lag_max else c_lag_max
         if lag < c_minus_lag_max:
             lag = c_minus_lag_max
-        dot_124 = c_delay_lagged_0 * lagged + 8388608 >> 24
-        dot_124 += c_delay_lagged_1 * state_plus_notch + 8388608 >> 24
-        dot_125 = c_delay_integral_0 * lagged + 8388608 >> 24
-        dot_125 += c_delay_integral_1 * state_plus_notch + 8388608 >> 24
-        sub_126 = state_plus_notch - dot_124
-        rmpy_127 = sub_126 * c_pole + 8388608 >> 24
-        rmpy_128 = lag * rmpy_127 + 8388608 >> 24
-        sub_129 = dot_124 - rmpy_128
-        force = gain * sub_129 + 8388608 >> 24
-        sub_131 = dot_124 - lagged
-        rmpy_132 = lag * sub_131 + 8388608 >> 24
-        sub_133 = dot_125 - rmpy_132
-        rmpy_134 = gain * sub_133 + 33554432 >> 26
-        add_135 = observed_speed + rmpy_134
-        rmpy_136 = disturbance * c_delay + 33554432 >> 26
-        add_137 = add_135 + rmpy_136
-        sub_138 = add_137 - at_28
-        rmpy_139 = sub_138 * wheel_bounded + 536870912 >> 30
-        speed_ahead = sub_138 + rmpy_139
-        add_141 = observed_speed + speed_ahead
-        rmpy_142 = add_141 * c_advance + 536870912 >> 30
-        sub_143 = at_20 - clip_66
-        clip_144 = sub_143 if sub_143 < c_gap_max else c_gap_max
-        if clip_144 < c_minus_gap_max:
-            clip_144 = c_minus_gap_max
-        convert_145 = clip_144 << 6
-        add_146 = place_correction + rmpy_142
-        sub_147 = convert_145 - add_146
-        position_error = sub_147 if sub_147 < c_position_error_max else c_position_error_max
+        rmpy_131 = surprise * at_37 + 524288 >> 20
+        add_132 = state_observer_delay + rmpy_131
+        delay = add_132 if add_132 < c_delay_max else c_delay_max
+        if delay < c_minus_delay_max:
+            delay = c_minus_delay_max
+        dot_134 = c_delay_lagged_0 * lagged + 8388608 >> 24
+        dot_134 += c_delay_lagged_1 * state_notch + 8388608 >> 24
+        dot_135 = c_delay_integral_0 * lagged + 8388608 >> 24
+        dot_135 += c_delay_integral_1 * state_notch + 8388608 >> 24
+        dot_136 = c_delay_twice_0 * lagged_twice + 8388608 >> 24
+        dot_136 += c_delay_twice_1 * lagged + 8388608 >> 24
+        dot_136 += c_delay_twice_2 * state_notch + 8388608 >> 24
+        sub_137 = dot_134 - dot_136
+        rmpy_138 = lag * sub_137 + 8388608 >> 24
+        sub_139 = state_notch - dot_134
+        rmpy_140 = delay * sub_139 + 8388608 >> 24
+        add_141 = rmpy_138 + rmpy_140
+        rmpy_142 = add_141 * c_pole + 8388608 >> 24
+        sub_143 = dot_134 - rmpy_142
+        force = gain * sub_143 + 8388608 >> 24
+        sub_145 = dot_136 - lagged_twice
+        rmpy_146 = lag * sub_145 + 8388608 >> 24
+        sub_147 = dot_134 - lagged
+        rmpy_148 = delay * sub_147 + 8388608 >> 24
+        add_149 = rmpy_146 + rmpy_148
+        sub_150 = dot_135 - add_149
+        rmpy_151 = gain * sub_150 + 33554432 >> 26
+        add_152 = observed_speed + rmpy_151
+        rmpy_153 = disturbance * c_delay + 33554432 >> 26
+        add_154 = add_152 + rmpy_153
+        sub_155 = add_154 - at_30
+        rmpy_156 = sub_155 * wheel_bounded + 536870912 >> 30
+        speed_ahead = sub_155 + rmpy_156
+        add_158 = observed_speed + speed_ahead
+        rmpy_159 = add_158 * c_advance + 536870912 >> 30
+        sub_160 = at_22 - clip_69
+        clip_161 = sub_160 if sub_160 < c_gap_max else c_gap_max
+        if clip_161 < c_minus_gap_max:
+            clip_161 = c_minus_gap_max
+        convert_162 = clip_161 << 6
+        add_163 = place_correction + rmpy_159
+        sub_164 = convert_162 - add_163
+        position_error = sub_164 if sub_164 < c_position_error_max else c_position_error_max
         if position_error < c_minus_position_error_max:
             position_error = c_minus_position_error_max
-        sub_149 = at_21 - speed_ahead
-        speed_error = sub_149 if sub_149 < c_speed_error_max else c_speed_error_max
+        sub_166 = at_23 - speed_ahead
+        speed_error = sub_166 if sub_166 < c_speed_error_max else c_speed_error_max
         if speed_error < c_minus_speed_error_max:
             speed_error = c_minus_speed_error_max
-        rmpy_151 = at_23 * wheel_bounded + 536870912 >> 30
-        sub_152 = at_23 - rmpy_151
-        sub_153 = sub_152 - disturbance
-        sub_154 = sub_153 - force
-        rmpy_155 = position_error * at_33 + 8388608 >> 24
-        rmpy_156 = speed_error * at_34 + 2097152 >> 22
-        add_157 = rmpy_155 + rmpy_156
-        rmpy_158 = sub_154 * c_by_force + 8388608 >> 24
-        add_159 = add_157 + rmpy_158
-        clip_160 = position_error if position_error < c_capture_position else c_capture_position
-        if clip_160 < c_minus_capture_position:
-            clip_160 = c_minus_capture_position
-        clip_161 = speed_error if speed_error < c_capture_speed else c_capture_speed
-        if clip_161 < c_minus_capture_speed:
-            clip_161 = c_minus_capture_speed
-        rmpy_162 = clip_160 * at_36 + 524288 >> 20
-        rmpy_163 = clip_161 * at_37 + 2097152 >> 22
-        add_164 = rmpy_162 + rmpy_163
-        rmpy_165 = sub_154 * at_38 + 8388608 >> 24
-        add_166 = add_164 + rmpy_165
-        stop_correction = add_166 if add_166 < c_correction_max else c_correction_max
+        rmpy_168 = at_25 * wheel_bounded + 536870912 >> 30
+        sub_169 = at_25 - rmpy_168
+        sub_170 = sub_169 - disturbance
+        sub_171 = sub_170 - force
+        rmpy_172 = position_error * at_35 + 8388608 >> 24
+        rmpy_173 = speed_error * at_36 + 2097152 >> 22
+        add_174 = rmpy_172 + rmpy_173
+        rmpy_175 = sub_171 * c_by_force + 8388608 >> 24
+        add_176 = add_174 + rmpy_175
+        clip_177 = position_error if position_error < c_capture_position else c_capture_position
+        if clip_177 < c_minus_capture_position:
+            clip_177 = c_minus_capture_position
+        clip_178 = speed_error if speed_error < c_capture_speed else c_capture_speed
+        if clip_178 < c_minus_capture_speed:
+            clip_178 = c_minus_capture_speed
+        rmpy_179 = clip_177 * at_39 + 524288 >> 20
+        rmpy_180 = clip_178 * at_40 + 2097152 >> 22
+        add_181 = rmpy_179 + rmpy_180
+        rmpy_182 = sub_171 * at_41 + 8388608 >> 24
+        add_183 = add_181 + rmpy_182
+        stop_correction = add_183 if add_183 < c_correction_max else c_correction_max
         if stop_correction < c_minus_correction_max:
             stop_correction = c_minus_correction_max
-        sub_168 = position_error - clip_160
-        abs_169 = abs(sub_168)
-        sub_170 = speed_error - clip_161
-        abs_171 = abs(sub_170)
-        gt_172 = abs_169 > c_zero
-        gt_173 = abs_171 > c_zero
-        where_174 = add_159 if gt_173 else stop_correction
-        where_175 = add_159 if gt_172 else where_174
-        gt_176 = at_35 > c_zero
-        where_177 = where_175 if gt_176 else add_159
-        rmpy_178 = at_24 * lag + 8388608 >> 24
-        add_179 = at_22 + rmpy_178
-        rmpy_180 = add_179 * wheel_bounded + 536870912 >> 30
-        sub_181 = add_179 - rmpy_180
-        sub_182 = sub_181 - disturbance
-        accel = sub_182 + where_177
+        sub_185 = position_error - clip_177
+        abs_186 = abs(sub_185)
+        sub_187 = speed_error - clip_178
+        abs_188 = abs(sub_187)
+        gt_189 = abs_186 > c_zero
+        gt_190 = abs_188 > c_zero
+        where_191 = add_176 if gt_190 else stop_correction
+        where_192 = add_176 if gt_189 else where_191
+        gt_193 = at_38 > c_zero
+        where_194 = where_192 if gt_193 else add_176
+        add_195 = lag + delay
+        rmpy_196 = at_26 * add_195 + 8388608 >> 24
+        add_197 = at_24 + rmpy_196
+        rmpy_198 = add_197 * wheel_bounded + 536870912 >> 30
+        sub_199 = add_197 - rmpy_198
+        sub_200 = sub_199 - disturbance
+        accel = sub_200 + where_194
         notch_raw = div(accel, gain, 19)
-        if at_26 > at_25:
+        if at_28 > at_27:
             return None
-        clip_185 = notch_raw if notch_raw < at_25 else at_25
-        if clip_185 < at_26:
-            clip_185 = at_26
-        notch = clip_185 + 1024 >> 11
-        convert_187 = notch << 16
+        clip_203 = notch_raw if notch_raw < at_27 else at_27
+        if clip_203 < at_28:
+            clip_203 = at_28
+        notch = clip_203 + 1024 >> 11
+        convert_205 = notch << 16
         return (
             (
                 observed_speed,
                 disturbance,
                 gain,
                 lag,
+                delay,
                 lagged,
-                convert_187,
-                state_plus_notch,
+                lagged_twice,
+                convert_205,
+                state_notch,
                 in_track_balise_number,
                 balise_squares,
                 balise_errors,
@@ -414,12 +459,14 @@ def step(parts: Parts) -> Step:
                 wheel_bounded,
                 place_correction,
                 lagged,
+                lagged_twice,
                 expected,
                 surprise,
                 observed_speed,
                 disturbance,
                 gain,
                 lag,
+                delay,
                 force,
                 speed_ahead,
                 position_error,
@@ -453,6 +500,10 @@ def step_1(parts: Parts) -> Step:
         c_lagged_0,
         c_lagged_1,
         c_lagged_2,
+        c_twice_0,
+        c_twice_1,
+        c_twice_2,
+        c_twice_3,
         c_integral_0,
         c_integral_1,
         c_integral_2,
@@ -468,10 +519,15 @@ def step_1(parts: Parts) -> Step:
         c_gain_min,
         c_lag_max,
         c_minus_lag_max,
+        c_delay_max,
+        c_minus_delay_max,
         c_delay_lagged_0,
         c_delay_lagged_1,
         c_delay_integral_0,
         c_delay_integral_1,
+        c_delay_twice_0,
+        c_delay_twice_1,
+        c_delay_twice_2,
         c_pole,
         c_delay,
         c_advance,
@@ -507,6 +563,7 @@ def step_1(parts: Parts) -> Step:
         t_observe_lag,
         t_by_position,
         t_by_speed,
+        t_observe_delay,
         t_ending,
         t_stop_by_position,
         t_stop_by_speed,
@@ -515,26 +572,30 @@ def step_1(parts: Parts) -> Step:
     (last_0,) = parts.lasts
     div = parts.number.div
     (
-        low_plus_observer_speed,
-        high_plus_observer_speed,
-        low_plus_observer_disturbance,
-        high_plus_observer_disturbance,
-        low_plus_observer_gain,
-        high_plus_observer_gain,
-        low_plus_observer_lag,
-        high_plus_observer_lag,
-        low_plus_observer_lagged,
-        high_plus_observer_lagged,
-        low_plus_notch,
-        high_plus_notch,
-        low_plus_notch_before,
-        high_plus_notch_before,
-        low_plus_balises_number,
-        high_plus_balises_number,
-        low_plus_balises_squares,
-        high_plus_balises_squares,
-        low_plus_balises_errors,
-        high_plus_balises_errors,
+        low_observer_speed,
+        high_observer_speed,
+        low_observer_disturbance,
+        high_observer_disturbance,
+        low_observer_gain,
+        high_observer_gain,
+        low_observer_lag,
+        high_observer_lag,
+        low_observer_delay,
+        high_observer_delay,
+        low_observer_lagged,
+        high_observer_lagged,
+        low_observer_lagged_twice,
+        high_observer_lagged_twice,
+        low_notch,
+        high_notch,
+        low_notch_before,
+        high_notch_before,
+        low_balises_number,
+        high_balises_number,
+        low_balises_squares,
+        high_balises_squares,
+        low_balises_errors,
+        high_balises_errors,
         low_wheel_low,
         high_wheel_low,
         low_wheel_high,
@@ -543,16 +604,18 @@ def step_1(parts: Parts) -> Step:
 
     def period(state: Values, given: Values) -> tuple[Values, Values, Values] | None:
         (
-            state_plus_observer_speed,
-            state_plus_observer_disturbance,
-            state_plus_observer_gain,
-            state_plus_observer_lag,
-            state_plus_observer_lagged,
-            state_plus_notch,
-            state_plus_notch_before,
-            state_plus_balises_number,
-            state_plus_balises_squares,
-            state_plus_balises_errors,
+            state_observer_speed,
+            state_observer_disturbance,
+            state_observer_gain,
+            state_observer_lag,
+            state_observer_delay,
+            state_observer_lagged,
+            state_observer_lagged_twice,
+            state_notch,
+            state_notch_before,
+            state_balises_number,
+            state_balises_squares,
+            state_balises_errors,
             state_wheel_low,
             state_wheel_high,
         ) = state
@@ -565,262 +628,291 @@ def step_1(parts: Parts) -> Step:
             in_track_balise_position_01mm,
             in_track_balise_odometer_01mm,
         ) = given
-        if not low_plus_observer_speed <= state_plus_observer_speed <= high_plus_observer_speed:
+        if not low_observer_speed <= state_observer_speed <= high_observer_speed:
             return None
-        if not low_plus_observer_disturbance <= state_plus_observer_disturbance <= high_plus_observer_disturbance:
+        if not low_observer_disturbance <= state_observer_disturbance <= high_observer_disturbance:
             return None
-        if not low_plus_observer_gain <= state_plus_observer_gain <= high_plus_observer_gain:
+        if not low_observer_gain <= state_observer_gain <= high_observer_gain:
             return None
-        if not low_plus_observer_lag <= state_plus_observer_lag <= high_plus_observer_lag:
+        if not low_observer_lag <= state_observer_lag <= high_observer_lag:
             return None
-        if not low_plus_observer_lagged <= state_plus_observer_lagged <= high_plus_observer_lagged:
+        if not low_observer_delay <= state_observer_delay <= high_observer_delay:
             return None
-        if not low_plus_notch <= state_plus_notch <= high_plus_notch:
+        if not low_observer_lagged <= state_observer_lagged <= high_observer_lagged:
             return None
-        if not low_plus_notch_before <= state_plus_notch_before <= high_plus_notch_before:
+        if not low_observer_lagged_twice <= state_observer_lagged_twice <= high_observer_lagged_twice:
             return None
-        if not low_plus_balises_number <= state_plus_balises_number <= high_plus_balises_number:
+        if not low_notch <= state_notch <= high_notch:
             return None
-        if not low_plus_balises_squares <= state_plus_balises_squares <= high_plus_balises_squares:
+        if not low_notch_before <= state_notch_before <= high_notch_before:
             return None
-        if not low_plus_balises_errors <= state_plus_balises_errors <= high_plus_balises_errors:
+        if not low_balises_number <= state_balises_number <= high_balises_number:
+            return None
+        if not low_balises_squares <= state_balises_squares <= high_balises_squares:
+            return None
+        if not low_balises_errors <= state_balises_errors <= high_balises_errors:
             return None
         if not low_wheel_low <= state_wheel_low <= high_wheel_low:
             return None
         if not low_wheel_high <= state_wheel_high <= high_wheel_high:
             return None
-        index_19 = min(max(in_track_k, 0), last_0)
-        at_20 = t_target_position[index_19]
-        at_21 = t_target_speed[index_19]
-        at_22 = t_feed_forward[index_19]
-        at_23 = t_planned_force[index_19]
-        at_24 = t_force_rate[index_19]
-        at_25 = t_notch_upper[index_19]
-        at_26 = t_notch_lower[index_19]
-        at_27 = t_drag_over_period[index_19]
-        at_28 = t_drag_over_delay[index_19]
-        at_29 = t_observe_speed[index_19]
-        at_30 = t_observe_disturbance[index_19]
-        at_31 = t_observe_gain[index_19]
-        at_32 = t_observe_lag[index_19]
-        at_33 = t_by_position[index_19]
-        at_34 = t_by_speed[index_19]
-        at_35 = t_ending[index_19]
-        at_36 = t_stop_by_position[index_19]
-        at_37 = t_stop_by_speed[index_19]
-        at_38 = t_stop_by_force[index_19]
-        clip_39 = in_track_balise_position_01mm if in_track_balise_position_01mm < c_odometer_max else c_odometer_max
-        if clip_39 < c_zero:
-            clip_39 = c_zero
-        clip_40 = in_track_balise_odometer_01mm if in_track_balise_odometer_01mm < c_odometer_max else c_odometer_max
-        if clip_40 < c_zero:
-            clip_40 = c_zero
-        rmpy_41 = clip_40 * c_per_distance + 16777216 >> 25
-        sub_42 = clip_39 - clip_40
-        rmpy_43 = sub_42 * c_per_distance + 4194304 >> 23
-        rmpy_44 = rmpy_41 * rmpy_41 + 536870912 >> 30
-        add_45 = state_plus_balises_squares + rmpy_44
-        clip_46 = rmpy_43 if rmpy_43 < c_wheel_max else c_wheel_max
-        if clip_46 < c_minus_wheel_max:
-            clip_46 = c_minus_wheel_max
-        rmpy_47 = rmpy_41 * clip_46 + 2147483648 >> 32
-        add_48 = state_plus_balises_errors + rmpy_47
-        clip_49 = add_48 if add_48 < c_sum_max else c_sum_max
-        if clip_49 < c_minus_sum_max:
-            clip_49 = c_minus_sum_max
-        sub_50 = in_track_balise_number - state_plus_balises_number
-        abs_51 = abs(sub_50)
-        gt_52 = abs_51 > c_zero
-        rmpy_53 = rmpy_41 * c_wheel_max + 134217728 >> 28
-        add_54 = rmpy_53 + c_balise_slack
-        abs_55 = abs(rmpy_43)
-        gt_56 = add_54 > abs_55
-        gt_57 = c_sum_max > add_45
-        where_58 = add_45 if gt_57 else state_plus_balises_squares
-        where_59 = where_58 if gt_56 else state_plus_balises_squares
-        balise_squares = where_59 if gt_52 else state_plus_balises_squares
-        where_61 = clip_49 if gt_57 else state_plus_balises_errors
-        where_62 = where_61 if gt_56 else state_plus_balises_errors
-        balise_errors = where_62 if gt_52 else state_plus_balises_errors
-        div_64 = div(balise_errors, balise_squares, 30)
-        wheel = div_64 if div_64 < c_wheel_max else c_wheel_max
+        index_21 = min(max(in_track_k, 0), last_0)
+        at_22 = t_target_position[index_21]
+        at_23 = t_target_speed[index_21]
+        at_24 = t_feed_forward[index_21]
+        at_25 = t_planned_force[index_21]
+        at_26 = t_force_rate[index_21]
+        at_27 = t_notch_upper[index_21]
+        at_28 = t_notch_lower[index_21]
+        at_29 = t_drag_over_period[index_21]
+        at_30 = t_drag_over_delay[index_21]
+        at_31 = t_observe_speed[index_21]
+        at_32 = t_observe_disturbance[index_21]
+        at_33 = t_observe_gain[index_21]
+        at_34 = t_observe_lag[index_21]
+        at_35 = t_by_position[index_21]
+        at_36 = t_by_speed[index_21]
+        at_37 = t_observe_delay[index_21]
+        at_38 = t_ending[index_21]
+        at_39 = t_stop_by_position[index_21]
+        at_40 = t_stop_by_speed[index_21]
+        at_41 = t_stop_by_force[index_21]
+        clip_42 = in_track_balise_position_01mm if in_track_balise_position_01mm < c_odometer_max else c_odometer_max
+        if clip_42 < c_zero:
+            clip_42 = c_zero
+        clip_43 = in_track_balise_odometer_01mm if in_track_balise_odometer_01mm < c_odometer_max else c_odometer_max
+        if clip_43 < c_zero:
+            clip_43 = c_zero
+        rmpy_44 = clip_43 * c_per_distance + 16777216 >> 25
+        sub_45 = clip_42 - clip_43
+        rmpy_46 = sub_45 * c_per_distance + 4194304 >> 23
+        rmpy_47 = rmpy_44 * rmpy_44 + 536870912 >> 30
+        add_48 = state_balises_squares + rmpy_47
+        clip_49 = rmpy_46 if rmpy_46 < c_wheel_max else c_wheel_max
+        if clip_49 < c_minus_wheel_max:
+            clip_49 = c_minus_wheel_max
+        rmpy_50 = rmpy_44 * clip_49 + 2147483648 >> 32
+        add_51 = state_balises_errors + rmpy_50
+        clip_52 = add_51 if add_51 < c_sum_max else c_sum_max
+        if clip_52 < c_minus_sum_max:
+            clip_52 = c_minus_sum_max
+        sub_53 = in_track_balise_number - state_balises_number
+        abs_54 = abs(sub_53)
+        gt_55 = abs_54 > c_zero
+        rmpy_56 = rmpy_44 * c_wheel_max + 134217728 >> 28
+        add_57 = rmpy_56 + c_balise_slack
+        abs_58 = abs(rmpy_46)
+        gt_59 = add_57 > abs_58
+        gt_60 = c_sum_max > add_48
+        where_61 = add_48 if gt_60 else state_balises_squares
+        where_62 = where_61 if gt_59 else state_balises_squares
+        balise_squares = where_62 if gt_55 else state_balises_squares
+        where_64 = clip_52 if gt_60 else state_balises_errors
+        where_65 = where_64 if gt_59 else state_balises_errors
+        balise_errors = where_65 if gt_55 else state_balises_errors
+        div_67 = div(balise_errors, balise_squares, 30)
+        wheel = div_67 if div_67 < c_wheel_max else c_wheel_max
         if wheel < c_minus_wheel_max:
             wheel = c_minus_wheel_max
-        clip_66 = in_track_position_01mm if in_track_position_01mm < c_odometer_max else c_odometer_max
-        if clip_66 < c_zero:
-            clip_66 = c_zero
-        correction = clip_66 * wheel + 8388608 >> 24
-        clip_68 = in_track_balise_position_01mm if in_track_balise_position_01mm < c_odometer_max else c_odometer_max
-        if clip_68 < c_zero:
-            clip_68 = c_zero
-        clip_69 = in_track_balise_odometer_01mm if in_track_balise_odometer_01mm < c_odometer_max else c_odometer_max
+        clip_69 = in_track_position_01mm if in_track_position_01mm < c_odometer_max else c_odometer_max
         if clip_69 < c_zero:
             clip_69 = c_zero
-        rmpy_70 = clip_69 * c_per_distance + 16777216 >> 25
-        sub_71 = clip_68 - clip_69
-        rmpy_72 = sub_71 * c_per_distance + 4194304 >> 23
-        clip_73 = rmpy_72 if rmpy_72 < c_bound_max else c_bound_max
-        if clip_73 < c_minus_bound_max:
-            clip_73 = c_minus_bound_max
-        maximum_74 = c_share_min if c_share_min > rmpy_70 else rmpy_70
-        convert_75 = maximum_74 << 2
-        sub_76 = clip_73 - c_tolerance
-        div_77 = div(sub_76, convert_75, 30)
-        add_78 = clip_73 + c_tolerance
-        div_79 = div(add_78, convert_75, 30)
-        gt_80 = balise_squares > state_plus_balises_squares
-        gt_81 = rmpy_70 > c_share_min
-        maximum_82 = state_wheel_low if state_wheel_low > div_77 else div_77
-        clip_83 = maximum_82 if maximum_82 < c_wheel_max else c_wheel_max
-        if clip_83 < c_minus_wheel_max_2:
-            clip_83 = c_minus_wheel_max_2
-        where_84 = clip_83 if gt_81 else state_wheel_low
-        wheel_low = where_84 if gt_80 else state_wheel_low
-        minimum_86 = state_wheel_high if state_wheel_high < div_79 else div_79
-        clip_87 = minimum_86 if minimum_86 < c_wheel_max else c_wheel_max
-        if clip_87 < c_minus_wheel_max_2:
-            clip_87 = c_minus_wheel_max_2
-        where_88 = clip_87 if gt_81 else state_wheel_high
-        wheel_high = where_88 if gt_80 else state_wheel_high
-        add_90 = wheel_low + wheel_high
-        rmpy_91 = add_90 * c_half + 8388608 >> 24
-        gt_92 = wheel_low > wheel_high
-        wheel_bounded = wheel if gt_92 else rmpy_91
-        place_correction = clip_66 * wheel_bounded + 8388608 >> 24
-        lagged = c_lagged_0 * state_plus_observer_lagged + 8388608 >> 24
-        lagged += c_lagged_1 * state_plus_notch_before + 8388608 >> 24
-        lagged += c_lagged_2 * state_plus_notch + 8388608 >> 24
-        dot_96 = c_integral_0 * state_plus_observer_lagged + 8388608 >> 24
-        dot_96 += c_integral_1 * state_plus_notch_before + 8388608 >> 24
-        dot_96 += c_integral_2 * state_plus_notch + 8388608 >> 24
-        sub_97 = lagged - state_plus_observer_lagged
-        rmpy_98 = state_plus_observer_lag * sub_97 + 8388608 >> 24
-        sub_99 = dot_96 - rmpy_98
-        rmpy_100 = state_plus_observer_gain * sub_99 + 33554432 >> 26
-        add_101 = state_plus_observer_speed + rmpy_100
-        rmpy_102 = state_plus_observer_disturbance * c_period + 33554432 >> 26
-        add_103 = add_101 + rmpy_102
-        sub_104 = add_103 - at_27
-        gt_105 = in_speed > c_zero
-        gt_106 = sub_104 > c_standstill
-        where_107 = sub_104 if gt_106 else c_zero
-        expected = sub_104 if gt_105 else where_107
-        sub_109 = in_speed - expected
-        clip_110 = sub_109 if sub_109 < c_innovation_max else c_innovation_max
-        if clip_110 < c_minus_innovation_max:
-            clip_110 = c_minus_innovation_max
-        surprise = clip_110 if gt_105 else c_zero
-        rmpy_112 = surprise * at_29 + 8388608 >> 24
-        add_113 = expected + rmpy_112
-        observed_speed = add_113 if add_113 < c_speed_max else c_speed_max
+        correction = clip_69 * wheel + 8388608 >> 24
+        clip_71 = in_track_balise_position_01mm if in_track_balise_position_01mm < c_odometer_max else c_odometer_max
+        if clip_71 < c_zero:
+            clip_71 = c_zero
+        clip_72 = in_track_balise_odometer_01mm if in_track_balise_odometer_01mm < c_odometer_max else c_odometer_max
+        if clip_72 < c_zero:
+            clip_72 = c_zero
+        rmpy_73 = clip_72 * c_per_distance + 16777216 >> 25
+        sub_74 = clip_71 - clip_72
+        rmpy_75 = sub_74 * c_per_distance + 4194304 >> 23
+        clip_76 = rmpy_75 if rmpy_75 < c_bound_max else c_bound_max
+        if clip_76 < c_minus_bound_max:
+            clip_76 = c_minus_bound_max
+        maximum_77 = c_share_min if c_share_min > rmpy_73 else rmpy_73
+        convert_78 = maximum_77 << 2
+        sub_79 = clip_76 - c_tolerance
+        div_80 = div(sub_79, convert_78, 30)
+        add_81 = clip_76 + c_tolerance
+        div_82 = div(add_81, convert_78, 30)
+        gt_83 = balise_squares > state_balises_squares
+        gt_84 = rmpy_73 > c_share_min
+        maximum_85 = state_wheel_low if state_wheel_low > div_80 else div_80
+        clip_86 = maximum_85 if maximum_85 < c_wheel_max else c_wheel_max
+        if clip_86 < c_minus_wheel_max_2:
+            clip_86 = c_minus_wheel_max_2
+        where_87 = clip_86 if gt_84 else state_wheel_low
+        wheel_low = where_87 if gt_83 else state_wheel_low
+        minimum_89 = state_wheel_high if state_wheel_high < div_82 else div_82
+        clip_90 = minimum_89 if minimum_89 < c_wheel_max else c_wheel_max
+        if clip_90 < c_minus_wheel_max_2:
+            clip_90 = c_minus_wheel_max_2
+        where_91 = clip_90 if gt_84 else state_wheel_high
+        wheel_high = where_91 if gt_83 else state_wheel_high
+        add_93 = wheel_low + wheel_high
+        rmpy_94 = add_93 * c_half + 8388608 >> 24
+        gt_95 = wheel_low > wheel_high
+        wheel_bounded = wheel if gt_95 else rmpy_94
+        place_correction = clip_69 * wheel_bounded + 8388608 >> 24
+        lagged = c_lagged_0 * state_observer_lagged + 8388608 >> 24
+        lagged += c_lagged_1 * state_notch_before + 8388608 >> 24
+        lagged += c_lagged_2 * state_notch + 8388608 >> 24
+        lagged_twice = c_twice_0 * state_observer_lagged_twice + 8388608 >> 24
+        lagged_twice += c_twice_1 * state_observer_lagged + 8388608 >> 24
+        lagged_twice += c_twice_2 * state_notch_before + 8388608 >> 24
+        lagged_twice += c_twice_3 * state_notch + 8388608 >> 24
+        dot_100 = c_integral_0 * state_observer_lagged + 8388608 >> 24
+        dot_100 += c_integral_1 * state_notch_before + 8388608 >> 24
+        dot_100 += c_integral_2 * state_notch + 8388608 >> 24
+        sub_101 = lagged_twice - state_observer_lagged_twice
+        rmpy_102 = state_observer_lag * sub_101 + 8388608 >> 24
+        sub_103 = lagged - state_observer_lagged
+        rmpy_104 = state_observer_delay * sub_103 + 8388608 >> 24
+        add_105 = rmpy_102 + rmpy_104
+        sub_106 = dot_100 - add_105
+        rmpy_107 = state_observer_gain * sub_106 + 33554432 >> 26
+        add_108 = state_observer_speed + rmpy_107
+        rmpy_109 = state_observer_disturbance * c_period + 33554432 >> 26
+        add_110 = add_108 + rmpy_109
+        sub_111 = add_110 - at_29
+        gt_112 = in_speed > c_zero
+        gt_113 = sub_111 > c_standstill
+        where_114 = sub_111 if gt_113 else c_zero
+        expected = sub_111 if gt_112 else where_114
+        sub_116 = in_speed - expected
+        clip_117 = sub_116 if sub_116 < c_innovation_max else c_innovation_max
+        if clip_117 < c_minus_innovation_max:
+            clip_117 = c_minus_innovation_max
+        surprise = clip_117 if gt_112 else c_zero
+        rmpy_119 = surprise * at_31 + 8388608 >> 24
+        add_120 = expected + rmpy_119
+        observed_speed = add_120 if add_120 < c_speed_max else c_speed_max
         if observed_speed < c_minus_speed_max:
             observed_speed = c_minus_speed_max
-        rmpy_115 = surprise * at_30 + 2097152 >> 22
-        add_116 = state_plus_observer_disturbance + rmpy_115
-        disturbance = add_116 if add_116 < c_disturbance_max else c_disturbance_max
+        rmpy_122 = surprise * at_32 + 2097152 >> 22
+        add_123 = state_observer_disturbance + rmpy_122
+        disturbance = add_123 if add_123 < c_disturbance_max else c_disturbance_max
         if disturbance < c_minus_disturbance_max:
             disturbance = c_minus_disturbance_max
-        rmpy_118 = surprise * at_31 + 2097152 >> 22
-        add_119 = state_plus_observer_gain + rmpy_118
-        gain = add_119 if add_119 < c_gain_max else c_gain_max
+        rmpy_125 = surprise * at_33 + 2097152 >> 22
+        add_126 = state_observer_gain + rmpy_125
+        gain = add_126 if add_126 < c_gain_max else c_gain_max
         if gain < c_gain_min:
             gain = c_gain_min
-        rmpy_121 = surprise * at_32 + 524288 >> 20
-        add_122 = state_plus_observer_lag + rmpy_121
-        lag = add_122 if add_122 < c_lag_max else c_lag_max
+        rmpy_128 = surprise * at_34 + 524288 >> 20
+        add_129 = state_observer_lag + rmpy_128
+        lag = add_129 if add_129 < c_lag_max else c_lag_max
         if lag < c_minus_lag_max:
             lag = c_minus_lag_max
-        dot_124 = c_delay_lagged_0 * lagged + 8388608 >> 24
-        dot_124 += c_delay_lagged_1 * state_plus_notch + 8388608 >> 24
-        dot_125 = c_delay_integral_0 * lagged + 8388608 >> 24
-        dot_125 += c_delay_integral_1 * state_plus_notch + 8388608 >> 24
-        sub_126 = state_plus_notch - dot_124
-        rmpy_127 = sub_126 * c_pole + 8388608 >> 24
-        rmpy_128 = lag * rmpy_127 + 8388608 >> 24
-        sub_129 = dot_124 - rmpy_128
-        force = gain * sub_129 + 8388608 >> 24
-        sub_131 = dot_124 - lagged
-        rmpy_132 = lag * sub_131 + 8388608 >> 24
-        sub_133 = dot_125 - rmpy_132
-        rmpy_134 = gain * sub_133 + 33554432 >> 26
-        add_135 = observed_speed + rmpy_134
-        rmpy_136 = disturbance * c_delay + 33554432 >> 26
-        add_137 = add_135 + rmpy_136
-        sub_138 = add_137 - at_28
-        rmpy_139 = sub_138 * wheel_bounded + 536870912 >> 30
-        speed_ahead = sub_138 + rmpy_139
-        add_141 = observed_speed + speed_ahead
-        rmpy_142 = add_141 * c_advance + 536870912 >> 30
-        sub_143 = at_20 - clip_66
-        clip_144 = sub_143 if sub_143 < c_gap_max else c_gap_max
-        if clip_144 < c_minus_gap_max:
-            clip_144 = c_minus_gap_max
-        convert_145 = clip_144 << 6
-        add_146 = place_correction + rmpy_142
-        sub_147 = convert_145 - add_146
-        position_error = sub_147 if sub_147 < c_position_error_max else c_position_error_max
+        rmpy_131 = surprise * at_37 + 524288 >> 20
+        add_132 = state_observer_delay + rmpy_131
+        delay = add_132 if add_132 < c_delay_max else c_delay_max
+        if delay < c_minus_delay_max:
+            delay = c_minus_delay_max
+        dot_134 = c_delay_lagged_0 * lagged + 8388608 >> 24
+        dot_134 += c_delay_lagged_1 * state_notch + 8388608 >> 24
+        dot_135 = c_delay_integral_0 * lagged + 8388608 >> 24
+        dot_135 += c_delay_integral_1 * state_notch + 8388608 >> 24
+        dot_136 = c_delay_twice_0 * lagged_twice + 8388608 >> 24
+        dot_136 += c_delay_twice_1 * lagged + 8388608 >> 24
+        dot_136 += c_delay_twice_2 * state_notch + 8388608 >> 24
+        sub_137 = dot_134 - dot_136
+        rmpy_138 = lag * sub_137 + 8388608 >> 24
+        sub_139 = state_notch - dot_134
+        rmpy_140 = delay * sub_139 + 8388608 >> 24
+        add_141 = rmpy_138 + rmpy_140
+        rmpy_142 = add_141 * c_pole + 8388608 >> 24
+        sub_143 = dot_134 - rmpy_142
+        force = gain * sub_143 + 8388608 >> 24
+        sub_145 = dot_136 - lagged_twice
+        rmpy_146 = lag * sub_145 + 8388608 >> 24
+        sub_147 = dot_134 - lagged
+        rmpy_148 = delay * sub_147 + 8388608 >> 24
+        add_149 = rmpy_146 + rmpy_148
+        sub_150 = dot_135 - add_149
+        rmpy_151 = gain * sub_150 + 33554432 >> 26
+        add_152 = observed_speed + rmpy_151
+        rmpy_153 = disturbance * c_delay + 33554432 >> 26
+        add_154 = add_152 + rmpy_153
+        sub_155 = add_154 - at_30
+        rmpy_156 = sub_155 * wheel_bounded + 536870912 >> 30
+        speed_ahead = sub_155 + rmpy_156
+        add_158 = observed_speed + speed_ahead
+        rmpy_159 = add_158 * c_advance + 536870912 >> 30
+        sub_160 = at_22 - clip_69
+        clip_161 = sub_160 if sub_160 < c_gap_max else c_gap_max
+        if clip_161 < c_minus_gap_max:
+            clip_161 = c_minus_gap_max
+        convert_162 = clip_161 << 6
+        add_163 = place_correction + rmpy_159
+        sub_164 = convert_162 - add_163
+        position_error = sub_164 if sub_164 < c_position_error_max else c_position_error_max
         if position_error < c_minus_position_error_max:
             position_error = c_minus_position_error_max
-        sub_149 = at_21 - speed_ahead
-        speed_error = sub_149 if sub_149 < c_speed_error_max else c_speed_error_max
+        sub_166 = at_23 - speed_ahead
+        speed_error = sub_166 if sub_166 < c_speed_error_max else c_speed_error_max
         if speed_error < c_minus_speed_error_max:
             speed_error = c_minus_speed_error_max
-        rmpy_151 = at_23 * wheel_bounded + 536870912 >> 30
-        sub_152 = at_23 - rmpy_151
-        sub_153 = sub_152 - disturbance
-        sub_154 = sub_153 - force
-        rmpy_155 = position_error * at_33 + 8388608 >> 24
-        rmpy_156 = speed_error * at_34 + 2097152 >> 22
-        add_157 = rmpy_155 + rmpy_156
-        rmpy_158 = sub_154 * c_by_force + 8388608 >> 24
-        add_159 = add_157 + rmpy_158
-        clip_160 = position_error if position_error < c_capture_position else c_capture_position
-        if clip_160 < c_minus_capture_position:
-            clip_160 = c_minus_capture_position
-        clip_161 = speed_error if speed_error < c_capture_speed else c_capture_speed
-        if clip_161 < c_minus_capture_speed:
-            clip_161 = c_minus_capture_speed
-        rmpy_162 = clip_160 * at_36 + 524288 >> 20
-        rmpy_163 = clip_161 * at_37 + 2097152 >> 22
-        add_164 = rmpy_162 + rmpy_163
-        rmpy_165 = sub_154 * at_38 + 8388608 >> 24
-        add_166 = add_164 + rmpy_165
-        stop_correction = add_166 if add_166 < c_correction_max else c_correction_max
+        rmpy_168 = at_25 * wheel_bounded + 536870912 >> 30
+        sub_169 = at_25 - rmpy_168
+        sub_170 = sub_169 - disturbance
+        sub_171 = sub_170 - force
+        rmpy_172 = position_error * at_35 + 8388608 >> 24
+        rmpy_173 = speed_error * at_36 + 2097152 >> 22
+        add_174 = rmpy_172 + rmpy_173
+        rmpy_175 = sub_171 * c_by_force + 8388608 >> 24
+        add_176 = add_174 + rmpy_175
+        clip_177 = position_error if position_error < c_capture_position else c_capture_position
+        if clip_177 < c_minus_capture_position:
+            clip_177 = c_minus_capture_position
+        clip_178 = speed_error if speed_error < c_capture_speed else c_capture_speed
+        if clip_178 < c_minus_capture_speed:
+            clip_178 = c_minus_capture_speed
+        rmpy_179 = clip_177 * at_39 + 524288 >> 20
+        rmpy_180 = clip_178 * at_40 + 2097152 >> 22
+        add_181 = rmpy_179 + rmpy_180
+        rmpy_182 = sub_171 * at_41 + 8388608 >> 24
+        add_183 = add_181 + rmpy_182
+        stop_correction = add_183 if add_183 < c_correction_max else c_correction_max
         if stop_correction < c_minus_correction_max:
             stop_correction = c_minus_correction_max
-        sub_168 = position_error - clip_160
-        abs_169 = abs(sub_168)
-        sub_170 = speed_error - clip_161
-        abs_171 = abs(sub_170)
-        gt_172 = abs_169 > c_zero
-        gt_173 = abs_171 > c_zero
-        where_174 = add_159 if gt_173 else stop_correction
-        where_175 = add_159 if gt_172 else where_174
-        gt_176 = at_35 > c_zero
-        where_177 = where_175 if gt_176 else add_159
-        rmpy_178 = at_24 * lag + 8388608 >> 24
-        add_179 = at_22 + rmpy_178
-        rmpy_180 = add_179 * wheel_bounded + 536870912 >> 30
-        sub_181 = add_179 - rmpy_180
-        sub_182 = sub_181 - disturbance
-        accel = sub_182 + where_177
+        sub_185 = position_error - clip_177
+        abs_186 = abs(sub_185)
+        sub_187 = speed_error - clip_178
+        abs_188 = abs(sub_187)
+        gt_189 = abs_186 > c_zero
+        gt_190 = abs_188 > c_zero
+        where_191 = add_176 if gt_190 else stop_correction
+        where_192 = add_176 if gt_189 else where_191
+        gt_193 = at_38 > c_zero
+        where_194 = where_192 if gt_193 else add_176
+        add_195 = lag + delay
+        rmpy_196 = at_26 * add_195 + 8388608 >> 24
+        add_197 = at_24 + rmpy_196
+        rmpy_198 = add_197 * wheel_bounded + 536870912 >> 30
+        sub_199 = add_197 - rmpy_198
+        sub_200 = sub_199 - disturbance
+        accel = sub_200 + where_194
         notch_raw = div(accel, gain, 19)
-        if at_26 > at_25:
+        if at_28 > at_27:
             return None
-        clip_185 = notch_raw if notch_raw < at_25 else at_25
-        if clip_185 < at_26:
-            clip_185 = at_26
-        notch = clip_185 + 1024 >> 11
-        convert_187 = notch << 16
+        clip_203 = notch_raw if notch_raw < at_27 else at_27
+        if clip_203 < at_28:
+            clip_203 = at_28
+        notch = clip_203 + 1024 >> 11
+        convert_205 = notch << 16
         return (
             (
                 observed_speed,
                 disturbance,
                 gain,
                 lag,
+                delay,
                 lagged,
-                convert_187,
-                state_plus_notch,
+                lagged_twice,
+                convert_205,
+                state_notch,
                 in_track_balise_number,
                 balise_squares,
                 balise_errors,
@@ -843,12 +935,14 @@ def step_1(parts: Parts) -> Step:
                 wheel_bounded,
                 place_correction,
                 lagged,
+                lagged_twice,
                 expected,
                 surprise,
                 observed_speed,
                 disturbance,
                 gain,
                 lag,
+                delay,
                 force,
                 speed_ahead,
                 position_error,

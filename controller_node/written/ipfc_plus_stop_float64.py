@@ -24,6 +24,10 @@ def step(parts: Parts) -> Step:
         c_lagged_0,
         c_lagged_1,
         c_lagged_2,
+        c_twice_0,
+        c_twice_1,
+        c_twice_2,
+        c_twice_3,
         c_integral_0,
         c_integral_1,
         c_integral_2,
@@ -39,10 +43,15 @@ def step(parts: Parts) -> Step:
         c_gain_min,
         c_lag_max,
         c_minus_lag_max,
+        c_delay_max,
+        c_minus_delay_max,
         c_delay_lagged_0,
         c_delay_lagged_1,
         c_delay_integral_0,
         c_delay_integral_1,
+        c_delay_twice_0,
+        c_delay_twice_1,
+        c_delay_twice_2,
         c_pole,
         c_delay,
         c_advance,
@@ -78,6 +87,7 @@ def step(parts: Parts) -> Step:
         t_observe_lag,
         t_by_position,
         t_by_speed,
+        t_observe_delay,
         t_ending,
         t_stop_by_position,
         t_stop_by_speed,
@@ -89,16 +99,18 @@ def step(parts: Parts) -> Step:
 
     def period(state: Values, given: Values) -> tuple[Values, Values, Values] | None:
         (
-            state_plus_observer_speed,
-            state_plus_observer_disturbance,
-            state_plus_observer_gain,
-            state_plus_observer_lag,
-            state_plus_observer_lagged,
-            state_plus_notch,
-            state_plus_notch_before,
-            state_plus_balises_number,
-            state_plus_balises_squares,
-            state_plus_balises_errors,
+            state_observer_speed,
+            state_observer_disturbance,
+            state_observer_gain,
+            state_observer_lag,
+            state_observer_delay,
+            state_observer_lagged,
+            state_observer_lagged_twice,
+            state_notch,
+            state_notch_before,
+            state_balises_number,
+            state_balises_squares,
+            state_balises_errors,
             state_wheel_low,
             state_wheel_high,
         ) = state
@@ -111,236 +123,261 @@ def step(parts: Parts) -> Step:
             in_track_balise_position_01mm,
             in_track_balise_odometer_01mm,
         ) = given
-        index_19 = min(max(in_track_k, 0), last_0)
-        at_20 = t_target_position[index_19]
-        at_21 = t_target_speed[index_19]
-        at_22 = t_feed_forward[index_19]
-        at_23 = t_planned_force[index_19]
-        at_24 = t_force_rate[index_19]
-        at_25 = t_notch_upper[index_19]
-        at_26 = t_notch_lower[index_19]
-        at_27 = t_drag_over_period[index_19]
-        at_28 = t_drag_over_delay[index_19]
-        at_29 = t_observe_speed[index_19]
-        at_30 = t_observe_disturbance[index_19]
-        at_31 = t_observe_gain[index_19]
-        at_32 = t_observe_lag[index_19]
-        at_33 = t_by_position[index_19]
-        at_34 = t_by_speed[index_19]
-        at_35 = t_ending[index_19]
-        at_36 = t_stop_by_position[index_19]
-        at_37 = t_stop_by_speed[index_19]
-        at_38 = t_stop_by_force[index_19]
-        clip_39 = c_zero if c_zero > in_track_balise_position_01mm else in_track_balise_position_01mm
-        if c_odometer_max < clip_39:
-            clip_39 = c_odometer_max
-        clip_40 = c_zero if c_zero > in_track_balise_odometer_01mm else in_track_balise_odometer_01mm
-        if c_odometer_max < clip_40:
-            clip_40 = c_odometer_max
-        rmpy_41 = clip_40 * c_per_distance
-        sub_42 = clip_39 - clip_40
-        rmpy_43 = sub_42 * c_per_distance
-        rmpy_44 = rmpy_41 * rmpy_41
-        add_45 = state_plus_balises_squares + rmpy_44
-        clip_46 = c_minus_wheel_max if c_minus_wheel_max > rmpy_43 else rmpy_43
-        if c_wheel_max < clip_46:
-            clip_46 = c_wheel_max
-        rmpy_47 = rmpy_41 * clip_46
-        add_48 = state_plus_balises_errors + rmpy_47
-        clip_49 = c_minus_sum_max if c_minus_sum_max > add_48 else add_48
-        if c_sum_max < clip_49:
-            clip_49 = c_sum_max
-        sub_50 = in_track_balise_number - state_plus_balises_number
-        abs_51 = abs(sub_50)
-        gt_52 = abs_51 > c_zero
-        rmpy_53 = rmpy_41 * c_wheel_max
-        add_54 = rmpy_53 + c_balise_slack
-        abs_55 = abs(rmpy_43)
-        gt_56 = add_54 > abs_55
-        gt_57 = c_sum_max > add_45
-        where_58 = add_45 if gt_57 else state_plus_balises_squares
-        where_59 = where_58 if gt_56 else state_plus_balises_squares
-        balise_squares = where_59 if gt_52 else state_plus_balises_squares
-        where_61 = clip_49 if gt_57 else state_plus_balises_errors
-        where_62 = where_61 if gt_56 else state_plus_balises_errors
-        balise_errors = where_62 if gt_52 else state_plus_balises_errors
-        div_64 = div(balise_errors, balise_squares, 30)
-        wheel = c_minus_wheel_max if c_minus_wheel_max > div_64 else div_64
+        index_21 = min(max(in_track_k, 0), last_0)
+        at_22 = t_target_position[index_21]
+        at_23 = t_target_speed[index_21]
+        at_24 = t_feed_forward[index_21]
+        at_25 = t_planned_force[index_21]
+        at_26 = t_force_rate[index_21]
+        at_27 = t_notch_upper[index_21]
+        at_28 = t_notch_lower[index_21]
+        at_29 = t_drag_over_period[index_21]
+        at_30 = t_drag_over_delay[index_21]
+        at_31 = t_observe_speed[index_21]
+        at_32 = t_observe_disturbance[index_21]
+        at_33 = t_observe_gain[index_21]
+        at_34 = t_observe_lag[index_21]
+        at_35 = t_by_position[index_21]
+        at_36 = t_by_speed[index_21]
+        at_37 = t_observe_delay[index_21]
+        at_38 = t_ending[index_21]
+        at_39 = t_stop_by_position[index_21]
+        at_40 = t_stop_by_speed[index_21]
+        at_41 = t_stop_by_force[index_21]
+        clip_42 = c_zero if c_zero > in_track_balise_position_01mm else in_track_balise_position_01mm
+        if c_odometer_max < clip_42:
+            clip_42 = c_odometer_max
+        clip_43 = c_zero if c_zero > in_track_balise_odometer_01mm else in_track_balise_odometer_01mm
+        if c_odometer_max < clip_43:
+            clip_43 = c_odometer_max
+        rmpy_44 = clip_43 * c_per_distance
+        sub_45 = clip_42 - clip_43
+        rmpy_46 = sub_45 * c_per_distance
+        rmpy_47 = rmpy_44 * rmpy_44
+        add_48 = state_balises_squares + rmpy_47
+        clip_49 = c_minus_wheel_max if c_minus_wheel_max > rmpy_46 else rmpy_46
+        if c_wheel_max < clip_49:
+            clip_49 = c_wheel_max
+        rmpy_50 = rmpy_44 * clip_49
+        add_51 = state_balises_errors + rmpy_50
+        clip_52 = c_minus_sum_max if c_minus_sum_max > add_51 else add_51
+        if c_sum_max < clip_52:
+            clip_52 = c_sum_max
+        sub_53 = in_track_balise_number - state_balises_number
+        abs_54 = abs(sub_53)
+        gt_55 = abs_54 > c_zero
+        rmpy_56 = rmpy_44 * c_wheel_max
+        add_57 = rmpy_56 + c_balise_slack
+        abs_58 = abs(rmpy_46)
+        gt_59 = add_57 > abs_58
+        gt_60 = c_sum_max > add_48
+        where_61 = add_48 if gt_60 else state_balises_squares
+        where_62 = where_61 if gt_59 else state_balises_squares
+        balise_squares = where_62 if gt_55 else state_balises_squares
+        where_64 = clip_52 if gt_60 else state_balises_errors
+        where_65 = where_64 if gt_59 else state_balises_errors
+        balise_errors = where_65 if gt_55 else state_balises_errors
+        div_67 = div(balise_errors, balise_squares, 30)
+        wheel = c_minus_wheel_max if c_minus_wheel_max > div_67 else div_67
         if c_wheel_max < wheel:
             wheel = c_wheel_max
-        clip_66 = c_zero if c_zero > in_track_position_01mm else in_track_position_01mm
-        if c_odometer_max < clip_66:
-            clip_66 = c_odometer_max
-        correction = clip_66 * wheel
-        clip_68 = c_zero if c_zero > in_track_balise_position_01mm else in_track_balise_position_01mm
-        if c_odometer_max < clip_68:
-            clip_68 = c_odometer_max
-        clip_69 = c_zero if c_zero > in_track_balise_odometer_01mm else in_track_balise_odometer_01mm
+        clip_69 = c_zero if c_zero > in_track_position_01mm else in_track_position_01mm
         if c_odometer_max < clip_69:
             clip_69 = c_odometer_max
-        rmpy_70 = clip_69 * c_per_distance
-        sub_71 = clip_68 - clip_69
-        rmpy_72 = sub_71 * c_per_distance
-        clip_73 = c_minus_bound_max if c_minus_bound_max > rmpy_72 else rmpy_72
-        if c_bound_max < clip_73:
-            clip_73 = c_bound_max
-        maximum_74 = c_share_min if c_share_min > rmpy_70 else rmpy_70
-        convert_75 = maximum_74
-        sub_76 = clip_73 - c_tolerance
-        div_77 = div(sub_76, convert_75, 30)
-        add_78 = clip_73 + c_tolerance
-        div_79 = div(add_78, convert_75, 30)
-        gt_80 = balise_squares > state_plus_balises_squares
-        gt_81 = rmpy_70 > c_share_min
-        maximum_82 = state_wheel_low if state_wheel_low > div_77 else div_77
-        clip_83 = c_minus_wheel_max_2 if c_minus_wheel_max_2 > maximum_82 else maximum_82
-        if c_wheel_max < clip_83:
-            clip_83 = c_wheel_max
-        where_84 = clip_83 if gt_81 else state_wheel_low
-        wheel_low = where_84 if gt_80 else state_wheel_low
-        minimum_86 = state_wheel_high if state_wheel_high < div_79 else div_79
-        clip_87 = c_minus_wheel_max_2 if c_minus_wheel_max_2 > minimum_86 else minimum_86
-        if c_wheel_max < clip_87:
-            clip_87 = c_wheel_max
-        where_88 = clip_87 if gt_81 else state_wheel_high
-        wheel_high = where_88 if gt_80 else state_wheel_high
-        add_90 = wheel_low + wheel_high
-        rmpy_91 = add_90 * c_half
-        gt_92 = wheel_low > wheel_high
-        wheel_bounded = wheel if gt_92 else rmpy_91
-        place_correction = clip_66 * wheel_bounded
-        lagged = 0.0 + c_lagged_0 * state_plus_observer_lagged
-        lagged += c_lagged_1 * state_plus_notch_before
-        lagged += c_lagged_2 * state_plus_notch
-        dot_96 = 0.0 + c_integral_0 * state_plus_observer_lagged
-        dot_96 += c_integral_1 * state_plus_notch_before
-        dot_96 += c_integral_2 * state_plus_notch
-        sub_97 = lagged - state_plus_observer_lagged
-        rmpy_98 = state_plus_observer_lag * sub_97
-        sub_99 = dot_96 - rmpy_98
-        rmpy_100 = state_plus_observer_gain * sub_99
-        add_101 = state_plus_observer_speed + rmpy_100
-        rmpy_102 = state_plus_observer_disturbance * c_period
-        add_103 = add_101 + rmpy_102
-        sub_104 = add_103 - at_27
-        gt_105 = in_speed > c_zero
-        gt_106 = sub_104 > c_standstill
-        where_107 = sub_104 if gt_106 else c_zero
-        expected = sub_104 if gt_105 else where_107
-        sub_109 = in_speed - expected
-        clip_110 = c_minus_innovation_max if c_minus_innovation_max > sub_109 else sub_109
-        if c_innovation_max < clip_110:
-            clip_110 = c_innovation_max
-        surprise = clip_110 if gt_105 else c_zero
-        rmpy_112 = surprise * at_29
-        add_113 = expected + rmpy_112
-        observed_speed = c_minus_speed_max if c_minus_speed_max > add_113 else add_113
+        correction = clip_69 * wheel
+        clip_71 = c_zero if c_zero > in_track_balise_position_01mm else in_track_balise_position_01mm
+        if c_odometer_max < clip_71:
+            clip_71 = c_odometer_max
+        clip_72 = c_zero if c_zero > in_track_balise_odometer_01mm else in_track_balise_odometer_01mm
+        if c_odometer_max < clip_72:
+            clip_72 = c_odometer_max
+        rmpy_73 = clip_72 * c_per_distance
+        sub_74 = clip_71 - clip_72
+        rmpy_75 = sub_74 * c_per_distance
+        clip_76 = c_minus_bound_max if c_minus_bound_max > rmpy_75 else rmpy_75
+        if c_bound_max < clip_76:
+            clip_76 = c_bound_max
+        maximum_77 = c_share_min if c_share_min > rmpy_73 else rmpy_73
+        convert_78 = maximum_77
+        sub_79 = clip_76 - c_tolerance
+        div_80 = div(sub_79, convert_78, 30)
+        add_81 = clip_76 + c_tolerance
+        div_82 = div(add_81, convert_78, 30)
+        gt_83 = balise_squares > state_balises_squares
+        gt_84 = rmpy_73 > c_share_min
+        maximum_85 = state_wheel_low if state_wheel_low > div_80 else div_80
+        clip_86 = c_minus_wheel_max_2 if c_minus_wheel_max_2 > maximum_85 else maximum_85
+        if c_wheel_max < clip_86:
+            clip_86 = c_wheel_max
+        where_87 = clip_86 if gt_84 else state_wheel_low
+        wheel_low = where_87 if gt_83 else state_wheel_low
+        minimum_89 = state_wheel_high if state_wheel_high < div_82 else div_82
+        clip_90 = c_minus_wheel_max_2 if c_minus_wheel_max_2 > minimum_89 else minimum_89
+        if c_wheel_max < clip_90:
+            clip_90 = c_wheel_max
+        where_91 = clip_90 if gt_84 else state_wheel_high
+        wheel_high = where_91 if gt_83 else state_wheel_high
+        add_93 = wheel_low + wheel_high
+        rmpy_94 = add_93 * c_half
+        gt_95 = wheel_low > wheel_high
+        wheel_bounded = wheel if gt_95 else rmpy_94
+        place_correction = clip_69 * wheel_bounded
+        lagged = 0.0 + c_lagged_0 * state_observer_lagged
+        lagged += c_lagged_1 * state_notch_before
+        lagged += c_lagged_2 * state_notch
+        lagged_twice = 0.0 + c_twice_0 * state_observer_lagged_twice
+        lagged_twice += c_twice_1 * state_observer_lagged
+        lagged_twice += c_twice_2 * state_notch_before
+        lagged_twice += c_twice_3 * state_notch
+        dot_100 = 0.0 + c_integral_0 * state_observer_lagged
+        dot_100 += c_integral_1 * state_notch_before
+        dot_100 += c_integral_2 * state_notch
+        sub_101 = lagged_twice - state_observer_lagged_twice
+        rmpy_102 = state_observer_lag * sub_101
+        sub_103 = lagged - state_observer_lagged
+        rmpy_104 = state_observer_delay * sub_103
+        add_105 = rmpy_102 + rmpy_104
+        sub_106 = dot_100 - add_105
+        rmpy_107 = state_observer_gain * sub_106
+        add_108 = state_observer_speed + rmpy_107
+        rmpy_109 = state_observer_disturbance * c_period
+        add_110 = add_108 + rmpy_109
+        sub_111 = add_110 - at_29
+        gt_112 = in_speed > c_zero
+        gt_113 = sub_111 > c_standstill
+        where_114 = sub_111 if gt_113 else c_zero
+        expected = sub_111 if gt_112 else where_114
+        sub_116 = in_speed - expected
+        clip_117 = c_minus_innovation_max if c_minus_innovation_max > sub_116 else sub_116
+        if c_innovation_max < clip_117:
+            clip_117 = c_innovation_max
+        surprise = clip_117 if gt_112 else c_zero
+        rmpy_119 = surprise * at_31
+        add_120 = expected + rmpy_119
+        observed_speed = c_minus_speed_max if c_minus_speed_max > add_120 else add_120
         if c_speed_max < observed_speed:
             observed_speed = c_speed_max
-        rmpy_115 = surprise * at_30
-        add_116 = state_plus_observer_disturbance + rmpy_115
-        disturbance = c_minus_disturbance_max if c_minus_disturbance_max > add_116 else add_116
+        rmpy_122 = surprise * at_32
+        add_123 = state_observer_disturbance + rmpy_122
+        disturbance = c_minus_disturbance_max if c_minus_disturbance_max > add_123 else add_123
         if c_disturbance_max < disturbance:
             disturbance = c_disturbance_max
-        rmpy_118 = surprise * at_31
-        add_119 = state_plus_observer_gain + rmpy_118
-        gain = c_gain_min if c_gain_min > add_119 else add_119
+        rmpy_125 = surprise * at_33
+        add_126 = state_observer_gain + rmpy_125
+        gain = c_gain_min if c_gain_min > add_126 else add_126
         if c_gain_max < gain:
             gain = c_gain_max
-        rmpy_121 = surprise * at_32
-        add_122 = state_plus_observer_lag + rmpy_121
-        lag = c_minus_lag_max if c_minus_lag_max > add_122 else add_122
+        rmpy_128 = surprise * at_34
+        add_129 = state_observer_lag + rmpy_128
+        lag = c_minus_lag_max if c_minus_lag_max > add_129 else add_129
         if c_lag_max < lag:
             lag = c_lag_max
-        dot_124 = 0.0 + c_delay_lagged_0 * lagged
-        dot_124 += c_delay_lagged_1 * state_plus_notch
-        dot_125 = 0.0 + c_delay_integral_0 * lagged
-        dot_125 += c_delay_integral_1 * state_plus_notch
-        sub_126 = state_plus_notch - dot_124
-        rmpy_127 = sub_126 * c_pole
-        rmpy_128 = lag * rmpy_127
-        sub_129 = dot_124 - rmpy_128
-        force = gain * sub_129
-        sub_131 = dot_124 - lagged
-        rmpy_132 = lag * sub_131
-        sub_133 = dot_125 - rmpy_132
-        rmpy_134 = gain * sub_133
-        add_135 = observed_speed + rmpy_134
-        rmpy_136 = disturbance * c_delay
-        add_137 = add_135 + rmpy_136
-        sub_138 = add_137 - at_28
-        rmpy_139 = sub_138 * wheel_bounded
-        speed_ahead = sub_138 + rmpy_139
-        add_141 = observed_speed + speed_ahead
-        rmpy_142 = add_141 * c_advance
-        sub_143 = at_20 - clip_66
-        clip_144 = c_minus_gap_max if c_minus_gap_max > sub_143 else sub_143
-        if c_gap_max < clip_144:
-            clip_144 = c_gap_max
-        convert_145 = clip_144
-        add_146 = place_correction + rmpy_142
-        sub_147 = convert_145 - add_146
-        position_error = c_minus_position_error_max if c_minus_position_error_max > sub_147 else sub_147
+        rmpy_131 = surprise * at_37
+        add_132 = state_observer_delay + rmpy_131
+        delay = c_minus_delay_max if c_minus_delay_max > add_132 else add_132
+        if c_delay_max < delay:
+            delay = c_delay_max
+        dot_134 = 0.0 + c_delay_lagged_0 * lagged
+        dot_134 += c_delay_lagged_1 * state_notch
+        dot_135 = 0.0 + c_delay_integral_0 * lagged
+        dot_135 += c_delay_integral_1 * state_notch
+        dot_136 = 0.0 + c_delay_twice_0 * lagged_twice
+        dot_136 += c_delay_twice_1 * lagged
+        dot_136 += c_delay_twice_2 * state_notch
+        sub_137 = dot_134 - dot_136
+        rmpy_138 = lag * sub_137
+        sub_139 = state_notch - dot_134
+        rmpy_140 = delay * sub_139
+        add_141 = rmpy_138 + rmpy_140
+        rmpy_142 = add_141 * c_pole
+        sub_143 = dot_134 - rmpy_142
+        force = gain * sub_143
+        sub_145 = dot_136 - lagged_twice
+        rmpy_146 = lag * sub_145
+        sub_147 = dot_134 - lagged
+        rmpy_148 = delay * sub_147
+        add_149 = rmpy_146 + rmpy_148
+        sub_150 = dot_135 - add_149
+        rmpy_151 = gain * sub_150
+        add_152 = observed_speed + rmpy_151
+        rmpy_153 = disturbance * c_delay
+        add_154 = add_152 + rmpy_153
+        sub_155 = add_154 - at_30
+        rmpy_156 = sub_155 * wheel_bounded
+        speed_ahead = sub_155 + rmpy_156
+        add_158 = observed_speed + speed_ahead
+        rmpy_159 = add_158 * c_advance
+        sub_160 = at_22 - clip_69
+        clip_161 = c_minus_gap_max if c_minus_gap_max > sub_160 else sub_160
+        if c_gap_max < clip_161:
+            clip_161 = c_gap_max
+        convert_162 = clip_161
+        add_163 = place_correction + rmpy_159
+        sub_164 = convert_162 - add_163
+        position_error = c_minus_position_error_max if c_minus_position_error_max > sub_164 else sub_164
         if c_position_error_max < position_error:
             position_error = c_position_error_max
-        sub_149 = at_21 - speed_ahead
-        speed_error = c_minus_speed_error_max if c_minus_speed_error_max > sub_149 else sub_149
+        sub_166 = at_23 - speed_ahead
+        speed_error = c_minus_speed_error_max if c_minus_speed_error_max > sub_166 else sub_166
         if c_speed_error_max < speed_error:
             speed_error = c_speed_error_max
-        rmpy_151 = at_23 * wheel_bounded
-        sub_152 = at_23 - rmpy_151
-        sub_153 = sub_152 - disturbance
-        sub_154 = sub_153 - force
-        rmpy_155 = position_error * at_33
-        rmpy_156 = speed_error * at_34
-        add_157 = rmpy_155 + rmpy_156
-        rmpy_158 = sub_154 * c_by_force
-        add_159 = add_157 + rmpy_158
-        clip_160 = c_minus_capture_position if c_minus_capture_position > position_error else position_error
-        if c_capture_position < clip_160:
-            clip_160 = c_capture_position
-        clip_161 = c_minus_capture_speed if c_minus_capture_speed > speed_error else speed_error
-        if c_capture_speed < clip_161:
-            clip_161 = c_capture_speed
-        rmpy_162 = clip_160 * at_36
-        rmpy_163 = clip_161 * at_37
-        add_164 = rmpy_162 + rmpy_163
-        rmpy_165 = sub_154 * at_38
-        add_166 = add_164 + rmpy_165
-        stop_correction = c_minus_correction_max if c_minus_correction_max > add_166 else add_166
+        rmpy_168 = at_25 * wheel_bounded
+        sub_169 = at_25 - rmpy_168
+        sub_170 = sub_169 - disturbance
+        sub_171 = sub_170 - force
+        rmpy_172 = position_error * at_35
+        rmpy_173 = speed_error * at_36
+        add_174 = rmpy_172 + rmpy_173
+        rmpy_175 = sub_171 * c_by_force
+        add_176 = add_174 + rmpy_175
+        clip_177 = c_minus_capture_position if c_minus_capture_position > position_error else position_error
+        if c_capture_position < clip_177:
+            clip_177 = c_capture_position
+        clip_178 = c_minus_capture_speed if c_minus_capture_speed > speed_error else speed_error
+        if c_capture_speed < clip_178:
+            clip_178 = c_capture_speed
+        rmpy_179 = clip_177 * at_39
+        rmpy_180 = clip_178 * at_40
+        add_181 = rmpy_179 + rmpy_180
+        rmpy_182 = sub_171 * at_41
+        add_183 = add_181 + rmpy_182
+        stop_correction = c_minus_correction_max if c_minus_correction_max > add_183 else add_183
         if c_correction_max < stop_correction:
             stop_correction = c_correction_max
-        sub_168 = position_error - clip_160
-        abs_169 = abs(sub_168)
-        sub_170 = speed_error - clip_161
-        abs_171 = abs(sub_170)
-        gt_172 = abs_169 > c_zero
-        gt_173 = abs_171 > c_zero
-        where_174 = add_159 if gt_173 else stop_correction
-        where_175 = add_159 if gt_172 else where_174
-        gt_176 = at_35 > c_zero
-        where_177 = where_175 if gt_176 else add_159
-        rmpy_178 = at_24 * lag
-        add_179 = at_22 + rmpy_178
-        rmpy_180 = add_179 * wheel_bounded
-        sub_181 = add_179 - rmpy_180
-        sub_182 = sub_181 - disturbance
-        accel = sub_182 + where_177
+        sub_185 = position_error - clip_177
+        abs_186 = abs(sub_185)
+        sub_187 = speed_error - clip_178
+        abs_188 = abs(sub_187)
+        gt_189 = abs_186 > c_zero
+        gt_190 = abs_188 > c_zero
+        where_191 = add_176 if gt_190 else stop_correction
+        where_192 = add_176 if gt_189 else where_191
+        gt_193 = at_38 > c_zero
+        where_194 = where_192 if gt_193 else add_176
+        add_195 = lag + delay
+        rmpy_196 = at_26 * add_195
+        add_197 = at_24 + rmpy_196
+        rmpy_198 = add_197 * wheel_bounded
+        sub_199 = add_197 - rmpy_198
+        sub_200 = sub_199 - disturbance
+        accel = sub_200 + where_194
         notch_raw = div(accel, gain, 19)
-        clip_185 = at_26 if at_26 > notch_raw else notch_raw
-        if at_25 < clip_185:
-            clip_185 = at_25
-        notch = quantise(clip_185, 19, 8)
-        convert_187 = notch
+        clip_203 = at_28 if at_28 > notch_raw else notch_raw
+        if at_27 < clip_203:
+            clip_203 = at_27
+        notch = quantise(clip_203, 19, 8)
+        convert_205 = notch
         return (
             (
                 observed_speed,
                 disturbance,
                 gain,
                 lag,
+                delay,
                 lagged,
-                convert_187,
-                state_plus_notch,
+                lagged_twice,
+                convert_205,
+                state_notch,
                 in_track_balise_number,
                 balise_squares,
                 balise_errors,
@@ -363,12 +400,14 @@ def step(parts: Parts) -> Step:
                 wheel_bounded,
                 place_correction,
                 lagged,
+                lagged_twice,
                 expected,
                 surprise,
                 observed_speed,
                 disturbance,
                 gain,
                 lag,
+                delay,
                 force,
                 speed_ahead,
                 position_error,
