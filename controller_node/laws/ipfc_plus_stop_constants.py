@@ -46,10 +46,13 @@ TOLERANCE_MAX = 0.01
 _KMH = 3.6
 _01MM = 1e4
 
-#: Bounds of a search: as for IPFC+, but the end phase takes the place of the shortest re-planning time.
+#: Bounds of a search: as for IPFC+, but the end phase takes the place of the shortest re-planning time, and the
+#: disturbance wanders less.
 STOP_TUNABLE = {name: bounds for name, bounds in TUNABLE.items() if name != "replan_min_s"} | {
+    "drag_sigma": (0.02, 1.0),
+    "disturbance_walk_mps2": (0.0002, 0.005),
     "stop_speed_mps": (0.0005, 0.005),
-    "stop_demand_mps2": (0.01, 0.1),
+    "stop_demand_mps2": (0.01, 0.3),
 }
 
 #: Perturbed runs on which the defaults of the end phase were chosen.
@@ -62,14 +65,15 @@ class IpfcPlusStopParameters(IpfcPlusParameters):
 
     #: Longer than that of IPFC+: the end phase makes up for it, and the ride is smoother.
     replan_max_s: ReplanTime = 12.5
-    #: Of the actuator's time constant alone, and of the loop's delay.
-    lag_sigma_s: Ten = 0.21
+    #: Spread and range of the actuator's time constant (IPFC+: with the loop delay), and of the loop delay, s.
+    lag_sigma_s: Ten = 0.2
     lag_error_max_s: Ten = 0.6
-    delay_sigma_s: Ten = 0.035
+    delay_sigma_s: Ten = 0.03
     delay_error_max_s: Ten = 0.15
-    #: Of the disturbance, as a share of the change of the planned drag; its random walk is that of the rest.
-    drag_sigma: Ten = 0.19
-    disturbance_walk_mps2: Ten = 0.0005
+    #: Random walk of the disturbance: as a share of each change of the planned drag, and (smaller than that of IPFC+,
+    #: which also has to cover the lag that it does not know) of all else.
+    drag_sigma: Ten = 0.2
+    disturbance_walk_mps2: Ten = 0.0007
     #: Largest error of a surveyed balise, m. 0: the fit of IPFC+ from the second balise on.
     survey_tolerance_m: Ten = 0.05
     #: Forces are converted from the measured wheel to the real one.
@@ -91,8 +95,8 @@ class IpfcPlusStopParameters(IpfcPlusParameters):
 class IpfcPlusStopConstants(IpfcPlusConstants):
     """Constant table of the law on one scenario."""
 
-    ending: Row = field(metadata=held(0, "1 in the end phase"))
     observe_delay: Row = field(metadata=held(UNIT_Q, "Kalman gain of the delay"))
+    ending: Row = field(metadata=held(0, "1 in the end phase"))
     stop_by_position: Row = field(metadata=held(STOP_GAIN_Q, "end phase: gain on the position error"))
     stop_by_speed: Row = field(metadata=held(UNIT_Q, "end phase: gain on the speed error"))
     stop_by_force: Row = field(metadata=held(UNIT_Q, "end phase: gain on the error of the acting force"))

@@ -133,22 +133,26 @@ def forty(law: str, **changed: float) -> BatchResult:
 
 @pytest.mark.slow
 def test_better_than_ipfc_plus_in_fixed_point() -> None:
-    """Stop and time error at the median and the 95th percentile; comfort and energy are no worse."""
+    """At the median and the 95th percentile; without the share of the survey the stop is three times as exact."""
     plus, stop = (stopping.batch(WORN, law, "iq", range(1000, 1300), {}) for law in ("ipfc_plus", LAW))
     assert stop.passed.all()
     assert not stop.wraps.any()
     assert not stop.zero_divisions.any()
-    times = {"stop_error_m": 0.9, "punctuality_s": 1.0, "comfort": 1.0, "energy_kj": 1.0}
+    times = {"stop_error_m": 0.92, "punctuality_s": 0.8, "comfort": 0.97, "itae": 1.0, "energy_kj": 1.0}
     for key, share in times.items():
         for percentile in (50, 95):
             usual, mine = (np.percentile(result.values[key], percentile) for result in (plus, stop))
             assert mine <= share * usual, (key, percentile)
+    _, bounded = stopping.floors_m(WORN, range(1000, 1300))
+    usual, mine = (np.std(result.signed["stop_error_m"] - bounded) for result in (plus, stop))
+    assert mine < usual / 3
+    assert mine < 0.0038
 
 
 def test_what_is_left_over_is_the_survey() -> None:
     """Stop error without that of the best estimate of the position, rms."""
     _, bounded = stopping.floors_m(WORN, range(1000, 1040))
-    assert np.std(forty(LAW).signed["stop_error_m"] - bounded) < 0.006
+    assert np.std(forty(LAW).signed["stop_error_m"] - bounded) < 0.0042
 
 
 def test_handover_without_a_bump() -> None:
@@ -173,7 +177,7 @@ def test_batch_is_the_bench() -> None:
         ("the last two balises are missing", 2, 0.1),
         ("speed reads 0 now and then", 4, 0.1),
         ("held for 5 s", 3, 0.1),
-        ("the brake is stuck for 2 s before the stop", 4, 0.2),
+        ("the brake is stuck for 2 s before the stop", 4, 0.5),
     ],
 )
 def test_arrives_in_spite_of(fault: str, seed: int, punctuality_s: float) -> None:
