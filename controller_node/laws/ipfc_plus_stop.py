@@ -70,6 +70,7 @@ class IpfcPlusStop(StopObserver[T, IpfcPlusStopState[T]]):
         self._tables |= {name: ar.table(name, getattr(t, name)) for name in rows}
         self._survey = SurveyOdometer(ar, t, self._odometer)
         self._capture_position, self._capture_speed = self._both(t.capture_position), self._both(t.capture_speed)
+        self._force_error = self._both(t.force_error_max)
         self._correction = self._both(t.correction_max)
         self._wheel_on_forces = given.wheel_on_forces
 
@@ -128,7 +129,8 @@ class IpfcPlusStop(StopObserver[T, IpfcPlusStopState[T]]):
         near_x, near_v = ar.clip(error_x, *self._capture_position), ar.clip(error_v, *self._capture_speed)
         last = ar.rmpy(near_x, planned["stop_by_position"], _GAP_TO_STOP_ACCEL)
         last = ar.add(last, ar.rmpy(near_v, planned["stop_by_speed"], _SPEED_BY_UNIT_TO_ACCEL))
-        last = ar.add(last, ar.rmpy(error_f, planned["stop_by_force"], _UNIT_TO_UNIT))
+        near_f = ar.clip(error_f, *self._force_error)
+        last = ar.add(last, ar.rmpy(near_f, planned["stop_by_force"], _UNIT_TO_UNIT))
         last = ar.note("stop_correction", ar.clip(last, *self._correction), ACCEL_Q, "km/h/s")
         off_x, off_v = ar.abs(ar.sub(error_x, near_x)), ar.abs(ar.sub(error_v, near_v))
         far = ar.where(ar.gt(off_x, self._zero), usual, ar.where(ar.gt(off_v, self._zero), usual, last))

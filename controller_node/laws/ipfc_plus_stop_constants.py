@@ -43,6 +43,8 @@ SHARE_MIN = 1 / 16
 #: Limit of a balise's error as a share of the run, for the format of its quotient.
 BOUND_MAX = 0.1
 TOLERANCE_MAX = 0.01
+#: Limit of the error of the acting force in the end phase, for the format: beyond any train's forces.
+FORCE_ERROR_MAX_MPS2 = 5.0
 _KMH = 3.6
 _01MM = 1e4
 
@@ -105,6 +107,7 @@ class IpfcPlusStopConstants(IpfcPlusConstants):
     delay_max: Constant = field(metadata=held(UNIT_Q, "largest error of the delay believed"))
     capture_position: Constant = field(metadata=held(GAP_Q, "largest position error of the end phase"))
     capture_speed: Constant = field(metadata=held(SPEED_Q, "largest speed error of the end phase"))
+    force_error_max: Constant = field(metadata=held(ACCEL_Q, "largest error of the acting force in the end phase"))
     correction_max: Constant = field(metadata=held(ACCEL_Q, "largest correction of the end phase"))
     tolerance: Constant = field(metadata=held(WHEEL_Q, "survey tolerance as a share of the run"))
     bound_max: Constant = field(metadata=held(WHEEL_Q, "format limit"))
@@ -166,6 +169,7 @@ def stop_constants(p: IpfcPlusStopParameters, scenario: Scenario) -> IpfcPlusSto
     added: dict[str, ArrayLike] = {
         "capture_position": p.capture_m * _01MM,
         "capture_speed": p.capture_kmh,
+        "force_error_max": FORCE_ERROR_MAX_MPS2 * _KMH,
         "correction_max": p.correction_max_mps2 * _KMH,
         "tolerance": min(p.survey_tolerance_m / distance_m, TOLERANCE_MAX),
         "bound_max": BOUND_MAX,

@@ -31,7 +31,7 @@ FUNCTIONS: dict[str, str] = {
     "3783437f639e8f50": "ipfc_plus_fixed:step_2",
     "a40bf83cd2ef1b1a": "ipfc_plus_float64:inputs_by_time",
     "c8d5f95c83f4e3d0": "ipfc_plus_float64:step",
-    "02b1271a02a7e852": "ipfc_plus_stop_fixed:step",
-    "770f464e941b0ff5": "ipfc_plus_stop_fixed:step_1",
-    "bd23abe404bb9b81": "ipfc_plus_stop_float64:step",
+    "b7389730c8fc915e": "ipfc_plus_stop_fixed:step",
+    "d9badf9b894a2486": "ipfc_plus_stop_fixed:step_1",
+    "26242b6b5138add5": "ipfc_plus_stop_float64:step",
 }

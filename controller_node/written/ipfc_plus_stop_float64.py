@@ -66,6 +66,8 @@ def step(parts: Parts) -> Step:
         c_minus_capture_position,
         c_capture_speed,
         c_minus_capture_speed,
+        c_force_error_max,
+        c_minus_force_error_max,
         c_correction_max,
         c_minus_correction_max,
         c_basis,
@@ -339,34 +341,37 @@ def step(parts: Parts) -> Step:
         rmpy_179 = clip_177 * at_39
         rmpy_180 = clip_178 * at_40
         add_181 = rmpy_179 + rmpy_180
-        rmpy_182 = sub_171 * at_41
-        add_183 = add_181 + rmpy_182
-        stop_correction = c_minus_correction_max if c_minus_correction_max > add_183 else add_183
+        clip_182 = c_minus_force_error_max if c_minus_force_error_max > sub_171 else sub_171
+        if c_force_error_max < clip_182:
+            clip_182 = c_force_error_max
+        rmpy_183 = clip_182 * at_41
+        add_184 = add_181 + rmpy_183
+        stop_correction = c_minus_correction_max if c_minus_correction_max > add_184 else add_184
         if c_correction_max < stop_correction:
             stop_correction = c_correction_max
-        sub_185 = position_error - clip_177
-        abs_186 = abs(sub_185)
-        sub_187 = speed_error - clip_178
-        abs_188 = abs(sub_187)
-        gt_189 = abs_186 > c_zero
-        gt_190 = abs_188 > c_zero
-        where_191 = add_176 if gt_190 else stop_correction
-        where_192 = add_176 if gt_189 else where_191
-        gt_193 = at_38 > c_zero
-        where_194 = where_192 if gt_193 else add_176
-        add_195 = lag + delay
-        rmpy_196 = at_26 * add_195
-        add_197 = at_24 + rmpy_196
-        rmpy_198 = add_197 * wheel_bounded
-        sub_199 = add_197 - rmpy_198
-        sub_200 = sub_199 - disturbance
-        accel = sub_200 + where_194
+        sub_186 = position_error - clip_177
+        abs_187 = abs(sub_186)
+        sub_188 = speed_error - clip_178
+        abs_189 = abs(sub_188)
+        gt_190 = abs_187 > c_zero
+        gt_191 = abs_189 > c_zero
+        where_192 = add_176 if gt_191 else stop_correction
+        where_193 = add_176 if gt_190 else where_192
+        gt_194 = at_38 > c_zero
+        where_195 = where_193 if gt_194 else add_176
+        add_196 = lag + delay
+        rmpy_197 = at_26 * add_196
+        add_198 = at_24 + rmpy_197
+        rmpy_199 = add_198 * wheel_bounded
+        sub_200 = add_198 - rmpy_199
+        sub_201 = sub_200 - disturbance
+        accel = sub_201 + where_195
         notch_raw = div(accel, gain, 19)
-        clip_203 = at_28 if at_28 > notch_raw else notch_raw
-        if at_27 < clip_203:
-            clip_203 = at_27
-        notch = quantise(clip_203, 19, 8)
-        convert_205 = notch
+        clip_204 = at_28 if at_28 > notch_raw else notch_raw
+        if at_27 < clip_204:
+            clip_204 = at_27
+        notch = quantise(clip_204, 19, 8)
+        convert_206 = notch
         return (
             (
                 observed_speed,
@@ -376,7 +381,7 @@ def step(parts: Parts) -> Step:
                 delay,
                 lagged,
                 lagged_twice,
-                convert_205,
+                convert_206,
                 state_notch,
                 in_track_balise_number,
                 balise_squares,

@@ -21,6 +21,9 @@ from railhil.controller_node.laws.ipfc_plus_constants import WHEEL_Q
 from railhil.controller_node.laws.ipfc_plus_stop_constants import IpfcPlusStopParameters, stop_constants
 from railhil.controller_node.laws.ipfc_plus_stop_design import StopWeights, stop_gains
 from railhil.controller_node.laws.survey_odometer import SurveyOdometer
+from railhil.controller_node.loop import ControlLoop
+from railhil.controller_node.program.ranges import analyse_law
+from railhil.controller_node.program.record import record
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.target import Target
@@ -192,3 +195,11 @@ def test_other_control_periods(period_s: float) -> None:
     result = stopping.batch(replace(WORN, timing=timing), LAW, "iq", range(1000, 1010), {})
     assert result.passed.all()
     assert not result.wraps.any()
+
+
+@pytest.mark.parametrize("period_s", [0.2, 1.0])
+def test_nothing_can_wrap_on_a_train_with_many_notches(period_s: float) -> None:
+    timing = replace(WORN.timing, control_period_ns=round(period_s * 1e9))
+    scenario = replace(WORN, timing=timing, train=replace(WORN.train, notch_max=40.0))
+    law = ControlLoop(scenario, LawSpec(LAW, "iq"), make("iq")).law
+    assert not analyse_law(record(scenario, LawSpec(LAW, "iq")), law.state_bounds()).may_wrap
