@@ -8,6 +8,8 @@ COMMA  := ,
 LOCK_PYTHONS ?= python3.11 python3.12 python3.13
 # What `make run` passes on, e.g. make run ARGS="yizhuang_01_songjiazhuang_xiaocun --seed 7"
 ARGS   ?=
+# As in every railhil command (railhil/common/light_start.py): the tests start hundreds of processes.
+export OPENBLAS_NUM_THREADS ?= 1
 # Laws whose parameters `make tuned` searches.
 TUNED_LAWS ?= ipfc ipfc_plus ipfc_plus_stop tpfc1 tpfc2 tdmc fuzzy_pid
 

@@ -10,7 +10,7 @@ import sys
 from collections.abc import Callable
 from typing import NoReturn
 
-from railhil.common.light_start import without_asammdf
+from railhil.common.light_start import one_thread_for_matrices, without_asammdf
 from railhil.common.plain_text import plain
 
 PASS = 0
@@ -88,6 +88,7 @@ def guarded(name: str, main: Callable[[], int]) -> int:
         for number in ending_signals()[1:]:
             signal.signal(number, _end)
         hear_interrupts()
+        one_thread_for_matrices()
         with without_asammdf():
             return main()
     except KeyboardInterrupt as stop:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -21,6 +22,15 @@ def rare_collection() -> Iterator[None]:
         yield
     finally:
         gc.set_threshold(*before)
+
+
+def one_thread_for_matrices() -> None:
+    """Numpy, if it is loaded from here on, multiplies matrices in one thread, in this process and in those it starts.
+
+    All matrices here are small; threads for them would cost every process 40 ms at its start, and sums could depend on
+    the number of processors. What the user has set stays.
+    """
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 
 @contextmanager

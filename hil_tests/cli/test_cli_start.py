@@ -39,6 +39,24 @@ def test_a_command_loads_no_library_that_it_does_not_use():
     assert done.stdout.split() == ["numpy"]
 
 
+@pytest.mark.parametrize(("given", "expected"), [(None, "1"), ("2", "2")])
+def test_matrices_are_multiplied_in_one_thread_unless_the_user_says_otherwise(given, expected, monkeypatch):
+    """Threads cost every start of a process 40 ms, and sums could depend on their number."""
+    monkeypatch.delenv("OPENBLAS_NUM_THREADS", raising=False)
+    if given is not None:
+        monkeypatch.setenv("OPENBLAS_NUM_THREADS", given)
+    code = (
+        "import os; from railhil.common.exit_codes import guarded\n"
+        "def work():\n"
+        "    import numpy; return 0\n"
+        "guarded('test', work); print(os.environ['OPENBLAS_NUM_THREADS'], len(os.listdir('/proc/self/task')))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    told, threads = done.stdout.split()
+    assert told == expected
+    assert int(threads) <= int(expected)
+
+
 def test_the_panel_starts_without_what_python_can_loads_for_files():
     """asammdf brings pandas and pyarrow: 90 MB in a process that serves a page."""
     code = (
