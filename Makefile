@@ -15,6 +15,7 @@ TUNED_LAWS ?= ipfc ipfc_plus ipfc_plus_stop tpfc1 tpfc2 tdmc fuzzy_pid
 
 PART         = $(BIN)/python -m hil_tests.part
 COUNTS       = build/test_counts
+COUNTED      = $(PART) --counts $(COUNTS)
 HERE         = not needs_socketcan and not needs_docker
 # A file at a time, so that what a module's tests share is made once. Two workers more than there are cores: many tests
 # wait. hil_tests/conftest.py puts the long ones first.
@@ -22,29 +23,38 @@ SIDE_BY_SIDE = $(BIN)/pytest -q -n $$(($$(nproc) + 2)) --dist loadfile --no-load
 # Files of tests that keep real time: collecting all the others takes as long as some of these tests.
 REAL_TIME    = $$(grep -rlw --include='test_*.py' wall_clock hil_tests)
 
-.PHONY: run test test-fast test-here test-side-by-side test-real-time test-vcan test-compose test-docker test-docker-vcan test-wheel test-arm64 test-compiled wheels mutants lint lint-types lint-imports prepared-batches prepared-bytecode bench dbc tables tuned $(TUNED_LAWS:%=tuned-%) install locks locked clean
+.PHONY: run test test-fast test-here test-side-by-side test-long test-long-side-by-side test-real-time test-vcan test-compose test-docker test-docker-vcan test-wheel test-arm64 test-compiled wheels mutants lint lint-types lint-imports prepared-batches prepared-bytecode bench dbc tables tuned $(TUNED_LAWS:%=tuned-%) install locks locked clean
 
 # A run that misses the limits of its scenario (exit code 1) is a result, not an error of make.
 run: $(VENV)/.installed
 	@echo "railhil run $(strip $(ARGS)): plant, controller and supervisor, three processes on a bus"
 	@$(BIN)/railhil run $(ARGS) || [ $$? -eq 1 ]
 
-# Everything: lint, all tests, and the capabilities (compilers, Chromium, kernel SocketCAN, Docker) brought up where this
-# machine permits. What the last parts need of packages, kernels and images is fetched and built beside the first ones, in
-# idle time. The tests in real time leave the processors idle most of the time: the virtual machines take that time, and
-# only that (--behind). Each part is printed whole at its end; the last line is the sum.
-test: $(VENV)/.installed-dev
-	@rm -f $(COUNTS)
+# Lint and all tests but the long ones, with the capabilities (compilers, Chromium, kernel SocketCAN, Docker) brought up
+# where this machine permits. What the last parts need of packages, kernels and images is fetched and built from the
+# beginning on, beside installation and lint. Docker waits most of the time, so it has its part beside the tests side by
+# side. The tests in real time leave the processors idle most of the time: the virtual machines take that time, and only
+# that (--behind). Parts that run beside others are printed whole at their end; the last line is the sum.
+test: | $(VENV)/bin/pip
+	@mkdir -p build && rm -f $(COUNTS)
 	@$(BIN)/python -m hil_tests.prepared machines & \
 	  $(MAKE) --no-print-directory BESIDE="prepared-batches prepared-bytecode" lint && \
-	  $(MAKE) --no-print-directory PART="$(PART) --counts $(COUNTS)" test-side-by-side; code=$$?; wait; exit $$code
-	@$(MAKE) --no-print-directory PART="$(PART) --counts $(COUNTS)" BEHIND=--behind BEFORE_DOCKER=test-real-time -j3 -Otarget \
-	  test-docker-vcan test-vcan test-real-time test-docker
+	  { $(MAKE) --no-print-directory PART="$(COUNTED)" test-docker >build/docker.txt 2>&1 & \
+	    $(MAKE) --no-print-directory PART="$(COUNTED)" test-side-by-side; }; code=$$?; wait; exit $$code
+	@cat build/docker.txt
+	@$(MAKE) --no-print-directory PART="$(COUNTED)" BEHIND=--behind -j3 -Otarget test-docker-vcan test-vcan test-real-time
 	@$(PART) --counts $(COUNTS) --total 5
+
+# What takes minutes together and seldom fails: benchmarks, long comparisons of batch, bench and exported C, search and
+# training, and the compose file beside a controller outside of it. `.ci/run` does it after `make test`.
+test-long: $(VENV)/.installed-dev
+	@rm -f $(COUNTS)
+	@$(MAKE) --no-print-directory PART="$(COUNTED)" BEHIND=--behind LONG=--long -j2 -Otarget test-long-side-by-side test-docker-vcan
+	@$(PART) --counts $(COUNTS) --total 2
 
 # What a developer runs all day: a file at a time on each core, without what is slow or needs a machine.
 test-fast: $(VENV)/.installed-dev
-	$(SIDE_BY_SIDE) -m "$(HERE) and not slow and not wall_clock"
+	$(SIDE_BY_SIDE) -m "$(HERE) and not slow and not long and not wall_clock"
 
 # All that needs no machine. What keeps real time runs after the rest.
 test-here: $(VENV)/.installed-dev
@@ -52,7 +62,10 @@ test-here: $(VENV)/.installed-dev
 	@$(MAKE) --no-print-directory test-real-time
 
 test-side-by-side: $(VENV)/.installed-dev
-	@$(PART) --tool compilers --tool browser "tests side by side" $(SIDE_BY_SIDE) -m "$(HERE) and not wall_clock"
+	@$(PART) --tool compilers --tool browser "tests side by side" $(SIDE_BY_SIDE) -m "$(HERE) and not long and not wall_clock"
+
+test-long-side-by-side: $(VENV)/.installed-dev
+	@$(PART) --tool compilers --tool browser "long tests" $(SIDE_BY_SIDE) -m "$(HERE) and long"
 
 test-real-time: $(VENV)/.installed-dev
 	@$(PART) "tests in real time" $(BIN)/pytest -q -m "$(HERE) and wall_clock" $(REAL_TIME)
@@ -62,13 +75,13 @@ test-vcan: $(VENV)/.installed-dev
 	@$(PART) $(BEHIND) --tool can-utils --tool compilers "kernel SocketCAN" $(BIN)/python -m hil_tests.transport.vcan
 
 # docker-compose.yml on a real engine: the host's, else a private one (root on Debian).
-test-docker: $(VENV)/.installed-dev $(BEFORE_DOCKER)
+test-docker: $(VENV)/.installed-dev
 	@$(PART) Docker $(BIN)/python -m railhil.machines.docker_engine --timeout 1500 -- \
 	  $(BIN)/pytest -q -m needs_docker hil_tests/transport/compose
 
 # The same on a kernel with CAN.
 test-docker-vcan: $(VENV)/.installed-dev
-	@$(PART) $(BEHIND) "Docker on kernel CAN" $(BIN)/python -m hil_tests.transport.compose.vcan_runs
+	@$(PART) $(BEHIND) "Docker on kernel CAN" $(BIN)/python -m hil_tests.transport.compose.vcan_runs $(LONG)
 
 test-compose: test-docker test-docker-vcan
 

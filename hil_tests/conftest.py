@@ -13,6 +13,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
 
 from hil_tests.support.browser import browser
 from railhil.bench import BenchRun, local_run
@@ -34,6 +35,9 @@ def pytest_configure(config: pytest.Config) -> None:
     # The tests start hundreds of processes: without bytecode on disk each would recompile all modules.
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
     sys.dont_write_bytecode = False
+    # An example that takes long says that the machine is busy. The rest is what the user or hil_tests.mutation has set.
+    settings.register_profile("untimed", settings(), deadline=None)
+    settings.load_profile("untimed")
 
 
 @pytest.hookimpl(wrapper=True)

@@ -2,14 +2,13 @@
 ``python -m hil_tests.prepared WHAT``
 
 ``bytecode``: that of railhil, its libraries and its tests. ``batches``: the machine code of the batches of trains.
-``machines``: Debian's packages, the kernel with CAN and the container image, in the time that no other process wants
-(``SCHED_IDLE``). What fails here is tried again, and reported, by the part that needs it.
+``machines``: Debian's packages, the kernel with CAN and the container image; needs no library. What fails here is tried
+again, and reported, by the part that needs it.
 """
 
 from __future__ import annotations
 
 import argparse
-import os
 import signal
 import subprocess
 import sys
@@ -45,10 +44,6 @@ def batches() -> None:
         compile_batches(Path(folder))
 
 
-def _in_idle_time() -> None:
-    os.sched_setscheduler(0, os.SCHED_IDLE, os.sched_param(0))
-
-
 def machines() -> None:
     """Install, fetch and build, each once; what is there already costs a second."""
     # A shell lets what it starts in the background ignore Ctrl-C.
@@ -57,10 +52,9 @@ def machines() -> None:
     steps: list[Callable[[], object]] = [
         debian.install_compilers,
         debian.install_browser,
-        _in_idle_time,
+        lambda: docker_vm.build_image(ROOT),
         debian.install_can_tools,
         lambda: vcan_vm.ensure_machine(USER_MODE),
-        lambda: docker_vm.build_image(ROOT),
     ]
     for step in steps:
         try:

@@ -37,6 +37,7 @@ def _run(here: Railhil, fmu: Path | None, out: str, *words: str) -> dict[str, ob
     return found | {"scores": json.loads((Path(out) / "score.json").read_text())["scores"]}
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_the_whole_scenario_has_the_scores_of_the_native_train(here: Railhil, train: Path) -> None:
     native, found = _run(here, None, "native"), _run(here, train, "fmu")

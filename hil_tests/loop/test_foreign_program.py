@@ -43,6 +43,7 @@ def program(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return build_node(folder)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.loop
 @pytest.mark.parametrize(

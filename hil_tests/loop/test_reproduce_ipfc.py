@@ -102,6 +102,7 @@ def test_a_run_that_never_stops_is_shown(written: dict[str, Any]) -> None:
     assert "fuzzy_pid 2241.2, tdmc 2246.3, ipfc -." in text
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_the_bench_measures_what_the_page_says(made: Results, written: dict[str, Any]) -> None:
     there = {run["run"]: run for run in written["runs"]}
@@ -113,6 +114,7 @@ def test_the_bench_measures_what_the_page_says(made: Results, written: dict[str,
     assert made.runs["ipfc-iq-0"].sha256 == PUBLISHED_SHA256
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_figures_are_drawn_from_the_runs(made: Results, written: dict[str, Any], tmp_path: Path) -> None:
     whole = Results(made.seeds, {**results_of(written).runs, **made.runs})

@@ -145,6 +145,7 @@ def test_campaign_of_a_few_runs(installed: Environment) -> None:
     assert (installed.folder / "campaign" / "campaign.json").is_file()
 
 
+@pytest.mark.long
 def test_what_railhil_new_writes_is_installed_as_it_says(installed: Environment) -> None:
     """Commands run beside the folders: none is taken for the module that has its name."""
     for kind in ("law", "scenario", "system"):
@@ -155,6 +156,7 @@ def test_what_railhil_new_writes_is_installed_as_it_says(installed: Environment)
     installed.run("railhil", "run", "mysystem/mysystem.toml", "--no-report", "--out", "my_system_run")
 
 
+@pytest.mark.long
 def test_the_example_suite_of_a_user(installed: Environment) -> None:
     """pytest finds the plugin by itself; the suite needs nothing beside it but the wheel."""
     shutil.copytree(

@@ -36,6 +36,7 @@ def _recorded(scenario: str | Path, folder: Path, channel: str, *options: str) -
     return done.exit_code
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_a_run_through_the_gateway_has_the_bytes_of_every_other_transport(tmp_path: Path) -> None:
     """Plant on one bus, controller on the other, supervisor at the gateway itself; a journey of 42 s."""

@@ -90,6 +90,7 @@ print(tripled(14))
 """
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_a_damaged_cache_is_no_harm(tmp_path):
     """A process was killed while it wrote machine code: the next one compiles anew and says nothing."""
@@ -203,6 +204,7 @@ def test_trains_of_two_blocks_are_what_they_are_alone(short):
         assert (single.scores[0], single.notch_digest[0]) == (whole.scores[seed], whole.notch_digest[seed])
 
 
+@pytest.mark.long
 def test_a_train_is_in_its_lane_while_it_runs(short):
     """Else the batch would be as slow as trains one by one, with the same results."""
     engine = Engine(Case(short))

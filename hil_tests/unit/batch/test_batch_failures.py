@@ -91,6 +91,7 @@ def unanswered() -> Scenario:
     return replace(scenario, line=line, watch=watch)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("make", "expected"),

@@ -80,6 +80,7 @@ def test_the_batch_gives_the_runs_of_the_bench_in_other_arithmetics(arithmetic: 
     check(scenario, LawSpec("pid", arithmetic=arithmetic), [5, 6], 2, direct_run)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.usefixtures("no_repeats")
 @pytest.mark.parametrize("law", LAWS)

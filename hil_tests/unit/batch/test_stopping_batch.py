@@ -65,6 +65,7 @@ def test_every_run_is_that_of_the_bench(law: str, arithmetic: str) -> None:
     assert len({one.digest for one in found}) == len(found)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_each_train_has_its_own_memory() -> None:
     scenario = stop_scenario(*SHORT, name="yizhuang_stop_closed")
@@ -86,6 +87,7 @@ def test_each_train_has_its_own_memory() -> None:
     assert [one["values"] for one in kept if one] == [one.kept["values"] for one in found if one.kept]
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("arithmetic", "values"),

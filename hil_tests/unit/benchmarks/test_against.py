@@ -66,6 +66,7 @@ def test_a_python_is_taken_as_it_is(tmp_path):
     assert against.version_of(sys.executable, tmp_path).environment == {}
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_this_version_beside_itself(capsys):
     assert against.work([str(TOP), "--pairs", "1", "--quick"]) == 0

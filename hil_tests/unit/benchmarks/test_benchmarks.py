@@ -54,6 +54,7 @@ def benchmarks(*arguments: str, **environment: str) -> subprocess.CompletedProce
     )
 
 
+@pytest.mark.long
 @pytest.mark.loop
 @pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)

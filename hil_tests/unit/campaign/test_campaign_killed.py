@@ -195,6 +195,7 @@ def deadly() -> Callable[[object], None]:
     return lambda task: os.kill(os.getpid(), signal.SIGKILL)
 
 
+@pytest.mark.long
 def test_a_chunk_that_kills_every_worker_ends_the_campaign():
     said: list[str] = []
     with (
@@ -226,6 +227,7 @@ def cluster():
         yield cluster
 
 
+@pytest.mark.long
 def test_dask_goes_on_after_a_killed_worker(cluster, short, tmp_path, wanted):
     def kill(count: int) -> None:
         if count == 4:
@@ -236,6 +238,7 @@ def test_dask_goes_on_after_a_killed_worker(cluster, short, tmp_path, wanted):
     assert (tmp_path / "mine" / "results.parquet").read_bytes() == wanted
 
 
+@pytest.mark.long
 def test_dask_that_gives_up_a_chunk_says_so(cluster):
     # Every process that collects the tests would load dask.
     from railhil.campaign.dask_engine import ClusterLost
@@ -267,6 +270,7 @@ def test_an_address_that_cannot_be_used_leaves_one_line_behind(tmp_path, address
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.long
 def test_a_lost_scheduler_ends_the_campaign_and_it_goes_on(cluster, short, tmp_path, wanted):
     """Comes last: the cluster is gone afterwards."""
     campaign = Campaign(short, tmp_path / "mine", "--engine", "dask", "--scheduler", cluster.scheduler_address)

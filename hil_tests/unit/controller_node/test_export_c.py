@@ -148,6 +148,7 @@ def programs(exported: tuple[str, Path, Bundle]) -> dict[str, Path]:
     }
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_million_periods_are_equal_word_for_word(
@@ -271,6 +272,7 @@ def _changed_texts(text: str) -> Iterator[tuple[str, str]]:
 _HARDLY_SEEN = ("IPFC_ONE_SPEED", "IPFC_RISE_NEVER_NARROW", "IPFC_SPEED_WIDTHS_1", "IPFC_STEP_RESPONSE", "IPFC_FREE")
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_comparison_notices_a_changed_law(tmp_path: Path) -> None:
     """Mutants of the C: the comparison with Python refuses each one, most of them also the log shipped with it."""

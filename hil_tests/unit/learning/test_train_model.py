@@ -56,6 +56,7 @@ def plain(tmp_path_factory: pytest.TempPathFactory) -> Record:
     return recorded(tmp_path_factory.mktemp("plain"), 1, ParameterSet("pid", values, driver.source))
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_the_shipped_network_is_what_its_command_makes(tmp_path: Path) -> None:
     record = recorded(tmp_path, 1, load_parameters(WEIGHTS / "driver.toml"))
@@ -74,6 +75,7 @@ def test_the_shipped_network_is_what_its_command_makes(tmp_path: Path) -> None:
     assert ours | {"record_sha256": theirs["record_sha256"]} == theirs
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_without_dither_the_pseudo_inverse_fits_best_and_controls_worst(plain: Record, tmp_path: Path) -> None:
     """Reading D14: a negative test of the specification."""

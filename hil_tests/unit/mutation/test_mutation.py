@@ -77,6 +77,7 @@ def command(folder: Path, *arguments: str) -> tuple[int, list[str]]:
     return done.returncode, done.stdout.splitlines()
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_what_no_test_notices_is_named(subject: Path) -> None:
     """Inside functions and outside."""
@@ -93,6 +94,7 @@ def test_what_no_test_notices_is_named(subject: Path) -> None:
         assert [line.strip() for line in said[2::2]] == alive
 
 
+@pytest.mark.long
 def test_decisions_not_seen_both_ways_are_named(subject: Path) -> None:
     assert command(subject, "subject", "--tests", "test_subject.py", "--branches") == (
         0, ["subject: 2 decisions, 0 outcomes not seen"],
@@ -155,6 +157,7 @@ def test_every_explained_survivor_is_a_mutant(module: str) -> None:
     assert all(why.strip() for why in known.values())
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_some_mutants_of_the_bench() -> None:
     """A fixed sample; all of them: ``make mutants``."""
@@ -164,6 +167,7 @@ def test_some_mutants_of_the_bench() -> None:
     assert [line.partition(":")[0] for line in said] == list(subjects)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_a_changed_constant_of_the_bench_is_seen() -> None:
     """Its modules must come from the changed tree although they belong to a plugin of pytest."""

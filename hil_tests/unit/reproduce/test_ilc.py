@@ -208,6 +208,7 @@ def test_the_command_beside_a_set_makes_the_same_runs(tmp_path: Path, monkeypatc
     assert table["notch_digest"].to_pylist() == [run.digest for row in made_here for run in row]
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_damaged_memories(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     spec = short(names.PAPER_CASE).spec
@@ -253,6 +254,7 @@ def test_page_tables_and_document_belong_together(written: dict[str, Any]) -> No
     assert there == {*files, "page.md", "results.json", *(f"{one.name}.svg" for one in pictures)}
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_a_set_of_the_page_is_made_again(written: dict[str, Any], tmp_path: Path) -> None:
     """The one with the least runs."""

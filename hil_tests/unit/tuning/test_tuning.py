@@ -79,6 +79,7 @@ def alone(scenario: Scenario, law: str, values: dict[str, float], seeds: tuple[i
     ).scores
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize("law", LAWS)
 def test_candidates_judged_together_are_judged_as_alone(law: str) -> None:
@@ -126,6 +127,7 @@ def test_constants_of_each_train() -> None:
         assert np.array_equal(alone_, row_at + row[2] + [curve.function(max(v, -row[1] / 3)) for v in x])
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize("law", LAWS)
 def test_box_of_every_law(law: str) -> None:
@@ -155,6 +157,7 @@ def test_box_of_every_law(law: str) -> None:
     assert len(refusals) <= len(corners) / 2
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_search_is_deterministic_and_never_worse(found: tuple[Protocol, Found]) -> None:
     protocol, first = found
