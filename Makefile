@@ -33,7 +33,7 @@ run: $(VENV)/.installed
 # Lint and all tests but the long ones, with the capabilities (compilers, Chromium, kernel SocketCAN, Docker) brought up
 # where this machine permits. What the last parts need of packages, kernels and images is fetched and built from the
 # beginning on, beside installation and lint. Docker waits most of the time, so it has its part beside the tests side by
-# side. The tests in real time leave the processors idle most of the time: the virtual machines take that time, and only
+# side. The tests in real time leave the processors idle most of the time: the virtual machine takes that time, and only
 # that (--behind). Parts that run beside others are printed whole at their end; the last line is the sum.
 test: | $(VENV)/bin/pip
 	@mkdir -p build && rm -f $(COUNTS)
@@ -42,14 +42,14 @@ test: | $(VENV)/bin/pip
 	  { $(MAKE) --no-print-directory PART="$(COUNTED)" test-docker >build/docker.txt 2>&1 & \
 	    $(MAKE) --no-print-directory PART="$(COUNTED)" test-side-by-side; }; code=$$?; wait; exit $$code
 	@cat build/docker.txt
-	@$(MAKE) --no-print-directory PART="$(COUNTED)" BEHIND=--behind -j3 -Otarget test-docker-vcan test-vcan test-real-time
-	@$(PART) --counts $(COUNTS) --total 5
+	@$(MAKE) --no-print-directory PART="$(COUNTED)" BEHIND=--behind -j2 -Otarget test-vcan test-real-time
+	@$(PART) --counts $(COUNTS) --total 4
 
 # What takes minutes together and seldom fails: benchmarks, long comparisons of batch, bench and exported C, search and
-# training, and the compose file beside a controller outside of it. `.ci/run` does it after `make test`.
+# training, and containers on a kernel with CAN. `.ci/run` does it after `make test`.
 test-long: $(VENV)/.installed-dev
 	@rm -f $(COUNTS)
-	@$(MAKE) --no-print-directory PART="$(COUNTED)" BEHIND=--behind LONG=--long -j2 -Otarget test-long-side-by-side test-docker-vcan
+	@$(MAKE) --no-print-directory PART="$(COUNTED)" BEHIND=--behind -j2 -Otarget test-long-side-by-side test-docker-vcan
 	@$(PART) --counts $(COUNTS) --total 2
 
 # What a developer runs all day: a file at a time on each core, without what is slow or needs a machine.
@@ -81,7 +81,7 @@ test-docker: $(VENV)/.installed-dev
 
 # The same on a kernel with CAN.
 test-docker-vcan: $(VENV)/.installed-dev
-	@$(PART) $(BEHIND) "Docker on kernel CAN" $(BIN)/python -m hil_tests.transport.compose.vcan_runs $(LONG)
+	@$(PART) $(BEHIND) "Docker on kernel CAN" $(BIN)/python -m hil_tests.transport.compose.vcan_runs
 
 test-compose: test-docker test-docker-vcan
 

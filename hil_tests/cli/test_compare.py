@@ -94,6 +94,7 @@ def compared(place: Path) -> Compared:
     return Compared(done, place / "whole", document)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.loop
 def test_every_law_runs_and_stands_in_the_table(compared: Compared) -> None:
@@ -173,6 +174,7 @@ def test_a_controller_that_cannot_be_had_is_refused_before_the_first_run(place: 
         assert not (place / "refused").exists()
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.loop
 def test_all_laws_are_those_that_have_the_indexing(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -193,6 +195,7 @@ def test_all_laws_are_those_that_have_the_indexing(place: Path, monkeypatch: pyt
     assert (place / "all" / "report.html").read_bytes() == report
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.loop
 def test_all_laws_are_those_that_have_the_arithmetic() -> None:

@@ -89,10 +89,21 @@ def test_a_part_that_left_no_count_is_a_failure(tmp_path, capsys):
     assert capsys.readouterr().out.splitlines()[-1] == "3 passed, 0 failed, 1 skipped"
 
 
-def test_make_test_sums_all_its_parts():
+@pytest.mark.parametrize("target", ["test", "test-long"])
+def test_make_sums_all_parts(target):
     text = (ROOT / "Makefile").read_text(encoding="utf-8")
-    parts = re.findall(r"^\t@\$\(PART\) (?!--counts)", text, re.M)
-    assert f"--total {len(parts)}\n" in text
+    (recipe,) = re.findall(rf"^{target}:.*\n((?:\t.*\n)+)", text, re.M)
+    parts = re.findall(r"^(test-[-a-z]+):.*\n\t@\$\(PART\) (?!--counts)", text, re.M)
+    there = [name for name in parts if re.search(rf" {name}\b(?!-)", recipe)]
+    assert f"--total {len(there)}\n" in recipe
+    assert len(there) > 1
+
+
+def test_every_part_is_in_one_of_them():
+    text = (ROOT / "Makefile").read_text(encoding="utf-8")
+    recipes = re.findall(r"^test(?:-long)?:.*\n((?:\t.*\n)+)", text, re.M)
+    for name in re.findall(r"^(test-[-a-z]+):.*\n\t@\$\(PART\) (?!--counts)", text, re.M):
+        assert sum(len(re.findall(rf" {name}\b(?!-)", recipe)) for recipe in recipes) == 1, name
 
 
 def test_told_to_end_it_ends_its_command_and_passes_on_what_that_says(tmp_path):

@@ -69,6 +69,7 @@ def exported(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
 # -- the same answers ---------------------------------------------------------------------------------------------
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize("law", LAWS)
 def test_every_law_answers_as_our_node(exported, law: str, tmp_path: Path) -> None:
@@ -101,6 +102,7 @@ def torn_off(at_poll: int, silent: range) -> Callable[[Frame], list[Frame]]:
     return wire
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize("law", ["ipfc", "ipfc_plus"])
 def test_a_run_after_another_in_one_control_is_as_the_first(exported, law: str, tmp_path: Path) -> None:

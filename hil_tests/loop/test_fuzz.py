@@ -51,6 +51,7 @@ def test_a_change_is_seen(quiet: Fuzzed) -> None:
     assert found[2].startswith("the score differs: ")
 
 
+@pytest.mark.long
 def test_runs_leave_nothing_behind(quick: Scenario) -> None:
     assert growth(soaked(lambda: unrecorded_run(quick).frames_sha256, 5)) == []
 

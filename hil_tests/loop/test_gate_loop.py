@@ -237,6 +237,7 @@ def random_frame(draw: random.Random, ids: list[int]) -> Frame:
     return Frame(draw.choice(ids) if draw.random() < 0.7 else draw.randrange(0x800), draw.randbytes(size), flags)
 
 
+@pytest.mark.long
 @pytest.mark.faults
 def test_a_hundred_thousand_random_frames_change_nothing(short: Scenario, clean: BenchRun, tmp_path: Path) -> None:
     """Every kind of frame on every identifier of the bench, between the right ones, except inside a telegram."""

@@ -188,6 +188,7 @@ def test_a_law_by_distance_brakes_and_one_by_time_runs_on(tmp_path: Path) -> Non
 # -- balises ----------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.faults
 def test_late_balises_are_placed_or_not_used(tmp_path: Path) -> None:

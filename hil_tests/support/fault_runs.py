@@ -73,15 +73,17 @@ def levels(scenario: AnyScenario, folder: Path, watch: str) -> list[RecordedEven
     return [event for event in events if event.source == watch and event.kind == LEVEL]
 
 
-def assert_stopped_by_its_own_watch(scenario: AnyScenario, made: Made, late_s: float = 0.0) -> None:
-    """The controller was killed at 60 km/h: each level of the train's watch in its time, standstill, a whole record
+def assert_stopped_by_its_own_watch(
+    scenario: AnyScenario, made: Made, late_s: float = 0.0, killed_kmh: float = 60.0
+) -> None:
+    """The controller was killed at this speed: each level of the train's watch in its time, standstill, a whole record
     that ends with the run, and a run that was judged and failed.
 
     :param late_s: real time: answers that were missed before.
     """
     trace = trace_of(read_log(made.folder / "frames.log"))
     truth_s, speed_mps = trace.times_s("SIM_TRUTH"), trace.values("SIM_TRUTH", "TrueSpeed")
-    killed_s = float(truth_s[speed_mps >= 60 / 3.6][0])
+    killed_s = float(truth_s[speed_mps >= killed_kmh / 3.6][0])
     after = [event for event in levels(scenario, made.folder, "train") if event.time_s > killed_s - 0.05]
     if late_s:
         after = after[-4:]

@@ -96,11 +96,9 @@ def test_realtime_limits_reach_the_nodes(name):
     assert (soft["Max locked memory"] == "unlimited") == bool(priority)
 
 
-if "foreign" in _NAMES:
-
-    def test_controller_outside_the_containers_served_the_run_to_its_end():
-        assert (_FOLDER / "controller_exit_code").read_text().strip() == "0"
-        assert (_FOLDER / "controller.txt").read_text().startswith("controller: socketcan:can0 ")
+def test_controller_outside_the_containers_served_the_run_to_its_end():
+    assert (_FOLDER / "controller_exit_code").read_text().strip() == "0"
+    assert (_FOLDER / "controller.txt").read_text().startswith("controller: socketcan:can0 ")
 
 
 def test_interface_that_is_down_is_one_line_with_the_commands():

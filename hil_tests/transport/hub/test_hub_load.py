@@ -58,6 +58,7 @@ bus.shutdown()
 """
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize("options", [(), ("--arbitration",)], ids=["plain", "arbitration"])
 def test_three_clients_under_load_see_one_total_order(options: tuple[str, ...]) -> None:
@@ -107,6 +108,7 @@ def test_large_packets_wait_for_a_slow_tcp_reader() -> None:
         assert hub.stderr() == ""
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize("channel", [None, "tcp://127.0.0.1:0"], ids=["path", "tcp"])
 def test_a_hundred_thousand_frames_wait_for_a_slow_reader(channel: str | None) -> None:

@@ -61,6 +61,7 @@ def short(tmp_path):
     return load(str(path))
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize(("arithmetic", "indexing", "seeds"), WAYS)
 @pytest.mark.parametrize("name", SCENARIOS)

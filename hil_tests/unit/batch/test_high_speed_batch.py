@@ -63,6 +63,7 @@ def test_the_batch_gives_the_runs_of_the_bench(law: str) -> None:
     check(scenario, LawSpec(law, arithmetic="float64"), [3, 4, 2**32 - 1], 2)
 
 
+@pytest.mark.long
 @pytest.mark.usefixtures("no_repeats")
 @pytest.mark.parametrize(
     ("name", "law"), [("emu3_short", "pid"), ("emu3_short", "delay_gpc"), ("jinan_xuzhou_emu3", "mm_gpc")]

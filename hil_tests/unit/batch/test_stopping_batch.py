@@ -55,6 +55,7 @@ def specs_of(law: LawSpec, count: int = 4) -> list[RunSpec]:
     return [RunSpec(law=law, seed=seed, run_number=1 + seed % 2) for seed in range(count)]
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize(("law", "arithmetic"), [("ilc_stop", "float64"), ("reaim", "float64"), ("ilc_stop", "iq")])
 def test_every_run_is_that_of_the_bench(law: str, arithmetic: str) -> None:

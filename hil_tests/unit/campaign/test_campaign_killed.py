@@ -153,6 +153,7 @@ def test_a_killed_campaign_goes_on(short, tmp_path, wanted):
     resumed(campaign, kept, wanted)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("number", "exit_code", "engine"),
     [(signal.SIGINT, 130, ("--engine", "joblib", "--jobs", "2")), (signal.SIGTERM, 143, ())],
@@ -174,6 +175,7 @@ def test_a_stopped_campaign_says_how_it_goes_on(short, tmp_path, wanted, number,
     resumed(campaign, kept, wanted)
 
 
+@pytest.mark.long
 def test_a_killed_worker_loses_nothing(short, tmp_path, wanted):
     kept: dict[Path, int] = {}
 

@@ -185,6 +185,7 @@ def test_inputs_reach_every_output(kind: str) -> None:
     assert len(np.unique(softening)) > (100 if kind == "settled" else 0)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_compiled_controller_drives_the_train_like_the_python_node(
     exported: tuple[str, Path, Bundle], tmp_path: Path

@@ -95,6 +95,7 @@ def _periods(loop: Loop, run: list[dict[str, int]]) -> list[dict[str, int]]:
     return found
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize("version", VERSIONS)
 def test_words_are_those_of_the_reference_log(export: Export, version: str, tmp_path: Path) -> None:
@@ -188,6 +189,7 @@ def _export(folder: Path, law: str, scenario: str, *words: str) -> subprocess.Co
     return subprocess.run(command, capture_output=True, text=True, check=False)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_notches_are_those_of_the_node_and_two_exports_are_equal(tmp_path: Path) -> None:
     scenario = tmp_path / "short.toml"

@@ -13,6 +13,7 @@ from railhil.controller_node.loop import ControlLoop
 from railhil.scenarios.run_spec import LawSpec
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("indexing", ["time", "distance"])
 @pytest.mark.parametrize("arithmetic", names())
 def test_many_trains_equal_each_alone(arithmetic: str, indexing: str) -> None:

@@ -183,6 +183,7 @@ def run(request: pytest.FixtureRequest) -> Any:
     )
 
 
+@pytest.mark.long
 def test_no_float_in_the_law(run: Any) -> None:
     controller = run.poisoned
     loop = controller._loop
@@ -198,6 +199,7 @@ def test_no_float_in_the_law(run: Any) -> None:
             run.plain.sent(operator.index(output.notch_code) - 3)
 
 
+@pytest.mark.long
 def test_no_float_in_the_node(run: Any) -> None:
     """From the telegrams' signals through watch and law to the notch of NOTCH_CMD."""
     # Here telegrams and polls come once per control period.

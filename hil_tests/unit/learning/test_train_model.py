@@ -89,6 +89,7 @@ def test_without_dither_the_pseudo_inverse_fits_best_and_controls_worst(plain: R
     assert rmse_kmh(None, **stretch) < 0.25
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_the_emergency_is_followed_within_the_figures_of_the_specification() -> None:
     """The mean: identification makes single runs differ by half of it."""

@@ -220,6 +220,7 @@ print(kills, ended, number)
 """
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_killed_200_times_while_writing_there_is_always_a_slot_and_nothing_is_learned_twice(tmp_path: Path) -> None:
     store = tmp_path / "store"

@@ -51,6 +51,7 @@ def rows(folder: Path) -> list[dict[str, Any]]:
     return found
 
 
+@pytest.mark.long
 def test_sequences_are_those_of_the_bench(short: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert learn(short, tmp_path / "one") == PASS
     said = capsys.readouterr().out
@@ -78,6 +79,7 @@ def test_sequences_are_those_of_the_bench(short: Path, tmp_path: Path, capsys: p
     assert (tmp_path / "one" / "report.html").read_text() == page
 
 
+@pytest.mark.long
 def test_processes_and_machines_make_no_difference(short: Path, tmp_path: Path) -> None:
     for jobs in (1, 2):
         assert learn(short, tmp_path / str(jobs), jobs=jobs) == PASS
@@ -150,6 +152,7 @@ def test_bad_input_is_one_line(words: tuple[str, ...], line: str, short: Path) -
     assert len(str(refused.value).splitlines()) == 1
 
 
+@pytest.mark.long
 def test_runs_made_together_are_those_made_one_by_one() -> None:
     """System ``stop`` makes the same run of all sequences at once."""
     scenario = load_any("yizhuang_stop")

@@ -221,6 +221,7 @@ def test_bad_input_is_one_line(
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_shipped_files_are_of_every_law_and_of_this_code() -> None:
     """Made by ``make tuned``; after a change of a law, the plant or the protocol they are to be made again.

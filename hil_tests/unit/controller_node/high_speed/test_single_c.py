@@ -87,6 +87,7 @@ class Compiled:
         self._sent(self.state, (ctypes.c_int32 * len(raws))(*raws))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("name", "compiler"), [("elm_ngpc", "gcc"), ("os_elm_ngpc", "clang")])
 def test_every_word_is_that_of_float32(
     scenario: AnyScenario, readings: list[tuple[int, ...]], tmp_path: Path, name: str, compiler: str

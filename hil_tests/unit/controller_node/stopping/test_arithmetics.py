@@ -63,6 +63,7 @@ def test_fixed_point_commands_what_float64_commands_from_the_same_readings(law):
         assert abs(found["disturbance"].bias) < 1e-5
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.needs_compiler
 @pytest.mark.parametrize("law", ["ilc_stop", "reaim"])
