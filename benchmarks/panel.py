@@ -56,11 +56,13 @@ class Sample:
 
 @dataclass(frozen=True, slots=True)
 class Cost:
-    """Of a panel between its first and its last sample: ``share``: of a core; memory in MB (10^6 bytes)."""
+    """Of a panel between its first and its last sample: ``share``: of a core; memory in MB (10^6 bytes), at the start,
+    at half time, when it has all rows that it keeps, at the end, and at most."""
 
     seconds: float
     share: float
     rss_start_mb: float
+    rss_half_mb: float
     rss_end_mb: float
     rss_most_mb: float
 
@@ -85,7 +87,9 @@ def cost_of(samples: Sequence[Sample]) -> Cost:
     first, last = samples[0], samples[-1]
     seconds = last.time_s - first.time_s
     rss_mb = [sample.rss_bytes / 1e6 for sample in samples]
-    return Cost(seconds, (last.cpu_s - first.cpu_s) / seconds, rss_mb[0], rss_mb[-1], max(rss_mb))
+    return Cost(
+        seconds, (last.cpu_s - first.cpu_s) / seconds, rss_mb[0], rss_mb[len(rss_mb) // 2], rss_mb[-1], max(rss_mb)
+    )
 
 
 def loss(pairs: Sequence[tuple[float, float]]) -> float:
@@ -240,8 +244,8 @@ def work(arguments: Sequence[str] | None = None) -> int:
     print(f"panel                   {100 * cost.share:.2f} % of a core")
     print(f"sent to all pages       {found.bytes_per_s:.0f} bytes/s")
     print(
-        f"resident set            {cost.rss_start_mb:.1f} MB at the start, {cost.rss_end_mb:.1f} MB at the end, "
-        f"at most {cost.rss_most_mb:.1f} MB"
+        f"resident set            {cost.rss_start_mb:.1f} MB at the start, {cost.rss_half_mb:.1f} MB at half time, "
+        f"{cost.rss_end_mb:.1f} MB at the end, at most {cost.rss_most_mb:.1f} MB"
     )
     print(f"pages draw              {', '.join(f'{fps:.1f}' for fps in found.fps)} frames/s")
     print(f"lateness of the loop    p99 {alone_ms:.3f} ms without the panel, {found.p99_ms:.3f} ms with it")

@@ -28,11 +28,11 @@ from railhil.supervisor.criteria import Criterion
 from railhil.supervisor.documents import CERTIFICATE
 from railhil.supervisor.events.event import RecordedEvent
 from railhil.supervisor.events.summary import why
-from railhil.supervisor.folder import run_folder
 from railhil.supervisor.judging import Judging
 from railhil.supervisor.record import Record, checked_record
 from railhil.supervisor.result import RunResult
 from railhil.supervisor.run import Run
+from railhil.supervisor.run_folder import run_folder
 from railhil.supervisor.score import Score
 from railhil.supervisor.signals import signal_table, signal_units
 from railhil.supervisor.start_up import StartUp

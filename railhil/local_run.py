@@ -29,9 +29,9 @@ from railhil.supervisor.jitter import lockstep_timing
 from railhil.supervisor.judging import judging_of
 from railhil.supervisor.result import RunResult
 from railhil.supervisor.session import Session
+from railhil.supervisor.start_up import TELEMETRY
 from railhil.supervisor.status import untold_wrap
 from railhil.supervisor.stopping import StopSignals
-from railhil.supervisor.telemetry import FILE_NAME as TELEMETRY
 from railhil.supervisor.telemetry import read_origin, read_summary, shown_telemetry
 from railhil.supervisor.trace import Told, Trace, trace_of
 

@@ -28,9 +28,9 @@ from railhil.plant_sim.handshake import Refused
 from railhil.plant_sim.node import PlantNode
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.supervisor.folder import run_folder
 from railhil.supervisor.framelog import log_line, sha256_of
 from railhil.supervisor.run import Run
+from railhil.supervisor.run_folder import run_folder
 from railhil.supervisor.session import Session
 from railhil.supervisor.start_up import StartUp
 

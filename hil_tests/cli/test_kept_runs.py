@@ -23,6 +23,7 @@ from railhil.bus.select import BusChoice
 from railhil.bus.telegrams import SimTruth
 from railhil.dbc import wire_contract
 from railhil.scenarios.run_spec import RunSpec
+from railhil.supervisor.ending import result_of
 from railhil.supervisor.folder import RecordFailed, write_folder
 from railhil.supervisor.framelog import FrameLog, log_line, read_log
 from railhil.supervisor.run import Run
@@ -184,7 +185,7 @@ def test_folder_that_is_full_after_the_run_holds_the_log_alone(monkeypatch, tmp_
     ident = make_ident(Role.PLANT, lvshun.sha256)
     for frame in TelegramSource(wire_contract().port(ident.PORT), False).frames(ident.encode()):
         log.write(log_line(0, frame))
-    result = run._result(0, log.close(), {}, "a reason", False, [])
+    result = result_of(run, 0, log.close(), {}, "a reason", False, [])
     trace = Trace()
     trace.add(SimTruth.PORT, 0, SimTruth().encode())
     write_folder(tmp_path, lvshun, run.spec, run.start_up, result, trace, [])

@@ -20,7 +20,7 @@ from railhil.campaign.results_table import NotThePart
 from railhil.common.errors import InputError, Words
 from railhil.common.whole_file import write_synced
 from railhil.supervisor.errors import RecordFailed, not_written
-from railhil.supervisor.folder import run_folder
+from railhil.supervisor.run_folder import run_folder
 
 PARTS = "parts"
 RESULTS = "results.parquet"

@@ -7,12 +7,13 @@ import errno
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import replace
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from railhil.bus.can_settings import add_bus_arguments
 from railhil.bus.select import BusChoice, choose_bus, no_bus, own_pipes
-from railhil.cli.progress import progress
+from railhil.cli.progress import LOADED_LATER, progress
 from railhil.common.choices import BUSES
 from railhil.common.command_line import add_law_arguments, add_run_arguments
 from railhil.common.errors import InputError, Words
@@ -26,28 +27,32 @@ from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.settings import add_fault_argument, add_set_argument
 from railhil.scenarios.system import DEFAULT, System, system_named
 from railhil.supervisor.desk import Desk
-from railhil.supervisor.documents import read_certificate
 from railhil.supervisor.errors import NO_ROOM
-from railhil.supervisor.events.derive import events_of
-from railhil.supervisor.events.injected import fault_events
 from railhil.supervisor.fault_report import check_faults, transports_of
-from railhil.supervisor.folder import discard_folder, record_failed, write_folder
 from railhil.supervisor.inputs import write_inputs
 from railhil.supervisor.launch import needs_orders
 from railhil.supervisor.memory import keep_memory, learned, with_memory
 from railhil.supervisor.panel_socket import PanelSocket
 from railhil.supervisor.processes import process_start_ns
-from railhil.supervisor.reactions.expected import with_expectations
-from railhil.supervisor.report.recorded import REPORT, RecordedRun, recorded_run
-from railhil.supervisor.result import RunResult
 from railhil.supervisor.run import Run
+from railhil.supervisor.run_folder import discard_folder
 from railhil.supervisor.sockets import private_socket
 from railhil.supervisor.start_up import StartUp
-from railhil.supervisor.trace import Trace
 
 if TYPE_CHECKING:
     from railhil.local_run import LocalRun
+    from railhil.supervisor.report.recorded import RecordedRun
+    from railhil.supervisor.result import RunResult
+    from railhil.supervisor.trace import Trace
 
+#: What the end of a run needs. It is loaded while the nodes start, or when it is used.
+_FOR_THE_END = (
+    "railhil.supervisor.ending",
+    "railhil.supervisor.folder",
+    "railhil.supervisor.reactions.expected",
+    "railhil.supervisor.report.recorded",
+    "railhil.cli.show",
+)
 #: Errors of the operating system when a log cannot grow.
 _CANNOT_GROW = (*NO_ROOM, errno.EROFS)
 
@@ -191,6 +196,8 @@ def recorded(
             run = _bench(scenario, spec, start_up, choice, folder, on_progress, panel)
             held.enter_context(run.stop)
         except OSError as error:
+            from railhil.supervisor.folder import record_failed
+
             discard_folder(folder, made)
             raise record_failed(folder, error) from error
         except BaseException:
@@ -216,6 +223,10 @@ def recorded(
 
 def complete(scenario: AnyScenario, result: RunResult, trace: Trace) -> None:
     """Complete a result with its events, and with what its faults expected of them."""
+    from railhil.supervisor.events.derive import events_of
+    from railhil.supervisor.events.injected import fault_events
+    from railhil.supervisor.reactions.expected import with_expectations
+
     injected = [one.as_json() for one in result.faults]
     result.events = events_of(scenario, trace, fault_events(injected, trace.end_s))
     expected = with_expectations(result.score, injected, result.events)
@@ -237,6 +248,8 @@ def write_results(
     :param result: of :func:`complete`.
     :raises RecordFailed: they cannot be written.
     """
+    from railhil.supervisor.folder import write_folder
+
     result.memory = learned(scenario, spec, folder, result)
     write_folder(folder, scenario, spec, start_up, result, trace, bus_arguments)
     if result.memory is not None:
@@ -245,6 +258,9 @@ def write_results(
 
 def as_recorded(folder: Path, run: Run | LocalRun, result: RunResult) -> RecordedRun:
     """A run that has just ended, as recorded in its folder."""
+    from railhil.supervisor.documents import read_certificate
+    from railhil.supervisor.report.recorded import recorded_run
+
     invalid = "" if result.exit_code in (0, 1) else result.line or "no reason given"
     certificate = read_certificate(folder) or {}
     return recorded_run(folder, certificate, run.scenario, run.trace, result.score, invalid, events=result.events)
@@ -253,6 +269,8 @@ def as_recorded(folder: Path, run: Run | LocalRun, result: RunResult) -> Recorde
 def report_line(runs: Sequence[RecordedRun], folder: Path, notes: Sequence[str] = ()) -> str:
     """Write ``report.html``; returns the line that says where, or why there is none. The record is complete without
     it."""
+    from railhil.supervisor.report.recorded import REPORT
+
     try:
         from railhil.supervisor.report.page import write_report
     except ImportError as error:
@@ -263,6 +281,12 @@ def report_line(runs: Sequence[RecordedRun], folder: Path, notes: Sequence[str] 
     except OSError as error:
         return f"no report: {path} cannot be written ({(error.strerror or str(error)).lower()})"
     return f"report {path}"
+
+
+def load_for_the_end() -> None:
+    """Load what the line of progress and the end of a run need."""
+    for name in (*LOADED_LATER, *_FOR_THE_END):
+        import_module(name)
 
 
 def _bench(
@@ -276,7 +300,7 @@ def _bench(
 ) -> Run | LocalRun:
     if not spec.is_local:
         desk = None if panel is None else Desk(spec.orders, panel, not spec.is_realtime, scenario.faults)
-        return Run(scenario, spec, start_up, choice, folder, on_progress, desk=desk)
+        return Run(scenario, spec, start_up, choice, folder, on_progress, desk=desk, meanwhile=load_for_the_end)
     # Laws and plant are loaded only by processes that compute with them.
     from railhil.local_run import LocalRun
 
@@ -291,5 +315,7 @@ def _executed(run: Run | LocalRun, folder: Path, made: bool) -> RunResult:
         if run.session.frames == 0:
             discard_folder(folder, made)
         elif isinstance(error, OSError) and error.errno in _CANNOT_GROW:
+            from railhil.supervisor.folder import record_failed
+
             raise record_failed(folder, error) from error
         raise

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from collections.abc import Sequence
 from importlib import import_module
-from importlib.metadata import version
+from typing import NoReturn
 
 from railhil.common.command_line import OneLineParser, parse
 from railhil.common.output import accept_any_text, flush_output
@@ -35,6 +35,16 @@ _MODULES = (
 _MODULE_OF = {name: name for name in _MODULES if name != "programs"} | {"node": "programs"}
 
 
+class _Version(argparse.Action):
+    """``--version``: looked up only if somebody asks."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> NoReturn:
+        from importlib.metadata import version
+
+        print(f"railhil {version('railhil')}")
+        parser.exit()
+
+
 def parser(command: str | None = None) -> argparse.ArgumentParser:
     """The whole command line.
 
@@ -45,7 +55,7 @@ def parser(command: str | None = None) -> argparse.ArgumentParser:
         prog="railhil",
         description="Hardware-in-the-loop bench for train controllers: MVB telegrams on a CAN bus.",
     )
-    root.add_argument("--version", action="version", version=f"railhil {version('railhil')}")
+    root.add_argument("--version", action=_Version, nargs=0, help="show program's version number and exit")
     commands = root.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for name in (_MODULE_OF[command],) if command in _MODULE_OF else _MODULES:
         import_module(f"railhil.cli.{name}").add_parser(commands)

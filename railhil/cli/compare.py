@@ -28,10 +28,10 @@ from railhil.scenarios.parameters import ParameterSet, load_parameters
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import System
 from railhil.supervisor.comparison_file import write_comparison
-from railhil.supervisor.folder import run_folder
 from railhil.supervisor.judging import judging_of
 from railhil.supervisor.report.facts import parameters_sentence
 from railhil.supervisor.report.recorded import RecordedRun
+from railhil.supervisor.run_folder import run_folder
 from railhil.supervisor.training_seeds import check_unseen
 
 _ALL = "all"

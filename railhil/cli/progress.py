@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
-
-from rich.progress import BarColumn, Progress, ProgressColumn, TextColumn
 
 from railhil.common.output import Output
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import system_named
 from railhil.supervisor.framelog import LOG_NAME
-from railhil.supervisor.now import Instruments, LogTail
+
+#: What the line needs. It is loaded while the nodes start, or with the first redraw.
+LOADED_LATER = ("rich.progress", "railhil.supervisor.now")
 
 #: Wall time between two redraws, in s. A redraw costs about five milliseconds.
 _REDRAW_S = 0.4
@@ -33,6 +33,29 @@ def progress(
     if quiet:
         yield None
         return
+    with ExitStack() as held:
+        redraw: Callable[[float], None] | None = None
+        shown_s = -_REDRAW_S
+
+        def on_progress(sim_time_s: float) -> None:
+            nonlocal redraw, shown_s
+            now_s = time.monotonic()
+            if now_s - shown_s >= _REDRAW_S:
+                shown_s = now_s
+                if redraw is None:
+                    redraw = held.enter_context(_line(scenario, spec, folder, console))
+                redraw(sim_time_s)
+
+        yield on_progress
+
+
+@contextmanager
+def _line(scenario: AnyScenario, spec: RunSpec, folder: Path, console: Output) -> Iterator[Callable[[float], None]]:
+    """The line on the terminal; what redraws it."""
+    from rich.progress import BarColumn, Progress, ProgressColumn, TextColumn
+
+    from railhil.supervisor.now import Instruments, LogTail
+
     columns: tuple[ProgressColumn, ...] = (
         TextColumn("{task.description}"),
         BarColumn(_BAR if console.width >= _NARROW else _BAR_NARROW),
@@ -43,14 +66,9 @@ def progress(
     tail = LogTail(folder / LOG_NAME, system_named(scenario.system).contract)
     with Progress(*columns, console=console, auto_refresh=False, transient=True) as shown:
         task = shown.add_task(spec.law.controller, total=scenario.planned_s, now="")
-        shown_s = -_REDRAW_S
 
-        def on_progress(sim_time_s: float) -> None:
-            nonlocal shown_s
-            now_s = time.monotonic()
-            if now_s - shown_s >= _REDRAW_S:
-                shown_s = now_s
-                now = instruments.line(instruments.values(tail.look()))
-                shown.update(task, completed=sim_time_s, now=now, refresh=True)
+        def redraw(sim_time_s: float) -> None:
+            now = instruments.line(instruments.values(tail.look()))
+            shown.update(task, completed=sim_time_s, now=now, refresh=True)
 
-        yield on_progress
+        yield redraw

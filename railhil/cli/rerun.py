@@ -19,8 +19,8 @@ from railhil.scenarios.plant_fmu import add_fmu_arguments, fmu_of
 from railhil.scenarios.system import system_named
 from railhil.supervisor import again
 from railhil.supervisor.difference import Difference, first_difference
-from railhil.supervisor.folder import run_folder
 from railhil.supervisor.framelog import read_log
+from railhil.supervisor.run_folder import run_folder
 from railhil.supervisor.start_up import StartUp
 
 

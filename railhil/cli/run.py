@@ -8,6 +8,7 @@ import os
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from railhil.cli.bus_run import (
     add_arguments,
@@ -27,7 +28,6 @@ from railhil.cli.panel import (
     with_catalogue,
     with_emergency,
 )
-from railhil.cli.show import print_result
 from railhil.common.errors import Faults, InputError, Words
 from railhil.common.output import Output, add_json_argument, print_json
 from railhil.scenarios.model import AnyScenario
@@ -37,11 +37,12 @@ from railhil.scenarios.run_document import OPTIONS, Layer, environment_layer, fi
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import system_named
 from railhil.supervisor.fault_report import transports_of
-from railhil.supervisor.folder import run_folder, score_json
 from railhil.supervisor.memory import memory_lines
-from railhil.supervisor.report.recorded import REPORT
-from railhil.supervisor.result import RunResult
+from railhil.supervisor.run_folder import run_folder
 from railhil.supervisor.start_up import StartUp
+
+if TYPE_CHECKING:
+    from railhil.supervisor.result import RunResult
 
 #: Key of a run -> name in the parsed command line.
 _DESTINATIONS: Mapping[str, str] = {key: option.lstrip("-").replace("-", "_") for key, option in OPTIONS.items()}
@@ -180,6 +181,11 @@ def work(namespace: argparse.Namespace) -> int:
             run, result = recorded(scenario, spec, how, choice, folder, made, console, quiet, panel=panel)
             if panel is not None:
                 panel.tell({"phase": "ended", "exit_code": result.exit_code, "line": result.line})
+    # Loaded while the nodes started.
+    from railhil.cli.show import print_result
+    from railhil.supervisor.folder import score_json
+    from railhil.supervisor.report.recorded import REPORT
+
     found = as_recorded(folder, run, result)
     report = "" if namespace.no_report else report_line([found], folder)
     again = "" if namespace.spec is None else made_again(namespace.spec, spec, result)

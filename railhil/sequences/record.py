@@ -18,8 +18,8 @@ from railhil.scenarios.run_spec import RunSpec
 from railhil.sequences.evidence import SEQUENCE, Evidence, Made, left, read_evidence, run_name, write_evidence
 from railhil.sequences.plan import run_specs
 from railhil.supervisor.errors import not_written
-from railhil.supervisor.folder import run_folder
 from railhil.supervisor.result import RunResult
+from railhil.supervisor.run_folder import run_folder
 from railhil.supervisor.start_up import StartUp
 
 #: Called with the number of a run and its result.

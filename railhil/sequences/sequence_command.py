@@ -30,9 +30,9 @@ from railhil.sequences.evidence import SEQUENCE, Evidence, problems, read_eviden
 from railhil.sequences.plan import RUNS_MAX
 from railhil.sequences.record import Told, begin, record
 from railhil.supervisor.criteria import limited
-from railhil.supervisor.folder import run_folder
 from railhil.supervisor.judging import judging_of
 from railhil.supervisor.result import RunResult
+from railhil.supervisor.run_folder import run_folder
 from railhil.supervisor.start_up import StartUp
 
 _RUNS = 15

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import shlex
-import tempfile
-import time
 import xml.etree.ElementTree as ET
 from collections.abc import Iterator
 from importlib.metadata import version
@@ -15,7 +13,6 @@ from typing import Any
 import railhil
 from railhil.bus.ident import PROFILES
 from railhil.common.build import machine
-from railhil.common.errors import InputError
 from railhil.common.plain_text import plain
 from railhil.common.whole_file import whole_file, write_synced
 from railhil.scenarios.memory import MEMORY_AFTER
@@ -26,7 +23,7 @@ from railhil.scenarios.system import system_named
 from railhil.supervisor.blf_writer import write_blf
 from railhil.supervisor.criteria import limited
 from railhil.supervisor.documents import CERTIFICATE, SCORE
-from railhil.supervisor.errors import RecordFailed, not_written
+from railhil.supervisor.errors import RecordFailed
 from railhil.supervisor.events.event import EVENTS, FAULT, LOST, MISSED_POLL, REFUSED, write_events
 from railhil.supervisor.events.summary import counts_said, explained, reactions, summary, why
 from railhil.supervisor.json_file import write_json
@@ -43,67 +40,8 @@ _CODE = (
     "local_run.py",
 )  # fmt: skip
 
-#: Free disk space required to begin a run: for the output of the nodes and the beginning of the log. A run of 3 min
-#: takes 6 MB.
-ROOM_MIN_BYTES = 128 * 1024
 #: Files computed from ``frames.log`` after the run; removed again unless all of them could be written.
 _DERIVED = ("signals.csv", EVENTS, "frames.blf", SCORE, "junit.xml", MEMORY_AFTER, CERTIFICATE)
-
-
-def run_folder(out: str | None, scenario: str, controller: str) -> tuple[Path, bool]:
-    """Make the folder of a new run.
-
-    :param out: the folder itself if the user names one; it must be empty or not exist.
-    :returns: the folder, and whether it was created here.
-    :raises InputError: the named folder is not empty, cannot be created or cannot be written.
-    :raises RecordFailed: there is not enough disk space.
-    """
-    if out is not None and not out.strip():
-        raise InputError("command line", "--out", out, "name of an empty or new folder")
-    stamp = time.strftime("%Y%m%dT%H%M%SZ", time.gmtime())
-    folder = Path(out) if out is not None else Path("runs") / f"{stamp}-{scenario}-{controller}"
-    made = False
-    try:
-        made = out is None or not folder.exists()
-        if out is None:
-            folder = _new_folder(folder)
-        else:
-            folder.mkdir(parents=True, exist_ok=True)
-        occupied = any(folder.iterdir())
-        # Leaves nothing behind; a check of permissions would not detect a read-only or full file system.
-        with tempfile.TemporaryFile(dir=folder) as probe:
-            probe.write(bytes(ROOM_MIN_BYTES))
-            probe.flush()
-    except OSError as error:
-        if made and folder.is_dir():
-            folder.rmdir()
-        raise not_written("--out", folder, "folder", error) from None
-    if occupied:
-        raise InputError("command line", "--out", str(folder), "an empty or new folder")
-    return folder, made
-
-
-def _new_folder(wanted: Path) -> Path:
-    """Create a folder of this name, with a number appended if it exists: runs started in the same second never share
-    one."""
-    wanted.parent.mkdir(parents=True, exist_ok=True)
-    folder, serial = wanted, 1
-    while True:
-        try:
-            folder.mkdir()
-        except FileExistsError:
-            serial += 1
-            folder = wanted.with_name(f"{wanted.name}-{serial}")
-        else:
-            return folder
-
-
-def discard_folder(folder: Path, made: bool) -> None:
-    """Remove what a run that never began has left: the files, and the folder itself if it was created for the run."""
-    for path in folder.iterdir():
-        path.unlink()
-    if made:
-        folder.rmdir()
 
 
 def code_files() -> Iterator[tuple[str, Path]]:

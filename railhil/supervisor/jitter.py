@@ -18,10 +18,11 @@ import numpy as np
 import numpy.typing as npt
 
 from railhil.bus.clock import RATE_MAX_10TH, RATE_MIN_10TH, rate_to_10th
+from railhil.supervisor.start_up import TIMING
 from railhil.supervisor.trace import Trace
 
-#: Names in the run folder: what the plant measured, and the arrivals at the recorder.
-TIMING, WALL = "timing.csv", "wall.csv"
+#: Name in the run folder: the arrivals at the recorder.
+WALL = "wall.csv"
 #: A run with more than this share of its cycles more than ``LATE_MS`` late is INVALID.
 LATE_SHARE_MAX = 0.001
 LATE_MS = 5.0

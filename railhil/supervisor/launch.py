@@ -13,11 +13,9 @@ from railhil.faults.parsed import parsed
 from railhil.scenarios.handed import handed
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
-from railhil.supervisor.jitter import TIMING
 from railhil.supervisor.processes import Nodes
 from railhil.supervisor.senders import sent_file
-from railhil.supervisor.start_up import StartUp
-from railhil.supervisor.telemetry import FILE_NAME as TELEMETRY
+from railhil.supervisor.start_up import TELEMETRY, TIMING, StartUp
 
 
 def _scheduling(run: RunSpec, start_up: StartUp, priority: int) -> list[str]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from railhil.common.errors import InputError
 from railhil.scenarios.memory import MEMORY_AFTER, MEMORY_BEFORE, Record, next_record, runs_said, write_memory
@@ -18,8 +19,9 @@ from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import system_named
 from railhil.supervisor.errors import RecordFailed, not_written
 from railhil.supervisor.learned import Learned
-from railhil.supervisor.result import RunResult
-from railhil.supervisor.telemetry import read_kept
+
+if TYPE_CHECKING:
+    from railhil.supervisor.result import RunResult
 
 
 def with_memory(spec: RunSpec, folder: Path) -> RunSpec:
@@ -50,6 +52,8 @@ def learned(scenario: AnyScenario, spec: RunSpec, folder: Path, result: RunResul
 
     :param spec: the result of :func:`with_memory`.
     """
+    from railhil.supervisor.telemetry import read_kept
+
     kept = read_kept(folder) if result.trusted else None
     if kept is None:
         return None

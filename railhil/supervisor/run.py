@@ -6,7 +6,7 @@ import signal
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from railhil.bus.can_settings import HUB_INTERFACE
 from railhil.bus.codes import Event
@@ -15,38 +15,26 @@ from railhil.bus.link import Link, open_link
 from railhil.bus.link.pipes import Pipes
 from railhil.bus.order import BusOrder
 from railhil.bus.select import BusChoice
-from railhil.common.exit_codes import FAIL, INVALID, PASS, TOOL_ERROR, USAGE
-from railhil.common.scheduling import said_in
+from railhil.common.exit_codes import USAGE
 from railhil.faults.parsed import parsed
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import system_named
 from railhil.supervisor.desk import Desk
-from railhil.supervisor.fault_report import FaultOutcome, fault_outcomes, missed_faults, missing_logs, take_logs
-from railhil.supervisor.framelog import FrameLog, read_log
-from railhil.supervisor.jitter import (
-    WALL,
-    RunTiming,
-    arrivals_of,
-    kept_pace,
-    lockstep_timing,
-    realtime_timing,
-    write_wall_times,
-)
-from railhil.supervisor.judging import judging_of
-from railhil.supervisor.launch import longest_stop_s, needs_orders, start_hub, start_nodes
+from railhil.supervisor.fault_report import FaultOutcome, fault_outcomes, missing_logs, take_logs
+from railhil.supervisor.framelog import FrameLog
+from railhil.supervisor.launch import longest_stop_s, start_hub, start_nodes
 from railhil.supervisor.live_lateness import LiveLateness
 from railhil.supervisor.processes import Nodes, process_start_ns
 from railhil.supervisor.recorder import AFTER_LOSS_S, SILENCE_S, Recorder
 from railhil.supervisor.recorder_link import open_recorder, refuse_occupied
-from railhil.supervisor.result import RunResult
-from railhil.supervisor.senders import Senders
 from railhil.supervisor.session import Session
 from railhil.supervisor.start_up import StartUp
-from railhil.supervisor.status import untold_wrap
 from railhil.supervisor.stopping import StopSignals
-from railhil.supervisor.telemetry import ShownTelemetry, read_origin, read_summary, shown_telemetry
-from railhil.supervisor.trace import Told, Trace, trace_of
+from railhil.supervisor.trace import Trace
+
+if TYPE_CHECKING:
+    from railhil.supervisor.result import RunResult
 
 _REAP_S = 1.0
 _LOOK_S = 0.05
@@ -60,6 +48,7 @@ class Run:
     :param silence_s: wall time without a tick after which a started run counts as dead.
     :param after_loss_s: wall time for the other nodes to stop by themselves after a node was lost.
     :param desk: gives the orders of an operator.
+    :param meanwhile: called when the nodes have been started, which then take a while to appear.
     """
 
     def __init__(
@@ -75,6 +64,7 @@ class Run:
         silence_s: float = SILENCE_S,
         after_loss_s: float = AFTER_LOSS_S,
         desk: Desk | None = None,
+        meanwhile: Callable[[], object] | None = None,
     ) -> None:
         self.scenario = scenario
         self.spec = spec
@@ -83,10 +73,10 @@ class Run:
         self.folder = folder
         self._open_bus = open_bus
         self._after_loss_s = after_loss_s
+        self._meanwhile = meanwhile
         self.log = FrameLog(folder)
         self.session = Session(scenario, self.log.write, spec, fd=choice.fd, on_progress=on_progress, desk=desk)
         contract = system_named(scenario.system).contract
-        self._judging = judging_of(scenario)
         #: Telegrams of the record, read back from the log after the run.
         self.trace = Trace(contract)
         #: Exit code of a run ended by a signal (128 + its number), else 0.
@@ -97,7 +87,7 @@ class Run:
             desk.while_waiting = self._while_held
             if spec.is_realtime:
                 late = LiveLateness(self.session.wall_ticks, self.session.wall_ns)
-                desk.lateness = lambda: late.report(self._wall_tick_ns())
+                desk.lateness = lambda: late.report(self.wall_tick_ns())
         # The hub has one order for all clients; a kernel bus has one per processor.
         in_order = choice.config.get("interface") == HUB_INTERFACE or spec.is_realtime
         self.recorder = Recorder(
@@ -163,7 +153,10 @@ class Run:
                 line, refused = self._verdict_line(nodes, counters)
         finally:
             sha256 = self.log.close()
-        return self._result(started_ns, sha256, counters, line, refused, faults)
+        # Loaded while the nodes start, if the caller takes care of it.
+        from railhil.supervisor.ending import result_of
+
+        return result_of(self, started_ns, sha256, counters, line, refused, faults)
 
     def _await_fault_logs(self) -> None:
         """Nodes that were started elsewhere write what they have injected a moment after the end of the run."""
@@ -216,6 +209,8 @@ class Run:
     def _start(self, nodes: Nodes, pipes: Pipes | None = None) -> None:
         if not self.start_up.attach:
             start_nodes(nodes, self.spec, self.start_up, self.choice, self.folder, self.scenario, pipes)
+        if self._meanwhile is not None:
+            self._meanwhile()
 
     def _verdict_line(self, nodes: Nodes, counters: dict[str, int]) -> tuple[str, bool]:
         """The line that explains a run without a score, and whether it was refused as bad input."""
@@ -236,78 +231,8 @@ class Run:
             return f"record: the recorder was off the bus for {self.session.unheard_ns / 1e9:.2f} s"
         return ""
 
-    def _result(
-        self,
-        started_ns: int,
-        sha256: str,
-        counters: dict[str, int],
-        line: str,
-        refused: bool,
-        faults: list[FaultOutcome],
-    ) -> RunResult:
-        session = self.session
-        # Whatever has ended the run, a frame that nobody sent is no evidence; missing ones have many reasons.
-        complete = self.choice.is_private and not self.spec.is_realtime and not line
-        # Between two lines a recorder may lose a frame, and a sender that errors take off the bus does not know it.
-        complete = complete and not needs_orders(self.scenario.faults)
-        senders = Senders(self.folder, self.trace.contract, complete=complete)
-        if session.frames:
-            self.trace = trace_of(senders.passing(read_log(self.log.path)), self.trace.contract)
-        self.trace.told = Told(complete, senders.received)
-        found = senders.findings()
-        said = [*(item.sentence(port, "supervisor") for port, item in session.strangers.items()), *found.said]
-        line = "; ".join(filter(None, (line, *said)))
-        result = self._judging.score(self.scenario, self.trace)
-        timing = self._timing()
-        if timing.missed_polls and counters.get("outages") and not self.spec.is_realtime:
-            # The kernel may silently drop frames while an interface goes down.
-            line = line or f"record: {timing.missed_polls} polls without an answer in an outage of the bus"
-        code = {"PASS": PASS, "FAIL": FAIL}.get(result.verdict, INVALID)
-        if timing.jitter is not None and not timing.jitter.valid and code in (PASS, FAIL):
-            code, line = INVALID, line or "; ".join(filter(None, (timing.jitter.sentence(), timing.pace)))
-        if code in (PASS, FAIL):
-            line = line or missed_faults(faults)
-        summary = read_summary(self.folder)
-        if code == PASS:
-            line = line or untold_wrap(self.trace, self._judging.status, summary.wraps if summary else 0)
-        if line:
-            code = USAGE if refused else INVALID
-        if session.ended is Event.ENDED_PLANT_ERROR:
-            code = TOOL_ERROR
-        return RunResult(
-            score=result,
-            exit_code=code,
-            line=line or "; ".join(result.failures),
-            frames=session.frames,
-            frames_sha256=sha256,
-            wall_time_s=(session.last_poll_ns - session.first_frame_ns) / 1e9 if session.recording else 0.0,
-            sim_time_s=session.sim_time_s,
-            first_frame_s=(session.first_frame_ns - started_ns) / 1e9 if session.recording else float("nan"),
-            transport=self.choice.transport,
-            telemetry=summary or self._shown(),
-            origin=read_origin(self.folder),
-            counters=counters,
-            timing=timing,
-            not_witnessed=found.not_witnessed,
-            faults=faults,
-        )
-
-    def _shown(self) -> ShownTelemetry | None:
-        return shown_telemetry(self.trace, self._judging.status)
-
-    def _wall_tick_ns(self) -> float:
+    def wall_tick_ns(self) -> float:
         """Wall time between two ticks of a real-time run, at the plant's pace."""
-        return self.scenario.timing.base_tick_ns / kept_pace(self.spec.rate, self.session.rate)[0]
+        from railhil.supervisor.jitter import kept_pace
 
-    def _timing(self) -> RunTiming:
-        """Timing of the run, after all nodes have ended."""
-        session = self.session
-        if not self.spec.is_realtime:
-            return lockstep_timing(self.trace)
-        write_wall_times(session.wall_ticks, session.wall_ns, self.folder / WALL)
-        pace = kept_pace(self.spec.rate, session.rate)[1]
-        arrivals = arrivals_of(session.wall_ticks, session.wall_ns, self._wall_tick_ns())
-        paths = [self.folder / f"{role}.txt" for role in ("hub", "plant", "controller")]
-        said = {path.stem: said_in(path.read_text(errors="replace"), path.stem) for path in paths if path.is_file()}
-        scheduling = {**said, "supervisor": self.recorder.scheduling.sentence}
-        return realtime_timing(self.folder, self.trace, arrivals, scheduling, pace)
+        return self.scenario.timing.base_tick_ns / kept_pace(self.spec.rate, self.session.rate)[0]

@@ -8,6 +8,9 @@ from pathlib import Path
 from railhil.common.patience import APPEAR_S
 from railhil.scenarios.run_spec import RunSpec
 
+#: Names in the run folder of what the nodes leave there: the controller its telemetry, the plant its timing.
+TELEMETRY, TIMING = "telemetry.json", "timing.csv"
+
 
 @dataclass(frozen=True, slots=True)
 class StartUp:

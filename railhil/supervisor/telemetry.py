@@ -20,11 +20,9 @@ from railhil.bus.codes import ControllerFlag
 from railhil.bus.telegrams import HEADROOM_UNUSED, NO_QUANTITY
 from railhil.supervisor.learned import Kept, kept_of
 from railhil.supervisor.notes import ToldNote, told_notes
+from railhil.supervisor.start_up import TELEMETRY
 from railhil.supervisor.status import Status
 from railhil.supervisor.trace import Trace
-
-#: Name in the run folder.
-FILE_NAME = "telemetry.json"
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,7 +121,7 @@ _F = TypeVar("_F")
 def _read(folder: Path, made: Callable[[dict[str, Any]], _F]) -> _F | None:
     """``made`` applied to the telemetry in a run folder; None if there is no readable telemetry."""
     try:
-        return made(json.loads((folder / FILE_NAME).read_text(encoding="utf-8")))
+        return made(json.loads((folder / TELEMETRY).read_text(encoding="utf-8")))
     except (OSError, ValueError, LookupError, TypeError, AttributeError, OverflowError, RecursionError):
         return None
 

@@ -45,8 +45,7 @@ from railhil.supervisor.memory import learned
 from railhil.supervisor.result import RunResult
 from railhil.supervisor.run import Run
 from railhil.supervisor.session import Session
-from railhil.supervisor.start_up import StartUp
-from railhil.supervisor.telemetry import FILE_NAME as TELEMETRY
+from railhil.supervisor.start_up import TELEMETRY, StartUp
 
 #: Simulation time of the beginning of a run.
 _BEGINNING_S = 20.0

@@ -16,7 +16,7 @@ def test_the_share_is_of_the_time_between_first_and_last_sample() -> None:
     cost = cost_of(samples)
     assert cost.seconds == 50.0
     assert cost.share == pytest.approx(0.02)
-    assert (cost.rss_start_mb, cost.rss_end_mb, cost.rss_most_mb) == (60.0, 61.5, 63.0)
+    assert (cost.rss_start_mb, cost.rss_half_mb, cost.rss_end_mb, cost.rss_most_mb) == (60.0, 63.0, 61.5, 63.0)
 
 
 def test_a_run_that_is_too_short_gives_no_figure() -> None:

@@ -28,7 +28,6 @@ from railhil.supervisor.jitter import (
     PAUSE_MS,
     PLANT,
     RECORDER,
-    TIMING,
     Jitter,
     RunTiming,
     arrivals_of,
@@ -41,6 +40,7 @@ from railhil.supervisor.jitter import (
 from railhil.supervisor.json_file import write_json
 from railhil.supervisor.report.page import page
 from railhil.supervisor.report.recorded import RecordedRun
+from railhil.supervisor.start_up import TIMING
 from railhil.supervisor.trace import Trace, trace_of
 
 SCHEDULING = {"plant": "SCHED_FIFO 40, memory locked", "supervisor": "normal scheduling"}

@@ -1,0 +1,109 @@
+"""The end of a run over a bus: its record is read back, scored, and judged as a record."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from railhil.bus.codes import Event
+from railhil.common.exit_codes import FAIL, INVALID, PASS, TOOL_ERROR, USAGE
+from railhil.common.scheduling import said_in
+from railhil.supervisor.fault_report import FaultOutcome, missed_faults
+from railhil.supervisor.framelog import read_log
+from railhil.supervisor.jitter import (
+    WALL,
+    RunTiming,
+    arrivals_of,
+    kept_pace,
+    lockstep_timing,
+    realtime_timing,
+    write_wall_times,
+)
+from railhil.supervisor.judging import judging_of
+from railhil.supervisor.launch import needs_orders
+from railhil.supervisor.result import RunResult
+from railhil.supervisor.senders import Senders
+from railhil.supervisor.status import untold_wrap
+from railhil.supervisor.telemetry import read_origin, read_summary, shown_telemetry
+from railhil.supervisor.trace import Told, trace_of
+
+if TYPE_CHECKING:
+    from railhil.supervisor.run import Run
+
+
+def result_of(
+    run: Run,
+    started_ns: int,
+    sha256: str,
+    counters: dict[str, int],
+    line: str,
+    refused: bool,
+    faults: list[FaultOutcome],
+) -> RunResult:
+    """Read the record back, score it, and say whether it can be trusted. ``run.trace`` then has its telegrams.
+
+    :param started_ns: monotonic wall time at which the command began.
+    :param sha256: of the frame log.
+    :param line: why there can be no score, as far as it is known; ``refused``: as bad input.
+    :raises RecordFailed: the wall times of a run in real time cannot be written.
+    """
+    judging = judging_of(run.scenario)
+    session = run.session
+    # Whatever has ended the run, a frame that nobody sent is no evidence; missing ones have many reasons.
+    complete = run.choice.is_private and not run.spec.is_realtime and not line
+    # Between two lines a recorder may lose a frame, and a sender that errors take off the bus does not know it.
+    complete = complete and not needs_orders(run.scenario.faults)
+    senders = Senders(run.folder, run.trace.contract, complete=complete)
+    if session.frames:
+        run.trace = trace_of(senders.passing(read_log(run.log.path)), run.trace.contract)
+    run.trace.told = Told(complete, senders.received)
+    found = senders.findings()
+    said = [*(item.sentence(port, "supervisor") for port, item in session.strangers.items()), *found.said]
+    line = "; ".join(filter(None, (line, *said)))
+    result = judging.score(run.scenario, run.trace)
+    timing = _timing(run)
+    if timing.missed_polls and counters.get("outages") and not run.spec.is_realtime:
+        # The kernel may silently drop frames while an interface goes down.
+        line = line or f"record: {timing.missed_polls} polls without an answer in an outage of the bus"
+    code = {"PASS": PASS, "FAIL": FAIL}.get(result.verdict, INVALID)
+    if timing.jitter is not None and not timing.jitter.valid and code in (PASS, FAIL):
+        code, line = INVALID, line or "; ".join(filter(None, (timing.jitter.sentence(), timing.pace)))
+    if code in (PASS, FAIL):
+        line = line or missed_faults(faults)
+    summary = read_summary(run.folder)
+    if code == PASS:
+        line = line or untold_wrap(run.trace, judging.status, summary.wraps if summary else 0)
+    if line:
+        code = USAGE if refused else INVALID
+    if session.ended is Event.ENDED_PLANT_ERROR:
+        code = TOOL_ERROR
+    return RunResult(
+        score=result,
+        exit_code=code,
+        line=line or "; ".join(result.failures),
+        frames=session.frames,
+        frames_sha256=sha256,
+        wall_time_s=(session.last_poll_ns - session.first_frame_ns) / 1e9 if session.recording else 0.0,
+        sim_time_s=session.sim_time_s,
+        first_frame_s=(session.first_frame_ns - started_ns) / 1e9 if session.recording else float("nan"),
+        transport=run.choice.transport,
+        telemetry=summary or shown_telemetry(run.trace, judging.status),
+        origin=read_origin(run.folder),
+        counters=counters,
+        timing=timing,
+        not_witnessed=found.not_witnessed,
+        faults=faults,
+    )
+
+
+def _timing(run: Run) -> RunTiming:
+    """Timing of the run, after all nodes have ended."""
+    session = run.session
+    if not run.spec.is_realtime:
+        return lockstep_timing(run.trace)
+    write_wall_times(session.wall_ticks, session.wall_ns, run.folder / WALL)
+    pace = kept_pace(run.spec.rate, session.rate)[1]
+    arrivals = arrivals_of(session.wall_ticks, session.wall_ns, run.wall_tick_ns())
+    paths = [run.folder / f"{role}.txt" for role in ("hub", "plant", "controller")]
+    said = {path.stem: said_in(path.read_text(errors="replace"), path.stem) for path in paths if path.is_file()}
+    scheduling = {**said, "supervisor": run.recorder.scheduling.sentence}
+    return realtime_timing(run.folder, run.trace, arrivals, scheduling, pace)
