@@ -225,7 +225,7 @@ def test_a_user_with_a_limit_can_give_scheduling_back(what: str) -> None:
 #: Who may look at the wall clock: the name of a run's folder, and the stamps of messages for tools of python-can. An
 #: exported file begins at the instant that the user names.
 _MAY_LOOK = {
-    "railhil/supervisor/folder.py": {"gmtime"},
+    "railhil/supervisor/run_folder.py": {"gmtime"},
     "bus/hub/batches.py": {"time"},
     "railhil/supervisor/files/content.py": {"datetime"},
 }
