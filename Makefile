@@ -20,10 +20,12 @@ HERE         = not needs_socketcan and not needs_docker
 # A file at a time, so that what a module's tests share is made once. Two workers more than there are cores: many tests
 # wait. hil_tests/conftest.py puts the long ones first.
 SIDE_BY_SIDE = $(BIN)/pytest -q -n $$(($$(nproc) + 2)) --dist loadfile --no-loadscope-reorder
+# The half of the tests on kernel SocketCAN that runs on a kernel of its own, by file.
+VCAN_FIRST   = test_faults or test_can_utils or test_outage or test_benchmark_pairs
 # Files of tests that keep real time: collecting all the others takes as long as some of these tests.
 REAL_TIME    = $$(grep -rlw --include='test_*.py' wall_clock hil_tests)
 
-.PHONY: run test test-fast test-here test-side-by-side test-long test-long-side-by-side test-real-time test-vcan test-compose test-docker test-docker-vcan test-wheel test-arm64 test-compiled wheels mutants lint lint-types lint-imports prepared-batches prepared-bytecode bench dbc tables tuned $(TUNED_LAWS:%=tuned-%) install locks locked clean
+.PHONY: run test test-fast test-here test-side-by-side test-long test-long-side-by-side test-real-time test-vcan test-vcan-first test-vcan-second test-compose test-docker test-docker-vcan test-wheel test-arm64 test-compiled wheels mutants lint lint-types lint-imports prepared-batches prepared-bytecode bench dbc tables tuned $(TUNED_LAWS:%=tuned-%) install locks locked clean
 
 # A run that misses the limits of its scenario (exit code 1) is a result, not an error of make.
 run: $(VENV)/.installed
@@ -33,7 +35,7 @@ run: $(VENV)/.installed
 # Lint and all tests but the long ones, with the capabilities (compilers, Chromium, kernel SocketCAN, Docker) brought up
 # where this machine permits. What the last parts need of packages, kernels and images is fetched and built from the
 # beginning on, beside installation and lint. Docker waits most of the time, so it has its part beside the tests side by
-# side. The tests in real time leave the processors idle most of the time: the virtual machine takes that time, and only
+# side. The tests in real time leave the processors idle most of the time: two virtual machines take that time, and only
 # that (--behind). Parts that run beside others are printed whole at their end; the last line is the sum.
 test: | $(VENV)/bin/pip
 	@mkdir -p build && rm -f $(COUNTS)
@@ -42,8 +44,8 @@ test: | $(VENV)/bin/pip
 	  { $(MAKE) --no-print-directory PART="$(COUNTED)" test-docker >build/docker.txt 2>&1 & \
 	    $(MAKE) --no-print-directory PART="$(COUNTED)" test-side-by-side; }; code=$$?; wait; exit $$code
 	@cat build/docker.txt
-	@$(MAKE) --no-print-directory PART="$(COUNTED)" BEHIND=--behind -j2 -Otarget test-vcan test-real-time
-	@$(PART) --counts $(COUNTS) --total 4
+	@$(MAKE) --no-print-directory PART="$(COUNTED)" BEHIND=--behind -j3 -Otarget test-vcan-first test-vcan-second test-real-time
+	@$(PART) --counts $(COUNTS) --total 5
 
 # What takes minutes together and seldom fails: benchmarks, long comparisons of batch, bench and exported C, search and
 # training, and containers on a kernel with CAN. `.ci/run` does it after `make test`.
@@ -71,8 +73,13 @@ test-real-time: $(VENV)/.installed-dev
 	@$(PART) "tests in real time" $(BIN)/pytest -q -m "$(HERE) and wall_clock" $(REAL_TIME)
 
 # On kernel SocketCAN: the host's, else that of a throw-away virtual machine (Debian).
-test-vcan: $(VENV)/.installed-dev
-	@$(PART) $(BEHIND) --tool can-utils --tool compilers "kernel SocketCAN" $(BIN)/python -m hil_tests.transport.vcan
+test-vcan test-vcan-first test-vcan-second: $(VENV)/.installed-dev
+	@$(PART) $(BEHIND) --tool can-utils --tool compilers "kernel SocketCAN$(HALF)" $(BIN)/python -m hil_tests.transport.vcan $(VCAN)
+
+test-vcan-first: HALF = , first half
+test-vcan-first: VCAN = -k "$(VCAN_FIRST)"
+test-vcan-second: HALF = , second half
+test-vcan-second: VCAN = -k "not ($(VCAN_FIRST))"
 
 # docker-compose.yml on a real engine: the host's, else a private one (root on Debian).
 test-docker: $(VENV)/.installed-dev
