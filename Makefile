@@ -41,8 +41,8 @@ test: | $(VENV)/bin/pip
 	@mkdir -p build && rm -f $(COUNTS)
 	@$(BIN)/python -m hil_tests.prepared machines & \
 	  $(MAKE) --no-print-directory BESIDE="prepared-batches prepared-bytecode" lint && \
-	  { $(MAKE) --no-print-directory PART="$(COUNTED)" test-docker >build/docker.txt 2>&1 & \
-	    $(MAKE) --no-print-directory PART="$(COUNTED)" test-side-by-side; }; code=$$?; wait; exit $$code
+	  $(MAKE) --no-print-directory PART="$(COUNTED)" DOCKER_OUT=">build/docker.txt 2>&1" -j2 test-side-by-side test-docker; \
+	  code=$$?; wait; exit $$code
 	@cat build/docker.txt
 	@$(MAKE) --no-print-directory PART="$(COUNTED)" BEHIND=--behind -j3 -Otarget test-vcan-first test-vcan-second test-real-time
 	@$(PART) --counts $(COUNTS) --total 5
@@ -84,7 +84,7 @@ test-vcan-second: VCAN = -k "not ($(VCAN_FIRST))"
 # docker-compose.yml on a real engine: the host's, else a private one (root on Debian).
 test-docker: $(VENV)/.installed-dev
 	@$(PART) Docker $(BIN)/python -m railhil.machines.docker_engine --timeout 1500 -- \
-	  $(BIN)/pytest -q -m needs_docker hil_tests/transport/compose
+	  $(BIN)/pytest -q -m needs_docker hil_tests/transport/compose $(DOCKER_OUT)
 
 # The same on a kernel with CAN.
 test-docker-vcan: $(VENV)/.installed-dev
