@@ -208,6 +208,7 @@ def test_interface_without_its_driver(tmp_path):
         run.execute()
 
 
+@pytest.mark.slow
 def test_attach_with_nobody_there(tmp_path):
     """Frames of somebody else on the bus do not keep the wait going."""
 

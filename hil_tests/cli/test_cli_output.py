@@ -149,6 +149,7 @@ def test_plot(json_run, tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["x.svg"]
 
 
+@pytest.mark.slow
 @pytest.mark.loop
 def test_reader_that_is_gone_changes_no_exit_code(json_run):
     folder, document, _ = json_run
@@ -178,6 +179,7 @@ def printed(arguments: list[str]) -> str:
     return text.getvalue()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("arguments", [["ports"], ["ports", "trn_speed"], ["scenarios"], ["doctor", "--quick"]])
 def test_json_output_is_json_and_ascii(arguments):
     text = printed([*arguments, "--json"])

@@ -74,6 +74,7 @@ def test_a_record_is_scored_without_the_checks_of_scenario_files():
     assert done.stdout.strip() == "False"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "module", ["plant_sim.command", "controller_node.command", "supervisor.run", "cli.run", "local_run", "replay"]
 )

@@ -126,6 +126,7 @@ def test_every_law_runs_and_stands_in_the_table(compared: Compared) -> None:
     assert compared.done.exit_code == max({"PASS": 0, "FAIL": 1}[run["verdict"]] for run in runs)
 
 
+@pytest.mark.slow
 @pytest.mark.loop
 def test_csv_holds_the_same_figures(compared: Compared) -> None:
     with (compared.folder / "compare.csv").open(encoding="utf-8", newline="") as stream:

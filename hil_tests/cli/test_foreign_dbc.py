@@ -5,12 +5,15 @@ from __future__ import annotations
 import shutil
 from pathlib import Path
 
+import pytest
+
 from hil_tests.support.cli import complaint, railhil
 from hil_tests.support.paths import ROOT
 
 DBC = ROOT / "dbc" / "railhil.dbc"
 
 
+@pytest.mark.slow
 def test_dbc_files(here):
     right = DBC.read_text()
     assert here("ports", "--dbc", DBC).exit_code == 0
@@ -35,6 +38,7 @@ def test_dbc_files(here):
     assert not Path("runs").exists()
 
 
+@pytest.mark.slow
 def test_replaced_dbc_of_the_installation_is_noticed_by_every_command(tmp_path):
     shutil.copytree(ROOT / "railhil", tmp_path / "railhil", ignore=shutil.ignore_patterns("__pycache__"))
     path = tmp_path / "railhil" / "dbc" / "railhil.dbc"

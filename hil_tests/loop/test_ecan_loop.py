@@ -207,6 +207,7 @@ def test_task_of_50_ms_holds_now_and_then_and_still_arrives(at_50_ms):
     assert "controller.lost_messages" in at_50_ms.refused
 
 
+@pytest.mark.slow
 @pytest.mark.faults
 def test_task_of_400_ms_is_braked_by_the_ladder(lvshun, tmp_path):
     run = local_run(lvshun, tmp_path, RunSpec(law=LawSpec(task_period_ms=400), seed=1))

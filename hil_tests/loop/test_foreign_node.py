@@ -128,6 +128,7 @@ def test_a_run_after_another_in_one_control_is_as_the_first(exported, law: str, 
         assert run.ended[0] == run.ended[1] >= Event.ENDED_COMPLETE
 
 
+@pytest.mark.slow
 def test_no_single_poll_of_a_handshake_begins_afresh_in_motion(exported, tmp_path: Path) -> None:
     """Both of them, in this order, but with the run going on between."""
     port = wire_contract().port(CtlIdent.PORT)
@@ -166,6 +167,7 @@ def faulty_run(
     return run
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("often", [0.003, 0.03, 0.3])
 @pytest.mark.parametrize(("law", "indexing"), [("ipfc", "distance"), ("ipfc_plus", "time")])
 def test_what_is_wrong_is_used_as_little_as_by_our_node(exported, law: str, indexing: str, often: float) -> None:
@@ -185,6 +187,7 @@ def test_what_is_wrong_is_used_as_little_as_by_our_node(exported, law: str, inde
         }  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("polls", [3, 8, 25, 80])
 @pytest.mark.parametrize("silent", [TrnSpeed, TrnPos, BalisePassed])
 def test_a_silent_port_is_answered_as_by_our_node(exported, silent, polls: int) -> None:
@@ -319,6 +322,7 @@ def late_run(scenario: Scenario, c: CNode, law: str, at_s: float) -> list[NotchC
     return told
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("law", "safe", "at_s"),
     [("ipfc", False, 3.0), ("ipfc", False, 3.39), ("ipfc_plus", False, 3.0), ("ipfc", True, 3.0)],
@@ -357,6 +361,7 @@ def test_a_controller_that_restarts_at_a_standstill_waits_for_the_time(exported)
 # -- the safe channel -------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("often", [0.0, 0.01, 0.1, 0.6])
 def test_the_safe_channel_is_that_of_our_node(exported, often: float, tmp_path: Path) -> None:
     """Equal answers, NOTCH_SDT among them, levels, causes and counts."""

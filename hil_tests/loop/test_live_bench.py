@@ -142,6 +142,7 @@ def test_a_fault_by_hand_is_one_of_the_run(bench: Bench) -> None:
         live.inject("TRN_SPEED loss")
 
 
+@pytest.mark.slow
 @pytest.mark.faults
 def test_when_the_watches_react(bench: Bench) -> None:
     fault = "TRN_SPEED loss @5s for 200ms"

@@ -112,6 +112,7 @@ def assert_braked(run: BenchRun, begin_s: float) -> None:
 # -- position ---------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("begin_s", "scenario"), [(60, WORN), (75, SHORT), (88, SHORT)])
 def test_silent_position_is_reckoned_for_a_second_and_then_braked(
     tmp_path: Path, begin_s: float, scenario: Scenario
@@ -121,6 +122,7 @@ def test_silent_position_is_reckoned_for_a_second_and_then_braked(
     assert run.refused == {}
 
 
+@pytest.mark.slow
 @pytest.mark.faults
 @pytest.mark.parametrize(
     ("begin_s", "fault", "cause"),
@@ -138,6 +140,7 @@ def test_a_position_that_is_wrong_is_as_good_as_none(
     assert set(run.refused) == {f"controller.{cause}"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", ["ipfc_plus", "ipfc_plus_stop"])
 def test_lost_half_a_second_before_the_stop(tmp_path: Path, law: str) -> None:
     """Reckoned to the stop."""
@@ -146,6 +149,7 @@ def test_lost_half_a_second_before_the_stop(tmp_path: Path, law: str) -> None:
     assert run.score.values["stop_error_m"] < 0.1
 
 
+@pytest.mark.slow
 @pytest.mark.faults
 @pytest.mark.parametrize("fault", [silent(60, 60.6), changed(60, 60.8, off_mm=-20_000)], ids=["silent", "jump"])
 def test_less_than_a_second_is_bridged(tmp_path: Path, fault: Fault) -> None:
@@ -170,6 +174,7 @@ def test_position_that_comes_back_is_used_again(tmp_path: Path) -> None:
     assert run.score.values["stop_error_m"] < 0.05
 
 
+@pytest.mark.slow
 def test_position_that_never_comes_holds_the_train(tmp_path: Path) -> None:
     run = run_with(tmp_path, TrnPos, silent(0))
     assert np.max(run.trace.raw(SimTruth.PORT, "TruePos")) < 20_000
@@ -203,6 +208,7 @@ def test_late_balises_are_placed_or_not_used(tmp_path: Path) -> None:
     assert run.score.values["stop_error_m"] < 0.05
 
 
+@pytest.mark.slow
 @pytest.mark.faults
 @pytest.mark.parametrize("wrong", [{"balise_id": 0}, {"check": 3}])
 def test_balise_telegrams_that_say_nothing_are_not_used(tmp_path: Path, wrong: dict[str, int]) -> None:

@@ -100,6 +100,7 @@ def test_one_frame_lost(short: Scenario, run: BenchRun) -> None:
         assert same_or_invalid(short, run, record[:place] + record[place + 1 :]).verdict == run.score.verdict
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("data", [bytes(8), b"\xff" * 8], ids=["zeros", "ones"])
 @pytest.mark.parametrize("after", [0, 1], ids=["before", "after"])
 def test_one_stray_frame_beside_a_frame_of_a_milestone(short: Scenario, run: BenchRun, data: bytes, after: int) -> None:
@@ -111,6 +112,7 @@ def test_one_stray_frame_beside_a_frame_of_a_milestone(short: Scenario, run: Ben
             assert found.verdict == run.score.verdict
 
 
+@pytest.mark.slow
 def test_one_stray_frame_at_any_time(short: Scenario, run: BenchRun) -> None:
     """The stray block waits for the next milestone, seconds later."""
     record = record_of(run)
@@ -120,6 +122,7 @@ def test_one_stray_frame_at_any_time(short: Scenario, run: BenchRun) -> None:
             assert same_or_invalid(short, run, [*record[:place], stray, *record[place:]]).verdict == run.score.verdict
 
 
+@pytest.mark.slow
 def test_one_frame_repeated_at_once_and_later(short: Scenario, run: BenchRun) -> None:
     record = record_of(run)
     for place in milestones(record):

@@ -107,6 +107,7 @@ def test_a_wrap_fails_the_run(nominal: BenchRun, wrapped: BenchRun) -> None:
     assert not any("wrap" in text for text in nominal.score.failures)
 
 
+@pytest.mark.slow
 def test_the_wrap_is_attributed(wrapped: BenchRun) -> None:
     named = {row["name"]: row["wraps"] for row in wrapped.telemetry["quantities"] if row["wraps"]}
     assert set(named) == {"squared"}

@@ -53,6 +53,7 @@ def decoded(extreme: int, headroom_bits: int) -> tuple[int, int]:
     return (extreme << shift, (1 << shift) - 1) if shift > 0 else (extreme >> -shift, 0)
 
 
+@pytest.mark.slow
 def test_each_quantity_is_shown_twice_in_a_row(nominal: BenchRun) -> None:
     shown, maximum, extreme, headroom = (
         nominal.trace.raw(CtlStat.PORT, f"Telemetry{name}") for name in ("Index", "Maximum", "Extreme", "Headroom")

@@ -80,6 +80,7 @@ def test_in_process_in_fixed_point_and_in_float(site: Path, recorded: Path, tmp_
     assert runs[1][2] != runs[0][2]
 
 
+@pytest.mark.slow
 def test_it_is_repeated_and_both_nodes_are_replayed(site: Path, recorded: Path) -> None:
     """The run over the hub, again in one process; each node driven by its record."""
     done = railhil(site, "rerun", str(recorded))

@@ -70,6 +70,7 @@ class LawProperties:
 
     # -- arithmetics --------------------------------------------------------------------------------------------------
 
+    @pytest.mark.slow
     @pytest.mark.parametrize("arithmetic", ["float64", "float32", "iq", "iq-portable"])
     def test_many_trains_equal_each_alone(self, arithmetic: str) -> None:
         """Random and extreme speeds of 4 trains, stepped together and alone, with other notches sent occasionally."""
@@ -102,6 +103,7 @@ class LawProperties:
         assert codes.equal_share >= self.equal_share_min
         assert codes.largest <= 1
 
+    @pytest.mark.slow
     def test_nothing_wraps_in_the_whole_search_space(self) -> None:
         scenario, kind = load(self.scenario), self.kind()
         for corner in self.corners():
@@ -116,6 +118,7 @@ class LawProperties:
         for name, (low, high) in self.kind().tunable.items():
             assert low <= getattr(own, name) <= high, name
 
+    @pytest.mark.slow
     @pytest.mark.needs_compiler
     def test_exported_c_computes_the_same(self, tmp_path: Path) -> None:
         written(load(self.scenario), tmp_path, "time", self.law)
@@ -160,6 +163,7 @@ class LawProperties:
         assert drawn.values["stop_error_m"].max() < 20.0
         assert nominal.values["stop_error_m"][0] < 1.5
 
+    @pytest.mark.slow
     def test_bus_direct_coupling_and_batch_give_the_same_notches(self, tmp_path: Path) -> None:
         """With worn wheels and misplaced balises, so that a law that uses the balises must get the same readings."""
         scenario: Scenario = load(_WORN)

@@ -59,6 +59,7 @@ def test_the_model_takes_no_more_than_its_transmit_queue_holds() -> None:
             flood()
 
 
+@pytest.mark.slow
 def test_back_pressure_of_the_model_loses_nothing() -> None:
     with running_hub("--bitrate-model", "-b", "1000000", "--arbitration") as hub, hub.bus() as other:
         script = (

@@ -50,6 +50,7 @@ bus.shutdown()
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scheme", ["path", "tcp"])
 def test_round_trip_between_two_processes(scheme: str) -> None:
     channel = None if scheme == "path" else "tcp://127.0.0.1:0"
@@ -110,6 +111,7 @@ def test_a_tcp_port_in_use_is_refused() -> None:
         assert "in use" in refused(hub.channel)
 
 
+@pytest.mark.slow
 def test_channels_that_cannot_be_had_give_one_line() -> None:
     with socket_folder() as folder:
         (folder / "file").write_text("not a socket")

@@ -14,6 +14,7 @@ from railhil.bus.frame import Frame
 from railhil.bus.hub.client import HubBus
 
 
+@pytest.mark.slow
 def test_unmodified_can_logger_records_what_was_sent_and_ends_with_the_hub() -> None:
     with running_hub() as hub, socket_folder() as folder:
         log = folder / "record.log"
@@ -35,6 +36,7 @@ def test_unmodified_can_logger_records_what_was_sent_and_ends_with_the_hub() -> 
         assert recorded[-1].arbitration_id == 0x1BADCAFE
 
 
+@pytest.mark.slow
 def test_unmodified_can_player_is_a_sender() -> None:
     with running_hub() as hub, hub.bus() as bus, socket_folder() as folder:
         log = folder / "play.log"

@@ -165,6 +165,7 @@ def test_shadows_are_told_the_notch_really_sent():
     assert 0 < model.maximum < 5e-5
 
 
+@pytest.mark.slow
 def test_shadows_are_told_what_the_nodes_send_in_place_of_the_law_s_answer(tmp_path):
     """Through the nodes, 2 s without a reading: the controller's speed watch holds the notch, then brakes."""
     seen = 0

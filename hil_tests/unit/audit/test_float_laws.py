@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pytest
+
 from railhil.audit.bars import bars
 from railhil.audit.result import Options, audit
 from railhil.audit.shadow import QuantityError, errors, shadow_run
@@ -14,6 +16,7 @@ SCENARIO = load_any("jinan_xuzhou", ["task.start_s=1500", "task.duration_s=30", 
 LAW = LawSpec("delay_gpc", "float32")
 
 
+@pytest.mark.slow
 def test_the_largest_difference_of_the_command_is_a_limit_of_the_audit() -> None:
     result = audit(SCENARIO, Options(LAW, seed=1, runs=0))
     bar = next(bar for bar in result.bars if bar.name == "largest difference of accel[0] from float64's")

@@ -113,6 +113,7 @@ def test_a_damaged_cache_is_no_harm(tmp_path):
         assert said() == ("42\n", ""), damaged
 
 
+@pytest.mark.slow
 def test_the_compiled_loop_is_what_the_interpreter_makes_of_it(short, tmp_path):
     """So that a debugger can step through it."""
     here = [
@@ -138,6 +139,7 @@ def test_an_unperturbed_batch_differs_in_its_noise_only(short):
     assert abs(scores[0].values["energy_kj"] - scores[1].values["energy_kj"]) < 0.05 * scores[0].values["energy_kj"]
 
 
+@pytest.mark.slow
 def test_the_law_is_given_what_the_bench_gives_it():
     """Speed, odometer and last balise of each period, with worn wheels and balises that lie beside their survey."""
     scenario = load("lvshun_tieshan_worn_wheels")

@@ -113,6 +113,7 @@ def test_runs_that_go_wrong_are_the_same_too(make, expected):
     same_as_the_bench(Case(scenario, LawSpec(arithmetic="float64", indexing="distance")), (21,))
 
 
+@pytest.mark.slow
 def test_runs_with_an_emergency_brake_are_those_of_the_nodes(tmp_path):
     """Behind the brake the controller's watch answers, not its law."""
     case = Case(braked(), LawSpec(arithmetic="iq"))

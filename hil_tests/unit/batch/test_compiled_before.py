@@ -5,12 +5,15 @@ from __future__ import annotations
 from importlib import import_module
 from pathlib import Path
 
+import pytest
+
 from hil_tests.prepared import BATCHES, compile_batches
 from railhil.batch.compiled import FUNCTIONS
 from railhil.scenarios.load import load_any
 from railhil.scenarios.system import names, system_named
 
 
+@pytest.mark.slow
 def test_every_batch_is_compiled(tmp_path: Path) -> None:
     compile_batches(tmp_path)
     kernels = {system_named(load_any(name).system).own.get("kernel") for name in BATCHES}

@@ -55,6 +55,7 @@ def check(
     return found
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("no_repeats")
 @pytest.mark.parametrize("law", LAWS)
 def test_the_batch_gives_the_runs_of_the_bench(law: str) -> None:

@@ -95,6 +95,7 @@ def test_json_holds_machine_and_figures():
     assert machine["busy"] == bool(machine["warning"])
 
 
+@pytest.mark.slow
 def test_table_names_every_figure_and_its_unit():
     done = benchmarks("--quick", "--only", "controller_step", COLUMNS="200")
     assert done.returncode == 0, done.stderr

@@ -218,6 +218,7 @@ def test_help_in_the_list_of_commands():
     assert "every run was made (whatever its verdict)" in done.out
 
 
+@pytest.mark.slow
 def test_the_report_has_distributions_and_links_runs_made_again(finished, tmp_path):
     pages = [tmp_path / "one.html", tmp_path / "two.html"]
     for page in pages:

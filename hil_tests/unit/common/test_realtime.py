@@ -84,6 +84,7 @@ def test_a_cycle_without_a_priority_says_nothing_and_keeps_collector_and_slack_a
     assert capfd.readouterr().err == ""
 
 
+@pytest.mark.slow
 def test_what_is_granted_is_said_and_given_back(capfd) -> None:
     with cycle("plant", NODE_PRIORITY) as scheduling:
         granted = policy(), os.sched_getparam(0).sched_priority
@@ -244,6 +245,7 @@ def wall_clock_uses(path: Path) -> set[str]:
     return found
 
 
+@pytest.mark.slow
 def test_no_process_of_a_run_looks_at_the_wall_clock() -> None:
     packages = (
         "common",

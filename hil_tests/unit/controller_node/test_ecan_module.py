@@ -55,6 +55,7 @@ MAILBOXES = st.lists(
 )
 
 
+@pytest.mark.slow
 @settings(deadline=None, max_examples=40)
 @given(MAILBOXES)
 def test_acceptance_equals_the_bit_by_bit_rule(boxes: list[Any]) -> None:

@@ -216,6 +216,7 @@ def _without_status(run: BenchRun) -> list[str]:
     return [line for line in run.log.read_text().splitlines() if line.split()[2].partition("#")[0] not in own]
 
 
+@pytest.mark.slow
 def test_log_as_text_is_checked_by_every_build(
     exported: tuple[str, Path, Bundle], programs: dict[str, Path], tmp_path: Path
 ) -> None:

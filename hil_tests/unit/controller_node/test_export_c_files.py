@@ -130,6 +130,7 @@ def test_stack_stays_below_the_stated_bound(folder: Path) -> None:
         assert max(int(size) for _, size, _ in rows) <= 2 * bound
 
 
+@pytest.mark.slow
 @pytest.mark.needs_compiler
 def test_makefile_checks_with_both_compilers(folder: Path) -> None:
     for compiler in ("gcc", "clang"):

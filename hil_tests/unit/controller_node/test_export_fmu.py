@@ -110,6 +110,7 @@ def test_words_are_those_of_the_reference_log(export: Export, version: str, tmp_
     assert compared >= 80
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("version", VERSIONS)
 def test_fmpy_finds_nothing_wrong_and_the_sources_are_there(export: Export, version: str) -> None:
     fmu = export.fmus[version]

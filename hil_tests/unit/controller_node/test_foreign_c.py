@@ -272,6 +272,7 @@ def bus_traffic(draw: Callable[..., object]) -> tuple[Port, list[tuple[Frame, in
     return port, arriving
 
 
+@pytest.mark.slow
 @settings(max_examples=400)
 @given(traffic=bus_traffic())
 def test_telegrams_are_taken_and_refused_as_by_our_store(

@@ -41,6 +41,7 @@ def test_many_trains_equal_each_alone(arithmetic: str, indexing: str) -> None:
     assert batch.step(200, speed, position).overflow_flags == expected_flags
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("arithmetic", names())
 def test_softening_adapts_equally_for_many_and_for_one(arithmetic: str) -> None:
     """Errors that shrink to next to nothing within one period, the notch held at 0 meanwhile."""
@@ -78,6 +79,7 @@ def test_fixed_point_follows_float64_on_the_same_inputs(seed: int, arithmetic: s
     assert max(abs(iq.error_raw - double.error_raw) for iq, double in answers) <= 2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("arithmetic", names())
 def test_closed_loop_stops_where_and_when_the_law_does(arithmetic: str) -> None:
     """Nominal and five perturbed runs; the medians over 200 runs in the reading are 0.26 m and 0.078 s."""

@@ -120,6 +120,7 @@ def faulty(fault: str, seed: int, law: str = LAW) -> BenchRun:
     return run
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("fault", "seed", "stop_error_m", "punctuality_s"),
     [

@@ -34,6 +34,7 @@ def _constant(name: str, value: float, q: int) -> Constant:
     return Constant(name, value, q)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("arithmetic", ["iq", "iq-portable", "float64", "float32"])
 @pytest.mark.parametrize("indexing", ["time", "distance"])
 def test_recorded_program_computes_what_the_law_computes(arithmetic: str, indexing: str) -> None:

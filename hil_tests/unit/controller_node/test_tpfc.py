@@ -162,6 +162,7 @@ def test_many_trains_equal_each_alone(name: str, arithmetic: str) -> None:
     assert bases == ({1, 5} if name == "tpfc1" else {2})
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", LAWS)
 def test_fixed_point_follows_float64_on_the_same_inputs(name: str) -> None:
     """Over four runs: a raw notch lies within 1e-4 of a code's edge in a few ticks of each, by chance."""

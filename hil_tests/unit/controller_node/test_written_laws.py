@@ -37,6 +37,7 @@ STEP = st.tuples(st.integers(0, 420), st.integers(-10, 1_500_000), st.integers(-
 SENT = st.one_of(st.none(), st.integers(-1792, 1792))
 
 
+@pytest.mark.slow
 def test_written_functions_are_what_the_laws_compute() -> None:
     """Else: make tables."""
     folder = ROOT / "controller_node" / "written"

@@ -110,6 +110,7 @@ def test_decisions_not_seen_both_ways_are_named(subject: Path) -> None:
     )
 
 
+@pytest.mark.slow
 def test_tests_that_fail_without_a_mutant_judge_nothing(subject: Path) -> None:
     (subject / "test_subject.py").write_text("def test_wrong():\n    assert False\n", encoding="utf-8")
     code, said = command(subject, "subject", "--tests", "test_subject.py")

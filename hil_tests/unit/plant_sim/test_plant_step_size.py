@@ -91,6 +91,7 @@ def itae(run: Run, scenario: Scenario) -> float:
     return sum(k * 0.25 * error for k, error in enumerate(errors))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", ["nominal", "perturbed"])
 def test_tick_of_10_ms_is_fine_enough(case: str) -> None:
     """Demand: ITAE within 1 %, stop within 1 mm of a 1 ms step; reached: 0.1 mm. Perturbed: delay between ticks."""

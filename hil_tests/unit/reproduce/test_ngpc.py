@@ -196,6 +196,7 @@ def test_windows_of_the_mutation_are_those_of_its_scenario() -> None:
     assert {text.split(" @")[1] for text in faults} == {f"{at}s for {long}s" for at, long in WINDOWS_S}
 
 
+@pytest.mark.slow
 def test_a_run_without_a_bus_has_the_scores_of_the_nodes() -> None:
     """Also if only the ports of the scores are published."""
     for system, ports in (("hst_short", ("TRUTH",)), ("emu3_short", UNITS_PORTS)):

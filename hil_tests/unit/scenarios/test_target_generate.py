@@ -156,6 +156,7 @@ def lines(draw: st.DrawFn) -> tuple[Line, float]:
     return Line("drawn", grades, limits), float(draw(st.integers(400, 3000)))
 
 
+@pytest.mark.slow
 @given(lines(), st.floats(1.0, 1.5))
 @settings(max_examples=40, deadline=None)
 def test_any_line_with_grades_and_limits(drawn: tuple[Line, float], reserve: float) -> None:

@@ -221,6 +221,7 @@ def in_report(run: Run, folder: Path) -> RecordedRun:
     return recorded_run(folder, {}, run.scenario, run.trace, run.score, events=run.events)
 
 
+@pytest.mark.slow
 def test_the_report_of_a_disturbed_run_shows_both_and_stays_the_same(silent_controller: Run, tmp_path: Path) -> None:
     run = in_report(silent_controller, tmp_path)
     text = page([run])
@@ -235,6 +236,7 @@ def test_the_report_of_a_healthy_run_says_that_nothing_happened(healthy: Run, tm
     assert 'id="reactions"' not in text
 
 
+@pytest.mark.slow
 def test_a_report_of_several_runs_names_each(
     healthy: Run, damaged_speed: Run, silent_controller: Run, tmp_path: Path
 ) -> None:

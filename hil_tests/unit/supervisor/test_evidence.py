@@ -95,6 +95,7 @@ def test_the_folder_alone_is_enough(mine: Path) -> None:
     assert railhil("report", mine).exit_code == 0
 
 
+@pytest.mark.slow
 def test_also_when_ports_have_come_since(mine: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Another wire contract than today's: one port more, and one signal elsewhere."""
     wanted = score(*_judged(mine))

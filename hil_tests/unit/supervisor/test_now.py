@@ -52,6 +52,7 @@ def recorded(tmp_path_factory: pytest.TempPathFactory) -> Recorded:
     return Recorded(tmp_path_factory.mktemp("now"))
 
 
+@pytest.mark.slow
 def test_values_are_those_of_signals_csv(recorded: Recorded, tmp_path: Path) -> None:
     """From the end of a log that is being written, cut off anywhere."""
     header, rows = signal_table(recorded.scenario, recorded.trace())

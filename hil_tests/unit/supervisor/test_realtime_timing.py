@@ -240,6 +240,7 @@ def words(text: str) -> str:
     return " ".join(re.sub(r"<[^>]+>", " ", text).split())
 
 
+@pytest.mark.slow
 def test_lockstep_has_no_timing_and_says_so(lockstep: RecordedRun) -> None:
     timing = lockstep.score_document["run"]["timing"]
     assert timing == lockstep_timing(lockstep.trace).as_json()
@@ -278,6 +279,7 @@ def test_report_says_when_the_recorder_measured(lockstep: RecordedRun) -> None:
     assert "supervisor: normal scheduling; plant and controller were started elsewhere" in shown
 
 
+@pytest.mark.slow
 def test_several_runs_share_the_picture(lockstep: RecordedRun, document: dict) -> None:
     one = realtime(lockstep, document)
     two = replace(one, certificate={**one.certificate, "seed": 5})

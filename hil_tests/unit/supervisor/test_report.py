@@ -107,6 +107,7 @@ def test_same_record_gives_the_same_bytes(lvshun: Scenario, run: RecordedRun, si
     assert "wall" not in words(single)
 
 
+@pytest.mark.slow
 def test_another_seed_gives_other_curves(other: RecordedRun, single: str) -> None:
     assert re.findall(r"<svg.*?</svg>", page([other]), re.DOTALL) != re.findall(r"<svg.*?</svg>", single, re.DOTALL)
 
@@ -180,6 +181,7 @@ def test_measured_stands_beside_published(lvshun: Scenario, run: RecordedRun, ot
     assert ({cell.published for cell in own[0].cells}, len(own)) == ({""}, 6)
 
 
+@pytest.mark.slow
 def test_the_page_says_how_many_runs_stopped_within_strict_figures(
     lvshun: Scenario, run: RecordedRun, other: RecordedRun
 ) -> None:
@@ -226,6 +228,7 @@ def test_parameters_of_a_file_are_named_and_so_is_their_training_seed(
     assert found.caution == (sentence[:-1] if trained else "")
 
 
+@pytest.mark.slow
 def test_own_parameters_say_where_they_come_from(run: RecordedRun, single: str, folders: Path) -> None:
     assert "the law's own (the paper's, and ours where it prints none)" in words(single)
     certificate = {**run.certificate, "seed_was_trained": True}
@@ -236,6 +239,7 @@ def test_own_parameters_say_where_they_come_from(run: RecordedRun, single: str, 
     assert "the law's own (not recorded where they come from)" in words(page([unknown]))
 
 
+@pytest.mark.slow
 def test_a_run_that_is_no_evaluation_is_never_the_best(lvshun: Scenario, run: RecordedRun, other: RecordedRun) -> None:
     trained = replace(run, certificate={**run.certificate, "seed_was_trained": True})
     third = replace(other, label="third")
@@ -246,6 +250,7 @@ def test_a_run_that_is_no_evaluation_is_never_the_best(lvshun: Scenario, run: Re
     assert "of the runs that are an evaluation is bold" in words(page([trained, other]))
 
 
+@pytest.mark.slow
 def test_without_score_json_nothing_is_said_of_the_controller(run: RecordedRun) -> None:
     assert "not recorded: score.json is missing" in words(page([replace(run, score_document={})]))
     silent = replace(run, score_document={**run.score_document, "telemetry": None})
@@ -275,6 +280,7 @@ def cut(trace: Trace, end_ns: int) -> Trace:
     return kept(trace, lambda _, time_ns: time_ns <= end_ns)
 
 
+@pytest.mark.slow
 def test_laws_without_basis_and_softening_have_no_such_figure(run: RecordedRun, other: RecordedRun) -> None:
     plain = replace(run, label="plain", trace=without(run.trace, CtlStat.PORT))
     text = page([plain])
@@ -320,6 +326,7 @@ def test_a_run_without_curves_is_reported_and_not_drawn(run: RecordedRun) -> Non
     assert page([run, lost]).count("<svg") == 7
 
 
+@pytest.mark.slow
 def test_a_record_that_breaks_off_is_drawn_as_far_as_it_goes(run: RecordedRun, other: RecordedRun) -> None:
     until = cut(run.trace, 40_000_000_000)
     lost = replace(run, label="lost", trace=until, score=score(run.scenario, until), verdict="INVALID", line="lost")
@@ -329,12 +336,14 @@ def test_a_record_that_breaks_off_is_drawn_as_far_as_it_goes(run: RecordedRun, o
     assert page([replace(lost, trace=without(until, NotchCmd.PORT))]).count("<svg") == 7
 
 
+@pytest.mark.slow
 def test_a_stop_far_off_is_said_instead_of_drawn(run: RecordedRun) -> None:
     far = replace(run, label="far", score=with_values(run.score, stop_error_m=12.0))
     assert "Outside the right-hand picture: far." in words(page([run, far]))
     assert "Outside" not in words(page([run]))
 
 
+@pytest.mark.slow
 def test_names_are_text_whatever_they_hold(run: RecordedRun) -> None:
     odd = '<b>&"$x_1^2$ </svg>'
     text = page([replace(run, label=odd, scenario=replace(run.scenario, title=odd)), replace(run, label="b")])

@@ -79,6 +79,7 @@ def test_page_as_shown(reports: dict[str, Path], name: str, width_px: int) -> No
         assert found["table"] == 0
 
 
+@pytest.mark.slow
 @pytest.mark.needs_browser
 def test_the_question_notices_what_is_wrong(reports: dict[str, Path], tmp_path: Path) -> None:
     text = reports["one"].read_text(encoding="utf-8")

@@ -92,6 +92,7 @@ def test_a_level_keeps_every_change_and_a_gap_stays_one() -> None:
     assert not np.isnan(values[rows >= 50]).any()
 
 
+@pytest.mark.slow
 def test_the_page_has_the_values_of_signals_csv(run: RecordedRun, table: dict[str, np.ndarray]) -> None:
     text = explored([run])
     document = json.loads(text)
@@ -134,6 +135,7 @@ def test_columns_have_names_units_and_words(run: RecordedRun) -> None:
     assert sum(column.kind == "level" for column in high.columns) == 3
 
 
+@pytest.mark.slow
 def test_above_twenty_runs_the_page_shows_distributions_and_links_the_worst(
     run: RecordedRun, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -34,6 +34,7 @@ def run(lvshun: Scenario, tmp_path_factory: pytest.TempPathFactory) -> RecordedR
     return recorded_folder(lvshun, tmp_path_factory.mktemp("notes") / "run")
 
 
+@pytest.mark.slow
 def test_certificate_and_signals_name_what_the_controller_said(run: RecordedRun) -> None:
     told = run.certificate["notes"]
     assert [one["name"] for one in told] == ["basis_in_use", "softening_factor", "satisfaction"]

@@ -182,6 +182,7 @@ def test_search_that_finds_nothing_better_keeps_the_defaults(short: Scenario, mo
     assert (result.evaluations, result.infeasible) == (10, 2)
 
 
+@pytest.mark.slow
 def test_interrupted_search_gives_what_it_has(short: Scenario) -> None:
     protocol = Protocol(short, LawSpec("tdmc", "float64"), seeds=(0,), budget=60)
     judged: list[float] = []
@@ -233,6 +234,7 @@ def test_objective() -> None:
         run_cost(SCALE, with_values(GOOD, itae=None))
 
 
+@pytest.mark.slow
 def test_file_drives_a_run(given: ParameterSet, found: tuple[Protocol, Found], short: Scenario, tmp_path: Path) -> None:
     assert given.values == dict(found[1].values)
     assert given.training_scenario == short.name == "benchmark_quick"

@@ -129,6 +129,7 @@ def test_the_model_predicts_speed_and_coupler_forces_of_the_plant() -> None:
     assert np.abs(forces).max() > 10.0
 
 
+@pytest.mark.slow
 def test_the_jerk_limit_holds_in_every_command_but_not_in_an_emergency() -> None:
     # The first sample is free.
     steps = np.abs(np.diff(commands(ran("hst_short", 40, jerk_max_mps3=0.05))))[1:]
@@ -139,6 +140,7 @@ def test_the_jerk_limit_holds_in_every_command_but_not_in_an_emergency() -> None
     assert steps.min() < -100
 
 
+@pytest.mark.slow
 def test_the_limit_of_the_coupler_force_holds_without_losing_the_target() -> None:
     """Traction and braking that act against each other in the program would make it believe in forces that the train
     does not have: the error was 2.3 km/h then."""

@@ -107,6 +107,7 @@ def test_ridge_gives_the_same_bits_on_every_machine(network: Network) -> None:
     assert hashlib.sha256(text.encode()).hexdigest()[:16] == "1da5965f14f2547e"
 
 
+@pytest.mark.slow
 def test_a_seed_gives_one_network(network: Network) -> None:
     rows = samples()
     assert train(rows, Recipe(), *MODEL) == network

@@ -206,6 +206,7 @@ class TestDraws:
         assert more.adhesion_mps2 > 0.0
         assert 20 <= more.load_percent <= 80
 
+    @pytest.mark.slow
     def test_the_gain_scatters_as_the_scenario_says(self) -> None:
         gains = [self.drawn(seed=seed)[0].gain for seed in range(200)]
         mean = sum(gains) / len(gains)
