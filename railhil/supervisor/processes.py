@@ -96,8 +96,6 @@ class Nodes:
         self.nodes: list[Node] = []
         # Write ends of the lifelines of nodes that are not started yet, and the supervisor's own.
         self._lifelines: dict[str, int] = {}
-        #: The supervisor's original processor affinity, to be restored.
-        self._before: set[int] = set()
 
     def start(
         self,
@@ -130,10 +128,10 @@ class Nodes:
         return node
 
     def keep_together(self) -> None:
-        """Put hub, plant and controller on one processor, the supervisor on the others.
+        """Put hub, plant and controller on one processor.
 
         In lockstep only one of the three works at a time, so nothing is lost; switching between processors that have
-        gone to sleep would cost more than the work itself.
+        gone to sleep would cost more than the work itself. The supervisor works beside them, where there is room.
         """
         chosen, others = nodes_processor()
         if not others:
@@ -142,8 +140,6 @@ class Nodes:
             # The end of a node is detected elsewhere.
             with contextlib.suppress(ProcessLookupError):
                 os.sched_setaffinity(node.process.pid, {chosen})
-        self._before = others | {chosen}
-        os.sched_setaffinity(0, others)
 
     def ended(self) -> list[Node]:
         """Nodes that have ended."""
@@ -176,8 +172,6 @@ class Nodes:
         return self
 
     def __exit__(self, *_: object) -> None:
-        if self._before:
-            os.sched_setaffinity(0, self._before)
         running = [node for node in self.nodes if node.exit_code() is None]
         for node in running:
             node.process.terminate()
