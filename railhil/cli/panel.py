@@ -28,6 +28,8 @@ from railhil.supervisor.processes import nodes_processor
 from railhil.supervisor.sockets import private_socket
 
 _PORT_MAX = 65535
+#: A run does not wait longer for its panel; on a busy machine it takes 2 s.
+_READY_S = 5.0
 _END_S = 2.0
 _LOOK_S = 0.1
 _SHOWN_S = 0.2
@@ -171,17 +173,25 @@ def panel_beside(
             words += ["--operator", str(path), "--child"]
             words += ["--foxglove", str(namespace.foxglove)] if namespace.foxglove is not None else []
             bus = ["--follow", str(folder)] if choice.needs_pipes else choice.arguments
-            # In lockstep even the start of the panel must not be on the processor of the nodes.
             apart = set() if spec.is_realtime else nodes_processor()[1]
-            held.enter_context(panel_process([*words, *bus], apart))
+            process = held.enter_context(panel_process([*words, *bus], apart))
+            _wait_until_shown(process, socket)
         yield socket
         if namespace.panel is not None:
             # Time to show the end.
             time.sleep(_SHOWN_S)
 
 
+def _wait_until_shown(process: subprocess.Popen[bytes], socket: PanelSocket) -> None:
+    """Wait until the page can be opened: from the start of the panel, which takes half a second of a processor, the
+    run would be slower or late. A panel that ends or hangs is not waited for."""
+    until_s = time.monotonic() + _READY_S
+    while process.poll() is None and time.monotonic() < until_s and not socket.is_greeted(_LOOK_S):
+        pass
+
+
 @contextmanager
-def panel_process(words: Sequence[str], apart: Collection[int] = ()) -> Iterator[None]:
+def panel_process(words: Sequence[str], apart: Collection[int] = ()) -> Iterator[subprocess.Popen[bytes]]:
     """``railhil panel`` with these words, as long as this context.
 
     :param apart: processors it shall keep to; empty: any.
@@ -193,7 +203,7 @@ def panel_process(words: Sequence[str], apart: Collection[int] = ()) -> Iterator
         if apart:
             os.sched_setaffinity(process.pid, apart)
     try:
-        yield
+        yield process
     finally:
         process.terminate()
         # A suspended process takes the signal only when it continues.

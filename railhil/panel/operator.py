@@ -28,6 +28,11 @@ class Operator:
         #: The supervisor's last report; empty: none.
         self.report: dict[str, Any] = {}
 
+    def greet(self) -> None:
+        """Tell the supervisor that this panel is there. It tells nothing back before the first :meth:`look`."""
+        self._send({"do": "hello"})
+        self.close()
+
     def command(self, command: dict[str, Any]) -> str:
         """Pass on a command; returns why not, empty if it was."""
         if command.get("do") not in COMMANDS:

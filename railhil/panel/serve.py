@@ -58,7 +58,7 @@ def serve_panel(namespace: argparse.Namespace) -> int:
     panel = PanelServer(source, token, port, namespace.socket)
     # A record waits for who reads it, a bus does not; viewers of the bridge are not counted.
     panel.looks_alone = namespace.follow is None or bridge is not None
-    return asyncio.run(_serve(panel, Output(stderr=True), bridge))
+    return asyncio.run(_serve(panel, Output(stderr=True), bridge, operator))
 
 
 def _receiver(namespace: argparse.Namespace) -> Receiver:
@@ -71,7 +71,9 @@ def _receiver(namespace: argparse.Namespace) -> Receiver:
     return Receiver({}, lambda config, name: FollowedRun(folder), waits=True)
 
 
-async def _serve(panel: PanelServer, console: Output, bridge: FoxgloveBridge | None = None) -> int:
+async def _serve(
+    panel: PanelServer, console: Output, bridge: FoxgloveBridge | None = None, operator: Operator | None = None
+) -> int:
     servers = [await panel.listen()]
     console.say(f"panel: {panel.address}{f'#token={panel.token}' if panel.token else ''}")
     if bridge is not None:
@@ -81,6 +83,9 @@ async def _serve(panel: PanelServer, console: Output, bridge: FoxgloveBridge | N
     loop = asyncio.get_running_loop()
     for number in ending_signals():
         loop.add_signal_handler(number, stopped.append, int(number))
+    if operator is not None:
+        # The run begins now.
+        operator.greet()
     await panel.run(lambda: bool(stopped), bridge.tell if bridge is not None else lambda: None)
     for server in servers:
         server.close()

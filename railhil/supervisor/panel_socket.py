@@ -29,6 +29,8 @@ class PanelSocket:
         self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM | socket.SOCK_CLOEXEC | socket.SOCK_NONBLOCK)
         self._panels: dict[Any, None] = {}
         self._last: dict[str, Any] = {}
+        # Commands that came before anybody asked for them.
+        self._early: list[dict[str, Any]] = []
         before = os.umask(0o177)
         try:
             with contextlib.suppress(FileNotFoundError):
@@ -42,8 +44,17 @@ class PanelSocket:
         finally:
             os.umask(before)
 
+    def is_greeted(self, timeout_s: float) -> bool:
+        """Whether a panel has said hello until now, or says it within this time; commands are kept for :meth:`take`."""
+        self._early += self._read(0.0 if self._panels else timeout_s)
+        return bool(self._panels)
+
     def take(self, timeout_s: float) -> list[dict[str, Any]]:
         """Commands that have come, after at most this time."""
+        found, self._early = self._early, []
+        return found + self._read(0.0 if found else timeout_s)
+
+    def _read(self, timeout_s: float) -> list[dict[str, Any]]:
         if timeout_s > 0:
             select.select((self._socket,), (), (), timeout_s)
         found: list[dict[str, Any]] = []

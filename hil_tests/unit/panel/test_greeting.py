@@ -1,0 +1,78 @@
+"""A run begins when its panel can be opened; a panel that hangs or ends does not hold it up."""
+
+from __future__ import annotations
+
+import argparse
+import socket
+import subprocess
+import sys
+import time
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from railhil.cli import panel as cli
+from railhil.panel.operator import Operator
+from railhil.scenarios.run_spec import RunSpec
+from railhil.supervisor.panel_socket import PanelSocket
+
+
+def _beside(folder: Path, port: int) -> Any:
+    """The context of a lockstep run over pipes with a panel at this port."""
+    namespace = argparse.Namespace(panel=port, operator=None, foxglove=None)
+    choice: Any = SimpleNamespace(needs_pipes=True)
+    return cli.panel_beside(namespace, RunSpec("lvshun_tieshan"), choice, folder)
+
+
+def test_the_page_can_be_opened_when_the_run_begins(tmp_path: Path) -> None:
+    pytest.importorskip("websockets", reason="MISSING CAPABILITY websockets")
+    with socket.create_server(("127.0.0.1", 0)) as free:
+        port = free.getsockname()[1]
+    with _beside(tmp_path, port), socket.create_connection(("127.0.0.1", port), 1.0):
+        pass
+
+
+def test_a_panel_whose_port_is_taken_is_not_waited_for(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("websockets", reason="MISSING CAPABILITY websockets")
+    monkeypatch.setattr(cli, "_READY_S", 3600.0)
+    with socket.create_server(("127.0.0.1", 0)) as taken, _beside(tmp_path, taken.getsockname()[1]) as desk:
+        assert not desk.is_greeted(0.0)
+
+
+def test_a_panel_that_hangs_is_waited_for_so_long(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(cli, "_READY_S", 0.3)
+    words = [sys.executable, "-c", "import time; time.sleep(3600)"]
+    with PanelSocket(tmp_path / "desk") as desk, subprocess.Popen(words) as process:
+        began_s = time.monotonic()
+        cli._wait_until_shown(process, desk)
+        process.kill()
+    assert time.monotonic() - began_s >= 0.3
+
+
+def test_commands_that_come_with_the_greeting_are_kept(tmp_path: Path) -> None:
+    with PanelSocket(tmp_path / "desk") as desk:
+        operator = Operator(str(tmp_path / "desk"))
+        operator.report = {"phase": "waiting"}
+        assert not operator.command({"do": "pause"})
+        operator.greet()
+        assert desk.is_greeted(1.0)
+        assert desk.is_greeted(0.0)
+        assert desk.take(0.0) == [{"do": "pause"}]
+        assert desk.take(0.0) == []
+
+
+def test_a_panel_that_only_greeted_is_told_nothing_and_told_all_once_it_looks(tmp_path: Path) -> None:
+    with PanelSocket(tmp_path / "desk") as desk:
+        operator = Operator(str(tmp_path / "desk"))
+        operator.greet()
+        assert desk.is_greeted(1.0)
+        # More than the queue of a socket holds.
+        for number in range(50):
+            desk.tell({"phase": "running", "number": number})
+        operator.look()
+        desk.take(1.0)
+        operator.look()
+        assert operator.report == {"phase": "running", "number": 49}
+        operator.close()
