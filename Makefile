@@ -25,7 +25,7 @@ VCAN_FIRST   = test_faults or test_can_utils or test_outage or test_benchmark_pa
 # Files of tests that keep real time: collecting all the others takes as long as some of these tests.
 REAL_TIME    = $$(grep -rlw --include='test_*.py' wall_clock hil_tests)
 
-.PHONY: run test test-fast test-here test-side-by-side test-long test-long-side-by-side test-real-time test-vcan test-vcan-first test-vcan-second test-compose test-docker test-docker-vcan test-wheel test-arm64 test-compiled wheels mutants lint lint-types lint-imports prepared-batches prepared-bytecode bench dbc tables tuned $(TUNED_LAWS:%=tuned-%) install locks locked clean
+.PHONY: run test test-fast test-here test-side-by-side test-long test-long-side-by-side test-real-time test-vcan test-vcan-first test-vcan-second test-compose test-docker test-docker-vcan test-wheel test-arm64 test-arm64-ipfc test-compiled test-builds wheels mutants lint lint-types lint-imports prepared-batches prepared-bytecode bench dbc tables tuned $(TUNED_LAWS:%=tuned-%) install locks locked clean
 
 # A run that misses the limits of its scenario (exit code 1) is a result, not an error of make.
 run: $(VENV)/.installed
@@ -96,15 +96,23 @@ test-compose: test-docker test-docker-vcan
 test-wheel: $(VENV)/.installed-dev
 	$(BIN)/pytest -q hil_tests/wheel
 
-# The hashes of every law with the compiled build and without it: ten minutes, and not part of `make test`.
+# The hashes of every law and every fault of the catalogue with the compiled build and without it: ten minutes.
 test-compiled: $(VENV)/.installed-dev
 	@$(BIN)/python -m hil_tests.compiled_build $(ARGS)
 
-# The hashes of every law on aarch64, emulated, and here; half an hour, and not part of `make test`.
+# The hashes of every law on aarch64, emulated, and here; half an hour. ARGS=--compiled: compiled for aarch64, too.
 test-arm64: $(VENV)/.installed-dev
 	@$(BIN)/python -m hil_tests.arm64 $(ARGS)
 
-# The wheels of a release into dist/: the pure one, with ARGS=--compiled also that of this processor (docs/release.md).
+test-arm64-ipfc: $(VENV)/.installed-dev
+	@$(BIN)/python -m hil_tests.arm64 --compiled --law ipfc
+
+# One hash for each seed with every build, here and on aarch64 (there ipfc, in every arithmetic). `.ci/run` does it last.
+test-builds: $(VENV)/.installed-dev
+	@$(MAKE) --no-print-directory -j2 -Otarget test-compiled test-arm64-ipfc
+
+# The wheels of a release into dist/: the pure one, with ARGS=--compiled also that of this processor, with --aarch64 that
+# of a Raspberry Pi (docs/release.md).
 wheels: $(VENV)/.installed-dev
 	@$(BIN)/python -m hil_tests.wheels $(ARGS)
 

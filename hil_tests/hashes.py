@@ -1,8 +1,10 @@
-"""SHA-256 of the frame logs of every law in every arithmetic, to compare builds, Pythons and processors.
+"""SHA-256 of the frame logs of every law in every arithmetic, and of every fault of the catalogue, to compare builds,
+Pythons and processors.
 
-``python hil_tests/hashes.py [--law LAW] [SYSTEM ...]`` needs only an installed railhil and prints one line for
-each run: scenario, law, arithmetic, seed, SHA-256, or why the law refuses that arithmetic. Two machines agree if they
-print the same text. All runs are made in this process (``--bus local``).
+``python hil_tests/hashes.py [--law LAW] [--arithmetic A] [SYSTEM ...]`` needs only an installed railhil and prints one
+line for each run: scenario, law, arithmetic, seed, SHA-256, or why the law refuses that arithmetic; for ``faults`` in
+place of a system, entry, SHA-256 or why the entry needs more than one process. Two machines agree if they print the
+same text. All runs are made in this process (``--bus local``).
 """
 
 from __future__ import annotations
@@ -11,12 +13,13 @@ import argparse
 import sys
 import tempfile
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import railhil
 from railhil.controller_node import arithmetic as arithmetics
 from railhil.scenarios.system import system_named
+from railhil.supervisor.reactions.catalogue import Entry, catalogue
 
 
 @dataclass(frozen=True)
@@ -52,23 +55,37 @@ RUNS = (
 )
 
 
-def lines(systems: Sequence[str] = (), law_only: str | None = None) -> Iterator[str]:
-    """One line for each run; of these systems and of this law only, if any are named."""
+#: Named as a system: the catalogue of faults of ``ato``, with this run.
+FAULTS = "faults"
+_FAULTY = Run("ato", "yizhuang_05", 0)
+
+
+def fault_line(entry: Entry) -> str:
+    """The line of one entry of the catalogue."""
+    return f"{entry.id} {replace(_FAULTY, faults=entry.faults).line(entry.law or 'ipfc', 'iq')}"
+
+
+def lines(systems: Sequence[str], law_only: str | None, arithmetic_only: str | None) -> Iterator[str]:
+    """One line for each run; of these systems, this law and this arithmetic only, if any are named. Entries of the
+    catalogue have the law and the arithmetic of their own."""
     for run in RUNS:
         if not systems or run.system in systems:
             laws = system_named(run.system).law_names()
             for law in laws if law_only is None else [law for law in laws if law == law_only]:
-                for arithmetic in arithmetics.names():
+                for arithmetic in arithmetics.names() if arithmetic_only is None else [arithmetic_only]:
                     yield run.line(law, arithmetic)
+    if FAULTS in systems or not (systems or law_only or arithmetic_only):
+        yield from (fault_line(entry) for entry in catalogue() if entry.faults)
 
 
 def main() -> int:
     """Print the lines."""
     parser = argparse.ArgumentParser(prog="python hil_tests/hashes.py", description=__doc__.splitlines()[0])
-    parser.add_argument("systems", nargs="*", metavar="SYSTEM", help="only the runs of these systems")
+    parser.add_argument("systems", nargs="*", metavar="SYSTEM", help=f"only these systems ({FAULTS}: the catalogue)")
     parser.add_argument("--law", help="only the runs of this law")
+    parser.add_argument("--arithmetic", choices=arithmetics.names(), help="only the runs in this arithmetic")
     options = parser.parse_args()
-    for line in lines(options.systems, options.law):
+    for line in lines(options.systems, options.law, options.arithmetic):
         print(line, flush=True)
     return 0
 

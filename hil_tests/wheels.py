@@ -1,7 +1,8 @@
-"""The wheels of a release: ``python -m hil_tests.wheels [--compiled] [--out FOLDER]`` (``make wheels``).
+"""The wheels of a release: ``python -m hil_tests.wheels [--compiled] [--aarch64] [--out FOLDER]`` (``make wheels``).
 
 Of what is committed: the pure wheel, which runs everywhere; with ``--compiled`` also the one that mypyc and gcc make
-for this machine's processor and Python (some minutes).
+for this machine's processor and Python, with ``--aarch64`` the one that a cross compiler makes for a Raspberry Pi (some
+minutes each).
 
 Exit code: 0, 1 when a build fails or makes another kind of wheel than it should; 77 without a compiler.
 """
@@ -19,23 +20,25 @@ from pathlib import Path
 from hil_tests.support.paths import ROOT
 from hil_tests.support.same_lines import wheel
 from railhil.machines import debian
+from railhil.machines.arm64 import cross_build
 
 
-def fits(name: str, compiled: bool) -> bool:
-    """Whether the name of a wheel is that of this build: of any Python and processor, or of this processor."""
-    if compiled:
-        return name.endswith(f"_{platform.machine()}.whl") and "-none-" not in name
+def fits(name: str, processor: str) -> bool:
+    """Whether the name of a wheel is that of a build for this processor; empty: of a pure one."""
+    if processor:
+        return name.endswith(f"_{processor}.whl") and "-none-" not in name
     return name.endswith("-py3-none-any.whl")
 
 
-def made(out: Path, compiled: bool) -> bool:
-    """Build one wheel into ``out``; print its name and SHA-256, and whether it is what was asked for."""
+def made(out: Path, processor: str, variables: dict[str, str]) -> bool:
+    """Build one wheel with these variables into ``out``; print its name and SHA-256, and return whether it is for this
+    processor."""
     with tempfile.TemporaryDirectory() as scratch:
-        built = wheel(Path(scratch), {"RAILHIL_COMPILED": "1" if compiled else "0"})
+        built = wheel(Path(scratch), {**variables, "RAILHIL_COMPILED": "1" if processor else "0"})
         content = built.read_bytes()
     (out / built.name).write_bytes(content)
     print(f"{hashlib.sha256(content).hexdigest()}  {built.name}", flush=True)
-    return fits(built.name, compiled)
+    return fits(built.name, processor)
 
 
 def main(words: list[str]) -> int:
@@ -46,13 +49,19 @@ def main(words: list[str]) -> int:
     """
     parser = argparse.ArgumentParser(prog="python -m hil_tests.wheels", description="the wheels of a release")
     parser.add_argument("--compiled", action="store_true", help="also the compiled wheel of this processor")
+    parser.add_argument("--aarch64", action="store_true", help="also the compiled wheel for aarch64 (Python 3.11)")
     parser.add_argument("--out", type=Path, default=ROOT / "dist", help="folder (default dist)")
     options = parser.parse_args(words)
     options.out.mkdir(parents=True, exist_ok=True)
+    # For each processor, the variables of its build.
+    wanted: dict[str, dict[str, str]] = {"": {}}
     if options.compiled:
         debian.install_compilers()
+        wanted[platform.machine()] = {}
+    if options.aarch64:
+        wanted["aarch64"] = cross_build()
     try:
-        right = [made(options.out, compiled) for compiled in ((False, True) if options.compiled else (False,))]
+        right = [made(options.out, processor, variables) for processor, variables in wanted.items()]
     except (subprocess.SubprocessError, debian.MachineError) as error:
         debian.say(f"wheels: {error}")
         return 1

@@ -20,14 +20,15 @@ from railhil.machines import debian
 _PURPOSE = "Python for aarch64"
 _SUITE, _PYTHON = "bookworm", "3.11"
 _EMULATOR = "qemu-aarch64-static"
+_COMPILER = "aarch64-linux-gnu-gcc"
 _PLATFORMS = ("manylinux2014_aarch64", "manylinux_2_17_aarch64", "manylinux_2_28_aarch64")
 _DOWNLOAD_TIMEOUT_S = 900.0
 
 
 def _root() -> Path:
-    """Debian for arm64 with Python, unpacked in the cache."""
+    """Debian for arm64 with Python and its headers, unpacked in the cache."""
     with debian.cache_lock("arm64"):
-        root = debian.cache_dir() / f"arm64-{_SUITE}"
+        root = debian.cache_dir() / f"arm64-{_SUITE}-headers"
         if root.exists():
             return root
         mirrors = [uri for uri, release, _ in debian.mirrors() if release == _SUITE]
@@ -37,7 +38,8 @@ def _root() -> Path:
         with tempfile.TemporaryDirectory(dir=root.parent) as scratch:
             made = Path(scratch, "root")
             # Its packages are only unpacked: their scripts would need a kernel that starts arm64 programs.
-            words = ["debootstrap", "--foreign", "--variant=minbase", "--arch=arm64", "--include=python3"]
+            words = ["debootstrap", "--foreign", "--variant=minbase", "--arch=arm64"]
+            words += ["--include=python3,libpython3-dev"]
             try:
                 debian.run_tool([*words, _SUITE, str(made), mirrors[0]])
             except debian.MachineError as error:
@@ -65,6 +67,30 @@ def _unpack_libraries(requirements: Sequence[str], site: Path) -> None:
                 archive.extractall(site)
 
 
+def cross_build() -> dict[str, str]:
+    """Variables with which setuptools compiles for aarch64 on this machine.
+
+    Raises:
+        CapabilityError: this is another Python than the one for aarch64, or compiler or headers are not available here.
+    """
+    own = f"{sys.version_info.major}.{sys.version_info.minor}"
+    if own != _PYTHON:
+        raise debian.CapabilityError(f"{_PURPOSE}: found Python {own}, allowed {_PYTHON}, whose headers {_SUITE} has")
+    debian.require_debian_root(_PURPOSE)
+    # The C library's headers come with the compiler only where recommended packages do.
+    packages = {_COMPILER: "gcc-aarch64-linux-gnu", "debootstrap": "debootstrap"}
+    debian.install_commands(packages, _PURPOSE, beside=["libc6-dev-arm64-cross"])
+    headers = _root() / "usr/include"
+    return {
+        "CC": _COMPILER,
+        "LDSHARED": f"{_COMPILER} -shared",
+        # Found before those of this machine's Python; the C library's are the compiler's own.
+        "CFLAGS": f"-I{headers}/python{_PYTHON} -idirafter {headers}",
+        "SETUPTOOLS_EXT_SUFFIX": f".cpython-{_PYTHON.replace('.', '')}-aarch64-linux-gnu.so",
+        "_PYTHON_HOST_PLATFORM": "linux-aarch64",
+    }
+
+
 class Arm64Python:
     """A Python for aarch64 with the given libraries and wheels."""
 
@@ -82,9 +108,9 @@ class Arm64Python:
             with zipfile.ZipFile(wheel) as archive:
                 archive.extractall(folder)
 
-    def start(self, arguments: Sequence[str]) -> subprocess.Popen[str]:
-        """Start it with its standard output as a pipe."""
-        variables = {**os.environ, "PYTHONHOME": str(self._root / "usr"), "PYTHONPATH": str(self._site)}
+    def start(self, arguments: Sequence[str], **environment: str) -> subprocess.Popen[str]:
+        """Start it with its standard output as a pipe, with ``environment`` beside this process's."""
+        variables = {**os.environ, **environment, "PYTHONHOME": str(self._root / "usr"), "PYTHONPATH": str(self._site)}
         # Emulated threads cost more than they bring.
         variables["OPENBLAS_NUM_THREADS"] = "1"
         python = str(self._root / f"usr/bin/python{_PYTHON}")

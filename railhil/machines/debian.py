@@ -150,15 +150,17 @@ def with_package_lists(action: Callable[[], str], purpose: str) -> str:
             raise CapabilityError(f"{purpose}: no package from the Debian mirror ({error})") from error
 
 
-def install_commands(packages: Mapping[str, str], purpose: str) -> None:
+def install_commands(packages: Mapping[str, str], purpose: str, beside: Iterable[str] = ()) -> None:
     """Install the Debian packages of those commands (``command -> package``) that the host does not have.
+
+    :param beside: packages without a command, installed when a command is missing.
 
     Raises:
         CapabilityError: a package is not available.
     """
     missing = {package for command, package in packages.items() if find_command(command) is None}
     if missing:
-        _install(missing, purpose)
+        _install({*missing, *beside}, purpose)
 
 
 def _install(packages: Iterable[str], purpose: str) -> None:
