@@ -23,7 +23,7 @@ TITLE = "controller step"
 METHOD = (
     "Controller.step of law ipfc on the speeds and positions of a nominal run, telemetry included, every step timed by "
     "itself on the wall clock. Without telemetry: law and set-points alone (ControlLoop.step), in turns with it, "
-    "written out as the node runs them (not in float32), and interpreted. Batch: BatchController with speeds spread by "
+    "written out as the node runs them, and interpreted. Batch: BatchController with speeds spread by "
     "+-0.5 m/s around them. C28x cycles: counted operations of one step times the cycles of TI's guides (program in "
     "RAM); an estimate, not measured on the chip."
 )

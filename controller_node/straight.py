@@ -1,8 +1,8 @@
 """The written-out functions of a shipped law (:mod:`railhil.controller_node.written`), bound to one run.
 
 They are used where the law's program, recorded for this run, has the shape for which they were written; a law of
-another distribution, other operations (a longer horizon) and single precision run as the law itself. So does a step
-in which something is to be counted.
+another distribution, other operations (a longer horizon) and single precision that truncates run as the law itself. So
+does a step in which something is to be counted.
 """
 
 from __future__ import annotations
@@ -13,12 +13,13 @@ from typing import TYPE_CHECKING, Any
 
 from railhil.controller_node import laws
 from railhil.controller_node.arithmetic import make
-from railhil.controller_node.arithmetic.base import Arithmetic
+from railhil.controller_node.arithmetic.base import Arithmetic, Curve
+from railhil.controller_node.arithmetic.float32 import Float32
 from railhil.controller_node.arithmetic.float64 import Float64
 from railhil.controller_node.arithmetic.iq import C28, Portable
 from railhil.controller_node.program.model import LawProgram, Operation, Program
 from railhil.controller_node.program.shape import shape_of
-from railhil.controller_node.program.writer import FIXED, FLOAT64, are_constant, checked_inputs
+from railhil.controller_node.program.writer import FIXED, FLOAT32, FLOAT64, are_constant, checked_inputs
 from railhil.controller_node.written.index import FUNCTIONS
 from railhil.controller_node.written.parts import Parts, Step, Values
 
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
     from railhil.controller_node.program.ranges import LawRanges, Ranges
 
 #: Arithmetics for one train that a family of functions serves.
-_FAMILIES: dict[type[Arithmetic[Any]], str] = {C28: FIXED, Portable: FIXED, Float64: FLOAT64}
+_FAMILIES: dict[type[Arithmetic[Any]], str] = {C28: FIXED, Portable: FIXED, Float64: FLOAT64, Float32: FLOAT32}
 
 
 class Straight:
@@ -90,6 +91,13 @@ def _swapped(operation: Operation) -> bool:
     return upper is not None and lower is not None and lower.value > upper.value
 
 
+def _curve(curve: Curve, family: str, spare: Arithmetic[Any]) -> Any:
+    """A curve as a function of this family reads it: its samples, or in float64 what computes it."""
+    if family == FIXED:
+        return tuple(sample.raw for sample in curve.samples)
+    return curve.function if family == FLOAT64 else spare.load(curve.samples)
+
+
 def _bound(program: Program, family: str, spare: Arithmetic[Any], ranges: Ranges | None) -> Step | None:
     shape = shape_of(program, family, formats=family == FIXED)
     found = FUNCTIONS.get(shape.digest)
@@ -97,7 +105,6 @@ def _bound(program: Program, family: str, spare: Arithmetic[Any], ranges: Ranges
         return None
     module, _, name = found.partition(":")
     factory: Callable[[Parts], Step] = getattr(import_module(f"railhil.controller_node.written.{module}"), name)
-    fixed = family == FIXED
     bounds: list[int] = []
     if ranges is not None:
         bounds = [bound for _, value in checked_inputs(program) for bound in ranges.of(value)]
@@ -106,7 +113,7 @@ def _bound(program: Program, family: str, spare: Arithmetic[Any], ranges: Ranges
             spare,
             spare.load(shape.constants),
             tuple(spare.table(table.name, table.constants) for table in shape.tables),
-            tuple(tuple(sample.raw for sample in curve.samples) if fixed else curve.function for curve in shape.curves),
+            tuple(_curve(curve, family, spare) for curve in shape.curves),
             tuple(shape.lasts),
             tuple(bounds),
         )

@@ -6,7 +6,9 @@ counted: a value that would saturate, be divided by zero or leave the range for 
 that nothing wraps (:mod:`railhil.controller_node.program.ranges`) makes it return None, and the law itself computes
 that step (:mod:`railhil.controller_node.straight`).
 
-``fixed`` serves both profiles of fixed point, ``float64`` double precision.
+``fixed`` serves both profiles of fixed point, ``float64`` double precision, ``float32`` single precision rounded to
+nearest: there a result is stored in the one place of an array of singles and read back, and what is neither normal nor
+zero is left to the law.
 """
 
 from __future__ import annotations
@@ -15,12 +17,13 @@ import re
 from collections.abc import Callable, Sequence
 
 from railhil.controller_node.arithmetic.base import INT32_MAX, INT32_MIN
+from railhil.controller_node.arithmetic.float32 import LAST_CELL
 from railhil.controller_node.program.model import Kind, Operation, Program, Value
 from railhil.controller_node.program.shape import Shape, shape_of
 
-FIXED, FLOAT64 = "fixed", "float64"
+FIXED, FLOAT64, FLOAT32 = "fixed", "float64", "float32"
 #: Operations that the functions leave to the arithmetic, because they are rare or differ between the profiles.
-_CALLED = {FIXED: ("div", "sqrt"), FLOAT64: ("div", "sqrt", "quantise")}
+_CALLED = {FIXED: ("div", "sqrt"), **dict.fromkeys((FLOAT64, FLOAT32), ("div", "sqrt", "quantise"))}
 _STATE = "state"
 
 
@@ -50,8 +53,9 @@ class _Writer:
         self.shape: Shape = shape_of(program, family, formats=family == FIXED)
         self._program = program
         self._fixed = family == FIXED
+        self._single = family == FLOAT32
         self._called = _CALLED[family]
-        self._taken: set[str] = set()
+        self._taken: set[str] = {"single", "value", "product", "scaled", "cell"}
         self._index = 0
         self._lines: list[str] = []
         self._curves = [self._free(f"f_{_word(curve.name)}") for curve in self.shape.curves]
@@ -81,6 +85,8 @@ class _Writer:
         given = [value for name, value in self._program.inputs if not is_state(name)]
         checked = [self._values[value.number] for _, value in checked_inputs(self._program)]
         head = [f"def {function}(parts: Parts) -> Step:"]
+        if self._single and any("single[0]" in line for line in self._lines):
+            head += ['    single = array("f", [0.0])']
         for names, field in (
             (self._constants, "constants"),
             (self._tables, "tables"),
@@ -139,16 +145,29 @@ class _Writer:
             raise KeyError(operation.op)
         write(operation, to, words)
 
+    def _rounded(self, to: str, expression: str) -> None:
+        """A sum or product, rounded by single precision, which has neither denormals nor -0."""
+        if not self._single:
+            self._say(f"{to} = {expression}")
+            return
+        self._say(
+            f"single[0] = {expression}",
+            # + 0.0: -0 is +0.
+            f"{to} = value = single[0] + 0.0",
+            "if not (FLT_MIN <= value <= FLT_MAX or -FLT_MAX <= value <= -FLT_MIN) and value:",
+            "    return None",
+        )
+
     # -- one method for each operation ---------------------------------------------------------------------------------
 
     def _write_add(self, operation: Operation, to: str, words: Sequence[str]) -> None:
-        self._say(f"{to} = {words[0]} + {words[1]}")
+        self._rounded(to, f"{words[0]} + {words[1]}")
 
     def _write_sub(self, operation: Operation, to: str, words: Sequence[str]) -> None:
-        self._say(f"{to} = {words[0]} - {words[1]}")
+        self._rounded(to, f"{words[0]} - {words[1]}")
 
     def _write_neg(self, operation: Operation, to: str, words: Sequence[str]) -> None:
-        self._say(f"{to} = -{words[0]}")
+        self._say(f"{to} = {'0.0 - ' if self._single else '-'}{words[0]}")
 
     def _write_abs(self, operation: Operation, to: str, words: Sequence[str]) -> None:
         self._say(f"{to} = abs({words[0]})")
@@ -159,10 +178,10 @@ class _Writer:
         return f"{first} * {second}{f' + {1 << (q - 1)}' if rounded else ''}{f' >> {q}' if q else ''}"
 
     def _write_mpy(self, operation: Operation, to: str, words: Sequence[str]) -> None:
-        self._say(f"{to} = {self._product(words[0], words[1], operation.parameters[0], False)}")
+        self._rounded(to, self._product(words[0], words[1], operation.parameters[0], False))
 
     def _write_rmpy(self, operation: Operation, to: str, words: Sequence[str]) -> None:
-        self._say(f"{to} = {self._product(words[0], words[1], operation.parameters[0], True)}")
+        self._rounded(to, self._product(words[0], words[1], operation.parameters[0], True))
 
     def _write_rsmpy(self, operation: Operation, to: str, words: Sequence[str]) -> None:
         self._write_rmpy(operation, to, words)
@@ -173,11 +192,16 @@ class _Writer:
         q_a, q_b, q = operation.parameters
         shift = q_a + q_b - q
         moved = f" >> {shift}" if shift > 0 else f" << {-shift}" if shift else ""
-        self._say(f"{to} = {words[0]} * {words[1]}{moved if self._fixed else ''}")
+        self._rounded(to, f"{words[0]} * {words[1]}{moved if self._fixed else ''}")
 
     def _write_dot(self, operation: Operation, to: str, words: Sequence[str]) -> None:
         half = len(words) // 2
         for number, (first, second) in enumerate(zip(words[:half], words[half:], strict=True)):
+            if self._single:
+                self._rounded("product" if number else to, f"{first} * {second}")
+                if number:
+                    self._rounded(to, f"{to} + product")
+                continue
             begin = "" if self._fixed or number else "0.0 + "
             product = self._product(first, second, operation.parameters[0], True)
             self._say(f"{to} {'+=' if number else '='} {begin}{product}")
@@ -225,6 +249,12 @@ class _Writer:
     def _write_curve(self, operation: Operation, to: str, words: Sequence[str]) -> None:
         assert operation.curve is not None
         curve, a = self._curves[self.shape.curve(operation.curve)], words[0]
+        if self._single:
+            self._say(f"scaled = {a} * 256.0", f"cell = int(min(scaled, {LAST_CELL}))")
+            self._rounded("product", f"{curve}[cell + 1] - {curve}[cell]")
+            self._rounded("product", "product * (scaled - cell)")
+            self._rounded(to, f"{curve}[cell] + product")
+            return
         if not self._fixed:
             self._say(f"{to} = {curve}({a})")
             return

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from railhil.controller_node.laws import load as load_law
 from railhil.controller_node.program.record import record
-from railhil.controller_node.program.writer import FIXED, FLOAT64, written
+from railhil.controller_node.program.writer import FIXED, FLOAT32, FLOAT64, written
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec
 
@@ -21,7 +21,7 @@ LAWS = ("ipfc", "tpfc1", "tpfc2", "tdmc", "fuzzy_pid", "ipfc_plus", "ipfc_plus_s
 #: Lines for which the programs are recorded: those of the other shipped lines have the same shapes. The formats of some
 #: laws depend on the length of a run.
 _SCENARIOS = ("lvshun_tieshan", "yizhuang_05_yizhuang_qiao_yizhuang_wenhuayuan")
-_FAMILIES = {FIXED: "fixed point", FLOAT64: "double precision"}
+_FAMILIES = {FIXED: "fixed point", FLOAT64: "double precision", FLOAT32: "single precision"}
 _WRITER = "Written by ``make tables`` from the recorded program; do not edit."
 
 
@@ -34,7 +34,7 @@ def texts() -> Iterator[tuple[str, str]]:
             module = f"{law}_{family}"
             parts: dict[str, str] = {}
             for indexing, scenario in product(load_law(law).indexings, scenarios):
-                program = record(scenario, LawSpec(law, indexing=indexing), wide=family == FLOAT64)
+                program = record(scenario, LawSpec(law, indexing=indexing), wide=family != FIXED)
                 for part, wanted in ((program.inputs, f"inputs_by_{indexing}"), (program.step, "step")):
                     name = wanted if wanted not in parts else f"{wanted}_{len(parts)}"
                     digest, text = written(part, family, name)
@@ -53,9 +53,12 @@ def texts() -> Iterator[tuple[str, str]]:
 
 def _module(title: str, parts: list[str]) -> str:
     body = "\n\n".join(parts)
-    imports = "from bisect import bisect_right\n\n" if "bisect_right(" in body else ""
+    names = {"array": "array", "bisect": "bisect_right"}
+    imports = "".join(f"from {module} import {name}\n" for module, name in names.items() if f"{name}(" in body)
+    imports += "\n" if imports else ""
+    ours = "from railhil.controller_node.arithmetic.float32 import FLT_MAX, FLT_MIN\n" if "FLT_MAX" in body else ""
     return (
-        f'"""{title}"""\n\nfrom __future__ import annotations\n\n{imports}'
+        f'"""{title}"""\n\nfrom __future__ import annotations\n\n{imports}{ours}'
         f"from railhil.controller_node.written.parts import Parts, Step, Values\n\n\n{body}"
     )
 
