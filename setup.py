@@ -8,6 +8,7 @@ class that interpreted code subclasses says so (:mod:`railhil.common.mypyc`).
 """
 
 import os
+import sys
 
 from setuptools import setup
 
@@ -97,11 +98,16 @@ OPTIONS = ["--config-file=", "--follow-imports=silent", "--ignore-missing-import
 extensions = []
 compiled = os.environ.get("RAILHIL_COMPILED", "0") not in ("", "0")
 if compiled:
-    from mypyc.build import mypycify
-
-    extensions = mypycify([*OPTIONS, *MODULES], opt_level="3", multi_file=True)
-    for extension in extensions:
-        # On processors with fused products gcc would use them, and their last bit differs from Python's.
-        extension.extra_compile_args = [*extension.extra_compile_args, "-ffp-contract=off"]
+    try:
+        from mypyc.build import mypycify
+    except ImportError:
+        # pip first asks what the build needs (egg_info), in an environment that does not have it yet.
+        if "egg_info" not in sys.argv:
+            raise
+    else:
+        extensions = mypycify([*OPTIONS, *MODULES], opt_level="3", multi_file=True)
+        for extension in extensions:
+            # On processors with fused products gcc would use them, and their last bit differs from Python's.
+            extension.extra_compile_args = [*extension.extra_compile_args, "-ffp-contract=off"]
 
 setup(ext_modules=extensions, setup_requires=["mypy>=1.11"] if compiled else [])

@@ -116,7 +116,8 @@ prepared() {
     if [ -z "${PREPARED:-}" ] || { [ "$PACE" != realtime ] && [ -z "${WAIT:-}" ]; }; then return; fi
     python3 -c 'import sys
 from railhil.cli.panel import prepared_faults
-print(*prepared_faults(sys.argv[1], bool(sys.argv[2])), sep="\n")' "$SCENARIO" "${CATALOGUE:-}" 2>/dev/null || true
+print(*prepared_faults(sys.argv[1], bool(sys.argv[2])), sep="\n")' "$SCENARIO" "${CATALOGUE:-}" 2>/dev/null ||
+        say "no faults are prepared for the page; why is said when the node starts"
 }
 
 # The words of the nodes' faults, whose logs the supervisor takes from the volume.
