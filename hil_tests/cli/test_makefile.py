@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import os
+import shutil
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -66,3 +68,23 @@ def test_a_failed_installation_is_none(tmp_path: Path) -> None:
     done = subprocess.run(call, cwd=ROOT, capture_output=True, text=True, check=False, timeout=60, env=environment)
     assert done.returncode == 2
     assert not (tmp_path / ".installed").exists()
+
+
+def _setup(folder: Path, hook: str) -> subprocess.CompletedProcess[str]:
+    """A hook of pip's for the compiled build, in an environment without mypyc."""
+    shutil.copy(ROOT / "setup.py", folder)
+    project = '[project]\nname = "railhil"\nversion = "0"\n[tool.setuptools]\npackages = []\n'
+    (folder / "pyproject.toml").write_text(project)
+    program = f"import sys; sys.modules['mypyc'] = None; from setuptools import build_meta; print(build_meta.{hook})"
+    variables = {**os.environ, "RAILHIL_COMPILED": "1"}
+    words = [sys.executable, "-c", program]
+    return subprocess.run(words, cwd=folder, env=variables, capture_output=True, text=True, check=False, timeout=60)
+
+
+def test_the_compiled_build_asks_pip_for_mypy_and_is_never_pure_without_a_word(tmp_path: Path) -> None:
+    """In pip's environment for builds, which has what a build asks for, and nothing else."""
+    assert "'mypy>=1.11'" in _setup(tmp_path, "get_requires_for_build_wheel()").stdout
+    refused = _setup(tmp_path, "build_wheel('.')")
+    assert refused.returncode != 0
+    assert "mypyc" in refused.stderr
+    assert not list(tmp_path.glob("*.whl"))
