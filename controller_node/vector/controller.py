@@ -15,12 +15,15 @@ from railhil.controller_node.laws import find
 from railhil.controller_node.laws.fault import law_fault, place
 from railhil.controller_node.laws.memory import kept, memory_arguments
 from railhil.controller_node.laws.parameters import law_parameters
+from railhil.controller_node.program.leaves import leaves, like
 from railhil.controller_node.program.model import LawProgram, Value
 from railhil.controller_node.program.ranges import refuse_wraps
 from railhil.controller_node.program.record import recorded
 from railhil.controller_node.program.tracer import Tracer
+from railhil.controller_node.straight import Straight, straight
 from railhil.controller_node.telemetry import Telemetry
 from railhil.controller_node.vector.law import Answer, Interface, VectorLaw, raw_range
+from railhil.controller_node.written.parts import Values
 from railhil.scenarios.memory import Memory
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.parameters import ParameterSet
@@ -86,7 +89,24 @@ class VectorLoop(Generic[T]):
                   for end, raw in zip(("lowest", "highest"), command.bounds, strict=True))
             for command in self.interface.commands
         ]  # fmt: skip
-        self.state: Any = None
+        self._state: Any = None
+        # Leaves of the state after a written-out step, which is newer than the state above.
+        self._leaves: Values | None = None
+        #: The written-out functions of the law, used where they are given.
+        self.straight: Straight | None = None
+
+    @property
+    def state(self) -> Any:
+        """State of the law; None before the first step."""
+        if self._leaves is not None:
+            following = iter(self._leaves)
+            self._state = like(self._state, lambda name, old: next(following))
+            self._leaves = None
+        return self._state
+
+    @state.setter
+    def state(self, state: Any) -> None:
+        self._state, self._leaves = state, None
 
     def inputs(self, raws: Sequence[Any]) -> tuple[T, ...]:
         """The law's inputs from raw integers of the bus."""
@@ -98,11 +118,31 @@ class VectorLoop(Generic[T]):
 
     def step(self, raws: Sequence[Any]) -> tuple[tuple[T, ...], Answer[T]]:
         """One control period; the first one also makes the law's state. Returns the law's inputs and its answer."""
+        if self.straight is not None and self._state is not None:
+            done = self._written_out(self.straight, raws)
+            if done is not None:
+                return done
         inputs = self.inputs(raws)
         if self.state is None:
             self.state = self.law.start(inputs)
         self.state, answer = self.answered(self.state, inputs)
         return inputs, answer
+
+    def _written_out(self, by: Straight, raws: Sequence[Any]) -> tuple[tuple[T, ...], Answer[T]] | None:
+        """:meth:`step` without the law; None where only the law can compute it, and nothing has changed then."""
+        ar = self.arithmetic
+        wire = tuple([ar.from_raw(raw, item.q) for item, raw in zip(self.interface.readings, raws, strict=True)])
+        before = self._leaves
+        if before is None:
+            before = tuple([value for _, value in leaves(self._state)])
+        done = by.period(before, wire)
+        if done is None:
+            return None
+        inputs, self._leaves, answer, noted = done
+        if ar.noted is not None:
+            ar.noted += noted
+        commands = len(self.interface.commands)
+        return inputs, Answer(answer[:commands], answer[commands:])
 
     def sent(self, raws: Sequence[Any]) -> None:
         """Pass the commands really sent, raw, to the law."""
@@ -202,9 +242,11 @@ class VectorController:
         self.wire = {reading.name: raw_range(reading.telegram, reading.field) for reading in interface.readings}
         self.commands = tuple(CommandCode(item.name, item.q, item.unit) for item in interface.commands)
         self.program = program = vector_program(system, scenario, name, given, law.memory, number.wide)
+        ranges = None
         if not number.wide and not may_wrap:
             period_s = scenario.timing.control_period_ns / 1e9
-            refuse_wraps(program, self.law, f"at {period_s:g} s on {scenario.name}", self.wire)
+            ranges = refuse_wraps(program, self.law, f"at {period_s:g} s on {scenario.name}", self.wire)
+        self._loop.straight = straight(program, self.law, number, ranges)
         # Telemetry starts here, after the law's constants have been made.
         number.noted = []
         self.telemetry = Telemetry(program.quantities)

@@ -48,4 +48,10 @@ FUNCTIONS: dict[str, str] = {
     "d9badf9b894a2486": "ipfc_plus_stop_fixed:step_1",
     "26242b6b5138add5": "ipfc_plus_stop_float64:step",
     "eac376aaff8d6305": "ipfc_plus_stop_float32:step",
+    "2f0ef13b284f888d": "ilc_stop_fixed:inputs",
+    "fd011629f512ff4b": "ilc_stop_fixed:step",
+    "56f9e5c742abf833": "ilc_stop_float64:inputs",
+    "cb987eaa80875ce5": "ilc_stop_float64:step",
+    "59ed5a22ea59c4ce": "ilc_stop_float32:inputs",
+    "ff5b4f5cfcc6bd4d": "ilc_stop_float32:step",
 }

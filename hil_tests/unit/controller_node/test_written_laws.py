@@ -13,6 +13,7 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
+import railhil
 from hil_tests.support.paths import ROOT
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Constant
@@ -29,9 +30,10 @@ from railhil.controller_node.program.shape import shape_of
 from railhil.controller_node.program.tracer import Tracer
 from railhil.controller_node.program.writer import FIXED, FLOAT32, FLOAT64, written
 from railhil.controller_node.straight import straight
-from railhil.controller_node.written.generate import LAWS, texts
+from railhil.controller_node.vector.controller import VectorController, VectorLoop
+from railhil.controller_node.written.generate import LAWS, STOP_LAW, texts
 from railhil.controller_node.written.parts import Parts
-from railhil.scenarios.load import load
+from railhil.scenarios.load import load, load_any
 from railhil.scenarios.run_spec import LawSpec
 
 SCENARIO = load("lvshun_tieshan")
@@ -85,6 +87,68 @@ def test_outputs_state_telemetry_and_counters_are_those_of_the_law(
         assert repr(list(leaves(fast._loop.state))) == repr(list(leaves(slow._loop.state)))
     assert fast.telemetry.rows == slow.telemetry.rows
     assert fast.counters == slow.counters
+
+
+@cache
+def _stopping(arithmetic: str) -> tuple[VectorController, VectorController]:
+    """As :func:`_pair`, for the law of the system ``stop`` that learns."""
+    scenario = load_any("yizhuang_stop_closed")
+    controllers = [VectorController(scenario, LawSpec(STOP_LAW, arithmetic)) for _ in range(2)]
+    assert controllers[0]._loop.straight is not None
+    controllers[1]._loop.straight = None
+    return controllers[0], controllers[1]
+
+
+@pytest.mark.parametrize("arithmetic", ARITHMETICS)
+@settings(max_examples=25, deadline=None)
+@given(data=st.data())
+def test_a_law_of_several_readings_gives_what_it_computes_itself(arithmetic: str, data: st.DataObject) -> None:
+    fast, slow = _stopping(arithmetic)
+    for controller in (fast, slow):
+        controller._loop.state = None
+    ranges = list(fast.wire.values())
+    # Anything that the bus can bring, and what a train does: small steps from one period to the next.
+    raws = [data.draw(st.integers(low, high)) for low, high in ranges]
+    for _ in range(data.draw(st.integers(2, 8))):
+        assert fast.step(raws) == slow.step(raws)
+        assert repr(list(leaves(fast.state))) == repr(list(leaves(slow.state)))
+        if data.draw(st.booleans()):
+            told = [data.draw(st.integers(-50, 50)) for _ in fast.commands]
+            fast.sent(*told)
+            slow.sent(*told)
+        moved = data.draw(st.integers(-2000, 2000))
+        raws = [min(max(raw + moved, low), high) for raw, (low, high) in zip(raws, ranges, strict=True)]
+    assert fast.telemetry.rows == slow.telemetry.rows
+    assert fast.counters == slow.counters
+    assert repr(fast.kept()) == repr(slow.kept())
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("arithmetic", ["iq", "float64", "float32"])
+def test_a_whole_stop_is_computed_by_the_functions(
+    arithmetic: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Not only that they are bound: nearly every period is theirs, and the record is that of the law."""
+    taken: list[bool] = []
+    original = VectorLoop._written_out
+
+    def counted(loop: VectorLoop[Any], by: Any, raws: Any) -> Any:
+        done = original(loop, by, raws)
+        taken.append(done is not None)
+        return done
+
+    def run(folder: str) -> str:
+        outcome = railhil.run(
+            "yizhuang_stop_closed", controller=STOP_LAW, arithmetic=arithmetic, bus="local", out=tmp_path / folder
+        )
+        return outcome.frames_sha256
+
+    monkeypatch.setattr(VectorLoop, "_written_out", counted)
+    fast = run("fast")
+    assert len(taken) > 1000
+    assert sum(taken) > 0.99 * len(taken)
+    monkeypatch.setattr("railhil.controller_node.vector.controller.straight", lambda *_: None)
+    assert run("slow") == fast
 
 
 @pytest.mark.parametrize("arithmetic", ["iq", "iq-portable"])
