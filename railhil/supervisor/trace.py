@@ -5,7 +5,7 @@ from __future__ import annotations
 from array import array
 from collections import Counter
 from collections.abc import Iterable, Mapping
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -17,7 +17,7 @@ from railhil.bus.store import TrafficStore
 from railhil.common.mypyc import mypyc_attr
 from railhil.dbc import Contract, Signal, wire_contract
 
-FloatArray = npt.NDArray[np.float64]
+FloatArray: TypeAlias = npt.NDArray[np.float64]
 #: Source of refused frames that belong to no port.
 BUS = "bus"
 #: So many telegrams are decoded faster one by one than as arrays.
