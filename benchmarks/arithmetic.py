@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from operator import add, mul, truediv
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from apytypes import APyFixed, APyFixedArray, OverflowMode, QuantizationMode
@@ -35,7 +35,7 @@ _ARRAYS = (1000, 100_000)
 _CHECKED = 10_000
 _SEED = 20210825
 
-Ints = NDArray[np.int64]
+Ints: TypeAlias = NDArray[np.int64]
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,7 +15,7 @@ The batch compiles :func:`time_in_piece_s` for single numbers (:mod:`railhil.com
 from __future__ import annotations
 
 from functools import lru_cache
-from typing import Any, overload
+from typing import Any, TypeAlias, overload
 
 import numpy as np
 from numpy import maximum, minimum, sqrt
@@ -24,7 +24,7 @@ from numpy.typing import ArrayLike, NDArray
 from railhil.common.compilable import chosen, compilable, every
 from railhil.scenarios.model import TargetCurve
 
-Floats = NDArray[np.float64]
+Floats: TypeAlias = NDArray[np.float64]
 
 
 #: Newton's iteration ends when a step is this small.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, ClassVar
+from typing import Any, ClassVar, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +19,7 @@ from railhil.controller_node.arithmetic.float32 import (
     nearest,
 )
 
-Singles = NDArray[np.float32]
+Singles: TypeAlias = NDArray[np.float32]
 
 
 class Float32Batch(Single[Singles]):

@@ -7,7 +7,7 @@ import subprocess
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,7 +29,7 @@ STRICT = ("-std=c99", "-Wall", "-Wextra", "-Werror", "-fwrapv")
 SANITIZED = ("-std=c99", "-O1", "-Wall", "-Wextra", "-Werror", "-fsanitize=undefined", "-fno-sanitize-recover=all")
 FLAG_BEGIN, FLAG_SENT = 1, 2
 
-Ints = NDArray[np.int64]
+Ints: TypeAlias = NDArray[np.int64]
 
 
 def compiled(folder: Path, compiler: str, flags: Sequence[str], name: str, law: str = "ipfc") -> Path:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +24,7 @@ from railhil.supervisor.journey import ErrorGrid, stop_of
 from railhil.supervisor.score import Measured, Score, judged
 from railhil.supervisor.status import WRAP_FAILURE
 
-Ints = NDArray[np.int64]
+Ints: TypeAlias = NDArray[np.int64]
 #: Scale of instants (s) and positions (m) in RUN_EVENT, and of accelerations in SIM_TRUTH.
 _LSB = 0.0001
 #: Events counted by a batch arithmetic.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,7 @@ from railhil.controller_node.vector.law import Interface
 from railhil.scenarios.system import system_named
 from railhil.supervisor.trace import Trace
 
-FloatArray = NDArray[np.float64]
+FloatArray: TypeAlias = NDArray[np.float64]
 _KMH = 3.6
 #: Grid on which the instant of a change is compared with others, s.
 _INSTANT_S = 0.001

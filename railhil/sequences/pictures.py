@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 import pyarrow as pa
@@ -21,7 +21,7 @@ from railhil.supervisor.report.stacked import stacked
 from railhil.supervisor.report.styles import Style
 from railhil.supervisor.sequence_measure import SequenceMeasure, sequence_measures
 
-Floats = NDArray[np.float64]
+Floats: TypeAlias = NDArray[np.float64]
 _BINS = 40
 #: Figures of a memory that are drawn at most; the table has all values.
 _KEPT_MAX = 12

@@ -7,7 +7,7 @@ quantiles; means are of the runs with a value, and their number is given.
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 import pyarrow as pa
@@ -19,7 +19,7 @@ from railhil.sequences.table import by_run
 from railhil.supervisor.criteria import limit_key
 from railhil.supervisor.sequence_measure import SequenceMeasure, sequence_measures
 
-Floats = NDArray[np.float64]
+Floats: TypeAlias = NDArray[np.float64]
 #: The last runs, over which the figures are taken once the law has learned: this share of a sequence.
 _TAIL = 1 / 3
 

@@ -12,7 +12,7 @@ use neither watch: they read levels, speeds and forces from the record, and coun
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -43,8 +43,8 @@ _SPEED_SLACK_MPS = 1e-3
 #: Parts of a telegram that carry nothing of its content.
 _OF_THE_FRAME = ("counter", "checksum")
 
-BoolArray = npt.NDArray[np.bool_]
-IntArray = npt.NDArray[np.int64]
+BoolArray: TypeAlias = npt.NDArray[np.bool_]
+IntArray: TypeAlias = npt.NDArray[np.int64]
 
 
 def broken(scenario: Scenario, trace: Trace) -> list[str]:

@@ -12,7 +12,7 @@ from array import array
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -33,7 +33,7 @@ EDGES_MS: tuple[float, ...] = tuple(float(f"{10 ** (step / 5):.3g}") for step in
 #: Source of the measurement.
 PLANT, RECORDER, NOBODY = "plant", "supervisor", "none"
 _TICK = "tick"
-Milliseconds = npt.NDArray[np.float64]
+Milliseconds: TypeAlias = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,7 +7,7 @@ equal those of one train element by element; counters count elements.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, ClassVar
+from typing import Any, ClassVar, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,7 +26,7 @@ from railhil.controller_node.arithmetic.base import (
 from railhil.controller_node.arithmetic.iq.core import MASK, SIGN, FixedPoint
 from railhil.controller_node.arithmetic.iq.interface import IqMath
 
-Ints = NDArray[np.int64]
+Ints: TypeAlias = NDArray[np.int64]
 
 
 class FixedPointBatch(IqMath[Ints]):

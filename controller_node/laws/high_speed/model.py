@@ -6,12 +6,12 @@ Input: target acceleration (m/s^2); output: speed (m/s). Everything here is comp
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-Matrix = NDArray[np.float64]
+Matrix: TypeAlias = NDArray[np.float64]
 
 #: Orders of the model: A has three coefficients after its leading one, B three (002 section 1.2, 004 eq. 10).
 A_COUNT = 3

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +12,7 @@ from railhil.controller_node.laws.high_speed.model import Sampled
 from railhil.controller_node.laws.high_speed.network import Network
 from railhil.controller_node.laws.high_speed.training import Recipe, Rows, train
 
-FloatArray = NDArray[np.float64]
+FloatArray: TypeAlias = NDArray[np.float64]
 
 #: Sampling periods for which the modelling error is reported, and the number of samples (both papers: 300).
 PERIODS_S = (0.5, 1.0, 2.0, 4.0)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any, Generic, Literal
+from typing import Annotated, Any, Generic, Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +19,7 @@ from railhil.controller_node.arithmetic.base import Arithmetic, Constant, T
 from railhil.controller_node.laws.high_speed.sigmoid import ARGUMENT_Q, RESULT_Q, sigmoid, sigmoid_of
 from railhil.controller_node.laws.high_speed.sigmoid import CONSTANTS as SIGMOID_CONSTANTS
 
-FloatArray = NDArray[np.float64]
+FloatArray: TypeAlias = NDArray[np.float64]
 
 #: Speeds and commands of the last three samples.
 INPUTS = 6

@@ -9,14 +9,14 @@ second derivative at most 0.0963). Networks are trained with this function: the 
 from __future__ import annotations
 
 from decimal import Decimal, localcontext
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from railhil.controller_node.arithmetic.base import Arithmetic, Constant, Curve, T
 
-FloatArray = NDArray[np.float64]
+FloatArray: TypeAlias = NDArray[np.float64]
 
 #: The table covers 0..REACH.
 REACH = 12.0

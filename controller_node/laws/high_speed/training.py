@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +19,7 @@ from railhil.controller_node.laws.high_speed.network import INPUTS, Network, hid
 from railhil.controller_node.laws.high_speed.sigmoid import slope_of
 from railhil.scenarios.streams import generator
 
-FloatArray = NDArray[np.float64]
+FloatArray: TypeAlias = NDArray[np.float64]
 
 #: Stream of the random numbers of a training, beside those of a run (:mod:`railhil.scenarios.streams`).
 TRAINING = 20

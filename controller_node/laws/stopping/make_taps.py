@@ -11,14 +11,14 @@ import hashlib
 import json
 import sys
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 import pywt
 from numpy.typing import NDArray
 from scipy.signal import butter, firwin
 
-FloatArray = NDArray[np.float64]
+FloatArray: TypeAlias = NDArray[np.float64]
 
 WAVELET = "db8"
 LEVELS = 3

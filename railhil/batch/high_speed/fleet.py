@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +15,7 @@ from railhil.plant_sim.high_speed.watch import answer_ticks, share_of
 from railhil.scenarios import streams
 from railhil.scenarios.high_speed.task import HighSpeedTask
 
-Floats = NDArray[np.float64]
+Floats: TypeAlias = NDArray[np.float64]
 
 
 def made(task: HighSpeedTask, seeds: Sequence[int], tick_s: float, ticks: int) -> tuple[Common, Fleet]:

@@ -8,7 +8,7 @@ with other periods of the ports than the port table has.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple, cast
+from typing import Any, NamedTuple, TypeAlias, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,7 +39,7 @@ from railhil.supervisor.score import Score
 #: Runs computed together; a journey of an hour takes about 1 MB for each, three units twice that.
 CHUNK = 64
 _KINDS = {"wraps": WRAP, "saturations": SATURATION, "zero_divisions": DIVISION_BY_ZERO}
-Ints = NDArray[np.int64]
+Ints: TypeAlias = NDArray[np.int64]
 
 
 def run_high_speed(case: Case, seeds: Sequence[int], *, chunk: int = CHUNK) -> BatchResult:

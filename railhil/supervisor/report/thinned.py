@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import base64
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
 from railhil.supervisor.trace import FloatArray
 
-Rows = npt.NDArray[np.int64]
+Rows: TypeAlias = npt.NDArray[np.int64]
 #: Deviation between the drawn line and a point that is left out, as a share of the curve's range.
 TOLERANCE = 2e-4
 
