@@ -86,14 +86,16 @@ class _Forked:
         self.returncode: int | None = None
         for stream in (sys.stdout, sys.stderr):
             stream.flush()
-        # Until the module listens to it: a Ctrl-C in between would end the process in this command's code.
-        before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
+        # In the new process this command's handlers would raise in this command's code, which would go on there.
+        before = signal.pthread_sigmask(signal.SIG_BLOCK, signal.valid_signals())
         gc.freeze()
-        self.pid = os.fork()
-        if not self.pid:
-            _become(title, module, words, output, handed)
-        gc.unfreeze()
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        try:
+            self.pid = os.fork()
+            if not self.pid:
+                _become(title, module, words, output, handed, before)
+        finally:
+            gc.unfreeze()
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
     def poll(self) -> int | None:
         if self.returncode is None:
@@ -128,8 +130,10 @@ class _Forked:
         self.send_signal(signal.SIGKILL)
 
 
-def _become(title: str, module: str, words: Sequence[str], output: int, handed: Sequence[int]) -> NoReturn:
-    """In the new process: run the module and end with its exit code."""
+def _become(
+    title: str, module: str, words: Sequence[str], output: int, handed: Sequence[int], blocked: set[int]
+) -> NoReturn:
+    """In the new process, with all signals held back: run the module and end with its exit code."""
     code = 1
     try:
         atexit._clear()
@@ -138,6 +142,8 @@ def _become(title: str, module: str, words: Sequence[str], output: int, handed: 
             if callable(signal.getsignal(number)):
                 signal.signal(number, signal.default_int_handler if number == signal.SIGINT else signal.SIG_DFL)
         signal.set_wakeup_fd(-1)
+        # A Ctrl-C waits until the module listens to it.
+        signal.pthread_sigmask(signal.SIG_SETMASK, {*blocked, signal.SIGINT})
         ctypes.CDLL(None).prctl(_PR_SET_NAME, title.encode()[:15], 0, 0, 0)
         sys.argv = [module, *words]
         runpy.run_path(_file(module), run_name="__main__")
@@ -147,12 +153,16 @@ def _become(title: str, module: str, words: Sequence[str], output: int, handed: 
     except BaseException:
         sys.excepthook(*sys.exc_info())
     finally:
-        with contextlib.suppress(Exception):
-            atexit._run_exitfuncs()
-        for stream in (sys.stdout, sys.stderr):
+        try:
+            signal.pthread_sigmask(signal.SIG_BLOCK, signal.valid_signals())
             with contextlib.suppress(Exception):
-                stream.flush()
-        os._exit(code & 0xFF)
+                atexit._run_exitfuncs()
+            for stream in (sys.stdout, sys.stderr):
+                with contextlib.suppress(Exception):
+                    stream.flush()
+        finally:
+            # Whatever happens, never back into this command's code.
+            os._exit(code & 0xFF)
 
 
 def _file(module: str) -> str:
