@@ -65,6 +65,7 @@ MODULES = [
     "railhil/controller_node/ecan/timestamp.py",
     "railhil/controller_node/guard.py",
     "railhil/controller_node/law_controller.py",
+    "railhil/controller_node/law_state.py",
     "railhil/controller_node/loop.py",
     "railhil/controller_node/node.py",
     "railhil/controller_node/odometer.py",

@@ -4,20 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Any, Generic
+from typing import Any
 
 from railhil.common.choices import INDEXINGS
 from railhil.common.errors import InputError, Words
 from railhil.common.mypyc import mypyc_attr
 from railhil.controller_node.arithmetic.base import Arithmetic, Constant, T
+from railhil.controller_node.law_state import LawState
 from railhil.controller_node.laws import load
 from railhil.controller_node.laws.base import SPEED_Q, BaliseReading, Law, LawInputs, LawOutputs, TrackInputs
 from railhil.controller_node.laws.fault import place
 from railhil.controller_node.laws.memory import kept, memory_arguments
 from railhil.controller_node.laws.parameters import law_parameters
-from railhil.controller_node.program.leaves import leaves, like
 from railhil.controller_node.setpoint import SetPoints
-from railhil.controller_node.straight import Straight
 from railhil.controller_node.written.parts import Values
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec
@@ -60,7 +59,7 @@ def _starting(name: str, kind: type[Law[Any, Any]], scenario: Scenario) -> Itera
 
 
 @mypyc_attr(allow_interpreted_subclasses=True)
-class ControlLoop(Generic[T]):
+class ControlLoop(LawState[T]):
     """Law, set-points and state on one arithmetic; operands are those of the arithmetic, wire values whole numbers.
 
     :param arithmetic: a fresh one; the one named by ``law`` is ignored.
@@ -74,7 +73,7 @@ class ControlLoop(Generic[T]):
         law: LawSpec,
         arithmetic: Arithmetic[T],
     ) -> None:
-        self.arithmetic = arithmetic
+        super().__init__(arithmetic)
         self._scenario = scenario
         #: Name by which the law was requested.
         self.name = name = law.controller
@@ -94,24 +93,6 @@ class ControlLoop(Generic[T]):
             self.law: Law[T, Any] = kind(arithmetic, scenario, given, *remembered)
             self.set_points = SetPoints(arithmetic, scenario, indexing, self.law.horizon)
         self._kmh = arithmetic.const(_KMH_PER_01MMPS)
-        self._state: Any = None
-        # Leaves of the state after a written-out step, which is newer than the state above.
-        self._leaves: Values | None = None
-        #: The written-out functions of the law, used where they are given.
-        self.straight: Straight | None = None
-
-    @property
-    def state(self) -> Any:
-        """State of the law; None before the first step."""
-        if self._leaves is not None:
-            following = iter(self._leaves)
-            self._state = like(self._state, lambda name, old: next(following))
-            self._leaves = None
-        return self._state
-
-    @state.setter
-    def state(self, state: Any) -> None:
-        self._state, self._leaves = state, None
 
     def inputs(
         self, k: Any, speed_01mmps: Any, position_01mm: Any, balise: BaliseReading[Any] = NO_BALISE
@@ -132,8 +113,8 @@ class ControlLoop(Generic[T]):
         self, k: Any, speed_01mmps: Any, position_01mm: Any, balise: BaliseReading[Any] = NO_BALISE
     ) -> tuple[LawInputs[T], LawOutputs[T]]:
         """One control period; the first one also makes the law's state."""
-        if self.straight is not None and self._state is not None:
-            done = self._written_out(self.straight, k, speed_01mmps, position_01mm, balise)
+        if self.straight is not None:
+            done = self._straight_step(k, speed_01mmps, position_01mm, balise)
             if done is not None:
                 return done
         inputs = self.inputs(k, speed_01mmps, position_01mm, balise)
@@ -142,10 +123,9 @@ class ControlLoop(Generic[T]):
         self.state, outputs = self.law.step(self.state, inputs)
         return inputs, outputs
 
-    def _written_out(
-        self, by: Straight, k: Any, speed_01mmps: Any, position_01mm: Any, balise: BaliseReading[Any]
+    def _straight_step(
+        self, k: Any, speed_01mmps: Any, position_01mm: Any, balise: BaliseReading[Any]
     ) -> tuple[LawInputs[T], LawOutputs[T]] | None:
-        """:meth:`step` without the law; None where only the law can compute it, and nothing has changed then."""
         ar = self.arithmetic
         position = ar.from_raw(position_01mm, 0)
         wire: Values = (k, ar.from_raw(speed_01mmps, 0), position)
@@ -153,17 +133,11 @@ class ControlLoop(Generic[T]):
         if self.law.track:
             reading = BaliseReading(*[ar.from_raw(value, 0) for value in balise])
             wire, track = (*wire, *reading), TrackInputs(k, position, reading)
-        before = self._leaves
-        if before is None:
-            before = tuple([value for _, value in leaves(self._state)])
-        done = by.period(before, wire)
+        done = self.written_out(wire)
         if done is None:
             return None
-        given, self._leaves, (notch_raw, notch, *notes), noted = done
-        if ar.noted is not None:
-            ar.noted += noted
-        horizon = self.law.horizon
-        inputs = LawInputs(given[0], given[1], given[2 : 2 + horizon], track)
+        given, (notch_raw, notch, *notes) = done
+        inputs = LawInputs(given[0], given[1], given[2 : 2 + self.law.horizon], track)
         return inputs, LawOutputs(notch_raw, notch, tuple(notes))
 
     def sent(self, notch: T) -> None:

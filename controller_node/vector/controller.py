@@ -4,26 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Generic
+from typing import Any
 
 from railhil.common.errors import InputError, Words
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import INT32_MAX, INT32_MIN, Arithmetic, Constant, Counters, T
 from railhil.controller_node.cost import cost_of
 from railhil.controller_node.law_controller import CommandCode
+from railhil.controller_node.law_state import LawState
 from railhil.controller_node.laws import find
 from railhil.controller_node.laws.fault import law_fault, place
 from railhil.controller_node.laws.memory import kept, memory_arguments
 from railhil.controller_node.laws.parameters import law_parameters
-from railhil.controller_node.program.leaves import leaves, like
 from railhil.controller_node.program.model import LawProgram, Value
 from railhil.controller_node.program.ranges import refuse_wraps
 from railhil.controller_node.program.record import recorded
 from railhil.controller_node.program.tracer import Tracer
-from railhil.controller_node.straight import Straight, straight
+from railhil.controller_node.straight import straight
 from railhil.controller_node.telemetry import Telemetry
 from railhil.controller_node.vector.law import Answer, Interface, VectorLaw, raw_range
-from railhil.controller_node.written.parts import Values
 from railhil.scenarios.memory import Memory
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.parameters import ParameterSet
@@ -43,7 +42,7 @@ class VectorOutput:
     overflow_flags: int
 
 
-class VectorLoop(Generic[T]):
+class VectorLoop(LawState[T]):
     """Law and state on one arithmetic.
 
     :raises InputError: there is no such law for this system, it cannot be constructed for this scenario, or the
@@ -59,7 +58,7 @@ class VectorLoop(Generic[T]):
         given: ParameterSet | None,
         memory: Memory | None,
     ) -> None:
-        self.arithmetic = arithmetic
+        super().__init__(arithmetic)
         self._scenario = scenario
         self._memory = memory
         #: Name by which the law was requested.
@@ -89,24 +88,6 @@ class VectorLoop(Generic[T]):
                   for end, raw in zip(("lowest", "highest"), command.bounds, strict=True))
             for command in self.interface.commands
         ]  # fmt: skip
-        self._state: Any = None
-        # Leaves of the state after a written-out step, which is newer than the state above.
-        self._leaves: Values | None = None
-        #: The written-out functions of the law, used where they are given.
-        self.straight: Straight | None = None
-
-    @property
-    def state(self) -> Any:
-        """State of the law; None before the first step."""
-        if self._leaves is not None:
-            following = iter(self._leaves)
-            self._state = like(self._state, lambda name, old: next(following))
-            self._leaves = None
-        return self._state
-
-    @state.setter
-    def state(self, state: Any) -> None:
-        self._state, self._leaves = state, None
 
     def inputs(self, raws: Sequence[Any]) -> tuple[T, ...]:
         """The law's inputs from raw integers of the bus."""
@@ -118,8 +99,8 @@ class VectorLoop(Generic[T]):
 
     def step(self, raws: Sequence[Any]) -> tuple[tuple[T, ...], Answer[T]]:
         """One control period; the first one also makes the law's state. Returns the law's inputs and its answer."""
-        if self.straight is not None and self._state is not None:
-            done = self._written_out(self.straight, raws)
+        if self.straight is not None:
+            done = self._straight_step(raws)
             if done is not None:
                 return done
         inputs = self.inputs(raws)
@@ -128,19 +109,13 @@ class VectorLoop(Generic[T]):
         self.state, answer = self.answered(self.state, inputs)
         return inputs, answer
 
-    def _written_out(self, by: Straight, raws: Sequence[Any]) -> tuple[tuple[T, ...], Answer[T]] | None:
-        """:meth:`step` without the law; None where only the law can compute it, and nothing has changed then."""
+    def _straight_step(self, raws: Sequence[Any]) -> tuple[tuple[T, ...], Answer[T]] | None:
         ar = self.arithmetic
         wire = tuple([ar.from_raw(raw, item.q) for item, raw in zip(self.interface.readings, raws, strict=True)])
-        before = self._leaves
-        if before is None:
-            before = tuple([value for _, value in leaves(self._state)])
-        done = by.period(before, wire)
+        done = self.written_out(wire)
         if done is None:
             return None
-        inputs, self._leaves, answer, noted = done
-        if ar.noted is not None:
-            ar.noted += noted
+        inputs, answer = done
         commands = len(self.interface.commands)
         return inputs, Answer(answer[:commands], answer[commands:])
 

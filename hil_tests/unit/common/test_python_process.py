@@ -58,9 +58,7 @@ sys.exit(guarded("child", main))
         ("SIGINT", "exit", 7),
     ],
 )
-def test_a_signal_ends_the_new_process_and_nothing_else(
-    tmp_path: Path, name: str, moment: str, code: int
-) -> None:
+def test_a_signal_ends_the_new_process_and_nothing_else(tmp_path: Path, name: str, moment: str, code: int) -> None:
     (tmp_path / "child.py").write_text(_CHILD)
     done = subprocess.run(
         [sys.executable, "-c", _START, name, moment], capture_output=True, text=True, check=False, timeout=60,

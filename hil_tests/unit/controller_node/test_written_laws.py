@@ -130,10 +130,10 @@ def test_a_whole_stop_is_computed_by_the_functions(
 ) -> None:
     """Not only that they are bound: nearly every period is theirs, and the record is that of the law."""
     taken: list[bool] = []
-    original = VectorLoop._written_out
+    original = VectorLoop.written_out
 
-    def counted(loop: VectorLoop[Any], by: Any, raws: Any) -> Any:
-        done = original(loop, by, raws)
+    def counted(loop: VectorLoop[Any], wire: Any) -> Any:
+        done = original(loop, wire)
         taken.append(done is not None)
         return done
 
@@ -143,7 +143,7 @@ def test_a_whole_stop_is_computed_by_the_functions(
         )
         return outcome.frames_sha256
 
-    monkeypatch.setattr(VectorLoop, "_written_out", counted)
+    monkeypatch.setattr(VectorLoop, "written_out", counted)
     fast = run("fast")
     assert len(taken) > 1000
     assert sum(taken) > 0.99 * len(taken)
