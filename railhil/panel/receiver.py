@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import time
 from collections.abc import Callable, Mapping
 from typing import Any, Protocol
@@ -62,10 +63,14 @@ class Receiver:
         self._packets = 1 if waits else _LOOK_PACKETS
         self._frames_max = None if waits else LOOK_FRAMES
         self._config = dict(config)
+        # A hub on this machine: its socket's file says when it is there.
+        self._path = ""
         if config.get("interface") == HUB_INTERFACE:
+            self._path = str(config.get("channel", ""))
             self._config |= {"coalesce_frames": _BULK_FRAMES, "connect_timeout": 0.0}
         self._open_bus = open_bus
         self._link: Source | None = None
+        self._was_there = False
         self._retry_s = 0.0
         self._lost_before = 0
         self.dropped = 0
@@ -109,9 +114,12 @@ class Receiver:
 
     def _opened(self) -> bool:
         now_s = time.monotonic()
-        if now_s < self._retry_s:
+        is_there = bool(self._path) and os.path.exists(self._path)
+        is_new, self._was_there = is_there and not self._was_there, is_there
+        if not is_new and now_s < self._retry_s:
             return False
-        self._retry_s = now_s + _RETRY_S
+        # The file is there an instant before the hub answers: the next look may be the one that succeeds.
+        self._retry_s = now_s if is_new else now_s + _RETRY_S
         try:
             self._link = self._open_bus(self._config, "panel")
         except BusUnavailable as error:

@@ -106,6 +106,43 @@ def test_a_bus_that_goes_is_opened_again():
     assert receiver.is_open
 
 
+def test_a_hub_is_joined_as_soon_as_its_socket_is_there(tmp_path):
+    """Not half a second later: by then a run in lockstep is half over."""
+    attempts: list[bool] = []
+
+    def open_bus(config: object, name: str) -> ScriptedLink:
+        attempts.append(channel.exists())
+        if len(attempts) < 3:
+            raise BusUnavailable("not there")
+        return ScriptedLink([])
+
+    channel = tmp_path / "hub.sock"
+    receiver = Receiver({"interface": "railhil", "channel": str(channel)}, open_bus)
+    for _ in range(5):
+        receiver.look()
+    assert attempts == [False]
+    channel.touch()
+    # It does not answer yet at the first look.
+    receiver.look()
+    receiver.look()
+    assert attempts == [False, True, True]
+    assert receiver.is_open
+
+
+def test_a_socket_without_a_hub_is_tried_now_and_then(tmp_path):
+    attempts: list[float] = []
+
+    def open_bus(config: object, name: str) -> ScriptedLink:
+        attempts.append(0.0)
+        raise BusUnavailable("nobody answers")
+
+    (tmp_path / "hub.sock").touch()
+    receiver = Receiver({"interface": "railhil", "channel": str(tmp_path / "hub.sock")}, open_bus)
+    for _ in range(20):
+        receiver.look()
+    assert len(attempts) == 2
+
+
 def test_memory_is_bounded():
     history = History(3)
     for start in range(0, 10 * ROWS_MAX, 1000):
