@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterable
+from typing import Final
 
 from railhil.bus.clock import Pacer
 from railhil.bus.errors import BusOccupied, PeerSilent
@@ -22,11 +23,11 @@ from railhil.common.patience import PATIENCE_S
 from railhil.dbc import Contract, Port, wire_contract
 
 #: Reply time-out in real time (the MVB's 42.7 us cannot be met on CAN).
-REPLY_NS = 5_000_000
+REPLY_NS: Final = 5_000_000
 #: How long to listen for further answers to one device status poll once every device has answered.
-_SCAN_ANSWER_S = 0.03
+_SCAN_ANSWER_S: Final = 0.03
 #: Lockstep: interval at which to check whether the awaited node has ended.
-_LOOK_NS = 100_000_000
+_LOOK_NS: Final = 100_000_000
 
 
 class Administrator:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import time
 from collections import Counter
+from typing import Final
 
 from railhil.bus.layout import CHECK_CORRECT
 from railhil.bus.lifesign import MAX_STEP, LifeSign
@@ -14,8 +15,8 @@ from railhil.bus.telegrams import TimeSync
 from railhil.bus.wallclock import WallClock
 from railhil.dbc import wire_contract
 
-_FRACTION = 65536
-_LIFE_MODULUS = 16
+_FRACTION: Final = 65536
+_LIFE_MODULUS: Final = 16
 #: SimRate in tenths: 0 is reserved for lockstep; the ends mean "this slow or slower" and "this fast or faster".
 RATE_MIN_10TH, RATE_MAX_10TH = 1, 255
 

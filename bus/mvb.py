@@ -27,17 +27,18 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import cache, lru_cache
 from struct import Struct
+from typing import Final
 
 from railhil.bus.frame import FD, Frame, quick_frame
 from railhil.dbc import Port, wire_contract
 
 #: Generator without its x^7 term.
-_POLYNOMIAL = 0x65
-F_DEVICE_STATUS = 15
+_POLYNOMIAL: Final = 0x65
+F_DEVICE_STATUS: Final = 15
 #: Payload of a single-frame telegram (data padded, check sequence, tail), and of a trailer (check sequences padded).
-_SINGLE: Callable[[bytes, int, bytes], bytes] = Struct("4sB3s").pack
-_SINGLE_PARTS: Callable[[bytes], tuple[int, int, int, bytes]] = Struct(">2HB3s").unpack
-_TRAILER: Callable[[bytes, bytes], bytes] = Struct("4s4s").pack
+_SINGLE: Final[Callable[[bytes, int, bytes], bytes]] = Struct("4sB3s").pack
+_SINGLE_PARTS: Final[Callable[[bytes], tuple[int, int, int, bytes]]] = Struct(">2HB3s").unpack
+_TRAILER: Final[Callable[[bytes, bytes], bytes]] = Struct("4s4s").pack
 
 
 def _check_octet(data: int) -> int:
@@ -69,8 +70,8 @@ def _octets_of_words(place: int) -> bytes:
 
 #: The octet is linear in the data, so it is the XOR of one table value per 16-bit word, by its place from the end.
 _W0, _W1, _W2, _W3 = (_octets_of_words(place) for place in range(4))
-_FOUR_WORDS: Callable[[bytes], tuple[int, int, int, int]] = Struct(">4H").unpack
-_TWO_WORDS: Callable[[bytes], tuple[int, int]] = Struct(">2H").unpack
+_FOUR_WORDS: Final[Callable[[bytes], tuple[int, int, int, int]]] = Struct(">4H").unpack
+_TWO_WORDS: Final[Callable[[bytes], tuple[int, int]]] = Struct(">2H").unpack
 
 
 def check_sequence(block: bytes) -> int:

@@ -17,15 +17,15 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, Final
 
 from railhil.bus.frame import Frame
 from railhil.bus.store import TrafficStore
 from railhil.dbc import Port
 
 #: Counters of a receiver's check that are no refusals.
-NOT_REFUSED = ("accepted", "gap", "notch_step", "safe_source", "safe_channel")
-_SUMMED = ("committed", "accepted", "lost")
+NOT_REFUSED: Final = ("accepted", "gap", "notch_step", "safe_source", "safe_channel")
+_SUMMED: Final = ("committed", "accepted", "lost")
 
 Document = dict[str, Any]
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
-from typing import Any, Generic, NamedTuple, Protocol, TypeVar
+from typing import Any, Final, Generic, NamedTuple, Protocol, TypeVar
 
 from railhil.bus.clock import BusClock
 from railhil.bus.frame import Frame
@@ -22,7 +22,7 @@ from railhil.bus.telegrams import TimeSync
 from railhil.dbc import Contract, Port, wire_contract
 
 #: Device status word: class 2/3 device, nothing to report (IEC 61375-3-1, type nibble 1).
-_STATUS_READY = 0x1000
+_STATUS_READY: Final = 0x1000
 
 T = TypeVar("T", bound=Telegram)
 T_co = TypeVar("T_co", bound=Telegram, covariant=True)
@@ -41,7 +41,7 @@ class Reading(NamedTuple, Generic[T_co]):
 
 
 #: :class:`Reading` of a whole tuple, as :data:`railhil.bus.frame.quick_frame`.
-_quick_reading: Callable[[tuple[Any, int, int | None]], Reading[Any]] = partial(tuple.__new__, Reading)
+_quick_reading: Final[Callable[[tuple[Any, int, int | None]], Reading[Any]]] = partial(tuple.__new__, Reading)
 
 
 class CanModule(Protocol):

@@ -13,18 +13,18 @@ from array import array
 from collections.abc import Sequence
 from itertools import accumulate
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, Final, NamedTuple
 
 from railhil.bus.frame import ERROR, EXTENDED, REMOTE, Frame
 from railhil.common.exit_codes import finish_undisturbed
 from railhil.common.whole_file import whole_file
 
 #: Frames that are kept as they are before their data are put together: a node sends about 500 per simulated second.
-_BATCH = 4096
+_BATCH: Final = 4096
 #: Fast compression: the file is read once, and then removed.
-_LEVEL = 1
+_LEVEL: Final = 1
 #: Flags of frames that are no telegrams, whatever their identifier: they have no owner.
-NO_TELEGRAM = ERROR | EXTENDED | REMOTE
+NO_TELEGRAM: Final = ERROR | EXTENDED | REMOTE
 
 
 class SentFrames:

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable
-from typing import NamedTuple, TypeVar
+from typing import Final, NamedTuple, TypeVar
 
 from railhil.bus.frame import ERROR, EXTENDED, FD, REMOTE, Frame
 from railhil.bus.layout import Telegram
@@ -19,9 +19,9 @@ from railhil.bus.mvb import check_sequence, master_tail, single_frame_fault
 from railhil.dbc import Port
 
 #: Age of a port that has never received anything (freshness timer 65535 ms of an MVB link layer).
-NEVER_NS = 65_535_000_000
+NEVER_NS: Final = 65_535_000_000
 #: All blocks of a telegram must arrive within this time (simulation time in lockstep).
-ASSEMBLY_NS = 5_000_000
+ASSEMBLY_NS: Final = 5_000_000
 
 T = TypeVar("T", bound=Telegram)
 
@@ -81,8 +81,8 @@ class FrameCheck(NamedTuple):
     part: int = 0
 
 
-_REFUSED = {cause: FrameCheck(cause) for cause in CAUSES}
-_UNKNOWN_ID = _REFUSED["unknown_id"]
+_REFUSED: Final = {cause: FrameCheck(cause) for cause in CAUSES}
+_UNKNOWN_ID: Final = _REFUSED["unknown_id"]
 
 
 class TrafficStore:

@@ -5,18 +5,20 @@ They see only counts and whole milliseconds, and keep no history.
 
 from __future__ import annotations
 
+from typing import Final
+
 from railhil.bus.schedule import Schedule
 from railhil.bus.telegrams import NotchCmd, TrnSpeed
 from railhil.scenarios.model import Scenario
 
 #: Window of the long-term quality: the permitted bad telegrams may come at any instants within it.
-CHANNEL_WINDOW_MS = 10_000
+CHANNEL_WINDOW_MS: Final = 10_000
 #: A telegram older than the last one counts this much; as many per second as this fits into are permitted for ever.
 DISORDER_MS = 20
 #: Counts above this are two senders: their life signs alternate, so that every other telegram is old.
 DISORDER_MAX_MS = 80
 #: The life sign says how many telegrams were sent modulo this.
-_LIFE_TURN = 16
+_LIFE_TURN: Final = 16
 
 
 class Latency:

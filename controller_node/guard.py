@@ -7,6 +7,7 @@ what they find goes into the watch as a finding.
 from __future__ import annotations
 
 from collections import Counter
+from typing import Final
 
 from railhil.bus.codes import CtlCause
 from railhil.bus.layout import CHECK_CORRECT
@@ -41,9 +42,9 @@ from railhil.dbc import wire_contract
 from railhil.scenarios.model import Scenario
 
 #: Raw speeds beyond this are implausible for a train on this bench (0.1 mm/s, 150 m/s).
-SPEED_MAX_01MMPS = 1_500_000
-_NS_PER_MS = 1_000_000
-_SAMPLE_NS = SAMPLE_MS * _NS_PER_MS
+SPEED_MAX_01MMPS: Final = 1_500_000
+_NS_PER_MS: Final = 1_000_000
+_SAMPLE_NS: Final = SAMPLE_MS * _NS_PER_MS
 # A member of an enum costs as much as a call on CPython 3.11, and this runs with every telegram.
 _GAP, _NO_TELEGRAM, _GOOD = Life.GAP, Reception.NONE, Reception.GOOD
 

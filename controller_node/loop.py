@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Any
+from typing import Any, Final
 
 from railhil.common.choices import INDEXINGS
 from railhil.common.errors import InputError, Words
@@ -22,11 +22,11 @@ from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec
 
 #: km/h per 0.1 mm/s, scaled by 2^40: the single product that converts the wire's speed to Q20 is exact to 1e-9.
-_KMH_PER_01MMPS = Constant("kmh_per_01mmps", 3.6e-4, 40, "unit conversion")
+_KMH_PER_01MMPS: Final = Constant("kmh_per_01mmps", 3.6e-4, 40, "unit conversion")
 
 #: Limit of the positions passed to the law (0.1 mm, 200 km), so that they and their differences fit into 32 bits. A law
 #: that uses the position is refused for a longer run.
-POSITION_MAX_01MM = 2_000_000_000
+POSITION_MAX_01MM: Final = 2_000_000_000
 
 
 def limited_01mm(position_mm: int) -> int:
@@ -38,7 +38,7 @@ def limited_01mm(position_mm: int) -> int:
 
 
 #: Before the first balise.
-NO_BALISE: BaliseReading[int] = BaliseReading(0, 0, 0)
+NO_BALISE: Final[BaliseReading[int]] = BaliseReading(0, 0, 0)
 
 
 @contextmanager

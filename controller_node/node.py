@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, Final
 
 from railhil.bus.codes import ControllerFlag, CtlMode, Event
 from railhil.bus.ident import CtlIdent, Ident, Role, make_ident
@@ -39,15 +39,15 @@ from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec
 
 #: Mode told at each level of the watch, by its number.
-_MODES = (CtlMode.RUNNING, CtlMode.HOLD, CtlMode.TRACTION_CUT, CtlMode.SERVICE_BRAKE, CtlMode.EMERGENCY)
+_MODES: Final = (CtlMode.RUNNING, CtlMode.HOLD, CtlMode.TRACTION_CUT, CtlMode.SERVICE_BRAKE, CtlMode.EMERGENCY)
 #: Ports with a receive mailbox. SIM_TRUTH is not among them: the controller must not see the truth.
-MAILBOXES = (TrnSpeed, TrnPos, BalisePassed, TimeSync, PltStat, TrkInfo, RunEvent)
+MAILBOXES: Final = (TrnSpeed, TrnPos, BalisePassed, TimeSync, PltStat, TrkInfo, RunEvent)
 #: Ports with transmit mailboxes.
-ANSWERS = (NotchCmd, CtlStat, CtlIdent)
+ANSWERS: Final = (NotchCmd, CtlStat, CtlIdent)
 #: The same in scenarios with a safe channel.
 SAFE_MAILBOXES, SAFE_ANSWERS = (*MAILBOXES, SpeedSdt), (*ANSWERS, NotchSdt)
-_NS_PER_MS = 1_000_000
-_UINT16_MAX = 0xFFFF
+_NS_PER_MS: Final = 1_000_000
+_UINT16_MAX: Final = 0xFFFF
 
 
 def mailboxes(safe: bool = False) -> tuple[Mailbox, ...]:

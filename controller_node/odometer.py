@@ -16,6 +16,7 @@ position is then implausible also for a law that needs none.
 from __future__ import annotations
 
 from collections import Counter
+from typing import Final
 
 from railhil.bus.codes import CtlCause
 from railhil.bus.layout import CHECK_CORRECT
@@ -26,20 +27,20 @@ from railhil.controller_node.loop import POSITION_MAX_01MM, limited_01mm
 from railhil.scenarios.model import Scenario
 
 #: Longest time on dead reckoning (reaction to the loss of position only: 1 s, then service brake).
-RECKONING_MAX_NS = 1_000_000_000
+RECKONING_MAX_NS: Final = 1_000_000_000
 #: Plausible telegrams in a row before the odometer is used again; the same number as ends the service brake.
-GOOD_RUN = 10
+GOOD_RUN: Final = 10
 #: Time constant with which the dead-reckoned position follows the odometer: a slow drift causes an error of the drift
 #: over this time.
-FOLLOWING_NS = 1_000_000_000
+FOLLOWING_NS: Final = 1_000_000_000
 #: Tolerance for a standing train with perfect sensors.
-TOLERANCE_M = 0.1
+TOLERANCE_M: Final = 0.1
 #: Largest acceleration or deceleration of any train: adhesion of steel on steel allows 0.2 g.
-ACCEL_MAX_MPS2 = 2.0
+ACCEL_MAX_MPS2: Final = 2.0
 
-_NS_PER_S = 1_000_000_000
-_NOT_LOST = CtlCause.NONE
-_NS_PER_MS = 1_000_000
+_NS_PER_S: Final = 1_000_000_000
+_NOT_LOST: Final = CtlCause.NONE
+_NS_PER_MS: Final = 1_000_000
 
 
 class Odometer:

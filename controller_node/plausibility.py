@@ -28,7 +28,7 @@ Units: speeds 0.1 mm/s, accelerations 0.1 mm/s2, positions 0.1 mm, times ms.
 from __future__ import annotations
 
 from math import exp
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -37,28 +37,28 @@ from railhil.scenarios.effort import force_limit_n, resistance_n
 from railhil.scenarios.model import Scenario
 
 #: Time between two looks at the motion; the speeds in between are judged for jumps only.
-SAMPLE_MS = 100
+SAMPLE_MS: Final = 100
 #: After a longer pause the checks begin again.
-PAUSE_MAX_MS = 1000
+PAUSE_MAX_MS: Final = 1000
 #: Samples between two entries of the ring compared with the odometer, and its entries: 5 s.
 RING_EVERY, RING = 5, 10
 #: Age of a position up to which it is carried forward with the speed.
 POSITION_AGE_MAX_MS = 100
 #: A brake that does not answer although more brake was applied for so long is an emergency.
-MORE_BRAKE_MS = 1000
+MORE_BRAKE_MS: Final = 1000
 #: Smallest demand (0.1 mm/s2) for which the brake is judged, and the shortfall allowed with any demand.
 DEMAND_MIN, SHORTFALL = 3000, 1500
 #: Smallest acceleration (0.1 mm/s2) that makes a change of the reading due: below it the model may be wrong.
-DUE_MIN = 1000
+DUE_MIN: Final = 1000
 #: Speed (0.1 mm/s) below which brake and runaway are not judged: the train is about to stand.
-SLOW = 5000
+SLOW: Final = 5000
 #: Part of the tolerance of a jump, and of the disagreement over 5 s, for sensors without resolution and noise.
 JUMP_01MMPS, DISAGREEMENT_01MM = 500, 1000
-_NOISE_SIGMAS = 12
+_NOISE_SIGMAS: Final = 12
 #: Times longer than this count as this.
-_LONG_NS = 100_000_000_000
-_NS_PER_S = 1_000_000_000
-_NS_PER_MS = 1_000_000
+_LONG_NS: Final = 100_000_000_000
+_NS_PER_S: Final = 1_000_000_000
+_NS_PER_MS: Final = 1_000_000
 
 
 class MotionLimits(NamedTuple):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from typing import Final
 
 from railhil.bus.errors import PeerSilent
 from railhil.bus.link import Link
@@ -10,9 +11,9 @@ from railhil.common.patience import LATER_S, PATIENCE_S
 from railhil.controller_node.any_controller import AnyController
 
 #: Real time: a controller that receives nothing for this long on the wall clock ends.
-SILENCE_S = 3.0
+SILENCE_S: Final = 3.0
 #: Before the first frame it waits longer: the other nodes may be started by hand, on a loaded machine.
-FIRST_FRAME_S = 300.0
+FIRST_FRAME_S: Final = 300.0
 
 
 def serve(

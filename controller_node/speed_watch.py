@@ -27,21 +27,21 @@ practice for vital data on a train bus.
 from __future__ import annotations
 
 from enum import IntEnum
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 from railhil.bus.codes import CtlCause
 from railhil.scenarios.model import Scenario
 
-GOOD_AFTER_TRACTION_CUT = 5
-GOOD_AFTER_SERVICE_BRAKE = 10
+GOOD_AFTER_TRACTION_CUT: Final = 5
+GOOD_AFTER_SERVICE_BRAKE: Final = 10
 #: Number of bad telegrams among the last :data:`RECENT` that cuts traction.
-BAD_FOR_TRACTION_CUT = 3
+BAD_FOR_TRACTION_CUT: Final = 3
 RECENT = 10
 #: How fast the service brake builds up and is released, m/s3.
-SERVICE_BRAKE_JERK_MPS3 = 0.75
+SERVICE_BRAKE_JERK_MPS3: Final = 0.75
 
-_CODES_PER_NOTCH = 256
-_RECENT_MASK = (1 << RECENT) - 1
+_CODES_PER_NOTCH: Final = 256
+_RECENT_MASK: Final = (1 << RECENT) - 1
 
 
 class SpeedWatchLevel(IntEnum):

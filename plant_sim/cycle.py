@@ -17,7 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from math import lcm
-from typing import Protocol
+from typing import Final, Protocol
 
 from railhil.bus.codes import Event
 from railhil.bus.layout import Telegram
@@ -27,7 +27,7 @@ from railhil.plant_sim.any_plant import Ending, Happened
 from railhil.plant_sim.milestones import Milestones
 
 #: Ticks after which the same ports are due again, up to which a table says which.
-_TABLE_TICKS = 1000
+_TABLE_TICKS: Final = 1000
 
 
 class Surroundings(Protocol):

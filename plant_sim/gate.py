@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from typing import Final
 
 from railhil.bus.codes import WatchCause
 from railhil.bus.layout import CHECK_CORRECT, FLAG_FALSE
@@ -10,15 +11,15 @@ from railhil.bus.lifesign import Life, LifeSign
 from railhil.bus.telegrams import NotchCmd
 
 #: Number of commands with a wrong check variable among the last :data:`RECENT` that is suspicious.
-BAD_FOR_SUSPICION = 3
+BAD_FOR_SUSPICION: Final = 3
 RECENT = 10
 #: Number of the last commands in which old ones are looked for.
 ORDER = 16
 
 # A member of an enum costs as much as a call on CPython 3.11, and this runs with every command.
 _NO_SUSPICION, _GAP = WatchCause.NONE, Life.GAP
-_RECENT_MASK = (1 << RECENT) - 1
-_ORDER_MASK = (1 << ORDER) - 1
+_RECENT_MASK: Final = (1 << RECENT) - 1
+_ORDER_MASK: Final = (1 << ORDER) - 1
 
 
 class CommandGate:

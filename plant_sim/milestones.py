@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Final
 
 from railhil.bus.codes import Event
 from railhil.bus.layout import Telegram
 from railhil.bus.telegrams import EVENT_COPIES, EVENT_SPACING_NS, RunEvent
 
-_NUMBER_MASK = 0xFFFF
+_NUMBER_MASK: Final = 0xFFFF
 
 
 class Milestones:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, NoReturn
+from typing import TYPE_CHECKING, Final, NoReturn
 
 from railhil.bus.administrator import REPLY_NS, Administrator
 from railhil.bus.clock import Pacer
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from railhil.plant_sim.faults.injections import Injections
 
 #: Attempts to poll the last status, in real time or on a disturbed bus.
-LAST_STATUS_POLLS = 3
+LAST_STATUS_POLLS: Final = 3
 
 
 class PlantNode:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 from math import inf, isfinite
+from typing import Final
 
 from railhil.bus.codes import WatchCause
 from railhil.bus.telegrams import STOP_LEG_MIN_M
@@ -29,16 +30,16 @@ from railhil.scenarios.model import Balise, Profile, Scenario, profile_value
 from railhil.scenarios.profiles import front_speed_limit
 
 #: Notch codes per notch.
-NOTCH_LSB_PER_NOTCH = 256
+NOTCH_LSB_PER_NOTCH: Final = 256
 #: Grade up to which an applied parking brake holds the train.
-PARKING_BRAKE_PERMIL = 40.0
+PARKING_BRAKE_PERMIL: Final = 40.0
 
 # A member of an enum costs as much as a call on CPython 3.11, and these are needed in every tick.
-_NOTHING = WatchCause.NONE
+_NOTHING: Final = WatchCause.NONE
 _TRACTION_CUT, _EMERGENCY = CommandWatchLevel.TRACTION_CUT, CommandWatchLevel.EMERGENCY
 
 #: Parts of a tick shorter than this are not simulated as a separate step.
-SLIVER_TICKS = 1e-9
+SLIVER_TICKS: Final = 1e-9
 
 
 @mypyc_attr(allow_interpreted_subclasses=True)

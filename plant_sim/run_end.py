@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 from railhil.bus.codes import Event
 from railhil.plant_sim.plant import Plant
 from railhil.scenarios.model import Scenario
 
 #: Recording continues for this long after the stop, so that it shows the standstill.
-AFTER_STOP_S = 1.0
+AFTER_STOP_S: Final = 1.0
 #: Longest time to wait for a train to stop after its controller was lost.
-BRAKING_MAX_NS = 300_000_000_000
+BRAKING_MAX_NS: Final = 300_000_000_000
 
 
 class RunEnd:

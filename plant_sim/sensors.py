@@ -5,12 +5,14 @@ The batch compiles the two readings (:mod:`railhil.common.compilable` says what 
 
 from __future__ import annotations
 
+from typing import Final
+
 from railhil.common.compilable import compilable_functions
 from railhil.scenarios import streams
 from railhil.scenarios.model import Sensors
 
 #: Speed noise is drawn in blocks of this many ticks.
-_NOISE_BLOCK = 4096
+_NOISE_BLOCK: Final = 4096
 
 
 def speed_reading_01mmps(speed_mps: float, noise_mps: float, wheel_factor: float, lsb_mps: float) -> int:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Final
 
 #: Lowest permanent line voltage in % of nominal: 1000 V of 1500 V, 500 V of 750 V (EN 50163, table 1).
-LINE_VOLTAGE_MIN_PERCENT = 200 / 3
+LINE_VOLTAGE_MIN_PERCENT: Final = 200 / 3
 
 
 @dataclass(slots=True)

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import time
-from typing import Protocol
+from typing import Final, Protocol
 
 from railhil.bus.link import Endpoint
 from railhil.common.patience import PATIENCE_S
 
 #: Real time: wall time without an answer after which it counts as lost.
-SILENCE_NS = 2_000_000_000
+SILENCE_NS: Final = 2_000_000_000
 #: Poll periods without an answer after which it counts as lost: two missed polls in a row, however slow the run.
-_PERIODS = 2.5
+_PERIODS: Final = 2.5
 
 
 class RunEndpoint(Endpoint, Protocol):

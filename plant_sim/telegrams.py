@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Callable, Iterator
 from itertools import cycle
+from typing import Final
 
 import numpy as np
 
@@ -28,11 +29,11 @@ from railhil.scenarios.model import Profile, Scenario, profile_value
 from railhil.scenarios.target import Target
 
 #: 100 % of a BIPOLAR2.16 value.
-_BIPOLAR_FULL = 0x4000
+_BIPOLAR_FULL: Final = 0x4000
 #: The target speed is computed for this many ticks at once: numpy takes as long for one as for a hundred.
-_TARGET_TICKS = 1024
+_TARGET_TICKS: Final = 1024
 # A member of an enum costs as much as a call on CPython 3.11.
-_RUNNING = TimeState.RUNNING
+_RUNNING: Final = TimeState.RUNNING
 
 
 def _clamped(value: float, low: int, high: int) -> int:

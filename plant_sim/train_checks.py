@@ -21,7 +21,7 @@ The batch compiles the marked functions (:mod:`railhil.common.compilable` says w
 from __future__ import annotations
 
 from math import exp, inf
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 from railhil.bus.codes import WatchCause
 from railhil.common.compilable import compilable_functions, larger, smaller
@@ -31,16 +31,16 @@ from railhil.plant_sim.forces import TrainConstants, effort_limit_n
 from railhil.scenarios.model import Scenario
 
 #: Share of the actuator's pole that is taken for granted.
-SLOWEST = 0.9
-RUNNING_S = 0.1
-WEAK_S = 1.0
+SLOWEST: Final = 0.9
+RUNNING_S: Final = 0.1
+WEAK_S: Final = 1.0
 #: Time between two looks at the forces.
-LOOK_S = 0.05
-_LSB_PER_NOTCH = 256
+LOOK_S: Final = 0.05
+_LSB_PER_NOTCH: Final = 256
 
 
 # A member of an enum costs as much as a call on CPython 3.11.
-_NOTHING = WatchCause.NONE
+_NOTHING: Final = WatchCause.NONE
 
 
 class TrainChecks(NamedTuple):
@@ -68,7 +68,7 @@ class ForceState(NamedTuple):
 
 
 #: In traction, or at standstill: nothing is expected.
-FREE_FORCES = ForceState(inf, 0, 0.0, 0)
+FREE_FORCES: Final = ForceState(inf, 0, 0.0, 0)
 
 
 def train_checks(scenario: Scenario) -> TrainChecks:

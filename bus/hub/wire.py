@@ -51,37 +51,37 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from struct import Struct
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 from railhil.bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame, quick_frame
 
 if TYPE_CHECKING:
     import can
 
-PROTOCOL_VERSION = 1
-CLASSIC_SIZE = 16
-FD_SIZE = 72
-MAX_BATCH_FRAMES = 256
-MAX_PACKET_SIZE = MAX_BATCH_FRAMES * CLASSIC_SIZE
+PROTOCOL_VERSION: Final = 1
+CLASSIC_SIZE: Final = 16
+FD_SIZE: Final = 72
+MAX_BATCH_FRAMES: Final = 256
+MAX_PACKET_SIZE: Final = MAX_BATCH_FRAMES * CLASSIC_SIZE
 OWN_MARK = b"own\x00"
 OWN_LENGTH_BIT = 4
-NOTICE_LENGTH_BIT = 1
+NOTICE_LENGTH_BIT: Final = 1
 #: Node names used in the hello.
-ROLES = ("plant", "controller", "supervisor")
+ROLES: Final = ("plant", "controller", "supervisor")
 
-EFF_FLAG = 0x8000_0000
-RTR_FLAG = 0x4000_0000
-ERR_FLAG = 0x2000_0000
-EFF_MASK = 0x1FFF_FFFF
-SFF_MASK = 0x7FF
-FD_BRS = 1
-FD_ESI = 2
+EFF_FLAG: Final = 0x8000_0000
+RTR_FLAG: Final = 0x4000_0000
+ERR_FLAG: Final = 0x2000_0000
+EFF_MASK: Final = 0x1FFF_FFFF
+SFF_MASK: Final = 0x7FF
+FD_BRS: Final = 1
+FD_ESI: Final = 2
 
 #: The payload lengths that a CAN FD data length code can express.
-FD_LENGTHS = frozenset((*range(9), 12, 16, 20, 24, 32, 48, 64))
+FD_LENGTHS: Final = frozenset((*range(9), 12, 16, 20, 24, 32, 48, 64))
 
-_CLASSIC = Struct("=IB3x8s")
-_FD = Struct("=IBB2x64s")
+_CLASSIC: Final = Struct("=IB3x8s")
+_FD: Final = Struct("=IBB2x64s")
 
 
 def fault_of(packet: bytes) -> str | None:

@@ -6,7 +6,7 @@ import contextlib
 from abc import ABC, abstractmethod
 from collections import Counter
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, ClassVar, Protocol
+from typing import TYPE_CHECKING, ClassVar, Final, Protocol
 
 from railhil.bus.errors import BusLost
 from railhil.bus.frame import Frame
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     # The hub's models import the error frames of this package.
     from railhil.bus.hub.orders import Disturber
 
-_TROUBLE = (
+_TROUBLE: Final = (
     "outages", "bus_off", "error_frames", "send_dropped", "send_retries", "rx_lost", "garbage", "adapter_stuck",
     "adapter_refused", "error_passive", "switch_overs",
 )  # fmt: skip

@@ -16,7 +16,7 @@ import os
 import select
 import time
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, NamedTuple, cast
+from typing import Any, Final, NamedTuple, cast
 
 from railhil.bus.errors import BusUnavailable
 from railhil.bus.frame import Frame
@@ -31,16 +31,16 @@ from railhil.common.mypyc import mypyc_attr
 from railhil.common.patience import PATIENCE_S
 from railhil.dbc import wire_contract
 
-_SUPERVISOR = "supervisor"
+_SUPERVISOR: Final = "supervisor"
 #: Largest read; a multiple of the size of a frame.
-_READ_BYTES = 1 << 16
+_READ_BYTES: Final = 1 << 16
 #: Requested size of the supervisor's inbox: it is read in bulk.
-_RECORD_BYTES = 1 << 20
+_RECORD_BYTES: Final = 1 << 20
 #: Interval at which a node that waits for room looks whether it shall stop.
-_LOOK_MS = 100
+_LOOK_MS: Final = 100
 #: On a calm machine the supervisor reads after so many packets, beside plant and controller: at its next poll it has
-#: less to catch up with.
-_RING_AFTER = 4
+#: less to catch up with. It is woken when the controller has answered.
+_RING_AFTER: Final = 4
 
 
 def supervisor_polls() -> frozenset[bytes]:
@@ -193,9 +193,8 @@ class PipeLink(Link):
                     self._has_gone(end)
             if self._is_plant:
                 self._unread += 1
-                if asks or (self._unread >= _RING_AFTER and self._turn.is_awake):
-                    self._unread = 0
-                    os.eventfd_write(self._bell, 1)
+                if asks:
+                    self._ring()
         self.counters["sent"] += len(frames)
 
     def offer(self, frames: Sequence[Frame]) -> int:
@@ -215,6 +214,9 @@ class PipeLink(Link):
                 os.eventfd_read(self._bell)
         elif not self._turn.wait(timeout_ms):
             return []
+        elif self._is_plant and self._unread >= _RING_AFTER and self._turn.is_awake:
+            # Now, while the controller has nothing to do.
+            self._ring()
         try:
             packet = os.read(self._ends.inbox, _READ_BYTES)
         except BlockingIOError:
@@ -226,6 +228,10 @@ class PipeLink(Link):
         frames = unpack_frames(packet)
         self.counters["received"] += len(frames)
         return frames
+
+    def _ring(self) -> None:
+        self._unread = 0
+        os.eventfd_write(self._bell, 1)
 
     def has_ended(self, node: str) -> bool:
         """See :meth:`Link.has_ended`; a node has ended when nobody reads its inbox, and all that it sent is read."""

@@ -14,15 +14,15 @@ import contextlib
 import os
 import select
 import time
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 #: Looks before a node sleeps all the same: some milliseconds.
-_LOOKS = 2000
+_LOOKS: Final = 2000
 #: A turn that is later than this was not kept back by the work of another node.
-_LATE_NS = 1_000_000
+_LATE_NS: Final = 1_000_000
 #: What one late turn weighs against turns in time, and the weight at which the node goes to sleep.
-_LATE_WEIGHT = 50
-_LATE_MAX = 150
+_LATE_WEIGHT: Final = 50
+_LATE_MAX: Final = 150
 
 
 class Sleep(NamedTuple):
@@ -34,7 +34,7 @@ class Sleep(NamedTuple):
     most: int = 80_000
 
 
-_SLEEP = Sleep()
+_SLEEP: Final = Sleep()
 
 
 class Turn:

@@ -13,17 +13,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations, pairwise
+from typing import Final
 
 from railhil.bus.load import POLL_BYTES
 from railhil.dbc import Contract, ContractError, Port
 
 #: Mailboxes of one eCAN module (in eCAN mode, each with its own acceptance mask).
-MAILBOXES_MAX = 32
-_ID_MAX = {False: 0x7FF, True: 0x1FFF_FFFF}
-_CLASSIC_BYTES = 8
+MAILBOXES_MAX: Final = 32
+_ID_MAX: Final = {False: 0x7FF, True: 0x1FFF_FFFF}
+_CLASSIC_BYTES: Final = 8
 #: Names in the ``port`` column for the two frames of the bus administrator, which belong to no port.
-POLL = "POLL"
-DEVICE_STATUS = "DEVICE_STATUS"
+POLL: Final = "POLL"
+DEVICE_STATUS: Final = "DEVICE_STATUS"
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,14 +11,15 @@ Source: TI SPRU074F, section 2.16 (overwrite protection) and chapter 3 (receivin
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
+from typing import Final
 
 from railhil.bus.frame import BRS, ERROR, EXTENDED, FD, Frame
 from railhil.controller_node.ecan.mailboxes import MAILBOXES_MAX, Mailbox
 from railhil.controller_node.ecan.timestamp import BitCounter
 
-_STANDARD_IDS = 0x800
+_STANDARD_IDS: Final = 0x800
 #: An error frame is not a message, and to a classic CAN module a CAN FD frame is a faulty one.
-_NEVER = ERROR | FD | BRS
+_NEVER: Final = ERROR | FD | BRS
 
 
 class Ecan:

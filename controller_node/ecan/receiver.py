@@ -8,6 +8,7 @@ of the bus administrator and the bench's own telegrams (time, end of the run) ar
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Final
 
 from railhil.bus.frame import Frame
 from railhil.bus.store import FrameCheck
@@ -16,7 +17,7 @@ from railhil.controller_node.ecan.mailboxes import POLL, Mailbox
 from railhil.controller_node.ecan.module import Ecan
 from railhil.controller_node.ecan.timestamp import BitCounter
 
-_BY_INTERRUPT = (POLL, TimeSync.PORT, RunEvent.PORT)
+_BY_INTERRUPT: Final = (POLL, TimeSync.PORT, RunEvent.PORT)
 
 
 class Receiver:

@@ -6,14 +6,15 @@ Source: TI SPRU074F and SPRUI07, chapter eCAN (time stamp counter, message objec
 from __future__ import annotations
 
 from math import gcd
+from typing import Final
 
-_COUNTER_MASK = 0xFFFF_FFFF
-_HALF_TURN = 1 << 31
+_COUNTER_MASK: Final = 0xFFFF_FFFF
+_HALF_TURN: Final = 1 << 31
 #: A time stamp may lie this far in the future: TIME_SYNC can set the clock back after repeated polls had advanced it
 #: too far.
 _AHEAD_BITS = 1 << 20
-_OLDEST_BITS = _COUNTER_MASK - _AHEAD_BITS
-_NS_PER_S = 1_000_000_000
+_OLDEST_BITS: Final = _COUNTER_MASK - _AHEAD_BITS
+_NS_PER_S: Final = 1_000_000_000
 
 
 class BitCounter:

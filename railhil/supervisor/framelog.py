@@ -13,31 +13,37 @@ from functools import lru_cache
 from io import BytesIO
 from itertools import repeat
 from pathlib import Path
+from typing import Final
 
 from railhil.bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame, quick_frame
 from railhil.common.errors import InputError
 from railhil.supervisor.log_columns import ClassicColumns, classic_columns
 
 #: Channel name in the log, whatever the transport was.
-CHANNEL = "mvb0"
+CHANNEL: Final = "mvb0"
 #: Name in a run folder.
-LOG_NAME = "frames.log"
+LOG_NAME: Final = "frames.log"
 #: candump's mark of an error frame in the identifier (python-can writes a bus error).
-_ERROR_ID = 0x20000080
-_NS_PER_US = 1000
+_ERROR_ID: Final = 0x20000080
+_NS_PER_US: Final = 1000
 #: Simulation times are 64 bit.
-_TIME_MAX_NS = (1 << 63) - 1
+_TIME_MAX_NS: Final = (1 << 63) - 1
 #: Longest line: 64 bytes of CAN FD in hexadecimal, with time stamp, channel and identifier.
-_LINE_MAX_BYTES = 1024
+_LINE_MAX_BYTES: Final = 1024
 #: Of a log, read at once.
-_PART_BYTES = 1 << 20
-BLF_SUFFIX = ".blf"
+_PART_BYTES: Final = 1 << 20
+BLF_SUFFIX: Final = ".blf"
 #: Standard identifiers as formatted in the log.
-_STANDARD = tuple(f"{can_id:03X}#" for can_id in range(0x800))
+_STANDARD: Final = tuple(f"{can_id:03X}#" for can_id in range(0x800))
+
+
+def plain_line(stamp: str, can_id: int, data: bytes) -> str:
+    """:func:`log_line` of a classic data frame with a standard identifier."""
+    return f"{stamp}{_STANDARD[can_id]}{data.hex().upper()} R\n"
 
 
 @lru_cache(maxsize=4)
-def _stamp(time_ns: int) -> str:
+def log_stamp(time_ns: int) -> str:
     """Beginning of a line; shared by all frames of a tick."""
     return f"({time_ns // 1_000_000_000}.{time_ns // _NS_PER_US % 1_000_000:06d}) {CHANNEL} "
 
@@ -49,9 +55,9 @@ def log_line(time_ns: int, frame: Frame) -> str:
     times as much as the line.
     """
     can_id, data, flags = frame
-    stamp = _stamp(time_ns)
+    stamp = log_stamp(time_ns)
     if not flags and can_id < 0x800:
-        return f"{stamp}{_STANDARD[can_id]}{data.hex().upper()} R\n"
+        return plain_line(stamp, can_id, data)
     if flags & ERROR:
         return f"{stamp}{_ERROR_ID:08X}#{data.hex().upper()}\n"
     identifier = f"{can_id:08X}" if flags & EXTENDED else f"{can_id:03X}"
@@ -185,7 +191,7 @@ def _one_by_one(path: Path, part: bytes, before: int) -> Iterator[tuple[int, Fra
 
 @lru_cache(maxsize=4)
 def _time_ns(stamp: str) -> int:
-    """Time from the beginning of a line, the inverse of :func:`_stamp`; raises ValueError or IndexError."""
+    """Time from the beginning of a line, the inverse of :func:`log_stamp`; raises ValueError or IndexError."""
     seconds, micros = stamp.split(".")
     if seconds[0] != "(" or micros[-1] != ")" or len(micros) != 7 or not (seconds[1:] + micros[:-1]).isdigit():
         raise ValueError(stamp)

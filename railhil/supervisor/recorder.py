@@ -179,10 +179,8 @@ class Recorder:
             self._session.was_out(gap_ns)
         if self._order is not None:
             frames = [item for frame in arrived for item in self._order.feed(frame)] if arrived else self._order.flush()
-        for frame in frames:
-            answers = self._session.handle(frame)
-            if answers:
-                link.send(answers)
+        if frames and (answers := self._session.take(frames)):
+            link.send(answers)
         return bool(frames or arrived)
 
     def who_died(self, nodes: Nodes) -> str:

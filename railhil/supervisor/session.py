@@ -9,7 +9,7 @@ from __future__ import annotations
 import time
 from array import array
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from operator import itemgetter
 
 from railhil.bus.codes import Event, FaultOrder, SupCommand
@@ -26,7 +26,7 @@ from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import system_named
 from railhil.supervisor.desk import Desk
-from railhil.supervisor.framelog import log_line
+from railhil.supervisor.framelog import log_line, log_stamp, plain_line
 from railhil.supervisor.senders import Strangers
 from railhil.supervisor.truth_clock import TruthClock
 
@@ -181,6 +181,31 @@ class Session:
             self.frames += 1
             self._write(log_line(self._time.now_ns, frame))
         return []
+
+    def take(self, frames: Sequence[Frame]) -> list[Frame]:
+        """:meth:`handle` for frames in bus order; returns the answers to all polls of the supervisor among them."""
+        answers: list[Frame] = []
+        seen = self._seen_ids
+        lines: list[str] = []
+        time_ns = -1
+        stamp = ""
+        for frame in frames:
+            can_id, data, flags = frame
+            if flags or can_id in seen or not self.recording:
+                if lines:
+                    self._write("".join(lines))
+                    lines.clear()
+                answers += self.handle(frame)
+                continue
+            # The majority: recorded without inspection.
+            if time_ns != self._time.now_ns:
+                time_ns = self._time.now_ns
+                stamp = log_stamp(time_ns)
+            self.frames += 1
+            lines.append(plain_line(stamp, can_id, data))
+        if lines:
+            self._write("".join(lines))
+        return answers
 
     def _paced(self) -> None:
         """A frame of the second time base."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from array import array
 from collections import Counter
 from collections.abc import Iterable, Mapping
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, Final, NamedTuple, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -19,12 +19,12 @@ from railhil.dbc import Contract, Signal, wire_contract
 
 FloatArray: TypeAlias = npt.NDArray[np.float64]
 #: Source of refused frames that belong to no port.
-BUS = "bus"
+BUS: Final = "bus"
 #: So many telegrams are decoded faster one by one than as arrays.
-_FEW = 12
-_NO_WORDS: list[int] = []
+_FEW: Final = 12
+_NO_WORDS: Final[list[int]] = []
 #: Causes that say nothing about the port whose identifier the frame may have.
-_OF_THE_BUS = ("error_frame", "remote_frame", "extended_id")
+_OF_THE_BUS: Final = ("error_frame", "remote_frame", "extended_id")
 
 
 class Noted(NamedTuple):

@@ -104,6 +104,23 @@ def test_the_supervisor_sleeps_until_it_is_asked(links: dict[str, PipeLink]) -> 
     assert links["supervisor"].receive(10.0) == [POLL, ANSWER, SUPERVISOR_POLL]
 
 
+def test_awake_it_is_woken_while_the_controller_has_nothing_to_do(links: dict[str, PipeLink]) -> None:
+    """After some packets, and when the answer has come: in between the controller works, on the same processor."""
+    plant, bell = links["plant"], links["supervisor"]._ends.bell
+    plant._turn._asleep = 0
+    for packet in range(8):
+        plant.send([POLL])
+        with pytest.raises(BlockingIOError):
+            os.eventfd_read(bell)
+        links["controller"].send([ANSWER])
+        assert plant.receive(10.0) == [ANSWER]
+        if packet in (3, 7):
+            assert os.eventfd_read(bell) == 1
+        else:
+            with pytest.raises(BlockingIOError):
+                os.eventfd_read(bell)
+
+
 def test_what_a_node_sent_outlives_it(links: dict[str, PipeLink]) -> None:
     links["controller"].send([ANSWER])
     links["controller"].close()
