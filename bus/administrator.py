@@ -26,6 +26,8 @@ from railhil.dbc import Contract, Port, wire_contract
 REPLY_NS: Final = 5_000_000
 #: How long to listen for further answers to one device status poll once every device has answered.
 _SCAN_ANSWER_S: Final = 0.03
+#: On a private bus: for the answers to all polls of the scan, after the first of each node.
+_LATE_ANSWER_NS: Final = 1_000_000_000
 #: Lockstep: interval at which to check whether the awaited node has ended.
 _LOOK_NS: Final = 100_000_000
 
@@ -176,14 +178,29 @@ class Administrator:
         """
         missing = set(devices)
         deadline_ns = self._monotonic_ns() + timeout_ns
+        # Polls without an answer so far.
+        open_polls = 0
         while missing and self._monotonic_ns() < deadline_ns:
             self._endpoint.send([master_frame(F_DEVICE_STATUS, device) for device in sorted(missing)])
+            open_polls += len(missing)
             round_ns = self._monotonic_ns() + interval_ns
             while missing and (remaining_ns := round_ns - self._monotonic_ns()) > 0:
-                missing -= self._status_answers(self._endpoint.receive(remaining_ns / 1e9)).keys()
+                answers = self._status_answers(self._endpoint.receive(remaining_ns / 1e9))
+                open_polls -= answers.total()
+                missing -= answers.keys()
         if not missing:
-            self._refuse_doubles(set(devices))
+            if self._endpoint.is_private:
+                # Nobody else can be there, and each poll has its answer.
+                self._await_answers(open_polls)
+            else:
+                self._refuse_doubles(set(devices))
         return missing
+
+    def _await_answers(self, open_polls: int) -> None:
+        """Take the answers to earlier polls of a node that came late."""
+        end_ns = self._monotonic_ns() + _LATE_ANSWER_NS
+        while open_polls > 0 and (remaining_ns := end_ns - self._monotonic_ns()) > 0:
+            open_polls -= self._status_answers(self._endpoint.receive(remaining_ns / 1e9)).total()
 
     def _status_answers(self, frames: list[Frame]) -> Counter[int]:
         """Devices that have answered, once per answer."""

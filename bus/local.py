@@ -25,6 +25,8 @@ class LocalBus:
         self.lossless = True
         #: Nothing can fail here.
         self.is_down = False
+        #: A test may put two controllers on it.
+        self.is_private = False
 
     def send(self, frames: Sequence[Frame]) -> None:
         """Deliver frames to every node; answers reach the administrator and the other nodes in bus order."""

@@ -143,6 +143,7 @@ class RecordedBus:
     def __init__(self, record: Sequence[Timed], replayed: Replayed, contract: Contract) -> None:
         self.lossless = True
         self.is_down = False
+        self.is_private = False
         self._record = record
         self._replayed = replayed
         self._next = 0

@@ -60,6 +60,11 @@ class FaultyEndpoint:
         """See :class:`railhil.bus.link.Endpoint`."""
         return self._endpoint.is_down
 
+    @property
+    def is_private(self) -> bool:
+        """See :class:`railhil.bus.link.Endpoint`."""
+        return self._endpoint.is_private
+
     def send(self, frames: Sequence[Frame]) -> None:
         """Send what the faults leave of these frames, and what they held back before."""
         faults = self.faults

@@ -38,6 +38,10 @@ class Endpoint(Protocol):
     def is_down(self) -> bool:
         """True while the interface is gone or bus-off."""
 
+    @property
+    def is_private(self) -> bool:
+        """True when only the nodes of this run can be on the bus, each of them once."""
+
     def send(self, frames: Sequence[Frame]) -> None:
         """Queue frames in this order.
 
@@ -96,6 +100,11 @@ class Link(ABC):
     @property
     def is_down(self) -> bool:
         """See :attr:`Endpoint.is_down`."""
+        return False
+
+    @property
+    def is_private(self) -> bool:
+        """See :attr:`Endpoint.is_private`."""
         return False
 
     @property

@@ -175,6 +175,11 @@ class PipeLink(Link):
         self._unread = 0
         self._gone: set[int] = set()
 
+    @property
+    def is_private(self) -> bool:
+        """See :attr:`Link.is_private`; only processes that inherited the pipes can use them."""
+        return True
+
     def send(self, frames: Sequence[Frame]) -> None:
         """See :meth:`Link.send`.
 

@@ -25,6 +25,7 @@ class FakeEndpoint:
     """Answers come after a delay of wall time; everything sent is kept in order."""
 
     is_down = False
+    is_private = False
     ended = False
     cut_off: tuple[str, ...] = ()
 
@@ -293,6 +294,40 @@ def test_find_devices_asks_until_all_have_answered(wall: SetClock) -> None:
     assert wall.now_ns == 400_002_000 + 3 * 30_000_000 + 3_000
     first, second = master_frame(15, 1), master_frame(15, 2)
     assert asked == [first, *[second] * 5, first, second]
+
+
+def test_on_a_private_bus_nobody_else_is_looked_for(wall: SetClock) -> None:
+    """Two quiet times less before the first frame. A node that comes late answers every poll, and none of its answers
+    reaches the run."""
+
+    class Private(FakeEndpoint):
+        is_private = True
+
+    def answer(frame: Frame) -> list[tuple[int, Frame]]:
+        # The second device is there after 0.25 s.
+        device = frame.data[1]
+        ready_ns = 0 if device == 1 else 250_000_000
+        return [(max(1000, ready_ns - wall.now_ns), device_status_frame(device, 0x1000))]
+
+    endpoint = Private(wall, answer)
+    administrator, _ = make(endpoint)
+    assert administrator.find_devices((1, 2), 5_000_000_000) == set()
+    assert wall.now_ns == 250_000_000
+    assert endpoint.pending == []
+    assert len(endpoint.sent) == 4
+
+
+def test_on_a_private_bus_a_missing_answer_is_not_waited_for_long(wall: SetClock) -> None:
+    class Private(FakeEndpoint):
+        is_private = True
+
+    def answer(frame: Frame) -> list[tuple[int, Frame]]:
+        # The first of two polls is lost.
+        return [(1000, device_status_frame(1, 0x1000))] if wall.now_ns else []
+
+    administrator, _ = make(Private(wall, answer))
+    assert administrator.find_devices((1,), 5_000_000_000) == set()
+    assert wall.now_ns == 100_001_000 + 1_000_000_000
 
 
 def test_find_devices_names_those_that_did_not_answer(wall: SetClock) -> None:

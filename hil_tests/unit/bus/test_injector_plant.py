@@ -29,6 +29,7 @@ class Wire:
     def __init__(self) -> None:
         self.lossless = False
         self.is_down = False
+        self.is_private = False
         self.sent: list[list[Frame]] = []
         self.arrived: list[Frame] = []
         self.asked: list[object] = []
