@@ -12,7 +12,7 @@ from hil_tests.mutation.targets import explained, modules, source_of, tests_of
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Exit code 0: every mutant is noticed or explained."""
+    """Exit code 0: every mutant is noticed or explained; 1: not so, or ``--only`` names no mutant at all."""
     parser = argparse.ArgumentParser(prog="python -m hil_tests.mutation", description=__doc__)
     parser.add_argument("module", nargs="*", help="dotted names; default: all of targets.toml")
     parser.add_argument("--tests", nargs="+", metavar="FILE", help="default: those of targets.toml")
@@ -23,7 +23,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--branches", action="store_true", help="decisions whose outcomes are not both seen, instead")
     given = parser.parse_args(arguments)
     prepare()
-    good = True
+    good, count = True, 0
     for module in given.module or modules():
         path, tests = source_of(module), given.tests or tests_of(module)
         if given.branches:
@@ -34,11 +34,15 @@ def main(arguments: list[str] | None = None) -> int:
             if given.only:
                 chosen = containing(given.only)
             result = try_module(module, path, tests, jobs=given.jobs, chosen=chosen)
+        count += result.count
         for line in (*(f"fails without any change: {name}" for name in result.failed), *result.unseen):
             print(f"  {line}", flush=True)
         good &= not (result.failed or result.unseen)
         if not (result.failed or given.branches):
             good &= _told(result, whole=not (given.sample or given.only))
+    if good and given.only and not count:
+        print(f"no mutant contains {given.only!r}")
+        good = False
     return 0 if good else 1
 
 

@@ -95,6 +95,13 @@ def test_what_no_test_notices_is_named(subject: Path) -> None:
 
 
 @pytest.mark.long
+@pytest.mark.slow
+def test_a_text_that_no_mutant_contains_is_an_error(subject: Path) -> None:
+    code, said = command(subject, "subject", "--tests", "test_subject.py", "--jobs", "1", "--only", "LIMIT: int")
+    assert (code, said[-1]) == (1, "no mutant contains 'LIMIT: int'")
+
+
+@pytest.mark.long
 def test_decisions_not_seen_both_ways_are_named(subject: Path) -> None:
     assert command(subject, "subject", "--tests", "test_subject.py", "--branches") == (
         0, ["subject: 2 decisions, 0 outcomes not seen"],
@@ -172,5 +179,5 @@ def test_some_mutants_of_the_bench() -> None:
 @pytest.mark.slow
 def test_a_changed_constant_of_the_bench_is_seen() -> None:
     """Its modules must come from the changed tree although they belong to a plugin of pytest."""
-    code, said = command(ROOT, "railhil.controller_node.channel", "--only", "WINDOW_MS = 10_000", "--jobs", "2")
+    code, said = command(ROOT, "railhil.controller_node.channel", "--only", "WINDOW_MS: Final = 10_000", "--jobs", "2")
     assert (code, said) == (0, ["railhil.controller_node.channel: 2 mutants, 2 noticed, 0 explained, 0 not"])
