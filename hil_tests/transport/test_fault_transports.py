@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -159,5 +160,11 @@ def test_in_real_time_the_process_is_stopped_and_killed(tmp_path: Path) -> None:
     notch_s = trace_of(read_log(made.folder / "frames.log")).times_s("NOTCH_CMD")
     stopped_s = notch_s[(notch_s > 7.5) & (notch_s < 12.0)]
     assert np.diff(stopped_s).max() > 0.25, "the process has slept"
-    found = [event for event in levels(scenario, made.folder, "train") if 7.9 < event.time_s < 8.5]
-    assert {"hold", "traction_cut"} <= {event.level for event in found if event.cause == "command_age"}
+    found = levels(scenario, made.folder, "train")
+    # The train may have been in HOLD before, by an answer that a late machine missed.
+    for before, event in pairwise(found):
+        if event.level == "traction_cut" and 7.9 < event.time_s < 8.5:
+            assert (before.level, before.cause, event.cause) == ("hold", "command_age", "command_age")
+            break
+    else:
+        pytest.fail(f"traction was not cut: {found}")
