@@ -9,12 +9,12 @@ T = TypeVar("T")
 
 
 def encode_time_sync(telegram: Any) -> bytes:
-    seconds_s = telegram.seconds_s
-    fraction_65536th_s = telegram.fraction_65536th_s
-    rate_10th = telegram.rate_10th
-    check = telegram.check
-    state = telegram.state
-    life = telegram.life
+    seconds_s: int = telegram.seconds_s
+    fraction_65536th_s: int = telegram.fraction_65536th_s
+    rate_10th: int = telegram.rate_10th
+    check: int = telegram.check
+    state: int = telegram.state
+    life: int = telegram.life
     misfit = seconds_s >> 32
     misfit |= fraction_65536th_s >> 16
     misfit |= rate_10th >> 8
@@ -29,7 +29,7 @@ def encode_time_sync(telegram: Any) -> bytes:
     word |= check << 6
     word |= state << 4
     word |= life
-    return word.to_bytes(8)
+    return word.to_bytes(8, "big")
 
 
 def decode_time_sync(made: Callable[..., T], data: bytes) -> T:
@@ -45,11 +45,11 @@ def decode_time_sync(made: Callable[..., T], data: bytes) -> T:
 
 
 def encode_sup_cmd(telegram: Any) -> bytes:
-    command = telegram.command
-    fault_number = telegram.fault_number
-    fault_order = telegram.fault_order
-    check = telegram.check
-    life = telegram.life
+    command: int = telegram.command
+    fault_number: int = telegram.fault_number
+    fault_order: int = telegram.fault_order
+    check: int = telegram.check
+    life: int = telegram.life
     misfit = command >> 8
     misfit |= fault_number >> 8
     misfit |= fault_order >> 2
@@ -62,7 +62,7 @@ def encode_sup_cmd(telegram: Any) -> bytes:
     word |= fault_order << 14
     word |= check << 6
     word |= life
-    return word.to_bytes(4)
+    return word.to_bytes(4, "big")
 
 
 def decode_sup_cmd(made: Callable[..., T], data: bytes) -> T:
@@ -77,12 +77,12 @@ def decode_sup_cmd(made: Callable[..., T], data: bytes) -> T:
 
 
 def encode_notch_cmd(telegram: Any) -> bytes:
-    notch_256th = telegram.notch_256th
-    mode = telegram.mode
-    cause = telegram.cause
-    check = telegram.check
-    emergency = telegram.emergency
-    life = telegram.life
+    notch_256th: int = telegram.notch_256th
+    mode: int = telegram.mode
+    cause: int = telegram.cause
+    check: int = telegram.check
+    emergency: int = telegram.emergency
+    life: int = telegram.life
     misfit = notch_256th + 0x8000 >> 16
     misfit |= mode >> 3
     misfit |= cause >> 5
@@ -97,7 +97,7 @@ def encode_notch_cmd(telegram: Any) -> bytes:
     word |= check << 6
     word |= emergency << 4
     word |= life
-    return word.to_bytes(4)
+    return word.to_bytes(4, "big")
 
 
 def decode_notch_cmd(made: Callable[..., T], data: bytes) -> T:
@@ -113,10 +113,10 @@ def decode_notch_cmd(made: Callable[..., T], data: bytes) -> T:
 
 
 def encode_trn_speed(telegram: Any) -> bytes:
-    speed_01mmps = telegram.speed_01mmps
-    check = telegram.check
-    spare = telegram.spare
-    life = telegram.life
+    speed_01mmps: int = telegram.speed_01mmps
+    check: int = telegram.check
+    spare: int = telegram.spare
+    life: int = telegram.life
     misfit = speed_01mmps + 0x800000 >> 24
     misfit |= check >> 2
     misfit |= spare >> 2
@@ -127,7 +127,7 @@ def encode_trn_speed(telegram: Any) -> bytes:
     word |= check << 6
     word |= spare << 4
     word |= life
-    return word.to_bytes(4)
+    return word.to_bytes(4, "big")
 
 
 def decode_trn_speed(made: Callable[..., T], data: bytes) -> T:
@@ -141,12 +141,12 @@ def decode_trn_speed(made: Callable[..., T], data: bytes) -> T:
 
 
 def encode_trn_pos(telegram: Any) -> bytes:
-    odometer_mm = telegram.odometer_mm
-    effort_bipolar2 = telegram.effort_bipolar2
-    notch_16th = telegram.notch_16th
-    check = telegram.check
-    effort_check = telegram.effort_check
-    life = telegram.life
+    odometer_mm: int = telegram.odometer_mm
+    effort_bipolar2: int = telegram.effort_bipolar2
+    notch_16th: int = telegram.notch_16th
+    check: int = telegram.check
+    effort_check: int = telegram.effort_check
+    life: int = telegram.life
     misfit = odometer_mm + 0x80000000 >> 32
     misfit |= effort_bipolar2 + 0x8000 >> 16
     misfit |= notch_16th + 0x80 >> 8
@@ -161,7 +161,7 @@ def encode_trn_pos(telegram: Any) -> bytes:
     word |= check << 6
     word |= effort_check << 4
     word |= life
-    return word.to_bytes(8)
+    return word.to_bytes(8, "big")
 
 
 def decode_trn_pos(made: Callable[..., T], data: bytes) -> T:
@@ -177,17 +177,17 @@ def decode_trn_pos(made: Callable[..., T], data: bytes) -> T:
 
 
 def encode_plt_stat(telegram: Any) -> bytes:
-    power_on = telegram.power_on
-    pantograph_up = telegram.pantograph_up
-    main_breaker_closed = telegram.main_breaker_closed
-    doors_closed_locked = telegram.doors_closed_locked
-    parking_brake_released = telegram.parking_brake_released
-    safety_loop_closed = telegram.safety_loop_closed
-    traction_enabled = telegram.traction_enabled
-    brake_available = telegram.brake_available
-    line_voltage_half_percent = telegram.line_voltage_half_percent
-    fault = telegram.fault
-    life = telegram.life
+    power_on: int = telegram.power_on
+    pantograph_up: int = telegram.pantograph_up
+    main_breaker_closed: int = telegram.main_breaker_closed
+    doors_closed_locked: int = telegram.doors_closed_locked
+    parking_brake_released: int = telegram.parking_brake_released
+    safety_loop_closed: int = telegram.safety_loop_closed
+    traction_enabled: int = telegram.traction_enabled
+    brake_available: int = telegram.brake_available
+    line_voltage_half_percent: int = telegram.line_voltage_half_percent
+    fault: int = telegram.fault
+    life: int = telegram.life
     misfit = power_on >> 2
     misfit |= pantograph_up >> 2
     misfit |= main_breaker_closed >> 2
@@ -212,7 +212,7 @@ def encode_plt_stat(telegram: Any) -> bytes:
     word |= line_voltage_half_percent << 8
     word |= fault << 4
     word |= life
-    return word.to_bytes(4)
+    return word.to_bytes(4, "big")
 
 
 def decode_plt_stat(made: Callable[..., T], data: bytes) -> T:
@@ -233,17 +233,17 @@ def decode_plt_stat(made: Callable[..., T], data: bytes) -> T:
 
 
 def encode_trk_info(telegram: Any) -> bytes:
-    target_mm = telegram.target_mm
-    target_time_ds = telegram.target_time_ds
-    speed_limit_4mmps = telegram.speed_limit_4mmps
-    next_limit_4mmps = telegram.next_limit_4mmps
-    next_limit_distance_m = telegram.next_limit_distance_m
-    grade_001permil = telegram.grade_001permil
-    target_speed_half_mps = telegram.target_speed_half_mps
-    target_check = telegram.target_check
-    limit_check = telegram.limit_check
-    grade_check = telegram.grade_check
-    life = telegram.life
+    target_mm: int = telegram.target_mm
+    target_time_ds: int = telegram.target_time_ds
+    speed_limit_4mmps: int = telegram.speed_limit_4mmps
+    next_limit_4mmps: int = telegram.next_limit_4mmps
+    next_limit_distance_m: int = telegram.next_limit_distance_m
+    grade_001permil: int = telegram.grade_001permil
+    target_speed_half_mps: int = telegram.target_speed_half_mps
+    target_check: int = telegram.target_check
+    limit_check: int = telegram.limit_check
+    grade_check: int = telegram.grade_check
+    life: int = telegram.life
     misfit = target_mm >> 29
     misfit |= target_time_ds >> 19
     misfit |= speed_limit_4mmps >> 16
@@ -268,7 +268,7 @@ def encode_trk_info(telegram: Any) -> bytes:
     word |= limit_check << 4
     word |= grade_check << 2
     word |= life
-    return word.to_bytes(16)
+    return word.to_bytes(16, "big")
 
 
 def decode_trk_info(made: Callable[..., T], data: bytes) -> T:
@@ -289,24 +289,24 @@ def decode_trk_info(made: Callable[..., T], data: bytes) -> T:
 
 
 def encode_ctl_stat(telegram: Any) -> bytes:
-    note1 = telegram.note1
-    ladder_level = telegram.ladder_level
-    overflow_flags = telegram.overflow_flags
-    note2 = telegram.note2
-    note3 = telegram.note3
-    step_count = telegram.step_count
-    step_cycles = telegram.step_cycles
-    telemetry_extreme = telegram.telemetry_extreme
-    telemetry_index = telegram.telemetry_index
-    telemetry_maximum = telegram.telemetry_maximum
-    telemetry_headroom_bits = telegram.telemetry_headroom_bits
-    telemetry_wrapped = telegram.telemetry_wrapped
-    telemetry_saturated = telegram.telemetry_saturated
-    telemetry_zero_division = telegram.telemetry_zero_division
-    overruns = telegram.overruns
-    check = telegram.check
-    ready = telegram.ready
-    life = telegram.life
+    note1: int = telegram.note1
+    ladder_level: int = telegram.ladder_level
+    overflow_flags: int = telegram.overflow_flags
+    note2: int = telegram.note2
+    note3: int = telegram.note3
+    step_count: int = telegram.step_count
+    step_cycles: int = telegram.step_cycles
+    telemetry_extreme: int = telegram.telemetry_extreme
+    telemetry_index: int = telegram.telemetry_index
+    telemetry_maximum: int = telegram.telemetry_maximum
+    telemetry_headroom_bits: int = telegram.telemetry_headroom_bits
+    telemetry_wrapped: int = telegram.telemetry_wrapped
+    telemetry_saturated: int = telegram.telemetry_saturated
+    telemetry_zero_division: int = telegram.telemetry_zero_division
+    overruns: int = telegram.overruns
+    check: int = telegram.check
+    ready: int = telegram.ready
+    life: int = telegram.life
     misfit = note1 >> 4
     misfit |= ladder_level >> 4
     misfit |= overflow_flags >> 8
@@ -345,7 +345,7 @@ def encode_ctl_stat(telegram: Any) -> bytes:
     word |= check << 6
     word |= ready << 4
     word |= life
-    return word.to_bytes(16)
+    return word.to_bytes(16, "big")
 
 
 def decode_ctl_stat(made: Callable[..., T], data: bytes) -> T:
@@ -373,12 +373,12 @@ def decode_ctl_stat(made: Callable[..., T], data: bytes) -> T:
 
 
 def encode_balise(telegram: Any) -> bytes:
-    balise_id = telegram.balise_id
-    surveyed_mm = telegram.surveyed_mm
-    odometer_low_mm = telegram.odometer_low_mm
-    check = telegram.check
-    spare = telegram.spare
-    life = telegram.life
+    balise_id: int = telegram.balise_id
+    surveyed_mm: int = telegram.surveyed_mm
+    odometer_low_mm: int = telegram.odometer_low_mm
+    check: int = telegram.check
+    spare: int = telegram.spare
+    life: int = telegram.life
     misfit = balise_id >> 8
     misfit |= surveyed_mm + 0x80000000 >> 32
     misfit |= odometer_low_mm >> 16
@@ -393,7 +393,7 @@ def encode_balise(telegram: Any) -> bytes:
     word |= check << 6
     word |= spare << 4
     word |= life
-    return word.to_bytes(8)
+    return word.to_bytes(8, "big")
 
 
 def decode_balise(made: Callable[..., T], data: bytes) -> T:
@@ -409,12 +409,12 @@ def decode_balise(made: Callable[..., T], data: bytes) -> T:
 
 
 def encode_trn_watch(telegram: Any) -> bytes:
-    level = telegram.level
-    cause = telegram.cause
-    age_ms = telegram.age_ms
-    check = telegram.check
-    spare = telegram.spare
-    life = telegram.life
+    level: int = telegram.level
+    cause: int = telegram.cause
+    age_ms: int = telegram.age_ms
+    check: int = telegram.check
+    spare: int = telegram.spare
+    life: int = telegram.life
     misfit = level >> 3
     misfit |= cause >> 5
     misfit |= age_ms >> 16
@@ -429,7 +429,7 @@ def encode_trn_watch(telegram: Any) -> bytes:
     word |= check << 6
     word |= spare << 4
     word |= life
-    return word.to_bytes(4)
+    return word.to_bytes(4, "big")
 
 
 def decode_trn_watch(made: Callable[..., T], data: bytes) -> T:
@@ -445,14 +445,14 @@ def decode_trn_watch(made: Callable[..., T], data: bytes) -> T:
 
 
 def encode_sim_truth(telegram: Any) -> bytes:
-    position_01mm = telegram.position_01mm
-    speed_01mmps = telegram.speed_01mmps
-    check = telegram.check
-    life = telegram.life
-    accel_01mmps2 = telegram.accel_01mmps2
-    traction_20n = telegram.traction_20n
-    brake_20n = telegram.brake_20n
-    grade_001permil = telegram.grade_001permil
+    position_01mm: int = telegram.position_01mm
+    speed_01mmps: int = telegram.speed_01mmps
+    check: int = telegram.check
+    life: int = telegram.life
+    accel_01mmps2: int = telegram.accel_01mmps2
+    traction_20n: int = telegram.traction_20n
+    brake_20n: int = telegram.brake_20n
+    grade_001permil: int = telegram.grade_001permil
     misfit = position_01mm + 0x200000000 >> 34
     misfit |= speed_01mmps + 0x800000 >> 24
     misfit |= check >> 2
@@ -471,7 +471,7 @@ def encode_sim_truth(telegram: Any) -> bytes:
     word |= traction_20n << 32
     word |= brake_20n << 16
     word |= grade_001permil & 0xFFFF
-    return word.to_bytes(16)
+    return word.to_bytes(16, "big")
 
 
 def decode_sim_truth(made: Callable[..., T], data: bytes) -> T:
@@ -489,10 +489,10 @@ def decode_sim_truth(made: Callable[..., T], data: bytes) -> T:
 
 
 def encode_run_event(telegram: Any) -> bytes:
-    event = telegram.event
-    instant_01ms = telegram.instant_01ms
-    position_01mm = telegram.position_01mm
-    number = telegram.number
+    event: int = telegram.event
+    instant_01ms: int = telegram.instant_01ms
+    position_01mm: int = telegram.position_01mm
+    number: int = telegram.number
     misfit = event >> 8
     misfit |= instant_01ms >> 32
     misfit |= position_01mm + 0x800000000000 >> 48
@@ -503,7 +503,7 @@ def encode_run_event(telegram: Any) -> bytes:
     word |= instant_01ms << 64
     word |= (position_01mm & 0xFFFFFFFFFFFF) << 16
     word |= number << 96
-    return word.to_bytes(16)
+    return word.to_bytes(16, "big")
 
 
 def decode_run_event(made: Callable[..., T], data: bytes) -> T:
@@ -517,13 +517,13 @@ def decode_run_event(made: Callable[..., T], data: bytes) -> T:
 
 
 def encode_speed_sdt(telegram: Any) -> bytes:
-    speed_01mmps = telegram.speed_01mmps
-    tick_high = telegram.tick_high
-    odometer_mm = telegram.odometer_mm
-    tick_low = telegram.tick_low
-    version = telegram.version
-    ssc = telegram.ssc
-    code = telegram.code
+    speed_01mmps: int = telegram.speed_01mmps
+    tick_high: int = telegram.tick_high
+    odometer_mm: int = telegram.odometer_mm
+    tick_low: int = telegram.tick_low
+    version: int = telegram.version
+    ssc: int = telegram.ssc
+    code: int = telegram.code
     misfit = speed_01mmps + 0x800000 >> 24
     misfit |= tick_high >> 8
     misfit |= odometer_mm + 0x80000000 >> 32
@@ -540,7 +540,7 @@ def encode_speed_sdt(telegram: Any) -> bytes:
     word |= version << 40
     word |= ssc << 32
     word |= code
-    return word.to_bytes(16)
+    return word.to_bytes(16, "big")
 
 
 def decode_speed_sdt(made: Callable[..., T], data: bytes) -> T:
@@ -557,15 +557,15 @@ def decode_speed_sdt(made: Callable[..., T], data: bytes) -> T:
 
 
 def encode_notch_sdt(telegram: Any) -> bytes:
-    notch_256th = telegram.notch_256th
-    spare = telegram.spare
-    tick_high = telegram.tick_high
-    emergency = telegram.emergency
-    rest = telegram.rest
-    tick_low = telegram.tick_low
-    version = telegram.version
-    ssc = telegram.ssc
-    code = telegram.code
+    notch_256th: int = telegram.notch_256th
+    spare: int = telegram.spare
+    tick_high: int = telegram.tick_high
+    emergency: int = telegram.emergency
+    rest: int = telegram.rest
+    tick_low: int = telegram.tick_low
+    version: int = telegram.version
+    ssc: int = telegram.ssc
+    code: int = telegram.code
     misfit = notch_256th + 0x8000 >> 16
     misfit |= spare >> 8
     misfit |= tick_high >> 8
@@ -586,7 +586,7 @@ def encode_notch_sdt(telegram: Any) -> bytes:
     word |= version << 40
     word |= ssc << 32
     word |= code
-    return word.to_bytes(16)
+    return word.to_bytes(16, "big")
 
 
 def decode_notch_sdt(made: Callable[..., T], data: bytes) -> T:
@@ -605,17 +605,17 @@ def decode_notch_sdt(made: Callable[..., T], data: bytes) -> T:
 
 
 def encode_plt_ident(telegram: Any) -> bytes:
-    scenario_hash = telegram.scenario_hash
-    wire_hash = telegram.wire_hash
-    seed = telegram.seed
-    law = telegram.law
-    role = telegram.role
-    arithmetic = telegram.arithmetic
-    indexing = telegram.indexing
-    perturbed = telegram.perturbed
-    check = telegram.check
-    pace = telegram.pace
-    version = telegram.version
+    scenario_hash: int = telegram.scenario_hash
+    wire_hash: int = telegram.wire_hash
+    seed: int = telegram.seed
+    law: int = telegram.law
+    role: int = telegram.role
+    arithmetic: int = telegram.arithmetic
+    indexing: int = telegram.indexing
+    perturbed: int = telegram.perturbed
+    check: int = telegram.check
+    pace: int = telegram.pace
+    version: int = telegram.version
     misfit = scenario_hash >> 32
     misfit |= wire_hash >> 32
     misfit |= seed >> 32
@@ -640,7 +640,7 @@ def encode_plt_ident(telegram: Any) -> bytes:
     word |= check << 6
     word |= pace << 4
     word |= version
-    return word.to_bytes(16)
+    return word.to_bytes(16, "big")
 
 
 def decode_plt_ident(made: Callable[..., T], data: bytes) -> T:
@@ -661,17 +661,17 @@ def decode_plt_ident(made: Callable[..., T], data: bytes) -> T:
 
 
 def encode_ctl_ident(telegram: Any) -> bytes:
-    scenario_hash = telegram.scenario_hash
-    wire_hash = telegram.wire_hash
-    seed = telegram.seed
-    law = telegram.law
-    role = telegram.role
-    arithmetic = telegram.arithmetic
-    indexing = telegram.indexing
-    perturbed = telegram.perturbed
-    check = telegram.check
-    pace = telegram.pace
-    version = telegram.version
+    scenario_hash: int = telegram.scenario_hash
+    wire_hash: int = telegram.wire_hash
+    seed: int = telegram.seed
+    law: int = telegram.law
+    role: int = telegram.role
+    arithmetic: int = telegram.arithmetic
+    indexing: int = telegram.indexing
+    perturbed: int = telegram.perturbed
+    check: int = telegram.check
+    pace: int = telegram.pace
+    version: int = telegram.version
     misfit = scenario_hash >> 32
     misfit |= wire_hash >> 32
     misfit |= seed >> 32
@@ -696,7 +696,7 @@ def encode_ctl_ident(telegram: Any) -> bytes:
     word |= check << 6
     word |= pace << 4
     word |= version
-    return word.to_bytes(16)
+    return word.to_bytes(16, "big")
 
 
 def decode_ctl_ident(made: Callable[..., T], data: bytes) -> T:
@@ -717,17 +717,17 @@ def decode_ctl_ident(made: Callable[..., T], data: bytes) -> T:
 
 
 def encode_sup_ident(telegram: Any) -> bytes:
-    scenario_hash = telegram.scenario_hash
-    wire_hash = telegram.wire_hash
-    seed = telegram.seed
-    law = telegram.law
-    role = telegram.role
-    arithmetic = telegram.arithmetic
-    indexing = telegram.indexing
-    perturbed = telegram.perturbed
-    check = telegram.check
-    pace = telegram.pace
-    version = telegram.version
+    scenario_hash: int = telegram.scenario_hash
+    wire_hash: int = telegram.wire_hash
+    seed: int = telegram.seed
+    law: int = telegram.law
+    role: int = telegram.role
+    arithmetic: int = telegram.arithmetic
+    indexing: int = telegram.indexing
+    perturbed: int = telegram.perturbed
+    check: int = telegram.check
+    pace: int = telegram.pace
+    version: int = telegram.version
     misfit = scenario_hash >> 32
     misfit |= wire_hash >> 32
     misfit |= seed >> 32
@@ -752,7 +752,7 @@ def encode_sup_ident(telegram: Any) -> bytes:
     word |= check << 6
     word |= pace << 4
     word |= version
-    return word.to_bytes(16)
+    return word.to_bytes(16, "big")
 
 
 def decode_sup_ident(made: Callable[..., T], data: bytes) -> T:

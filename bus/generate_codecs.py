@@ -57,7 +57,7 @@ def _encode(kind: type[Telegram]) -> str:
     """A value fits if, after shifting into the unsigned range, no bits remain above its signal's length."""
     lines = [f"def encode_{_name(kind)}(telegram: Any) -> bytes:"]
     signals = kind.signals()
-    lines += [f"    {name} = telegram.{name}" for name, _ in signals]
+    lines += [f"    {name}: int = telegram.{name}" for name, _ in signals]
     for index, (name, entry) in enumerate(signals):
         moved = f"{name} + 0x{1 << entry.length - 1:X}" if entry.signed else name
         lines.append(f"    misfit {'|=' if index else '='} {moved} >> {entry.length}")
@@ -68,7 +68,7 @@ def _encode(kind: type[Telegram]) -> str:
         if shift:
             bits = f"({bits}) << {shift}" if entry.signed else f"{bits} << {shift}"
         lines.append(f"    word{' |=' if index else ': int ='} {bits}")
-    lines.append(f"    return word.to_bytes({kind.port().data_bytes})")
+    lines.append(f'    return word.to_bytes({kind.port().data_bytes}, "big")')
     return "\n\n" + "\n".join(lines) + "\n"
 
 

@@ -4,10 +4,11 @@ old ones."""
 from __future__ import annotations
 
 from enum import Enum
+from typing import Final
 
-_MODULUS = 16
+_MODULUS: Final = 16
 #: Counter steps up to this are a gap (lost telegrams); a telegram with a larger step is considered old.
-MAX_STEP = 7
+MAX_STEP: Final = 7
 
 
 class Life(Enum):
@@ -19,13 +20,18 @@ class Life(Enum):
     DUPLICATE = "duplicate"
     OUT_OF_ORDER = "out_of_order"
 
-    def __init__(self, word: str) -> None:
-        #: True when the telegram is new and may be used.
-        self.fresh = word in ("first", "next", "gap")
+    @property
+    def fresh(self) -> bool:
+        """True when the telegram is new and may be used."""
+        return self is _NEXT or self is _GAP or self is _FIRST
 
 
 # A member of an enum costs as much as a call on CPython 3.11, and every telegram is judged.
-_FIRST, _NEXT, _GAP, _DUPLICATE, _OUT_OF_ORDER = Life
+_FIRST: Final = Life.FIRST
+_NEXT: Final = Life.NEXT
+_GAP: Final = Life.GAP
+_DUPLICATE: Final = Life.DUPLICATE
+_OUT_OF_ORDER: Final = Life.OUT_OF_ORDER
 
 
 class LifeSign:

@@ -69,7 +69,10 @@ def _octets_of_words(place: int) -> bytes:
 
 
 #: The octet is linear in the data, so it is the XOR of one table value per 16-bit word, by its place from the end.
-_W0, _W1, _W2, _W3 = (_octets_of_words(place) for place in range(4))
+_W0: Final = _octets_of_words(0)
+_W1: Final = _octets_of_words(1)
+_W2: Final = _octets_of_words(2)
+_W3: Final = _octets_of_words(3)
 _FOUR_WORDS: Final[Callable[[bytes], tuple[int, int, int, int]]] = Struct(">4H").unpack
 _TWO_WORDS: Final[Callable[[bytes], tuple[int, int]]] = Struct(">2H").unpack
 
@@ -147,7 +150,7 @@ class TelegramSource:
     :param fd: send the CAN FD form instead of the classic one.
     """
 
-    __slots__ = ("_block_ids", "_ends", "_fd", "_padded_bytes", "_port", "_sequence", "_size", "_split", "_trailer_id")
+    __slots__ = ("_address", "_ends", "_fd", "_padded_bytes", "_port", "_sequence", "_size", "_split")
 
     def __init__(self, port: Port, fd: bool = False) -> None:
         self._port = port
@@ -158,8 +161,8 @@ class TelegramSource:
         sequences = range(1 if port.single_frame else 16)
         self._ends = [tail if port.single_frame else bytes((seq << 4 | port.blocks,)) + tail for seq in sequences]
         self._split = Struct("8s" * port.blocks).unpack
-        self._block_ids = range(port.address, port.address + port.blocks)
-        self._trailer_id = port.address + 4
+        #: Identifier of the first block; the trailer has that of a fifth.
+        self._address = port.address
         # F4 has 40 bytes, which is not a valid CAN FD length.
         self._padded_bytes = 48 if port.f_code == 4 else port.data_bytes + 8
         self._sequence = 0
@@ -178,15 +181,19 @@ class TelegramSource:
                 payload = _SINGLE(data, _W1[a] ^ _W0[b], self._ends[0])
             else:
                 payload = _SINGLE(data, check_sequence(data), self._ends[0])
-            return [Frame(self._port.fd_id, payload, FD) if self._fd else quick_frame((self._block_ids[0], payload, 0))]
+            return [Frame(self._port.fd_id, payload, FD) if self._fd else quick_frame((self._address, payload, 0))]
         sequence = self._sequence
         self._sequence = (sequence + 1) & 0xF
         blocks = self._split(data)
         trailer = _TRAILER(bytes(map(check_sequence, blocks)), self._ends[sequence])
         if self._fd:
             return [Frame(self._port.fd_id, (data + trailer).ljust(self._padded_bytes, b"\0"), FD)]
-        frames = [quick_frame((can_id, block, 0)) for can_id, block in zip(self._block_ids, blocks, strict=True)]
-        frames.append(quick_frame((self._trailer_id, trailer, 0)))
+        can_id = self._address
+        frames: list[Frame] = []
+        for block in blocks:
+            frames.append(quick_frame((can_id, block, 0)))
+            can_id += 1
+        frames.append(quick_frame((self._address + 4, trailer, 0)))
         return frames
 
 

@@ -31,7 +31,6 @@ from railhil.controller_node.speed_watch import (
     Finding,
     Ladder,
     Reception,
-    Seen,
     SpeedWatchLevel,
     SpeedWatchState,
     command,
@@ -46,7 +45,10 @@ SPEED_MAX_01MMPS: Final = 1_500_000
 _NS_PER_MS: Final = 1_000_000
 _SAMPLE_NS: Final = SAMPLE_MS * _NS_PER_MS
 # A member of an enum costs as much as a call on CPython 3.11, and this runs with every telegram.
-_GAP, _NO_TELEGRAM, _GOOD = Life.GAP, Reception.NONE, Reception.GOOD
+_NEXT: Final = Life.NEXT
+_GAP: Final = Life.GAP
+_NO_TELEGRAM: Final = Reception.NONE
+_GOOD: Final = Reception.GOOD
 
 
 class Guard:
@@ -133,7 +135,7 @@ class Guard:
         :param stamp: when the mailbox received it, in bit times; default: now.
         """
         life = self._life.judge(telegram.life)
-        if not life.fresh:
+        if life is not _NEXT and not life.fresh:
             # A repeated or old telegram carries no new information: the age keeps growing.
             self.counters[life.value] += 1
             two_senders = False
@@ -215,13 +217,10 @@ class Guard:
         lost = self._odometer.lost(now_ns)
         if lost or finding or self._finding:
             finding = stronger(finding, self._finding, LEVELS[lost] if lost else None)
-        # Positional arguments: this runs at every tick, and keyword arguments take twice as long.
-        seen = Seen(age_ns // _NS_PER_MS, telegram, speed == 0, overspeed, finding)
-        if unconfirmed_ns <= age_ns:
-            self._state = observe(self._ladder, self._state, seen)
-            return
-        state = observe(self._ladder, self._state, seen._replace(age_ms=unconfirmed_ns // _NS_PER_MS))
-        if state.level is not self._state.level and state.cause is CtlCause.SPEED_AGE:
+        is_confirmed = unconfirmed_ns <= age_ns
+        age_ms = (age_ns if is_confirmed else unconfirmed_ns) // _NS_PER_MS
+        state = observe(self._ladder, self._state, age_ms, telegram, speed == 0, overspeed, finding)
+        if not is_confirmed and state.level is not self._state.level and state.cause is CtlCause.SPEED_AGE:
             state = state._replace(cause=CtlCause.SAFETY_CODE)
         self._state = state
 

@@ -7,7 +7,7 @@ from typing import Any, Final
 
 from railhil.bus.codes import ControllerFlag, CtlMode, Event
 from railhil.bus.ident import CtlIdent, Ident, Role, make_ident
-from railhil.bus.layout import Telegram, flag
+from railhil.bus.layout import FLAG_FALSE, FLAG_TRUE, Telegram, flag
 from railhil.bus.reception import Document, reception
 from railhil.bus.responder import Reading, Responder
 from railhil.bus.safe_telegrams import SAFE_DATA_VERSION, NotchSdt, SpeedSdt, safe_tick_fields
@@ -254,7 +254,9 @@ class ControllerNode:
         if output:
             self.controller.sent(code)
         mode = _MODES[guard.level]
-        self._notch_cmd = NotchCmd(code, mode, guard.cause, emergency=flag(emergency), life=self._notch_life)
+        self._notch_cmd = NotchCmd(
+            code, mode, guard.cause, emergency=FLAG_TRUE if emergency else FLAG_FALSE, life=self._notch_life
+        )
         return self._notch_cmd
 
     def _safe_notch(self) -> Telegram:

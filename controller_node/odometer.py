@@ -20,7 +20,7 @@ from typing import Final
 
 from railhil.bus.codes import CtlCause
 from railhil.bus.layout import CHECK_CORRECT
-from railhil.bus.lifesign import LifeSign
+from railhil.bus.lifesign import Life, LifeSign
 from railhil.bus.schedule import Schedule
 from railhil.bus.telegrams import TrnPos
 from railhil.controller_node.loop import POSITION_MAX_01MM, limited_01mm
@@ -41,6 +41,7 @@ ACCEL_MAX_MPS2: Final = 2.0
 _NS_PER_S: Final = 1_000_000_000
 _NOT_LOST: Final = CtlCause.NONE
 _NS_PER_MS: Final = 1_000_000
+_NEXT: Final = Life.NEXT
 
 
 class Odometer:
@@ -99,7 +100,7 @@ class Odometer:
     def position(self, telegram: TrnPos, at_ns: int) -> None:
         """Take a TRN_POS telegram that passed the traffic store, received at ``at_ns``."""
         life = self._life.judge(telegram.life)
-        if not life.fresh:
+        if life is not _NEXT and not life.fresh:
             # No new information: the odometer keeps ageing.
             self.counters[f"position_{life.value}"] += 1
             return

@@ -65,8 +65,14 @@ class Reception(IntEnum):
 
 
 # A member of an enum costs as much as a call on CPython 3.11, and the watch looks at every telegram.
-_NORMAL, _HOLD, _TRACTION_CUT, _SERVICE_BRAKE, _EMERGENCY = SpeedWatchLevel
-_NO_TELEGRAM, _GOOD, _BAD = Reception.NONE, Reception.GOOD, Reception.BAD
+_NORMAL: Final = SpeedWatchLevel.NORMAL
+_HOLD: Final = SpeedWatchLevel.HOLD
+_TRACTION_CUT: Final = SpeedWatchLevel.TRACTION_CUT
+_SERVICE_BRAKE: Final = SpeedWatchLevel.SERVICE_BRAKE
+_EMERGENCY: Final = SpeedWatchLevel.EMERGENCY
+_NO_TELEGRAM: Final = Reception.NONE
+_GOOD: Final = Reception.GOOD
+_BAD: Final = Reception.BAD
 
 
 class Finding(NamedTuple):
@@ -141,20 +147,6 @@ class Ladder(NamedTuple):
         return speed_01mmps > limit_01mmps + self.overspeed_margin_01mmps
 
 
-class Seen(NamedTuple):
-    """One observation, made at every telegram, and at every tick without one.
-
-    ``age_ms``: age of the last accepted telegram (0 with a good one); ``standstill``: according to that telegram;
-    ``finding``: the strongest of the other checks, None for none.
-    """
-
-    age_ms: int
-    telegram: Reception = Reception.NONE
-    standstill: bool = False
-    overspeed: bool = False
-    finding: Finding | None = None
-
-
 class SpeedWatchState(NamedTuple):
     """Memory of the watch.
 
@@ -172,30 +164,49 @@ class SpeedWatchState(NamedTuple):
     cause: CtlCause = CtlCause.NONE
 
 
-def observe(ladder: Ladder, state: SpeedWatchState, seen: Seen) -> SpeedWatchState:
-    """State after one observation."""
+def observe(
+    ladder: Ladder,
+    state: SpeedWatchState,
+    age_ms: int,
+    telegram: Reception,
+    standstill: bool,
+    overspeed: bool,
+    finding: Finding | None,
+) -> SpeedWatchState:
+    """State after one observation, made at every telegram, and at every tick without one.
+
+    :param age_ms: age of the last accepted telegram, 0 with a good one.
+    :param standstill: according to that telegram.
+    :param finding: the strongest of the other checks, None for none.
+    """
     recent = state.recent
     if (
         state.level is _NORMAL
-        and seen.age_ms <= ladder.hold_ms
-        and not (seen.overspeed or seen.finding)
+        and age_ms <= ladder.hold_ms
+        and not (overspeed or finding)
         and (
-            seen.telegram is _NO_TELEGRAM
-            or (recent == 0 and state.good_run == GOOD_AFTER_SERVICE_BRAKE and seen.telegram is _GOOD)
+            telegram is _NO_TELEGRAM
+            or (recent == 0 and state.good_run == GOOD_AFTER_SERVICE_BRAKE and telegram is _GOOD)
         )
     ):
         # A channel that has been healthy for some time: nothing changes. This is nearly always the case.
         return state
-    bad = seen.telegram >= _BAD
-    if seen.telegram is not _NO_TELEGRAM:
+    bad = telegram >= _BAD
+    if telegram is not _NO_TELEGRAM:
         recent = (recent << 1 | bad) & _RECENT_MASK
     good_run = state.good_run
-    if bad or seen.finding or seen.age_ms > ladder.hold_ms:
+    if bad or finding or age_ms > ladder.hold_ms:
         good_run = 0
-    elif seen.telegram is _GOOD:
+    elif telegram is _GOOD:
         good_run = min(good_run + 1, GOOD_AFTER_SERVICE_BRAKE)
-    level = _NORMAL if _may_leave(state.level, good_run, seen) else state.level
-    demanded, cause = _demanded(ladder, recent, seen)
+    level = _NORMAL if _may_leave(state.level, good_run, standstill) else state.level
+    if overspeed:
+        demanded, cause = _EMERGENCY, CtlCause.OVERSPEED
+    else:
+        # Of two equal demands the speed telegrams are named.
+        demanded, cause = _by_telegrams(ladder, recent, age_ms, telegram, standstill)
+        if finding is not None and finding.level > demanded:
+            demanded, cause = finding
     level = max(level, demanded)
     if level is state.level:
         cause = state.cause
@@ -205,36 +216,29 @@ def observe(ladder: Ladder, state: SpeedWatchState, seen: Seen) -> SpeedWatchSta
     return state._replace(level=level, good_run=good_run, recent=recent, kept_code=kept_code, cause=cause)
 
 
-def _may_leave(level: SpeedWatchLevel, good_run: int, seen: Seen) -> bool:
+def _may_leave(level: SpeedWatchLevel, good_run: int, standstill: bool) -> bool:
     if level is _EMERGENCY:
         # There is no reset on this bench.
         return False
     if level is _SERVICE_BRAKE:
-        return seen.standstill or good_run >= GOOD_AFTER_SERVICE_BRAKE
+        return standstill or good_run >= GOOD_AFTER_SERVICE_BRAKE
     if level is _TRACTION_CUT:
         return good_run >= GOOD_AFTER_TRACTION_CUT
     return good_run >= 1
 
 
-def _demanded(ladder: Ladder, recent: int, seen: Seen) -> tuple[SpeedWatchLevel, CtlCause]:
-    """Level demanded by this observation alone, and why; of two equal demands the speed telegrams are named."""
-    if seen.overspeed:
-        return _EMERGENCY, CtlCause.OVERSPEED
-    level, cause = _by_telegrams(ladder, recent, seen)
-    if seen.finding is not None and seen.finding.level > level:
-        return seen.finding
-    return level, cause
-
-
-def _by_telegrams(ladder: Ladder, recent: int, seen: Seen) -> tuple[SpeedWatchLevel, CtlCause]:
-    age_ms, bad = seen.age_ms, seen.telegram >= _BAD
+def _by_telegrams(
+    ladder: Ladder, recent: int, age_ms: int, telegram: Reception, standstill: bool
+) -> tuple[SpeedWatchLevel, CtlCause]:
+    """Level demanded by the speed telegrams alone, and why."""
+    bad = telegram >= _BAD
     if age_ms > ladder.service_brake_ms:
-        emergency = age_ms > ladder.emergency_ms and not seen.standstill
+        emergency = age_ms > ladder.emergency_ms and not standstill
         level = _EMERGENCY if emergency else _SERVICE_BRAKE
         return level, CtlCause.SPEED_AGE
     if age_ms > ladder.traction_cut_ms:
         return _TRACTION_CUT, CtlCause.SPEED_AGE
-    refused = CtlCause.SPEED_IMPLAUSIBLE if seen.telegram is Reception.IMPLAUSIBLE else CtlCause.BAD_TELEGRAMS
+    refused = CtlCause.SPEED_IMPLAUSIBLE if telegram is Reception.IMPLAUSIBLE else CtlCause.BAD_TELEGRAMS
     # The count matters only at a bad telegram: an old burst must not cut traction again after a good run.
     if bad and recent.bit_count() >= BAD_FOR_TRACTION_CUT:
         return _TRACTION_CUT, refused

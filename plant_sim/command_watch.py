@@ -19,27 +19,29 @@ The age is the simulation time since the last accepted command; "in a row" means
 limit after the previous one, and nothing suspicious between them. Leaving any level leads to NORMAL. The thresholds are
 scenario data (:class:`railhil.scenarios.model.WatchLimits`).
 
-The batch compiles the marked functions (:mod:`railhil.common.compilable` says what they may be made of).
+The batch compiles the functions that are marked at the end (:mod:`railhil.common.compilable` says what they may be made
+of).
 """
 
 from __future__ import annotations
 
 from enum import IntEnum
 from math import inf
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 from railhil.bus.codes import WatchCause
-from railhil.common.compilable import compilable, larger, smaller
+from railhil.common.compilable import compilable_functions
+from railhil.common.floats import larger, smaller
 from railhil.scenarios.model import WatchLimits
 
 #: Good commands in a row that end TRACTION_CUT.
-GOOD_AFTER_TRACTION_CUT = 5
+GOOD_AFTER_TRACTION_CUT: Final = 5
 #: Good commands in a row that end SERVICE_BRAKE of a moving train.
-GOOD_AFTER_SERVICE_BRAKE = 10
+GOOD_AFTER_SERVICE_BRAKE: Final = 10
 #: How fast the service brake builds up and is released.
-SERVICE_BRAKE_JERK_MPS3 = 0.75
+SERVICE_BRAKE_JERK_MPS3: Final = 0.75
 
-_NS_PER_MS = 1_000_000
+_NS_PER_MS: Final = 1_000_000
 
 
 class CommandWatchLevel(IntEnum):
@@ -53,10 +55,14 @@ class CommandWatchLevel(IntEnum):
 
 
 # A member of an enum costs as much as a call on CPython 3.11, and the watch is stepped in every tick.
-_NORMAL, _HOLD, _TRACTION_CUT, _SERVICE_BRAKE, _EMERGENCY = CommandWatchLevel
+_NORMAL: Final = CommandWatchLevel.NORMAL
+_HOLD: Final = CommandWatchLevel.HOLD
+_TRACTION_CUT: Final = CommandWatchLevel.TRACTION_CUT
+_SERVICE_BRAKE: Final = CommandWatchLevel.SERVICE_BRAKE
+_EMERGENCY: Final = CommandWatchLevel.EMERGENCY
 
 #: Level that each finding of the gate (:mod:`railhil.plant_sim.gate`) demands.
-SUSPICIONS = {
+SUSPICIONS: Final = {
     WatchCause.NONE: CommandWatchLevel.NORMAL,
     WatchCause.BAD_COMMANDS: CommandWatchLevel.TRACTION_CUT,
     WatchCause.NOTCH_RANGE: CommandWatchLevel.TRACTION_CUT,
@@ -97,12 +103,11 @@ def watch_ticks(limits: WatchLimits, base_tick_ns: int) -> WatchTicks:
     )
 
 
-@compilable
 def watch_step(
     limits: WatchTicks,
     state: CommandWatchState,
     accepted: bool,
-    suspicion: int,
+    suspicion: CommandWatchLevel,
     moving: bool,
     below_limit: bool,
     emergency: bool,
@@ -110,7 +115,7 @@ def watch_step(
     """State of the ladder one tick later.
 
     :param accepted: a command was accepted at this tick.
-    :param suspicion: level demanded by what the gate found in the commands of this tick, 0 for none.
+    :param suspicion: level demanded by what the gate found in the commands of this tick, NORMAL for none.
     :param moving: the train is not at standstill.
     :param below_limit: the speed is below the limit of the line and the train.
     :param emergency: overspeed, an emergency command, an open safety loop, or a check of the train's forces and place.
@@ -121,15 +126,16 @@ def watch_step(
         good = 0
     if accepted:
         age = 0
-        good = smaller(good + 1, GOOD_AFTER_SERVICE_BRAKE)
-    if suspicion > 0:
+        if good < GOOD_AFTER_SERVICE_BRAKE:
+            good += 1
+    if suspicion > _NORMAL:
         good = 0
     if level == _EMERGENCY or emergency:
-        # There is no stronger level. In compiled code a level is a number, as in the last line.
-        return CommandWatchState(larger(level, _EMERGENCY), age, good)
+        # There is no stronger level. In the batch's code a level is a number, as in the last line.
+        return CommandWatchState(_EMERGENCY if level < _EMERGENCY else level, age, good)
     if _may_leave(level, good, moving, below_limit):
         level = _NORMAL
-    demanded = _NORMAL
+    demanded: CommandWatchLevel = _NORMAL
     if age > limits.hold:
         demanded = _HOLD
         if age > limits.traction_cut:
@@ -139,11 +145,10 @@ def watch_step(
         if age > limits.emergency and moving:
             demanded = _EMERGENCY
     if suspicion > demanded:
-        demanded = suspicion  # type: ignore[assignment]
-    return CommandWatchState(larger(level, demanded), age, good)
+        demanded = suspicion
+    return CommandWatchState(demanded if demanded > level else level, age, good)
 
 
-@compilable
 def _may_leave(level: CommandWatchLevel, good: int, moving: bool, below_limit: bool) -> bool:
     if level <= _HOLD:
         return good >= 1
@@ -152,7 +157,6 @@ def _may_leave(level: CommandWatchLevel, good: int, moving: bool, below_limit: b
     return (not moving and good >= 1) or (good >= GOOD_AFTER_SERVICE_BRAKE and below_limit)
 
 
-@compilable
 def watch_brake_mps2(
     level: CommandWatchLevel,
     brake_mps2: float,
@@ -175,3 +179,6 @@ def watch_brake_mps2(
     if not moving:
         return 0.0
     return larger(0.0, brake_mps2 - SERVICE_BRAKE_JERK_MPS3 * step_s)
+
+
+compilable_functions(watch_step, _may_leave, watch_brake_mps2)

@@ -21,9 +21,10 @@ The batch compiles all functions here (:mod:`railhil.common.compilable` says wha
 from __future__ import annotations
 
 from math import exp, log
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
-from railhil.common.compilable import compilable_functions, larger, smaller
+from railhil.common.compilable import compilable_functions
+from railhil.common.floats import larger, smaller
 from railhil.plant_sim.forces import GradeTable, TrainConstants, effort_limit_n, mean_grade_permil, resistance_n
 
 
@@ -46,7 +47,7 @@ class Window(NamedTuple):
     brake_min_n: float
 
 
-FREE = Window(True, 0.0)
+FREE: Final = Window(True, 0.0)
 
 
 class Motion(NamedTuple):
@@ -62,7 +63,7 @@ class Motion(NamedTuple):
     accel_mps2: float
 
 
-AT_REST = Motion(0.0, 0.0, 0.0, 0.0)
+AT_REST: Final = Motion(0.0, 0.0, 0.0, 0.0)
 
 
 class Step(NamedTuple):

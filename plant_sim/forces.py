@@ -9,7 +9,8 @@ from __future__ import annotations
 from bisect import bisect_right
 from typing import NamedTuple
 
-from railhil.common.compilable import compilable_functions, smaller
+from railhil.common.compilable import compilable_functions
+from railhil.common.floats import smaller
 
 
 class EffortLimit(NamedTuple):

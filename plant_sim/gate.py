@@ -17,7 +17,9 @@ RECENT = 10
 ORDER = 16
 
 # A member of an enum costs as much as a call on CPython 3.11, and this runs with every command.
-_NO_SUSPICION, _GAP = WatchCause.NONE, Life.GAP
+_NO_SUSPICION: Final = WatchCause.NONE
+_NEXT: Final = Life.NEXT
+_GAP: Final = Life.GAP
 _RECENT_MASK: Final = (1 << RECENT) - 1
 _ORDER_MASK: Final = (1 << ORDER) - 1
 
@@ -61,7 +63,7 @@ class CommandGate:
             self._bad = self._bad << 1 & _RECENT_MASK
             self._disorder = self._disorder << 1 & _ORDER_MASK
         life = self._life.judge(command.life)
-        if not life.fresh:
+        if life is not _NEXT and not life.fresh:
             if was_good and life is Life.OUT_OF_ORDER:
                 self._disorder |= 1
                 if self._disorder.bit_count() >= self._two_sources_max:

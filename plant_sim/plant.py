@@ -36,7 +36,9 @@ PARKING_BRAKE_PERMIL: Final = 40.0
 
 # A member of an enum costs as much as a call on CPython 3.11, and these are needed in every tick.
 _NOTHING: Final = WatchCause.NONE
-_TRACTION_CUT, _EMERGENCY = CommandWatchLevel.TRACTION_CUT, CommandWatchLevel.EMERGENCY
+_NO_DEMAND: Final = CommandWatchLevel.NORMAL
+_TRACTION_CUT: Final = CommandWatchLevel.TRACTION_CUT
+_EMERGENCY: Final = CommandWatchLevel.EMERGENCY
 
 #: Parts of a tick shorter than this are not simulated as a separate step.
 SLIVER_TICKS: Final = 1e-9
@@ -173,7 +175,7 @@ class Plant(PlantReadings):
             self._limits,
             before,
             self._accepted,
-            SUSPICIONS[suspicion] if suspicion else 0,
+            SUSPICIONS[suspicion] if suspicion else _NO_DEMAND,
             moving,
             speed_mps < self._limit_mps,
             emergency,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from railhil.common.floats import rounded
 from railhil.common.mypyc import mypyc_attr
 from railhil.plant_sim import dynamics, forces
 from railhil.plant_sim.command_watch import CommandWatchLevel, CommandWatchState
@@ -66,12 +67,12 @@ class PlantReadings:
     @property
     def position_01mm(self) -> int:
         """True position of the front in 0.1 mm."""
-        return round(self._motion.position_m * 1e4)
+        return rounded(self._motion.position_m * 1e4)
 
     @property
     def true_speed_01mmps(self) -> int:
         """True speed in 0.1 mm/s."""
-        return round(self._motion.speed_mps * 1e4)
+        return rounded(self._motion.speed_mps * 1e4)
 
     @property
     def accel_mps2(self) -> float:

@@ -8,6 +8,7 @@ from __future__ import annotations
 from typing import Final
 
 from railhil.common.compilable import compilable_functions
+from railhil.common.floats import rounded
 from railhil.scenarios import streams
 from railhil.scenarios.model import Sensors
 
@@ -19,13 +20,13 @@ def speed_reading_01mmps(speed_mps: float, noise_mps: float, wheel_factor: float
     """Reading of a true speed >= 0, in 0.1 mm/s. A standing axle reads 0, and the reading is never negative."""
     if speed_mps <= 0.0:
         return 0
-    counts = round((speed_mps * wheel_factor + noise_mps) / lsb_mps)
-    return round(counts * lsb_mps * 1e4) if counts > 0 else 0
+    counts = rounded((speed_mps * wheel_factor + noise_mps) / lsb_mps)
+    return rounded(counts * lsb_mps * 1e4) if counts > 0 else 0
 
 
 def odometer_reading_mm(position_m: float, wheel_factor: float, lsb_m: float) -> int:
     """Odometer at a true position, in mm, to its resolution."""
-    return round(round(position_m * wheel_factor / lsb_m) * lsb_m * 1000)
+    return rounded(rounded(position_m * wheel_factor / lsb_m) * lsb_m * 1000)
 
 
 class AxleSensors:

@@ -24,6 +24,7 @@ from railhil.bus.telegrams import (
     TrnSpeed,
     TrnWatch,
 )
+from railhil.common.floats import rounded
 from railhil.plant_sim.plant import Plant
 from railhil.scenarios.model import Profile, Scenario, profile_value
 from railhil.scenarios.target import Target
@@ -37,7 +38,7 @@ _RUNNING: Final = TimeState.RUNNING
 
 
 def _clamped(value: float, low: int, high: int) -> int:
-    raw = round(value)
+    raw = rounded(value)
     if low <= raw <= high:
         return raw
     return low if raw < low else high
@@ -55,6 +56,10 @@ class TrainTelegrams:
         self._rate_10th = rate_to_10th(rate)
         # Life signs of the ports that the train publishes, each with its own modulus.
         self._lives: dict[str, Iterator[int]] = defaultdict(lambda: cycle(range(16)), {TrkInfo.PORT: cycle(range(4))})
+        # Those of the most frequent ports.
+        self._speed_life = self._lives[TrnSpeed.PORT]
+        self._position_life = self._lives[TrnPos.PORT]
+        self._truth_life = self._lives[SimTruth.PORT]
         self._balise: BalisePassed | None = None
         #: For each published port, the function that makes its telegram.
         self.makers: dict[str, Callable[[], Telegram | None]] = {
@@ -72,7 +77,7 @@ class TrainTelegrams:
             self.makers[SpeedSdt.PORT] = self._safe_speed
 
     def _speed(self) -> TrnSpeed:
-        return TrnSpeed(self._plant.speed_01mmps, life=next(self._lives[TrnSpeed.PORT]))
+        return TrnSpeed(self._plant.speed_01mmps, life=next(self._speed_life))
 
     def _safe_speed(self) -> SpeedSdt:
         plant = self._plant
@@ -94,7 +99,7 @@ class TrainTelegrams:
             plant.odometer_mm,
             _clamped(plant.effort_fraction * _BIPOLAR_FULL, -0x8000, 0x7FFF),
             _clamped(plant.notch_acting / 16, -128, 127),
-            life=next(self._lives[TrnPos.PORT]),
+            life=next(self._position_life),
         )
 
     def _status(self) -> PltStat:
@@ -144,7 +149,7 @@ class TrainTelegrams:
         return SimTruth(
             plant.position_01mm,
             plant.true_speed_01mmps,
-            life=next(self._lives[SimTruth.PORT]),
+            life=next(self._truth_life),
             accel_01mmps2=_clamped(plant.accel_mps2 * 1e4, -0x8000, 0x7FFF),
             traction_20n=_clamped(plant.traction_n / 20, 0, 0xFFFF),
             brake_20n=_clamped(plant.brake_n / 20, 0, 0xFFFF),

@@ -24,7 +24,8 @@ from math import exp, inf
 from typing import Final, NamedTuple
 
 from railhil.bus.codes import WatchCause
-from railhil.common.compilable import compilable_functions, larger, smaller
+from railhil.common.compilable import compilable_functions
+from railhil.common.floats import larger, smaller
 from railhil.common.mypyc import mypyc_attr
 from railhil.plant_sim.dynamics import Motion
 from railhil.plant_sim.forces import TrainConstants, effort_limit_n

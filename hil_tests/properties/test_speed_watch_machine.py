@@ -10,8 +10,9 @@ from hypothesis import HealthCheck, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, rule
 
+from hil_tests.support.speed_seen import Seen
 from railhil.bus.codes import CtlCause
-from railhil.controller_node.speed_watch import Ladder, Reception, Seen, SpeedWatchState, command, observe
+from railhil.controller_node.speed_watch import Ladder, Reception, SpeedWatchState, command, observe
 from railhil.scenarios.load import load
 
 LADDER = Ladder.of(load("lvshun_tieshan"))
@@ -80,7 +81,7 @@ class SpeedWatchBesideReference(RuleBasedStateMachine):
 
     def _look(self, elapsed_ms: int, reception: Reception, overspeed: bool = False) -> None:
         self.age_ms = 0 if reception is Reception.GOOD else self.age_ms + elapsed_ms
-        self.state = observe(LADDER, self.state, Seen(self.age_ms, reception, self.standstill, overspeed))
+        self.state = observe(LADDER, self.state, self.age_ms, reception, self.standstill, overspeed, None)
         good = {Reception.GOOD: True, Reception.BAD: False, Reception.NONE: None}[reception]
         self.reference.see(self.age_ms, good, self.standstill, overspeed)
         assert (self.state.level, self.state.cause) == (self.reference.level, self.reference.cause)
@@ -126,7 +127,7 @@ TestSpeedWatchBesideReference.settings = settings(
 
 def seen(state: SpeedWatchState, *looks: Seen) -> SpeedWatchState:
     for look in looks:
-        state = observe(LADDER, state, look)
+        state = observe(LADDER, state, *look)
     return state
 
 

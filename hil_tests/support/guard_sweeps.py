@@ -21,7 +21,6 @@ from railhil.controller_node.speed_watch import (
     Finding,
     Ladder,
     Reception,
-    Seen,
     SpeedWatchLevel,
     SpeedWatchState,
     command,
@@ -66,7 +65,7 @@ class PlainGuard:
         margin = round(SCENARIO.watch.overspeed_margin_mps * 10_000)
         too_fast = bool(self.good and self.limits) and speed > self.limits[-1] * 40 + margin
         age_ms = (now_ns - at_ns) // MS
-        self.state = observe(self.ladder, self.state, Seen(age_ms, telegram, speed == 0, too_fast, finding))
+        self.state = observe(self.ladder, self.state, age_ms, telegram, speed == 0, too_fast, finding)
 
     def count(self, cause: str) -> None:
         self.counters[cause] = self.counters.get(cause, 0) + 1

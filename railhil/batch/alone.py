@@ -127,7 +127,7 @@ def _protect(common: Any, train: Any, tick: int, polled: bool, look_due: bool) -
         common.limits,
         CommandWatchState(before, train.age_ticks, train.good),
         polled,
-        0,
+        CommandWatchLevel.NORMAL,
         train.speed_mps > 0.0,
         train.speed_mps < train.limit_mps,
         found or train.speed_mps > train.limit_mps + common.overspeed_margin_mps,

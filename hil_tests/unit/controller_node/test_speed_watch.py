@@ -10,13 +10,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from hil_tests.support.speed_seen import Seen
 from railhil.bus.codes import CtlCause
 from railhil.controller_node.speed_watch import (
     LEVELS,
     Finding,
     Ladder,
     Reception,
-    Seen,
     SpeedWatchLevel,
     SpeedWatchState,
     command,
@@ -32,7 +32,7 @@ GOOD, BAD, NONE, IMPLAUSIBLE = Reception.GOOD, Reception.BAD, Reception.NONE, Re
 
 def after(state: SpeedWatchState, *looks: Seen) -> SpeedWatchState:
     for look in looks:
-        state = observe(LADDER, state, look)
+        state = observe(LADDER, state, *look)
     return state
 
 
@@ -110,7 +110,7 @@ def test_ladder_equals_the_reference(events: list[Any]) -> None:
         age_ms = 0 if telegram is GOOD else age_ms + elapsed_ms
         seen = Seen(age_ms, telegram, standstill, overspeed, finding)
         before = state
-        state = observe(LADDER, state, seen)
+        state = observe(LADDER, state, *seen)
         assert state.level == reference.look(seen)
         if state.level > before.level and not (seen.finding and seen.telegram >= BAD):
             assert state.cause is cause_of(seen, state.level)
@@ -170,15 +170,15 @@ def test_a_healthy_channel_costs_no_new_state() -> None:
     healthy = after(SpeedWatchState(), *goods(10))
     assert healthy == SpeedWatchState(good_run=10)
     for look in (Seen(0, GOOD), Seen(0), Seen(20)):
-        assert observe(LADDER, healthy, look) is healthy
-    assert observe(LADDER, healthy, Seen(21)) is not healthy
+        assert observe(LADDER, healthy, *look) is healthy
+    assert observe(LADDER, healthy, *Seen(21)) is not healthy
 
 
 @pytest.mark.parametrize("standstill", [False, True])
 def test_level_at_every_age(standstill: bool) -> None:
     for age_ms in range(1300):
         expected = (age_ms > 20) + (age_ms > 64) + (age_ms > 256) + (age_ms > 1000 and not standstill)
-        assert observe(LADDER, SpeedWatchState(), Seen(age_ms, standstill=standstill)).level == expected
+        assert observe(LADDER, SpeedWatchState(), *Seen(age_ms, standstill=standstill)).level == expected
 
 
 def test_overspeed_at_every_speed_around_the_margin() -> None:
@@ -311,7 +311,7 @@ def test_service_brake_comes_and_goes_on_its_ramp() -> None:
 
 
 def test_no_traction_in_service_brake_though_the_ladder_jumped_there() -> None:
-    state = observe(LADDER, SpeedWatchState(code=7 * 256), Seen(age_ms=300))
+    state = observe(LADDER, SpeedWatchState(code=7 * 256), *Seen(age_ms=300))
     assert state.level is SpeedWatchLevel.SERVICE_BRAKE
     code = 7 * 256
     for elapsed_ms in (20, 20, 20):
