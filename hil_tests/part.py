@@ -59,19 +59,23 @@ def _run(name: str, command: Sequence[str]) -> Counter[str]:
     """Run the command and pass on its output; returns the counts of its summary line."""
     closing = ""
     running: list[subprocess.Popen[str]] = []
+    told = False
 
     def end(*_: object) -> None:
         """End the command, which shuts down the machines that it started."""
+        nonlocal told
+        told = True
         for one in running:
             one.terminate()
-        if not running:
-            sys.exit(1)
 
     signal.signal(signal.SIGTERM, end)
     # Ctrl-C reaches the command directly.
     signal.signal(signal.SIGINT, lambda *_: None)
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as process:
         running.append(process)
+        if told:
+            # Before the command was known here, which may have begun already.
+            process.terminate()
         assert process.stdout is not None
         for line in process.stdout:
             print(line, end="", flush=True)

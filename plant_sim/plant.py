@@ -49,7 +49,7 @@ class Plant(PlantReadings):
     """One train on one run, advanced tick by tick (``scenario.timing.base_tick_ns``) from standstill at position 0.
 
     All readings are those of the instant ``tick * base_tick``, before :meth:`advance`. ``seed`` is the run's; the noise
-    of the speed sensor is drawn in every tick, whether it is read or not.
+    of the speed sensor depends on it and on the tick alone, not on what is read.
     """
 
     def __init__(self, scenario: Scenario, seed: int) -> None:
@@ -139,7 +139,6 @@ class Plant(PlantReadings):
         if end - now > SLIVER_TICKS:
             self._move(now, end - now)
         self.tick = end
-        self._sensors.begin_tick(end)
         position_m, speed_mps, actuator_n, _ = self._motion
         if not isfinite(position_m + speed_mps + actuator_n):
             raise PlantError(

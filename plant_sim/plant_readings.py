@@ -15,6 +15,8 @@ from railhil.scenarios.model import Train
 class PlantReadings:
     """Properties of :class:`railhil.plant_sim.plant.Plant`, computed from its state when they are read."""
 
+    #: Base ticks simulated.
+    tick: int
     _train: Train
     _constants: forces.TrainConstants
     _grades: forces.GradeTable
@@ -33,7 +35,7 @@ class PlantReadings:
     @property
     def speed_01mmps(self) -> int:
         """Speed measured by the axle sensor, in 0.1 mm/s."""
-        return self._sensors.speed_01mmps(self._motion.speed_mps)
+        return self._sensors.speed_01mmps(self._motion.speed_mps, self.tick)
 
     @property
     def odometer_mm(self) -> int:

@@ -10,6 +10,7 @@ from typing import Final
 from railhil.common.compilable import compilable_functions
 from railhil.common.floats import rounded
 from railhil.scenarios import streams
+from railhil.scenarios.counted_normals import key_of, normals
 from railhil.scenarios.model import Sensors
 
 #: Speed noise is drawn in blocks of this many ticks.
@@ -30,31 +31,28 @@ def odometer_reading_mm(position_m: float, wheel_factor: float, lsb_m: float) ->
 
 
 class AxleSensors:
-    """Readings of one run. Speed noise is drawn in every tick from its own stream, whether it is read or not."""
+    """Readings of one run. Each tick has its own speed noise, whether it is read or not, and however often."""
 
     def __init__(self, sensors: Sensors, seed: int) -> None:
         self.sensors = sensors
-        self._source = streams.generator(seed, streams.SPEED_NOISE)
-        self._block_mps = self._next_block_mps()
-        #: Noise of the speed at the current tick.
-        self.noise_mps = self._block_mps[0]
+        self._key = key_of(seed, streams.AXLE_NOISE)
+        self._first_tick = 0
+        self._block_mps: list[float] = []
 
-    def begin_tick(self, tick: int) -> None:
-        """Take the noise of a tick; ticks come in order from 1 (the noise of tick 0 is drawn at the start)."""
-        index = tick % _NOISE_BLOCK
-        if index == 0:
-            self._block_mps = self._next_block_mps()
-        self.noise_mps = self._block_mps[index]
-
-    def _next_block_mps(self) -> list[float]:
-        draws = self._source.standard_normal(_NOISE_BLOCK)
-        noise: list[float] = (draws * self.sensors.speed_noise_sigma_mps).tolist()
-        return noise
-
-    def speed_01mmps(self, speed_mps: float) -> int:
-        """Reading of a true speed >= 0, in 0.1 mm/s."""
+    def speed_01mmps(self, speed_mps: float, tick: int) -> int:
+        """Reading of a true speed >= 0 at a tick, in 0.1 mm/s."""
         sensors = self.sensors
-        return speed_reading_01mmps(speed_mps, self.noise_mps, sensors.wheel_factor, sensors.speed_lsb_mps)
+        return speed_reading_01mmps(speed_mps, self.noise_mps(tick), sensors.wheel_factor, sensors.speed_lsb_mps)
+
+    def noise_mps(self, tick: int) -> float:
+        """Noise of the speed at a tick."""
+        index = tick - self._first_tick
+        if not 0 <= index < len(self._block_mps):
+            index = tick % _NOISE_BLOCK
+            self._first_tick = tick - index
+            draws = normals(self._key, self._first_tick, _NOISE_BLOCK)
+            self._block_mps = (draws * self.sensors.speed_noise_sigma_mps).tolist()
+        return self._block_mps[index]
 
     def odometer_mm(self, position_m: float) -> int:
         """Odometer at a true position, in mm, to its resolution."""

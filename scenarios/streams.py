@@ -1,7 +1,8 @@
 """Independent random streams of a run: every random source has its own, so adding one does not change the others.
 
 A stream is ``SeedSequence([seed, stream])`` feeding PCG64 (numpy's default bit generator, whose stream is
-fixed by numpy's compatibility policy for seeded bit generators).
+fixed by numpy's compatibility policy for seeded bit generators). Where only a few of its numbers are needed, it feeds
+:mod:`railhil.scenarios.counted_normals` instead: the speed sensor of a train on its line.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ import numpy as np
 
 #: Draws of :func:`railhil.scenarios.perturb.perturbed`.
 PERTURBATION = 0
-#: Noise of the axle speed sensor.
+#: Noise of the axle speed sensors of a high-speed train.
 SPEED_NOISE = 1
 #: Search of tuning parameters.
 TUNING = 5
@@ -26,6 +27,10 @@ GRADES = 9
 SEQUENCE = 10
 #: What differs from run to run of a sequence: values drawn once, noise of the speed, wander of the speed, balises.
 RUN_VALUES, RUN_SPEED_NOISE, RUN_WANDER, RUN_BALISES = 11, 12, 13, 14
+
+#: Noise of the axle speed sensor of a train on its line. With this number seed 0, the default, is a typical run of the
+#: default scenario: it stops 0.269 m short, the median over 2000 seeds is 0.267 m.
+AXLE_NOISE = 24
 
 
 def generator(seed: int, stream: int) -> np.random.Generator:

@@ -42,7 +42,7 @@ def _run(here: Railhil, fmu: Path | None, out: str, *words: str) -> dict[str, ob
 def test_the_whole_scenario_has_the_scores_of_the_native_train(here: Railhil, train: Path) -> None:
     native, found = _run(here, None, "native"), _run(here, train, "fmu")
     assert found["verdict"] == native["verdict"] == "PASS"
-    assert found["frames"] == native["frames"]
+    assert found["frames"] == pytest.approx(native["frames"], abs=20)
     for name, within in {"itae": 20, "energy_kj": 75, "punctuality_s": 0.01, "stop_error_m": 0.1}.items():
         assert found["scores"][name] == pytest.approx(native["scores"][name], abs=within), name
     assert found["frames_sha256"] != native["frames_sha256"]

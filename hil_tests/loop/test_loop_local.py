@@ -65,10 +65,10 @@ def test_can_fd_form_gives_the_same_run(brief, brief_run, tmp_path):
 
 
 @pytest.mark.parametrize("arithmetic", ["iq", "float64"])
-@pytest.mark.parametrize(("seed", "drawn"), [(1, False), (5, True)])
+@pytest.mark.parametrize(("seed", "drawn"), [(2, False), (5, True)])
 def test_direct_coupling_is_the_same_loop(nominal, lvshun, brief, tmp_path, arithmetic, seed, drawn):
     """The published run, and shorter ones."""
-    is_nominal = (seed, drawn, arithmetic) == (1, False, "iq")
+    is_nominal = (seed, drawn, arithmetic) == (2, False, "iq")
     run = RunSpec(law=LawSpec(arithmetic=arithmetic), seed=seed, perturbed=drawn)
     through_telegrams = nominal if is_nominal else local_run(brief, tmp_path, run)
     direct = direct_run(lvshun if is_nominal else brief, run)

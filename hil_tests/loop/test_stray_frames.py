@@ -185,7 +185,7 @@ def test_a_stop_that_the_truth_does_not_show_is_no_stop(short: Scenario, passed:
     place = int(passed.trace.raw(RunEvent.PORT, "EventPos")[EVENT_COPIES])
     instant = int(passed.trace.raw(RunEvent.PORT, "EventTime")[EVENT_COPIES])
     for at, where, words in (
-        (40_000, place, "record: STOPPED at 3.47 m, but SIM_TRUTH shows the train at 1.7"),
+        (40_000, place, "record: STOPPED at 3.46 m, but SIM_TRUTH shows the train at 1.7"),
         (instant, 79_983, "record: STOPPED at 8.00 m, but SIM_TRUTH shows the train at"),
         (instant, 20_000, "record: STOPPED at 2.00 m, but SIM_TRUTH shows the train at"),
     ):

@@ -154,7 +154,7 @@ class FaultyTrain(TrainOnBus):
 
     @property
     def _axle_speed_01mmps(self) -> int:
-        return self._sensors.speed_01mmps(max(0.0, self._motion.speed_mps + self._forces.axle.slip_mps))
+        return self._sensors.speed_01mmps(max(0.0, self._motion.speed_mps + self._forces.axle.slip_mps), self.tick)
 
     @property
     def _axle_odometer_mm(self) -> int:

@@ -28,7 +28,7 @@ from railhil.plant_sim import command_watch, dynamics, forces, sensors, train_ch
 from railhil.plant_sim.high_speed import dynamics as high_speed_dynamics
 from railhil.plant_sim.high_speed import watch as high_speed_watch
 from railhil.plant_sim.stopping import brake as stopping_brake
-from railhil.scenarios import target
+from railhil.scenarios import counted_normals, target
 from railhil.supervisor import measures
 
 try:
@@ -126,7 +126,7 @@ def cached(*sources: str) -> Callable[[Callable[..., Any]], Any]:
         high_speed_watch,
         stopping_brake,
     )
-    modules = (*plant, target, measures, compilable)
+    modules = (*plant, counted_normals, target, measures, compilable)
     for path in (Path(__file__), *map(source_of, modules), *map(Path, sources)):
         digest.update(path.read_bytes())
     home = os.environ.get("NUMBA_CACHE_DIR") or os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"

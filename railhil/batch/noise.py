@@ -2,34 +2,29 @@
 
 from __future__ import annotations
 
-from collections import OrderedDict
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from railhil.batch.ziggurat import numbers_at
-from railhil.scenarios import streams
+from railhil.batch import compiled
+from railhil.scenarios import counted_normals, streams
 
-#: Number of runs whose noise is cached, 3 kB each: searches and comparisons repeat the same seeds.
-_KEPT = 4096
-_kept: OrderedDict[tuple[int, int, int], NDArray[np.float64]] = OrderedDict()
+
+@compiled.cached(__file__)
+def _draw(keys: Any, ticks: Any, numbers: Any) -> None:
+    for row in range(ticks.size):
+        for column in range(keys.size):
+            numbers[row, column] = counted_normals.normal_at(keys[column], ticks[row])
 
 
 def standard_noise(seeds: Sequence[int], ticks: NDArray[np.int64]) -> NDArray[np.float64]:
     """Standard normal numbers of :class:`railhil.plant_sim.sensors.AxleSensors` at some ticks, shape (ticks, seeds).
 
-    :param ticks: rising from 0, shape (ticks,).
+    :param ticks: each >= 0, shape (ticks,).
     """
-    found = np.empty((len(seeds), ticks.size))
-    which = hash(ticks.tobytes())
-    for row, seed in enumerate(seeds):
-        key = (seed, ticks.size, which)
-        numbers = _kept.pop(key, None)
-        if numbers is None:
-            numbers = numbers_at(streams.generator(seed, streams.SPEED_NOISE), ticks)
-        _kept[key] = numbers
-        found[row] = numbers
-    while len(_kept) > _KEPT:
-        _kept.popitem(last=False)
-    return np.ascontiguousarray(found.T)
+    keys = np.array([counted_normals.key_of(seed, streams.AXLE_NOISE) for seed in seeds], dtype=np.uint64)
+    numbers = np.empty((ticks.size, keys.size))
+    _draw(keys, ticks.astype(np.uint64), numbers)
+    return numbers

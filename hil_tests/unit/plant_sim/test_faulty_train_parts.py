@@ -224,10 +224,10 @@ def test_the_sensors_read_the_axle() -> None:
     """An axle that slips turns faster than the train moves, and has turned further."""
     plant = moving(faulty())
     motion, sensors = plant._motion, plant._sensors
-    assert plant.speed_01mmps == sensors.speed_01mmps(motion.speed_mps)
+    assert plant.speed_01mmps == sensors.speed_01mmps(motion.speed_mps, plant.tick)
     assert plant.odometer_mm == sensors.odometer_mm(motion.position_m)
     plant._forces.axle.slip_mps, plant._forces.axle.slip_m = 2.0, 7.0
-    assert plant.speed_01mmps == sensors.speed_01mmps(motion.speed_mps + 2.0)
+    assert plant.speed_01mmps == sensors.speed_01mmps(motion.speed_mps + 2.0, plant.tick)
     assert plant.odometer_mm == sensors.odometer_mm(motion.position_m + 7.0)
     plant._forces.axle.slip_mps = -1.0 - motion.speed_mps
     assert plant.speed_01mmps == 0
