@@ -10,6 +10,7 @@ from railhil.bus.injector.activities import Activities
 from railhil.bus.injector.activity import Activity
 from railhil.bus.injector.log import Hit
 from railhil.faults.language import parse
+from railhil.faults.ordered import octets_of
 
 S = 1_000_000_000
 MS = 1_000_000
@@ -41,6 +42,18 @@ def test_a_time_and_a_duration() -> None:
     assert state(one) == (False, True, 2 * S + 3, 2 * S + 3 + 500 * MS)
     assert not one.look(9 * S, 0.0, 0.0)
     assert one.ended_ns == 2 * S + 3 + 500 * MS
+
+
+def test_values_of_an_operator_are_for_a_fault_that_has_not_begun() -> None:
+    prepared, wanted = parse("TRN_SPEED loss @manual"), parse("TRN_SPEED loss 12% @manual")
+    octets = octets_of(7, prepared, wanted)
+    waiting, running, cleared = (Activity(prepared, 7) for _ in range(3))
+    running.order(True, 2 * S)
+    cleared.order(False, 2 * S)
+    found = [(one.give(octets), one.given, one.fault.values["share"]) for one in (waiting, running, cleared)]
+    before = prepared.values["share"]
+    assert found == [(True, True, 0.12), (True, False, before), (True, False, before)]
+    assert not Activity(prepared, 8).give(octets)
 
 
 def test_it_begins_at_the_very_instant() -> None:

@@ -109,6 +109,8 @@ def test_it_is_the_endpoint_below() -> None:
     assert (end.is_down, end.lossless) == (True, False)
     assert [end.has_ended(node) for node in ("controller", "plant")] == [True, False]
     assert [end.is_cut_off(node) for node in ("supervisor", "plant")] == [True, False]
+    for wire.is_private in (True, False):
+        assert end.is_private is wire.is_private
     wire.arrived = [Frame(1, b"a")]
     assert end.receive(0.5) == [Frame(1, b"a")]
     end.close()

@@ -44,8 +44,8 @@ def test_another_kind_is_not_made_by_values(other: str) -> None:
 
 
 def test_octets_of_which_one_is_lost_or_wrong_inject_nothing() -> None:
-    prepared = parse("TRN_SPEED loss @manual")
-    octets = octets_of(1, prepared, parse("TRN_SPEED loss 12% @manual"))
+    prepared = parse("TRN_SPEED loss @manual expect HOLD")
+    octets = octets_of(1, prepared, parse("TRN_SPEED loss 12% @manual expect HOLD"))
     broken = [octets[:place] + octets[place + 1 :] for place in range(len(octets))]
     broken += [octets[:place] + bytes((octets[place] ^ 1,)) + octets[place + 1 :] for place in range(len(octets))]
     assert [with_octets(1, prepared, one) for one in broken] == [None] * len(broken)
@@ -64,4 +64,6 @@ def test_octets_of_which_one_is_lost_or_wrong_inject_nothing() -> None:
     node.look(20, 0.0, 0.0)
     assert node.all[0].active
     assert node.all[0].fault.values["share"] == 0.12
-    assert "20,begun,,TRN_SPEED loss 12% @manual" in node.log.text(node.all)
+    # What is injected, not what is expected of it.
+    assert "20,begun,,TRN_SPEED loss 12% @manual" in node.log.text(node.all).splitlines()[-1]
+    assert "expect" not in node.log.text(node.all)

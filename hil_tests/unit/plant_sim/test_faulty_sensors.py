@@ -25,6 +25,12 @@ def test_a_quantity_keeps_to_its_signal() -> None:
     ]  # fmt: skip
 
 
+def test_a_train_with_one_sensor_has_the_faults_of_all_units() -> None:
+    injections = made(fault("sensor.speed", "off", units=(2,)))
+    assert FaultySensor(injections, QUANTITY, 0.1, "speed")
+    assert [bool(FaultySensor(injections, QUANTITY, 0.1, "speed", unit=unit)) for unit in (1, 2)] == [False, True]
+
+
 def sensed(*faults: Fault, raw: list[int], tick_s: float = 0.1) -> list[Reading]:
     injections = Injections(list(enumerate(faults, 1)), 0, round(tick_s * 1e9))
     sensor = FaultySensor(injections, QUANTITY, tick_s, "speed")

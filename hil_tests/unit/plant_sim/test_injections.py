@@ -11,12 +11,16 @@ from railhil.bus.injector.log import Hit
 from railhil.common.errors import InputError
 from railhil.faults.language import parse
 from railhil.faults.model import Trigger
+from railhil.plant_sim.faults import plants
 from railhil.plant_sim.faults.injections import Injections, MotionEvents
 from railhil.plant_sim.faults.mismatch import Mismatch
-from railhil.plant_sim.faults.plants import constant_mismatches, in_plant, make_plant, needs_nodes
+from railhil.plant_sim.faults.plants import FMU_PART, constant_mismatches, in_plant, make_plant, needs_nodes
 from railhil.plant_sim.faults.train import FaultyTrain
 from railhil.scenarios.fault_list import drawn
+from railhil.scenarios.load import load_any
+from railhil.scenarios.plant_fmu import PlantFmu
 from railhil.scenarios.run_spec import RunSpec
+from railhil.scenarios.system import system_named
 
 MANUAL = Trigger("manual")
 
@@ -68,6 +72,13 @@ def test_places_of_the_faults() -> None:
     assert [one.number for one in injections.at("sensor")] == [4, 5]
     assert [one.number for one in injections.at("sensor", "position", "power")] == [5]
     assert injections.at("train", "speed") == []
+
+
+def test_units_of_the_faults() -> None:
+    injections = made(*(fault("sensor.speed", "off", units=units) for units in ((), (1, 3), (2,))))
+    found = [[one.number for one in injections.at("sensor", "speed", unit=unit)] for unit in (0, 1, 2, 3)]
+    assert found == [[4, 5, 6], [4, 5], [4, 6], [4, 5]]
+    assert [one.number for one in injections.at("sensor")] == [4, 5, 6]
 
 
 def test_orders_and_events() -> None:
@@ -143,6 +154,43 @@ def test_the_plant_of_a_run() -> None:
     # With the seed and the perturbation of the run.
     assert plant.injections.samples(one).random() == Injections([(2, one.fault)], 7, TICK_NS).samples(one).random()
     assert plant._healthy.train != SCENARIO.train
+
+
+def test_the_number_of_a_run_reaches_its_plant() -> None:
+    with pytest.raises(InputError, match=r"run: run_number: found 2, allowed 1: runs of system ato have no numbers"):
+        make_plant(SCENARIO, RunSpec(run_number=2))
+    learning = load_any("yizhuang_stop")
+    runs = [make_plant(learning, RunSpec(seed=5, run_number=number))[0].train for number in (1, 3, 3)]
+    begun_mps = [train.run.start_mps for train in runs]
+    assert begun_mps[0] != begun_mps[1] == begun_mps[2]
+
+
+def test_an_fmu_is_a_plant_of_systems_that_say_how(monkeypatch: pytest.MonkeyPatch) -> None:
+    """And without faults of its own."""
+    fmu = PlantFmu("train.fmu", "train.toml")
+    spec = RunSpec(seed=7, perturbed=True, plant_fmu=fmu)
+    made_from: list[object] = []
+    taking = replace(system_named("ato"), own={FMU_PART: "train.fmu"})
+    monkeypatch.setattr(type(taking), "part", lambda system, name: lambda *given: made_from.extend([name, *given]))
+    monkeypatch.setattr(plants, "system_named", lambda name: taking)
+    assert make_plant(replace(SCENARIO, faults=("TRN_SPEED loss @0s",)), spec) == (None, None)
+    name, scenario, *given = made_from
+    assert (name, given) == (FMU_PART, [7, True, spec.wall_rate, fmu])
+    assert scenario.name == SCENARIO.name
+
+    with pytest.raises(InputError) as refused:
+        make_plant(replace(SCENARIO, faults=("sensor.speed garbage @0s",)), spec)
+    assert str(refused.value) == (
+        "command line: --plant-fmu: found faults in the plant, allowed faults of telegrams, nodes and the bus: "
+        "an FMU has no others"
+    )
+    monkeypatch.setattr(plants, "system_named", lambda name: replace(taking, own={}))
+    with pytest.raises(InputError) as refused:
+        make_plant(SCENARIO, spec)
+    assert str(refused.value) == (
+        "command line: --plant-fmu: found system ato, allowed a system with a part fmu_plant: it says what an FMU "
+        "exchanges with the plant (docs/fmi.md)"
+    )
 
 
 def test_faults_without_nodes() -> None:

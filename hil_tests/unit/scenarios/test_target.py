@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from railhil.scenarios.load import load
 from railhil.scenarios.model import TargetCurve
-from railhil.scenarios.target import Target, time_in_piece_s
+from railhil.scenarios.target import Target, target_of, time_in_piece_s
 
 TRIANGLE = TargetCurve(((0.0, 0.0), (10.0, 1.0), (20.0, -1.0), (30.0, -1.0)))
 
@@ -25,6 +25,12 @@ def test_lvshun_stops_at_2940_m_after_195_s(lvshun: Target) -> None:
     assert lvshun.stop_time_s == pytest.approx(195.0, abs=1e-9)
     assert lvshun.stop_position_m == pytest.approx(2940.0, abs=1e-6)
     assert lvshun.speed_mps(195.0) == pytest.approx(0.0, abs=1e-12)
+
+
+def test_a_curve_is_evaluated_once() -> None:
+    found = target_of(TRIANGLE)
+    assert found.stop_time_s == Target(TRIANGLE).stop_time_s
+    assert target_of(TargetCurve(TRIANGLE.nodes)) is found
 
 
 def test_lvshun_first_seconds_are_the_cubic_launch(lvshun: Target) -> None:
