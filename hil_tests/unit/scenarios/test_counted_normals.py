@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.special import ndtri
 from scipy.stats import kstest
 
-from railhil.scenarios.counted_normals import beyond_median, far, key_of, near, normals, words
+from railhil.scenarios.counted_normals import beyond_median, far, key_of, near, normal_at, normals, words
 
 WORD_MAX = 2**64 - 1
 
@@ -64,6 +64,23 @@ def test_the_numbers_are_normal_and_streams_are_independent() -> None:
     assert abs(neighbours) < 0.02
 
 
-def test_a_negative_seed_is_refused() -> None:
-    with pytest.raises(ValueError, match="seed -1 and stream 1 must be >= 0"):
-        key_of(-1, 1)
+def test_every_number_of_a_block_is_that_of_its_word_alone() -> None:
+    """As an array, and one place after the other, as the batch draws them."""
+    key = key_of(7, 24)
+    q = beyond_median(words(np.uint64(key), np.arange(2_000, dtype=np.uint64)))
+    assert (abs(q) > 0.425).sum() > 200
+    found = normals(key, 0, 2_000)
+    assert found == pytest.approx(ndtri(q + 0.5), rel=1e-12, abs=1e-15)
+    with np.errstate(over="ignore"):
+        assert found.tolist() == [normal_at(np.uint64(key), np.uint64(place)) for place in range(2_000)]
+
+
+def test_keys() -> None:
+    assert key_of(0, 0) == int(np.random.SeedSequence([0, 0]).generate_state(1, np.uint64)[0])
+    assert len({key_of(seed, stream) for seed in range(50) for stream in range(20)}) == 1000
+
+
+@pytest.mark.parametrize(("seed", "stream"), [(-1, 1), (1, -1)])
+def test_negative_numbers_are_refused(seed: int, stream: int) -> None:
+    with pytest.raises(ValueError, match=f"seed {seed} and stream {stream} must be >= 0"):
+        key_of(seed, stream)
