@@ -18,7 +18,6 @@ from pathlib import Path
 
 from hil_tests.support.paths import ROOT
 from railhil.machines import debian, docker_vm, vcan_vm
-from railhil.machines.user_mode import USER_MODE
 
 #: A short scenario of each system with compiled loops, and a law that is quickly made.
 BATCHES = {"yizhuang_05": "ipfc", "hst_short": "pid", "yizhuang_stop": "ilc_stop"}
@@ -54,7 +53,7 @@ def machines() -> None:
         debian.install_browser,
         lambda: docker_vm.build_image(ROOT),
         debian.install_can_tools,
-        lambda: vcan_vm.ensure_machine(USER_MODE),
+        vcan_vm.first_available,
     ]
     for step in steps:
         try:

@@ -3,6 +3,8 @@ sees by ptrace, are what takes time. One processor, and no root."""
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from railhil.machines.vm_image import CAN_MODULES, Recipe
 from railhil.machines.vm_kind import Boot, Kind
 
@@ -10,6 +12,25 @@ _PACKAGE = "user-mode-linux"
 #: The kernel has helpers, processes that would outlive it. It makes a group of them, which ends with the kernel, and
 #: with this process, however that ends.
 _WHOLE_GROUP = '"$@" & trap "kill -KILL -$!" TERM; wait; kill -KILL -$!'
+
+
+_CPU_INFO = Path("/proc/cpuinfo")
+
+
+def too_large_for(cpu_info: str) -> str:
+    """Why Debian 12's user-mode kernel cannot boot on a processor; empty if it can.
+
+    The kernel has room for the registers of a process up to AVX-512, 2696 bytes. Tiles (AMX) make them 11 008 bytes,
+    and ptrace sets all of them or none (``userspace - ptrace set fp regs failed, errno = 14``, then a panic).
+
+    :param cpu_info: what ``/proc/cpuinfo`` says.
+    """
+    flags = next((line for line in cpu_info.splitlines() if line.startswith("flags")), "")
+    return "a user-mode kernel cannot hold the registers of this processor (AMX)" if " amx_tile" in flags else ""
+
+
+def _unable() -> str:
+    return too_large_for(_CPU_INFO.read_text(encoding="ascii", errors="replace")) if _CPU_INFO.exists() else ""
 
 
 def _words(boot: Boot) -> list[str]:
@@ -27,4 +48,5 @@ USER_MODE = Kind(
     Recipe("user_mode", lambda: _PACKAGE, "usr/bin/linux.uml", "usr/lib/uml/modules/*", CAN_MODULES),
     {"setpriv": "util-linux"},
     _words,
+    _unable,
 )

@@ -44,14 +44,34 @@ def ensure_machine(kind: Kind) -> VmImage:
     """Install and download what is missing; only installing needs root.
 
     Raises:
-        CapabilityError: not Debian on x86-64, or a package is missing and not available.
+        CapabilityError: not Debian on x86-64, not on this processor, or a package is missing and not available.
         MachineError: a package is not as expected.
     """
     debian.require_debian(PURPOSE)
+    if reason := kind.unable():
+        raise debian.CapabilityError(reason)
     if not all(debian.find_command(command) for command in kind.packages):
         debian.require_debian_root(PURPOSE)
         debian.install_commands(kind.packages, PURPOSE)
     return ensure_image(kind.recipe)
+
+
+def first_available(kinds: Mapping[str, Kind] = KINDS) -> str:
+    """Name of the first kind of machine that this host can have, all of it installed; it may still not boot.
+
+    Raises:
+        CapabilityError: it can have none.
+        MachineError: a package is not as expected.
+    """
+    failures = []
+    for name, kind in kinds.items():
+        try:
+            ensure_machine(kind)
+        except debian.CapabilityError as error:
+            failures.append(f"{kind.said}: {error}")
+        else:
+            return name
+    raise debian.CapabilityError("; ".join(failures))
 
 
 def _quoted_command(command: Sequence[str], cwd: Path, environment: Mapping[str, str]) -> str:

@@ -38,9 +38,11 @@ class Kind:
         recipe: of its image.
         packages: commands of the host that it needs, and Debian's packages of them.
         words: the command line.
+        unable: why this processor cannot have it, empty if it can.
     """
 
     said: str
     recipe: Recipe
     packages: Mapping[str, str]
     words: Callable[[Boot], list[str]]
+    unable: Callable[[], str] = str
