@@ -8,7 +8,7 @@ ages.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from typing import Final
 
 from railhil.bus.clock import Pacer
@@ -42,6 +42,8 @@ class Administrator:
     :param reply_ns: real time: wall time after which an answer is too late.
     :param patience_s: lockstep: wall time for an answer whose owner is not known to have ended.
     :param contract: of the run's system; None: that of railhil's own train.
+    :param ahead: lockstep: passes published telegrams on before they are sent
+        (:attr:`railhil.bus.link.Link.ahead`); None: they wait for the next ``flush`` or poll.
     """
 
     def __init__(
@@ -56,6 +58,7 @@ class Administrator:
         patience_s: float = PATIENCE_S,
         reply_ns: int = REPLY_NS,
         contract: Contract | None = None,
+        ahead: Callable[[Sequence[Frame]], bool] | None = None,
     ) -> None:
         contract = contract or wire_contract()
         self.counters: Counter[str] = Counter()
@@ -68,16 +71,27 @@ class Administrator:
         # Identifiers of the frame that completes a telegram, for classic CAN and CAN FD.
         self._last_ids = {port.name: (port.can_ids[-1], port.fd_id) for port in contract.ports}
         self._queue: list[Frame] = []
+        self._ahead = None if pacer.rate else ahead
+        # Frames went ahead since the last flush: the record does not have them yet.
+        self._is_ahead = False
         self._patience_ns = round(patience_s * 1e9)
         self._reply_ns = reply_ns
 
     def publish(self, telegram: Telegram) -> None:
         """Queue one telegram; it is sent with the next ``flush`` or poll."""
         self._queue.extend(self._sources[telegram.PORT].frames(telegram.encode()))
+        if self._ahead is not None:
+            # Emptied first, as below.
+            queue, self._queue = self._queue, []
+            if self._ahead(queue):
+                self._is_ahead = True
+            else:
+                self._queue = queue
 
     def flush(self) -> None:
         """Send what is queued."""
-        if queue := self._queue:
+        if (queue := self._queue) or self._is_ahead:
+            self._is_ahead = False
             # Emptied first: a signal in the middle of sending ends the run, and its last event is sent after it. The
             # frames before it must not go out twice.
             self._queue = []

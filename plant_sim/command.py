@@ -118,6 +118,7 @@ def main(words: Sequence[str] | None = None) -> int:
             appear_s=namespace.appear_timeout,
             fault_log=namespace.fault_log,
             disturber=link.disturber,
+            ahead=link.ahead,
         )
         try:
             run_plant(node, priority, namespace.timing_file)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, NoReturn
 
@@ -11,6 +11,7 @@ from railhil.bus.administrator import REPLY_NS, Administrator
 from railhil.bus.clock import Pacer
 from railhil.bus.codes import Event, SupCommand
 from railhil.bus.errors import PeerSilent
+from railhil.bus.frame import Frame
 from railhil.bus.hub.orders import Disturber
 from railhil.bus.ident import Role, make_ident
 from railhil.bus.reception import Document, reception
@@ -48,6 +49,8 @@ class PlantNode:
         the limit is longer.
     :param fault_log: the run folder, for the log of the faults of this node; None: no log is written.
     :param disturber: takes the orders of faults of the bus; None: they are not acted out (a replay).
+    :param ahead: the endpoint's own way to pass telegrams on early (:attr:`railhil.bus.link.Link.ahead`); not used with
+        faults, which change what is sent.
     """
 
     def __init__(
@@ -62,6 +65,7 @@ class PlantNode:
         silence_ns: int = SILENCE_NS,
         fault_log: Path | None = None,
         disturber: Disturber | None = None,
+        ahead: Callable[[Sequence[Frame]], bool] | None = None,
     ) -> None:
         system = system_named(scenario.system)
         self._contract = contract = system.contract
@@ -104,6 +108,7 @@ class PlantNode:
             reply_ns=reply_ns,
             patience_s=run.patience_s,
             contract=contract,
+            ahead=ahead if self.faults is None else None,
         )
         self.milestones = Milestones(self.administrator.publish, self._tick_ns)
         #: Attributes of :class:`railhil.plant_sim.cycle.Surroundings`.

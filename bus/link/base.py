@@ -113,6 +113,12 @@ class Link(ABC):
         return None
 
     @property
+    def ahead(self) -> Callable[[Sequence[Frame]], bool] | None:
+        """Passes frames to the controller before :meth:`send` would, so that it can work beside this node; False: not
+        now, they have to be sent. Who records gets them with what is sent next. None: there is no such way."""
+        return None
+
+    @property
     def has_rest(self) -> bool:
         """True while the interface has accepted only part of a frame; :meth:`offer` and :meth:`receive` pass on the
         rest."""

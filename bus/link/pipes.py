@@ -5,6 +5,10 @@ of two writers do not mix, and what one has written before it lets another act i
 then: in lockstep, where one node acts at a time, all inboxes have the same order. The supervisor's is the record; it
 is written to before any node that can answer, and what is in it outlives its writer.
 
+Nobody answers the plant's telegrams, so they may go to the controller before (:attr:`PipeLink.ahead`): it takes them in
+while the plant makes the next. The record has them with the poll that follows; a plant that is killed in between takes
+those of its last tick with it.
+
 The pipes have no name: only processes that inherited them can use them, and the kernel removes them with the last one.
 """
 
@@ -169,6 +173,9 @@ class PipeLink(Link):
         self._usual = [others[name] for name in sorted(others, key=lambda name: (name == last, name))]
         # Who answers is written to last, or its answer could overtake the poll.
         self._asking = self._usual[::-1]
+        self._record = others.get(_SUPERVISOR, -1)
+        # What the controller got ahead of the record.
+        self._held = b""
         self._asks = supervisor_polls() if role == "plant" else frozenset()
         self._is_plant = role == "plant"
         # Packets since the bell was rung.
@@ -187,20 +194,52 @@ class PipeLink(Link):
         """
         if self.sent is not None:
             self.sent.note(frames)
-        for packet in pack_frames(frames):
+        held, self._held = self._held, b""
+        for packet in pack_frames(frames) or ([b""] if held else []):
             asks = packet[-CLASSIC_SIZE:] in self._asks
             for end in self._asking if asks else self._usual:
-                try:
-                    os.write(end, packet)
-                except BlockingIOError:
-                    self._write_later(end, packet)
-                except BrokenPipeError:
-                    self._has_gone(end)
+                if not held or end != self._record:
+                    self._put(end, packet)
+                elif len(held) + len(packet) <= select.PIPE_BUF:
+                    self._put(end, held + packet)
+                else:
+                    self._put(end, held)
+                    self._put(end, packet)
+            held = b""
             if self._is_plant:
                 self._unread += 1
                 if asks:
                     self._ring()
         self.counters["sent"] += len(frames)
+
+    @property
+    def ahead(self) -> Callable[[Sequence[Frame]], bool] | None:
+        """See :attr:`Link.ahead`; only while the plant is awake, for then the controller has a processor of its own."""
+        return self._ahead if self._is_plant else None
+
+    def _ahead(self, frames: Sequence[Frame]) -> bool:
+        packet = b"".join(pack_frames(frames))
+        if not self._turn.is_awake or len(self._held) + len(packet) > select.PIPE_BUF:
+            return False
+        try:
+            os.write(self._usual[-1], packet)
+        except (BlockingIOError, BrokenPipeError):
+            # As a whole or not at all: what comes of it is decided when they are sent.
+            return False
+        if self.sent is not None:
+            self.sent.note(frames)
+        self._held += packet
+        self.counters["sent"] += len(frames)
+        return True
+
+    def _put(self, end: int, packet: bytes) -> None:
+        """Write to the inbox of another node."""
+        try:
+            os.write(end, packet)
+        except BlockingIOError:
+            self._write_later(end, packet)
+        except BrokenPipeError:
+            self._has_gone(end)
 
     def offer(self, frames: Sequence[Frame]) -> int:
         """See :meth:`Link.offer`; all are accepted."""

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import contextlib
 import os
+import select
 import stat
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
 
 import pytest
 
 from railhil.bus.errors import BusLost, BusUnavailable
 from railhil.bus.frame import Frame
-from railhil.bus.hub.wire import ROLES
+from railhil.bus.hub.wire import CLASSIC_SIZE, ROLES
 from railhil.bus.ident import Role
 from railhil.bus.limits import LIMITS, limits_of
 from railhil.bus.link import open_link
@@ -19,12 +21,16 @@ from railhil.bus.link import pipes as module
 from railhil.bus.link.pipes import Ends, PipeLink, Pipes
 from railhil.bus.mvb import F_DEVICE_STATUS, master_frame
 from railhil.bus.select import own_pipes
+from railhil.bus.sent import SentFrames
 
 POLL = master_frame(1, 0x110)
 SUPERVISOR_POLL = master_frame(F_DEVICE_STATUS, Role.SUPERVISOR)
 ANSWER = Frame(0x110, b"\x01\x02")
 COMMAND = Frame(0x108, b"\x03")
+CLOCK = Frame(0x080, b"\x04")
 NODES = ("plant", "controller", "supervisor")
+
+Ahead = Callable[[Sequence[Frame]], bool]
 
 
 def descriptors() -> set[str]:
@@ -119,6 +125,105 @@ def test_awake_it_is_woken_while_the_controller_has_nothing_to_do(links: dict[st
         else:
             with pytest.raises(BlockingIOError):
                 os.eventfd_read(bell)
+
+
+@pytest.fixture
+def ahead(links: dict[str, PipeLink]) -> Ahead:
+    """The plant's way ahead, while it is awake."""
+    plant = links["plant"]
+    plant._turn._asleep = 0
+    way = plant.ahead
+    assert way is not None
+    return way
+
+
+def test_only_the_plant_sends_ahead(links: dict[str, PipeLink]) -> None:
+    assert [role for role in NODES if links[role].ahead is not None] == ["plant"]
+
+
+def test_what_went_ahead_is_recorded_with_what_is_sent_next(links: dict[str, PipeLink], ahead: Ahead) -> None:
+    """The controller has it at once and only once, the record has it before the poll: one order for both."""
+    assert ahead([COMMAND])
+    assert ahead([CLOCK])
+    assert heard(links) == {"plant": [], "controller": [COMMAND, CLOCK], "supervisor": []}
+    links["plant"].send([POLL])
+    assert heard(links) == {"plant": [], "controller": [POLL], "supervisor": [COMMAND, CLOCK, POLL]}
+    assert links["plant"].counters["sent"] == 3
+    links["plant"].send([POLL])
+    assert links["supervisor"].receive(0.0) == [POLL], "nothing twice"
+
+
+def test_a_poll_of_the_supervisor_brings_what_went_ahead(links: dict[str, PipeLink], ahead: Ahead) -> None:
+    assert ahead([COMMAND])
+    links["plant"].send([SUPERVISOR_POLL])
+    assert links["supervisor"].receive(10.0) == [COMMAND, SUPERVISOR_POLL]
+    assert links["controller"].receive(0.0) == [COMMAND, SUPERVISOR_POLL]
+
+
+def test_what_went_ahead_is_recorded_when_nothing_follows(links: dict[str, PipeLink], ahead: Ahead) -> None:
+    assert ahead([COMMAND])
+    links["plant"].send([])
+    assert heard(links) == {"plant": [], "controller": [COMMAND], "supervisor": [COMMAND]}
+
+
+@pytest.mark.parametrize("following", [[POLL], [POLL] * 250, [POLL] * 256, [POLL] * 600])
+def test_a_long_packet_follows_what_went_ahead(
+    links: dict[str, PipeLink], ahead: Ahead, following: list[Frame]
+) -> None:
+    """A write of more than PIPE_BUF bytes would not be whole: the record gets two."""
+    assert ahead([COMMAND] * 7)
+    links["plant"].send(following)
+    assert links["supervisor"].receive(0.0) == [COMMAND] * 7 + following
+    assert links["controller"].receive(0.0) == [COMMAND] * 7 + following
+
+
+def test_no_more_goes_ahead_than_one_write_records(links: dict[str, PipeLink], ahead: Ahead) -> None:
+    most = select.PIPE_BUF // CLASSIC_SIZE
+    assert ahead([COMMAND] * (most - 1))
+    assert not ahead([COMMAND, CLOCK])
+    assert ahead([COMMAND])
+    links["plant"].send([COMMAND, CLOCK])
+    expected = [COMMAND] * most + [COMMAND, CLOCK]
+    assert heard(links) == {"plant": [], "controller": expected, "supervisor": expected}
+
+
+def test_nothing_goes_ahead_of_a_node_that_sleeps(links: dict[str, PipeLink], ahead: Ahead) -> None:
+    links["plant"]._turn._asleep = 1
+    assert not ahead([COMMAND])
+    assert heard(links) == {role: [] for role in NODES}
+    assert links["plant"].counters["sent"] == 0
+
+
+def test_nothing_goes_ahead_into_a_full_inbox(links: dict[str, PipeLink], ahead: Ahead) -> None:
+    """As a whole or not at all: it is sent, and waited for, with the rest."""
+    packets = 0
+    while ahead([COMMAND] * 200):
+        links["plant"].send([])
+        links["supervisor"].receive(0.0)
+        packets += 1
+    assert packets
+    assert links["supervisor"].receive(0.0) == []
+    frames: list[Frame] = []
+    while more := links["controller"].receive(0.0):
+        frames += more
+    assert frames == [COMMAND] * 200 * packets
+
+
+def test_nothing_goes_ahead_to_a_controller_that_has_ended(links: dict[str, PipeLink], ahead: Ahead) -> None:
+    links["controller"].close()
+    assert not ahead([COMMAND])
+    links["plant"].send([COMMAND])
+    assert links["supervisor"].receive(0.0) == [COMMAND], "the train goes on without its controller"
+
+
+def test_the_list_of_what_was_sent_has_it_once(links: dict[str, PipeLink], ahead: Ahead, tmp_path: Path) -> None:
+    plant = links["plant"]
+    plant.sent = SentFrames(tmp_path / "sent", "plant")
+    assert ahead([COMMAND])
+    links["controller"].close()
+    assert not ahead([CLOCK])
+    plant.send([CLOCK, POLL])
+    assert plant.sent._waiting == [COMMAND, CLOCK, POLL]
 
 
 def test_what_a_node_sent_outlives_it(links: dict[str, PipeLink]) -> None:
