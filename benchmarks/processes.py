@@ -63,6 +63,21 @@ def hub(channel: str, *options: str) -> Iterator[tuple[str, int]]:
         process.stderr.close()
 
 
+def _output(process: subprocess.Popen[str], name: str, usual: Sequence[int]) -> str:
+    """Standard output of a command, which is waited for.
+
+    :raises MeasurementError: it does not end, or not with one of the ``usual`` exit codes.
+    """
+    try:
+        out, err = process.communicate(timeout=_PATIENCE_S)
+    except subprocess.TimeoutExpired:
+        raise MeasurementError(f"{name} did not end within {_PATIENCE_S:g} s") from None
+    if process.returncode not in usual:
+        words = err.strip().splitlines() or ["no message"]
+        raise MeasurementError(f"{name} ended with exit code {process.returncode}: {words[-1]}")
+    return out
+
+
 @dataclass(frozen=True, slots=True)
 class Finished:
     """A finished command: ``score.json``, hash of the frame log, and the wall time from the start to the exit."""
@@ -107,16 +122,32 @@ class RunCommand:
 
         :raises MeasurementError: the verdict is neither PASS nor FAIL.
         """
-        try:
-            out, err = self.process.communicate(timeout=_PATIENCE_S)
-        except subprocess.TimeoutExpired:
-            raise MeasurementError(f"railhil run did not end within {_PATIENCE_S:g} s") from None
+        out = _output(self.process, "railhil run", (PASS, FAIL))
         wall_s = (time.perf_counter_ns() - self._started_ns) / 1e9
-        if self.process.returncode not in (PASS, FAIL):
-            words = err.strip().splitlines() or ["no message"]
-            raise MeasurementError(f"railhil run ended with exit code {self.process.returncode}: {words[-1]}")
         certificate = json.loads((self._out / "certificate.json").read_text(encoding="utf-8"))
         return Finished(json.loads(out), certificate["frames_sha256"], wall_s)
+
+
+def learning_sequence(scenario: str, law: str, runs: int, out: Path) -> tuple[list[float], float]:
+    """Record a sequence of runs in which a law learns, without reports.
+
+    :param out: folder of the sequence, must not exist.
+    :returns: speed factor of each run, in order, and wall time of the whole command in s.
+    :raises MeasurementError: it was not recorded.
+    """
+    words = ("--controller", law, "--runs", str(runs), "--out", out, "--no-report", "--quiet", "--json")
+    started_ns = time.perf_counter_ns()
+    process = subprocess.Popen(
+        command("sequence", "run", scenario, *words), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+    with process:
+        try:
+            _output(process, "railhil sequence run", (PASS,))
+        finally:
+            end(process)
+    wall_s = (time.perf_counter_ns() - started_ns) / 1e9
+    scores = [json.loads(path.read_text(encoding="utf-8")) for path in sorted(out.glob("run*/score.json"))]
+    return [float(score["run"]["speed_factor"]) for score in scores], wall_s
 
 
 def attached_run(

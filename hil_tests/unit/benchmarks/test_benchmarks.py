@@ -16,7 +16,7 @@ from benchmarks.__main__ import NAMES, run
 from benchmarks.figures import Figure, MeasurementError, Setting
 from benchmarks.machine import Machine, cpu_model
 from benchmarks.memory import share_mb
-from benchmarks.processes import RunCommand
+from benchmarks.processes import RunCommand, learning_sequence
 from railhil.controller_node.arithmetic import make
 
 UNITS = {"us", "ns", "s", "frames/s", "sim s/s", "runs/s", "Mops/s", "%", "cycles", "MB", "km/h s2", "m", "m/s2/km"} | {
@@ -27,7 +27,7 @@ UNITS = {"us", "ns", "s", "frames/s", "sim s/s", "runs/s", "Mops/s", "%", "cycle
 #: A figure that must be there.
 EXPECTED = {
     "lockstep": "iq: command to first frame, median",
-    "features": "with the panel: speed factor, median",
+    "features": "learning sequence: speed factor, median",
     "transports": "hub, gateway, hub: round trip, one CPU, Python",
     "jitter": "hub, TCP loopback: busy, normal, Python",
     "arithmetic": "rsmpy, 100,000 at once: apytypes",
@@ -138,6 +138,11 @@ def test_a_run_that_does_not_start_is_no_measurement(socket_folder):
     with running, pytest.raises(MeasurementError, match=r"exit code 2: .*missing\.toml"):
         running.finish()
     assert running.process.returncode == 2
+
+
+def test_a_sequence_that_does_not_start_is_no_measurement(tmp_path):
+    with pytest.raises(MeasurementError, match=r"sequence run ended with exit code 2: .*missing\.toml"):
+        learning_sequence(str(tmp_path / "missing.toml"), "ilc_stop", 1, tmp_path / "out")
 
 
 def machine(load_1min: float, cpu_used: float) -> Machine:
