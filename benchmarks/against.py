@@ -21,6 +21,8 @@ from pathlib import Path
 from benchmarks.counting import counting
 from benchmarks.figures import FULL_SCENARIO, MeasurementError, Setting, median
 from benchmarks.machine import cpu_model
+from benchmarks.memory import Peak, peak_of
+from benchmarks.processes import end
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import FAIL, PASS, guarded
 
@@ -49,7 +51,7 @@ class Version:
     """One railhil to measure, and what was found.
 
     ``factors``: simulated seconds per wall second of each run. ``cpu_s``: processor time of each command with all its
-    processes.
+    processes. ``peaks``: memory of each run that was made for it.
     """
 
     name: str
@@ -59,6 +61,7 @@ class Version:
     options: list[str] = field(default_factory=list)
     factors: list[float] = field(default_factory=list)
     cpu_s: list[float] = field(default_factory=list)
+    peaks: list[Peak] = field(default_factory=list)
     transports: set[str] = field(default_factory=set)
     hashes: set[str] = field(default_factory=set)
 
@@ -106,13 +109,16 @@ def version_of(what: str, folder: Path) -> Version:
     return Version(what, sys.executable, {"PYTHONPATH": _importable(tree, folder)})
 
 
-def _asked(version: Version, words: Sequence[str], folder: Path) -> subprocess.CompletedProcess[str]:
+def _environment(version: Version) -> dict[str, str]:
     # Neither the folder of this repository nor its PYTHONPATH may decide which railhil is imported.
-    outside = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
+    return {**{key: value for key, value in os.environ.items() if key != "PYTHONPATH"}, **version.environment}
+
+
+def _asked(version: Version, words: Sequence[str], folder: Path) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
         [version.python, *words],
         cwd=folder,
-        env={**outside, **version.environment},
+        env=_environment(version),
         stdin=subprocess.DEVNULL,
         capture_output=True,
         text=True,
@@ -142,20 +148,72 @@ def run_once(version: Version, scenario: str, out: Path) -> None:
     :raises MeasurementError: no verdict, or no speed in its score.
     """
     before = os.times()
-    done = _asked(version, ["-m", "railhil.cli", "run", scenario, "--out", str(out), *version.options], out.parent)
+    done = _asked(version, _run_words(version, scenario, out), out.parent)
     after = os.times()
-    if done.returncode not in (PASS, FAIL):
-        last = (done.stderr or done.stdout).strip().splitlines()[-1:] or ["no message"]
-        raise MeasurementError(f"{version.name}: exit code {done.returncode}: {last[0]}")
+    version.factors.append(_recorded(version, out, done.returncode, done.stderr or done.stdout))
+    version.cpu_s.append(after.children_user + after.children_system - before.children_user - before.children_system)
+
+
+def weigh_once(version: Version, scenario: str, out: Path) -> None:
+    """One more run of it, for its memory alone: to look at it takes time from it.
+
+    :raises MeasurementError: as :func:`run_once`.
+    """
+    with (out.parent / f"{out.name}.txt").open("w+", encoding="utf-8") as said:
+        process = subprocess.Popen(
+            [version.python, *_run_words(version, scenario, out)],
+            cwd=out.parent,
+            env=_environment(version),
+            stdin=subprocess.DEVNULL,
+            stdout=said,
+            stderr=said,
+        )
+        try:
+            peak = peak_of(process, _PATIENCE_S)
+        finally:
+            end(process)
+        said.seek(0)
+        _recorded(version, out, process.returncode, said.read())
+    version.peaks.append(peak)
+
+
+def _run_words(version: Version, scenario: str, out: Path) -> list[str]:
+    return ["-m", "railhil.cli", "run", scenario, "--out", str(out), *version.options]
+
+
+def _recorded(version: Version, out: Path, exit_code: int, said: str) -> float:
+    """Speed factor of a run; what else its folder tells is added to what was found.
+
+    :raises MeasurementError: as :func:`run_once`.
+    """
+    if exit_code not in (PASS, FAIL):
+        last = said.strip().splitlines()[-1:] or ["no message"]
+        raise MeasurementError(f"{version.name}: exit code {exit_code}: {last[0]}")
     run = json.loads((out / "score.json").read_text(encoding="utf-8")).get("run", {})
     if "speed_factor" not in run:
         raise MeasurementError(f"{version.name}: score.json has no speed factor")
-    version.factors.append(float(run["speed_factor"]))
-    version.cpu_s.append(after.children_user + after.children_system - before.children_user - before.children_system)
     # The path of a hub's socket is another one in each run.
     transport, slash, _ = str(run.get("transport", "not in the score")).partition("/")
     version.transports.add(f"{transport}hub" if slash else transport)
     version.hashes.add(hashlib.sha256((out / "frames.log").read_bytes()).hexdigest())
+    return float(run["speed_factor"])
+
+
+def _memory_lines(version: Version, here: Version) -> list[str]:
+    """What is printed of the memory of a version; nothing if no run was made for it."""
+    if not version.peaks:
+        return []
+    totals_mb = [peak.total_mb for peak in version.peaks]
+    largest = max(version.peaks, key=lambda peak: peak.total_mb)
+    lines = [
+        f"  memory     {median(totals_mb):.1f} MB, peak of all processes together, median of {len(totals_mb)} "
+        f"({min(totals_mb):.1f} to {max(totals_mb):.1f})",
+        f"  of it      {', '.join(f'{name} {part_mb:.1f}' for name, part_mb in largest.parts)}",
+    ]
+    if version is not here:
+        ratio = median([peak.total_mb for peak in here.peaks]) / median(totals_mb)
+        lines.append(f"  ratio      this version takes {ratio:.2f} times the memory, ratio of the medians")
+    return lines
 
 
 def _lines(versions: Sequence[Version]) -> list[str]:
@@ -174,6 +232,7 @@ def _lines(versions: Sequence[Version]) -> list[str]:
             f"({min(version.cpu_s):.2f} to {max(version.cpu_s):.2f})",
             *(f"  frames.log {sha256}" for sha256 in sorted(version.hashes)),
         ]
+        lines += _memory_lines(version, here)
         if version is not here:
             pairs = [now / was for now, was in zip(here.factors, version.factors, strict=True)]
             lines.append(
@@ -193,6 +252,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("what", nargs="+", metavar="WHAT", help="commit, folder, or Python")
     parser.add_argument("--pairs", type=int, choices=range(1, 101), default=5, metavar="N", help="runs of each (5)")
+    parser.add_argument("--memory", type=int, choices=range(101), default=1, metavar="N", help="more for memory (1)")
     parser.add_argument("--counting", type=int, choices=range(65), default=0, metavar="N", help="processes beside")
     parser.add_argument("--quick", action="store_true", help="a run of 8 s: a check, not a measurement")
     return parser
@@ -216,6 +276,9 @@ def work(arguments: Sequence[str] | None = None) -> int:
             for number in range(options.pairs):
                 for index, version in enumerate(versions):
                     run_once(version, scenario, folder / f"run{index}-{number}")
+            for number in range(options.memory):
+                for index, version in enumerate(versions):
+                    weigh_once(version, scenario, folder / f"memory{index}-{number}")
         print(f"load       {_load()} after", *_lines(versions), sep="\n")
     unequal = [version.name for version in versions if len(version.hashes) > 1]
     for name in unequal:

@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+import subprocess
 import time
+from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import psutil
 
@@ -29,6 +34,53 @@ def share_mb(pid: int) -> float:
     except (FileNotFoundError, ProcessLookupError):
         return 0.0
     return sum(int(line.split()[1]) for line in rollup.splitlines() if line.startswith("Pss:")) * 1024 / 1e6
+
+
+@dataclass(frozen=True, slots=True)
+class Peak:
+    """The most that all processes of a command took at one time.
+
+    :param parts: name and memory in MB of each process.
+    """
+
+    parts: tuple[tuple[str, float], ...] = ()
+
+    @property
+    def total_mb(self) -> float:
+        """Memory of all of them in MB, pages that they share counted once."""
+        return sum(part_mb for _, part_mb in self.parts)
+
+
+def peak_of(process: subprocess.Popen[Any], patience_s: float) -> Peak:
+    """Wait for the end of a command and look every 20 ms at what it and its descendants take.
+
+    :returns: the peak, the largest process first.
+    :raises MeasurementError: it does not end within ``patience_s``.
+    """
+    command = psutil.Process(process.pid)
+    deadline_s = time.monotonic() + patience_s
+    peak = Peak()
+    while process.poll() is None:
+        if time.monotonic() > deadline_s:
+            raise MeasurementError(f"the command did not end within {patience_s:g} s")
+        peak = max(peak, Peak(tuple(_parts(command))), key=lambda each: each.total_mb)
+        time.sleep(_LOOK_S)
+    return Peak(tuple(sorted(peak.parts, key=lambda part: -part[1])))
+
+
+def _parts(command: psutil.Process) -> Iterator[tuple[str, float]]:
+    """Name and memory of a command and its descendants; one that ends meanwhile is left out."""
+    with suppress(psutil.NoSuchProcess):
+        for one in (command, *command.children(recursive=True)):
+            with suppress(psutil.NoSuchProcess):
+                yield _name(one), share_mb(one.pid)
+
+
+def _name(process: psutil.Process) -> str:
+    """The module of a ``python -m MODULE``, else the name of the process."""
+    words, name = process.cmdline(), process.name()
+    is_module = words[1:2] == ["-m"] and not name.startswith("railhil")
+    return words[2] if is_module else name
 
 
 def _role(process: psutil.Process) -> str | None:

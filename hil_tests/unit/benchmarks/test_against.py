@@ -11,6 +11,7 @@ import pytest
 
 from benchmarks import against, killed_campaign
 from benchmarks.figures import MeasurementError
+from benchmarks.memory import Peak
 from railhil.common.errors import InputError
 
 TOP = Path(__file__).resolve().parents[3]
@@ -56,6 +57,32 @@ def test_a_version_without_speed_is_no_measurement(tmp_path):
         against.run_once(version, "line", tmp_path / "a")
 
 
+def test_a_run_for_memory_gives_its_peak_and_no_speed(tmp_path):
+    version = older(tmp_path, {"run": {"speed_factor": 50.0}})
+    against.weigh_once(version, "line", tmp_path / "a")
+    (peak,) = version.peaks
+    ((name, part_mb),) = peak.parts
+    # An interpreter takes more than that.
+    assert (name, part_mb > 1) == ("railhil.cli", True)
+    assert (version.factors, len(version.hashes)) == ([], 1)
+    version.options = ["--no-report"]
+    with pytest.raises(MeasurementError, match="exit code 2: no message"):
+        against.weigh_once(version, "line", tmp_path / "b")
+
+
+def test_memory_is_compared_with_that_of_this_version(tmp_path):
+    versions = [against.Version(name, sys.executable, {}) for name in ("older", "this version")]
+    for version, parts in zip(versions, ((("plant", 50.0), ("hub", 30.0)), (("plant", 40.0),)), strict=True):
+        version.factors, version.cpu_s = [100.0], [2.0]
+        version.peaks = [Peak(parts), Peak((("plant", 20.0),))]
+    lines = against._lines(versions)
+    assert "  memory     50.0 MB, peak of all processes together, median of 2 (20.0 to 80.0)" in lines
+    assert "  of it      plant 50.0, hub 30.0" in lines
+    assert [line for line in lines if "memory," in line] == [
+        "  ratio      this version takes 0.60 times the memory, ratio of the medians"
+    ]
+
+
 def test_what_is_no_version_is_one_line(tmp_path):
     for what in ("no-such-commit", str(tmp_path)):
         with pytest.raises(InputError, match="WHAT"):
@@ -75,6 +102,8 @@ def test_this_version_beside_itself(capsys):
     assert len(hashes) == 2
     assert hashes[0] == hashes[1]
     assert any("this version is" in line for line in lines)
+    assert len([line for line in lines if "peak of all processes" in line]) == 2
+    assert any("times the memory" in line for line in lines)
 
 
 #: Stands for the campaign command: a part every 20 ms, and with all parts the results.

@@ -15,7 +15,7 @@ from benchmarks import arithmetic
 from benchmarks.__main__ import NAMES, run
 from benchmarks.figures import Figure, MeasurementError, Setting
 from benchmarks.machine import Machine, cpu_model
-from benchmarks.memory import share_mb
+from benchmarks.memory import peak_of, share_mb
 from benchmarks.processes import RunCommand, learning_sequence
 from railhil.controller_node.arithmetic import make
 
@@ -181,6 +181,36 @@ def test_memory_of_two_processes_is_counted_once():
         os.close(reading)
     assert len(block) == 60_000_000
     assert share_mb(2**31 - 2) == 0.0
+
+
+#: Takes 40 MB, and has a child that takes 30 MB for as long as its standard input is open.
+TOGETHER = """
+import subprocess, sys, time
+held = bytearray(b"\\1") * 40_000_000
+child = 'import sys; held = bytearray(b"\\1") * 30_000_000; print(flush=True); sys.stdin.read()'
+with subprocess.Popen([sys.executable, "-c", child], stdin=subprocess.PIPE, stdout=subprocess.PIPE) as process:
+    process.stdout.readline()
+    time.sleep(1)
+"""
+
+
+def test_the_peak_is_that_of_all_processes_at_one_time():
+    with subprocess.Popen([sys.executable, "-c", TOGETHER]) as process:
+        peak = peak_of(process, 60.0)
+    assert process.returncode == 0
+    assert 70 < peak.total_mb < 140
+    (first, most_mb), (second, least_mb) = peak.parts
+    assert first == second == Path(sys.executable).name
+    assert most_mb > 40 > least_mb > 30
+
+
+def test_a_command_without_an_end_has_no_peak():
+    with subprocess.Popen(["sleep", "60"]) as process:
+        try:
+            with pytest.raises(MeasurementError, match="did not end within 0 s"):
+                peak_of(process, 0.0)
+        finally:
+            process.kill()
 
 
 def test_quick_scenario_is_a_short_run(tmp_path):
