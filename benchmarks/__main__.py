@@ -10,6 +10,7 @@ import tempfile
 import time
 from dataclasses import asdict
 from importlib import import_module
+from ipaddress import ip_address
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -64,7 +65,21 @@ def _parser() -> argparse.ArgumentParser:
         metavar="N",
         help="with N processes beside that only count",
     )
+    parser.add_argument(
+        "--multicast",
+        default="",
+        metavar="GROUP",
+        help="transports: also measure python-can's udp_multicast, which sends to this multicast group",
+    )
     return parser
+
+
+def is_multicast(text: str) -> bool:
+    """Whether a text is the address of a multicast group."""
+    try:
+        return ip_address(text).is_multicast
+    except ValueError:
+        return False
 
 
 def _module(name: str) -> ModuleType:
@@ -74,9 +89,10 @@ def _module(name: str) -> ModuleType:
         raise missing("benchmarks", error, "dev") from None
 
 
-def run(name: str, quick: bool) -> dict[str, Any]:
+def run(name: str, quick: bool, multicast: str = "") -> dict[str, Any]:
     """Measure one benchmark.
 
+    :param multicast: the group that it may send to; empty: none.
     :returns: ``title``, ``method``, ``taken_s``, ``figures`` (each with name, value, unit, ratio, against, spread)
         and ``missing`` (name, why).
     :raises benchmarks.figures.MeasurementError: it could not be measured.
@@ -85,7 +101,7 @@ def run(name: str, quick: bool) -> dict[str, Any]:
     figures = _module("figures")
     start_s = time.monotonic()
     with tempfile.TemporaryDirectory(prefix="railhil-") as folder:
-        found = module.measure(figures.Setting.make(quick, Path(folder)))
+        found = module.measure(figures.Setting.make(quick, Path(folder), multicast))
     return {
         "title": module.TITLE,
         "method": module.METHOD,
@@ -129,6 +145,8 @@ def work() -> int:
     for name in names:
         if name not in NAMES:
             raise InputError("command line", "--only", name, ", ".join(NAMES))
+    if namespace.multicast and not is_multicast(namespace.multicast):
+        raise InputError("command line", "--multicast", namespace.multicast, "a multicast address (239.74.163.2)")
     machine = _module("machine").this_machine()
     stream = sys.stderr if namespace.json else sys.stdout
     # In a file the table has its full width, unless the environment sets another.
@@ -149,7 +167,7 @@ def work() -> int:
     results = {}
     with _module("counting").counting(namespace.counting):
         for name in names:
-            results[name] = run(name, namespace.quick)
+            results[name] = run(name, namespace.quick, namespace.multicast)
             if not namespace.json:
                 _print(console, results[name])
     description = {

@@ -52,13 +52,15 @@ class Transport:
 
     :ivar short: name for folders, short because of the length limit of socket paths.
     :ivar opened: starts and ends the processes between the ends, in an empty folder (short path).
-    :ivar runs: whether a run of the bench can use it.
+    :ivar runs: whether a run of the bench is made over it.
+    :ivar in_c: whether ``c/loop.c`` can use it.
     """
 
     name: str
     short: str
     opened: Callable[[Path], AbstractContextManager[Ends]]
     runs: bool = True
+    in_c: bool = True
 
 
 @contextmanager
@@ -101,6 +103,7 @@ UNIX_HUB = Transport("hub, Unix socket", "unix", _unix)
 TCP_HUB = Transport("hub, TCP loopback", "tcp", _tcp)
 GATEWAY = Transport("hub, gateway, hub", "gateway", _gateway)
 KERNEL = Transport("kernel vcan", "vcan", _vcan)
+NO_VCAN = f"this kernel has no {VCAN}: railhil vcan -- python -m benchmarks --only transports"
 
 
 def transports(*, emulated: bool | None = None, vcan: bool | None = None) -> tuple[list[Transport], list[Missing]]:
@@ -118,6 +121,5 @@ def transports(*, emulated: bool | None = None, vcan: bool | None = None) -> tup
     if vcan_available(VCAN) if vcan is None else vcan:
         found.append(KERNEL)
     else:
-        why = f"this kernel has no {VCAN}: railhil vcan -- python -m benchmarks --only transports"
-        missing.append(Missing(KERNEL.name, why))
+        missing.append(Missing(KERNEL.name, NO_VCAN))
     return found, missing

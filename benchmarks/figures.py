@@ -63,17 +63,19 @@ class Missing:
 class Setting:
     """What a benchmark is given: how thorough to be, the scenario, and an empty folder of its own.
 
-    ``scenario_name``: as the command line takes it (shipped name or TOML file).
+    ``scenario_name``: as the command line takes it (shipped name or TOML file). ``multicast``: the group that may be
+    sent to; empty: none.
     """
 
     quick: bool
     scenario_name: str
     folder: Path
+    multicast: str = ""
 
     @classmethod
-    def make(cls, quick: bool, folder: Path) -> Setting:
+    def make(cls, quick: bool, folder: Path, multicast: str = "") -> Setting:
         """Setting of a full or a quick measurement; the quick one has the short scenario."""
-        full = cls(quick, FULL_SCENARIO, folder)
+        full = cls(quick, FULL_SCENARIO, folder, multicast)
         return full.short() if quick else full
 
     def short(self) -> Setting:

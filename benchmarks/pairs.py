@@ -13,6 +13,8 @@ from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
+import psutil
+
 from benchmarks.buses import Ends
 from benchmarks.figures import MeasurementError
 from benchmarks.processes import end
@@ -48,13 +50,12 @@ class Pair:
 
     :param language: PYTHON or C.
     :param loop: the C program, for C.
-    :ivar hub_pids: processes between the ends.
     """
 
     def __init__(self, language: str, loop: Path | None, ends: Ends) -> None:
         self.language = language
         self._name = f"{language} loop on {' '.join(ends.near)}"
-        self.hub_pids = ends.hub_pids
+        self._hub_pids = ends.hub_pids
         program = [str(loop)] if loop is not None else [sys.executable, "-m", "benchmarks.peer"]
         self._received = b""
         self._far = _start(program, "echo", ends.far, _FIRST_ID[language])
@@ -79,6 +80,12 @@ class Pair:
     def pids(self) -> list[int]:
         """Process ids of both ends."""
         return [self._near.pid, self._far.pid]
+
+    @property
+    def hub_pids(self) -> list[int]:
+        """Process ids between the ends, with those of processes that a daemon has started for its clients."""
+        children = [child.pid for pid in self._hub_pids for child in psutil.Process(pid).children()]
+        return [*self._hub_pids, *children]
 
     def wait_until_ready(self) -> None:
         """Wait until frames are echoed.

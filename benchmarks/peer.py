@@ -1,8 +1,9 @@
 """One end of a measured connection, as a separate process.
 
 ``python -m benchmarks.peer echo|near KIND ADDRESS FIRST_ID``. KIND and ADDRESS: ``pair FD`` (an inherited end of an
-AF_UNIX SEQPACKET pair), ``hub PATH``, ``tcp HOST:PORT``, ``can INTERFACE``. ``c/loop.c`` is the same program in C, with
-the same words, frames and answers.
+AF_UNIX SEQPACKET pair), ``hub PATH``, ``tcp HOST:PORT``, ``can INTERFACE``, ``python-can SETTINGS`` (of any interface:
+keyword arguments of ``can.Bus`` as JSON). ``c/loop.c`` is the same program in C, with the same words, frames and
+answers, but without the last kind.
 
 The far end, ``echo``, sends every frame back until the bus ends. The near end takes one command per line on standard
 input and answers each with one line of nanoseconds on standard output; its first line is ``ready``.
@@ -23,6 +24,7 @@ Identifiers: FIRST_ID for trips, one more for the question how many, two more fo
 from __future__ import annotations
 
 import gc
+import json
 import socket
 import sys
 import time
@@ -32,7 +34,7 @@ from typing import Protocol
 
 from railhil.bus.can_settings import HUB_INTERFACE
 from railhil.bus.clock import Pacer
-from railhil.bus.errors import BusError, BusLost
+from railhil.bus.errors import BusError, BusLost, BusUnavailable
 from railhil.bus.frame import Frame
 from railhil.bus.hub.address import TCP_SCHEME
 from railhil.bus.hub.wire import MAX_PACKET_SIZE, pack_frames, unpack_frames
@@ -87,6 +89,11 @@ def open_end(kind: str, address: str, first_id: int) -> Link | _PairEnd:
     if kind == "can":
         rule = {"can_id": first_id, "can_mask": 0x7F0, "extended": False}
         return open_link({"interface": "socketcan", "channel": address, "can_filters": [rule]})
+    if kind == "python-can":
+        # A frame of the other end breaks python-can's handshake with socketcand if it comes in the middle of it.
+        with suppress(BusUnavailable):
+            return open_link(json.loads(address))
+        return open_link(json.loads(address))
     channel = TCP_SCHEME + address if kind == "tcp" else address
     return open_link({"interface": HUB_INTERFACE, "channel": channel})
 

@@ -1,15 +1,17 @@
-"""Compares every transport of the bench with a plain C loop on the same transport, and makes a lockstep run over
-each."""
+"""Compares every transport of the bench with a plain C loop on the same transport and with the transports of
+python-can, and makes a lockstep run over each."""
 
 from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager, nullcontext
+from dataclasses import replace
 from pathlib import Path
 
 from benchmarks.buses import GATEWAY, UNIX_HUB, Transport, transports
 from benchmarks.figures import Figure, MeasurementError, Missing, Setting, median, spread_of
+from benchmarks.foreign import foreign_transports
 from benchmarks.machine import is_emulated
 from benchmarks.native import c_loop
 from benchmarks.pairs import PYTHON, C, Pair, pinned
@@ -25,7 +27,10 @@ METHOD = (
     "end every 128 frames. Lockstep run: law ipfc, iq, recorded, three processes; hubs, plant and controller on one "
     "CPU, the supervisor on the others; simulated seconds per wall second from the first frame to the last, median of "
     "three (emulated machine: one run of 8 s). The frame logs are checked to be the same. Over the gateway, plant and "
-    "supervisor are on one side, the controller on the other."
+    "supervisor are on one side, the controller on the other. python-can: the same loop in Python over transports that "
+    "python-can brings, beside that over our hub. socketcand: its daemon on loopback, without beacon, a TCP connection "
+    "for each end, tuned for latency at both ends (tcp_tune, -q), between them the kernel's vcan0. udp_multicast: hop "
+    "limit 0, so that no packet leaves this machine."
 )
 _PLACES = ("free", "one CPU")
 
@@ -36,7 +41,7 @@ def open_pairs(transport: Transport, loop: Path | Missing, folder: Path) -> Iter
 
     :raises MeasurementError: a process did not start or did not answer.
     """
-    programs = {PYTHON: None} if isinstance(loop, Missing) else {PYTHON: None, C: loop}
+    programs = {PYTHON: None} if isinstance(loop, Missing) or not transport.in_c else {PYTHON: None, C: loop}
     with ExitStack() as stack:
         pairs = []
         for language, program in programs.items():
@@ -119,6 +124,23 @@ def _added_by_the_gateway(figures: list[Figure]) -> Figure:
     )
 
 
+def _beside_the_hub(transport: Transport, figures: list[Figure]) -> list[Figure]:
+    """The figures of a transport of python-can, each with its ratio to that of the hub.
+
+    :param figures: with those of the hub.
+    """
+    values = {figure.name: figure.value for figure in figures}
+    return [
+        replace(
+            figure,
+            ratio=figure.value / values[figure.name.replace(transport.name, UNIX_HUB.name)],
+            against=f"to {UNIX_HUB.name}",
+        )
+        for figure in figures
+        if figure.name.startswith(transport.name)
+    ]
+
+
 def _run_over(transport: Transport, setting: Setting, number: int) -> Finished:
     folder = setting.folder / f"{transport.short}{number}"
     folder.mkdir()
@@ -159,7 +181,11 @@ def measure(setting: Setting) -> list[Figure | Missing]:
     figures: list[Figure] = []
     for transport in ways:
         figures += _loop_figures(transport, loop, setting)
+    others, missing_others = foreign_transports(setting.multicast)
+    for transport in others:
+        found = _loop_figures(transport, loop, setting)
+        figures += _beside_the_hub(transport, [*figures, *found])
     if GATEWAY in ways:
         figures.append(_added_by_the_gateway(figures))
     figures += _run_figures([transport for transport in ways if transport.runs], setting)
-    return [*figures, *missing, *([loop] if isinstance(loop, Missing) else [])]
+    return [*figures, *missing, *missing_others, *([loop] if isinstance(loop, Missing) else [])]
