@@ -27,8 +27,8 @@ from railhil.supervisor.trace import trace_of
 
 pytestmark = pytest.mark.loop
 
-#: How long the rest of the bench may take to end when a node was killed, on a busy machine: who waits for a node that is
-#: gone and does not see it gives up after 60 s.
+#: How long the bench may take to end when a node was killed, on a busy machine.
+#: Who does not see that it has gone waits for it for 60 s.
 END_S = 20.0
 _RUN_KEYS = {"sim_time_s", "wall_time_s", "speed_factor", "frames", "transport", "arithmetic", "controller", "seed"}
 
