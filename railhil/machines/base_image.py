@@ -1,17 +1,23 @@
 """The base image of the Dockerfile, made from Debian packages for an engine that can reach no image registry.
 
-debootstrap builds the same minimal Debian as in the published image; it is imported under the name in the Dockerfile's
+debootstrap builds the same minimal Debian as in the published image; it is loaded under the name in the Dockerfile's
 ``FROM`` line. The host's package settings (mirror, proxy certificate, Python index) go into a layer on top, so that
 ``apt-get`` and ``pip`` inside a build work as on the host; that layer is rebuilt each time and never cached.
+
+For another processor than this one debootstrap runs that processor's programs: see :mod:`railhil.machines.binfmt`.
 """
 
 from __future__ import annotations
 
+import hashlib
+import io
+import json
 import os
 import re
 import shutil
 import subprocess
 import sys
+import tarfile
 import tempfile
 from collections.abc import Mapping
 from pathlib import Path
@@ -19,6 +25,8 @@ from pathlib import Path
 from railhil.machines import debian
 
 _PURPOSE = "a base image from Debian packages"
+#: Debian's name of this machine's processor: the machines are for x86-64 only.
+HOST = "amd64"
 _CERTIFICATES = Path("/etc/ssl/certs/ca-certificates.crt")
 #: Their location in the image, separate from its own ca-certificates package.
 _IMAGE_CERTIFICATES = "/usr/local/share/host-certificates.crt"
@@ -41,22 +49,24 @@ def base_name(dockerfile: Path) -> str:
     return match.group(1)
 
 
-def _root_archive(suite: str) -> Path:
-    """Tar file of a minimal Debian ``suite``, from the cache or made now."""
+def _root_archive(suite: str, architecture: str) -> Path:
+    """Tar file of a minimal Debian ``suite`` for a processor, from the cache or made now."""
     with debian.cache_lock("docker_engine"):
         home = debian.cache_dir() / "docker_engine"
         home.mkdir(exist_ok=True)
-        archive = home / f"{suite}-minbase.tar"
+        archive = home / f"{suite}-{architecture}-minbase.tar"
         if archive.exists():
             return archive
         mirrors = [uri for uri, release, _ in debian.mirrors() if release == suite]
         if not mirrors:
             raise debian.CapabilityError(f"{_PURPOSE}: this host's apt has no Debian mirror for {suite}")
-        debian.say(f"{_PURPOSE}: debootstrap {suite} into {home} (about half a minute)")
+        took = "about half a minute" if architecture == HOST else "emulated, some minutes"
+        debian.say(f"{_PURPOSE}: debootstrap {suite} {architecture} into {home} ({took})")
         with tempfile.TemporaryDirectory(dir=home) as scratch:
             root = Path(scratch, "root")
             try:
-                debian.run_tool(["debootstrap", "--variant=minbase", suite, str(root), mirrors[0]])
+                words = ["debootstrap", "--variant=minbase", f"--arch={architecture}"]
+                debian.run_tool([*words, suite, str(root), mirrors[0]])
             except debian.MachineError as error:
                 raise debian.CapabilityError(f"{_PURPOSE}: {error}") from error
             for folder in _NOT_NEEDED:
@@ -89,8 +99,10 @@ def _apt_settings() -> str:
     return "".join(f"{line}\n" for line in lines if line.startswith(kept))
 
 
-def provide_base_image(name: str, environment: Mapping[str, str]) -> None:
+def provide_base_image(name: str, environment: Mapping[str, str], architecture: str) -> None:
     """Make image ``name`` (``debian:<suite>[-slim]``) in the engine selected by ``environment``.
+
+    :param architecture: Debian's name of the processor; an engine has one image of a name, that of the last call.
 
     Raises:
         CapabilityError: debootstrap or the Debian mirror is not available.
@@ -101,8 +113,8 @@ def provide_base_image(name: str, environment: Mapping[str, str]) -> None:
         raise debian.MachineError(f"base image {name}: only debian:<suite> and debian:<suite>-slim can be made here")
     suite = match.group(1)
     debian.install_commands({"debootstrap": "debootstrap"}, _PURPOSE)
-    archive = _root_archive(suite)
-    bare = f"railhil-bare-base:{suite}-{archive.stat().st_mtime_ns}"
+    archive = _root_archive(suite, architecture)
+    bare = f"railhil-bare-base:{suite}-{architecture}-{archive.stat().st_mtime_ns}"
     with tempfile.TemporaryDirectory(prefix="railhil-base-") as scratch:
         context = Path(scratch)
         sources = "".join(f"deb {uri} {release} {part}\n" for uri, release, part in debian.mirrors())
@@ -115,10 +127,37 @@ def provide_base_image(name: str, environment: Mapping[str, str]) -> None:
             shutil.copy(_CERTIFICATES, context / "ca-certificates.crt")
             recipe.append(f"COPY ca-certificates.crt {_IMAGE_CERTIFICATES}")
         (context / "Dockerfile").write_text("\n".join(recipe) + "\n")
-        # Imported once per archive: each import creates a new image, for which cached layers on top would not be found.
         if not _docker(["images", "-q", bare], environment):
-            _docker(["import", "--change", 'CMD ["bash"]', str(archive), bare], environment)
-        _docker(["build", "-q", "-t", name, str(context)], environment)
+            loaded = context / "bare.tar"
+            _write_image(loaded, archive, bare, architecture)
+            _docker(["load", "-q", "-i", str(loaded)], environment)
+            loaded.unlink()
+        _docker(["build", "-q", "--platform", f"linux/{architecture}", "-t", name, str(context)], environment)
+
+
+def _write_image(image: Path, root: Path, name: str, architecture: str) -> None:
+    """Write a tar file of a root directory as an image for ``docker load``, with that one layer.
+
+    ``docker import`` is no use for it: the engine of Debian 12 (20.10) notes its own processor whatever ``--platform``
+    says, and refuses the image in a build for that platform.
+    """
+    with root.open("rb") as file:
+        digest = hashlib.file_digest(file, "sha256").hexdigest()
+    about = {
+        "architecture": architecture,
+        "os": "linux",
+        "config": {"Cmd": ["bash"]},
+        "rootfs": {"type": "layers", "diff_ids": [f"sha256:{digest}"]},
+        "history": [{"created_by": "debootstrap"}],
+    }
+    manifest = [{"Config": "config.json", "RepoTags": [name], "Layers": ["layer.tar"]}]
+    with tarfile.open(image, "w") as tar:
+        for member, content in (("config.json", about), ("manifest.json", manifest)):
+            encoded = json.dumps(content).encode()
+            entry = tarfile.TarInfo(member)
+            entry.size = len(encoded)
+            tar.addfile(entry, io.BytesIO(encoded))
+        tar.add(root, "layer.tar")
 
 
 def _docker(words: list[str], environment: Mapping[str, str]) -> str:

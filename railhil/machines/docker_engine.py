@@ -3,7 +3,7 @@
 A running engine is used unchanged. Otherwise, as root on Debian, a private one is started: its own sockets, process id
 file and cgroup below one temporary folder, no bridge, no packet filter rules; afterwards its processes, containers,
 volumes, mounts and files are removed. Its image layers stay in the cache folder, so that the next build takes seconds.
-It can reach no image registry: the Dockerfile's base image is made from Debian packages and imported under its own
+It can reach no image registry: the Dockerfile's base image is made from Debian packages and loaded under its own
 name.
 
 The environment of COMMAND contains ``DOCKER_HOST``; ``RAILHIL_BUILD_NETWORK`` (``host`` for the private engine,
@@ -28,11 +28,11 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from railhil.machines import debian
-from railhil.machines.base_image import base_name, provide_base_image
+from railhil.machines.base_image import HOST, base_name, provide_base_image
 
 _PURPOSE = "a Docker engine"
 _PACKAGES = {"dockerd": "docker.io", "docker": "docker.io", "containerd": "containerd", "ctr": "containerd"}
-#: Name of the private engine's data, in the cache folder.
+#: Name of the private engine's data, in the cache folder; those for another processor are in a folder beside it.
 DATA_FOLDER = "docker_data"
 _DOCKERFILE = Path(__file__).parents[2] / "Dockerfile"
 #: Start time limit of each of its two processes: in an emulated machine they take ten times the 2 s of real hardware,
@@ -80,11 +80,12 @@ def compose_words() -> str:
 
 
 @contextmanager
-def docker_engine(*, base_image: bool = True) -> Iterator[dict[str, str]]:
+def docker_engine(*, base_image: bool = True, architecture: str = HOST) -> Iterator[dict[str, str]]:
     """Environment variables for an engine that can build the project's Dockerfile.
 
     Args:
         base_image: False if nothing is built because the images already exist.
+        architecture: processor of the base image, by Debian's name; this kernel must be able to start its programs.
 
     Raises:
         CapabilityError: no engine is running and this host cannot start one.
@@ -98,13 +99,14 @@ def docker_engine(*, base_image: bool = True) -> Iterator[dict[str, str]]:
     debian.require_debian_root(_PURPOSE)
     debian.install_commands(_PACKAGES, _PURPOSE)
     compose = compose_words()
-    data = debian.cache_dir() / DATA_FOLDER
+    folder = DATA_FOLDER if architecture == HOST else f"{DATA_FOLDER}_{architecture}"
+    data = debian.cache_dir() / folder
     home = Path(tempfile.mkdtemp(prefix="railhil-docker-", dir="/var/tmp"))
     try:
-        with debian.cache_lock(DATA_FOLDER), _private_engine(home, data) as host:
+        with debian.cache_lock(folder), _private_engine(home, data) as host:
             found = {"DOCKER_HOST": host, "RAILHIL_BUILD_NETWORK": "host", "RAILHIL_COMPOSE": compose}
             if base_image:
-                provide_base_image(base_name(_DOCKERFILE), found)
+                provide_base_image(base_name(_DOCKERFILE), found, architecture)
             yield found
     finally:
         _unmount_below(data)
