@@ -25,7 +25,7 @@ VCAN_FIRST   = test_faults or test_can_utils or test_outage or test_benchmark_pa
 # Files of tests that keep real time: collecting all the others takes as long as some of these tests.
 REAL_TIME    = $$(grep -rlw --include='test_*.py' wall_clock hil_tests)
 
-.PHONY: run test test-fast test-here test-side-by-side test-long test-long-side-by-side test-real-time test-vcan test-vcan-first test-vcan-second test-compose test-docker test-docker-vcan test-wheel test-arm64 test-arm64-ipfc test-compiled test-builds wheels mutants lint lint-types lint-imports prepared-batches prepared-bytecode bench dbc tables tuned $(TUNED_LAWS:%=tuned-%) install locks locked clean
+.PHONY: run test test-fast test-here test-side-by-side test-long test-long-side-by-side test-real-time test-vcan test-vcan-first test-vcan-second test-compose test-docker test-docker-vcan test-wheel test-arm64 test-arm64-ipfc test-image-arm64 test-compiled test-builds wheels mutants lint lint-types lint-imports prepared-batches prepared-bytecode bench dbc tables tuned $(TUNED_LAWS:%=tuned-%) install locks locked clean
 
 # A run that misses the limits of its scenario (exit code 1) is a result, not an error of make.
 run: $(VENV)/.installed
@@ -106,6 +106,10 @@ test-arm64: $(VENV)/.installed-dev
 
 test-arm64-ipfc: $(VENV)/.installed-dev
 	@$(BIN)/python -m hil_tests.arm64 --compiled --law ipfc
+
+# The container image for aarch64, built and run here by an emulator; ARGS=lvshun_tieshan: with the published run.
+test-image-arm64: $(VENV)/.installed-dev
+	@$(BIN)/python -m hil_tests.image_arm64 $(ARGS)
 
 # One hash for each seed with every build, here and on aarch64 (there ipfc, in every arithmetic). `.ci/run` does it last.
 test-builds: $(VENV)/.installed-dev
