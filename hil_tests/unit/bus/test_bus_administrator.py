@@ -132,63 +132,6 @@ def test_flush_sends_once_and_nothing_when_there_is_nothing(wall: SetClock) -> N
     assert endpoint.batches == [1]
 
 
-def way_ahead(endpoint: FakeEndpoint, rate: float = 0.0) -> tuple[Administrator, list[Frame], list[bool]]:
-    """An administrator with a way ahead, what went that way, and whether it is open (emptied: no)."""
-    passed: list[Frame] = []
-    is_open = [True]
-
-    def ahead(frames: Sequence[Frame]) -> bool:
-        if is_open:
-            passed.extend(frames)
-        return bool(is_open)
-
-    store, ports = TrafficStore([NOTCH, STAT]), [TrnSpeed.port(), TrnPos.port()]
-    return Administrator(endpoint, store, lambda: 0, Pacer(rate, endpoint.wall), ports, ahead=ahead), passed, is_open
-
-
-def test_what_went_ahead_is_sent_once_with_the_next_poll(wall: SetClock) -> None:
-    endpoint = FakeEndpoint(wall, controller())
-    administrator, passed, _ = way_ahead(endpoint)
-    administrator.publish(TrnSpeed(1))
-    administrator.publish(TrnPos(2))
-    assert passed == [*frames_of(TrnSpeed(1)), *frames_of(TrnPos(2))]
-    assert endpoint.sent == []
-    assert administrator.poll(NOTCH)
-    assert endpoint.sent == [master_frame(NOTCH.f_code, NOTCH.address)]
-
-
-def test_a_flush_completes_what_went_ahead(wall: SetClock) -> None:
-    """The link has it for the record until it sends; without more to send it is called all the same, once."""
-    endpoint = FakeEndpoint(wall)
-    administrator, _, _ = way_ahead(endpoint)
-    administrator.publish(TrnSpeed(1))
-    administrator.flush()
-    administrator.flush()
-    assert endpoint.batches == [0]
-
-
-def test_what_cannot_go_ahead_is_queued_in_order(wall: SetClock) -> None:
-    endpoint = FakeEndpoint(wall)
-    administrator, passed, is_open = way_ahead(endpoint)
-    is_open.clear()
-    administrator.publish(TrnSpeed(1))
-    is_open.append(True)
-    administrator.publish(TrnPos(2))
-    assert passed == [*frames_of(TrnSpeed(1)), *frames_of(TrnPos(2))], "what waits goes first"
-    is_open.clear()
-    administrator.publish(TrnSpeed(3))
-    administrator.flush()
-    assert endpoint.sent == frames_of(TrnSpeed(3))
-
-
-def test_nothing_goes_ahead_in_real_time(wall: SetClock) -> None:
-    endpoint = FakeEndpoint(wall)
-    administrator, passed, _ = way_ahead(endpoint, rate=1.0)
-    administrator.publish(TrnSpeed(1))
-    administrator.flush()
-    assert (passed, endpoint.sent) == ([], frames_of(TrnSpeed(1)))
-
-
 def test_what_a_signal_broke_off_is_not_sent_again(wall: SetClock) -> None:
     """The run's last event follows after it; a repeated TIME_SYNC before that would count as a bus fault."""
 

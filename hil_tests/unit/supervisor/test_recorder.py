@@ -348,6 +348,7 @@ def test_the_plant_says_what_went_wrong_on_its_connection(
         lossless=True,
         is_down=False,
         disturber=None,
+        ahead=None,
         close=lambda: done.append("close"),
         tell_trouble=lambda: done.append("tell"),
     )

@@ -1,0 +1,102 @@
+"""What the bus administrator publishes goes ahead where the link has a way for it: order, and nothing twice."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import pytest
+
+from railhil.bus.administrator import Administrator
+from railhil.bus.clock import Pacer
+from railhil.bus.frame import Frame
+from railhil.bus.layout import Telegram
+from railhil.bus.mvb import TelegramSource, master_frame
+from railhil.bus.store import TrafficStore
+from railhil.bus.telegrams import NotchCmd, TrnPos, TrnSpeed
+
+NOTCH = NotchCmd.port()
+POLL = master_frame(NOTCH.f_code, NOTCH.address)
+
+
+def frames_of(telegram: Telegram) -> list[Frame]:
+    return TelegramSource(type(telegram).port()).frames(telegram.encode())
+
+
+class WayAhead:
+    """A link with a way ahead: what went it, and what was sent; a poll is answered at once."""
+
+    is_down = False
+    is_private = True
+
+    def __init__(self) -> None:
+        self.passed: list[Frame] = []
+        self.packets: list[list[Frame]] = []
+        self.is_open = True
+
+    def ahead(self, frames: Sequence[Frame]) -> bool:
+        if self.is_open:
+            self.passed += frames
+        return self.is_open
+
+    def send(self, frames: Sequence[Frame]) -> None:
+        self.packets.append(list(frames))
+
+    def receive(self, timeout_s: float | None) -> list[Frame]:
+        return frames_of(NotchCmd(5, life=1))
+
+    def has_ended(self, node: str) -> bool:
+        return False
+
+    def is_cut_off(self, node: str) -> bool:
+        return False
+
+
+@pytest.fixture
+def link() -> WayAhead:
+    return WayAhead()
+
+
+def made(link: WayAhead, rate: float = 0.0) -> Administrator:
+    ports = [TrnSpeed.port(), TrnPos.port()]
+    return Administrator(link, TrafficStore([NOTCH]), lambda: 0, Pacer(rate), ports, ahead=link.ahead)
+
+
+def test_what_went_ahead_is_not_sent_again_with_the_poll(link: WayAhead) -> None:
+    administrator = made(link)
+    administrator.publish(TrnSpeed(1))
+    administrator.publish(TrnPos(2))
+    assert link.passed == [*frames_of(TrnSpeed(1)), *frames_of(TrnPos(2))]
+    assert link.packets == []
+    assert administrator.poll(NOTCH)
+    assert link.packets == [[POLL]]
+
+
+def test_a_flush_completes_what_went_ahead(link: WayAhead) -> None:
+    """The link has it for the record until it sends; without more to send it is called all the same, once."""
+    administrator = made(link)
+    administrator.flush()
+    administrator.publish(TrnSpeed(1))
+    administrator.flush()
+    administrator.flush()
+    assert link.packets == [[]]
+
+
+def test_what_cannot_go_ahead_is_queued_in_order(link: WayAhead) -> None:
+    administrator = made(link)
+    link.is_open = False
+    administrator.publish(TrnSpeed(1))
+    assert link.passed == []
+    link.is_open = True
+    administrator.publish(TrnPos(2))
+    assert link.passed == [*frames_of(TrnSpeed(1)), *frames_of(TrnPos(2))], "what waits goes first"
+    link.is_open = False
+    administrator.publish(TrnSpeed(3))
+    administrator.flush()
+    assert link.packets == [frames_of(TrnSpeed(3))]
+
+
+def test_nothing_goes_ahead_in_real_time(link: WayAhead) -> None:
+    administrator = made(link, rate=1.0)
+    administrator.publish(TrnSpeed(1))
+    administrator.flush()
+    assert (link.passed, link.packets) == ([], [frames_of(TrnSpeed(1))])
