@@ -97,7 +97,8 @@ def run(chromium: Any, tmp_path_factory: pytest.TempPathFactory) -> dict[str, An
         page.goto(address)
         other.goto(address.partition("#")[0])
         page.wait_for_selector("#start:enabled", timeout=_WAIT_MS)
-        for text in ("TRN_SPEED lost", "NOTCH_CMD loss"):
+        # A loss so small does the train no harm, however long a busy machine takes from one button to the next.
+        for text in ("TRN_SPEED lost", "NOTCH_CMD loss 5%"):
             page.fill("#fault", text)
             page.click("#add")
             seen[text] = said(page, "#answer", ".")
@@ -150,7 +151,7 @@ def test_every_button_is_a_telegram(run):
     # The faults of the run: the emergency button, the catalogue, and the one that was typed before the start.
     faults_of_run = RunSpec.from_file(run["folder"] / "certificate.json").faults
     typed, prepared = len(faults_of_run), faults_of_run.index("TRN_POS loss @manual combine id T4") + 1
-    assert faults_of_run[-1] == "NOTCH_CMD loss @manual combine"
+    assert faults_of_run[-1] == "NOTCH_CMD loss 5% @manual combine"
     weak = next(at for at, text in enumerate(faults_of_run, start=1) if text.startswith("brake weak"))
     # The operator's own number: octets, then the fault; what was out of range sent nothing.
     own = octets_of(weak, parse(faults_of_run[weak - 1]), parse("brake weak 62.5% @manual"))
@@ -181,7 +182,7 @@ def test_the_certificate_makes_the_same_run_again(run, tmp_path):
 
 def test_the_fault_language_answers_in_one_line(run):
     assert "did you mean loss?" in run["TRN_SPEED lost"]
-    assert run["NOTCH_CMD loss"] == "✓ NOTCH_CMD loss"
+    assert run["NOTCH_CMD loss 5%"] == "✓ NOTCH_CMD loss 5%"
 
 
 def test_the_pages_ask_nobody_else(run):
