@@ -10,6 +10,7 @@ import pytest
 
 from railhil.cli import commands, main
 from railhil.cli.commands import parser
+from railhil.common.exit_codes import USAGE
 
 
 @pytest.mark.parametrize(
@@ -17,11 +18,42 @@ from railhil.cli.commands import parser
 )
 def test_a_command_alone_is_as_among_all(name, capsys):
     helps = []
-    for made in (parser(), parser(name)):
+    for made in (parser(), parser([name])):
         with pytest.raises(SystemExit):
             made.parse_args([name, "--help"])
         helps.append(capsys.readouterr().out)
     assert helps[0] == helps[1] != ""
+
+
+def test_the_help_is_that_of_the_whole_command_line(capsys):
+    helps = []
+    for made in (parser(), parser(["--help"])):
+        with pytest.raises(SystemExit):
+            made.parse_args(["--help"])
+        helps.append(capsys.readouterr().out)
+    assert helps[0] == helps[1] != ""
+
+
+def test_an_unknown_option_is_told_of_the_whole_command_line(capsys):
+    for words in (["--bar", "ports"], ["ports", "--bar"]):
+        with pytest.raises(SystemExit) as ended:
+            main(words)
+        assert ended.value.code == USAGE
+        assert "unrecognized arguments: --bar" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("word", ["--help", "--version", "no_such_command"])
+def test_a_word_that_is_no_command_loads_none(word):
+    code = (
+        "import sys; from railhil.cli import main\n"
+        "try: main(sys.argv[1:2])\n"
+        "except SystemExit: pass\n"
+        "sys.stdout.flush()\n"
+        "print(*(name for name in sys.modules if name in sys.argv[2:] or name.startswith('railhil.cli.')))"
+    )
+    names = ("numpy", "can", "pydantic")
+    done = subprocess.run([sys.executable, "-c", code, word, *names], capture_output=True, text=True, check=True)
+    assert set(done.stdout.splitlines()[-1].split()) == {"railhil.cli.commands", "railhil.cli.programs"}
 
 
 def test_a_command_loads_no_library_that_it_does_not_use():
@@ -30,7 +62,7 @@ def test_a_command_loads_no_library_that_it_does_not_use():
         "import sys; from railhil.common.exit_codes import guarded\n"
         "def work():\n"
         "    from railhil.cli import commands; from railhil.scenarios.load import load\n"
-        "    commands.parser('run'); load('lvshun_tieshan'); return 0\n"
+        "    commands.parser(['run']); load('lvshun_tieshan'); return 0\n"
         "guarded('test', work); print(*(name for name in sys.argv[1:] if name in sys.modules))\n"
         "import asammdf"
     )

@@ -37,7 +37,7 @@ def journey(tmp_path_factory: pytest.TempPathFactory) -> str:
 
 @pytest.mark.parametrize("entry", [entry for entry in catalogue() if entry.faults], ids=lambda entry: entry.id)
 def test_the_bench_reacts_as_the_catalogue_says(entry: Entry, journey: str, tmp_path: Path) -> None:
-    given = parser("faults").parse_args(["faults", SHIPPED if entry.id in FARTHER else journey])
+    given = parser(["faults"]).parse_args(["faults", SHIPPED if entry.id in FARTHER else journey])
     row = entry_run(given, StartUp(), run_spec(given, "ipfc", None), tmp_path, entry)
     assert bool(row.refused) is (entry.id in NOT_HERE), row.refused
     assert row.failures == []

@@ -131,7 +131,7 @@ def test_a_number_is_refused_where_runs_have_none() -> None:
 def test_the_train_reacts_as_the_catalogue_says(entry: Entry, tmp_path: Path) -> None:
     """The rest of the catalogue: ``railhil faults yizhuang_stop_closed``."""
     words = ["faults", "yizhuang_stop_closed", "--set", "task.stop_error_max_m=30"]
-    given = parser("faults").parse_args(words)
+    given = parser(words).parse_args(words)
     row = entry_run(given, StartUp(), run_spec(given, "one_shot", None), tmp_path, entry)
     assert row.failures == []
 
@@ -178,7 +178,7 @@ def test_announced_low_adhesion_chooses_the_planned_rate() -> None:
 @pytest.mark.slow
 def test_every_command_runs_it_in_the_arithmetic_of_the_system(tmp_path: Path) -> None:
     for command in ("faults", "compare"):
-        given = parser(command).parse_args([command, "yizhuang_stop"])
+        given = parser([command]).parse_args([command, "yizhuang_stop"])
         assert run_spec(given, None, None).law == LawSpec("ilc_stop", "float64")
     assert library.run("yizhuang_stop", settings=SHORT, out=tmp_path / "run").spec.law.arithmetic == "float64"
 

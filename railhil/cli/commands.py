@@ -5,34 +5,46 @@ from __future__ import annotations
 import argparse
 from collections.abc import Sequence
 from importlib import import_module
-from typing import NoReturn
+from typing import Any, NoReturn
 
+from railhil.cli import programs
 from railhil.common.command_line import OneLineParser, parse
 from railhil.common.output import accept_any_text, flush_output
 from railhil.dbc import wire_contract
 
-#: The modules in the order of the help; each has one command of the same name, except ``programs``.
-_MODULES = (
-    "run",
-    "rerun",
-    "replay",
-    "compare",
-    "faults",
-    "score",
-    "report",
-    "plot",
-    "export",
-    "watch",
-    "memory",
-    "scenarios",
-    "ports",
-    "new",
-    "doctor",
-    "programs",
-    "bus",
-)
-#: Command -> its module.
-_MODULE_OF = {name: name for name in _MODULES if name != "programs"} | {"node": "programs"}
+#: Command -> its line in the help, in the order of the help.
+_COMMANDS = {
+    "run": "run a scenario over the bus, record it, score it",
+    "rerun": "repeat a recorded run, name the first frame that differs",
+    "replay": "drive one node with a recorded log, compare its answers",
+    "compare": "run several laws over the bus, one after another, and compare them",
+    "faults": "run the fault catalogue, or random pairs of faults, and print what they led to",
+    "score": "score a recorded log",
+    "report": "write report.html of recorded runs (needs the extra [report])",
+    "plot": "draw a recorded run (needs the extra [report])",
+    "export": "write a recorded run as files of other tools",
+    "watch": "watch a run on a bus in the terminal (listens only)",
+    "memory": "show, check or export what a law has kept of its runs",
+    "scenarios": "list the shipped scenarios, or check one file",
+    "ports": "print ports, telegram layouts and bus load",
+    "new": "write a law, a scenario or a system to start from",
+    "doctor": "what this machine and its transports can promise",
+    "node": "run one node by itself",
+    **{name: line for name, (_, line) in programs.PROGRAMS.items()},
+    "bus": "bus processes",
+}
+
+
+#: Command -> its module, where that has another name. A program has none.
+_MODULE_OF = {"node": "programs"}
+
+
+class _Commands(argparse._SubParsersAction):  # type: ignore[type-arg]
+    """Gives each command its line in the help."""
+
+    def add_parser(self, name: str, **given: Any) -> argparse.ArgumentParser:
+        made: argparse.ArgumentParser = super().add_parser(name, help=_COMMANDS[name], **given)
+        return made
 
 
 class _Version(argparse.Action):
@@ -45,27 +57,32 @@ class _Version(argparse.Action):
         parser.exit()
 
 
-def parser(command: str | None = None) -> argparse.ArgumentParser:
-    """The whole command line.
+def parser(words: Sequence[str] | None = None) -> argparse.ArgumentParser:
+    """The command line, as far as it is needed: a module that takes no part is not loaded.
 
-    :param command: if it is the name of a command, only that one is included: loading the others takes a third of a
-        second.
+    :param words: what is to be parsed. If it begins with a command, only that one is included; if it names none, as
+        for the help, the commands have no options. None: everything.
     """
     root = OneLineParser(
         prog="railhil",
         description="Hardware-in-the-loop bench for train controllers: MVB telegrams on a CAN bus.",
     )
     root.add_argument("--version", action=_Version, nargs=0, help="show program's version number and exit")
-    commands = root.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    for name in (_MODULE_OF[command],) if command in _MODULE_OF else _MODULES:
-        import_module(f"railhil.cli.{name}").add_parser(commands)
+    commands = root.add_subparsers(action=_Commands, dest="command", required=True, metavar="COMMAND")
+    bare = words is not None and not any(word in _COMMANDS for word in words)
+    for name in words[:1] if words and words[0] in _COMMANDS else _COMMANDS:
+        if bare or name in programs.PROGRAMS:
+            # A program parses its own command line and has its own help.
+            commands.add_parser(name, add_help=False)
+        else:
+            import_module(f"railhil.cli.{_MODULE_OF.get(name, name)}").add_parser(commands)
     return root
 
 
 def work(words: Sequence[str]) -> int:
     """Execute the command line; returns the exit code."""
     accept_any_text()
-    namespace = parse(parser(words[0] if words else None), words)
+    namespace = parse(parser(words), words)
     # Every command must detect a DBC that does not match the port table, even commands that never use a telegram.
     wire_contract()
     try:

@@ -41,7 +41,6 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     """Register the subcommand."""
     parser = commands.add_parser(
         "compare",
-        help="run several laws over the bus, one after another, and compare them",
         description="Exit code 0 when all laws pass, 1 when one fails; the highest of the others when a run is more "
         "than failed.",
     )

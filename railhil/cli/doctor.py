@@ -36,7 +36,7 @@ from railhil.supervisor.doctor.tools import tools
 
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Register the subcommand."""
-    parser = commands.add_parser("doctor", help="what this machine and its transports can promise")
+    parser = commands.add_parser("doctor")
     add_json_argument(parser)
     parser.add_argument("--quick", action="store_true", help="leave out the measurement, which takes 2 to 4 s")
     parser.add_argument(

@@ -40,7 +40,7 @@ _FORMATS = {
 
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Register the subcommand."""
-    parser = commands.add_parser("export", help="write a recorded run as files of other tools")
+    parser = commands.add_parser("export")
     parser.add_argument("run", help="run folder")
     for name, kind in _FORMATS.items():
         extra = f" (needs the extra [{kind.extra}])" if kind.extra else ""

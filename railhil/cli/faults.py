@@ -35,7 +35,6 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     """Register the subcommand."""
     parser = commands.add_parser(
         "faults",
-        help="run the fault catalogue, or random pairs of faults, and print what they led to",
         description="Exit code 0 when every entry reacts as it must, or every pair keeps the rules, else 1.",
     )
     add_arguments(parser)

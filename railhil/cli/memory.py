@@ -24,7 +24,7 @@ _PATH = "folder of --memory, file in it, memory of a run folder, certificate.jso
 
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Register the subcommand."""
-    parser = commands.add_parser("memory", help="show, check or export what a law has kept of its runs")
+    parser = commands.add_parser("memory")
     verbs = parser.add_subparsers(dest="verb", required=True, metavar="VERB")
     show = verbs.add_parser("show", help="print every record")
     verify = verbs.add_parser("verify", help="exit code 1 if a record cannot be used")

@@ -51,7 +51,7 @@ _COMMANDS = re.compile(r"^```\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Register the subcommand."""
-    parser = commands.add_parser("new", help="write a law, a scenario or a system to start from")
+    parser = commands.add_parser("new")
     kinds = parser.add_subparsers(dest="kind", required=True, metavar="KIND")
     law = kinds.add_parser("law", help="a control law, as a small distribution")
     _add(law, "the new law", "DIR", "folder for its files (default: NAME)", _new_law)

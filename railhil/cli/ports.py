@@ -17,7 +17,7 @@ _DESCRIBED_COLUMNS = 90
 
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Register the subcommand."""
-    parser = commands.add_parser("ports", help="print ports, telegram layouts and bus load")
+    parser = commands.add_parser("ports")
     parser.add_argument("port", nargs="?", help="port whose layout is wanted")
     parser.add_argument("-b", "--bitrate", type=int, help="bit/s for the load (default: the port table's)")
     parser.add_argument("--system", default=DEFAULT, metavar="NAME", help=f"of which system (default {DEFAULT})")

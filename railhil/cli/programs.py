@@ -50,14 +50,11 @@ PROGRAMS = {
 
 
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
-    """Register the subcommands."""
-    node = commands.add_parser("node", help="run one node by itself")
+    """Register ``railhil node``."""
+    node = commands.add_parser("node")
     node.add_argument("role", choices=sorted(NODES), help="which node; each has a --help of its own")
     node.add_argument("arguments", nargs=argparse.REMAINDER, help="options of the node: railhil node ROLE --help")
     node.set_defaults(work=lambda namespace: _become(NODES[namespace.role], namespace.arguments))
-    for name, (_, words) in PROGRAMS.items():
-        # Only for the list of commands; the program parses its own command line and has its own help.
-        commands.add_parser(name, help=words, add_help=False)
 
 
 def become_program(arguments: list[str]) -> None:

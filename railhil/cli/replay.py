@@ -22,7 +22,7 @@ from railhil.supervisor.record import Record, checked_record
 
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Register the subcommand."""
-    parser = commands.add_parser("replay", help="drive one node with a recorded log, compare its answers")
+    parser = commands.add_parser("replay")
     parser.add_argument("log", help="frames.log, frames.blf, or the run folder that holds them")
     parser.add_argument("--node", choices=("controller", "plant"), required=True, help="the node that is driven")
     parser.add_argument("--scenario", help="shipped name or TOML file (default: that of the run folder)")

@@ -21,7 +21,7 @@ _CAMPAIGN = "campaign.json"
 
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Register the subcommand."""
-    parser = commands.add_parser("report", help="write report.html of recorded runs (needs the extra [report])")
+    parser = commands.add_parser("report")
     parser.add_argument("folder", nargs="+", help="run folder, or the folder of a comparison or of a campaign")
     parser.add_argument("--scenario", help="shipped name or TOML file (default: what certificate.json says)")
     parser.add_argument(

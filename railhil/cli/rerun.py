@@ -26,7 +26,7 @@ from railhil.supervisor.start_up import StartUp
 
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Register the subcommand."""
-    parser = commands.add_parser("rerun", help="repeat a recorded run, name the first frame that differs")
+    parser = commands.add_parser("rerun")
     parser.add_argument("run", help="run folder, or its certificate.json")
     parser.add_argument(
         "--bus", choices=BUSES, help="auto: over a bus, as railhil run (default: local, without -i and the like)"

@@ -50,7 +50,7 @@ _DESTINATIONS: Mapping[str, str] = {key: option.lstrip("-").replace("-", "_") fo
 
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Register the subcommand."""
-    parser = commands.add_parser("run", help="run a scenario over the bus, record it, score it")
+    parser = commands.add_parser("run")
     add_arguments(parser)
     parser.add_argument(
         "--controller", metavar="LAW", help=f"one of {', '.join(law_names())}; for another system, one of its laws"

@@ -17,7 +17,7 @@ _NAMES_COLUMNS = 80
 
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Register the subcommand."""
-    parser = commands.add_parser("scenarios", help="list the shipped scenarios, or check one file")
+    parser = commands.add_parser("scenarios")
     parser.add_argument("scenario", nargs="?", help="shipped name or TOML file to check and describe")
     add_set_argument(parser)
     add_json_argument(parser)

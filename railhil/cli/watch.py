@@ -42,7 +42,6 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     """Register the subcommand."""
     parser = commands.add_parser(
         "watch",
-        help="watch a run on a bus in the terminal (listens only)",
         description="Shows what is on the bus until Ctrl-C, or until the hub has gone. Into a file or pipe it writes "
         "one line per simulated second.",
     )

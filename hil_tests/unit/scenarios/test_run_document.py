@@ -43,7 +43,8 @@ def written(path: Path, text: str) -> Path:
 
 def asked(*words: str | Path, **environment: str) -> RunSpec:
     """What ``railhil run`` makes of words and variables."""
-    return spec_of(parse(commands.parser("run"), ["run", *map(str, words)]), environment)
+    given = ["run", *map(str, words)]
+    return spec_of(parse(commands.parser(given), given), environment)
 
 
 def test_a_file_says_a_run(tmp_path: Path) -> None:

@@ -260,7 +260,7 @@ def test_the_bus_is_the_one_that_a_run_gets(
     words: list[str], vcan: bool, begin: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(select, "vcan_available", lambda: vcan)
-    namespace = parser("doctor").parse_args(["doctor", *words])
+    namespace = parser(["doctor"]).parse_args(["doctor", *words])
     said = facts(namespace, select.choose_bus(namespace))["bus"]
     assert said.startswith(begin)
     assert ("user-space hub" in said) == (begin == "railhil:pipes (")
