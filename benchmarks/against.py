@@ -17,10 +17,11 @@ import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from time import perf_counter
 
 from benchmarks.counting import counting
 from benchmarks.figures import FULL_SCENARIO, MeasurementError, Setting, median
-from benchmarks.machine import cpu_model
+from benchmarks.machine import cpu_model, far_read_ns
 from benchmarks.memory import Peak, peak_of
 from benchmarks.processes import end
 from railhil.common.errors import InputError
@@ -50,8 +51,9 @@ print(f"{platform.python_implementation()} {platform.python_version()} ({pgo} {l
 class Version:
     """One railhil to measure, and what was found.
 
-    ``factors``: simulated seconds per wall second of each run. ``cpu_s``: processor time of each command with all its
-    processes. ``peaks``: memory of each run that was made for it.
+    ``factors``: simulated seconds per wall second of each run. ``rest_s``: what each command took beside that, before
+    the first frame and after the last one. ``cpu_s``: processor time of each command with all its processes.
+    ``score_s``: ``railhil score`` of each run. ``peaks``: memory of each run that was made for it.
     """
 
     name: str
@@ -60,7 +62,9 @@ class Version:
     build: str = ""
     options: list[str] = field(default_factory=list)
     factors: list[float] = field(default_factory=list)
+    rest_s: list[float] = field(default_factory=list)
     cpu_s: list[float] = field(default_factory=list)
+    score_s: list[float] = field(default_factory=list)
     peaks: list[Peak] = field(default_factory=list)
     transports: set[str] = field(default_factory=set)
     hashes: set[str] = field(default_factory=set)
@@ -143,15 +147,21 @@ def describe(version: Version, folder: Path) -> None:
 
 
 def run_once(version: Version, scenario: str, out: Path) -> None:
-    """One run of it into the folder ``out``, added to what was found.
+    """One run of it into the folder ``out``, and its score once more from the log, added to what was found.
 
     :raises MeasurementError: no verdict, or no speed in its score.
     """
-    before = os.times()
+    before, start_s = os.times(), perf_counter()
     done = _asked(version, _run_words(version, scenario, out), out.parent)
-    after = os.times()
-    version.factors.append(_recorded(version, out, done.returncode, done.stderr or done.stdout))
+    taken_s, after = perf_counter() - start_s, os.times()
+    factor, loop_s = _recorded(version, out, done)
+    version.factors.append(factor)
+    version.rest_s.append(taken_s - loop_s)
     version.cpu_s.append(after.children_user + after.children_system - before.children_user - before.children_system)
+    start_s = perf_counter()
+    scored = _asked(version, ["-m", "railhil.cli", "score", str(out)], out.parent)
+    version.score_s.append(perf_counter() - start_s)
+    _judged(version, scored)
 
 
 def weigh_once(version: Version, scenario: str, out: Path) -> None:
@@ -173,7 +183,7 @@ def weigh_once(version: Version, scenario: str, out: Path) -> None:
         finally:
             end(process)
         said.seek(0)
-        _recorded(version, out, process.returncode, said.read())
+        _recorded(version, out, subprocess.CompletedProcess(process.args, process.returncode, "", said.read()))
     version.peaks.append(peak)
 
 
@@ -181,14 +191,22 @@ def _run_words(version: Version, scenario: str, out: Path) -> list[str]:
     return ["-m", "railhil.cli", "run", scenario, "--out", str(out), *version.options]
 
 
-def _recorded(version: Version, out: Path, exit_code: int, said: str) -> float:
-    """Speed factor of a run; what else its folder tells is added to what was found.
+def _judged(version: Version, done: subprocess.CompletedProcess[str]) -> None:
+    """
+    :raises MeasurementError: the command has ended without a verdict.
+    """
+    if done.returncode not in (PASS, FAIL):
+        last = (done.stderr or done.stdout).strip().splitlines()[-1:] or ["no message"]
+        raise MeasurementError(f"{version.name}: exit code {done.returncode}: {last[0]}")
+
+
+def _recorded(version: Version, out: Path, done: subprocess.CompletedProcess[str]) -> tuple[float, float]:
+    """Speed factor of a run and the wall time it was taken from, in s; what else its folder tells is added to what was
+    found.
 
     :raises MeasurementError: as :func:`run_once`.
     """
-    if exit_code not in (PASS, FAIL):
-        last = said.strip().splitlines()[-1:] or ["no message"]
-        raise MeasurementError(f"{version.name}: exit code {exit_code}: {last[0]}")
+    _judged(version, done)
     run = json.loads((out / "score.json").read_text(encoding="utf-8")).get("run", {})
     if "speed_factor" not in run:
         raise MeasurementError(f"{version.name}: score.json has no speed factor")
@@ -196,7 +214,7 @@ def _recorded(version: Version, out: Path, exit_code: int, said: str) -> float:
     transport, slash, _ = str(run.get("transport", "not in the score")).partition("/")
     version.transports.add(f"{transport}hub" if slash else transport)
     version.hashes.add(hashlib.sha256((out / "frames.log").read_bytes()).hexdigest())
-    return float(run["speed_factor"])
+    return float(run["speed_factor"]), float(run["wall_time_s"])
 
 
 def _memory_lines(version: Version, here: Version) -> list[str]:
@@ -221,15 +239,16 @@ def _lines(versions: Sequence[Version]) -> list[str]:
     here = versions[-1]
     lines = []
     for version in versions:
-        factor, cpu_s = median(version.factors), median(version.cpu_s)
+        factor = median(version.factors)
         lines += [
             version.name,
             f"  build      {version.build}",
             f"  transport  {', '.join(sorted(version.transports))}",
             f"  factor     {factor:.1f} times real time, median of {len(version.factors)} "
             f"({min(version.factors):.1f} to {max(version.factors):.1f})",
-            f"  processor  {cpu_s:.2f} s, median of the whole command "
-            f"({min(version.cpu_s):.2f} to {max(version.cpu_s):.2f})",
+            f"  beside it  {_seconds(version.rest_s)} before the first frame and after the last one together",
+            f"  score      {_seconds(version.score_s)} of railhil score",
+            f"  processor  {_seconds(version.cpu_s)} of the whole command",
             *(f"  frames.log {sha256}" for sha256 in sorted(version.hashes)),
         ]
         lines += _memory_lines(version, here)
@@ -240,6 +259,10 @@ def _lines(versions: Sequence[Version]) -> list[str]:
                 f"({min(pairs):.2f} to {max(pairs):.2f})"
             )
     return lines
+
+
+def _seconds(taken_s: Sequence[float]) -> str:
+    return f"{median(taken_s):.2f} s ({min(taken_s):.2f} to {max(taken_s):.2f})"
 
 
 def _load() -> str:
@@ -272,6 +295,7 @@ def work(arguments: Sequence[str] | None = None) -> int:
         print(f"run        {scenario if options.quick else FULL_SCENARIO}, {options.pairs} of each, in turns")
         print(f"beside     {options.counting} processes that only count")
         print(f"load       {_load()} (1, 5, 15 min) before")
+        print(f"memory     {far_read_ns():.0f} ns for a read anywhere in 8 MB that depends on the one before")
         with counting(options.counting):
             for number in range(options.pairs):
                 for index, version in enumerate(versions):
@@ -279,7 +303,7 @@ def work(arguments: Sequence[str] | None = None) -> int:
             for number in range(options.memory):
                 for index, version in enumerate(versions):
                     weigh_once(version, scenario, folder / f"memory{index}-{number}")
-        print(f"load       {_load()} after", *_lines(versions), sep="\n")
+        print(f"load       {_load()} after", f"memory     {far_read_ns():.0f} ns after", *_lines(versions), sep="\n")
     unequal = [version.name for version in versions if len(version.hashes) > 1]
     for name in unequal:
         print(f"OTHER BYTES in the runs of {name}")

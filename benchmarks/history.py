@@ -27,7 +27,7 @@ def entry(document: dict[str, Any], now: datetime | None = None) -> dict[str, An
         for name, result in document["benchmarks"].items()
         for figure in result["figures"]
     }
-    machine = {key: document["machine"][key] for key in (*_SAME, "load_1min")}
+    machine = {key: document["machine"][key] for key in (*_SAME, "load_1min", "far_read_ns")}
     return {"utc": (now or datetime.now(UTC)).isoformat(timespec="seconds"), **machine, "figures": figures}
 
 
@@ -62,10 +62,16 @@ def losses(before: list[dict[str, Any]], now: dict[str, Any]) -> list[str]:
             share = was / value - 1 if unit in _RATES else value / was - 1
             if share > LOSS_SHARE:
                 found.append(
-                    f"{name}: {value:.3g} {unit}, was {was:.3g} at {item['utc']} "
-                    f"(load {item['load_1min']:.1f} then, {now['load_1min']:.1f} now)"
+                    f"{name}: {value:.3g} {unit}, was {was:.3g} at {item['utc']} ({_state(item)} then, "
+                    f"{_state(now)} now)"
                 )
     return found
+
+
+def _state(item: dict[str, Any]) -> str:
+    """What may be the cause of another figure: the machine's load, and its memory if it was measured."""
+    far_ns = item.get("far_read_ns")
+    return f"load {item['load_1min']:.1f}" + ("" if far_ns is None else f", memory {far_ns:.0f} ns")
 
 
 def append(path: Path, line: dict[str, Any]) -> None:

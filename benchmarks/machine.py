@@ -7,7 +7,9 @@ import platform
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
+from time import perf_counter
 
+import numpy as np
 import psutil
 
 from railhil.common.build import python_build, railhil_build
@@ -16,6 +18,9 @@ _LIBRARIES = ("python-can", "cantools", "numpy", "scipy", "psutil", "fxpmath", "
 #: A machine counts as busy if other processes use more than this share of it.
 _BUSY_SHARE = 0.5
 _LOOK_S = 0.5
+#: Numbers of a list: with their objects 8 MB, more than a core has as its own cache; and few enough for any cache.
+_FAR, _NEAR = 250_000, 256
+_READS = 200_000
 #: Parts of the CPU's name: emulated by QEMU; the host's, where a user-mode kernel makes the system calls.
 _EMULATORS = ("QEMU TCG", "UML")
 
@@ -25,7 +30,8 @@ class Machine:
     """Description of the machine and its state before the first benchmark.
 
     ``build``: how this CPython was compiled; ``railhil_build``: ``pure`` or ``compiled``. ``load_1min``: runnable
-    processes, mean over a minute. ``cpu_used``: share of all cores in use, 0..1.
+    processes, mean over a minute. ``cpu_used``: share of all cores in use, 0..1. ``far_read_ns``: see
+    :func:`far_read_ns`.
     """
 
     cpu: str
@@ -38,6 +44,7 @@ class Machine:
     libraries: dict[str, str]
     load_1min: float
     cpu_used: float
+    far_read_ns: float
 
     @property
     def busy(self) -> bool:
@@ -70,6 +77,7 @@ class Machine:
             ("railhil", self.railhil_build),
             ("libraries", ", ".join(f"{name} {number}" for name, number in self.libraries.items())),
             ("at start", f"load average {self.load_1min:.2f} (1 min), {self.cpu_used:.0%} of the CPU in use"),
+            ("memory", f"a read that depends on the one before, anywhere in 8 MB: {self.far_read_ns:.0f} ns"),
         ]
 
 
@@ -92,6 +100,30 @@ def is_emulated() -> bool:
     return _is_emulators(cpu_model())
 
 
+def far_read_ns() -> float:
+    """Time of a read from memory whose address is known only after the read before, anywhere in 8 MB; best of three.
+
+    On a machine that others share as guests this is what differs from hour to hour: a factor of ten between a cache
+    that is there for all 8 MB and one that the neighbours have. A loop of few instructions does not show it.
+    """
+    near_s, far_s = _read_s(_NEAR), _read_s(_FAR)
+    # A number of a list is two reads: the list's entry, and the number.
+    return (far_s - near_s) / 2 * 1e9
+
+
+def _read_s(numbers: int) -> float:
+    order = np.random.default_rng(1).permutation(numbers)
+    following = np.empty(numbers, dtype=np.int64)
+    following[order] = np.roll(order, -1)
+    chain, at, taken_s = following.tolist(), 0, []
+    for _ in range(3):
+        start_s = perf_counter()
+        for _ in range(_READS):
+            at = chain[at]
+        taken_s.append((perf_counter() - start_s) / _READS)
+    return min(taken_s)
+
+
 def this_machine() -> Machine:
     """Description of this machine; observes its load for half a second."""
     return Machine(
@@ -105,4 +137,5 @@ def this_machine() -> Machine:
         libraries={name: version(name) for name in _LIBRARIES},
         load_1min=os.getloadavg()[0],
         cpu_used=psutil.cpu_percent(interval=_LOOK_S) / 100,
+        far_read_ns=far_read_ns(),
     )

@@ -23,6 +23,8 @@ if "--help" in words:
     print("--quiet")
 elif "--no-report" in words:
     sys.exit(2)
+elif words[0] == "score":
+    sys.exit(SCORE["run"].get("scored", 0))
 else:
     out = pathlib.Path(words[words.index("--out") + 1])
     out.mkdir()
@@ -43,12 +45,23 @@ def older(folder: Path, score: dict[str, object]) -> against.Version:
 
 
 def test_an_older_version_is_given_only_the_options_that_it_has(tmp_path):
-    version = older(tmp_path, {"run": {"speed_factor": 50.0, "transport": "railhil:/tmp/hub.sock"}})
+    version = older(
+        tmp_path, {"run": {"speed_factor": 50.0, "wall_time_s": -4.0, "transport": "railhil:/tmp/hub.sock"}}
+    )
     against.describe(version, tmp_path)
     assert version.options == ["--quiet"]
     against.run_once(version, "line", tmp_path / "a")
     against.run_once(version, "line", tmp_path / "b")
     assert (version.factors, version.transports, len(version.hashes)) == ([50.0, 50.0], {"railhil:hub"}, 2)
+    # What a command takes beside the loop; here the loop is said to have taken less than nothing.
+    assert [taken_s > 4.0 for taken_s in version.rest_s] == [True, True]
+    assert [taken_s > 0.0 for taken_s in version.score_s] == [True, True]
+
+
+def test_a_version_that_cannot_score_its_own_run_is_no_measurement(tmp_path):
+    version = older(tmp_path, {"run": {"speed_factor": 50.0, "wall_time_s": 4.0, "scored": 4}})
+    with pytest.raises(MeasurementError, match="exit code 4: no message"):
+        against.run_once(version, "line", tmp_path / "a")
 
 
 def test_a_version_without_speed_is_no_measurement(tmp_path):
@@ -58,7 +71,7 @@ def test_a_version_without_speed_is_no_measurement(tmp_path):
 
 
 def test_a_run_for_memory_gives_its_peak_and_no_speed(tmp_path):
-    version = older(tmp_path, {"run": {"speed_factor": 50.0}})
+    version = older(tmp_path, {"run": {"speed_factor": 50.0, "wall_time_s": 4.0}})
     against.weigh_once(version, "line", tmp_path / "a")
     (peak,) = version.peaks
     ((name, part_mb),) = peak.parts
@@ -73,7 +86,7 @@ def test_a_run_for_memory_gives_its_peak_and_no_speed(tmp_path):
 def test_memory_is_compared_with_that_of_this_version(tmp_path):
     versions = [against.Version(name, sys.executable, {}) for name in ("older", "this version")]
     for version, parts in zip(versions, ((("plant", 50.0), ("hub", 30.0)), (("plant", 40.0),)), strict=True):
-        version.factors, version.cpu_s = [100.0], [2.0]
+        version.factors, version.rest_s, version.score_s, version.cpu_s = [100.0], [1.0], [0.5], [2.0]
         version.peaks = [Peak(parts), Peak((("plant", 20.0),))]
     lines = against._lines(versions)
     assert "  memory     50.0 MB, peak of all processes together, median of 2 (20.0 to 80.0)" in lines

@@ -234,6 +234,6 @@ def test_a_kernel_without_can_is_said() -> None:
 
 @pytest.mark.parametrize(("cpu", "emulated"), [("QEMU TCG CPU version 2.5+", True), ("UML", True), ("AMD EPYC", False)])
 def test_an_emulated_machine_is_said(cpu: str, emulated: bool) -> None:
-    machine = Machine(cpu, 2, 2.0, "Linux", "CPython", "PGO", "pure", {}, 0.1, 0.0)
+    machine = Machine(cpu, 2, 2.0, "Linux", "CPython", "PGO", "pure", {}, 0.1, 0.0, 20.0)
     assert machine.emulated is emulated
     assert ("EMULATED" in dict(machine.lines())) is emulated

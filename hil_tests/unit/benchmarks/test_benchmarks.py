@@ -14,7 +14,7 @@ import pytest
 from benchmarks import arithmetic
 from benchmarks.__main__ import NAMES, run
 from benchmarks.figures import Figure, MeasurementError, Setting
-from benchmarks.machine import Machine, cpu_model
+from benchmarks.machine import Machine, cpu_model, far_read_ns
 from benchmarks.memory import peak_of, share_mb
 from benchmarks.processes import RunCommand, learning_sequence
 from railhil.controller_node.arithmetic import make
@@ -146,7 +146,7 @@ def test_a_sequence_that_does_not_start_is_no_measurement(tmp_path):
 
 
 def machine(load_1min: float, cpu_used: float) -> Machine:
-    return Machine("cpu", 2, 8.0, "Linux", "CPython", "PGO, LTO", "pure", {}, load_1min, cpu_used)
+    return Machine("cpu", 2, 8.0, "Linux", "CPython", "PGO, LTO", "pure", {}, load_1min, cpu_used, 20.0)
 
 
 @pytest.mark.parametrize(("load_1min", "cpu_used", "busy"), [(0.1, 0.05, False), (1.2, 0.05, True), (0.1, 0.6, True)])
@@ -154,6 +154,11 @@ def test_busy_machine_is_said(load_1min, cpu_used, busy):
     found = machine(load_1min, cpu_used)
     assert found.busy is busy
     assert bool(found.warning) is busy
+
+
+def test_a_read_from_far_takes_longer_than_from_a_cache():
+    # A core's first cache answers in about a nanosecond; nothing answers in less.
+    assert 0.1 < far_read_ns() < 1e5
 
 
 def test_cpu_model_is_the_kernel_s_word(tmp_path):

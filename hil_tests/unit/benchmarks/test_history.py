@@ -26,6 +26,7 @@ def measured(factor: float, taken_s: float, **machine: Any) -> dict[str, Any]:
         "railhil_build": "pure",
         "counting": 0,
         "load_1min": 0.5,
+        "far_read_ns": 20.0,
     }
     figures = [
         {"name": "factor", "value": factor, "unit": "sim s/s"},
@@ -45,8 +46,19 @@ def test_what_has_become_worse_is_said(tmp_path: Path, factor: float, taken_s: f
     found = history.losses(history.read(path), measured(factor, taken_s))
     assert [line.split(": ")[1] for line in found] == lost
     if "factor" in lost:
-        told = "lockstep: factor: 50 sim s/s, was 100 at 2026-01-02T03:04:05+00:00 (load 0.5 then, 0.5 now)"
+        told = (
+            "lockstep: factor: 50 sim s/s, was 100 at 2026-01-02T03:04:05+00:00 "
+            "(load 0.5, memory 20 ns then, load 0.5, memory 20 ns now)"
+        )
         assert found == [told]
+
+
+def test_a_line_without_the_machine_s_memory_is_compared_all_the_same() -> None:
+    """As histories were written before it was part of them."""
+    older = measured(100.0, 2.0)
+    del older["far_read_ns"]
+    (told,) = history.losses([older], measured(50.0, 2.0, far_read_ns=180.4))
+    assert told.endswith("(load 0.5 then, load 0.5, memory 180 ns now)")
 
 
 @pytest.mark.parametrize(
