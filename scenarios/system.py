@@ -117,10 +117,10 @@ class System:
 
         :raises InputError: the package cannot be imported.
         """
-        self.part("plant")
         name = self.plant.partition(":")[0].partition(".")[0]
         if name == __name__.partition(".")[0]:
             return None
+        self.part("plant")
         package = import_module(name)
         digest = hashlib.sha256()
         for root in sorted(map(Path, package.__path__)):

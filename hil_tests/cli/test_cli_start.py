@@ -106,6 +106,15 @@ def test_a_record_is_scored_without_the_checks_of_scenario_files():
     assert done.stdout.strip() == "False"
 
 
+def test_the_hash_of_our_own_system_loads_no_plant():
+    code = (
+        "import sys; from railhil.scenarios.system import system_named\n"
+        "print(system_named('ato').code_sha256(), 'railhil.plant_sim' in sys.modules)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "None False"
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "module", ["plant_sim.command", "controller_node.command", "supervisor.run", "cli.run", "local_run", "replay"]
