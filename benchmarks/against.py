@@ -51,9 +51,9 @@ print(f"{platform.python_implementation()} {platform.python_version()} ({pgo} {l
 class Version:
     """One railhil to measure, and what was found.
 
-    ``factors``: simulated seconds per wall second of each run. ``rest_s``: what each command took beside that, before
-    the first frame and after the last one. ``cpu_s``: processor time of each command with all its processes.
-    ``score_s``: ``railhil score`` of each run. ``peaks``: memory of each run that was made for it.
+    ``factors``: simulated seconds per wall second of each run. ``rest_s``: wall time of each command before its
+    first frame and after its last one. ``cpu_s``: processor time of each command with all its processes.
+    ``score_s``: wall time of ``railhil score`` of each run. ``peaks``: memory of each run that was made for it.
     """
 
     name: str
@@ -154,14 +154,14 @@ def run_once(version: Version, scenario: str, out: Path) -> None:
     before, start_s = os.times(), perf_counter()
     done = _asked(version, _run_words(version, scenario, out), out.parent)
     taken_s, after = perf_counter() - start_s, os.times()
-    factor, loop_s = _recorded(version, out, done)
+    factor, loop_s = _recorded(version, out, done.returncode, done.stderr or done.stdout)
     version.factors.append(factor)
     version.rest_s.append(taken_s - loop_s)
     version.cpu_s.append(after.children_user + after.children_system - before.children_user - before.children_system)
     start_s = perf_counter()
     scored = _asked(version, ["-m", "railhil.cli", "score", str(out)], out.parent)
     version.score_s.append(perf_counter() - start_s)
-    _judged(version, scored)
+    _demand_verdict(version, scored.returncode, scored.stderr or scored.stdout)
 
 
 def weigh_once(version: Version, scenario: str, out: Path) -> None:
@@ -183,7 +183,7 @@ def weigh_once(version: Version, scenario: str, out: Path) -> None:
         finally:
             end(process)
         said.seek(0)
-        _recorded(version, out, subprocess.CompletedProcess(process.args, process.returncode, "", said.read()))
+        _recorded(version, out, process.returncode, said.read())
     version.peaks.append(peak)
 
 
@@ -191,22 +191,23 @@ def _run_words(version: Version, scenario: str, out: Path) -> list[str]:
     return ["-m", "railhil.cli", "run", scenario, "--out", str(out), *version.options]
 
 
-def _judged(version: Version, done: subprocess.CompletedProcess[str]) -> None:
+def _demand_verdict(version: Version, exit_code: int, said: str) -> None:
+    """Refuse a command that has ended without a verdict; ``said``: what it printed.
+
+    :raises MeasurementError: with the last line of that.
     """
-    :raises MeasurementError: the command has ended without a verdict.
-    """
-    if done.returncode not in (PASS, FAIL):
-        last = (done.stderr or done.stdout).strip().splitlines()[-1:] or ["no message"]
-        raise MeasurementError(f"{version.name}: exit code {done.returncode}: {last[0]}")
+    if exit_code not in (PASS, FAIL):
+        last = said.strip().splitlines()[-1:] or ["no message"]
+        raise MeasurementError(f"{version.name}: exit code {exit_code}: {last[0]}")
 
 
-def _recorded(version: Version, out: Path, done: subprocess.CompletedProcess[str]) -> tuple[float, float]:
+def _recorded(version: Version, out: Path, exit_code: int, said: str) -> tuple[float, float]:
     """Speed factor of a run and the wall time it was taken from, in s; what else its folder tells is added to what was
     found.
 
     :raises MeasurementError: as :func:`run_once`.
     """
-    _judged(version, done)
+    _demand_verdict(version, exit_code, said)
     run = json.loads((out / "score.json").read_text(encoding="utf-8")).get("run", {})
     if "speed_factor" not in run:
         raise MeasurementError(f"{version.name}: score.json has no speed factor")
@@ -246,9 +247,9 @@ def _lines(versions: Sequence[Version]) -> list[str]:
             f"  transport  {', '.join(sorted(version.transports))}",
             f"  factor     {factor:.1f} times real time, median of {len(version.factors)} "
             f"({min(version.factors):.1f} to {max(version.factors):.1f})",
-            f"  beside it  {_seconds(version.rest_s)} before the first frame and after the last one together",
-            f"  score      {_seconds(version.score_s)} of railhil score",
-            f"  processor  {_seconds(version.cpu_s)} of the whole command",
+            f"  start, end {_seconds(version.rest_s)}, before the first frame and after the last one together",
+            f"  score      {_seconds(version.score_s)}, railhil score of the run",
+            f"  processor  {_seconds(version.cpu_s)}, whole command",
             *(f"  frames.log {sha256}" for sha256 in sorted(version.hashes)),
         ]
         lines += _memory_lines(version, here)
@@ -262,7 +263,7 @@ def _lines(versions: Sequence[Version]) -> list[str]:
 
 
 def _seconds(taken_s: Sequence[float]) -> str:
-    return f"{median(taken_s):.2f} s ({min(taken_s):.2f} to {max(taken_s):.2f})"
+    return f"{median(taken_s):.2f} s, median ({min(taken_s):.2f} to {max(taken_s):.2f})"
 
 
 def _load() -> str:
@@ -295,7 +296,7 @@ def work(arguments: Sequence[str] | None = None) -> int:
         print(f"run        {scenario if options.quick else FULL_SCENARIO}, {options.pairs} of each, in turns")
         print(f"beside     {options.counting} processes that only count")
         print(f"load       {_load()} (1, 5, 15 min) before")
-        print(f"memory     {far_read_ns():.0f} ns for a read anywhere in 8 MB that depends on the one before")
+        print(f"latency    {far_read_ns():.0f} ns for a read anywhere in 8 MB that depends on the one before")
         with counting(options.counting):
             for number in range(options.pairs):
                 for index, version in enumerate(versions):
@@ -303,7 +304,7 @@ def work(arguments: Sequence[str] | None = None) -> int:
             for number in range(options.memory):
                 for index, version in enumerate(versions):
                     weigh_once(version, scenario, folder / f"memory{index}-{number}")
-        print(f"load       {_load()} after", f"memory     {far_read_ns():.0f} ns after", *_lines(versions), sep="\n")
+        print(f"load       {_load()} after", f"latency    {far_read_ns():.0f} ns after", *_lines(versions), sep="\n")
     unequal = [version.name for version in versions if len(version.hashes) > 1]
     for name in unequal:
         print(f"OTHER BYTES in the runs of {name}")

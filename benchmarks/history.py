@@ -69,9 +69,9 @@ def losses(before: list[dict[str, Any]], now: dict[str, Any]) -> list[str]:
 
 
 def _state(item: dict[str, Any]) -> str:
-    """What may be the cause of another figure: the machine's load, and its memory if it was measured."""
+    """What may explain another figure: the machine's load, and the latency of its memory if that was measured."""
     far_ns = item.get("far_read_ns")
-    return f"load {item['load_1min']:.1f}" + ("" if far_ns is None else f", memory {far_ns:.0f} ns")
+    return f"load {item['load_1min']:.1f}" + ("" if far_ns is None else f", latency {far_ns:.0f} ns")
 
 
 def append(path: Path, line: dict[str, Any]) -> None:

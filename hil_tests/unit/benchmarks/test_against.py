@@ -89,6 +89,8 @@ def test_memory_is_compared_with_that_of_this_version(tmp_path):
         version.factors, version.rest_s, version.score_s, version.cpu_s = [100.0], [1.0], [0.5], [2.0]
         version.peaks = [Peak(parts), Peak((("plant", 20.0),))]
     lines = against._lines(versions)
+    assert "  start, end 1.00 s, median (1.00 to 1.00), before the first frame and after the last one together" in lines
+    assert "  score      0.50 s, median (0.50 to 0.50), railhil score of the run" in lines
     assert "  memory     50.0 MB, peak of all processes together, median of 2 (20.0 to 80.0)" in lines
     assert "  of it      plant 50.0, hub 30.0" in lines
     assert [line for line in lines if "memory," in line] == [

@@ -14,7 +14,7 @@ import pytest
 from benchmarks import arithmetic
 from benchmarks.__main__ import NAMES, run
 from benchmarks.figures import Figure, MeasurementError, Setting
-from benchmarks.machine import Machine, cpu_model, far_read_ns
+from benchmarks.machine import Machine, chain_of, cpu_model, far_read_ns
 from benchmarks.memory import peak_of, share_mb
 from benchmarks.processes import RunCommand, learning_sequence
 from railhil.controller_node.arithmetic import make
@@ -154,6 +154,16 @@ def test_busy_machine_is_said(load_1min, cpu_used, busy):
     found = machine(load_1min, cpu_used)
     assert found.busy is busy
     assert bool(found.warning) is busy
+
+
+def test_every_place_is_read_once_and_neighbours_seldom_follow_each_other():
+    chain, at, read = chain_of(1000), 0, []
+    for _ in chain:
+        at = chain[at]
+        read.append(at)
+    assert sorted(read) == list(range(1000))
+    assert at == 0
+    assert sum(abs(following - place) == 1 for place, following in enumerate(chain)) < 20
 
 
 def test_a_read_from_far_takes_longer_than_from_a_cache():

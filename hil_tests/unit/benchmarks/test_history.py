@@ -48,17 +48,17 @@ def test_what_has_become_worse_is_said(tmp_path: Path, factor: float, taken_s: f
     if "factor" in lost:
         told = (
             "lockstep: factor: 50 sim s/s, was 100 at 2026-01-02T03:04:05+00:00 "
-            "(load 0.5, memory 20 ns then, load 0.5, memory 20 ns now)"
+            "(load 0.5, latency 20 ns then, load 0.5, latency 20 ns now)"
         )
         assert found == [told]
 
 
-def test_a_line_without_the_machine_s_memory_is_compared_all_the_same() -> None:
+def test_a_line_without_the_latency_is_compared_all_the_same() -> None:
     """As histories were written before it was part of them."""
     older = measured(100.0, 2.0)
     del older["far_read_ns"]
     (told,) = history.losses([older], measured(50.0, 2.0, far_read_ns=180.4))
-    assert told.endswith("(load 0.5 then, load 0.5, memory 180 ns now)")
+    assert told.endswith("(load 0.5 then, load 0.5, latency 180 ns now)")
 
 
 @pytest.mark.parametrize(
