@@ -42,6 +42,12 @@ def test_an_unknown_option_is_told_of_the_whole_command_line(capsys):
         assert "unrecognized arguments: --bar" in capsys.readouterr().err
 
 
+def test_a_command_that_is_not_the_first_word_has_its_options():
+    """Newer Pythons pass over a double hyphen before a command."""
+    for words in (["--", "ports"], ["--bar", "ports"]):
+        assert parser(words).parse_args(["ports", "--system", "stop"]).system == "stop"
+
+
 @pytest.mark.parametrize("word", ["--help", "--version", "no_such_command"])
 def test_a_word_that_is_no_command_loads_none(word):
     code = (
