@@ -43,7 +43,7 @@ def test_an_unknown_option_is_told_of_the_whole_command_line(capsys):
 
 
 def test_a_command_that_is_not_the_first_word_has_its_options():
-    """Newer Pythons pass over a double hyphen before a command."""
+    """Whatever argparse makes of the words before it."""
     for words in (["--", "ports"], ["--bar", "ports"]):
         assert parser(words).parse_args(["ports", "--system", "stop"]).system == "stop"
 
