@@ -73,6 +73,8 @@ _W0: Final = _octets_of_words(0)
 _W1: Final = _octets_of_words(1)
 _W2: Final = _octets_of_words(2)
 _W3: Final = _octets_of_words(3)
+#: The four tables for a block of 8 bytes, first word first; one of 4 bytes has the last two, one of 2 bytes the last.
+CHECK_TABLES: Final = (_W3, _W2, _W1, _W0)
 _FOUR_WORDS: Final[Callable[[bytes], tuple[int, int, int, int]]] = Struct(">4H").unpack
 _TWO_WORDS: Final[Callable[[bytes], tuple[int, int]]] = Struct(">2H").unpack
 

@@ -205,6 +205,11 @@ class TrafficStore:
         return self._sinks[port].accepted
 
     @property
+    def is_empty(self) -> bool:
+        """Whether no port has blocks of a telegram that has not come to its end."""
+        return all(sink.missing == sink.block_count for sink in self._sinks.values())
+
+    @property
     def ports(self) -> tuple[str, ...]:
         """Names of the ports with a mailbox."""
         return tuple(self._sinks)

@@ -9,6 +9,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 _ASAMMDF = "asammdf"
+#: What matplotlib calls for each class of artists, to describe its properties.
+_DESCRIBE = "_update_set_signature_and_docstring"
 #: New objects after which unreachable cycles are looked for; Python's own number is 700.
 _OBJECTS = 20_000
 
@@ -52,3 +54,29 @@ def allow_asammdf() -> None:
     """End :func:`without_asammdf`, for a command that needs asammdf."""
     if sys.modules.get(_ASAMMDF, ...) is None:
         del sys.modules[_ASAMMDF]
+
+
+@contextmanager
+def undocumented_matplotlib() -> Iterator[None]:
+    """Inside ``with``, matplotlib is loaded without the help texts that it makes for each kind of artist: they take
+    half of its time to load, and a command shows them to nobody. Drawings are the same.
+
+    :raises ImportError: it is not installed.
+    """
+    known = "matplotlib.artist" in sys.modules
+    from matplotlib import artist
+
+    names = {} if known else {(artist, "kwdoc"): _no_text, (artist.Artist, _DESCRIBE): classmethod(_no_text)}
+    # Names that a later version of matplotlib may not have any more.
+    before = [(owner, name, vars(owner)[name]) for owner, name in names if name in vars(owner)]
+    for owner, name, _ in before:
+        setattr(owner, name, names[owner, name])
+    try:
+        yield
+    finally:
+        for owner, name, original in before:
+            setattr(owner, name, original)
+
+
+def _no_text(_: object) -> str:
+    return ""

@@ -43,11 +43,12 @@ from railhil.scenarios.perturb import perturbed
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.system import system_named
 from railhil.supervisor.fault_report import FaultOutcome, check_faults, fault_outcomes
-from railhil.supervisor.framelog import FrameLog, read_log
+from railhil.supervisor.framelog import FrameLog
 from railhil.supervisor.judging import judging_of
+from railhil.supervisor.log_trace import trace_of_log
 from railhil.supervisor.score import Score, score
 from railhil.supervisor.session import Session
-from railhil.supervisor.trace import Told, Trace, trace_of
+from railhil.supervisor.trace import Told, Trace
 
 
 @dataclass(slots=True)
@@ -114,7 +115,7 @@ def local_run(
         ended = plant.ended
     write_fault_logs(plant, node)
     sha256 = log.close()
-    trace = trace_of(read_log(log.path), system.contract)
+    trace = trace_of_log(log.path, system.contract)
     if wire is None:
         trace.told = Told(exact=True, nodes=received_by({"controller": node, "plant": plant}))
     return BenchRun(

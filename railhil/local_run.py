@@ -24,16 +24,17 @@ from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import system_named
 from railhil.supervisor.fault_report import fault_outcomes, missed_faults
-from railhil.supervisor.framelog import FrameLog, read_log
+from railhil.supervisor.framelog import FrameLog
 from railhil.supervisor.jitter import lockstep_timing
 from railhil.supervisor.judging import judging_of
+from railhil.supervisor.log_trace import trace_of_log
 from railhil.supervisor.result import RunResult
 from railhil.supervisor.session import Session
 from railhil.supervisor.start_up import TELEMETRY
 from railhil.supervisor.status import untold_wrap
 from railhil.supervisor.stopping import StopSignals
 from railhil.supervisor.telemetry import read_origin, read_summary, shown_telemetry
-from railhil.supervisor.trace import Told, Trace, trace_of
+from railhil.supervisor.trace import Told, Trace
 
 
 class LocalRun:
@@ -135,7 +136,7 @@ class LocalRun:
         """
         session = self.session
         contract = self._system.contract
-        self.trace = trace_of(read_log(self.log.path), contract) if session.frames else Trace(contract)
+        self.trace = trace_of_log(self.log.path, contract) if session.frames else Trace(contract)
         self.trace.told = Told(exact=True, nodes=received_by(self._made))
         found = self._judging.score(self.scenario, self.trace)
         if code == PASS:

@@ -22,8 +22,8 @@ from railhil.common.errors import InputError, Words
 from railhil.common.exit_codes import FAIL, INVALID, PASS
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import system_named
-from railhil.supervisor.framelog import log_sha256, read_log
-from railhil.supervisor.trace import trace_of
+from railhil.supervisor.framelog import log_sha256
+from railhil.supervisor.log_trace import trace_of_log
 
 
 class BenchInvalid(Exception):
@@ -83,7 +83,7 @@ def bench_run(plan: Plan, run: RunSpec) -> dict[str, Any]:
             digest = log_sha256(log)[:DIGITS]
         else:
             system = system_named(plan.scenario.system)
-            digest = system.part("digest")(plan.scenario, trace_of(read_log(log), system.contract))
+            digest = system.part("digest")(plan.scenario, trace_of_log(log, system.contract))
     return {
         **found["scores"],
         **{extra.key: found[extra.key] for extra in plan.judging.extras},

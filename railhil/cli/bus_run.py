@@ -19,6 +19,7 @@ from railhil.common.command_line import add_law_arguments, add_run_arguments
 from railhil.common.errors import InputError, Words
 from railhil.common.exit_codes import FAIL, USAGE
 from railhil.common.extras import install_command
+from railhil.common.light_start import undocumented_matplotlib
 from railhil.common.output import Output
 from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario
@@ -272,7 +273,8 @@ def report_line(runs: Sequence[RecordedRun], folder: Path, notes: Sequence[str] 
     from railhil.supervisor.report.recorded import REPORT
 
     try:
-        from railhil.supervisor.report.page import write_report
+        with undocumented_matplotlib():
+            from railhil.supervisor.report.page import write_report
     except ImportError as error:
         return f"no report: {error.name} is not installed ({install_command('report')})"
     path = folder / REPORT

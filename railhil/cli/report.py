@@ -8,6 +8,7 @@ from pathlib import Path
 
 from railhil.common.errors import InputError, Words
 from railhil.common.extras import missing
+from railhil.common.light_start import undocumented_matplotlib
 from railhil.common.output import Output
 from railhil.scenarios.stored import any_judged_sha256
 from railhil.supervisor.documents import read_comparison
@@ -33,7 +34,8 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 def work(namespace: argparse.Namespace) -> int:
     """Write the report and print its path."""
     try:
-        from railhil.supervisor.report.page import write_report
+        with undocumented_matplotlib():
+            from railhil.supervisor.report.page import write_report
     except ImportError as error:
         raise missing("railhil report", error, "report") from None
     given = [Path(text) for text in namespace.folder]

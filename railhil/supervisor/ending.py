@@ -8,7 +8,6 @@ from railhil.bus.codes import Event
 from railhil.common.exit_codes import FAIL, INVALID, PASS, TOOL_ERROR, USAGE
 from railhil.common.scheduling import said_in
 from railhil.supervisor.fault_report import FaultOutcome, missed_faults
-from railhil.supervisor.framelog import read_log
 from railhil.supervisor.jitter import (
     WALL,
     RunTiming,
@@ -20,11 +19,12 @@ from railhil.supervisor.jitter import (
 )
 from railhil.supervisor.judging import judging_of
 from railhil.supervisor.launch import needs_orders
+from railhil.supervisor.log_trace import trace_of_log
 from railhil.supervisor.result import RunResult
 from railhil.supervisor.senders import Senders
 from railhil.supervisor.status import untold_wrap
 from railhil.supervisor.telemetry import read_origin, read_summary, shown_telemetry
-from railhil.supervisor.trace import Told, trace_of
+from railhil.supervisor.trace import Told
 
 if TYPE_CHECKING:
     from railhil.supervisor.run import Run
@@ -54,7 +54,7 @@ def result_of(
     complete = complete and not needs_orders(run.scenario.faults)
     senders = Senders(run.folder, run.trace.contract, complete=complete)
     if session.frames:
-        run.trace = trace_of(senders.passing(read_log(run.log.path)), run.trace.contract)
+        run.trace = trace_of_log(run.log.path, run.trace.contract, senders)
     run.trace.told = Told(complete, senders.received)
     found = senders.findings()
     said = [*(item.sentence(port, "supervisor") for port, item in session.strangers.items()), *found.said]

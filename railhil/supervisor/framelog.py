@@ -155,10 +155,11 @@ def _read_candump(path: Path) -> Iterator[tuple[int, Frame]]:
         if not isinstance(part, ClassicColumns):
             yield from part
             continue
-        yield from zip(part.times_ns.tolist(), _classic_frames(part), strict=True)
+        yield from zip(part.times_ns.tolist(), classic_frames(part), strict=True)
 
 
-def _classic_frames(part: ClassicColumns) -> Iterator[Frame]:
+def classic_frames(part: ClassicColumns) -> Iterator[Frame]:
+    """Frames of columns, one by one."""
     block = part.data.tobytes()
     starts = range(0, len(block), 8)
     data = [block[start : start + size] for start, size in zip(starts, part.lengths.tolist(), strict=True)]
@@ -169,7 +170,7 @@ def frames_of(text: bytes) -> list[Frame]:
     """Frames of whole lines of a log; raises ValueError or IndexError if one is invalid."""
     columns = classic_columns(text, CHANNEL)
     if columns is not None:
-        return list(_classic_frames(columns))
+        return list(classic_frames(columns))
     return [parsed_line(line)[1] for line in text.decode("ascii").splitlines(keepends=True)]
 
 

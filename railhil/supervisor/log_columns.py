@@ -26,6 +26,21 @@ class ClassicColumns(NamedTuple):
     lengths: npt.NDArray[np.int64]
     data: npt.NDArray[np.uint8]
 
+    def rows(self, first: int, end: int) -> ClassicColumns:
+        """The frames from ``first`` to just before ``end``."""
+        return ClassicColumns(
+            self.times_ns[first:end], self.can_ids[first:end], self.lengths[first:end], self.data[first:end]
+        )
+
+    def followed_by(self, other: ClassicColumns) -> ClassicColumns:
+        """These frames and the others."""
+        return ClassicColumns(
+            np.concatenate((self.times_ns, other.times_ns)),
+            np.concatenate((self.can_ids, other.can_ids)),
+            np.concatenate((self.lengths, other.lengths)),
+            np.concatenate((self.data, other.data)),
+        )
+
 
 def classic_columns(text: bytes, channel: str) -> ClassicColumns | None:
     """Columns of lines; None if there are none, or any is not exactly as such a frame is written in a log.

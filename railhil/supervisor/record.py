@@ -17,11 +17,12 @@ from railhil.supervisor.documents import CERTIFICATE, read_certificate
 from railhil.supervisor.events.derive import events_of
 from railhil.supervisor.events.event import RecordedEvent
 from railhil.supervisor.events.injected import fault_events
-from railhil.supervisor.framelog import log_sha256, read_log
+from railhil.supervisor.framelog import log_sha256
 from railhil.supervisor.judging import judging_of
+from railhil.supervisor.log_trace import trace_of_log
 from railhil.supervisor.reactions.expected import with_expectations
 from railhil.supervisor.score import Score
-from railhil.supervisor.trace import Told, Trace, trace_of
+from railhil.supervisor.trace import Told, Trace
 
 _BESIDE = "a certificate beside the log, or --scenario"
 
@@ -139,7 +140,7 @@ def _check_judged(log: Path, scenario: AnyScenario, document: dict[str, Any], na
 
 def _trace(log: Path, scenario: AnyScenario, contract: Contract) -> Trace:
     """Telegrams of a log, after checking its handshake against scenario and DBC."""
-    trace = trace_of(read_log(log), contract)
+    trace = trace_of_log(log, contract)
     ident = trace.ident(PltIdent)
     if ident is None:
         raise InputError(log, "PLT_IDENT", Words("no such telegram"), "a log that railhil recorded from its start")

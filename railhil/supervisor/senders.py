@@ -14,10 +14,13 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import numpy as np
+
 from railhil.bus.frame import Frame
 from railhil.bus.mvb import F_DEVICE_STATUS, master_frame
 from railhil.bus.sent import NO_TELEGRAM, Told, read_sent
 from railhil.dbc import Contract, Port
+from railhil.supervisor.log_columns import ClassicColumns
 
 #: Nodes that write what they have sent; the supervisor knows by itself what it has sent.
 WITNESSES = ("plant", "controller")
@@ -64,6 +67,14 @@ class _Stream:
     position: int = 0
     #: Recorded frames from the first one that is not the next one sent.
     rest: list[tuple[int, bytes]] = field(default_factory=list)
+
+    def take(self, time_ns: int, data: bytes) -> None:
+        """Take a recorded frame."""
+        position = self.position
+        if not self.rest and position < len(self.sent) and self.sent[position] == data:
+            self.position = position + 1
+        else:
+            self.rest.append((time_ns, data))
 
     def judge(self, strangers: Strangers) -> int:
         """Count the frames that were not sent; returns how many of those sent are missing in the record."""
@@ -151,12 +162,27 @@ class Senders:
             if stream is None:
                 answers[can_id] += 1
             elif not flags & NO_TELEGRAM:
-                position = stream.position
-                if not stream.rest and position < len(stream.sent) and stream.sent[position] == data:
-                    stream.position = position + 1
-                else:
-                    stream.rest.append((time_ns, data))
+                stream.take(time_ns, data)
             yield item
+
+    def pass_columns(self, part: ClassicColumns) -> None:
+        """As :meth:`passing`: the frames of each identifier together where they are the next ones sent."""
+        ids = part.can_ids
+        for can_id in np.unique(ids).tolist():
+            rows = np.flatnonzero(ids == can_id)
+            stream = self._streams.get(can_id)
+            if stream is None:
+                self._answers[can_id] += len(rows)
+                continue
+            lengths, data = part.lengths[rows].tolist(), part.data[rows]
+            due = stream.sent[stream.position : stream.position + len(rows)]
+            if not stream.rest and list(map(len, due)) == lengths:
+                size = lengths[0]
+                if lengths.count(size) == len(lengths) and b"".join(due) == data[:, :size].tobytes():
+                    stream.position += len(rows)
+                    continue
+            for time_ns, block, size in zip(part.times_ns[rows].tolist(), data, lengths, strict=True):
+                stream.take(time_ns, block[:size].tobytes())
 
     def findings(self) -> Findings:
         """What the comparison has found; lists that agree with the record are removed."""

@@ -35,6 +35,16 @@ class Noted(NamedTuple):
     cause: str
 
 
+class Telegrams(NamedTuple):
+    """Telegrams of one port: times in ns, shape (n,); place of each among all that are taken together, shape (n,);
+    process data, joined."""
+
+    port: str
+    times_ns: npt.NDArray[np.int64]
+    order: npt.NDArray[np.int64]
+    data: bytes
+
+
 class Told(NamedTuple):
     """What nodes say that they have received (:mod:`railhil.bus.reception`), by node.
 
@@ -121,6 +131,30 @@ class Trace:
         self._added += 1
         self._awaited.pop(port, None)
         self._data[port] += data
+
+    def take_whole(self, telegrams: Iterable[Telegrams], polls: int, awaited: Iterable[Noted]) -> None:
+        """As :meth:`polled` and :meth:`add` for frames of which none is refused and no poll is missed.
+
+        :param telegrams: in the order in which the first of each port is complete.
+        :param polls: how many there are.
+        :param awaited: the last polls without an answer, in their order.
+        """
+        added = 0
+        for port, times_ns, order, data in telegrams:
+            if port not in self._times_ns:
+                self._times_ns[port], self._order[port], self._data[port] = array("q"), array("q"), bytearray()
+            self._times_ns[port].frombytes(times_ns.tobytes())
+            self._order[port].frombytes((order + self._added).tobytes())
+            self._data[port] += data
+            self._awaited.pop(port, None)
+            added += len(times_ns)
+        self._added += added
+        self.polls += polls
+        self._awaited |= {noted.source: noted for noted in awaited}
+
+    def is_awaited(self, port: str) -> bool:
+        """Whether the last poll of a port has no good answer yet."""
+        return port in self._awaited
 
     def count(self, port: str) -> int:
         """Number of telegrams of a port."""
@@ -212,39 +246,63 @@ class Trace:
         return next((ident for ident in idents if ident.is_own), None)
 
 
-def trace_of(frames: Iterable[tuple[int, Frame]], contract: Contract | None = None) -> Trace:
-    """Trace of recorded frames ``(time_ns, frame)`` in bus order.
+class TraceReader:
+    """Makes a trace of recorded frames in bus order, in one part or in several.
 
     :param contract: the one used for recording; default: this version's.
     """
-    trace = Trace(contract)
-    contract = trace.contract
-    store = TrafficStore(contract.ports)
-    polls = {master_tail(port.f_code, port.address): port.name for port in contract.ports if port.mode == "poll"}
-    silences = {port.can_ids[-1]: port.name for port in contract.ports if port.mode == "poll"}
-    poll_id, check, feed = contract.poll_id, store.check, store.feed
-    names = {can_id: port.name for port in contract.ports for can_id in (*port.can_ids, port.fd_id)}
-    time_ns, counted = 0, Counter(store.counters)
-    for time_ns, frame in frames:
-        can_id, data, flags = frame
-        if can_id == poll_id and not flags & ERROR:
-            if (asked := polls.get(data)) is not None:
-                trace.polled(asked, time_ns)
-            elif flags or parse_master_frame(data) is None:
-                trace.refuse(BUS, time_ns, "wrong_master_word")
-            continue
-        checked = check(frame)
-        port = feed(frame, time_ns, checked)
-        if port is not None:
-            trace.add(port, time_ns, store.raw(port))
-        elif checked.cause or checked.part < 0:
-            # A block that only waits for its trailer is not refused.
-            cause = checked.cause or next(iter(store.counters - counted))
-            counted[cause] += 1
-            if not data and not flags and can_id in silences:
-                trace.no_answers.append(Noted(time_ns, silences[can_id], "no_answer"))
+
+    def __init__(self, contract: Contract | None = None) -> None:
+        self.trace = Trace(contract)
+        self._ports = contract = self.trace.contract
+        self._store = TrafficStore(contract.ports)
+        polled = [port for port in contract.ports if port.mode == "poll"]
+        self._polls = {master_tail(port.f_code, port.address): port.name for port in polled}
+        self._silences = {port.can_ids[-1]: port.name for port in polled}
+        self._names = {can_id: port.name for port in contract.ports for can_id in (*port.can_ids, port.fd_id)}
+        self._counted = Counter(self._store.counters)
+
+    @property
+    def is_between_telegrams(self) -> bool:
+        """False while blocks of a telegram are kept that has not come to its end."""
+        return self._store.is_empty
+
+    def take(self, frames: Iterable[tuple[int, Frame]]) -> None:
+        """Take frames ``(time_ns, frame)``."""
+        trace, store, counted = self.trace, self._store, self._counted
+        polls, silences, names = self._polls, self._silences, self._names
+        poll_id, check, feed = self._ports.poll_id, store.check, store.feed
+        time_ns = trace.end_ns
+        for time_ns, frame in frames:
+            can_id, data, flags = frame
+            if can_id == poll_id and not flags & ERROR:
+                if (asked := polls.get(data)) is not None:
+                    trace.polled(asked, time_ns)
+                elif flags or parse_master_frame(data) is None:
+                    trace.refuse(BUS, time_ns, "wrong_master_word")
                 continue
-            source = names.get(can_id, f"{BUS} {can_id:03X}") if cause not in _OF_THE_BUS else BUS
-            trace.refuse(source, time_ns, cause)
-    trace.end_ns = time_ns
-    return trace
+            checked = check(frame)
+            port = feed(frame, time_ns, checked)
+            if port is not None:
+                trace.add(port, time_ns, store.raw(port))
+            elif checked.cause or checked.part < 0:
+                # A block that only waits for its trailer is not refused.
+                cause = checked.cause or next(iter(store.counters - counted))
+                counted[cause] += 1
+                if not data and not flags and can_id in silences:
+                    trace.no_answers.append(Noted(time_ns, silences[can_id], "no_answer"))
+                    continue
+                source = names.get(can_id, f"{BUS} {can_id:03X}") if cause not in _OF_THE_BUS else BUS
+                trace.refuse(source, time_ns, cause)
+        trace.end_ns = time_ns
+
+
+def trace_of(frames: Iterable[tuple[int, Frame]], contract: Contract | None = None) -> Trace:
+    """Trace of recorded frames ``(time_ns, frame)`` in bus order; :func:`railhil.supervisor.log_trace.trace_of_log`
+    does the same for a log, in less time.
+
+    :param contract: the one used for recording; default: this version's.
+    """
+    reader = TraceReader(contract)
+    reader.take(frames)
+    return reader.trace

@@ -13,6 +13,8 @@ from railhil.bus.mvb import F_DEVICE_STATUS, TelegramSource, master_frame
 from railhil.bus.sent import SentFrames, read_sent
 from railhil.bus.telegrams import NotchCmd, PltStat, SimTruth, TrnSpeed
 from railhil.dbc import wire_contract
+from railhil.supervisor.framelog import CHANNEL, log_line
+from railhil.supervisor.log_columns import classic_columns
 from railhil.supervisor.senders import Findings, Senders, sent_file
 
 TICK_NS = 10_000_000
@@ -49,9 +51,18 @@ def compared(
             if owner == node:
                 own.note([frame])
         own.write()
-    senders = Senders(folder, wire_contract(), complete=complete)
-    assert len(list(senders.passing((place * TICK_NS, frame) for place, frame in enumerate(recorded)))) == len(recorded)
-    return senders.findings()
+    senders, in_columns = (Senders(folder, wire_contract(), complete=complete) for _ in range(2))
+    items = [(place * TICK_NS, frame) for place, frame in enumerate(recorded)]
+    assert list(senders.passing(items)) == items
+    text = "".join(log_line(*item) for item in items).encode()
+    # What is not classic everywhere is not read in columns.
+    columns = classic_columns(text, CHANNEL)
+    found = senders.findings()
+    if columns is not None:
+        for first in range(0, len(items), 250):
+            in_columns.pass_columns(columns.rows(first, first + 250))
+        assert in_columns.findings() == found
+    return found
 
 
 @pytest.fixture(autouse=True)

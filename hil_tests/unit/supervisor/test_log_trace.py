@@ -1,0 +1,158 @@
+"""A log read as whole telegrams gives the same trace as its frames one by one."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from hil_tests.support.short_runs import RUN_2M_TOML
+from railhil.bench import local_run
+from railhil.bus.frame import Frame
+from railhil.bus.mvb import F_DEVICE_STATUS, master_frame
+from railhil.dbc import wire_contract
+from railhil.scenarios.load import load
+from railhil.scenarios.run_spec import RunSpec
+from railhil.supervisor.blf_writer import write_blf
+from railhil.supervisor.framelog import log_line, read_log
+from railhil.supervisor.log_trace import trace_of_log
+from railhil.supervisor.trace import Trace, TraceReader, trace_of
+
+Recorded = list[tuple[int, Frame]]
+#: Lines of the record that is changed.
+LINES = 120
+
+
+def state_of(trace: Trace) -> dict[str, object]:
+    """All that a trace has taken, with the order of what it keeps by name."""
+    kept = {name: getattr(trace, name) for name in vars(trace) if name not in ("contract", "idents", "_words", "told")}
+    return {name: list(value.items()) if isinstance(value, dict) else value for name, value in kept.items()}
+
+
+@cache
+def recorded() -> tuple[tuple[int, Frame], ...]:
+    """A run of 2 m."""
+    with TemporaryDirectory() as name:
+        folder = Path(name)
+        (folder / "short.toml").write_text(RUN_2M_TOML, encoding="utf-8")
+        run = local_run(load(str(folder / "short.toml")), folder, RunSpec())
+        assert run.log is not None
+        return tuple(read_log(run.log))
+
+
+def written(folder: Path, frames: Recorded) -> Path:
+    log = folder / "frames.log"
+    log.write_text("".join(log_line(*frame) for frame in frames), encoding="ascii")
+    return log
+
+
+def demand_the_same(folder: Path, frames: Recorded) -> None:
+    log = written(folder, frames)
+    assert state_of(trace_of_log(log)) == state_of(trace_of(read_log(log)))
+
+
+def read_singly(patch: pytest.MonkeyPatch) -> list[int]:
+    """Numbers of frames that are read one by one from now on."""
+    found, take = [], TraceReader.take
+
+    def noted(reader: TraceReader, frames: object) -> None:
+        every = list(frames)  # type: ignore[call-overload]
+        found.append(len(every))
+        take(reader, every)
+
+    patch.setattr(TraceReader, "take", noted)
+    return found
+
+
+@pytest.mark.parametrize("part_bytes", [1 << 20, 4000, 700])
+def test_a_run_is_read_as_whole_telegrams(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, part_bytes: int) -> None:
+    """Wherever the parts of the file end."""
+    frames = list(recorded())
+    monkeypatch.setattr("railhil.supervisor.framelog._PART_BYTES", part_bytes)
+    demand_the_same(tmp_path, frames)
+    singly = read_singly(monkeypatch)
+    trace_of_log(written(tmp_path, frames))
+    assert not singly
+
+
+def test_one_strange_frame_has_its_part_read_singly_and_no_other(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    frames = list(recorded())
+    time_ns, frame = frames[len(frames) // 2]
+    frames.insert(len(frames) // 2, (time_ns, Frame(frame.can_id, bytes(8))))
+    monkeypatch.setattr("railhil.supervisor.framelog._PART_BYTES", 4000)
+    demand_the_same(tmp_path, frames)
+    singly = read_singly(monkeypatch)
+    trace_of_log(written(tmp_path, frames))
+    assert len(singly) == 1
+    assert singly[0] < 400
+
+
+def test_a_blf_is_read_too(tmp_path: Path) -> None:
+    log = written(tmp_path, list(recorded()))
+    write_blf(log, tmp_path / "frames.blf")
+    assert state_of(trace_of_log(tmp_path / "frames.blf")) == state_of(trace_of_log(log))
+
+
+def test_a_log_that_ends_inside_a_telegram_or_before_an_answer(tmp_path: Path) -> None:
+    frames = list(recorded())
+    for end in range(LINES, LINES + 60):
+        demand_the_same(tmp_path, frames[:end])
+        demand_the_same(tmp_path, frames[end - 40 : end])
+
+
+@st.composite
+def changed_records(draw: st.DrawFn) -> Recorded:
+    """The record with frames lost, repeated, exchanged, late, foreign or with another bit."""
+    start = draw(st.integers(0, len(recorded()) - LINES))
+    frames = list(recorded()[start : start + LINES])
+    for _ in range(draw(st.integers(0, 3))):
+        at, other = draw(st.integers(0, len(frames) - 2)), draw(st.integers(0, len(frames) - 1))
+        time_ns, frame = frames[at]
+        kind = draw(st.sampled_from(("lost", "again", "before", "late", "bit", "length", "id", "poll", "far")))
+        if kind == "lost":
+            del frames[at]
+        elif kind == "again":
+            frames.insert(at, frames[at])
+        elif kind == "before":
+            frames[at], frames[at + 1] = frames[at + 1], frames[at]
+        elif kind == "far":
+            frames[at], frames[other] = frames[other], frames[at]
+        elif kind == "late":
+            frames[at] = time_ns + draw(st.sampled_from((1000, 4_999_000, 5_000_000, 5_001_000))), frame
+        elif kind == "bit" and frame.data:
+            data = bytearray(frame.data)
+            data[draw(st.integers(0, len(data) - 1))] ^= 1 << draw(st.integers(0, 7))
+            frames[at] = time_ns, Frame(frame.can_id, bytes(data))
+        elif kind == "length":
+            frames[at] = time_ns, Frame(frame.can_id, frame.data[: draw(st.integers(0, 7))])
+        elif kind == "id":
+            frames[at] = time_ns, Frame(frame.can_id + draw(st.integers(-5, 5)) & 0x7FF, frame.data)
+        else:
+            frames.insert(at, (time_ns, master_frame(draw(st.sampled_from((0, 1, 3, F_DEVICE_STATUS))), 0x123)))
+    return frames
+
+
+@settings(max_examples=250)
+@given(frames=changed_records(), part_bytes=st.sampled_from((100, 500, 2000, 1 << 20)))
+def test_whatever_is_wrong_with_a_record_both_ways_find_the_same(frames: Recorded, part_bytes: int) -> None:
+    with TemporaryDirectory() as folder, pytest.MonkeyPatch.context() as patch:
+        patch.setattr("railhil.supervisor.framelog._PART_BYTES", part_bytes)
+        demand_the_same(Path(folder), frames)
+
+
+def test_every_wrong_bit_and_every_exchange_of_a_cycle(tmp_path: Path) -> None:
+    """Of 40 frames, among them telegrams of one frame and of several."""
+    frames = list(recorded()[200:240])
+    seen = {frame.can_id for _, frame in frames}
+    assert {1, 3} <= {len(port.can_ids) for port in wire_contract().ports if seen.issuperset(port.can_ids)}
+    for at, (time_ns, frame) in enumerate(frames):
+        for bit in range(8 * len(frame.data)):
+            data = (int.from_bytes(frame.data) ^ 1 << bit).to_bytes(len(frame.data))
+            demand_the_same(tmp_path, [*frames[:at], (time_ns, Frame(frame.can_id, data)), *frames[at + 1 :]])
+        demand_the_same(tmp_path, [*frames[:at], *frames[at + 1 : at + 2], frames[at], *frames[at + 2 :]])
