@@ -26,6 +26,7 @@ from railhil.common.extras import missing
 NAMES = (
     "lockstep",
     "features",
+    "start_and_end",
     "transports",
     "jitter",
     "arithmetic",

@@ -59,7 +59,8 @@ def allow_asammdf() -> None:
 @contextmanager
 def undocumented_matplotlib() -> Iterator[None]:
     """Inside ``with``, matplotlib is loaded without the help texts that it makes for each kind of artist: they take
-    half of its time to load, and a command shows them to nobody. Drawings are the same.
+    half of its time to load, and a command shows them to nobody. Drawings are the same. It is for commands, not for a
+    process in which somebody may ask matplotlib for help.
 
     :raises ImportError: it is not installed.
     """

@@ -28,6 +28,7 @@ UNITS = {"us", "ns", "s", "frames/s", "sim s/s", "runs/s", "Mops/s", "%", "cycle
 EXPECTED = {
     "lockstep": "iq: command to first frame, median",
     "features": "learning sequence: speed factor, median",
+    "start_and_end": "railhil score, median",
     "transports": "hub, gateway, hub: round trip, one CPU, Python",
     "jitter": "hub, TCP loopback: busy, normal, Python",
     "arithmetic": "rsmpy, 100,000 at once: apytypes",
