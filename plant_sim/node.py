@@ -95,7 +95,8 @@ class PlantNode:
             injection = injection_of(scenario, run.seed)
             assert injection is not None
             self.faults = NodeFaults(injection, contract, schedule, "plant", fault_log)
-            endpoint = FaultyEndpoint(endpoint, self.faults, contract, disturber)
+            endpoint = faulty = FaultyEndpoint(endpoint, self.faults, contract, disturber, ahead)
+            ahead = faulty.ahead
         polled = [port for port in contract.ports if port.mode == "poll"]
         self._store = TrafficStore(polled)
         self.administrator = Administrator(
@@ -108,7 +109,7 @@ class PlantNode:
             reply_ns=reply_ns,
             patience_s=run.patience_s,
             contract=contract,
-            ahead=ahead if self.faults is None else None,
+            ahead=ahead,
         )
         self.milestones = Milestones(self.administrator.publish, self._tick_ns)
         #: Attributes of :class:`railhil.plant_sim.cycle.Surroundings`.

@@ -80,6 +80,7 @@ class Follower:
                 ports[name] = contract.port(name)
                 self._levels[name] = next(one for one in ports[name].signals if one.name == signal)
         self._store = TrafficStore(ports.values())
+        self._followed = {can_id for port in ports.values() for can_id in (*port.can_ids, port.fd_id)}
 
     def wall_s(self, duration_s: float) -> float:
         """A simulated duration on the wall clock."""
@@ -87,7 +88,9 @@ class Follower:
 
     def see(self, frame: Frame) -> bool:
         """Take a frame in bus order; True if it begins a new instant."""
-        name = self._store.feed(frame, max(self.now_ns, 0)) if frame.data else None
+        if not frame.data or frame.can_id not in self._followed:
+            return False
+        name = self._store.feed(frame, max(self.now_ns, 0))
         if name is None:
             return False
         data = self._store.raw(name)

@@ -20,6 +20,7 @@ class FaultyEndpoint:
     """:class:`railhil.bus.link.Endpoint` of the plant.
 
     :param disturber: takes the orders of faults of the bus; None: there are none, or they are not acted out (a replay).
+    :param ahead: the link's way for frames that go ahead (:attr:`railhil.bus.link.Link.ahead`); None: there is none.
     :param kill: ends the process at once.
     :param stop: stops the process for a time on the wall clock in s; ``sleep``: ``clock.wall pause``.
     """
@@ -30,6 +31,7 @@ class FaultyEndpoint:
         faults: NodeFaults,
         contract: Contract,
         disturber: Disturber | None = None,
+        ahead: Callable[[Sequence[Frame]], bool] | None = None,
         *,
         kill: Callable[[], None] = kill_this_process,
         stop: Callable[[float], None] = stop_this_process,
@@ -42,6 +44,12 @@ class FaultyEndpoint:
         self._pauses = faults.at("clock", "pause")
         self._floods = [Flood(one, contract.bit_rate) for one in faults.at("bus", "load")]
         self._bus = None if disturber is None else BusFaults.of(faults, disturber, contract)
+        #: As ``ahead``, for what the faults leave; the rest of it is sent with what comes next.
+        self.ahead = None if ahead is None or disturber is not None else self._ahead
+        self._onward = ahead
+        # What the faults have left and has not gone ahead; whether anything has since the last one was sent.
+        self._left: list[Frame] = []
+        self._is_ahead = False
         self._kill = kill
         self._stop = stop
         self._sleep = sleep
@@ -67,6 +75,26 @@ class FaultyEndpoint:
 
     def send(self, frames: Sequence[Frame]) -> None:
         """Send what the faults leave of these frames, and what they held back before."""
+        leaving = self._left + self._passed(frames)
+        self._left = []
+        if leaving or self._is_ahead:
+            self._is_ahead = False
+            if self._bus is not None:
+                self._bus.sending(leaving)
+            self._endpoint.send(leaving)
+
+    def _ahead(self, frames: Sequence[Frame]) -> bool:
+        leaving = self._left + self._passed(frames)
+        self._left = []
+        if leaving and self._onward is not None:
+            if self._onward(leaving):
+                self._is_ahead = True
+            else:
+                self._left = leaving
+        return True
+
+    def _passed(self, frames: Sequence[Frame]) -> list[Frame]:
+        """What the faults leave of whole telegrams, and what they held back before."""
         faults = self.faults
         leaving: list[Frame] = []
         begun = 0
@@ -80,10 +108,7 @@ class FaultyEndpoint:
                 leaving += faults.due()
                 leaving += self._at_once()
         leaving += faults.passes(frames[begun:])
-        if leaving:
-            if self._bus is not None:
-                self._bus.sending(leaving)
-            self._endpoint.send(leaving)
+        return leaving
 
     def _at_once(self) -> list[Frame]:
         """What begins with an instant and is not about a telegram."""
