@@ -51,11 +51,12 @@ class Holding:
         """The telegrams that may leave now, in the order of their instants; of an answer only the first."""
         if not self._activity.active and self._activity.fault.after == "drop":
             self._held = []
-        ready = [one for one in self._held if one[0] <= now_ns and one[1] == 0]
-        ready.sort(key=lambda one: one[0])
+        held = self._held
+        ready = [place for place, (due_ns, after, _) in enumerate(held) if due_ns <= now_ns and after == 0]
+        ready.sort(key=lambda place: held[place][0])
         ready = ready[:1] if self._polled else ready
-        self._held = [one for one in self._held if not any(one is other for other in ready)]
-        return [frames for _, _, frames in ready]
+        self._held = [one for place, one in enumerate(held) if place not in ready]
+        return [held[place][2] for place in ready]
 
     @property
     def waits(self) -> bool:

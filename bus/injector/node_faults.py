@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
+from typing import Final
 
 from railhil.bus.frame import Frame
 from railhil.bus.injector.activities import Activities
@@ -17,6 +18,9 @@ from railhil.dbc import Contract, Port
 from railhil.faults.model import Fault, Injection
 from railhil.faults.ports import instruments, port_names
 
+#: Words of the bus that act at every node.
+_SILENT_OR_OK: Final = (*SILENT, "ok")
+
 
 def ports_of(fault: Fault, injection: Injection, contract: Contract) -> list[Port]:
     """Ports whose telegrams a fault changes or keeps back."""
@@ -26,7 +30,7 @@ def ports_of(fault: Fault, injection: Injection, contract: Contract) -> list[Por
     if level == "clock" and fault.place.name == "time":
         return [contract.port(TimeSync.PORT)]
     spared = instruments(injection.truth)
-    if level == "bus" and fault.what in (*SILENT, "ok"):
+    if level == "bus" and fault.what in _SILENT_OR_OK:
         return [port for port in contract.ports if port.name not in spared]
     if level == "node" and fault.what == "slow":
         return [port for port in contract.ports if port.name not in spared and port.source == fault.place.name]
@@ -40,7 +44,7 @@ def nodes_of(fault: Fault, injection: Injection, contract: Contract) -> set[str]
     if fault.place.level == "clock":
         return {"plant"}
     if fault.place.level == "bus":
-        return {"plant", "controller"} if fault.what in (*SILENT, "ok") else {"plant"}
+        return {"plant", "controller"} if fault.what in _SILENT_OR_OK else {"plant"}
     return {port.source for port in ports_of(fault, injection, contract)}
 
 
