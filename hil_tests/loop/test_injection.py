@@ -13,13 +13,15 @@ from hil_tests.support.injected import NOTCH, SPEED, Runs, frames, hits, log, ru
 from hil_tests.support.short_runs import RUN_2M_TOML
 from railhil.bench import BenchRun, plant_beside, write_fault_logs
 from railhil.bus.codes import CtlMode, FaultOrder
+from railhil.bus.injector.controller_side import FaultyController
 from railhil.bus.mvb import TelegramSource
 from railhil.bus.telegrams import CtlStat, NotchCmd, RunEvent, TrnPos, TrnSpeed
 from railhil.common.errors import InputError
 from railhil.controller_node.faulty import controller_of
+from railhil.controller_node.node import ControllerNode
 from railhil.dbc import wire_contract
 from railhil.scenarios.load import load
-from railhil.scenarios.run_spec import RunSpec
+from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.supervisor.fault_report import fault_outcomes, missed_faults
 from railhil.supervisor.framelog import FrameLog, read_log
 from railhil.supervisor.session import Session
@@ -30,6 +32,13 @@ pytestmark = pytest.mark.faults
 @pytest.fixture(scope="module")
 def runs(tmp_path_factory: pytest.TempPathFactory) -> Runs:
     return runs_with_faults(tmp_path_factory)
+
+
+def test_a_controller_without_faults_of_its_own_has_no_injector(tmp_path: Path) -> None:
+    path = tmp_path / "short.toml"
+    path.write_text(RUN_2M_TOML)
+    for fault, kind in (("TRN_SPEED loss @1s", ControllerNode), ("NOTCH_CMD loss @1s", FaultyController)):
+        assert isinstance(controller_of(load(path, (), (fault,)), LawSpec(), 0), kind)
 
 
 def test_what_is_lost_is_not_on_the_wire(runs: Runs) -> None:

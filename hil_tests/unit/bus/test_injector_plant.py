@@ -68,18 +68,26 @@ class Hub:
 class Bench:
     """The plant's connection, tick by tick."""
 
-    def __init__(self, *faults: str, folder: Path | None = None, hub: Hub | None = None) -> None:
+    def __init__(self, *faults: str, folder: Path | None = None, hub: Hub | None = None, is_open: bool = True) -> None:
         schedule = Schedule.from_contract(10 * MS, {}, CONTRACT)
         injection = Injection(tuple(map(parse, faults)), np.random.default_rng)
         self.faults = NodeFaults(injection, CONTRACT, schedule, "plant", folder)
         self.wire = Wire()
+        self.is_open = is_open
+        self.passed: list[Frame] = []
         self.acted: list[object] = []
         self.end = FaultyEndpoint(
-            self.wire, self.faults, CONTRACT, hub,
+            self.wire, self.faults, CONTRACT, hub, self.onward,
             kill=lambda: self.acted.append(folder is None or (folder / "faults-plant.csv").is_file()),
             stop=lambda time_s: self.acted.append(("stop", time_s)),
             sleep=lambda time_s: self.acted.append(("sleep", time_s)),
         )  # fmt: skip
+
+    def onward(self, frames: Sequence[Frame]) -> bool:
+        """The way ahead of the link below."""
+        if self.is_open:
+            self.passed += frames
+        return self.is_open
 
     def tick(self, *ticks: int, also: Sequence[Frame] = ()) -> list[tuple[int, bytes]]:
         """Send the frames of these ticks together; what leaves: identifier and first bytes."""
@@ -225,3 +233,45 @@ def test_a_load_below_one_frame_an_instant() -> None:
     assert [row[0] for row in bench.said()] == [0, 30, 50]
     # After 1.05 s at 500 frames a second.
     assert [one[0] for one in Bench("bus load 11.1% @0s").tick(*range(0, 106, 15))].count(0x7E0) == 526
+
+
+def ahead(bench: Bench, *ticks: int) -> None:
+    for tick in ticks:
+        assert bench.end.ahead is not None
+        assert bench.end.ahead(speed(tick)), "what has passed the faults is never given back"
+
+
+def test_what_the_faults_leave_goes_ahead() -> None:
+    bench = Bench("TRN_SPEED loss 100% @20ms for 20ms")
+    ahead(bench, 0, 1, 2, 3, 4)
+    assert bench.passed == [*speed(0), *speed(1), *speed(4)]
+    assert bench.wire.sent == []
+    bench.end.send([])
+    bench.end.send([])
+    assert bench.wire.sent == [[]], "the link below completes what went ahead, once"
+    assert len(bench.said()) == 2
+
+
+def test_what_cannot_go_ahead_passes_the_faults_once_and_is_sent_in_order() -> None:
+    bench = Bench("TRN_SPEED loss 100% @10ms for 10ms", is_open=False)
+    ahead(bench, 0, 1, 2)
+    assert (bench.passed, bench.wire.sent) == ([], [])
+    bench.is_open = True
+    ahead(bench, 3)
+    assert bench.passed == [*speed(0), *speed(2), *speed(3)]
+    bench.is_open = False
+    ahead(bench, 4)
+    bench.end.send(speed(5))
+    assert bench.wire.sent == [[*speed(4), *speed(5)]]
+    assert len(bench.said()) == 1
+
+
+def test_a_lost_telegram_alone_is_nothing_to_complete() -> None:
+    bench = Bench("TRN_SPEED loss 100% @0s")
+    ahead(bench, 0, 1)
+    bench.end.send([])
+    assert (bench.passed, bench.wire.sent) == ([], [])
+
+
+def test_nothing_goes_ahead_where_the_bus_is_disturbed() -> None:
+    assert Bench(hub=Hub()).end.ahead is None
