@@ -88,7 +88,7 @@ class Follower:
 
     def see(self, frame: Frame) -> bool:
         """Take a frame in bus order; True if it begins a new instant."""
-        if not frame.data or frame.can_id not in self._followed:
+        if frame.can_id not in self._followed:
             return False
         name = self._store.feed(frame, max(self.now_ns, 0))
         if name is None:

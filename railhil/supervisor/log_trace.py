@@ -127,10 +127,13 @@ class _Whole:
                 return False
             if len(rows) and not between[-1]:
                 left.append((int(rows[-1]), name))
-        every = np.sort(np.concatenate([ended.rows for ended in found.values()])) if found else np.empty(0, np.int64)
+        is_end = np.zeros(len(kinds), np.int64)
+        for ended in found.values():
+            is_end[ended.rows] = 1
+        order = np.cumsum(is_end) - 1
         trace.take_whole(
             [
-                Telegrams(name, part.times_ns[ended.rows], np.searchsorted(every, ended.rows), ended.data)
+                Telegrams(name, part.times_ns[ended.rows], order[ended.rows], ended.data)
                 for name, ended in sorted(found.items(), key=lambda item: int(item[1].rows[0]))
             ],
             len(polls),
@@ -162,7 +165,7 @@ def _blocks(port: Port, part: ClassicColumns, octets: npt.NDArray[np.uint8], row
     count = port.blocks
     if len(rows) % (count + 1):
         return None
-    rows = rows.reshape(-1, count + 1)
+    rows = rows.reshape(len(rows) // (count + 1), count + 1)
     times_ns, frames = part.times_ns[rows], part.data[rows]
     trailers = frames[:, count]
     if (

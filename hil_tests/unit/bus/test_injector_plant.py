@@ -262,6 +262,7 @@ def test_what_cannot_go_ahead_passes_the_faults_once_and_is_sent_in_order() -> N
     bench.is_open = False
     ahead(bench, 4)
     bench.end.send(speed(5))
+    bench.end.send([])
     assert bench.wire.sent == [[*speed(4), *speed(5)]]
     assert len(bench.said()) == 1
 

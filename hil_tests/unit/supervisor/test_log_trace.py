@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -12,14 +13,16 @@ from hypothesis import strategies as st
 
 from hil_tests.support.short_runs import RUN_2M_TOML
 from railhil.bench import local_run
-from railhil.bus.frame import Frame
-from railhil.bus.mvb import F_DEVICE_STATUS, master_frame
+from railhil.bus.frame import ERROR, EXTENDED, REMOTE, Frame
+from railhil.bus.mvb import F_DEVICE_STATUS, TelegramSource, master_frame
+from railhil.bus.telegrams import SimTruth
 from railhil.dbc import wire_contract
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import RunSpec
 from railhil.supervisor.blf_writer import write_blf
 from railhil.supervisor.framelog import log_line, read_log
 from railhil.supervisor.log_trace import trace_of_log
+from railhil.supervisor.senders import Senders
 from railhil.supervisor.trace import Trace, TraceReader, trace_of
 
 Recorded = list[tuple[int, Frame]]
@@ -146,6 +149,54 @@ def test_whatever_is_wrong_with_a_record_both_ways_find_the_same(frames: Recorde
         demand_the_same(Path(folder), frames)
 
 
+@pytest.mark.parametrize(
+    "strange",
+    [
+        Frame(0x1ABCDEF, b"\1", EXTENDED),
+        Frame(0x80, bytes(8), ERROR),
+        Frame(0x118, b"", REMOTE),
+        Frame(0x7FF, bytes(8)),
+    ],
+)
+@pytest.mark.parametrize("part_bytes", [2000, 300, 1 << 20])
+def test_a_part_that_is_not_classic_between_others(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, strange: Frame, part_bytes: int
+) -> None:
+    """Wherever it stands in a telegram, and whatever of the telegram is in the part before."""
+    monkeypatch.setattr("railhil.supervisor.framelog._PART_BYTES", part_bytes)
+    frames = list(recorded()[200:400])
+    for at in range(60, 130):
+        demand_the_same(tmp_path, [*frames[:at], (frames[at][0], strange), *frames[at:]])
+
+
+def test_senders_see_every_frame(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """In a part of columns, in one that is read frame by frame, and in a BLF."""
+    monkeypatch.setattr("railhil.supervisor.framelog._PART_BYTES", 2000)
+    frames = list(recorded()[:400])
+    frames.insert(200, (frames[200][0], Frame(0x1ABCDEF, b"\1", EXTENDED)))
+    log = written(tmp_path, frames)
+    write_blf(log, tmp_path / "frames.blf")
+    every = Counter(frame.can_id for _, frame in frames)
+    for path in (log, tmp_path / "frames.blf"):
+        # Without lists of what was sent it counts the frames of each identifier.
+        senders = Senders(tmp_path, wire_contract(), complete=False)
+        assert state_of(trace_of_log(path, None, senders)) == state_of(trace_of(frames))
+        assert senders._answers == every
+
+
+@pytest.mark.parametrize("late_ns", [4_999_000, 5_000_000, 5_001_000])
+@pytest.mark.parametrize("first", [0, 1, 2])
+def test_a_telegram_that_takes_longer_than_it_may(tmp_path: Path, late_ns: int, first: int) -> None:
+    truth = TelegramSource(SimTruth.port()).frames(SimTruth(7, 5).encode())
+    demand_the_same(tmp_path, [(0 if place < first else late_ns, frame) for place, frame in enumerate(truth)])
+
+
+def test_a_block_twice_is_not_the_other_one_with_the_same_data(tmp_path: Path) -> None:
+    block, same, trailer = TelegramSource(SimTruth.port()).frames(bytes(SimTruth.port().data_bytes))
+    assert block.data == same.data
+    demand_the_same(tmp_path, [(0, block), (0, block), (0, trailer)])
+
+
 def test_every_wrong_bit_and_every_exchange_of_a_cycle(tmp_path: Path) -> None:
     """Of 40 frames, among them telegrams of one frame and of several."""
     frames = list(recorded()[200:240])
@@ -155,4 +206,8 @@ def test_every_wrong_bit_and_every_exchange_of_a_cycle(tmp_path: Path) -> None:
         for bit in range(8 * len(frame.data)):
             data = (int.from_bytes(frame.data) ^ 1 << bit).to_bytes(len(frame.data))
             demand_the_same(tmp_path, [*frames[:at], (time_ns, Frame(frame.can_id, data)), *frames[at + 1 :]])
+        for size in range(len(frame.data)):
+            demand_the_same(
+                tmp_path, [*frames[:at], (time_ns, Frame(frame.can_id, frame.data[:size])), *frames[at + 1 :]]
+            )
         demand_the_same(tmp_path, [*frames[:at], *frames[at + 1 : at + 2], frames[at], *frames[at + 2 :]])
