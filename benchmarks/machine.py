@@ -82,13 +82,18 @@ class Machine:
 
 
 def cpu_model(cpuinfo: Path = Path("/proc/cpuinfo")) -> str:
-    """Name of the CPU according to the kernel, else the architecture."""
+    """Name of the CPU according to the kernel, with the numbers of its family and model: a virtual machine often names
+    no more than the maker, and generations differ by a factor. Without a name, the architecture."""
+    found: dict[str, str] = {}
     if cpuinfo.is_file():
         for line in cpuinfo.read_text(encoding="utf-8", errors="replace").splitlines():
             key, _, value = line.partition(":")
-            if key.strip() == "model name":
-                return value.strip()
-    return platform.processor() or platform.machine()
+            found.setdefault(key.strip(), value.strip())
+    name = found.get("model name")
+    if name is None:
+        return platform.processor() or platform.machine()
+    numbers = [f"{word} {found[key]}" for word, key in (("family", "cpu family"), ("model", "model")) if key in found]
+    return f"{name} ({' '.join(numbers)})" if numbers else name
 
 
 def _is_emulators(cpu: str) -> bool:

@@ -176,6 +176,9 @@ def test_cpu_model_is_the_kernel_s_word(tmp_path):
     cpuinfo = tmp_path / "cpuinfo"
     cpuinfo.write_text("processor\t: 0\nmodel name\t: Test CPU 3000\n\nprocessor\t: 1\nmodel name\t: Other\n")
     assert cpu_model(cpuinfo) == "Test CPU 3000"
+    one = "processor\t: 0\ncpu family\t: 25\nmodel\t\t: 1\nmodel name\t: AMD EPYC\n"
+    cpuinfo.write_text(f"{one}\n{one.replace('25', '26')}")
+    assert cpu_model(cpuinfo) == "AMD EPYC (family 25 model 1)"
     assert cpu_model(tmp_path / "missing")
 
 
