@@ -155,11 +155,15 @@ def _read_candump(path: Path) -> Iterator[tuple[int, Frame]]:
         if not isinstance(part, ClassicColumns):
             yield from part
             continue
-        yield from zip(part.times_ns.tolist(), classic_frames(part), strict=True)
+        yield from timed_frames(part)
 
 
-def classic_frames(part: ClassicColumns) -> Iterator[Frame]:
-    """Frames of columns, one by one."""
+def timed_frames(part: ClassicColumns) -> Iterator[tuple[int, Frame]]:
+    """Frames ``(time_ns, frame)`` of columns, one by one."""
+    return zip(part.times_ns.tolist(), _classic_frames(part), strict=True)
+
+
+def _classic_frames(part: ClassicColumns) -> Iterator[Frame]:
     block = part.data.tobytes()
     starts = range(0, len(block), 8)
     data = [block[start : start + size] for start, size in zip(starts, part.lengths.tolist(), strict=True)]
@@ -170,7 +174,7 @@ def frames_of(text: bytes) -> list[Frame]:
     """Frames of whole lines of a log; raises ValueError or IndexError if one is invalid."""
     columns = classic_columns(text, CHANNEL)
     if columns is not None:
-        return list(classic_frames(columns))
+        return list(_classic_frames(columns))
     return [parsed_line(line)[1] for line in text.decode("ascii").splitlines(keepends=True)]
 
 

@@ -8,7 +8,7 @@ answered before the next one of its port. They are taken as columns. Every other
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, Final, NamedTuple, TypeAlias
+from typing import Final, NamedTuple, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -16,7 +16,7 @@ import numpy.typing as npt
 from railhil.bus.mvb import CHECK_TABLES, master_tail
 from railhil.bus.store import ASSEMBLY_NS
 from railhil.dbc import Contract, Port
-from railhil.supervisor.framelog import BLF_SUFFIX, classic_frames, log_parts, read_log
+from railhil.supervisor.framelog import BLF_SUFFIX, log_parts, read_log, timed_frames
 from railhil.supervisor.log_columns import ClassicColumns
 from railhil.supervisor.senders import Senders
 from railhil.supervisor.trace import Noted, Telegrams, Trace, TraceReader
@@ -47,7 +47,7 @@ def trace_of_log(log: Path, contract: Contract | None = None, senders: Senders |
     for part in log_parts(log):
         if not isinstance(part, ClassicColumns):
             if begun is not None:
-                reader.take(_frames(begun))
+                reader.take(timed_frames(begun))
                 begun = None
             reader.take(part if senders is None else senders.passing(part))
             continue
@@ -59,14 +59,10 @@ def trace_of_log(log: Path, contract: Contract | None = None, senders: Senders |
         begun = part.rows(size, len(part.times_ns)) if size < len(part.times_ns) else None
         ended = part.rows(0, size)
         if size and not (reader.is_between_telegrams and whole.take(ended, reader.trace)):
-            reader.take(_frames(ended))
+            reader.take(timed_frames(ended))
     if begun is not None:
-        reader.take(_frames(begun))
+        reader.take(timed_frames(begun))
     return reader.trace
-
-
-def _frames(part: ClassicColumns) -> Any:
-    return zip(part.times_ns.tolist(), classic_frames(part), strict=True)
 
 
 class _Ended(NamedTuple):
