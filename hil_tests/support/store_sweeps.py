@@ -106,6 +106,23 @@ def sweep_store_accepts(module: ModuleType) -> None:
         raise AssertionError("a port that is not in the store")
 
 
+def sweep_store_empty(module: ModuleType) -> None:
+    """Empty before and after a telegram, not between its frames; a whole telegram of another port changes nothing."""
+    traffic = module.TrafficStore(PORTS)
+    assert traffic.is_empty is True
+    _, other = telegram_of(PORTS[1], False)
+    for fd in (False, True):
+        for port in PORTS:
+            _, frames = telegram_of(port, fd)
+            for frame in frames[:-1]:
+                traffic.feed(frame, 0)
+                assert traffic.is_empty is False
+                assert fed(traffic, other) == PORTS[1].name
+                assert traffic.is_empty is False
+            assert traffic.feed(frames[-1], 0) == port.name
+            assert traffic.is_empty is True
+
+
 def sweep_store_bits(module: ModuleType) -> None:
     """One bit of every byte of every frame flipped."""
     for port in PORTS:
@@ -199,5 +216,5 @@ def sweep_store_assembly(module: ModuleType) -> None:
 
 STORE_SWEEPS: dict[ModuleType, tuple[Any, ...]] = {
     lifesign: (sweep_lifesign,),
-    store: (sweep_store_accepts, sweep_store_assembly, sweep_store_forms, sweep_store_bits),
+    store: (sweep_store_accepts, sweep_store_empty, sweep_store_assembly, sweep_store_forms, sweep_store_bits),
 }

@@ -33,16 +33,6 @@ def test_read_gives_data_and_age():
     assert (telegram.speed_01mmps, age_ns) == (777, 40_000)
 
 
-def test_it_is_empty_between_telegrams():
-    store = TrafficStore(SINKS)
-    assert store.is_empty
-    for frame in position_frames():
-        assert store.feed(speed_frame(), 0) == "TRN_SPEED"
-        assert store.is_empty == (frame == position_frames()[0])
-        store.feed(frame, 0)
-    assert store.is_empty
-
-
 def test_port_without_mailbox_is_never_decoded():
     store = TrafficStore(SINKS)
     for frame in TelegramSource(SimTruth.port()).frames(SimTruth().encode()):
