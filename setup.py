@@ -102,6 +102,7 @@ MODULES = [
     "railhil/plant_sim/train_checks.py",
     "railhil/supervisor/blf_writer.py",
     "railhil/supervisor/framelog.py",
+    "railhil/supervisor/packets.py",
     "railhil/supervisor/session.py",
     "railhil/supervisor/trace.py",
 ]

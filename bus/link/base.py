@@ -119,6 +119,11 @@ class Link(ABC):
         return None
 
     @property
+    def packed(self) -> Callable[[float | None], bytes] | None:
+        """:meth:`receive` for frames as they came, packed (:mod:`railhil.bus.hub.wire`); None: there is no such way."""
+        return None
+
+    @property
     def has_rest(self) -> bool:
         """True while the interface has accepted only part of a frame; :meth:`offer` and :meth:`receive` pass on the
         rest."""

@@ -42,9 +42,6 @@ _READ_BYTES: Final = 1 << 16
 _RECORD_BYTES: Final = 1 << 20
 #: Interval at which a node that waits for room looks whether it shall stop.
 _LOOK_MS: Final = 100
-#: On a calm machine the supervisor reads after so many packets, beside plant and controller: at its next poll it has
-#: less to catch up with. It is woken when the controller has answered.
-_RING_AFTER: Final = 4
 
 
 def supervisor_polls() -> frozenset[bytes]:
@@ -178,8 +175,6 @@ class PipeLink(Link):
         self._held = b""
         self._asks = supervisor_polls() if role == "plant" else frozenset()
         self._is_plant = role == "plant"
-        # Packets since the bell was rung.
-        self._unread = 0
         self._gone: set[int] = set()
 
     @property
@@ -206,10 +201,8 @@ class PipeLink(Link):
                     self._put(end, held)
                     self._put(end, packet)
             held = b""
-            if self._is_plant:
-                self._unread += 1
-                if asks:
-                    self._ring()
+            if asks:
+                os.eventfd_write(self._bell, 1)
         self.counters["sent"] += len(frames)
 
     @property
@@ -249,6 +242,18 @@ class PipeLink(Link):
     def receive(self, timeout_s: float | None) -> list[Frame]:
         """See :meth:`Link.receive`; all that has arrived.
 
+        :raises BusLost: as :meth:`receive_packed`.
+        """
+        return unpack_frames(self.receive_packed(timeout_s))
+
+    @property
+    def packed(self) -> Callable[[float | None], bytes] | None:
+        """See :attr:`Link.packed`."""
+        return self.receive_packed
+
+    def receive_packed(self, timeout_s: float | None) -> bytes:
+        """:meth:`receive`, as packed by the other nodes.
+
         :raises BusLost: no other node is left (not for the supervisor, which has started them), or what has arrived is
             not made of frames.
         """
@@ -257,25 +262,17 @@ class PipeLink(Link):
             if self._rung(timeout_ms):
                 os.eventfd_read(self._bell)
         elif not self._turn.wait(timeout_ms):
-            return []
-        elif self._is_plant and self._unread >= _RING_AFTER and self._turn.is_awake:
-            # Now, while the controller has nothing to do.
-            self._ring()
+            return b""
         try:
             packet = os.read(self._ends.inbox, _READ_BYTES)
         except BlockingIOError:
-            return []
+            return b""
         if not packet and not self._is_recorder:
             raise self._lost("the other nodes have ended")
         if len(packet) % CLASSIC_SIZE:
             raise self._lost(f"{len(packet)} bytes read, allowed: frames of {CLASSIC_SIZE}")
-        frames = unpack_frames(packet)
-        self.counters["received"] += len(frames)
-        return frames
-
-    def _ring(self) -> None:
-        self._unread = 0
-        os.eventfd_write(self._bell, 1)
+        self.counters["received"] += len(packet) // CLASSIC_SIZE
+        return packet
 
     def has_ended(self, node: str) -> bool:
         """See :meth:`Link.has_ended`; a node has ended when nobody reads its inbox, and all that it sent is read."""

@@ -8,16 +8,19 @@ from __future__ import annotations
 
 import hashlib
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from functools import lru_cache
 from io import BytesIO
 from itertools import repeat
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
+
+import numpy as np
+import numpy.typing as npt
 
 from railhil.bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame, quick_frame
 from railhil.common.errors import InputError
-from railhil.supervisor.log_columns import ClassicColumns, classic_columns
+from railhil.supervisor.log_columns import ClassicColumns, classic_columns, plain_lines
 
 #: Channel name in the log, whatever the transport was.
 CHANNEL: Final = "mvb0"
@@ -67,6 +70,60 @@ def log_line(time_ns: int, frame: Frame) -> str:
     return f"{stamp}{identifier}#{fd}{data.hex().upper()} R\n"
 
 
+class LateLines:
+    """What has been recorded and is not written yet, in its order: many lines are formatted at once, which takes a
+    tenth of the time of one by one.
+
+    :param write: takes the text of whole lines.
+    """
+
+    def __init__(self, write: Callable[[str], object]) -> None:
+        self._write = write
+        # Lines, or how many of the frames below.
+        self._waiting: list[str | int] = []
+        self._frames: list[npt.NDArray[Any]] = []
+        self._times_ns: list[int] = []
+        self._counts: list[int] = []
+
+    def write(self, text: str) -> None:
+        """Take whole lines."""
+        self._waiting.append(text)
+
+    def add(self, frames: npt.NDArray[Any], times_ns: Sequence[int], counts: Sequence[int]) -> None:
+        """Take classic data frames with standard identifiers: fields ``can_id``, ``length``, ``data`` (8 bytes).
+
+        :param times_ns: simulation times; the first ``counts[0]`` frames have the first one, and so on.
+        """
+        self._frames.append(frames)
+        self._times_ns += times_ns
+        self._counts += counts
+        self._waiting.append(len(frames))
+
+    def settle(self) -> None:
+        """Write all of it.
+
+        :raises OSError: as ``write`` does, which then has been given everything.
+        """
+        waiting, self._waiting = self._waiting, []
+        if not waiting:
+            return
+        lines, row, ends = "", 0, [0]
+        if self._frames:
+            frames = np.concatenate(self._frames)
+            can_ids, lengths, data = frames["can_id"], frames["length"], frames["data"]
+            lines, found = plain_lines(self._times_ns, self._counts, can_ids, lengths, data, CHANNEL)
+            ends += found.tolist()
+            self._frames, self._times_ns, self._counts = [], [], []
+        text: list[str] = []
+        for item in waiting:
+            if isinstance(item, str):
+                text.append(item)
+            else:
+                text.append(lines[ends[row] : ends[row + item]])
+                row += item
+        self._write("".join(text))
+
+
 class FrameLog:
     """Writes ``frames.log`` of one run folder during the run."""
 
@@ -74,8 +131,16 @@ class FrameLog:
         self.path = folder / LOG_NAME
         self._stream = self.path.open("w", encoding="ascii", newline="\n", buffering=1 << 16)
         self.write = self._stream.write
-        #: Flush the buffer to the kernel: from then on a killed recorder no longer loses it.
-        self.flush = self._stream.flush
+        #: What waits to be written; a recorder that uses it writes all its lines to it.
+        self.late = LateLines(self.write)
+
+    def flush(self) -> None:
+        """Flush the buffer to the kernel: from then on a killed recorder no longer loses it.
+
+        :raises OSError: it cannot be written.
+        """
+        self.late.settle()
+        self._stream.flush()
 
     def close(self) -> str:
         """Finish the file.
@@ -84,7 +149,10 @@ class FrameLog:
         :raises OSError: the rest cannot be written; the file then ends with its last complete line.
         """
         try:
-            self._stream.close()
+            try:
+                self.late.settle()
+            finally:
+                self._stream.close()
         except OSError:
             # A full disk.
             _cut_to_whole_lines(self.path)

@@ -1,7 +1,8 @@
-"""Parts of a candump log as columns, which takes less time than its lines one by one."""
+"""Parts of a candump log as columns, read and written, which takes less time than its lines one by one."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -15,6 +16,9 @@ _HEX = np.full(256, 16, np.uint8)
 _HEX[list(b"0123456789ABCDEF")] = range(16)
 #: What stands after the data.
 _END = b" R\n"
+#: Standard identifier -> as it is written, with the mark behind it; number below 1000 -> three digits.
+_STANDARD = np.frombuffer(b"".join(b"%03X#" % can_id for can_id in range(0x800)), "V4")
+_THREE = np.frombuffer(b"".join(b"%03d" % number for number in range(1000)), np.uint8).reshape(1000, 3)
 
 
 class ClassicColumns(NamedTuple):
@@ -96,3 +100,51 @@ def _number(
         good = good and bool((digit < base).all())
         number = number * base + digit
     return number, good
+
+
+def plain_lines(
+    times_ns: Sequence[int],
+    counts: Sequence[int],
+    can_ids: npt.NDArray[np.integer],
+    lengths: npt.NDArray[np.integer],
+    data: npt.NDArray[np.uint8],
+    channel: str,
+) -> tuple[str, npt.NDArray[np.int64]]:
+    """Lines of classic data frames with standard identifiers, and where in the text each of the n lines ends.
+
+    :param times_ns: below 10^18; the first ``counts[0]`` lines have the first one, and so on.
+    :param can_ids: (n,); ``lengths``: (n,) in bytes; ``data``: (n, 8), not used beyond its length.
+    """
+    # What is not used is zero, and removed from the text.
+    stamps = _stamps(np.array(times_ns, np.int64), channel)
+    count, width = len(can_ids), stamps.shape[1]
+    digits = np.frombuffer(data.tobytes().hex().upper().encode("ascii"), np.uint8).reshape(count, 2 * _DATA_BYTES)
+    short = np.flatnonzero(lengths < _DATA_BYTES)
+    if short.size:
+        digits = digits.copy()
+        digits[short] *= np.arange(2 * _DATA_BYTES) < 2 * lengths[short, None]
+    lines = np.empty(count, [("stamp", f"V{width}"), ("can_id", "V4"), ("data", f"V{2 * _DATA_BYTES}"), ("end", "V3")])
+    lines["stamp"] = np.repeat(stamps.view(f"V{width}")[:, 0], counts)
+    lines["can_id"] = _STANDARD[can_ids]
+    lines["data"] = digits.view(f"V{2 * _DATA_BYTES}")[:, 0]
+    lines["end"] = np.void(_END)
+    sizes = np.repeat(np.count_nonzero(stamps, axis=1), counts) + 4 + 2 * lengths.astype(np.int64) + len(_END)
+    return lines.tobytes().translate(None, b"\0").decode("ascii"), np.cumsum(sizes)
+
+
+def _stamps(times_ns: npt.NDArray[np.int64], channel: str) -> npt.NDArray[np.uint8]:
+    """Beginnings of lines; shape (n,) -> (n, characters), with zeros that are not part of them."""
+    seconds, micros = np.divmod(times_ns // 1000, 10**_MICROS_DIGITS)
+    groups = -(-len(str(seconds.max())) // 3)
+    middle = f") {channel} ".encode("ascii")
+    point = 1 + 3 * groups
+    chars = np.empty((len(times_ns), point + 1 + _MICROS_DIGITS + len(middle)), np.uint8)
+    chars[:, 0], chars[:, point] = ord("("), ord(".")
+    chars[:, point + 1 + _MICROS_DIGITS :] = list(middle)
+    chars[:, point + 1 : point + 4], chars[:, point + 4 : point + 7] = _THREE[micros // 1000], _THREE[micros % 1000]
+    for group in range(groups):
+        last = point - 3 * group
+        chars[:, last - 3 : last] = _THREE[seconds // 1000**group % 1000]
+    for place in range(1, 3 * groups):
+        chars[seconds < 10**place, point - 1 - place] = 0
+    return chars

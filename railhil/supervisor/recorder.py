@@ -174,6 +174,11 @@ class Recorder:
 
     def _take(self, link: Link, timeout_s: float) -> bool:
         """Pass arrived frames to the recorder and send its answers; False when nothing came."""
+        if link.packed is not None and self._order is None:
+            packet = link.packed(timeout_s)
+            if packet and (answers := self._session.take_packed(packet)):
+                link.send(answers)
+            return bool(packet)
         frames = arrived = link.receive(timeout_s)
         if gap_ns := link.take_gap_ns():
             self._session.was_out(gap_ns)

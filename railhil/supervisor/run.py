@@ -75,7 +75,9 @@ class Run:
         self._after_loss_s = after_loss_s
         self._meanwhile = meanwhile
         self.log = FrameLog(folder)
-        self.session = Session(scenario, self.log.write, spec, fd=choice.fd, on_progress=on_progress, desk=desk)
+        lines = self.log.late if choice.needs_pipes else None
+        write = self.log.write if lines is None else lines.write
+        self.session = Session(scenario, write, spec, fd=choice.fd, on_progress=on_progress, desk=desk, late=lines)
         contract = system_named(scenario.system).contract
         #: Telegrams of the record, read back from the log after the run.
         self.trace = Trace(contract)

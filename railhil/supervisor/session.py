@@ -14,6 +14,7 @@ from operator import itemgetter
 
 from railhil.bus.codes import Event, FaultOrder, SupCommand
 from railhil.bus.frame import ERROR, Frame
+from railhil.bus.hub.wire import CLASSIC_SIZE, unpack_frames
 from railhil.bus.ident import CtlIdent, Ident, PltIdent, Role, SupIdent, make_ident
 from railhil.bus.layout import Telegram
 from railhil.bus.lifesign import MAX_STEP
@@ -26,7 +27,8 @@ from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import system_named
 from railhil.supervisor.desk import Desk
-from railhil.supervisor.framelog import log_line, log_stamp, plain_line
+from railhil.supervisor.framelog import LateLines, log_line, log_stamp, plain_line
+from railhil.supervisor.packets import Packets
 from railhil.supervisor.senders import Strangers
 from railhil.supervisor.truth_clock import TruthClock
 
@@ -38,6 +40,7 @@ class Session:
     :param write: called with each line of the log.
     :param on_progress: called at each SUP_CMD poll with the simulation time in s.
     :param desk: gives the orders of an operator; None: those of the run, if it has some.
+    :param late: formats the lines of packets (:meth:`take_packed`) later; ``write`` is its own. None: at once.
     """
 
     def __init__(
@@ -49,6 +52,7 @@ class Session:
         fd: bool = False,
         on_progress: Callable[[float], None] | None = None,
         desk: Desk | None = None,
+        late: LateLines | None = None,
     ) -> None:
         system = system_named(scenario.system)
         contract = system.contract
@@ -124,6 +128,12 @@ class Session:
             for can_id in (*port.can_ids, port.fd_id)
         }
         self._seen_ids |= self._own_ids.keys()
+        self._packets: Packets | None = None
+        if late is not None:
+            pace = b"" if self._pace is None else self._pace.data
+            self._packets = Packets(
+                self._responder, contract, self._seen_ids, pace, self._pace_ticks, self._truth_clock, late
+            )
 
     @property
     def sim_time_s(self) -> float:
@@ -206,6 +216,16 @@ class Session:
         if lines:
             self._write("".join(lines))
         return answers
+
+    def take_packed(self, packet: bytes) -> list[Frame]:
+        """:meth:`take` for classic frames as they are packed on pipes (:mod:`railhil.bus.hub.wire`)."""
+        if self.recording and self._packets is not None and (size := self._packets.take(packet)):
+            ticks = self._packets.ticks
+            self.wall_ticks.extend(ticks)
+            self.wall_ns.extend([time.monotonic_ns()] * len(ticks))
+            self.frames += size // CLASSIC_SIZE
+            packet = packet[size:]
+        return self.take(unpack_frames(packet)) if packet else []
 
     def _paced(self) -> None:
         """A frame of the second time base."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections import Counter
-from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -11,21 +10,17 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hil_tests.support.short_runs import RUN_2M_TOML
-from railhil.bench import local_run
+from hil_tests.support.changed_records import Recorded, changed_records, recorded
 from railhil.bus.frame import ERROR, EXTENDED, REMOTE, Frame
-from railhil.bus.mvb import F_DEVICE_STATUS, TelegramSource, master_frame
+from railhil.bus.mvb import TelegramSource
 from railhil.bus.telegrams import SimTruth
 from railhil.dbc import wire_contract
-from railhil.scenarios.load import load
-from railhil.scenarios.run_spec import RunSpec
 from railhil.supervisor.blf_writer import write_blf
 from railhil.supervisor.framelog import log_line, read_log
 from railhil.supervisor.log_trace import trace_of_log
 from railhil.supervisor.senders import Senders
 from railhil.supervisor.trace import Trace, TraceReader, trace_of
 
-Recorded = list[tuple[int, Frame]]
 #: Lines of the record that is changed.
 LINES = 120
 
@@ -34,17 +29,6 @@ def state_of(trace: Trace) -> dict[str, object]:
     """All that a trace has taken, with the order of what it keeps by name."""
     kept = {name: getattr(trace, name) for name in vars(trace) if name not in ("contract", "idents", "_words", "told")}
     return {name: list(value.items()) if isinstance(value, dict) else value for name, value in kept.items()}
-
-
-@cache
-def recorded() -> tuple[tuple[int, Frame], ...]:
-    """A run of 2 m."""
-    with TemporaryDirectory() as name:
-        folder = Path(name)
-        (folder / "short.toml").write_text(RUN_2M_TOML, encoding="utf-8")
-        run = local_run(load(str(folder / "short.toml")), folder, RunSpec())
-        assert run.log is not None
-        return tuple(read_log(run.log))
 
 
 def written(folder: Path, frames: Recorded) -> Path:
@@ -109,40 +93,8 @@ def test_a_log_that_ends_inside_a_telegram_or_before_an_answer(tmp_path: Path) -
         demand_the_same(tmp_path, frames[end - 40 : end])
 
 
-@st.composite
-def changed_records(draw: st.DrawFn) -> Recorded:
-    """The record with frames lost, repeated, exchanged, late, foreign or with another bit."""
-    start = draw(st.integers(0, len(recorded()) - LINES))
-    frames = list(recorded()[start : start + LINES])
-    for _ in range(draw(st.integers(0, 3))):
-        at, other = draw(st.integers(0, len(frames) - 2)), draw(st.integers(0, len(frames) - 1))
-        time_ns, frame = frames[at]
-        kind = draw(st.sampled_from(("lost", "again", "before", "late", "bit", "length", "id", "poll", "far")))
-        if kind == "lost":
-            del frames[at]
-        elif kind == "again":
-            frames.insert(at, frames[at])
-        elif kind == "before":
-            frames[at], frames[at + 1] = frames[at + 1], frames[at]
-        elif kind == "far":
-            frames[at], frames[other] = frames[other], frames[at]
-        elif kind == "late":
-            frames[at] = time_ns + draw(st.sampled_from((1000, 4_999_000, 5_000_000, 5_001_000))), frame
-        elif kind == "bit" and frame.data:
-            data = bytearray(frame.data)
-            data[draw(st.integers(0, len(data) - 1))] ^= 1 << draw(st.integers(0, 7))
-            frames[at] = time_ns, Frame(frame.can_id, bytes(data))
-        elif kind == "length":
-            frames[at] = time_ns, Frame(frame.can_id, frame.data[: draw(st.integers(0, 7))])
-        elif kind == "id":
-            frames[at] = time_ns, Frame(frame.can_id + draw(st.integers(-5, 5)) & 0x7FF, frame.data)
-        else:
-            frames.insert(at, (time_ns, master_frame(draw(st.sampled_from((0, 1, 3, F_DEVICE_STATUS))), 0x123)))
-    return frames
-
-
 @settings(max_examples=250)
-@given(frames=changed_records(), part_bytes=st.sampled_from((100, 500, 2000, 1 << 20)))
+@given(frames=changed_records(recorded, LINES), part_bytes=st.sampled_from((100, 500, 2000, 1 << 20)))
 def test_whatever_is_wrong_with_a_record_both_ways_find_the_same(frames: Recorded, part_bytes: int) -> None:
     with TemporaryDirectory() as folder, pytest.MonkeyPatch.context() as patch:
         patch.setattr("railhil.supervisor.framelog._PART_BYTES", part_bytes)

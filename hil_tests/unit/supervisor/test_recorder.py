@@ -37,6 +37,7 @@ class Bus:
     def __init__(self, frames: list[Frame], while_receiving: Callable[[], None] = lambda: None) -> None:
         self.counters: Counter[str] = Counter()
         self.is_down = False
+        self.packed = None
         self._frames = frames
         self._while_receiving = while_receiving
         self._end_s = time.monotonic() + BOUND_S
