@@ -44,6 +44,7 @@ class Administrator:
     :param contract: of the run's system; None: that of railhil's own train.
     :param ahead: lockstep: passes published telegrams on before they are sent
         (:attr:`railhil.bus.link.Link.ahead`); None: they wait for the next ``flush`` or poll.
+    :param unread: port that nobody reads before the end of the run; it is passed on with the next telegram or poll.
     """
 
     def __init__(
@@ -59,6 +60,7 @@ class Administrator:
         reply_ns: int = REPLY_NS,
         contract: Contract | None = None,
         ahead: Callable[[Sequence[Frame]], bool] | None = None,
+        unread: str = "",
     ) -> None:
         contract = contract or wire_contract()
         self.counters: Counter[str] = Counter()
@@ -72,6 +74,7 @@ class Administrator:
         self._last_ids = {port.name: (port.can_ids[-1], port.fd_id) for port in contract.ports}
         self._queue: list[Frame] = []
         self._ahead = None if pacer.rate else ahead
+        self._unread = unread
         # Frames went ahead since the last flush: the record does not have them yet.
         self._is_ahead = False
         self._patience_ns = round(patience_s * 1e9)
@@ -80,7 +83,7 @@ class Administrator:
     def publish(self, telegram: Telegram) -> None:
         """Queue one telegram; it is sent with the next ``flush`` or poll."""
         self._queue.extend(self._sources[telegram.PORT].frames(telegram.encode()))
-        if self._ahead is not None:
+        if self._ahead is not None and self._unread != telegram.PORT:
             # Emptied first, as below.
             queue, self._queue = self._queue, []
             if self._ahead(queue):

@@ -137,6 +137,42 @@ class BusClock:
             step += _LIFE_MODULUS
         return self._open(self._frame_tick + step * self._ticks_per_frame, life)
 
+    @property
+    def is_regular(self) -> bool:
+        """Whether the time is that of the last clock frame, so that the next one need only be the next."""
+        return self._life >= 0 and self.tick == self._frame_tick
+
+    @property
+    def life(self) -> int:
+        """Life sign of the last clock frame; -1: not known."""
+        return self._life
+
+    @property
+    def ticks_per_frame(self) -> int:
+        """Ticks from one clock frame to the next."""
+        return self._ticks_per_frame
+
+    @property
+    def polled_tick(self) -> int:
+        """Tick of the first poll since the last clock frame; -1: there was none."""
+        return self._poll_tick if self._polls else -1
+
+    def count(self, frames: int, polled_tick: int) -> None:
+        """:meth:`feed` of so many clock frames, and :meth:`polled` between them, where the time is regular, each frame
+        is the next one, and each poll comes at a multiple of its period and once in a tick.
+
+        :param polled_tick: tick of the last poll; -1: there was none.
+        """
+        if frames:
+            self._life = (self._life + frames) % _LIFE_MODULUS
+            self._frame_tick = self.tick + frames * self._ticks_per_frame
+            self._set(self._frame_tick)
+            self._expected = -1
+            self._polls = 0
+        if polled_tick >= 0:
+            self._poll_tick = polled_tick
+            self._polls = int(polled_tick == self.tick)
+
     def _open(self, tick: int, life: int) -> bool:
         new = tick > self.tick or not self.running
         self.running = True

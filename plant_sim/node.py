@@ -110,6 +110,8 @@ class PlantNode:
             patience_s=run.patience_s,
             contract=contract,
             ahead=ahead,
+            # For the score.
+            unread="" if system.truth is None else system.truth.port,
         )
         self.milestones = Milestones(self.administrator.publish, self._tick_ns)
         #: Attributes of :class:`railhil.plant_sim.cycle.Surroundings`.

@@ -106,7 +106,7 @@ class _Whole:
         found: dict[str, _Ended] = {}
         for number in np.unique(owners[owners >= 0]).tolist():
             port, rows = self._ports[number], np.flatnonzero(owners == number)
-            ended = _single(port, part, words, rows) if port.single_frame else _blocks(port, part, octets, rows)
+            ended = _single(port, part, rows) if port.single_frame else _blocks(port, part, octets, rows)
             if ended is None:
                 return False
             found[port.name] = ended
@@ -148,12 +148,16 @@ def _octets(words: npt.NDArray[np.uint16]) -> npt.NDArray[np.uint8]:
     return octets
 
 
-def _single(port: Port, part: ClassicColumns, words: npt.NDArray[np.uint16], rows: Ints) -> _Ended | None:
+def are_whole(port: Port, frames: npt.NDArray[np.uint8]) -> bool:
+    """Whether frames, shape (n, 8), are telegrams of a port with one frame each, without a fault."""
+    words = frames.view(">u2")[:, : port.data_bytes // 2]
+    return port.single_frame and not (frames[:, 4] != _octets(words)).any() and _is_of(port, frames)
+
+
+def _single(port: Port, part: ClassicColumns, rows: Ints) -> _Ended | None:
     """Telegrams of one frame each; None if one is not as it should be."""
     frames = part.data[rows]
-    if (frames[:, 4] != _octets(words[rows, : port.data_bytes // 2])).any() or not _is_of(port, frames):
-        return None
-    return _Ended(rows, frames[:, : port.data_bytes].tobytes())
+    return _Ended(rows, frames[:, : port.data_bytes].tobytes()) if are_whole(port, frames) else None
 
 
 def _blocks(port: Port, part: ClassicColumns, octets: npt.NDArray[np.uint8], rows: Ints) -> _Ended | None:

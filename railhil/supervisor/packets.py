@@ -2,23 +2,34 @@
 
 What a frame means is decided where it is decided for all transports (:class:`railhil.supervisor.session.Session`); here
 are only those that every tick brings. The frames before one that needs more are taken, and the others are left.
+
+A packet that ends with the poll of SUP_CMD may be answered before it is looked at, if nothing in it can change the
+answer: then plant and controller go on meanwhile, and many packets are taken one after the other.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection
-from typing import Final, NamedTuple
+import sys
+from collections.abc import Collection, Iterator, Sequence
+from typing import Any, Final, NamedTuple, TypeAlias
 
 import numpy as np
+import numpy.typing as npt
 
-from railhil.bus.frame import quick_frame
-from railhil.bus.hub.wire import CLASSIC_SIZE, SFF_MASK
-from railhil.bus.mvb import master_tail
+from railhil.bus.frame import Frame, quick_frame
+from railhil.bus.hub.wire import CLASSIC_SIZE, SFF_MASK, pack_frame, unpack_frames
+from railhil.bus.ident import CtlIdent, PltIdent, Role, SupIdent
+from railhil.bus.mvb import F_DEVICE_STATUS, master_frame, master_tail
 from railhil.bus.responder import Responder
+from railhil.bus.telegrams import RunEvent, SupCmd
 from railhil.dbc import Contract
 from railhil.supervisor.framelog import LateLines
+from railhil.supervisor.log_trace import are_whole
 from railhil.supervisor.truth_clock import TruthClock
 
+Ints: TypeAlias = npt.NDArray[np.int64]
+#: An array of :data:`PACKED`.
+Frames: TypeAlias = npt.NDArray[Any]
 #: ``struct can_frame``, see :mod:`railhil.bus.hub.wire`.
 PACKED: Final = np.dtype(
     {"names": ["can_id", "length", "data"], "formats": ["=u4", "u1", "(8,)u1"], "offsets": [0, 4, 8], "itemsize": 16}
@@ -29,22 +40,18 @@ _CLOCK: Final = 1
 _POLL: Final = 2
 _TRUTH: Final = 3
 _OTHER: Final = 4
-_DATA_AT: Final = 8
 _POLL_BYTES: Final = 3
 _DATA_BYTES: Final = 8
-#: Packets with so many different sequences of identifiers are known at the same time.
-_SHAPES: Final = 512
+_LIFE_MASK: Final = 0xF
 
 
-class _Shape(NamedTuple):
-    """Packets with the same identifiers and lengths in the same order.
+class Taken(NamedTuple):
+    """Frames that have been recorded: how many, and the ticks that began with them; then the frame that needs more,
+    if there is one."""
 
-    ``end``: place of the first frame of another kind; ``marks``: those that are not only recorded, place, kind and
-    identifier.
-    """
-
-    end: int
-    marks: list[tuple[int, int, int]]
+    frames: int
+    ticks: list[int]
+    others: list[Frame]
 
 
 class Packets:
@@ -70,53 +77,102 @@ class Packets:
         self._clock = responder.clock
         self._truth = truth
         self._late = late
-        self._pace = pace
+        self._pace = int.from_bytes(pace)
         self._pace_ticks = pace_ticks
         # Those that the supervisor answers, and those of nobody, need more.
-        self._polls = {
-            master_tail(port.f_code, port.address)
-            for port in contract.ports
-            if port.mode == "poll" and port.source != "supervisor"
-        }
+        polled = (port for port in contract.ports if port.mode == "poll" and port.source != "supervisor")
+        self._polls = [int.from_bytes(master_tail(port.f_code, port.address)) for port in polled]
         # By identifier; the last one stands for all that are no standard ones.
         self._kinds = np.full(SFF_MASK + 2, _PLAIN, np.uint8)
         self._kinds[[*seen_ids, SFF_MASK + 1]] = _OTHER
         self._kinds[contract.poll_id] = _POLL
         self._kinds[contract.clock_port.address] = _CLOCK
+        self._clock_port = contract.clock_port
         if truth is not None:
             self._kinds[list(truth.truth_ids)] = _TRUTH
-        self._shapes: dict[bytes, _Shape] = {}
-        #: Ticks that began in the packet taken last.
-        self.ticks: list[int] = []
+        #: The poll of SUP_CMD.
+        self.command_poll = _poll_of(contract, SupCmd.PORT)
+        self._command_poll = pack_frame(self.command_poll)
+        # Other polls that the supervisor answers, and the ends of telegrams that change what it answers.
+        polls = (_poll_of(contract, SupIdent.PORT), master_frame(F_DEVICE_STATUS, Role.SUPERVISOR))
+        ends = (contract.port(kind.PORT).can_ids[-1] for kind in (RunEvent, PltIdent, CtlIdent))
+        self._urgent = [*map(pack_frame, polls), *(can_id.to_bytes(4, sys.byteorder) for can_id in ends)]
 
-    def take(self, packet: bytes) -> int:
-        """Record frames of a packet.
+    def may_wait(self, packet: bytes) -> bool:
+        """Whether a packet ends with the poll of SUP_CMD, and nothing before it needs or changes an answer."""
+        if packet.find(self._command_poll) != len(packet) - CLASSIC_SIZE:
+            return False
+        # Found anywhere: data that look like it only make it wait no longer.
+        return not any(map(packet.__contains__, self._urgent))
 
-        :returns: how many of its bytes are taken.
+    def take(self, packet: bytes, known: Sequence[int] = ()) -> Iterator[Taken]:
+        """Record the frames of a packet, up to each one that needs more; whoever is given it records it before it asks
+        for the next.
+
+        :param known: places of frames that have been looked at already, and are only recorded.
         """
-        self.ticks = ticks = []
-        heads = np.frombuffer(packet, np.uint64)[::2].tobytes()
-        shape = self._shapes.get(heads)
-        if shape is None:
-            shape = self._shape(packet, heads)
+        frames = np.frombuffer(packet, PACKED)
+        lengths, data = frames["length"], frames["data"]
+        # Those with flags have larger identifiers.
+        kinds = self._kinds[np.minimum(frames["can_id"], SFF_MASK + 1)]
+        numbers = data[:, 0].astype(np.int64) << 16 | data[:, 1].astype(np.int64) << 8 | data[:, 2]
+        kinds[(kinds == _POLL) & ~((lengths == _POLL_BYTES) & np.isin(numbers, self._polls))] = _OTHER
+        kinds[((kinds == _CLOCK) | (kinds == _TRUTH)) & (lengths != _DATA_BYTES)] = _OTHER
+        kinds[list(known)] = _PLAIN
+        kinds[lengths > _DATA_BYTES] = _OTHER
+        begin = 0
+        for end in (*np.flatnonzero(kinds == _OTHER).tolist(), len(kinds)):
+            ticks: list[int] = []
+            if end > begin:
+                part = frames[begin:end]
+                marks = np.flatnonzero(kinds[begin:end])
+                clocks = marks[kinds[begin + marks] == _CLOCK]
+                paces = marks[(kinds[begin + marks] == _POLL) & (numbers[begin + marks] == self._pace)]
+                if self._truth is not None or not self._count(part, clocks, paces, ticks):
+                    self._look(part, marks.tolist(), kinds[begin + marks].tolist(), ticks)
+            yield Taken(end - begin, ticks, unpack_frames(packet[end * CLASSIC_SIZE : (end + 1) * CLASSIC_SIZE]))
+            begin = end + 1
+
+    def _count(self, part: Frames, clocks: Ints, paces: Ints, ticks: list[int]) -> bool:
+        """Record frames of which each one of the clock port opens the next tick, and no poll moves the time; False, and
+        nothing is done, if it is not so."""
+        clock = self._clock
+        if not clock.is_regular:
+            return False
+        opened = clock.tick + clock.ticks_per_frame * np.arange(len(clocks) + 1)
+        data = part["data"][clocks]
+        polled = opened[np.searchsorted(clocks, paces)]
+        polls = np.concatenate(([clock.polled_tick], polled))
+        if (
+            not are_whole(self._clock_port, data)
+            or (data[:, 3] & _LIFE_MASK != (clock.life + np.arange(1, len(clocks) + 1)) & _LIFE_MASK).any()
+            or (polled % self._pace_ticks).any()
+            or (polls[1:] <= polls[:-1]).any()
+        ):
+            return False
+        self._late.add(
+            part, (opened * clock.base_tick_ns).tolist(), np.diff(clocks, prepend=0, append=len(part)).tolist()
+        )
+        ticks += opened[1:].tolist()
+        clock.count(len(clocks), int(polled[-1]) if len(polled) else -1)
+        return True
+
+    def _look(self, part: Frames, marks: list[int], kinds: list[int], ticks: list[int]) -> None:
+        """Record frames, each of which may move the time."""
         clock, truth = self._clock, self._truth
         time_ns = clock.now_ns if truth is None else truth.now_ns
         times_ns, counts = [], []
-        begin, end = 0, shape.end
-        for row, kind, can_id in shape.marks:
-            at = row * CLASSIC_SIZE + _DATA_AT
+        begin = 0
+        for row, kind in zip(marks, kinds, strict=True):
+            item = part[row]
             if kind == _POLL:
-                tail = packet[at : at + _POLL_BYTES]
-                if tail not in self._polls:
-                    end = row
-                    break
-                if tail != self._pace:
+                if int.from_bytes(item["data"][:_POLL_BYTES].tobytes()) != self._pace:
                     continue
                 tick = clock.tick
                 clock.polled(self._pace_ticks)
                 new = clock.tick > tick
             else:
-                frame = quick_frame((can_id, packet[at : at + _DATA_BYTES], 0))
+                frame = quick_frame((int(item["can_id"]), item["data"].tobytes(), 0))
                 if kind == _TRUTH:
                     new = truth is not None and truth.truth(frame)
                 else:
@@ -129,25 +185,11 @@ class Packets:
                 begin = row
                 time_ns = clock.now_ns if truth is None else truth.now_ns
                 ticks.append(clock.tick if truth is None else truth.tick)
-        if not end:
-            return 0
         times_ns.append(time_ns)
-        counts.append(end - begin)
-        self._late.add(np.frombuffer(packet, PACKED)[:end], times_ns, counts)
-        return end * CLASSIC_SIZE
+        counts.append(len(part) - begin)
+        self._late.add(part, times_ns, counts)
 
-    def _shape(self, packet: bytes, heads: bytes) -> _Shape:
-        frames = np.frombuffer(packet, PACKED)
-        can_ids, lengths = frames["can_id"], frames["length"]
-        # Those with flags have larger identifiers.
-        kinds = self._kinds[np.minimum(can_ids, SFF_MASK + 1)]
-        kinds[lengths > _DATA_BYTES] = _OTHER
-        kinds[(kinds == _POLL) & (lengths != _POLL_BYTES)] = _OTHER
-        kinds[((kinds == _CLOCK) | (kinds == _TRUTH)) & (lengths != _DATA_BYTES)] = _OTHER
-        others = np.flatnonzero(kinds == _OTHER)
-        end = int(others[0]) if others.size else len(kinds)
-        marks = [(row, int(kinds[row]), int(can_ids[row])) for row in np.flatnonzero(kinds[:end]).tolist()]
-        if len(self._shapes) == _SHAPES:
-            self._shapes.clear()
-        shape = self._shapes[heads] = _Shape(end, marks)
-        return shape
+
+def _poll_of(contract: Contract, name: str) -> Frame:
+    port = contract.port(name)
+    return master_frame(port.f_code, port.address)

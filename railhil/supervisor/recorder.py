@@ -86,6 +86,12 @@ class Recorder:
 
     def record(self, link: Link, nodes: Nodes, stop: StopSignals) -> None:
         """Record until the run has ended, or is given up (:attr:`lost`)."""
+        try:
+            self._record(link, nodes, stop)
+        finally:
+            self._session.settle()
+
+    def _record(self, link: Link, nodes: Nodes, stop: StopSignals) -> None:
         session = self._session
         look_s = time.monotonic() + _LOOK_S
         # In lockstep a panel may follow the record; in real time it listens on a bus.
@@ -115,6 +121,7 @@ class Recorder:
             if now_s < look_s:
                 continue
             look_s = now_s + _LOOK_S
+            session.settle()
             if now_s >= flush_s:
                 self._flush()
                 flush_s = now_s + interval_s

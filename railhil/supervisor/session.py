@@ -14,7 +14,7 @@ from operator import itemgetter
 
 from railhil.bus.codes import Event, FaultOrder, SupCommand
 from railhil.bus.frame import ERROR, Frame
-from railhil.bus.hub.wire import CLASSIC_SIZE, unpack_frames
+from railhil.bus.hub.wire import CLASSIC_SIZE, pack_frames, unpack_frames
 from railhil.bus.ident import CtlIdent, Ident, PltIdent, Role, SupIdent, make_ident
 from railhil.bus.layout import Telegram
 from railhil.bus.lifesign import MAX_STEP
@@ -38,7 +38,7 @@ class Session:
     """Records one run.
 
     :param write: called with each line of the log.
-    :param on_progress: called at each SUP_CMD poll with the simulation time in s.
+    :param on_progress: called at each SUP_CMD poll with the simulation time in s, of packets as far as it is known.
     :param desk: gives the orders of an operator; None: those of the run, if it has some.
     :param late: formats the lines of packets (:meth:`take_packed`) later; ``write`` is its own. None: at once.
     """
@@ -129,11 +129,19 @@ class Session:
         }
         self._seen_ids |= self._own_ids.keys()
         self._packets: Packets | None = None
+        self._may_wait = False
         if late is not None:
             pace = b"" if self._pace is None else self._pace.data
             self._packets = Packets(
                 self._responder, contract, self._seen_ids, pace, self._pace_ticks, self._truth_clock, late
             )
+            # Where the poll of SUP_CMD moves a time, it is a frame like any other.
+            paces = self._pace == self._packets.command_poll if self._pace else schedule.ticks(SupCmd.PORT) <= MAX_STEP
+            self._may_wait = self.desk is None and not paces
+        # Packets that are answered and not recorded yet, each with the answer; places of polls and answers.
+        self._backlog: list[bytes] = []
+        self._answered: list[int] = []
+        self._backlog_frames = 0
 
     @property
     def sim_time_s(self) -> float:
@@ -218,14 +226,41 @@ class Session:
         return answers
 
     def take_packed(self, packet: bytes) -> list[Frame]:
-        """:meth:`take` for classic frames as they are packed on pipes (:mod:`railhil.bus.hub.wire`)."""
-        if self.recording and self._packets is not None and (size := self._packets.take(packet)):
-            ticks = self._packets.ticks
+        """:meth:`take` for classic frames as they are packed on pipes (:mod:`railhil.bus.hub.wire`).
+
+        What can wait is answered, and recorded with :meth:`settle` or the next packet that cannot: until then
+        :attr:`sim_time_s` and :attr:`frames` are those of the last one.
+        """
+        packets = self._packets
+        if packets is not None and self._may_wait and self.recording and self.ending is None:
+            if packets.may_wait(packet):
+                answers = self._responder.handle(packets.command_poll)
+                self._backlog += (packet, *pack_frames(answers))
+                poll = self._backlog_frames + len(packet) // CLASSIC_SIZE - 1
+                self._backlog_frames = poll + 1 + len(answers)
+                self._answered += range(poll, self._backlog_frames)
+                return answers
+            self.settle()
+        return self._record(packet, [])
+
+    def settle(self) -> None:
+        """Record what has been answered and has not been looked at yet."""
+        if self._backlog:
+            packet, answered = b"".join(self._backlog), self._answered
+            self._backlog, self._answered, self._backlog_frames = [], [], 0
+            self._record(packet, answered)
+
+    def _record(self, packet: bytes, known: list[int]) -> list[Frame]:
+        if self._packets is None or not self.recording:
+            return self.take(unpack_frames(packet))
+        answers: list[Frame] = []
+        for count, ticks, others in self._packets.take(packet, known):
+            self.frames += count
             self.wall_ticks.extend(ticks)
             self.wall_ns.extend([time.monotonic_ns()] * len(ticks))
-            self.frames += size // CLASSIC_SIZE
-            packet = packet[size:]
-        return self.take(unpack_frames(packet)) if packet else []
+            if others:
+                answers += self.take(others)
+        return answers
 
     def _paced(self) -> None:
         """A frame of the second time base."""

@@ -56,9 +56,9 @@ def link() -> WayAhead:
     return WayAhead()
 
 
-def made(link: WayAhead, rate: float = 0.0) -> Administrator:
+def made(link: WayAhead, rate: float = 0.0, unread: str = "") -> Administrator:
     ports = [TrnSpeed.port(), TrnPos.port()]
-    return Administrator(link, TrafficStore([NOTCH]), lambda: 0, Pacer(rate), ports, ahead=link.ahead)
+    return Administrator(link, TrafficStore([NOTCH]), lambda: 0, Pacer(rate), ports, ahead=link.ahead, unread=unread)
 
 
 def test_what_went_ahead_is_not_sent_again_with_the_poll(link: WayAhead) -> None:
@@ -69,6 +69,17 @@ def test_what_went_ahead_is_not_sent_again_with_the_poll(link: WayAhead) -> None
     assert link.packets == []
     assert administrator.poll(NOTCH)
     assert link.packets == [[POLL]]
+
+
+def test_what_nobody_reads_goes_with_the_next_telegram_or_poll(link: WayAhead) -> None:
+    administrator, position = made(link, unread=TrnPos.PORT), TelegramSource(TrnPos.port())
+    administrator.publish(TrnPos(1))
+    assert link.passed == []
+    administrator.publish(TrnSpeed(2))
+    assert link.passed == [*position.frames(TrnPos(1).encode()), *frames_of(TrnSpeed(2))]
+    administrator.publish(TrnPos(3))
+    assert administrator.poll(NOTCH)
+    assert link.packets == [[*position.frames(TrnPos(3).encode()), POLL]]
 
 
 def test_a_flush_completes_what_went_ahead(link: WayAhead) -> None:

@@ -224,6 +224,53 @@ def test_a_clock_port_that_opens_every_second_tick() -> None:
     assert clock.tick == 46 + 14
 
 
+def slots_of(clock: BusClock) -> dict[str, object]:
+    return {name: getattr(clock, name) for name in BusClock.__slots__ if name not in ("counters", "_sync_life")}
+
+
+@pytest.mark.parametrize("ticks_per_frame", [1, 3])
+@pytest.mark.parametrize("first", [0, 1, 14, 15])
+@pytest.mark.parametrize("frames", [0, 1, 2, 17, 40])
+def test_counted_frames_are_the_same_as_each_of_them(frames: int, first: int, ticks_per_frame: int) -> None:
+    one, all_at_once = (BusClock(TICK_NS, ticks_per_frame) for _ in range(2))
+    for polls in ((), (0,), (1,), (frames,), (), (0, frames)):
+        for clock in (one, all_at_once):
+            if not clock.running:
+                clock.feed(TELEGRAMS[first])
+            # As if an old frame had come before, and a poll in this tick.
+            clock.feed(TELEGRAMS[(clock.life - 3) % 16])
+        period = ticks_per_frame
+        begun, begun_life, polled_tick = one.tick, one.life, -1
+        # A second poll in a tick is no regular one.
+        places = [place for place in polls if place <= frames and (place or one.polled_tick < begun)]
+        for place in range(frames + 1):
+            if place:
+                assert one.feed(TELEGRAMS[(begun_life + place) % 16])
+            if place in places:
+                one.polled(period)
+                polled_tick = one.tick
+        assert one.is_regular
+        assert polled_tick == (begun + places[-1] * ticks_per_frame if places else -1)
+        all_at_once.count(frames, polled_tick)
+        assert slots_of(all_at_once) == slots_of(one)
+        assert (all_at_once.ticks_per_frame, all_at_once.is_regular) == (ticks_per_frame, True)
+        assert all_at_once.polled_tick == (one.tick if polled_tick == one.tick or (not frames and one._polls) else -1)
+
+
+def test_a_clock_is_regular_while_its_time_is_that_of_the_last_frame() -> None:
+    clock = BusClock(TICK_NS)
+    assert not clock.is_regular
+    assert clock.life == -1
+    clock.feed(TELEGRAMS[5])
+    assert clock.is_regular
+    assert (clock.life, clock.polled_tick) == (5, -1)
+    clock.polled(POLL_TICKS)
+    assert (clock.is_regular, clock.polled_tick) == (True, 0)
+    clock.polled(POLL_TICKS)
+    assert not clock.is_regular
+    assert (clock.tick, clock.polled_tick) == (POLL_TICKS, 0)
+
+
 def test_nothing_elapses_before_the_first_frame() -> None:
     clock = BusClock(TICK_NS)
     assert (clock.tick, clock.now_ns, clock.rate) == (0, 0, 0.0)

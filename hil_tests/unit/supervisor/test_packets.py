@@ -14,14 +14,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hil_tests.support.changed_records import Recorded, changed_records, recorded, short_scenario
+from railhil.bus.codes import Event
 from railhil.bus.frame import ERROR, EXTENDED, REMOTE, Frame
 from railhil.bus.hub.wire import CLASSIC_SIZE, pack_frame, unpack_frames
 from railhil.bus.mvb import TelegramSource, master_frame
-from railhil.bus.telegrams import TrnSpeed
+from railhil.bus.telegrams import RunEvent, TrnSpeed
 from railhil.dbc import wire_contract
 from railhil.scenarios.run_spec import RunSpec
 from railhil.supervisor.framelog import FrameLog, LateLines, log_line
-from railhil.supervisor.packets import PACKED
+from railhil.supervisor.packets import PACKED, Packets
 from railhil.supervisor.session import Session
 
 #: Faults of the port that opens the ticks, and of another one: the recorder then keeps another time.
@@ -29,6 +30,9 @@ FAULTS = ("TRN_SPEED loss @1s x3 combine", "TRN_SPEED corrupt @2s x2 combine", "
 #: Since there is another answer of the supervisor to each of its polls, the record's own ones are left out.
 OWN = {can_id for name in ("SUP_CMD", "SUP_IDENT") for can_id in wire_contract().port(name).can_ids}
 GOOD = "(3.000001) mvb0 100#0102 R\n"
+SUP_POLL = master_frame(1, wire_contract().port("SUP_CMD").address)
+#: Frames that are looked at one by one.
+SINGLY = [can_id for name in ("TIME_SYNC", "RUN_EVENT") for can_id in wire_contract().port(name).can_ids]
 #: Frames of each record that are taken.
 LINES = 150
 
@@ -68,7 +72,9 @@ class Both:
             if packet := stream[begin * CLASSIC_SIZE : end * CLASSIC_SIZE]:
                 found += self.packed.take_packed(packet)
             if settled:
+                self.packed.settle()
                 self.late.settle()
+        self.packed.settle()
         self.late.settle()
         assert found == answers
         assert "".join(self.text) == "".join(self.lines)
@@ -105,13 +111,14 @@ def test_a_run_is_recorded_as_one_by_one(faults: tuple[str, ...], together: int)
 def test_only_what_not_every_tick_brings_is_taken_one_by_one(faults: tuple[str, ...]) -> None:
     both = Both(*faults)
     frames = frames_of(list(recorded(*faults))[60:])
-    polls = [at for at, frame in enumerate(frames) if frame == master_frame(1, wire_contract().port("SUP_CMD").address)]
+    polls = [at for at, frame in enumerate(frames) if frame == SUP_POLL]
     # As on pipes: a packet ends with a poll of the supervisor.
     both.demand_the_same(frames[: polls[20] + 1], [poll + 1 for poll in polls[:20]])
-    assert len(both.one_by_one) == 21
-    # The poll itself; with a TIME_SYNC or an event the frames from there on.
-    assert sorted(both.one_by_one)[:14] == [1] * 14
-    assert sum(both.one_by_one) < len(frames[: polls[20]]) / 5
+    # A TIME_SYNC has two frames, an event three; with the end of an event the poll cannot wait.
+    events = sum(frame.can_id == SINGLY[-1] for frame in frames[: polls[20]])
+    singly = sum(frame.can_id in SINGLY for frame in frames[: polls[20]])
+    assert 4 < singly < len(both.one_by_one) <= singly + events < polls[20] / 20
+    assert set(both.one_by_one) == {1}
 
 
 @pytest.mark.parametrize("length", [9, 255])
@@ -120,11 +127,33 @@ def test_a_length_that_no_frame_has(can_id: int, length: int) -> None:
     both = Both()
     strange = bytearray(pack_frame(Frame(can_id, bytes(range(8)))))
     strange[4] = length
-    poll = pack_frame(master_frame(1, wire_contract().port("SUP_CMD").address))
-    for packet in (bytes(strange), poll, bytes(strange)):
+    poll = pack_frame(SUP_POLL)
+    sync = pack_frame(Frame(0x100, bytes(8)))
+    for packet in (bytes(strange), poll, bytes(strange) + sync + bytes(strange), sync + poll):
         both.one.take(unpack_frames(packet))
         both.packed.take_packed(packet)
     both.demand_the_same([], [])
+
+
+def test_healthy_frames_are_looked_at_together(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Wherever packets end."""
+
+    def looked(*_arguments: object) -> None:
+        raise AssertionError("one by one")
+
+    frames = frames_of(list(recorded())[60:])
+    for step in (1, 2, 3, 86, 1000):
+        both = Both()
+        with monkeypatch.context() as patch:
+            patch.setattr(Packets, "_look", looked)
+            both.demand_the_same(frames, list(range(step, len(frames), step)))
+
+
+def test_the_end_of_an_event_is_not_left_for_later() -> None:
+    """It may come in another packet than its beginning, and decides whether the next poll is the last one."""
+    both, event = Both(), TelegramSource(RunEvent.port()).frames(RunEvent(event=Event.ENDED_COMPLETE).encode())
+    both.demand_the_same([*event, SUP_POLL], [len(event) - 1], settled=False)
+    assert both.one.ended is Event.ENDED_COMPLETE
 
 
 @settings(max_examples=300, deadline=None)
@@ -173,19 +202,6 @@ def test_before_the_record_begins_nothing_is_kept() -> None:
     both.demand_the_same(frames_of(list(recorded()[200:260])), [20])
     assert not both.lines
     assert both.packed.frames == 0
-
-
-def test_more_sequences_than_are_known_at_a_time(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A sequence has a place, whatever the data; when there are too many, they are learned anew."""
-    monkeypatch.setattr("railhil.supervisor.packets._SHAPES", 3)
-    both, known = Both(), []
-    assert both.packed._packets is not None
-    shapes = both.packed._packets._shapes
-    shapes.clear()
-    for ids in ((0x120,), (0x120, 0x124), (0x120, 0x124), (0x120, 0x125), (0x121, 0x124), (0x120,), (0x120, 0x125)):
-        both.demand_the_same([Frame(can_id, bytes([len(known)] * 8)) for can_id in ids], [])
-        known.append(len(shapes))
-    assert known == [1, 2, 2, 3, 1, 2, 3]
 
 
 @given(
