@@ -232,16 +232,16 @@ class Session:
         :attr:`sim_time_s` and :attr:`frames` are those of the last one.
         """
         packets = self._packets
-        if packets is not None and self._may_wait and self.recording and self.ending is None:
-            if packets.may_wait(packet):
-                answers = self._responder.handle(packets.command_poll)
-                self._backlog += (packet, *pack_frames(answers))
-                poll = self._backlog_frames + len(packet) // CLASSIC_SIZE - 1
-                self._backlog_frames = poll + 1 + len(answers)
-                self._answered += range(poll, self._backlog_frames)
-                return answers
+        may_wait = packets is not None and self._may_wait and self.recording and self.ending is None
+        if packets is None or not may_wait or not packets.may_wait(packet):
             self.settle()
-        return self._record(packet, [])
+            return self._record(packet, [])
+        answers = self._responder.handle(packets.command_poll)
+        self._backlog += (packet, *pack_frames(answers))
+        poll = self._backlog_frames + len(packet) // CLASSIC_SIZE - 1
+        self._backlog_frames = poll + 1 + len(answers)
+        self._answered += range(poll, self._backlog_frames)
+        return answers
 
     def settle(self) -> None:
         """Record what has been answered and has not been looked at yet."""
