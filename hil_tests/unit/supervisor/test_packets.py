@@ -20,6 +20,7 @@ from railhil.bus.hub.wire import CLASSIC_SIZE, pack_frame, unpack_frames
 from railhil.bus.mvb import TelegramSource, master_frame
 from railhil.bus.telegrams import RunEvent, TrnSpeed
 from railhil.dbc import wire_contract
+from railhil.scenarios.load import load_any
 from railhil.scenarios.run_spec import RunSpec
 from railhil.supervisor.framelog import FrameLog, LateLines, log_line
 from railhil.supervisor.packets import PACKED, Packets
@@ -253,3 +254,17 @@ def test_a_full_disk_leaves_whole_lines_of_what_waited(tmp_path: Path) -> None:
 
 def no_room(text: str) -> None:
     raise OSError(ENOSPC, "No space left on device")
+
+
+@pytest.mark.parametrize(
+    ("name", "faults", "waits"),
+    [
+        ("yizhuang_stop", ("SPEED_RAW loss @5s x3",), True),
+        ("jinan_xuzhou_emu3", (), True),
+        # With faults the poll of SUP_CMD, every fourth tick, is the second time base of the supervisor's own clock.
+        ("jinan_xuzhou_emu3", ("UNIT1_FB loss @20s x3",), False),
+    ],
+)
+def test_a_poll_that_moves_a_time_does_not_wait(name: str, faults: tuple[str, ...], waits: bool) -> None:
+    late = LateLines(lambda text: None)
+    assert Session(load_any(name, (), faults), late.write, RunSpec(), late=late)._may_wait is waits
