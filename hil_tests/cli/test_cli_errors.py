@@ -215,6 +215,7 @@ def test_attach_with_nobody_there(tmp_path):
     class Chatter:
         counters: dict[str, int] = {}  # noqa: RUF012
         is_down = False
+        packed = None
         take_gap_ns = tell_trouble = close = staticmethod(int)
 
         def receive(self, timeout_s: float) -> list[Frame]:
