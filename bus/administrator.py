@@ -14,9 +14,11 @@ from typing import Final
 from railhil.bus.clock import Pacer
 from railhil.bus.errors import BusOccupied, PeerSilent
 from railhil.bus.frame import BRS, FD, Frame
+from railhil.bus.hub.wire import pack_frame
 from railhil.bus.ident import Role
 from railhil.bus.layout import Telegram
 from railhil.bus.link import Endpoint
+from railhil.bus.link.base import PackedEnd
 from railhil.bus.mvb import F_DEVICE_STATUS, TelegramSource, master_frame, parse_device_status
 from railhil.bus.store import TrafficStore
 from railhil.common.patience import PATIENCE_S
@@ -44,6 +46,8 @@ class Administrator:
     :param contract: of the run's system; None: that of railhil's own train.
     :param ahead: lockstep: passes published telegrams on before they are sent
         (:attr:`railhil.bus.link.Link.ahead`); None: they wait for the next ``flush`` or poll.
+    :param packed: the endpoint for frames as they are packed; in lockstep it is used for all that is sent in the run,
+        and its way ahead for ``ahead``.
     :param unread: port that nobody reads before the end of the run; it is passed on with the next telegram or poll.
     """
 
@@ -60,6 +64,7 @@ class Administrator:
         reply_ns: int = REPLY_NS,
         contract: Contract | None = None,
         ahead: Callable[[Sequence[Frame]], bool] | None = None,
+        packed: PackedEnd | None = None,
         unread: str = "",
     ) -> None:
         contract = contract or wire_contract()
@@ -74,29 +79,40 @@ class Administrator:
         self._last_ids = {port.name: (port.can_ids[-1], port.fd_id) for port in contract.ports}
         self._queue: list[Frame] = []
         self._ahead = None if pacer.rate else ahead
+        self._packed = None if pacer.rate else packed
+        # Instead of the queue.
+        self._packet = b""
+        self._polls = {port.name: pack_frame(master_frame(port.f_code, port.address)) for port in contract.ports}
         self._unread = unread
-        # Frames went ahead since the last flush: the record does not have them yet.
-        self._is_ahead = False
         self._patience_ns = round(patience_s * 1e9)
         self._reply_ns = reply_ns
 
     def publish(self, telegram: Telegram) -> None:
         """Queue one telegram; it is sent with the next ``flush`` or poll."""
+        packed = self._packed
+        if packed is not None:
+            packet = self._packet + self._sources[telegram.PORT].packed(telegram.encode())
+            # Emptied first, as below.
+            self._packet = b""
+            if self._unread == telegram.PORT or not packed.pass_ahead(packet):
+                self._packet = packet
+            return
         self._queue.extend(self._sources[telegram.PORT].frames(telegram.encode()))
         if self._ahead is not None and self._unread != telegram.PORT:
             # Emptied first, as below.
             queue, self._queue = self._queue, []
-            if self._ahead(queue):
-                self._is_ahead = True
-            else:
+            if not self._ahead(queue):
                 self._queue = queue
 
     def flush(self) -> None:
         """Send what is queued."""
-        if (queue := self._queue) or self._is_ahead:
-            self._is_ahead = False
-            # Emptied first: a signal in the middle of sending ends the run, and its last event is sent after it. The
-            # frames before it must not go out twice.
+        # Emptied first: a signal in the middle of sending ends the run, and its last event is sent after it. The frames
+        # before it must not go out twice.
+        if packet := self._packet:
+            assert self._packed is not None
+            self._packet = b""
+            self._packed.send_packed(packet)
+        if queue := self._queue:
             self._queue = []
             self._endpoint.send(queue)
 
@@ -112,7 +128,10 @@ class Administrator:
         self.counters["polls"] += 1
         if self._pacer.rate:
             self._discard_late()
-        self._queue.append(master_frame(port.f_code, port.address))
+        if self._packed is not None:
+            self._packet += self._polls[port.name]
+        else:
+            self._queue.append(master_frame(port.f_code, port.address))
         self.flush()
         committed = self._in_time(port) if self._pacer.rate else self._awaited(port)
         if committed:

@@ -30,6 +30,7 @@ from struct import Struct
 from typing import Final
 
 from railhil.bus.frame import FD, Frame, quick_frame
+from railhil.bus.hub.wire import pack_frame
 from railhil.dbc import Port, wire_contract
 
 #: Generator without its x^7 term.
@@ -152,7 +153,7 @@ class TelegramSource:
     :param fd: send the CAN FD form instead of the classic one.
     """
 
-    __slots__ = ("_address", "_ends", "_fd", "_padded_bytes", "_port", "_sequence", "_size", "_split")
+    __slots__ = ("_address", "_ends", "_fd", "_heads", "_padded_bytes", "_port", "_sequence", "_size", "_split")
 
     def __init__(self, port: Port, fd: bool = False) -> None:
         self._port = port
@@ -168,6 +169,27 @@ class TelegramSource:
         # F4 has 40 bytes, which is not a valid CAN FD length.
         self._padded_bytes = 48 if port.f_code == 4 else port.data_bytes + 8
         self._sequence = 0
+        # What stands before the data of each frame when it is packed.
+        self._heads = [pack_frame(Frame(can_id, bytes(8)))[:-8] for can_id in port.can_ids]
+
+    def packed(self, data: bytes) -> bytes:
+        """The frames of :meth:`frames`, the classic ones, as they are packed (:mod:`railhil.bus.hub.wire`)."""
+        if len(data) != self._size:
+            raise ValueError(f"{self._port.name}: found {len(data)} data bytes, allowed {self._size}")
+        heads = self._heads
+        if self._size <= 4:
+            return heads[0] + _SINGLE(data, check_sequence(data), self._ends[0])
+        sequence = self._sequence
+        self._sequence = (sequence + 1) & 0xF
+        parts: list[bytes] = []
+        octets = bytearray()
+        for head, block in zip(heads[:-1], self._split(data), strict=True):
+            parts.append(head)
+            parts.append(block)
+            octets.append(check_sequence(block))
+        parts.append(heads[-1])
+        parts.append(_TRAILER(bytes(octets), self._ends[sequence]))
+        return b"".join(parts)
 
     def frames(self, data: bytes) -> list[Frame]:
         """CAN frames of one telegram.

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any, Final, NamedTuple
 
 from railhil.bus.frame import ERROR, EXTENDED, REMOTE, Frame
+from railhil.bus.hub.wire import SFF_MASK
 from railhil.common.exit_codes import finish_undisturbed
 from railhil.common.whole_file import whole_file
 
@@ -46,6 +47,8 @@ class SentFrames:
         self._data = bytearray()
         self._lengths = bytearray()
         self._flags = bytearray()
+        # Frames noted as they are packed.
+        self._packed = bytearray()
         #: What the node has received (:mod:`railhil.bus.reception`); None: it does not say.
         self.received: dict[str, Any] | None = None
 
@@ -54,6 +57,10 @@ class SentFrames:
         self._waiting += frames
         if len(self._waiting) > _BATCH:
             self._put_together()
+
+    def note_packed(self, packet: bytes) -> None:
+        """:meth:`note` for packed classic frames (:mod:`railhil.bus.hub.wire`); a node notes all frames in one way."""
+        self._packed += packet
 
     def _put_together(self) -> None:
         """Without a loop over the frames: a node does this in the middle of its run, and sorts them after it."""
@@ -78,6 +85,8 @@ class SentFrames:
             lengths, joined = found[can_id]
             lengths.append(len(data))
             joined += data
+        if self._packed:
+            found |= _by_id(self._packed)
         return found
 
     def write(self) -> None:
@@ -113,6 +122,25 @@ def read_sent(path: Path) -> Told | None:
         for can_id, (lengths, data) in document["frames"].items()
     }
     return Told(frames, document["received"])
+
+
+def _by_id(packed: bytearray) -> dict[int, tuple[bytearray, bytearray]]:
+    """Lengths and joined data of packed telegrams, by CAN identifier."""
+    # Who sends packed frames has loaded numpy.
+    import numpy as np
+
+    from railhil.bus.hub.columns import PACKED
+
+    frames = np.frombuffer(packed, PACKED)
+    frames = frames[frames["can_id"] <= SFF_MASK]
+    frames = frames[np.argsort(frames["can_id"], kind="stable")]
+    starts = np.flatnonzero(np.diff(frames["can_id"], prepend=-1))
+    found: dict[int, tuple[bytearray, bytearray]] = {}
+    for part in np.split(frames, starts[1:]):
+        lengths, data = part["length"], part["data"]
+        used = data[np.arange(data.shape[1]) < lengths[:, None]]
+        found[int(part["can_id"][0])] = bytearray(lengths.tobytes()), bytearray(used.tobytes())
+    return found
 
 
 def _apart(lengths: bytes | bytearray, data: bytes | bytearray) -> list[bytes]:

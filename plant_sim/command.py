@@ -119,6 +119,7 @@ def main(words: Sequence[str] | None = None) -> int:
             fault_log=namespace.fault_log,
             disturber=link.disturber,
             ahead=link.ahead,
+            packed=link.packed,
         )
         try:
             run_plant(node, priority, namespace.timing_file)

@@ -14,6 +14,7 @@ from railhil.bus.errors import PeerSilent
 from railhil.bus.frame import Frame
 from railhil.bus.hub.orders import Disturber
 from railhil.bus.ident import Role, make_ident
+from railhil.bus.link.base import PackedEnd
 from railhil.bus.reception import Document, reception
 from railhil.bus.schedule import Schedule
 from railhil.bus.store import TrafficStore
@@ -51,6 +52,7 @@ class PlantNode:
     :param disturber: takes the orders of faults of the bus; None: they are not acted out (a replay).
     :param ahead: the endpoint's own way to pass telegrams on early (:attr:`railhil.bus.link.Link.ahead`); not used with
         faults, which change what is sent.
+    :param packed: the same endpoint for packed frames (:attr:`railhil.bus.link.Link.packed`); not used with faults.
     """
 
     def __init__(
@@ -66,6 +68,7 @@ class PlantNode:
         fault_log: Path | None = None,
         disturber: Disturber | None = None,
         ahead: Callable[[Sequence[Frame]], bool] | None = None,
+        packed: PackedEnd | None = None,
     ) -> None:
         system = system_named(scenario.system)
         self._contract = contract = system.contract
@@ -96,7 +99,7 @@ class PlantNode:
             assert injection is not None
             self.faults = NodeFaults(injection, contract, schedule, "plant", fault_log)
             endpoint = faulty = FaultyEndpoint(endpoint, self.faults, contract, disturber, ahead)
-            ahead = faulty.ahead
+            ahead, packed = faulty.ahead, None
         polled = [port for port in contract.ports if port.mode == "poll"]
         self._store = TrafficStore(polled)
         self.administrator = Administrator(
@@ -110,6 +113,7 @@ class PlantNode:
             patience_s=run.patience_s,
             contract=contract,
             ahead=ahead,
+            packed=packed,
             # For the score.
             unread="" if system.truth is None else system.truth.port,
         )

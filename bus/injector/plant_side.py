@@ -47,9 +47,8 @@ class FaultyEndpoint:
         #: As ``ahead``, for what the faults leave; the rest of it is sent with what comes next.
         self.ahead = None if ahead is None or disturber is not None else self._ahead
         self._onward = ahead
-        # What the faults have left and has not gone ahead; whether anything has since the last one was sent.
+        # What the faults have left and has not gone ahead.
         self._left: list[Frame] = []
-        self._is_ahead = False
         self._kill = kill
         self._stop = stop
         self._sleep = sleep
@@ -77,8 +76,7 @@ class FaultyEndpoint:
         """Send what the faults leave of these frames, and what they held back before."""
         leaving = self._left + self._passed(frames)
         self._left = []
-        if leaving or self._is_ahead:
-            self._is_ahead = False
+        if leaving:
             if self._bus is not None:
                 self._bus.sending(leaving)
             self._endpoint.send(leaving)
@@ -86,11 +84,8 @@ class FaultyEndpoint:
     def _ahead(self, frames: Sequence[Frame]) -> bool:
         leaving = self._left + self._passed(frames)
         self._left = []
-        if leaving and self._onward is not None:
-            if self._onward(leaving):
-                self._is_ahead = True
-            else:
-                self._left = leaving
+        if leaving and self._onward is not None and not self._onward(leaving):
+            self._left = leaving
         return True
 
     def _passed(self, frames: Sequence[Frame]) -> list[Frame]:
@@ -117,6 +112,9 @@ class FaultyEndpoint:
             if one.active:
                 activities.note(one, "running", "killed")
                 self.faults.write()
+                if self._onward is not None:
+                    # A link with a way ahead holds back what the record does not have yet.
+                    self._endpoint.send([])
                 self._kill()
         for one in self._stops:
             if one.active and one.fault.duration_s is not None:

@@ -65,6 +65,19 @@ class Endpoint(Protocol):
         """Leave the bus."""
 
 
+class PackedEnd(Protocol):
+    """What a link does with classic frames as they are packed (:mod:`railhil.bus.hub.wire`)."""
+
+    def send_packed(self, packet: bytes) -> None:
+        """:meth:`Link.send`."""
+
+    def pass_ahead(self, packet: bytes) -> bool:
+        """:attr:`Link.ahead`."""
+
+    def receive_packed(self, timeout_s: float | None) -> bytes:
+        """:meth:`Link.receive`."""
+
+
 @mypyc_attr(allow_interpreted_subclasses=True)
 class Link(ABC):
     """:class:`Endpoint` on a python-can bus, or on the hub.
@@ -119,8 +132,8 @@ class Link(ABC):
         return None
 
     @property
-    def packed(self) -> Callable[[float | None], bytes] | None:
-        """:meth:`receive` for frames as they came, packed (:mod:`railhil.bus.hub.wire`); None: there is no such way."""
+    def packed(self) -> PackedEnd | None:
+        """The same link for packed frames; None: there is no such way."""
         return None
 
     @property

@@ -1,13 +1,19 @@
-"""The link between the processes of one run: one pipe to each node, no switch between them.
+"""The link between the processes of one run: pipes, and no switch beside the plant.
 
-Each node reads one pipe, its inbox; the two others write to it. A write of at most PIPE_BUF bytes is atomic, so frames
-of two writers do not mix, and what one has written before it lets another act is read before what that one writes
-then: in lockstep, where one node acts at a time, all inboxes have the same order. The supervisor's is the record; it
-is written to before any node that can answer, and what is in it outlives its writer.
+Only one node acts at a time, and each frame of another node answers the plant. So the plant writes the record: what it
+sends, and what the controller has answered, in the order in which both happened. The controller gets the frames of the
+plant and of the supervisor in one inbox, and answers to the plant alone; the supervisor gets the record, and its
+answers go to both others. The plant has an inbox for each of the two: what the supervisor says does not go back to it.
+
+The record waits in the plant until the supervisor is asked, which wakes it, or until it fills a write; what waits is
+written, too, when no answer has come for a while, and when the plant leaves. A plant that is killed takes with it what
+has happened since its last poll of the supervisor.
+
+A write of at most PIPE_BUF bytes is atomic: frames of two writers do not mix. The controller is written to before the
+supervisor is asked, whose answer comes to it from there.
 
 Nobody answers the plant's telegrams, so they may go to the controller before (:attr:`PipeLink.ahead`): it takes them in
-while the plant makes the next. The record has them with the poll that follows; a plant that is killed in between takes
-those of its last tick with it.
+while the plant makes the next.
 
 The pipes have no name: only processes that inherited them can use them, and the kernel removes them with the last one.
 """
@@ -22,12 +28,12 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Final, NamedTuple, cast
 
-from railhil.bus.errors import BusUnavailable
+from railhil.bus.errors import BusLost, BusUnavailable
 from railhil.bus.frame import Frame
 from railhil.bus.hub.wire import CLASSIC_SIZE, ROLES, pack_frame, pack_frames, unpack_frames
 from railhil.bus.ident import Role, SupIdent
-from railhil.bus.link.base import Link
-from railhil.bus.link.turn import Turn
+from railhil.bus.link.base import Link, PackedEnd
+from railhil.bus.link.turn import ASLEEP, AWAKE, Turn
 from railhil.bus.mvb import F_DEVICE_STATUS, master_frame
 from railhil.bus.select import PIPES
 from railhil.bus.telegrams import SupCmd
@@ -40,6 +46,8 @@ _SUPERVISOR: Final = "supervisor"
 _READ_BYTES: Final = 1 << 16
 #: Requested size of the supervisor's inbox: it is read in bulk.
 _RECORD_BYTES: Final = 1 << 20
+#: Largest write that is done as a whole or not at all; a multiple of the size of a frame.
+_WRITE_BYTES: Final = select.PIPE_BUF // CLASSIC_SIZE * CLASSIC_SIZE
 #: Interval at which a node that waits for room looks whether it shall stop.
 _LOOK_MS: Final = 100
 
@@ -53,22 +61,22 @@ def supervisor_polls() -> frozenset[bytes]:
 
 
 class Ends(NamedTuple):
-    """What one node holds: its inbox, the inboxes of the others by name, and the supervisor's bell."""
+    """What one node holds: its inboxes, the plant's first one that of the controller's answers; and the inboxes of
+    those that it writes to, by name."""
 
-    inbox: int
+    inboxes: tuple[int, ...]
     others: Mapping[str, int]
-    bell: int
 
     @property
     def descriptors(self) -> tuple[int, ...]:
         """All descriptors."""
-        return (self.inbox, *self.others.values(), self.bell)
+        return (*self.inboxes, *self.others.values())
 
     @property
     def channel(self) -> str:
         """The channel on a node's command line."""
         others = ",".join(f"{name}={end}" for name, end in self.others.items())
-        return f"{PIPES}:{self.inbox},{others},{self.bell}"
+        return f"{PIPES}:{'+'.join(map(str, self.inboxes))},{others}"
 
     @classmethod
     def parse(cls, channel: str) -> Ends:
@@ -77,9 +85,9 @@ class Ends(NamedTuple):
         :raises BusUnavailable: it names none, or this process has not inherited them.
         """
         try:
-            first, *others, last = channel.partition(":")[2].split(",")
+            first, *others = channel.partition(":")[2].split(",")
             named = {name: int(end) for name, _, end in (other.partition("=") for other in others)}
-            ends = cls(int(first), named, int(last))
+            ends = cls(tuple(map(int, first.split("+"))), named)
             for end in ends.descriptors:
                 os.fstat(end)
         except (ValueError, OSError, OverflowError):
@@ -98,27 +106,31 @@ class Pipes:
     def __init__(self) -> None:
         self._open: set[int] = set()
         try:
-            made = {role: self._made(os.pipe2(os.O_NONBLOCK | os.O_CLOEXEC)) for role in ROLES}
-            (bell,) = self._made((os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC),))
+            record, heard, answers, orders = (self._made() for _ in range(4))
         except OSError as error:
             self.close()
             raise BusUnavailable(f"pipes between the nodes: {(error.strerror or str(error)).lower()}") from None
         with contextlib.suppress(OSError):
             # The limit of a user's pipes may be reached; the default size is enough.
-            fcntl.fcntl(made[_SUPERVISOR][1], fcntl.F_SETPIPE_SZ, _RECORD_BYTES)
+            fcntl.fcntl(record[1], fcntl.F_SETPIPE_SZ, _RECORD_BYTES)
         #: For each node, its ends.
         self.ends = {
-            role: Ends(made[role][0], {other: made[other][1] for other in ROLES if other != role}, bell)
-            for role in ROLES
+            "plant": Ends((answers[0], orders[0]), {"controller": heard[1], _SUPERVISOR: record[1]}),
+            "controller": Ends((heard[0],), {"plant": answers[1]}),
+            # The bus administrator acts on every answer: the others have it before.
+            _SUPERVISOR: Ends((record[0],), {"controller": heard[1], "plant": orders[1]}),
         }
 
-    def _made(self, ends: tuple[int, ...]) -> tuple[int, ...]:
+    def _made(self) -> tuple[int, int]:
+        ends = os.pipe2(os.O_NONBLOCK | os.O_CLOEXEC)
         self._open.update(ends)
         return ends
 
     def handed_over(self, role: str) -> None:
-        """A node has been started: its inbox is now its own, so that its end can be noticed."""
-        self._close(self.ends[role].inbox)
+        """A node has been started: what it alone holds is now its own, so that its end can be noticed."""
+        kept = {end for other in ROLES if other != role for end in self.ends[other].descriptors}
+        for end in set(self.ends[role].descriptors) - kept:
+            self._close(end)
 
     def own(self) -> Ends:
         """The supervisor's ends; those of the nodes are closed."""
@@ -158,23 +170,19 @@ class PipeLink(Link):
     def __init__(self, ends: Ends, role: str, say: Callable[[str], None] | None = None) -> None:
         super().__init__(cast(Any, _NoBus()), say)
         self._ends = ends
-        self._bell = ends.bell
-        self._is_recorder = role == _SUPERVISOR
-        poller = select.poll()
-        poller.register(ends.bell, select.POLLIN)
-        self._rung = poller.poll
-        self._turn = Turn(ends.inbox, moves=role == "controller")
-        others = dict(ends.others)
-        # The bus administrator acts on every answer: its inbox comes last.
-        last = "plant" if role != "plant" else "controller"
-        self._usual = [others[name] for name in sorted(others, key=lambda name: (name == last, name))]
-        # Who answers is written to last, or its answer could overtake the poll.
-        self._asking = self._usual[::-1]
-        self._record = others.get(_SUPERVISOR, -1)
-        # What the controller got ahead of the record.
-        self._held = b""
-        self._asks = supervisor_polls() if role == "plant" else frozenset()
         self._is_plant = role == "plant"
+        self._is_recorder = role == _SUPERVISOR
+        # Those whose writers have not ended.
+        self._inboxes = [*ends.inboxes]
+        sleep = ASLEEP if self._is_recorder else AWAKE
+        self._turn = Turn(ends.inboxes, moves=role == "controller", sleep=sleep)
+        # Where what is sent goes at once, in this order; the plant's record waits.
+        self._usual = [end for name, end in ends.others.items() if not self._is_plant or name != _SUPERVISOR]
+        self._record = ends.others[_SUPERVISOR] if self._is_plant else -1
+        self._answers = ends.inboxes[0] if self._is_plant else -1
+        # What the record does not have yet.
+        self._held = b""
+        self._asks = supervisor_polls() if self._is_plant else frozenset()
         self._gone: set[int] = set()
 
     @property
@@ -182,28 +190,36 @@ class PipeLink(Link):
         """See :attr:`Link.is_private`; only processes that inherited the pipes can use them."""
         return True
 
-    def send(self, frames: Sequence[Frame]) -> None:
-        """See :meth:`Link.send`.
+    @property
+    def packed(self) -> PackedEnd:
+        """See :attr:`Link.packed`."""
+        return self
 
-        :raises BusLost: no other node is left, or one has not read for too long.
+    def send(self, frames: Sequence[Frame]) -> None:
+        """See :meth:`Link.send`; without frames, the plant writes what the record does not have yet.
+
+        :raises BusLost: as :meth:`send_packed`.
         """
-        if self.sent is not None:
-            self.sent.note(frames)
-        held, self._held = self._held, b""
-        for packet in pack_frames(frames) or ([b""] if held else []):
-            asks = packet[-CLASSIC_SIZE:] in self._asks
-            for end in self._asking if asks else self._usual:
-                if not held or end != self._record:
-                    self._put(end, packet)
-                elif len(held) + len(packet) <= select.PIPE_BUF:
-                    self._put(end, held + packet)
-                else:
-                    self._put(end, held)
-                    self._put(end, packet)
-            held = b""
-            if asks:
-                os.eventfd_write(self._bell, 1)
-        self.counters["sent"] += len(frames)
+        for packet in pack_frames(frames):
+            self.send_packed(packet)
+        if not frames:
+            self._write_record()
+
+    def send_packed(self, packet: bytes) -> None:
+        """:meth:`send` of packed classic frames.
+
+        :raises BusLost: the plant: no other node is left; a node has not read for too long.
+        """
+        while len(packet) > _WRITE_BYTES:
+            self.send_packed(packet[:_WRITE_BYTES])
+            packet = packet[_WRITE_BYTES:]
+        self._noted(packet)
+        for end in self._usual:
+            self._put(end, packet)
+        if self._is_plant:
+            self._hold(packet)
+            if packet[-CLASSIC_SIZE:] in self._asks:
+                self._write_record()
 
     @property
     def ahead(self) -> Callable[[Sequence[Frame]], bool] | None:
@@ -211,19 +227,37 @@ class PipeLink(Link):
         return self._ahead if self._is_plant else None
 
     def _ahead(self, frames: Sequence[Frame]) -> bool:
-        packet = b"".join(pack_frames(frames))
-        if not self._turn.is_awake or len(self._held) + len(packet) > select.PIPE_BUF:
+        return self.pass_ahead(b"".join(pack_frames(frames)))
+
+    def pass_ahead(self, packet: bytes) -> bool:
+        """:attr:`ahead` for packed frames."""
+        if not self._turn.is_awake or len(packet) > _WRITE_BYTES:
             return False
         try:
-            os.write(self._usual[-1], packet)
+            os.write(self._usual[0], packet)
         except (BlockingIOError, BrokenPipeError):
             # As a whole or not at all: what comes of it is decided when they are sent.
             return False
-        if self.sent is not None:
-            self.sent.note(frames)
-        self._held += packet
-        self.counters["sent"] += len(frames)
+        self._noted(packet)
+        self._hold(packet)
         return True
+
+    def _noted(self, packet: bytes) -> None:
+        if self.sent is not None:
+            self.sent.note_packed(packet)
+        self.counters["sent"] += len(packet) // CLASSIC_SIZE
+
+    def _hold(self, packet: bytes) -> None:
+        """The plant: the record has it with the next poll of the supervisor."""
+        if len(self._held) + len(packet) > _WRITE_BYTES:
+            self._write_record()
+        self._held += packet
+
+    def _write_record(self) -> None:
+        # Emptied first: a signal in the middle of writing ends the run, and its last event is recorded after it.
+        held, self._held = self._held, b""
+        if held:
+            self._put(self._record, held)
 
     def _put(self, end: int, packet: bytes) -> None:
         """Write to the inbox of another node."""
@@ -246,29 +280,35 @@ class PipeLink(Link):
         """
         return unpack_frames(self.receive_packed(timeout_s))
 
-    @property
-    def packed(self) -> Callable[[float | None], bytes] | None:
-        """See :attr:`Link.packed`."""
-        return self.receive_packed
-
     def receive_packed(self, timeout_s: float | None) -> bytes:
         """:meth:`receive`, as packed by the other nodes.
 
         :raises BusLost: no other node is left (not for the supervisor, which has started them), or what has arrived is
             not made of frames.
         """
-        timeout_ms = None if timeout_s is None else timeout_s * 1000
-        if self._is_recorder:
-            if self._rung(timeout_ms):
-                os.eventfd_read(self._bell)
-        elif not self._turn.wait(timeout_ms):
-            return b""
+        ready = self._turn.wait(None if timeout_s is None else timeout_s * 1000)
+        if not ready and self._held and timeout_s != 0:
+            # Nobody may answer any more.
+            self._write_record()
+        arrived = b""
+        for inbox, _ in ready:
+            packet = self._read(inbox)
+            if inbox == self._answers:
+                self._hold(packet)
+            arrived = arrived + packet if arrived else packet
+        return arrived
+
+    def _read(self, inbox: int) -> bytes:
         try:
-            packet = os.read(self._ends.inbox, _READ_BYTES)
+            packet = os.read(inbox, _READ_BYTES)
         except BlockingIOError:
             return b""
-        if not packet and not self._is_recorder:
-            raise self._lost("the other nodes have ended")
+        if not packet:
+            # All its writers have ended.
+            self._turn.leave(inbox)
+            self._inboxes.remove(inbox)
+            if not self._inboxes and not self._is_recorder:
+                raise self._lost("the other nodes have ended")
         if len(packet) % CLASSIC_SIZE:
             raise self._lost(f"{len(packet)} bytes read, allowed: frames of {CLASSIC_SIZE}")
         self.counters["received"] += len(packet) // CLASSIC_SIZE
@@ -285,10 +325,13 @@ class PipeLink(Link):
         poller.register(end, 0)
         if not poller.poll(0):
             return False
-        return not select.select((self._ends.inbox,), (), (), 0.0)[0]
+        return not select.select(self._inboxes, (), (), 0.0)[0]
 
     def close(self) -> None:
         """See :meth:`Link.close`; what was sent is in the pipes."""
+        with contextlib.suppress(BusLost, OSError):
+            # Nobody takes the record any more.
+            self._write_record()
         for end in self._ends.descriptors:
             with contextlib.suppress(OSError):
                 # Closed before.
@@ -321,5 +364,5 @@ class PipeLink(Link):
     def _has_gone(self, end: int) -> None:
         """A node that has ended takes nothing; who waits for it asks :meth:`has_ended`."""
         self._gone.add(end)
-        if len(self._gone) == len(self._ends.others) and not self._is_recorder:
+        if self._is_plant and len(self._gone) == len(self._ends.others):
             raise self._lost("cannot send: the other nodes have ended")

@@ -14,6 +14,7 @@ import contextlib
 import os
 import select
 import time
+from collections.abc import Sequence
 from typing import Final, NamedTuple
 
 #: Looks before a node sleeps all the same: some milliseconds.
@@ -34,20 +35,25 @@ class Sleep(NamedTuple):
     most: int = 80_000
 
 
-_SLEEP: Final = Sleep()
+#: Awake while the machine is calm; always asleep.
+AWAKE: Final = Sleep()
+ASLEEP: Final = Sleep(starting=1 << 60)
 
 
 class Turn:
-    """Waits until a descriptor is readable.
+    """Waits until one of some descriptors is readable.
 
     :param moves: use another processor while awake than while asleep: not awake before this process has been limited to
         one of those that it may use now.
     """
 
-    def __init__(self, descriptor: int, *, moves: bool = False, sleep: Sleep = _SLEEP) -> None:
+    def __init__(self, descriptors: Sequence[int], *, moves: bool = False, sleep: Sleep = AWAKE) -> None:
         poller = select.poll()
-        poller.register(descriptor, select.POLLIN)
+        for descriptor in descriptors:
+            poller.register(descriptor, select.POLLIN)
         self._poll = poller.poll
+        #: Waits no longer for a descriptor.
+        self.leave = poller.unregister
         self._moves = moves
         self._allowed = os.sched_getaffinity(0)
         # The processor shared with the plant, while it is left.
@@ -62,26 +68,25 @@ class Turn:
         """True while it does not sleep between two looks."""
         return self._asleep == 0
 
-    def wait(self, timeout_ms: float | None) -> bool:
-        """True when the descriptor is readable; False after the time-out (None: there is none)."""
+    def wait(self, timeout_ms: float | None) -> list[tuple[int, int]]:
+        """The descriptors that are readable, each with what :func:`select.poll` says of it; none after the time-out
+        (None: there is none)."""
         poll = self._poll
         if self._asleep:
             self._asleep -= 1
             if not self._asleep:
                 self._rise()
-            return bool(poll(timeout_ms))
-        if poll(0):
-            return True
-        if timeout_ms == 0:
-            return False
+            return poll(timeout_ms)
+        if (ready := poll(0)) or timeout_ms == 0:
+            return ready
         begun_ns = time.monotonic_ns()
         for _ in range(_LOOKS):
             os.sched_yield()
-            if poll(0):
+            if ready := poll(0):
                 self._came(time.monotonic_ns() - begun_ns)
-                return True
+                return ready
         self._came(_LATE_NS)
-        return bool(poll(timeout_ms))
+        return poll(timeout_ms)
 
     def _came(self, after_ns: int) -> None:
         """A turn has come, or has not come while the node was awake."""

@@ -17,6 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from railhil.bus.frame import Frame, quick_frame
+from railhil.bus.hub.columns import PACKED
 from railhil.bus.hub.wire import CLASSIC_SIZE, SFF_MASK, pack_frame, unpack_frames
 from railhil.bus.ident import CtlIdent, PltIdent, Role, SupIdent
 from railhil.bus.mvb import F_DEVICE_STATUS, master_frame, master_tail
@@ -30,10 +31,6 @@ from railhil.supervisor.truth_clock import TruthClock
 Ints: TypeAlias = npt.NDArray[np.int64]
 #: An array of :data:`PACKED`.
 Frames: TypeAlias = npt.NDArray[Any]
-#: ``struct can_frame``, see :mod:`railhil.bus.hub.wire`.
-PACKED: Final = np.dtype(
-    {"names": ["can_id", "length", "data"], "formats": ["=u4", "u1", "(8,)u1"], "offsets": [0, 4, 8], "itemsize": 16}
-)
 #: Kinds of frames: only recorded, of the clock port, a poll, of the truth; any other.
 _PLAIN: Final = 0
 _CLOCK: Final = 1

@@ -182,7 +182,7 @@ class Recorder:
     def _take(self, link: Link, timeout_s: float) -> bool:
         """Pass arrived frames to the recorder and send its answers; False when nothing came."""
         if link.packed is not None and self._order is None:
-            packet = link.packed(timeout_s)
+            packet = link.packed.receive_packed(timeout_s)
             if packet and (answers := self._session.take_packed(packet)):
                 link.send(answers)
             return bool(packet)

@@ -9,6 +9,7 @@ import pytest
 from railhil.bus.administrator import Administrator
 from railhil.bus.clock import Pacer
 from railhil.bus.frame import Frame
+from railhil.bus.hub.wire import unpack_frames
 from railhil.bus.layout import Telegram
 from railhil.bus.mvb import TelegramSource, master_frame
 from railhil.bus.store import TrafficStore
@@ -82,14 +83,11 @@ def test_what_nobody_reads_goes_with_the_next_telegram_or_poll(link: WayAhead) -
     assert link.packets == [[*position.frames(TrnPos(3).encode()), POLL]]
 
 
-def test_a_flush_completes_what_went_ahead(link: WayAhead) -> None:
-    """The link has it for the record until it sends; without more to send it is called all the same, once."""
+def test_nothing_is_sent_when_all_went_ahead(link: WayAhead) -> None:
     administrator = made(link)
-    administrator.flush()
     administrator.publish(TrnSpeed(1))
     administrator.flush()
-    administrator.flush()
-    assert link.packets == [[]]
+    assert link.packets == []
 
 
 def test_what_cannot_go_ahead_is_queued_in_order(link: WayAhead) -> None:
@@ -111,3 +109,82 @@ def test_nothing_goes_ahead_in_real_time(link: WayAhead) -> None:
     administrator.publish(TrnSpeed(1))
     administrator.flush()
     assert (link.passed, link.packets) == ([], [frames_of(TrnSpeed(1))])
+
+
+class PackedWay:
+    """A link for packed frames: what it was given, and what went ahead."""
+
+    is_down = False
+    is_private = True
+
+    def __init__(self) -> None:
+        self.passed: list[Frame] = []
+        self.packets: list[list[Frame]] = []
+        self.is_open = True
+
+    def pass_ahead(self, packet: bytes) -> bool:
+        if self.is_open:
+            self.passed += unpack_frames(packet)
+        return self.is_open
+
+    def send_packed(self, packet: bytes) -> None:
+        self.packets.append(unpack_frames(packet))
+
+    def receive_packed(self, timeout_s: float | None) -> bytes:
+        raise NotImplementedError
+
+    def receive(self, timeout_s: float | None) -> list[Frame]:
+        return frames_of(NotchCmd(5, life=1))
+
+    def send(self, frames: Sequence[Frame]) -> None:
+        raise NotImplementedError
+
+    def has_ended(self, node: str) -> bool:
+        return False
+
+    def is_cut_off(self, node: str) -> bool:
+        return False
+
+
+@pytest.fixture
+def packed() -> PackedWay:
+    return PackedWay()
+
+
+def of_packets(link: PackedWay, unread: str = "") -> Administrator:
+    ports = [TrnSpeed.port(), TrnPos.port()]
+    return Administrator(link, TrafficStore([NOTCH]), lambda: 0, Pacer(0.0), ports, packed=link, unread=unread)
+
+
+def test_packed_telegrams_go_ahead_and_polls_are_sent(packed: PackedWay) -> None:
+    administrator, position = of_packets(packed), TelegramSource(TrnPos.port())
+    administrator.publish(TrnSpeed(1))
+    administrator.publish(TrnPos(2))
+    assert packed.passed == [*frames_of(TrnSpeed(1)), *position.frames(TrnPos(2).encode())]
+    assert administrator.poll(NOTCH)
+    assert packed.packets == [[POLL]]
+    packed.is_open = False
+    administrator.publish(TrnSpeed(3))
+    administrator.publish(TrnPos(4))
+    assert administrator.poll(NOTCH)
+    expected = [*frames_of(TrnSpeed(3)), *position.frames(TrnPos(4).encode()), POLL]
+    assert packed.packets[1:] == [expected]
+    administrator.flush()
+    assert packed.packets[2:] == [], "nothing twice"
+
+
+def test_packed_telegrams_that_nobody_reads_wait(packed: PackedWay) -> None:
+    administrator, position = of_packets(packed, unread=TrnPos.PORT), TelegramSource(TrnPos.port())
+    administrator.publish(TrnPos(1))
+    assert packed.passed == []
+    administrator.publish(TrnSpeed(2))
+    assert packed.passed == [*position.frames(TrnPos(1).encode()), *frames_of(TrnSpeed(2))]
+
+
+def test_packed_telegrams_are_flushed(packed: PackedWay) -> None:
+    administrator = of_packets(packed)
+    packed.is_open = False
+    administrator.publish(TrnSpeed(1))
+    administrator.flush()
+    administrator.flush()
+    assert packed.packets == [frames_of(TrnSpeed(1))]

@@ -6,6 +6,7 @@ import contextlib
 import os
 import select
 import stat
+import time
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
@@ -43,7 +44,7 @@ def links() -> Iterator[dict[str, PipeLink]]:
     before = descriptors()
     pipes = Pipes()
     copies = {
-        role: Ends(os.dup(ends.inbox), {name: os.dup(end) for name, end in ends.others.items()}, os.dup(ends.bell))
+        role: Ends(tuple(map(os.dup, ends.inboxes)), {name: os.dup(end) for name, end in ends.others.items()})
         for role, ends in pipes.ends.items()
     }
     pipes.close()
@@ -59,24 +60,26 @@ def heard(links: dict[str, PipeLink]) -> dict[str, list[Frame]]:
 
 
 def test_every_other_node_gets_each_frame_in_one_order(links: dict[str, PipeLink]) -> None:
-    links["plant"].send([COMMAND, POLL])
-    assert links["controller"].receive(0.0) == [COMMAND, POLL]
+    links["plant"].send([CLOCK, POLL])
+    assert links["controller"].receive(0.0) == [CLOCK, POLL]
     links["controller"].send([ANSWER])
+    assert links["plant"].receive(0.0) == [ANSWER]
+    links["plant"].send([SUPERVISOR_POLL])
     links["supervisor"].send([COMMAND])
     assert heard(links) == {
-        "plant": [ANSWER, COMMAND],
-        "controller": [COMMAND],
-        "supervisor": [COMMAND, POLL, ANSWER],
-    }
+        "plant": [COMMAND],
+        "controller": [SUPERVISOR_POLL, COMMAND],
+        "supervisor": [CLOCK, POLL, ANSWER, SUPERVISOR_POLL],
+    }, "its own answer does not come back to the supervisor"
     assert heard(links) == {role: [] for role in NODES}
 
 
 @pytest.mark.parametrize(
     ("role", "frame", "order"),
     [
-        ("plant", POLL, ["supervisor", "controller"]),
+        ("plant", POLL, ["controller"]),
         ("plant", SUPERVISOR_POLL, ["controller", "supervisor"]),
-        ("controller", ANSWER, ["supervisor", "plant"]),
+        ("controller", ANSWER, ["plant"]),
         ("supervisor", COMMAND, ["controller", "plant"]),
     ],
 )
@@ -101,36 +104,61 @@ def test_who_acts_on_a_frame_gets_it_last(
 
 
 def test_the_supervisor_sleeps_until_it_is_asked(links: dict[str, PipeLink]) -> None:
-    bell = links["supervisor"]._ends.bell
     links["plant"].send([POLL])
     links["controller"].send([ANSWER])
-    with pytest.raises(BlockingIOError):
-        os.eventfd_read(bell)
+    assert links["plant"].receive(10.0) == [ANSWER]
+    assert links["supervisor"].receive(0.0) == []
     links["plant"].send([SUPERVISOR_POLL])
     assert links["supervisor"].receive(10.0) == [POLL, ANSWER, SUPERVISOR_POLL]
 
 
-def test_awake_it_is_not_woken_either(links: dict[str, PipeLink]) -> None:
-    """Plant and controller have a processor each; who is woken takes one of them away."""
-    plant, bell = links["plant"], links["supervisor"]._ends.bell
-    plant._turn._asleep = 0
-    for _ in range(50):
-        plant.send([POLL])
-        links["controller"].send([ANSWER])
-        assert plant.receive(10.0) == [ANSWER]
-    with pytest.raises(BlockingIOError):
-        os.eventfd_read(bell)
-    plant.send([SUPERVISOR_POLL])
-    assert os.eventfd_read(bell) == 1
+def test_it_never_stays_awake(links: dict[str, PipeLink]) -> None:
+    """Plant and controller have a processor each."""
+    for _ in range(200):
+        links["plant"].send([SUPERVISOR_POLL])
+        assert links["supervisor"].receive(10.0) == [SUPERVISOR_POLL]
+        assert links["controller"].receive(10.0) == [SUPERVISOR_POLL]
+    assert not links["supervisor"]._turn.is_awake
 
 
-def test_frames_are_received_as_they_are_packed(links: dict[str, PipeLink]) -> None:
-    supervisor = links["supervisor"]
-    assert supervisor.packed is not None
-    assert supervisor.packed(0.0) == b""
-    links["plant"].send([POLL, SUPERVISOR_POLL])
-    assert supervisor.packed(10.0) == pack_frame(POLL) + pack_frame(SUPERVISOR_POLL)
-    assert supervisor.counters["received"] == 2
+def test_the_record_is_written_when_it_fills_a_write(links: dict[str, PipeLink]) -> None:
+    """Whole packets, with what the controller has answered between them."""
+    expected: list[Frame] = []
+    for _ in range(20):
+        links["plant"].send([POLL] * 20)
+        links["controller"].send([ANSWER] * 3)
+        assert links["plant"].receive(10.0) == [ANSWER] * 3
+        expected += [POLL] * 20 + [ANSWER] * 3
+    found = links["supervisor"].receive(0.0)
+    waiting = len(expected) - len(found)
+    assert 0 < waiting <= select.PIPE_BUF // CLASSIC_SIZE
+    assert found == expected[:-waiting]
+    links["plant"].send([])
+    assert links["supervisor"].receive(0.0) == expected[-waiting:]
+
+
+def test_the_record_is_written_when_no_answer_comes(links: dict[str, PipeLink]) -> None:
+    """A controller that stands still is seen with all that came before."""
+    links["plant"].send([POLL])
+    assert links["plant"].receive(0.0) == []
+    assert links["supervisor"].receive(0.0) == [], "a look is no wait"
+    assert links["plant"].receive(0.01) == []
+    assert links["supervisor"].receive(0.0) == [POLL]
+
+
+def test_the_record_is_written_when_the_plant_leaves(links: dict[str, PipeLink]) -> None:
+    links["plant"].send([POLL])
+    links["plant"].close()
+    assert links["supervisor"].receive(0.0) == [POLL]
+
+
+def test_frames_are_sent_and_received_as_they_are_packed(links: dict[str, PipeLink]) -> None:
+    supervisor = links["supervisor"].packed
+    assert supervisor.receive_packed(0.0) == b""
+    packet = pack_frame(POLL) + pack_frame(SUPERVISOR_POLL)
+    links["plant"].packed.send_packed(packet)
+    assert supervisor.receive_packed(10.0) == links["controller"].packed.receive_packed(10.0) == packet
+    assert links["supervisor"].counters["received"] == links["plant"].counters["sent"] == 2
 
 
 @pytest.fixture
@@ -153,10 +181,11 @@ def test_what_went_ahead_is_recorded_with_what_is_sent_next(links: dict[str, Pip
     assert ahead([CLOCK])
     assert heard(links) == {"plant": [], "controller": [COMMAND, CLOCK], "supervisor": []}
     links["plant"].send([POLL])
+    links["plant"].send([])
     assert heard(links) == {"plant": [], "controller": [POLL], "supervisor": [COMMAND, CLOCK, POLL]}
     assert links["plant"].counters["sent"] == 3
-    links["plant"].send([POLL])
-    assert links["supervisor"].receive(0.0) == [POLL], "nothing twice"
+    links["plant"].send([SUPERVISOR_POLL])
+    assert links["supervisor"].receive(0.0) == [SUPERVISOR_POLL], "nothing twice"
 
 
 def test_a_poll_of_the_supervisor_brings_what_went_ahead(links: dict[str, PipeLink], ahead: Ahead) -> None:
@@ -176,20 +205,21 @@ def test_what_went_ahead_is_recorded_when_nothing_follows(links: dict[str, PipeL
 def test_a_long_packet_follows_what_went_ahead(
     links: dict[str, PipeLink], ahead: Ahead, following: list[Frame]
 ) -> None:
-    """A write of more than PIPE_BUF bytes would not be whole: the record gets two."""
+    """A write of more than PIPE_BUF bytes would not be whole: the record gets several."""
     assert ahead([COMMAND] * 7)
     links["plant"].send(following)
+    links["plant"].send([])
     assert links["supervisor"].receive(0.0) == [COMMAND] * 7 + following
     assert links["controller"].receive(0.0) == [COMMAND] * 7 + following
 
 
-def test_no_more_goes_ahead_than_one_write_records(links: dict[str, PipeLink], ahead: Ahead) -> None:
+def test_no_more_goes_ahead_at_once_than_fits_one_write(links: dict[str, PipeLink], ahead: Ahead) -> None:
     most = select.PIPE_BUF // CLASSIC_SIZE
-    assert ahead([COMMAND] * (most - 1))
-    assert not ahead([COMMAND, CLOCK])
-    assert ahead([COMMAND])
-    links["plant"].send([COMMAND, CLOCK])
-    expected = [COMMAND] * most + [COMMAND, CLOCK]
+    assert not ahead([COMMAND] * (most + 1))
+    assert ahead([COMMAND] * most)
+    assert ahead([CLOCK])
+    links["plant"].send([])
+    expected = [COMMAND] * most + [CLOCK]
     assert heard(links) == {"plant": [], "controller": expected, "supervisor": expected}
 
 
@@ -219,6 +249,7 @@ def test_nothing_goes_ahead_to_a_controller_that_has_ended(links: dict[str, Pipe
     links["controller"].close()
     assert not ahead([COMMAND])
     links["plant"].send([COMMAND])
+    links["plant"].send([])
     assert links["supervisor"].receive(0.0) == [COMMAND], "the train goes on without its controller"
 
 
@@ -229,29 +260,51 @@ def test_the_list_of_what_was_sent_has_it_once(links: dict[str, PipeLink], ahead
     links["controller"].close()
     assert not ahead([CLOCK])
     plant.send([CLOCK, POLL])
-    assert plant.sent._waiting == [COMMAND, CLOCK, POLL]
+    assert plant.sent._packed == b"".join(map(pack_frame, (COMMAND, CLOCK, POLL)))
 
 
 def test_what_a_node_sent_outlives_it(links: dict[str, PipeLink]) -> None:
     links["controller"].send([ANSWER])
     links["controller"].close()
     assert not links["plant"].has_ended("controller"), "its answer is still to be read"
-    assert links["plant"].receive(0.0) == links["supervisor"].receive(0.0) == [ANSWER]
+    assert links["plant"].receive(0.0) == [ANSWER]
+    assert links["plant"].receive(0.0) == []
     assert links["plant"].has_ended("controller")
     assert links["supervisor"].has_ended("controller")
     assert not links["supervisor"].has_ended("plant")
-    links["plant"].send([POLL])
-    assert links["supervisor"].receive(0.0) == [POLL], "the train goes on without its controller"
+    links["plant"].send([SUPERVISOR_POLL])
+    assert links["supervisor"].receive(0.0) == [ANSWER, SUPERVISOR_POLL], "the train goes on without its controller"
+    links["supervisor"].send([COMMAND])
+    assert links["plant"].receive(10.0) == [COMMAND]
 
 
 @pytest.mark.parametrize("role", ["plant", "controller"])
 def test_a_node_that_is_left_alone_ends(links: dict[str, PipeLink], role: str) -> None:
     for other in set(ROLES) - {role}:
         links[other].close()
+
+    def hear() -> None:
+        for _ in range(2):
+            links[role].receive(10.0)
+
     with pytest.raises(BusLost, match="pipes of this run: the other nodes have ended"):
-        links[role].receive(10.0)
+        hear()
+
+
+def test_a_plant_that_is_left_alone_cannot_send(links: dict[str, PipeLink]) -> None:
+    links["supervisor"].close()
+    links["plant"].send([SUPERVISOR_POLL])
+    links["controller"].close()
     with pytest.raises(BusLost, match="cannot send: the other nodes have ended"):
-        links[role].send([ANSWER])
+        links["plant"].send([POLL])
+
+
+def test_a_controller_without_its_plant_still_hears_the_supervisor(links: dict[str, PipeLink]) -> None:
+    links["plant"].close()
+    links["controller"].send([ANSWER])
+    assert links["controller"].has_ended("plant")
+    links["supervisor"].send([COMMAND])
+    assert links["controller"].receive(10.0) == [COMMAND]
 
 
 def test_the_supervisor_left_alone_only_hears_nothing(links: dict[str, PipeLink]) -> None:
@@ -259,6 +312,9 @@ def test_the_supervisor_left_alone_only_hears_nothing(links: dict[str, PipeLink]
     links["controller"].close()
     links["supervisor"].send([COMMAND])
     assert links["supervisor"].receive(0.0) == []
+    begun_s = time.monotonic()
+    assert links["supervisor"].receive(0.05) == []
+    assert time.monotonic() - begun_s >= 0.05, "it does not turn round and round"
 
 
 def test_a_node_that_does_not_read_is_given_up(links: dict[str, PipeLink], monkeypatch: pytest.MonkeyPatch) -> None:
@@ -304,7 +360,7 @@ def test_only_their_owner_may_open_the_pipes() -> None:
     pipes = Pipes()
     try:
         for ends in pipes.ends.values():
-            assert stat.S_IMODE(os.fstat(ends.inbox).st_mode) == 0o600
+            assert all(stat.S_IMODE(os.fstat(end).st_mode) == 0o600 for end in ends.descriptors)
             assert not any(os.get_inheritable(end) for end in ends.descriptors)
     finally:
         pipes.close()
@@ -313,16 +369,24 @@ def test_only_their_owner_may_open_the_pipes() -> None:
 def test_nothing_is_left_open_when_pipes_cannot_be_made(monkeypatch: pytest.MonkeyPatch) -> None:
     before = descriptors()
 
-    def refused(*_: int) -> int:
-        raise OSError(24, "too many open files")
+    made: list[int] = []
+    pipe2 = os.pipe2
 
-    monkeypatch.setattr(module.os, "eventfd", refused)
+    def refused(flags: int) -> tuple[int, int]:
+        if len(made) == 3:
+            raise OSError(24, "too many open files")
+        made.append(flags)
+        return pipe2(flags)
+
+    monkeypatch.setattr(module.os, "pipe2", refused)
     with pytest.raises(BusUnavailable, match="pipes between the nodes: too many open files"):
         Pipes()
     assert descriptors() == before
 
 
-@pytest.mark.parametrize("channel", ["pipes:", "pipes:1,plant", "pipes:x,plant=1,2", "pipes:9999,plant=9999,9999"])
+@pytest.mark.parametrize(
+    "channel", ["pipes:", "pipes:1,plant", "pipes:x,plant=1", "pipes:0+,plant=1", "pipes:9999,plant=9999"]
+)
 def test_a_channel_without_pipes_is_refused_in_one_line(channel: str) -> None:
     with pytest.raises(BusUnavailable, match="found no pipes of this process; railhil run makes them"):
         open_link({"interface": "railhil", "channel": channel}, "plant")

@@ -78,7 +78,9 @@ class Bench:
         self.acted: list[object] = []
         self.end = FaultyEndpoint(
             self.wire, self.faults, CONTRACT, hub, self.onward,
-            kill=lambda: self.acted.append(folder is None or (folder / "faults-plant.csv").is_file()),
+            kill=lambda: self.acted.append(
+                self.wire.sent[-1:] == [[]] and (folder is None or (folder / "faults-plant.csv").is_file())
+            ),
             stop=lambda time_s: self.acted.append(("stop", time_s)),
             sleep=lambda time_s: self.acted.append(("sleep", time_s)),
         )  # fmt: skip
@@ -93,7 +95,7 @@ class Bench:
         """Send the frames of these ticks together; what leaves: identifier and first bytes."""
         self.wire.sent = []
         self.end.send([frame for tick in ticks for frame in (*speed(tick), *also)])
-        assert len(self.wire.sent) <= 1
+        assert len([sent for sent in self.wire.sent if sent]) <= 1
         return [(frame.can_id, frame.data[:3]) for sent in self.wire.sent for frame in sent]
 
     def said(self) -> list[tuple[int, str, str]]:
@@ -170,7 +172,7 @@ def test_killed(tmp_path: Path) -> None:
     bench.tick(0)
     assert bench.acted == []
     bench.tick(1)
-    # Its log is written before.
+    # Its log is written before, and what the link below holds back.
     assert bench.acted == [True]
     assert bench.said() == [(10, "running", "killed")]
 
@@ -247,8 +249,7 @@ def test_what_the_faults_leave_goes_ahead() -> None:
     assert bench.passed == [*speed(0), *speed(1), *speed(4)]
     assert bench.wire.sent == []
     bench.end.send([])
-    bench.end.send([])
-    assert bench.wire.sent == [[]], "the link below completes what went ahead, once"
+    assert bench.wire.sent == []
     assert len(bench.said()) == 2
 
 

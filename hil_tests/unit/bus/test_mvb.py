@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from hil_tests.support.paths import TEST_DATA
 from railhil.bus import mvb
+from railhil.bus.hub.wire import unpack_frames
 from railhil.dbc import Port, wire_contract
 
 VECTORS = [json.loads(line) for line in (TEST_DATA / "mvb" / "vectors.jsonl").read_text(encoding="utf-8").splitlines()]
@@ -60,6 +61,22 @@ def test_can_mapping_vectors(vector):
         for _ in range(vector["seq"] or 0):
             source.frames(data)
         assert [[f"{frame.can_id:x}", frame.data.hex()] for frame in source.frames(data)] == vector[key]
+    source = mvb.TelegramSource(port)
+    for _ in range(vector["seq"] or 0):
+        source.packed(data)
+    found = unpack_frames(source.packed(data))
+    assert [[f"{frame.can_id:x}", frame.data.hex()] for frame in found] == vector["can"]
+
+
+@given(st.sampled_from(wire_contract().ports), st.lists(st.binary(min_size=32, max_size=32), max_size=40))
+def test_packed_telegrams_are_those_of_frames(port, telegrams):
+    """In turns they count the telegrams together."""
+    source, expected = mvb.TelegramSource(port), mvb.TelegramSource(port)
+    for number, block in enumerate(telegrams):
+        data = block[: port.data_bytes]
+        assert len(data) == port.data_bytes
+        found = unpack_frames(source.packed(data)) if number % 3 else source.frames(data)
+        assert found == expected.frames(data)
 
 
 def test_sequence_counter_wraps_at_16():
@@ -72,6 +89,8 @@ def test_sequence_counter_wraps_at_16():
 def test_wrong_data_length_is_refused(size):
     with pytest.raises(ValueError, match="TRN_SPEED: found"):
         mvb.TelegramSource(wire_contract().port("TRN_SPEED")).frames(bytes(size))
+    with pytest.raises(ValueError, match="TRN_SPEED: found"):
+        mvb.TelegramSource(wire_contract().port("TRN_SPEED")).packed(bytes(size))
 
 
 def syndromes(bits: int) -> list[int]:

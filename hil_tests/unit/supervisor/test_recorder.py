@@ -350,6 +350,7 @@ def test_the_plant_says_what_went_wrong_on_its_connection(
         is_down=False,
         disturber=None,
         ahead=None,
+        packed=None,
         close=lambda: done.append("close"),
         tell_trouble=lambda: done.append("tell"),
     )

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from railhil.bus.frame import EXTENDED, FD, REMOTE, Frame
+from railhil.bus.hub.wire import pack_frames
 from railhil.bus.layout import Telegram
 from railhil.bus.mvb import F_DEVICE_STATUS, TelegramSource, master_frame
 from railhil.bus.sent import SentFrames, read_sent
@@ -201,12 +202,16 @@ def test_frames_that_a_fault_has_cut_emptied_or_made_remote_are_in_order_too(tmp
     assert "on NOTCH_CMD that the controller did not send" in found.said[0]
 
 
-def test_a_long_list_is_put_together_in_parts_and_read_in_order(tmp_path: Path) -> None:
+@pytest.mark.parametrize("is_packed", [False, True])
+def test_a_long_list_is_put_together_in_parts_and_read_in_order(tmp_path: Path, is_packed: bool) -> None:
     """Frames of any length, more than are kept as they are; those that are no telegrams are left out."""
     own = SentFrames(tmp_path / "plant.sent", "plant")
     sent = [Frame(0x100 + k % 3, k.to_bytes(2) * (k % 4), REMOTE if k % 7 == 0 else 0) for k in range(9000)]
     for begin in range(0, len(sent), 5):
-        own.note(sent[begin : begin + 5])
+        if is_packed:
+            own.note_packed(b"".join(pack_frames(sent[begin : begin + 5])))
+        else:
+            own.note(sent[begin : begin + 5])
     own.write()
     told = read_sent(tmp_path / "plant.sent")
     assert told is not None
