@@ -28,6 +28,7 @@ from railhil.supervisor.framelog import FrameLog
 from railhil.supervisor.jitter import lockstep_timing
 from railhil.supervisor.judging import judging_of
 from railhil.supervisor.log_trace import trace_of_log
+from railhil.supervisor.recorder import LOOK_S
 from railhil.supervisor.result import RunResult
 from railhil.supervisor.session import Session
 from railhil.supervisor.start_up import TELEMETRY
@@ -59,18 +60,23 @@ class LocalRun:
         self.spec = spec
         self.folder = folder
         self.log = FrameLog(folder)
-        self.session = Session(scenario, self.log.write, spec, on_progress=self._poll)
+        late = self.log.late
+        self.session = Session(scenario, late.write, spec, on_progress=self._poll, late=late)
         self.trace = Trace()
         self.stopped_exit_code = 0
         self.stop = StopSignals()
         self._made: dict[str, object] = {}
         self._on_progress = on_progress
+        self._flush_s = 0.0
         self._started_ns = time.monotonic_ns() if started_ns is None else started_ns
 
     def _poll(self, sim_time_s: float) -> None:
         """At each poll of SUP_CMD: what the recorder on a bus does in addition to recording."""
         self.stop.check()
-        self.log.flush()
+        now_s = time.monotonic()
+        if now_s >= self._flush_s:
+            self.log.flush()
+            self._flush_s = now_s + LOOK_S
         if self._on_progress is not None:
             self._on_progress(sim_time_s)
 

@@ -19,6 +19,7 @@ import numpy as np
 import numpy.typing as npt
 
 from railhil.bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame, quick_frame
+from railhil.bus.hub.columns import PACKED
 from railhil.common.errors import InputError
 from railhil.supervisor.log_columns import ClassicColumns, classic_columns, plain_lines
 
@@ -29,6 +30,7 @@ LOG_NAME: Final = "frames.log"
 #: candump's mark of an error frame in the identifier (python-can writes a bus error).
 _ERROR_ID: Final = 0x20000080
 _NS_PER_US: Final = 1000
+_DATA_BYTES: Final = 8
 #: Simulation times are 64 bit.
 _TIME_MAX_NS: Final = (1 << 63) - 1
 #: Longest line: 64 bytes of CAN FD in hexadecimal, with time stamp, channel and identifier.
@@ -79,21 +81,50 @@ class LateLines:
 
     def __init__(self, write: Callable[[str], object]) -> None:
         self._write = write
-        # Lines, or how many of the frames below.
+        # Lines, or how many of the frames below; then frames taken one by one.
         self._waiting: list[str | int] = []
+        self._single: list[Frame] = []
         self._frames: list[npt.NDArray[Any]] = []
         self._times_ns: list[int] = []
         self._counts: list[int] = []
 
     def write(self, text: str) -> None:
         """Take whole lines."""
+        self._put_together()
         self._waiting.append(text)
+
+    def frame(self, time_ns: int, frame: Frame) -> None:
+        """Take one frame as those of :meth:`add`.
+
+        :param time_ns: simulation time.
+        """
+        times_ns = self._times_ns
+        if times_ns and times_ns[-1] == time_ns:
+            self._counts[-1] += 1
+        else:
+            times_ns.append(time_ns)
+            self._counts.append(1)
+        self._single.append(frame)
+
+    def _put_together(self) -> None:
+        """Make an array of the frames taken one by one."""
+        if self._single:
+            ids, data, _ = zip(*self._single, strict=True)
+            self._single = []
+            frames = np.empty(len(ids), PACKED)
+            frames["can_id"] = ids
+            frames["length"] = list(map(len, data))
+            padded = b"".join([block.ljust(_DATA_BYTES, b"\0") for block in data])
+            frames["data"] = np.frombuffer(padded, np.uint8).reshape(-1, _DATA_BYTES)
+            self._frames.append(frames)
+            self._waiting.append(len(frames))
 
     def add(self, frames: npt.NDArray[Any], times_ns: Sequence[int], counts: Sequence[int]) -> None:
         """Take classic data frames with standard identifiers: fields ``can_id``, ``length``, ``data`` (8 bytes).
 
         :param times_ns: simulation times; the first ``counts[0]`` frames have the first one, and so on.
         """
+        self._put_together()
         self._frames.append(frames)
         self._times_ns += times_ns
         self._counts += counts
@@ -104,6 +135,7 @@ class LateLines:
 
         :raises OSError: as ``write`` does, which then has been given everything.
         """
+        self._put_together()
         waiting, self._waiting = self._waiting, []
         if not waiting:
             return

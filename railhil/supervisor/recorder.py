@@ -25,7 +25,8 @@ AFTER_LOSS_S = 4.0
 #: Real time: wall time for which the controller may be suspended by a signal; then it counts as lost. For how long a
 #: fault of the run stops it comes on top.
 SUSPENDED_S = 5.0
-_LOOK_S = 0.05
+#: Interval (wall time) at which it looks at the nodes, and in lockstep writes what has arrived.
+LOOK_S = 0.05
 #: Interval (wall time) at which the log is flushed to the kernel: roughly what a killed recorder can lose.
 FLUSH_S = 0.2
 
@@ -93,7 +94,7 @@ class Recorder:
 
     def _record(self, link: Link, nodes: Nodes, stop: StopSignals) -> None:
         session = self._session
-        look_s = time.monotonic() + _LOOK_S
+        look_s = time.monotonic() + LOOK_S
         # In lockstep a panel may follow the record; in real time it listens on a bus.
         interval_s = FLUSH_S if self._spec.is_realtime else 0.0
         flush_s = time.monotonic() + interval_s
@@ -107,7 +108,7 @@ class Recorder:
         told = self._start_up.attach and not self._spec.is_realtime
         apart = not self._spec.is_realtime and bool(nodes.nodes)
         while session.ended is None:
-            heard = self._take(link, _LOOK_S)
+            heard = self._take(link, LOOK_S)
             stop.check()
             if told and self._has_left(link, heard):
                 return
@@ -120,7 +121,7 @@ class Recorder:
                 apart = False
             if now_s < look_s:
                 continue
-            look_s = now_s + _LOOK_S
+            look_s = now_s + LOOK_S
             session.settle()
             if now_s >= flush_s:
                 self._flush()
@@ -140,7 +141,7 @@ class Recorder:
                 return
             if self._spec.is_realtime:
                 suspended_looks = suspended_looks + 1 if nodes.suspended() == "controller" else 0
-                if suspended_looks * _LOOK_S > SUSPENDED_S + self.stopped_s:
+                if suspended_looks * LOOK_S > SUSPENDED_S + self.stopped_s:
                     self.lost = self.who_died(nodes)
                     return
             # Only the plant's ticks count: on a shared bus there may always be frames of other nodes.
@@ -156,7 +157,7 @@ class Recorder:
         """A controller that a fault has stopped continues by itself, and then writes what the fault did."""
         give_up_s = time.monotonic() + self.stopped_s
         while nodes.suspended() == "controller" and time.monotonic() < give_up_s and not stop.number:
-            time.sleep(_LOOK_S)
+            time.sleep(LOOK_S)
 
     def _has_left(self, link: Link, heard: bool) -> bool:
         """Record which node was the first to leave an unfinished run; True if nothing more can come."""
@@ -173,7 +174,7 @@ class Recorder:
         """
         give_up_s = time.monotonic() + self._after_loss_s
         while self._session.ended is None and time.monotonic() < give_up_s:
-            heard = self._take(link, _LOOK_S)
+            heard = self._take(link, LOOK_S)
             stop.check()
             if not heard and not any(link.may_deliver(node.role) for node in ended):
                 break

@@ -11,10 +11,11 @@ from array import array
 from collections import deque
 from collections.abc import Callable, Sequence
 from operator import itemgetter
+from typing import Final
 
 from railhil.bus.codes import Event, FaultOrder, SupCommand
 from railhil.bus.frame import ERROR, Frame
-from railhil.bus.hub.wire import CLASSIC_SIZE, pack_frames, unpack_frames
+from railhil.bus.hub.wire import CLASSIC_SIZE, SFF_MASK, pack_frames, unpack_frames
 from railhil.bus.ident import CtlIdent, Ident, PltIdent, Role, SupIdent, make_ident
 from railhil.bus.layout import Telegram
 from railhil.bus.lifesign import MAX_STEP
@@ -32,6 +33,8 @@ from railhil.supervisor.packets import Packets
 from railhil.supervisor.senders import Strangers
 from railhil.supervisor.truth_clock import TruthClock
 
+_DATA_BYTES: Final = 8
+
 
 @mypyc_attr(allow_interpreted_subclasses=True)
 class Session:
@@ -40,7 +43,7 @@ class Session:
     :param write: called with each line of the log.
     :param on_progress: called at each SUP_CMD poll with the simulation time in s, of packets as far as it is known.
     :param desk: gives the orders of an operator; None: those of the run, if it has some.
-    :param late: formats the lines of packets (:meth:`take_packed`) later; ``write`` is its own. None: at once.
+    :param late: formats lines later, many of them at once; ``write`` is its own. None: each at once.
     """
 
     def __init__(
@@ -73,6 +76,7 @@ class Session:
         #: Newest handshake telegram of each other node.
         self._heard: dict[str, Ident] = {}
         self._write = write
+        self._late = late
         self._on_progress = on_progress
         self._life = 0
         if desk is None and run.orders:
@@ -196,9 +200,16 @@ class Session:
             else:
                 return self._handle_own(frame)
         if self.recording:
-            self.frames += 1
-            self._write(log_line(self._time.now_ns, frame))
+            self._keep(self._time.now_ns, frame)
         return []
+
+    def _keep(self, time_ns: int, frame: Frame) -> None:
+        """Record a frame."""
+        self.frames += 1
+        if self._late is not None and not frame[2] and frame[0] <= SFF_MASK and len(frame[1]) <= _DATA_BYTES:
+            self._late.frame(time_ns, frame)
+        else:
+            self._write(log_line(time_ns, frame))
 
     def take(self, frames: Sequence[Frame]) -> list[Frame]:
         """:meth:`handle` for frames in bus order; returns the answers to all polls of the supervisor among them."""
@@ -294,8 +305,7 @@ class Session:
         if self.recording and not scan:
             # The device status scan continues until all nodes have appeared: bus management, not part of the record.
             for item in (frame, *answers):
-                self.frames += 1
-                self._write(log_line(time_ns, item))
+                self._keep(time_ns, item)
         return answers
 
     def _event(self, reading: Reading[RunEvent]) -> None:

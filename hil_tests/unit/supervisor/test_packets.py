@@ -211,9 +211,12 @@ def test_before_the_record_begins_nothing_is_kept() -> None:
         min_size=1, max_size=40,
     ),
     breaks=st.lists(st.integers(0, 40)),
+    single=st.lists(st.integers(0, 40)),
 )  # fmt: skip
-def test_late_lines_are_those_of_the_log(frames: list[tuple[int, int, bytes]], breaks: list[int]) -> None:
-    """Whatever the time, whatever is written between them."""
+def test_late_lines_are_those_of_the_log(
+    frames: list[tuple[int, int, bytes]], breaks: list[int], single: list[int]
+) -> None:
+    """Whatever the time, whatever is written between them, as columns or one by one."""
     text: list[str] = []
     late, wanted = LateLines(text.append), ""
     for at, (time_ns, can_id, data) in enumerate(frames):
@@ -221,7 +224,10 @@ def test_late_lines_are_those_of_the_log(frames: list[tuple[int, int, bytes]], b
             late.write("(1.000000) other line\n")
             wanted += "(1.000000) other line\n"
         frame = Frame(can_id, data)
-        late.add(np.frombuffer(pack_frame(frame), PACKED), [time_ns], [1])
+        if at in single:
+            late.frame(time_ns, frame)
+        else:
+            late.add(np.frombuffer(pack_frame(frame), PACKED), [time_ns], [1])
         wanted += log_line(time_ns, frame)
     assert not text
     late.settle()
@@ -250,6 +256,20 @@ def test_a_full_disk_leaves_whole_lines_of_what_waited(tmp_path: Path) -> None:
         log.close()
     assert log._stream.closed
     assert log.path.read_text() == GOOD
+
+
+@pytest.mark.parametrize(
+    "strange", [Frame(0x800, b"\1", EXTENDED), Frame(0x123, b"\1\0", REMOTE), Frame(0x20, b"", ERROR)]
+)
+def test_a_frame_that_is_no_column_is_written_in_its_place(strange: Frame) -> None:
+    both = Both()
+    frames = frames_of(list(recorded()[60:100]))
+    for frame in (*frames[:20], strange, *frames[20:]):
+        both.one.handle(frame)
+        both.packed.handle(frame)
+    both.late.settle()
+    assert "".join(both.text) == "".join(both.lines)
+    assert state_of(both.packed) == state_of(both.one)
 
 
 def no_room(text: str) -> None:
