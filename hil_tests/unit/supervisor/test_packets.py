@@ -130,7 +130,9 @@ def test_a_length_that_no_frame_has(can_id: int, length: int) -> None:
     strange[4] = length
     poll = pack_frame(SUP_POLL)
     sync = pack_frame(Frame(0x100, bytes(8)))
-    for packet in (bytes(strange), poll, bytes(strange) + sync + bytes(strange), sync + poll):
+    # What is no column is written between the lines of columns.
+    extended = pack_frame(Frame(0x1ABCDEF, b"\1", EXTENDED))
+    for packet in (bytes(strange), poll, bytes(strange) + extended + sync + bytes(strange), sync + extended + poll):
         both.one.take(unpack_frames(packet))
         both.packed.take_packed(packet)
     both.demand_the_same([], [])
