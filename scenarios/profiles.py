@@ -8,6 +8,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from railhil.common.arrays import distinct
 from railhil.scenarios.model import Line, Profile, Train
 
 Floats: TypeAlias = NDArray[np.float64]
@@ -50,7 +51,7 @@ class MeanGrade:
         # Height in mm over the first row: the integral of permil over metres, exact at every row.
         climbs = self._grade[..., :-1] * np.diff(self._from)
         self._height = np.concatenate((np.zeros((*self._grade.shape[:-1], 1)), np.cumsum(climbs, axis=-1)), axis=-1)
-        self.breakpoints_m: Floats = np.unique(np.concatenate((self._from, self._from + length_m)))
+        self.breakpoints_m: Floats = distinct(np.concatenate((self._from, self._from + length_m)))
 
     def _height_at(self, position_m: Floats) -> Floats:
         row = np.clip(np.searchsorted(self._from, position_m, side="right") - 1, 0, None)

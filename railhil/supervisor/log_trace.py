@@ -15,6 +15,7 @@ import numpy.typing as npt
 
 from railhil.bus.mvb import CHECK_TABLES, master_tail
 from railhil.bus.store import ASSEMBLY_NS
+from railhil.common.arrays import distinct
 from railhil.dbc import Contract, Port
 from railhil.supervisor.framelog import BLF_SUFFIX, log_parts, read_log, timed_frames
 from railhil.supervisor.log_columns import ClassicColumns
@@ -104,7 +105,7 @@ class _Whole:
         octets = _octets(words)
         owners = self._owners[part.can_ids]
         found: dict[str, _Ended] = {}
-        for number in np.unique(owners[owners >= 0]).tolist():
+        for number in distinct(owners[owners >= 0]).tolist():
             port, rows = self._ports[number], np.flatnonzero(owners == number)
             ended = _single(port, part, rows) if port.single_frame else _blocks(port, part, octets, rows)
             if ended is None:

@@ -18,9 +18,11 @@ import numpy as np
 
 from railhil.bus.frame import Frame
 from railhil.bus.mvb import F_DEVICE_STATUS, master_frame
-from railhil.bus.sent import NO_TELEGRAM, Told, read_sent
+from railhil.bus.sent import NO_TELEGRAM
+from railhil.common.arrays import distinct
 from railhil.dbc import Contract, Port
 from railhil.supervisor.log_columns import ClassicColumns
+from railhil.supervisor.sent_list import EqualFrames, Told, read_sent
 
 #: Nodes that write what they have sent; the supervisor knows by itself what it has sent.
 WITNESSES = ("plant", "controller")
@@ -75,6 +77,19 @@ class _Stream:
             self.position = position + 1
         else:
             self.rest.append((time_ns, data))
+
+    def take_equal(self, count: int, size: int, joined: bytes) -> bool:
+        """Take recorded frames of one length if they are the next ones sent; False: they are not."""
+        first, sent = self.position, self.sent
+        if self.rest:
+            return False
+        if isinstance(sent, EqualFrames):
+            same = sent.size == size and sent.joined[first * size : (first + count) * size] == joined
+        else:
+            due = sent[first : first + count]
+            same = len(due) == count and {*map(len, due)} == {size} and b"".join(due) == joined
+        self.position += count * same
+        return same
 
     def judge(self, strangers: Strangers) -> int:
         """Count the frames that were not sent; returns how many of those sent are missing in the record."""
@@ -168,19 +183,17 @@ class Senders:
     def pass_columns(self, part: ClassicColumns) -> None:
         """As :meth:`passing`: the frames of each identifier together where they are the next ones sent."""
         ids = part.can_ids
-        for can_id in np.unique(ids).tolist():
+        for can_id in distinct(ids).tolist():
             rows = np.flatnonzero(ids == can_id)
             stream = self._streams.get(can_id)
             if stream is None:
                 self._answers[can_id] += len(rows)
                 continue
             lengths, data = part.lengths[rows].tolist(), part.data[rows]
-            due = stream.sent[stream.position : stream.position + len(rows)]
-            if not stream.rest and list(map(len, due)) == lengths:
-                size = lengths[0]
-                if lengths.count(size) == len(lengths) and b"".join(due) == data[:, :size].tobytes():
-                    stream.position += len(rows)
-                    continue
+            size = lengths[0]
+            equal = lengths.count(size) == len(lengths)
+            if equal and stream.take_equal(len(rows), size, data[:, :size].tobytes()):
+                continue
             for time_ns, block, size in zip(part.times_ns[rows].tolist(), data, lengths, strict=True):
                 stream.take(time_ns, block[:size].tobytes())
 

@@ -11,12 +11,13 @@ from railhil.bus.frame import EXTENDED, FD, REMOTE, Frame
 from railhil.bus.hub.wire import pack_frames
 from railhil.bus.layout import Telegram
 from railhil.bus.mvb import F_DEVICE_STATUS, TelegramSource, master_frame
-from railhil.bus.sent import SentFrames, read_sent
+from railhil.bus.sent import SentFrames
 from railhil.bus.telegrams import NotchCmd, PltStat, SimTruth, TrnSpeed
 from railhil.dbc import wire_contract
 from railhil.supervisor.framelog import CHANNEL, log_line
 from railhil.supervisor.log_columns import classic_columns
 from railhil.supervisor.senders import Findings, Senders, sent_file
+from railhil.supervisor.sent_list import EqualFrames, read_sent
 
 TICK_NS = 10_000_000
 POLL = master_frame(NotchCmd.port().f_code, NotchCmd.port().address)
@@ -219,3 +220,40 @@ def test_a_long_list_is_put_together_in_parts_and_read_in_order(tmp_path: Path, 
         can_id: [frame.data for frame in sent if frame.can_id == can_id and not frame.flags]
         for can_id in (0x100, 0x101, 0x102)
     }
+
+
+def test_frames_of_one_length_are_a_sequence() -> None:
+    frames = EqualFrames(b"aabbcc", 2)
+    assert list(frames) == [b"aa", b"bb", b"cc"]
+    assert (len(frames), frames[1], frames[-1], frames[1:], frames.count(b"bb")) == (3, b"bb", b"cc", [b"bb", b"cc"], 1)
+    for place in (3, -4):
+        with pytest.raises(IndexError):
+            frames[place]
+
+
+HEADS = [
+    b"", b"{}\n", b"[]\n", b"\xff\n",
+    b'{"packed": 0, "frames": -1, "received": null}\n', b'{"packed": -1, "frames": 0, "received": null}\n',
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("first", HEADS)
+@pytest.mark.parametrize("key", [b"frames", b"packed"])
+def test_a_damaged_list_is_none(tmp_path: Path, first: bytes, key: bytes) -> None:
+    path = tmp_path / "plant.sent"
+    own = SentFrames(path, "plant")
+    if key == b"packed":
+        own.note_packed(b"".join(pack_frames([POLL] * 7)))
+    else:
+        own.note([POLL] * 7)
+    own.write()
+    whole = path.read_bytes()
+    assert read_sent(path) is not None
+    for content in (
+        whole[:-1],
+        whole + b"x",
+        first + whole.partition(b"\n")[2],
+        whole.replace(b'"%s": 7' % key, b'"%s": 8' % key),
+    ):
+        path.write_bytes(content)
+        assert read_sent(path) is None, content
