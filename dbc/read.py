@@ -11,7 +11,7 @@ import re
 import tomllib
 from collections.abc import Mapping
 from dataclasses import replace
-from functools import cache
+from functools import cache, lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -93,34 +93,53 @@ def load_contract(path: Path = _FOLDER / PORTS, check_dbc: bool = True) -> Contr
         foreign or outdated DBC).
     """
     file = path.name
-    draft = _read(path, "")
-    digest = hashlib.sha256(dbc_text(draft).encode()).hexdigest()
+    text = _text(path)
+    digest = _dbc_sha256(file, text)
     dbc_path = path.with_name(DBC)
     found = hashlib.sha256(dbc_path.read_bytes()).hexdigest() if dbc_path.exists() else "no file"
     if check_dbc and found != digest:
         raise ContractError(
             f"{dbc_path.name}: sha256: found {found[:16]}, allowed {digest[:16]} (from {file}; `make dbc` writes it)"
         )
-    return replace(draft, sha256=digest)
+    return replace(_parsed(file, text), sha256=digest)
 
 
 def _read(path: Path, sha256: str) -> Contract:
     """The port table in a file. Raises ContractError."""
-    file = path.name
+    return replace(_parsed(path.name, _text(path)), sha256=sha256)
+
+
+def _text(path: Path) -> str:
     try:
-        table = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError) as error:
+        return path.read_text(encoding="utf-8")
+    except (OSError, ValueError) as error:
+        raise ContractError(f"{path.name}: {error}") from error
+
+
+@lru_cache(maxsize=4)
+def _parsed(file: str, text: str) -> Contract:
+    """The contract of a port table, once for each text: a run folder has the one of this installation. Raises
+    ContractError."""
+    try:
+        table = tomllib.loads(text)
+    except (ValueError, RecursionError) as error:
         raise ContractError(f"{file}: {error}") from error
     try:
-        return _made(file, table, sha256)
+        return _made(file, table)
     except KeyError as error:
         raise ContractError(f"{file}: key {error}: found nothing, allowed a value: the key is required") from None
     except (TypeError, ValueError, AttributeError) as error:
         raise ContractError(f"{file}: {error}; allowed a port table like that of railhil") from error
 
 
-def _made(file: str, table: Mapping[str, Any], sha256: str) -> Contract:
-    """The contract of a parsed port table."""
+@lru_cache(maxsize=4)
+def _dbc_sha256(file: str, text: str) -> str:
+    """Hash of the DBC that belongs to a port table. Raises ContractError."""
+    return hashlib.sha256(dbc_text(_parsed(file, text)).encode()).hexdigest()
+
+
+def _made(file: str, table: Mapping[str, Any]) -> Contract:
+    """The contract of a parsed port table, without the hash of its DBC."""
     ports: list[Port] = []
     for entry in table["port"]:
         name = str(entry["name"])
@@ -147,7 +166,7 @@ def _made(file: str, table: Mapping[str, Any], sha256: str) -> Contract:
         device_status_id=int(bus["device_status_id"]),
         base_tick_ns=int(bus["base_tick_ms"]) * 1_000_000,
         ports=tuple(sorted(ports, key=lambda port: port.address)),
-        sha256=sha256,
+        sha256="",
     )
 
 

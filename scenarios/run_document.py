@@ -92,7 +92,7 @@ class RunDocument(BaseModel):
 class _Named(RunDocument):
     """A run as a person writes it: parameters and memory are given as file names."""
 
-    model_config = ConfigDict(extra="forbid")
+    model_config = ConfigDict(defer_build=True, extra="forbid")
     parameters: str | None = Field(default=None, min_length=1)  # type: ignore[assignment]
     memory: str | None = Field(default=None, min_length=1)  # type: ignore[assignment]
 
@@ -154,6 +154,9 @@ def environment_layer(environment: Mapping[str, str], faults: Faults) -> Layer:
     said = {key: environment[name] for key, name in ENVIRONMENT.items() if environment.get(name)}
     source = "environment"
     values: dict[str, Any] = {}
+    if not said:
+        # Most often: nothing to check, and no model to build.
+        return Layer(source, values, ENVIRONMENT)
     try:
         values = _Named.model_validate_strings(said).model_dump(exclude_unset=True)
     except ValidationError as error:
