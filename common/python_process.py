@@ -62,7 +62,7 @@ def start_module(title: str, module: str, words: Sequence[str], output: Path, ha
     :param handed: descriptors that it inherits, under their numbers.
     """
     with output.open("wb") as stream:
-        if _can_fork():
+        if can_fork():
             return _Forked(title, module, words, stream.fileno(), handed)
         return subprocess.Popen(
             [sys.executable, "-P", "-m", module, *words],
@@ -73,7 +73,7 @@ def start_module(title: str, module: str, words: Sequence[str], output: Path, ha
         )
 
 
-def _can_fork() -> bool:
+def can_fork() -> bool:
     """Not beside other threads, which may hold locks; elsewhere than on Linux, system libraries do not permit it."""
     return sys.platform == "linux" and threading.active_count() == 1
 

@@ -5,7 +5,9 @@ from __future__ import annotations
 import hashlib
 import shlex
 import xml.etree.ElementTree as ET
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -14,6 +16,7 @@ import railhil
 from railhil.bus.ident import PROFILES
 from railhil.common.build import machine
 from railhil.common.plain_text import plain
+from railhil.common.shared_out import shared_out
 from railhil.common.whole_file import whole_file, write_synced
 from railhil.scenarios.memory import MEMORY_AFTER
 from railhil.scenarios.model import AnyScenario
@@ -115,9 +118,12 @@ def score_json(scenario: AnyScenario, result: RunResult, spec: RunSpec) -> dict[
 
 
 def certificate(
-    scenario: AnyScenario, spec: RunSpec, start_up: StartUp, result: RunResult, bus_arguments: list[str]
+    scenario: AnyScenario, spec: RunSpec, start_up: StartUp, result: RunResult, bus_arguments: list[str], code: str
 ) -> dict[str, Any]:
-    """Content of ``certificate.json``: enough to reproduce the same bytes, and to notice if they differ."""
+    """Content of ``certificate.json``: enough to reproduce the same bytes, and to notice if they differ.
+
+    :param code: :func:`code_sha256`.
+    """
     return {
         "railhil": version("railhil"),
         **spec.as_json(),
@@ -130,7 +136,7 @@ def certificate(
         # Of the package that provides the system, which need not be railhil.
         "system_sha256": system_named(scenario.system).code_sha256(),
         "dbc_sha256": system_named(scenario.system).contract.sha256,
-        "code_sha256": code_sha256(),
+        "code_sha256": code,
         "own_parameters": None if result.origin is None else {"origin": result.origin.text},
         # What the law has declared about its notes in CTL_STAT; None: the controller has not reported it.
         "notes": _notes(result),
@@ -224,27 +230,32 @@ def write_folder(
     result: RunResult,
     trace: Trace,
     bus_arguments: list[str],
+    meanwhile: Callable[[], object] | None = None,
 ) -> None:
     """Write all results of a finished record; the certificate comes last and marks the folder as complete.
 
+    :param meanwhile: done beside the files that take longest (:func:`shared_out`).
     :raises RecordFailed: the folder cannot be written; it then holds what was recorded (the log, and the output and
         measurements of the nodes) and nothing that looks like a result.
     """
     try:
-        if trace.count(judging_of(scenario).truth):
-            with whole_file(folder / "signals.csv") as draft:
-                write_signals(scenario, trace, draft, _notes(result))
+        with ExitStack() as drafts:
+            blf = drafts.enter_context(whole_file(folder / "frames.blf"))
+            pieces: list[Callable[[], Any]] = [code_sha256, partial(write_blf, folder / "frames.log", blf)]
+            if trace.count(judging_of(scenario).truth):
+                signals = drafts.enter_context(whole_file(folder / "signals.csv"))
+                pieces.append(partial(write_signals, scenario, trace, signals, _notes(result)))
+            code, *_ = shared_out(pieces, meanwhile)
         with whole_file(folder / EVENTS) as draft:
             write_events(result.events, draft)
-        with whole_file(folder / "frames.blf") as draft:
-            write_blf(folder / "frames.log", draft)
         write_json(folder / SCORE, score_json(scenario, result, spec))
         with whole_file(folder / "junit.xml") as draft:
             junit(scenario, spec, result).write(draft, encoding="unicode", xml_declaration=True)
         if result.memory is not None and result.memory.record is not None:
             write_synced(folder / MEMORY_AFTER, result.memory.record.content)
+        document = certificate(scenario, spec, start_up, result, bus_arguments, code)
         told = {"received": None if trace.told is None else trace.told.as_json()}
-        write_json(folder / CERTIFICATE, certificate(scenario, spec, start_up, result, bus_arguments) | told)
+        write_json(folder / CERTIFICATE, document | told)
     except BaseException as error:
         # On Ctrl-C, too, nothing may remain that looks like a result.
         if isinstance(error, OSError):

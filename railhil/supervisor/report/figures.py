@@ -6,11 +6,16 @@ import io
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from matplotlib.axes import Axes
+
+# What a figure would load when it is drawn, in each process that draws.
+from matplotlib.backends import backend_svg as backend_svg
 from matplotlib.figure import Figure
 
+from railhil.common.shared_out import shared_out
 from railhil.scenarios.model import Scenario
 from railhil.supervisor.jitter import LATE_MS, LATE_SHARE_MAX
 from railhil.supervisor.report import events_panel, panels
@@ -85,7 +90,8 @@ def pictures(scenario: Scenario, runs: Sequence[RecordedRun], shown: Sequence[Pa
 def panel_pictures(record: Record, shown: Sequence[Panel]) -> list[Picture]:
     """The figures of some panels, in their order."""
     with panels.drawing("none"):
-        return [picture for panel in shown for picture in panel.draw(record)]
+        drawn: list[list[Picture]] = shared_out([partial(panel.draw, record) for panel in shown])
+    return [picture for pictures in drawn for picture in pictures]
 
 
 def svg(figure: Figure, name: str, title: str) -> str:
