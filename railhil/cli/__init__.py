@@ -6,7 +6,11 @@ import sys
 from collections.abc import Sequence
 
 from railhil.common.exit_codes import guarded
+from railhil.common.leaving import leave
 from railhil.common.light_start import rare_collection
+
+#: Commands that have closed all that they have opened.
+_LEFT_AT_ONCE = (["run"], ["score"])
 
 
 def main(words: Sequence[str] | None = None) -> int:
@@ -28,4 +32,7 @@ def main(words: Sequence[str] | None = None) -> int:
 
             return commands.work(given)
 
-    return guarded("railhil", work)
+    code = guarded("railhil", work)
+    if words is None and given[:1] in _LEFT_AT_ONCE:
+        leave(code)
+    return code
