@@ -8,7 +8,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -196,7 +196,7 @@ def run(
         folder, made = run_folder(None if out is None else str(out), loaded.name, spec.law.controller)
         spec = placed(spec, folder)
         how = StartUp(foreign=no_controller)
-        done, result = recorded(loaded, spec, how, choice, folder, made, Output(stderr=True), quiet=True)
+        done, result = recorded(loaded, spec, how, choice, folder, made, partial(Output, stderr=True), quiet=True)
     if done.stopped_exit_code:
         raise KeyboardInterrupt(result.line)
     return outcome_of(folder, loaded, done, result)

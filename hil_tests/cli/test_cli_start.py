@@ -112,6 +112,12 @@ def test_a_record_is_scored_without_the_checks_of_scenario_files():
     assert done.stdout.strip() == "False"
 
 
+def test_what_prints_tables_is_loaded_after_the_nodes_have_been_started():
+    code = "import sys, railhil.cli.commands, railhil.cli.run; print('rich' in sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "False"
+
+
 def test_the_hash_of_our_own_system_loads_no_plant():
     code = (
         "import sys; from railhil.scenarios.system import system_named\n"

@@ -14,7 +14,8 @@ from railhil.batch.nodes import batch_of, kernel_of, one_by_one
 from railhil.batch.perturbed_runs import FIRST_SEED
 from railhil.common.command_line import SEED_MAX, OneLineParser, add_indexing_argument, parse, whole_number
 from railhil.common.exit_codes import FAIL, PASS, guarded
-from railhil.common.output import Output, accept_any_text, add_json_argument, print_json
+from railhil.common.output import Output
+from railhil.common.streams import accept_any_text, add_json_argument, print_json
 from railhil.controller_node.arithmetic import names as arithmetics
 from railhil.controller_node.laws import find
 from railhil.controller_node.laws import names as laws

@@ -15,7 +15,8 @@ from railhil.campaign.extras import need
 from railhil.campaign.plan import Request, make_plan
 from railhil.common.command_line import parse
 from railhil.common.exit_codes import FAIL, PASS, guarded
-from railhil.common.output import Output, accept_any_text, flush_output, print_json
+from railhil.common.output import Output
+from railhil.common.streams import accept_any_text, flush_output, print_json
 
 _VERIFIED_RUNS = 3
 

@@ -11,7 +11,7 @@ from railhil.campaign.plan import ALL_LAWS, CHUNK_MAX, RUNS_MAX, Request
 from railhil.common.choices import INDEXINGS
 from railhil.common.command_line import SEED_MAX, OneLineParser, whole_number
 from railhil.common.errors import InputError
-from railhil.common.output import add_json_argument
+from railhil.common.streams import add_json_argument
 from railhil.controller_node.arithmetic import names as arithmetics
 from railhil.controller_node.laws import names as laws
 from railhil.scenarios.load import stable_name

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import errno
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
@@ -20,7 +20,6 @@ from railhil.common.errors import InputError, Words
 from railhil.common.exit_codes import FAIL, USAGE
 from railhil.common.extras import install_command
 from railhil.common.light_start import undocumented_matplotlib
-from railhil.common.output import Output
 from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.parameters import ParameterSet
@@ -41,18 +40,20 @@ from railhil.supervisor.sockets import private_socket
 from railhil.supervisor.start_up import StartUp
 
 if TYPE_CHECKING:
+    from railhil.common.output import Output
     from railhil.local_run import LocalRun
     from railhil.supervisor.report.recorded import RecordedRun
     from railhil.supervisor.result import RunResult
     from railhil.supervisor.trace import Trace
 
-#: What the end of a run needs. It is loaded while the nodes start, or when it is used.
+#: What the end of a run needs. It is loaded while the nodes end, or when it is used: while they start, three processes
+#: would share what are two processors on many machines.
 _FOR_THE_END = (
     "railhil.supervisor.ending",
     "railhil.supervisor.folder",
     "railhil.supervisor.reactions.expected",
     "railhil.supervisor.report.recorded",
-    "railhil.cli.show",
+    "railhil.cli.show_run",
 )
 #: Errors of the operating system when a log cannot grow.
 _CANNOT_GROW = (*NO_ROOM, errno.EROFS)
@@ -173,17 +174,19 @@ def recorded(
     choice: BusChoice,
     folder: Path,
     made: bool,
-    console: Output,
+    console: Callable[[], Output],
     quiet: bool,
     *,
     keep: bool = True,
     panel: PanelSocket | None = None,
+    meanwhile: Callable[[], object] | None = None,
 ) -> tuple[Run | LocalRun, RunResult]:
     """Run one law and write its folder; a signal that arrives while results are written waits until they are complete.
 
     :param made: whether the folder was made for the run; it is then removed if the run never began.
     :param keep: whether the folder is kept; else only what the result needs is written.
     :param panel: where a person gives orders.
+    :param meanwhile: done beside the largest files.
     :returns: the run, whose ``spec`` has the memory that it began with, and its result.
     :raises NeverBegan: no frame came, or the run was refused; the folder is left as it was.
     :raises RecordFailed: folder or memory cannot be written.
@@ -216,7 +219,7 @@ def recorded(
         complete(scenario, result, run.trace)
         if keep:
             arguments = [] if choice.is_private else choice.arguments
-            write_results(folder, scenario, spec, start_up, result, run.trace, arguments)
+            write_results(folder, scenario, spec, start_up, result, run.trace, arguments, meanwhile)
     if run.stop.number:
         run.stopped_exit_code = 128 + run.stop.number
     return run, result
@@ -243,16 +246,18 @@ def write_results(
     result: RunResult,
     trace: Trace,
     bus_arguments: list[str],
+    meanwhile: Callable[[], object] | None = None,
 ) -> None:
     """Complete a result with the law's memory, and write folder and memory.
 
     :param result: of :func:`complete`.
+    :param meanwhile: as in :func:`railhil.supervisor.folder.write_folder`.
     :raises RecordFailed: they cannot be written.
     """
     from railhil.supervisor.folder import write_folder
 
     result.memory = learned(scenario, spec, folder, result)
-    write_folder(folder, scenario, spec, start_up, result, trace, bus_arguments)
+    write_folder(folder, scenario, spec, start_up, result, trace, bus_arguments, meanwhile)
     if result.memory is not None:
         keep_memory(spec, folder, result.memory)
 
@@ -285,9 +290,23 @@ def report_line(runs: Sequence[RecordedRun], folder: Path, notes: Sequence[str] 
     return f"report {path}"
 
 
+def load_for_the_report() -> None:
+    """Load and prepare what :func:`report_line` needs, which says what cannot be loaded."""
+    with suppress(Exception), undocumented_matplotlib():
+        from railhil.supervisor.report.page import template
+
+        template()
+
+
 def load_for_the_end() -> None:
-    """Load what the line of progress and the end of a run need."""
-    for name in (*LOADED_LATER, *_FOR_THE_END):
+    """Load what the end of a run needs."""
+    for name in _FOR_THE_END:
+        import_module(name)
+
+
+def load_for_progress() -> None:
+    """Load what the line of progress needs."""
+    for name in LOADED_LATER:
         import_module(name)
 
 
@@ -302,7 +321,17 @@ def _bench(
 ) -> Run | LocalRun:
     if not spec.is_local:
         desk = None if panel is None else Desk(spec.orders, panel, not spec.is_realtime, scenario.faults)
-        return Run(scenario, spec, start_up, choice, folder, on_progress, desk=desk, meanwhile=load_for_the_end)
+        return Run(
+            scenario,
+            spec,
+            start_up,
+            choice,
+            folder,
+            on_progress,
+            desk=desk,
+            meanwhile=None if on_progress is None else load_for_progress,
+            at_end=load_for_the_end,
+        )
     # Laws and plant are loaded only by processes that compute with them.
     from railhil.local_run import LocalRun
 

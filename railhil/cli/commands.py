@@ -9,7 +9,7 @@ from typing import Any, NoReturn
 
 from railhil.cli import programs
 from railhil.common.command_line import OneLineParser, parse
-from railhil.common.output import accept_any_text, flush_output
+from railhil.common.streams import accept_any_text, flush_output
 from railhil.dbc import wire_contract
 
 #: Command -> its line in the help, in the order of the help.

@@ -22,7 +22,8 @@ from railhil.cli.controller_check import check_controllers
 from railhil.cli.remarks import assumed
 from railhil.cli.show import print_scores, print_verdict, print_watch
 from railhil.common.errors import InputError, Words
-from railhil.common.output import Output, add_json_argument, print_json
+from railhil.common.output import Output
+from railhil.common.streams import add_json_argument, print_json
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.parameters import ParameterSet, load_parameters
 from railhil.scenarios.run_spec import RunSpec
@@ -153,9 +154,9 @@ def work(namespace: argparse.Namespace) -> int:
                     console.say(f"bus: {choice.transport} ({choice.reason})")
                 own = folder / spec.law.label
                 own.mkdir()
-                quiet = namespace.quiet or namespace.json or not console.is_terminal
+                quiet = namespace.quiet or namespace.json
                 try:
-                    done, result = recorded(scenario, spec, how, choice, own, True, console, quiet)
+                    done, result = recorded(scenario, spec, how, choice, own, True, lambda: console, quiet)
                 finally:
                     if made and not any(folder.iterdir()):
                         folder.rmdir()

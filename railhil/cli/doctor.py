@@ -22,7 +22,8 @@ from railhil.common.build import python_build, railhil_build
 from railhil.common.choices import USUAL_SCENARIO
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import PASS, USAGE
-from railhil.common.output import Output, add_json_argument, print_json, table
+from railhil.common.output import Output, table
+from railhil.common.streams import add_json_argument, print_json
 from railhil.dbc import wire_contract
 from railhil.scenarios.plant_fmu import PlantFmu
 from railhil.scenarios.run_spec import RunSpec

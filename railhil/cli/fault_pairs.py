@@ -14,7 +14,8 @@ from railhil.cli.bus_run import NeverBegan, chosen_bus, recorded
 from railhil.cli.pool import each, stop_code, stopped_by
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import FAIL, INVALID, PASS
-from railhil.common.output import Output, print_json
+from railhil.common.output import Output
+from railhil.common.streams import print_json
 from railhil.faults.capability import why_not
 from railhil.faults.drawn import Sent, random_pair
 from railhil.faults.language import parse
@@ -44,7 +45,7 @@ def run_into(
     scenario = spec.load()
     with chosen_bus(namespace, spec, scenario) as choice:
         folder.mkdir(parents=True, exist_ok=True)
-        run, result = recorded(scenario, spec, how, choice, folder, False, _QUIET, True, keep=keep)
+        run, result = recorded(scenario, spec, how, choice, folder, False, lambda: _QUIET, True, keep=keep)
     if run.stopped_exit_code:
         raise SystemExit(run.stopped_exit_code)
     return scenario, run, result

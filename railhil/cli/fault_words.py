@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from railhil.common.output import Output, print_json
+from railhil.common.output import Output
+from railhil.common.streams import print_json
 from railhil.faults.page import lines
 from railhil.faults.words import CLEAR, PLACES, WORDS
 

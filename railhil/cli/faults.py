@@ -18,7 +18,8 @@ from railhil.cli.pool import each, stop_code, stopped_by
 from railhil.common.command_line import whole_number
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import FAIL, PASS
-from railhil.common.output import Output, add_json_argument, print_json, table
+from railhil.common.output import Output, table
+from railhil.common.streams import add_json_argument, print_json
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import System
 from railhil.supervisor.reactions.catalogue import Entry, catalogue_of

@@ -10,7 +10,8 @@ from typing import Any
 
 from railhil.common.errors import InputError, Words
 from railhil.common.exit_codes import FAIL, PASS
-from railhil.common.output import Output, add_json_argument, print_json, table
+from railhil.common.output import Output, table
+from railhil.common.streams import add_json_argument, print_json
 from railhil.common.whole_file import write_synced
 from railhil.scenarios.load import load_any
 from railhil.scenarios.memory import Memory, Record, Stored

@@ -13,7 +13,8 @@ from string import Template
 
 from railhil.cli.new_scenario import scenario_file
 from railhil.common.errors import InputError, Words
-from railhil.common.output import Output, add_json_argument, print_json
+from railhil.common.output import Output
+from railhil.common.streams import add_json_argument, print_json
 from railhil.dbc import house_table
 from railhil.scenarios.system import DEFAULT, system_named
 from railhil.scenarios.system import names as system_names

@@ -7,7 +7,8 @@ import argparse
 from railhil.bus.load import bus_load
 from railhil.cli.dbcfile import check_foreign_dbc
 from railhil.common.errors import InputError
-from railhil.common.output import Output, add_json_argument, print_json, table
+from railhil.common.output import Output, table
+from railhil.common.streams import add_json_argument, print_json
 from railhil.dbc import Contract, Port
 from railhil.scenarios.system import DEFAULT, system_named
 

@@ -6,15 +6,18 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from railhil.common.output import Output
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import system_named
 from railhil.supervisor.framelog import LOG_NAME
 
+if TYPE_CHECKING:
+    from railhil.common.output import Output
+
 #: What the line needs. It is loaded while the nodes start, or with the first redraw.
-LOADED_LATER = ("rich.progress", "railhil.supervisor.now")
+LOADED_LATER = ("railhil.common.output", "rich.progress", "railhil.supervisor.now")
 
 #: Wall time between two redraws, in s. A redraw costs about five milliseconds.
 _REDRAW_S = 0.4
@@ -24,17 +27,18 @@ _NARROW, _BAR, _BAR_NARROW = 120, 30, 8
 
 @contextmanager
 def progress(
-    scenario: AnyScenario, spec: RunSpec, folder: Path, console: Output, quiet: bool
+    scenario: AnyScenario, spec: RunSpec, folder: Path, console: Callable[[], Output], quiet: bool
 ) -> Iterator[Callable[[float], None] | None]:
     """Progress callback of the run, taking the simulation time in s; None when nothing is to be shown.
 
     :param folder: of the run, whose log is read while it is written.
+    :param console: where the line is shown, if it is a terminal: asked for at the first call.
     """
     if quiet:
         yield None
         return
     with ExitStack() as held:
-        redraw: Callable[[float], None] | None = None
+        redraw: Callable[[float], object] | None = None
         shown_s = -_REDRAW_S
 
         def on_progress(sim_time_s: float) -> None:
@@ -43,10 +47,20 @@ def progress(
             if now_s - shown_s >= _REDRAW_S:
                 shown_s = now_s
                 if redraw is None:
-                    redraw = held.enter_context(_line(scenario, spec, folder, console))
+                    redraw = held.enter_context(_shown(scenario, spec, folder, console()))
                 redraw(sim_time_s)
 
         yield on_progress
+
+
+@contextmanager
+def _shown(scenario: AnyScenario, spec: RunSpec, folder: Path, console: Output) -> Iterator[Callable[[float], object]]:
+    """What redraws the line; nothing, if there is no terminal."""
+    if not console.is_terminal:
+        yield lambda _: None
+        return
+    with _line(scenario, spec, folder, console) as redraw:
+        yield redraw
 
 
 @contextmanager

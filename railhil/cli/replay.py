@@ -10,7 +10,8 @@ from railhil.bus.ident import PACES, PltIdent, is_perturbed
 from railhil.common.choices import ARITHMETICS
 from railhil.common.errors import InputError, Words, did_you_mean
 from railhil.common.exit_codes import FAIL, PASS
-from railhil.common.output import Output, add_json_argument, print_json
+from railhil.common.output import Output
+from railhil.common.streams import add_json_argument, print_json
 from railhil.scenarios.plant_fmu import KEY as FMU_KEY
 from railhil.scenarios.plant_fmu import OPTION as FMU_OPTION
 from railhil.scenarios.plant_fmu import add_fmu_arguments, fmu_of

@@ -13,7 +13,8 @@ from railhil.bus.select import LOCAL, config_from_namespace
 from railhil.cli.bus_run import chosen_bus, recorded
 from railhil.common.choices import BUSES
 from railhil.common.exit_codes import FAIL, PASS
-from railhil.common.output import Output, add_json_argument, print_json
+from railhil.common.output import Output
+from railhil.common.streams import add_json_argument, print_json
 from railhil.dbc import recorded_contract
 from railhil.scenarios.plant_fmu import add_fmu_arguments, fmu_of
 from railhil.scenarios.system import system_named
@@ -53,7 +54,7 @@ def work(namespace: argparse.Namespace) -> int:
         kept = namespace.out is not None
         place = namespace.out if kept else tempfile.mkdtemp(prefix="railhil-rerun-")
         folder, made = run_folder(place, scenario.name, spec.law.controller)
-        done, result = recorded(scenario, spec, StartUp(), choice, folder, made or not kept, console, True)
+        done, result = recorded(scenario, spec, StartUp(), choice, folder, made or not kept, lambda: console, True)
     if done.stopped_exit_code:
         console.say(f"not compared: {result.line}; the repeated run is in {folder}")
         return done.stopped_exit_code

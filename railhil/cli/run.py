@@ -7,6 +7,7 @@ import json
 import os
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,6 +16,7 @@ from railhil.cli.bus_run import (
     as_recorded,
     chosen_bus,
     law_names,
+    load_for_the_report,
     recorded,
     report_line,
     start_up,
@@ -29,7 +31,7 @@ from railhil.cli.panel import (
     with_emergency,
 )
 from railhil.common.errors import Faults, InputError, Words
-from railhil.common.output import Output, add_json_argument, print_json
+from railhil.common.streams import add_json_argument, print_json, say
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.plant_fmu import OPTION as FMU_OPTION
 from railhil.scenarios.plant_fmu import add_fmu_arguments, fmu_of
@@ -42,6 +44,7 @@ from railhil.supervisor.run_folder import run_folder
 from railhil.supervisor.start_up import StartUp
 
 if TYPE_CHECKING:
+    from railhil.common.output import Output
     from railhil.supervisor.result import RunResult
 
 #: Key of a run -> name in the parsed command line.
@@ -131,8 +134,10 @@ def _asked(namespace: argparse.Namespace) -> tuple[RunSpec, StartUp]:
     return spec, how
 
 
-def _looked_at(spec: RunSpec, scenario: AnyScenario, console: Output) -> RunSpec:
+def _looked_at(spec: RunSpec, scenario: AnyScenario, stderr: bool) -> RunSpec:
     """The run with what its certificate says of its FMU, if it has one: whether it does the same twice.
+
+    :param stderr: whether to say so there.
 
     :raises InputError: the FMU cannot be the plant.
     """
@@ -143,7 +148,7 @@ def _looked_at(spec: RunSpec, scenario: AnyScenario, console: Output) -> RunSpec
 
     same, why = twice(scenario, spec)
     if not same:
-        console.say(f"note: the run may not be repeatable: {spec.plant_fmu.file}: {why}")
+        say(f"note: the run may not be repeatable: {spec.plant_fmu.file}: {why}", stderr)
     return replace(spec, plant_fmu=replace(spec.plant_fmu, same_twice=same, why=why))
 
 
@@ -169,20 +174,30 @@ def work(namespace: argparse.Namespace) -> int:
     scenario = spec.load()
     if namespace.dbc is not None:
         check_foreign_dbc(namespace.dbc, system_named(scenario.system).contract)
-    console = Output(stderr=namespace.json)
-    spec = _looked_at(spec, scenario, console)
+    spec = _looked_at(spec, scenario, namespace.json)
+
+    @cache
+    def console() -> Output:
+        # Loaded while the nodes start or end.
+        from railhil.common.output import Output
+
+        return Output(stderr=namespace.json)
+
     with chosen_bus(namespace, spec, scenario, how.attach or how.foreign) as choice:
         folder, made = run_folder(namespace.out, scenario.name, spec.law.controller)
-        console.say(f"bus: {choice.transport} ({choice.reason})")
-        quiet = namespace.quiet or namespace.json or not console.is_terminal
+        say(f"bus: {choice.transport} ({choice.reason})", namespace.json)
+        quiet = namespace.quiet or namespace.json
         with panel_beside(namespace, spec, choice, folder) as panel:
             if panel is not None and namespace.wait:
                 spec, scenario = wait_for_start(panel, spec, scenario, transports_of(choice, how.foreign), how.attach)
-            run, result = recorded(scenario, spec, how, choice, folder, made, console, quiet, panel=panel)
+            meanwhile = None if namespace.no_report else load_for_the_report
+            run, result = recorded(
+                scenario, spec, how, choice, folder, made, console, quiet, panel=panel, meanwhile=meanwhile
+            )
             if panel is not None:
                 panel.tell({"phase": "ended", "exit_code": result.exit_code, "line": result.line})
-    # Loaded while the nodes started.
-    from railhil.cli.show import print_result
+    # Loaded while the nodes ended.
+    from railhil.cli.show_run import print_result
     from railhil.supervisor.folder import score_json
     from railhil.supervisor.report.recorded import REPORT
 
@@ -196,8 +211,8 @@ def work(namespace: argparse.Namespace) -> int:
         if report and not (folder / REPORT).is_file():
             notes.append(report)
         for line in notes:
-            console.say(line)
+            console().say(line)
         print_json(score_json(scenario, result, run.spec))
     else:
-        print_result(console, found, result, folder, notes, report, namespace.verbose, run.session.heard_ns)
+        print_result(console(), found, result, folder, notes, report, namespace.verbose, run.session.heard_ns)
     return run.stopped_exit_code or result.exit_code

@@ -6,7 +6,8 @@ import argparse
 
 from railhil.cli.show import print_watch
 from railhil.common.errors import InputError
-from railhil.common.output import Output, add_json_argument, print_json, table
+from railhil.common.output import Output, table
+from railhil.common.streams import add_json_argument, print_json
 from railhil.scenarios.load import load_any, names, short_names
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.settings import add_set_argument

@@ -6,10 +6,11 @@ import argparse
 
 from railhil.cli.show import print_scores, print_verdict, print_watch
 from railhil.common.exit_codes import FAIL, INVALID, PASS
-from railhil.common.output import Output, add_json_argument, print_json
+from railhil.common.output import Output
+from railhil.common.streams import add_json_argument, print_json
 from railhil.supervisor.events.summary import explained, summary, why
 from railhil.supervisor.record import checked_record
-from railhil.supervisor.report.facts import memory_sentence
+from railhil.supervisor.report.memory_said import memory_sentence
 
 
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:

@@ -7,7 +7,7 @@ import math
 from collections.abc import Callable
 
 from railhil.common.command_line import SEED_MAX, OneLineParser, whole_number
-from railhil.common.output import add_json_argument
+from railhil.common.streams import add_json_argument
 from railhil.controller_node.laws.high_speed.network import HIDDEN_MAX
 
 #: Kind on the command line -> law that uses the networks.

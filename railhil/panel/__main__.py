@@ -16,7 +16,7 @@ def main(words: Sequence[str] | None = None) -> int:
     from railhil.common.command_line import parse
     from railhil.common.errors import InputError
     from railhil.common.extras import missing
-    from railhil.common.output import accept_any_text, flush_output
+    from railhil.common.streams import accept_any_text, flush_output
     from railhil.panel.command import arguments
 
     accept_any_text()

@@ -13,7 +13,8 @@ from railhil.common.command_line import SEED_MAX, OneLineParser, parse, whole_nu
 from railhil.common.errors import InputError, Words, did_you_mean
 from railhil.common.exit_codes import INVALID, PASS, guarded
 from railhil.common.extras import install_command
-from railhil.common.output import Output, accept_any_text, add_json_argument, flush_output, print_json
+from railhil.common.output import Output
+from railhil.common.streams import accept_any_text, add_json_argument, flush_output, print_json
 from railhil.common.whole_file import check_writable
 from railhil.reproduce.document import document
 from railhil.reproduce.page import PAGE, RUNS, shown, write_page

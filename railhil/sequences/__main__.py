@@ -16,7 +16,8 @@ from railhil.campaign.extras import need
 from railhil.common.command_line import parse
 from railhil.common.exit_codes import FAIL, PASS, guarded
 from railhil.common.extras import install_command
-from railhil.common.output import Output, accept_any_text, flush_output, print_json
+from railhil.common.output import Output
+from railhil.common.streams import accept_any_text, flush_output, print_json
 from railhil.sequences.command import arguments, check_combination, request_from
 from railhil.sequences.one import runner_of, through_nodes, together_of
 from railhil.sequences.plan import Plan, Request, make_plan

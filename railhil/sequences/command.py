@@ -10,7 +10,7 @@ from typing import Any
 from railhil.common.choices import INDEXINGS, USUAL_SCENARIO
 from railhil.common.command_line import SEED_MAX, OneLineParser, whole_number
 from railhil.common.errors import InputError
-from railhil.common.output import add_json_argument
+from railhil.common.streams import add_json_argument
 from railhil.controller_node.arithmetic import names as arithmetics
 from railhil.scenarios.load import stable_name
 from railhil.scenarios.settings import add_fault_argument, add_set_argument

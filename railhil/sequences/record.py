@@ -101,7 +101,7 @@ def _one(
     spec = replace(spec, law=replace(spec.law, memory=memory))
     with chosen_bus(bus, spec, scenario) as choice:
         run_folder(str(place), scenario.name, spec.law.controller)
-        done, result = recorded(scenario, spec, how, choice, place, True, console, True)
+        done, result = recorded(scenario, spec, how, choice, place, True, lambda: console, True)
     if done.stopped_exit_code or not result.trusted:
         why = f"run {number} is not part of the sequence: {result.line or 'stopped'}; it goes on with the same command"
         raise Broken(why, done.stopped_exit_code or result.exit_code)

@@ -20,7 +20,8 @@ from railhil.common.choices import BUSES
 from railhil.common.command_line import OneLineParser, parse, whole_number
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import FAIL, PASS, guarded
-from railhil.common.output import Output, accept_any_text, add_json_argument, flush_output, print_json
+from railhil.common.output import Output
+from railhil.common.streams import accept_any_text, add_json_argument, flush_output, print_json
 from railhil.controller_node.laws import find
 from railhil.controller_node.laws.memory import require_memory
 from railhil.scenarios.memory_store import memory_at

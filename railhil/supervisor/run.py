@@ -49,6 +49,7 @@ class Run:
     :param after_loss_s: wall time for the other nodes to stop by themselves after a node was lost.
     :param desk: gives the orders of an operator.
     :param meanwhile: called when the nodes have been started, which then take a while to appear.
+    :param at_end: called when the run has ended, and the nodes take a while to end.
     """
 
     def __init__(
@@ -65,6 +66,7 @@ class Run:
         after_loss_s: float = AFTER_LOSS_S,
         desk: Desk | None = None,
         meanwhile: Callable[[], object] | None = None,
+        at_end: Callable[[], object] | None = None,
     ) -> None:
         self.scenario = scenario
         self.spec = spec
@@ -74,6 +76,7 @@ class Run:
         self._open_bus = open_bus
         self._after_loss_s = after_loss_s
         self._meanwhile = meanwhile
+        self._at_end = at_end
         self.log = FrameLog(folder)
         lines = self.log.late if choice.needs_pipes else None
         write = self.log.write if lines is None else lines.write
@@ -141,6 +144,8 @@ class Run:
                     link.tell_trouble()
                 if self.session.ended is not None:
                     self.recorder.await_continued(nodes, self.stop)
+                    if self._at_end is not None:
+                        self._at_end()
                 counters = dict(link.counters) | self.session.counters
                 if self.session.ended is not None:
                     nodes.wait(("plant", "controller"), self._after_loss_s)
@@ -155,7 +160,7 @@ class Run:
                 line, refused = self._verdict_line(nodes, counters)
         finally:
             sha256 = self.log.close()
-        # Loaded while the nodes start, if the caller takes care of it.
+        # Loaded while the nodes end, if the caller takes care of it.
         from railhil.supervisor.ending import result_of
 
         return result_of(self, started_ns, sha256, counters, line, refused, faults)

@@ -7,7 +7,7 @@ import re
 
 from railhil.common.command_line import SEED_MAX, OneLineParser, add_indexing_argument, whole_number
 from railhil.common.errors import InputError
-from railhil.common.output import add_json_argument
+from railhil.common.streams import add_json_argument
 from railhil.controller_node.arithmetic import names as arithmetics
 from railhil.controller_node.laws import names as laws
 from railhil.scenarios.settings import add_set_argument

@@ -165,15 +165,26 @@ def test_the_progress_line_shows_the_run(recorded: Recorded, monkeypatch: pytest
     console = Output()
     console.file, console._force_terminal, console.width, console.is_interactive = io.StringIO(), True, 140, True
     spec = RunSpec(recorded.scenario.name)
-    with progress(recorded.scenario, spec, recorded.log.parent, console, quiet=False) as on_progress:
+    with progress(recorded.scenario, spec, recorded.log.parent, lambda: console, quiet=False) as on_progress:
         assert on_progress is not None
         on_progress(3.0)
         text = console.file.getvalue()
     assert "ipfc" in text
     assert "km/h (target" in text
     assert "m to go" in text
-    with progress(recorded.scenario, spec, recorded.log.parent, console, quiet=True) as on_progress:
+    with progress(recorded.scenario, spec, recorded.log.parent, lambda: console, quiet=True) as on_progress:
         assert on_progress is None
+
+
+def test_the_progress_line_is_not_shown_where_there_is_no_terminal(recorded: Recorded) -> None:
+    console = Output()
+    console.file = io.StringIO()
+    spec = RunSpec(recorded.scenario.name)
+    with progress(recorded.scenario, spec, recorded.log.parent, lambda: console, quiet=False) as on_progress:
+        assert on_progress is not None
+        on_progress(3.0)
+        on_progress(4.0)
+    assert console.file.getvalue() == ""
 
 
 def test_watch_names_the_notes_of_the_law(recorded: Recorded, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -7,16 +7,16 @@ from __future__ import annotations
 
 import re
 import shlex
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from pathlib import PurePosixPath
 from typing import Any
 
 from railhil.bus.limits import limits_of
-from railhil.scenarios.memory import runs_said
 from railhil.scenarios.parameters import DIGEST_DIGITS
 from railhil.supervisor.judging import judging_of
 from railhil.supervisor.report.jitter_panel import timing_rows
+from railhil.supervisor.report.memory_said import memory_sentence
 from railhil.supervisor.report.recorded import RecordedRun
 from railhil.supervisor.telemetry import Headroom, ShownTelemetry, TelemetrySummary
 
@@ -84,23 +84,6 @@ def parameters_sentence(run: RecordedRun) -> str:
     if training := given.get("training"):
         words += f", tuned on {len(training['seeds'])} runs of {training['scenario']}"
     return words
-
-
-def memory_sentence(certificate: Mapping[str, Any]) -> str:
-    """The memory of its law with which a run began and ended; empty for a run without one."""
-    before, after = certificate.get("memory"), certificate.get("memory_after_sha256")
-    if not before and not after:
-        return ""
-    began, stored = "none yet", before["stored"] if before else []
-    used = certificate.get("memory_used")
-    # Without it the run cannot be trusted: the law would have used the first.
-    record = next((one["record"] for one in stored if one["record"] and used in (None, one["slot"])), None)
-    if before and record:
-        began = f"that of {runs_said(record['runs'])}, key {record['key']}, sha256 {before['sha256'][:DIGEST_DIGITS]}"
-    refused = "".join(
-        f"; {slot} could not be used: {detail}" for slot, (_, detail) in certificate.get("memory_refused", {}).items()
-    )
-    return f"began with {began}{refused}; {f'left sha256 {after[:DIGEST_DIGITS]}' if after else 'left none'}"
 
 
 def _parameters(run: RecordedRun) -> str:

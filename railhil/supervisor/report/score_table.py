@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from railhil.scenarios.model import AnyScenario, PublishedScore
 from railhil.supervisor.criteria import Criterion
-from railhil.supervisor.report.recorded import RecordedRun
+
+if TYPE_CHECKING:
+    from railhil.supervisor.report.recorded import RecordedRun
 
 
 @dataclass(frozen=True, slots=True)
