@@ -12,7 +12,7 @@ _ASAMMDF = "asammdf"
 #: What matplotlib calls for each class of artists, to describe its properties.
 _DESCRIBE = "_update_set_signature_and_docstring"
 #: New objects after which unreachable cycles are looked for; Python's own number is 700.
-_OBJECTS = 20_000
+_OBJECTS = 100_000
 
 
 @contextmanager
