@@ -27,7 +27,9 @@ def main(words: Sequence[str] | None = None) -> int:
         from railhil.cli import programs as outside
 
         outside.become_program(given)
-        with rare_collection():
+        from railhil.common.quick_dataclasses import quick_dataclasses
+
+        with rare_collection(), quick_dataclasses():
             from railhil.cli import commands
 
             return commands.work(given)
