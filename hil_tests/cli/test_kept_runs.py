@@ -78,16 +78,19 @@ def test_stopped_run_keeps_its_log_and_is_invalid(tmp_path, socket_folder, monke
     assert railhil("score", folder).exit_code == 3
 
 
-#: Sends Ctrl-C twice from within the writing of the results.
+#: Sends Ctrl-C twice from within the writing of the results, as a terminal does: to whoever writes, and to the command.
 INTERRUPTED = """
 import os, signal, sys
 import railhil.supervisor.folder
 from railhil.cli import main
-written = railhil.supervisor.folder.write_blf
+written, command = railhil.supervisor.folder.write_blf, os.getpid()
+def ctrl_c():
+    for process in {command, os.getpid()}:
+        os.kill(process, signal.SIGINT)
 def interrupted(log, out):
-    os.kill(os.getpid(), signal.SIGINT)
+    ctrl_c()
     written(log, out)
-    os.kill(os.getpid(), signal.SIGINT)
+    ctrl_c()
 railhil.supervisor.folder.write_blf = interrupted
 sys.exit(main())
 """
