@@ -74,7 +74,7 @@ def read_sent(path: Path) -> Told | None:
     data = np.frombuffer(columns, np.uint8)[start:]
     ends = np.cumsum(lengths, dtype=np.int64)
     # For numpy -1 is "all".
-    if packed_count < 0 or len(data) != (ends[-1] if count else 0):
+    if min(packed_count, count) < 0 or len(data) != (ends[-1] if count else 0):
         return None
     starts = np.arange(packed_count) * PACKED.itemsize + _DATA_AT
     found = _by_id(packed["can_id"], packed["can_id"] <= SFF_MASK, packed["length"], packed.view(np.uint8), starts)
