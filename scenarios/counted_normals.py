@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railhil.common.compilable import compilable
+from railhil.scenarios.streams import seed_sequence
 
 #: Keys that are remembered: searches and comparisons repeat the same seeds.
 _KEPT = 65_536
@@ -38,7 +39,7 @@ def key_of(seed: int, stream: int) -> int:
     """
     if seed < 0 or stream < 0:
         raise ValueError(f"seed {seed} and stream {stream} must be >= 0")
-    return int(np.random.SeedSequence([seed, stream]).generate_state(1, np.uint64)[0])
+    return int(seed_sequence(seed, stream).generate_state(1, np.uint64)[0])
 
 
 @compilable

@@ -33,6 +33,19 @@ RUN_VALUES, RUN_SPEED_NOISE, RUN_WANDER, RUN_BALISES = 11, 12, 13, 14
 AXLE_NOISE = 24
 
 
+#: Largest word of a ``SeedSequence``.
+_WORD_MAX = 2**32 - 1
+
+
+def seed_sequence(seed: int, stream: int) -> np.random.SeedSequence:
+    """The ``SeedSequence`` of the list ``[seed, stream]``.
+
+    Where each number is one word, it is given as such: numpy takes several times as long to find it in a list.
+    """
+    small = 0 <= seed <= _WORD_MAX and 0 <= stream <= _WORD_MAX
+    return np.random.SeedSequence(np.array([seed, stream], dtype=np.uint32) if small else [seed, stream])
+
+
 def generator(seed: int, stream: int) -> np.random.Generator:
     """Random generator of one stream of one run; ``seed`` and ``stream`` are integers >= 0.
 
@@ -40,7 +53,7 @@ def generator(seed: int, stream: int) -> np.random.Generator:
     """
     if seed < 0 or stream < 0:
         raise ValueError(f"seed {seed} and stream {stream} must be >= 0")
-    return np.random.Generator(np.random.PCG64(np.random.SeedSequence([seed, stream])))
+    return np.random.Generator(np.random.PCG64(seed_sequence(seed, stream)))
 
 
 def run_generator(seed: int, stream: int, run_number: int) -> np.random.Generator:
