@@ -154,7 +154,10 @@ class Float64Batch(_Double[Floats]):
     def curve(self, curve: Curve, a: Floats) -> Floats:
         # Evaluate each distinct number once: trains of one scenario often have equal values.
         values = np.ascontiguousarray(a, dtype=np.float64)
-        bits, places = np.unique(values.view(np.int64), return_inverse=True)
+        raw = values.view(np.int64)
+        if raw.size and (raw == raw.flat[0]).all():
+            return np.full(np.shape(a), curve.function(float(values.flat[0])))
+        bits, places = np.unique(raw, return_inverse=True)
         return np.array([curve.function(x) for x in bits.view(np.float64).tolist()])[places].reshape(np.shape(a))
 
     def table(self, name: str, constants: Sequence[Constant]) -> Any:

@@ -167,15 +167,31 @@ class Assembly:
                     self._free.append(rows[number])
             if operation.result.number not in last:
                 self._free.append(result)
-        # By way of other rows, because a state may move from one of its variables to the next.
-        between = [self._free.pop() if self._free else self._new() for _ in program.outputs]
-        for row, (_, value) in zip(between, program.outputs, strict=True):
-            self._say(orders, COPY, row, [self._operand(value, rows)])
-        for row, (name, _) in zip(between, program.outputs, strict=True):
-            self._say(orders, COPY, self._row_of(name), [row])
+        sources = {self._row_of(name): self._operand(value, rows) for name, value in program.outputs}
+        between = self._move(orders, sources)
         free = {*between, *(rows[number] for number in rows if last.get(number) == len(program.operations))}
         self._free += sorted(free - kept - set(self._named.values()) - set(self._free) - set(self.fixed))
         return orders
+
+    def _move(self, orders: Orders, sources: dict[int, int]) -> list[int]:
+        """Copy rows to others, all at once as it were: a state may move from one of its variables to the next.
+
+        :param sources: row by the row it goes to.
+        :return: further rows that this took.
+        """
+        between = []
+        moves = {to: row for to, row in sources.items() if to != row}
+        while moves:
+            ready = next((to for to in moves if to not in moves.values()), None)
+            if ready is None:
+                # Only rings are left: one number of a ring waits elsewhere.
+                kept = next(iter(moves))
+                between.append(self._free.pop() if self._free else self._new())
+                self._say(orders, COPY, between[-1], [kept])
+                moves = {to: between[-1] if row == kept else row for to, row in moves.items()}
+            else:
+                self._say(orders, COPY, ready, [moves.pop(ready)])
+        return between
 
     def _operand(self, value: Value, rows: dict[int, int]) -> int:
         return rows[value.number] if value.constant is None else self._constant(self._ar.const(value.constant))
