@@ -66,7 +66,8 @@ def _parts_s(setting: Setting, runs: int) -> dict[str, float]:
             passes, lambda _: trains(setting.scenario, seeds, True, times, len(engine.grid.counts))
         ),
     }
-    stops = [score.signed["stop_error_m"] for score in chunk.scores if score.signed["stop_error_m"] is not None]
+    scores = [chunk.scores[place] for place in fleets[0].tables.order]
+    stops = [score.signed["stop_error_m"] for score in scores if score.signed["stop_error_m"] is not None]
     records = fleets[0].records
     found = records["stop_01mm"][records["stop_tick"] >= 0] * 0.0001 - setting.scenario.plan.distance_m
     if stops != found.tolist():

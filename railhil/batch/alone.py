@@ -10,6 +10,7 @@ from math import inf
 from typing import Any
 
 from railhil.batch import compiled, curve
+from railhil.batch.layout import READ_BALISES, READ_ODOMETER, READ_SPEED
 from railhil.bus.codes import Event
 from railhil.bus.telegrams import STOP_LEG_MIN_M
 from railhil.common.compilable import larger, smaller
@@ -17,7 +18,7 @@ from railhil.plant_sim.command_watch import CommandWatchLevel, CommandWatchState
 from railhil.plant_sim.dynamics import Lag, Motion, Window, acceleration_mps2, applied_n, lag, step
 from railhil.plant_sim.forces import GradeTable, TrainConstants
 from railhil.plant_sim.plant import NOTCH_LSB_PER_NOTCH, SLIVER_TICKS
-from railhil.plant_sim.sensors import speed_reading_01mmps
+from railhil.plant_sim.sensors import odometer_reading_mm, speed_reading_01mmps
 from railhil.plant_sim.train_checks import ForceState, forces_step, is_beyond_authority, is_running, is_weak
 from railhil.supervisor.measures import error_kmh, limits_under_train, work_j
 
@@ -163,6 +164,13 @@ def _move(common: Any, grades: Any, train: Any, tick: int, now: float, ticks: fl
 
 
 @compiled.part
+def slot_after(tables: Any, slot: int, count: int) -> int:
+    """The slot of a delayed notch, ``count`` after another, at most as many as there are."""
+    slot += count
+    return slot if slot < tables.staged_due.shape[1] else slot - tables.staged_due.shape[1]
+
+
+@compiled.part
 def advance(
     common: Any, tables: Any, index: int, grades: Any, train: Any, tick: int, polled: bool, look_due: bool
 ) -> None:
@@ -179,7 +187,7 @@ def advance(
         if not staged:
             return
         train.acting_code = codes[index, train.staged_first]
-        train.staged_first = (train.staged_first + 1) % due.shape[1]
+        train.staged_first = slot_after(tables, train.staged_first, 1)
         train.staged_count -= 1
 
 
@@ -228,17 +236,34 @@ def command(common: Any, tables: Any, index: int, train: Any, notch_code: int, t
     code = smaller(larger(notch_code, -common.notch_max_code), common.notch_max_code)
     if code != train.staged_last:
         train.staged_last = code
-        slot = (train.staged_first + train.staged_count) % tables.staged_due.shape[1]
+        slot = slot_after(tables, train.staged_first, train.staged_count)
         tables.staged_due[index, slot] = tick + train.delay_ticks
         tables.staged_code[index, slot] = code
         train.staged_count += 1
 
 
-@compiled.aside
+@compiled.part
+def pass_balises(tables: Any, index: int, position_m: float) -> None:
+    """Count the balises passed at a position."""
+    readings, balises, place = tables.readings, tables.balise_m, tables.order[index]
+    while (
+        readings[READ_BALISES, place] < balises.shape[1] and balises[index, readings[READ_BALISES, place]] <= position_m
+    ):
+        readings[READ_BALISES, place] += 1
+
+
+@compiled.part
 def read(common: Any, tables: Any, index: int, train: Any, noise: float) -> None:
     """The law's inputs at a poll: balises passed, and the speed with its noise."""
-    balises = tables.balise_m
-    while train.passed < balises.shape[1] and balises[index, train.passed] <= train.position_m:
-        train.passed += 1
+    pass_balises(tables, index, train.position_m)
     noise_mps = noise * train.noise_sigma_mps
-    train.speed_01mmps = speed_reading_01mmps(train.speed_mps, noise_mps, train.wheel_factor, common.speed_lsb_mps)
+    tables.readings[READ_SPEED, tables.order[index]] = speed_reading_01mmps(
+        train.speed_mps, noise_mps, train.wheel_factor, common.speed_lsb_mps
+    )
+
+
+@compiled.part
+def show(common: Any, tables: Any, index: int, train: Any, position_m: float) -> None:
+    """The odometer at a position."""
+    shown_mm = odometer_reading_mm(position_m, train.wheel_factor, common.odometer_lsb_m)
+    tables.readings[READ_ODOMETER, tables.order[index]] = shown_mm * 10

@@ -11,13 +11,14 @@ from numpy.typing import NDArray
 
 from railhil.batch.case import Case
 from railhil.batch.kernel import run_period, stand_to_the_end
+from railhil.batch.layout import READ_ENDED
 from railhil.batch.noise import standard_noise
 from railhil.batch.ordered import loop_of
 from railhil.batch.setup import Times, Trains, common, status_tick, trains
 from railhil.bus.codes import Event
 from railhil.controller_node.arithmetic.base import DIVISION_BY_ZERO, SATURATION, WRAP
 from railhil.controller_node.laws.base import NOTCH_Q, BaliseReading
-from railhil.controller_node.loop import POSITION_MAX_01MM
+from railhil.controller_node.loop import NO_BALISE, POSITION_MAX_01MM
 from railhil.plant_sim.any_plant import PlantError
 from railhil.supervisor import measures
 from railhil.supervisor.journey import ErrorGrid, stop_of
@@ -58,6 +59,8 @@ class Engine:
             loop = loop_of(scenario, case.law)
         self._loop: Any = loop
         self._number = loop.arithmetic
+        #: Whether the loop reads the last balise; one that does not say so is given it.
+        self._track = getattr(loop, "track", True)
 
     def run(self, seeds: Sequence[int]) -> BatchRuns:
         """Run the seeds together.
@@ -66,7 +69,7 @@ class Engine:
         """
         times, case = self.times, self._case
         fleet = trains(case.scenario, seeds, case.perturbed, times, len(self.grid.counts))
-        records = fleet.records
+        records, ended = fleet.records, fleet.tables.readings[READ_ENDED]
         noise = standard_noise(seeds, times.steps)
         watch = _Watch(self._number, len(seeds))
         codes = np.zeros((times.steps.size, len(seeds)), dtype=np.int16)
@@ -74,71 +77,83 @@ class Engine:
         code = np.zeros(len(seeds), dtype=np.int64)
         run_period(self.common, fleet.tables, records, code, noise[0], -1, 0)
         for i, tick in enumerate(times.steps.tolist()):
-            code = self._step(int(times.periods[i]), records, fleet)
+            code = self._step(int(times.periods[i]), fleet)
             codes[i] = code
-            watch.take(i, records["ended"] == 0)
+            watch.take(i, ended == 0)
             after = noise[min(i + 1, len(noise) - 1)]
             run_period(self.common, fleet.tables, records, code, after, tick, int(times.ends[i]))
-            if records["ended"].all():
+            if ended.all():
                 break
         # Not needed any more, and as large as what the scores need.
         self._loop.state = None
         finite = np.isfinite(records["position_m"] + records["speed_mps"] + records["actuator_n"])
         if not finite.all():
-            raise PlantError(f"plant state is not finite with seed {seeds[int(np.argmin(finite))]}")
-        steps = np.searchsorted(times.steps, records["end_tick"], side="right")
+            raise PlantError(f"plant state is not finite with seed {seeds[fleet.tables.order[np.argmin(finite)]]}")
+        steps = np.searchsorted(times.steps, records["end_tick"][np.argsort(fleet.tables.order)], side="right")
         return BatchRuns(self._scores(fleet, watch), codes, steps, watch.counts)
 
-    def _step(self, k: int, records: NDArray[Any], fleet: Trains) -> Ints:
+    def _step(self, k: int, fleet: Trains) -> Ints:
         """The law's outputs for all trains in control period ``k``."""
-        row, passed = np.arange(records.size), records["passed"]
-        lines = fleet.balises
-        balise = BaliseReading(*(part[row, passed] for part in (lines.number, lines.surveyed_01mm, lines.passing_01mm)))
-        position = np.clip(records["odometer_01mm"], -POSITION_MAX_01MM, POSITION_MAX_01MM)
-        _, outputs = self._loop.step(k, np.ascontiguousarray(records["speed_01mmps"]), position, balise)
+        speed, odometer, passed, _ = fleet.tables.readings
+        balise, lines = NO_BALISE, fleet.balises
+        if self._track:
+            row = np.arange(passed.size)
+            balise = BaliseReading(
+                *(part[row, passed] for part in (lines.number, lines.surveyed_01mm, lines.passing_01mm))
+            )
+        # A copy, because a loop may keep what it is given.
+        position = np.minimum(np.maximum(odometer, -POSITION_MAX_01MM), POSITION_MAX_01MM)
+        _, outputs = self._loop.step(k, speed.copy(), position, balise)
         raw = np.asarray(self._number.raw(outputs.notch, NOTCH_Q), dtype=np.int64)
-        return np.broadcast_to(raw, records.shape).copy()
+        return np.broadcast_to(raw, passed.shape).copy()
 
     def _scores(self, fleet: Trains, watch: _Watch) -> list[Score]:
         """Score of each run, from the sums computed in the compiled loop."""
         scenario, times, records = self._case.scenario, self.times, fleet.records
         stand_to_the_end(self.common, fleet.tables, records)
         itae = measures.itae_kmh_s2(fleet.tables.error_sums_kmh.T, self.grid.counts, self.grid.period_s)
-        stopped = records["stop_tick"] >= 0
         last_s = times.truth_s[records["samples"] - 1]
-        stop_s = records["stop_01ms"] * _LSB
-        energy = measures.energy_kj(
-            scenario.energy, records["traction_j"], records["brake_j"], np.where(stopped, stop_s, last_s)
-        )
         ticks = (last_s / (scenario.timing.control_period_ns / 1e9)).astype(np.int64)
         column = times.control_columns[np.minimum(np.arange(ticks.max() + 1), ticks[:, None])]
         accel = np.take_along_axis(fleet.tables.control_accel_raw, column, axis=1) * _LSB
         comfort = measures.comfort_mps2_per_km(accel, scenario.plan.distance_m)
+        # From here on in the order of the seeds.
+        place = np.argsort(fleet.tables.order)
+        records, itae, comfort, last_s = records[place], itae[place], comfort[place], last_s[place]
+        stopped = records["stop_tick"] >= 0
+        stop_s = records["stop_01ms"] * _LSB
+        energy = measures.energy_kj(
+            scenario.energy, records["traction_j"], records["brake_j"], np.where(stopped, stop_s, last_s)
+        )
         stop_m = records["stop_01mm"] * _LSB
-        emergency_s = records["emergency_01ms"] * _LSB
+        columns = (itae, energy, comfort, stopped, stop_s, stop_m, records["ended"], records["overspeed_mps"],
+                   records["emergency_01ms"], records["emergency_01ms"] * _LSB, records["end_tick"])  # fmt: skip
 
-        def one(i: int) -> Score:
-            stop = stop_of(scenario.plan, [(float(stop_s[i]), float(stop_m[i]))] if stopped[i] else [])
+        def one(i: int, row: Sequence[Any]) -> Score:
+            itae, energy, comfort, stopped, stop_s, stop_m, ended, overspeed_mps, emergency, emergency_s, end_tick = row
+            stop = stop_of(scenario.plan, [(stop_s, stop_m)] if stopped else [])
             values = {
-                "itae": float(itae[i]),
-                "energy_kj": float(energy[i]),
+                "itae": itae,
+                "energy_kj": energy,
                 "punctuality_s": stop.late_s,
                 "stop_error_m": stop.error_m,
-                "comfort": float(comfort[i]),
+                "comfort": comfort,
             }
             return judged(
                 scenario,
                 Measured(
-                    ended=Event(int(records["ended"][i])),
+                    ended=Event(ended),
                     values=values,
-                    overspeed_mps=float(records["overspeed_mps"][i]),
+                    overspeed_mps=overspeed_mps,
                     stop=stop,
-                    emergency_s=float(emergency_s[i]) if emergency_s[i] >= 0 else None,
-                    wrap=self._wrap(watch, i, int(records["end_tick"][i])),
+                    emergency_s=emergency_s if emergency >= 0 else None,
+                    wrap=self._wrap(watch, i, end_tick),
                 ),
             )
 
-        return [one(i) for i in range(records.size)]
+        # Numbers of Python, all at once.
+        rows = zip(*(column.tolist() for column in columns), strict=True)
+        return [one(i, row) for i, row in enumerate(rows)]
 
     def _wrap(self, watch: _Watch, train: int, end_tick: int) -> str:
         step = int(watch.first_wrap[train])

@@ -11,9 +11,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from railhil.batch import alone, compiled, curve, lanes, layout, steady
+from railhil.batch import alone, calm, compiled, curve, lanes, layout, steady, window
 from railhil.batch.lanes import (
+    CALM,
     ERROR,
+    JOINS,
     LANES,
     LOOK_LEFT,
     NOW,
@@ -27,43 +29,50 @@ from railhil.batch.lanes import (
 )
 from railhil.common.compilable import larger, smaller
 from railhil.plant_sim import events, plant
-from railhil.plant_sim.sensors import odometer_reading_mm
 from railhil.supervisor.measures import error_kmh
 
 #: Sources of the machine code, in addition to the functions shared with the bench.
-_SOURCES = (__file__, *(str(module.__file__) for module in (alone, curve, lanes, layout, steady, events, plant)))
+_SOURCES = (
+    __file__,
+    *(str(module.__file__) for module in (alone, calm, curve, lanes, layout, steady, window, events, plant)),
+)
+
+
+@compiled.part
+def _is_not_calm(s: Any, lane: int, tick: int) -> bool:
+    return bool(s[CALM + lane] == 0.0 and tick >= s[JOINS + lane])
 
 
 @compiled.aside
-def _step_alone(
-    common: Any, tables: Any, index: int, train: Any, s: Any, lane: int, tick: int, polled: bool, look_due: bool
-) -> None:
+def _step_alone(common: Any, tables: Any, index: int, train: Any, s: Any, lane: int, tick: int, look_due: bool) -> None:
     """A tick of a train on its record; from the next one on it is in its lane again, if its run is steady."""
     if s[STEADY_RUN + lane] > 0.0:
-        store(common, train, s, lane, tick)
+        store(common.truth_ticks, common.notch_ticks, train, s, lane, tick)
     if train.ended != 0:
         return
     grades = alone.grades(common, tables, index, train)
     alone.end(common, train, tick)
     if train.ended == 0:
-        alone.advance(common, tables, index, grades, train, tick, polled, look_due)
-        load(common, tables, index, train, s, lane, tick + 1)
+        alone.advance(common, tables, index, grades, train, tick, tick % common.notch_ticks == 0, look_due)
+        if train.speed_mps > 0.0:
+            load(common, tables, index, train, s, lane, tick + 1)
 
 
 @compiled.aside
 def _sample_alone(common: Any, tables: Any, index: int, train: Any, s: Any, lane: int, tick: int, sample: int) -> None:
     """A sample of a train on its record."""
     if s[STEADY_RUN + lane] > 0.0:
-        store(common, train, s, lane, tick)
+        store(common.truth_ticks, common.notch_ticks, train, s, lane, tick)
     if train.ended == 0:
         alone.truth(common, tables, index, alone.grades(common, tables, index, train), train, sample)
-        load(common, tables, index, train, s, lane, tick)
+        if train.speed_mps > 0.0:
+            load(common, tables, index, train, s, lane, tick)
 
 
 @compiled.part
 def _sample_all(common: Any, tables: Any, trains: Any, first: int, count: int, tick: int, sample: int) -> None:
     """A SIM_TRUTH of every train of a block, before ``tick``."""
-    s = tables.lanes
+    s = tables.lanes[first // LANES]
     judged = sample < common.cycle.size and common.cycle[sample] >= 0
     if judged and common.by_distance:
         for lane in range(count):
@@ -86,48 +95,49 @@ def _sample_all(common: Any, tables: Any, trains: Any, first: int, count: int, t
                 tables.control_accel_raw[first + lane, column] = smaller(larger(now, -0x8000), 0x7FFF)
     if marked > 0:
         for lane in range(count):
-            if s[SAMPLE_LEFT + lane] > 0.0:
-                _sample_alone(common, tables, first + lane, trains[first + lane], s, lane, tick, sample)
+            if s[SAMPLE_LEFT + lane] > 0.0 and _is_not_calm(s, lane, tick - 1):
+                index = first + lane
+                _sample_alone(common, tables, index, trains[index], s, lane, tick, sample)
 
 
 @compiled.part
-def _block(common: Any, tables: Any, trains: Any, first: int, count: int, from_tick: int, to_tick: int) -> None:
-    """:func:`run_period` of a block of trains."""
-    s = tables.lanes
+def _block(common: Any, tables: Any, trains: Any, s: Any, first: int, count: int, from_tick: int, to_tick: int) -> None:
+    """:func:`run_period` of the trains of a block that are not calm."""
     for lane in range(LANES):
         s[STEADY_RUN + lane] = 0.0
     if from_tick >= 0:
         for lane in range(count):
-            load(common, tables, first + lane, trains[first + lane], s, lane, from_tick)
+            if _is_not_calm(s, lane, from_tick):
+                index = first + lane
+                load(common, tables, index, trains[index], s, lane, from_tick)
     odometer_tick = to_tick // common.position_ticks * common.position_ticks
     for tick in range(from_tick, to_tick):
-        polled = tick % common.notch_ticks == 0
         look_due = tick % common.checks.look_ticks == 0
         if tick > common.last_tick:
             for lane in range(count):
                 if s[STEADY_RUN + lane] > 0.0:
-                    store(common, trains[first + lane], s, lane, tick)
+                    store(common.truth_ticks, common.notch_ticks, trains[first + lane], s, lane, tick)
         if tick >= 0:
             if look_due:
                 steady.look_at_forces(common, s)
             if steady.advance(common, s, tick, look_due) > 0:
                 for lane in range(count):
-                    if s[STEP_LEFT + lane] > 0.0:
+                    if s[STEP_LEFT + lane] > 0.0 and _is_not_calm(s, lane, tick):
+                        index = first + lane
                         look = look_due and (s[LOOK_LEFT + lane] > 0.0 or s[STEADY_RUN + lane] == 0.0)
-                        _step_alone(common, tables, first + lane, trains[first + lane], s, lane, tick, polled, look)
+                        _step_alone(common, tables, index, trains[index], s, lane, tick, look)
         if (tick + 1) % common.truth_ticks == 0:
             sample = (tick + 1) // common.truth_ticks
             _sample_all(common, tables, trains, first, count, tick + 1, sample)
         if tick + 1 == odometer_tick:
             for lane in range(count):
-                train = trains[first + lane]
-                position_m = s[POSITION + lane] if s[STEADY_RUN + lane] > 0.0 else train.position_m
-                if train.ended == 0:
-                    odometer_mm = odometer_reading_mm(position_m, train.wheel_factor, common.odometer_lsb_m)
-                    train.odometer_01mm = odometer_mm * 10
+                index = first + lane
+                position_m = s[POSITION + lane] if s[STEADY_RUN + lane] > 0.0 else trains[index].position_m
+                if trains[index].ended == 0 and _is_not_calm(s, lane, tick):
+                    alone.show(common, tables, index, trains[index], position_m)
     for lane in range(count):
         if s[STEADY_RUN + lane] > 0.0:
-            store(common, trains[first + lane], s, lane, to_tick)
+            store(common.truth_ticks, common.notch_ticks, trains[first + lane], s, lane, to_tick)
 
 
 @compiled.cached(*_SOURCES)
@@ -136,7 +146,8 @@ def run_period(
 ) -> None:
     """Advance every running train from the poll at ``from_tick`` to just before that at ``to_tick``.
 
-    Trains are computed in blocks, side by side as far as their runs are steady (:mod:`railhil.batch.steady`).
+    Trains are computed in blocks: those of which nothing else can happen in the period by :mod:`railhil.batch.window`,
+    and stay in their lanes; the others side by side as far as their runs are steady (:mod:`railhil.batch.steady`).
 
     :param notch_codes: notches of the law at ``from_tick``, shape (N,). With ``from_tick`` -1 there are none: the train
         stands at tick 0.
@@ -144,17 +155,30 @@ def run_period(
     """
     for first in range(0, trains.size, LANES):
         count = smaller(LANES, trains.size - first)
+        s = tables.lanes[first // LANES]
         running = 0
-        for index in range(first, first + count):
+        for lane in range(LANES):
+            s[JOINS + lane] = from_tick
+        for lane in range(count):
+            index = first + lane
             if trains[index].ended == 0:
                 running += 1
                 if from_tick >= 0:
-                    alone.command(common, tables, index, trains[index], notch_codes[index], from_tick)
+                    alone.command(common, tables, index, trains[index], notch_codes[tables.order[index]], from_tick)
+        if running > 0 and from_tick >= 0:
+            found, fast = window.enter(common, tables, trains, s, first, count, from_tick, to_tick)
+            running -= found
+            if found > 0:
+                running += window.run(common, tables, trains, s, first, count, from_tick, to_tick, fast)
         if running > 0:
-            _block(common, tables, trains, first, count, from_tick, to_tick)
-    for index in range(trains.size):
-        if trains[index].ended == 0:
-            alone.read(common, tables, index, trains[index], noise[index])
+            _block(common, tables, trains, s, first, count, from_tick, to_tick)
+        window.read(common, tables, trains, s, first, count, noise)
+        for lane in range(count):
+            index = first + lane
+            train = trains[index]
+            if train.ended == 0 and s[CALM + lane] == 0.0:
+                alone.read(common, tables, index, train, noise[tables.order[index]])
+            tables.readings[layout.READ_ENDED, tables.order[index]] = train.ended
 
 
 @compiled.cached(*_SOURCES)

@@ -3,8 +3,9 @@ several trains with one instruction.
 
 A train lies in a lane while its run is steady: it moves, no brake of its watch is on, and it stays inside one row of
 each of its tables. Whatever else happens is computed on its record (:data:`railhil.batch.layout.TRAIN`), as in the
-bench; a lane is loaded from the record and stored there. All numbers of a block are in one array, a quantity at its
-offset.
+bench; a lane is loaded from the record and stored there. Before a control period, a train of which nothing else can
+happen in it is calm (:mod:`railhil.batch.calm`): it stays in its lane from one period to the next. All numbers of a
+block are in one array, a quantity at its offset.
 """
 
 from __future__ import annotations
@@ -81,9 +82,33 @@ LANES = 64
     SAMPLE_LEFT,
     # First tick in the lane.
     SINCE,
-) = (number * LANES for number in range(51))
+    # 1 while a calm train stays in its lane from period to period; steepest mean grade of its line, and the farthest
+    # it goes in a tick.
+    CALM,
+    STEEPEST,
+    REACH,
+    # Tick in which the next notch begins to act, -1: in none of the period; its steady force. Duration, decay and mean
+    # of the tick's parts before and after; 0 s: there is no such part.
+    SPLIT,
+    NEXT_STEADY,
+    FIRST_S,
+    FIRST_DECAY,
+    FIRST_MEAN,
+    SECOND_S,
+    SECOND_DECAY,
+    SECOND_MEAN,
+    # Sum of the speed errors of the cycle; tick from which a train that is not calm is computed.
+    SUM_KMH,
+    JOINS,
+    # Position that the odometer shows; wheel, noise of the speed sensor, and both readings.
+    SHOWN,
+    WHEEL,
+    NOISE_MPS,
+    SPEED_READ,
+    ODOMETER_READ,
+) = (number * LANES for number in range(69))
 #: Size of the array.
-SIZE = 51 * LANES
+SIZE = 69 * LANES
 
 _NORMAL = int(CommandWatchLevel.NORMAL)
 
@@ -156,12 +181,17 @@ def load(common: Any, tables: Any, index: int, train: Any, s: Any, lane: int, ti
     s[TRACTION_W + lane], s[BRAKE_W + lane] = train.traction_w, train.brake_w
     s[OVERSPEED + lane], s[TRUE_POSITION + lane] = train.overspeed_mps, train.true_position_01mm
     s[SINCE + lane] = tick
+    # None is known yet.
+    s[FIRST_S + lane] = s[SECOND_S + lane] = -1.0
     s[STEADY_RUN + lane] = 1.0
 
 
 @compiled.aside
-def store(common: Any, train: Any, s: Any, lane: int, tick: int) -> None:
-    """Store a train from its lane to its record, before ``tick``."""
+def store(truth_ticks: int, notch_ticks: int, train: Any, s: Any, lane: int, tick: int) -> None:
+    """Store a train from its lane to its record, before ``tick``.
+
+    :param truth_ticks: between two SIM_TRUTH; ``notch_ticks``: between two polls of the notch.
+    """
     train.position_m, train.speed_mps = s[POSITION + lane], s[SPEED + lane]
     train.actuator_n, train.accel_mps2 = s[ACTUATOR + lane], s[ACCEL + lane]
     train.left_n, train.floor_n = s[LEFT + lane], s[FLOOR + lane]
@@ -169,10 +199,10 @@ def store(common: Any, train: Any, s: Any, lane: int, tick: int) -> None:
     train.traction_j, train.brake_j = s[TRACTION_J + lane], s[BRAKE_J + lane]
     train.traction_w, train.brake_w = s[TRACTION_W + lane], s[BRAKE_W + lane]
     train.overspeed_mps, train.true_position_01mm = s[OVERSPEED + lane], int(s[TRUE_POSITION + lane])
-    train.samples = tick // common.truth_ticks + 1
+    train.samples = tick // truth_ticks + 1
     # The watch in these ticks: each poll brings a good command.
-    since, every = int(s[SINCE + lane]), common.notch_ticks
-    polls = (tick - 1) // every - (since - 1) // every
-    train.age_ticks = (tick - 1) % every if polls > 0 else train.age_ticks + tick - since
+    since = int(s[SINCE + lane])
+    polls = (tick - 1) // notch_ticks - (since - 1) // notch_ticks
+    train.age_ticks = (tick - 1) % notch_ticks if polls > 0 else train.age_ticks + tick - since
     train.good = smaller(train.good + polls, GOOD_AFTER_SERVICE_BRAKE)
     s[STEADY_RUN + lane] = 0.0

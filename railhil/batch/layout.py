@@ -44,11 +44,17 @@ class Common(NamedTuple):
     target: Any
 
 
+#: Rows of ``readings``.
+READ_SPEED, READ_ODOMETER, READ_BALISES, READ_ENDED = range(4)
+
+
 class PerTrain(NamedTuple):
     """Tables with one row for each train: mean grade, balises in the order of passing, delayed notches.
 
     ``error_sums_kmh`` (cycles, N) and ``control_accel_raw`` (N, control ticks; 0.1 mm/s2) are for the score. ``lanes``
-    is the working space of the block in progress.
+    are the blocks, (blocks, :data:`railhil.batch.lanes.SIZE`). Trains are in the order of their lanes here;
+    ``order`` (N,) is the place of each in the order of the seeds, which is that of ``readings`` (4, N), what the law
+    reads at a poll: speed (0.1 mm/s), odometer (0.1 mm) and balises passed; and how the run has ended (0: it has not).
     """
 
     permil: Any
@@ -58,10 +64,23 @@ class PerTrain(NamedTuple):
     staged_code: Any
     error_sums_kmh: Any
     control_accel_raw: Any
+    order: Any
     lanes: Any
+    readings: Any
 
 
-_FIELDS = [
+#: What each control period of each train needs lies together.
+_HOT_FLOATS = ("wheel_factor", "noise_sigma_mps", "delay_ticks", "force_per_notch_n", "pole_per_s")
+_HOT_INTS = (
+    "ended",
+    "staged_last",
+    "staged_first",
+    "staged_count",
+    "acting_code",
+    "grade_row",
+)
+_FIELDS = [(name, np.float64) for name in _HOT_FLOATS] + [(name, np.int64) for name in _HOT_INTS]
+_FIELDS += [
     (name, np.float64)
     for name in (
         "mass_kg",
@@ -69,13 +88,8 @@ _FIELDS = [
         "resistance_b_n_per_mps",
         "resistance_c_n_per_mps2",
         "grade_n_per_permil",
-        "pole_per_s",
         "lag_decay",
         "lag_mean",
-        "force_per_notch_n",
-        "wheel_factor",
-        "noise_sigma_mps",
-        "delay_ticks",
         # Motion, and the forces allowed by the train's protection.
         "position_m",
         "speed_mps",
@@ -100,20 +114,11 @@ _FIELDS = [
     (name, np.int64)
     for name in (
         "traction",
-        "grade_row",
         "level",
         "age_ticks",
         "good",
         "running_looks",
         "weak_looks",
-        "staged_last",
-        "acting_code",
-        "staged_first",
-        "staged_count",
-        # Balises passed, readings.
-        "passed",
-        "speed_01mmps",
-        "odometer_01mm",
         # Truth samples so far, and the position in the last of them.
         "samples",
         "true_position_01mm",
@@ -122,7 +127,6 @@ _FIELDS = [
         "stop_01ms",
         "stop_01mm",
         "emergency_01ms",
-        "ended",
         "end_tick",
     )
 ]

@@ -43,6 +43,7 @@ class OrderedLoop:
     """A control loop whose law is carried out as orders.
 
     ``arithmetic``: on arrays, for its conversions and the counts of events. ``state``: set to None it begins anew.
+    ``track``: whether the law reads the last balise.
 
     :param assembly: made for this arithmetic.
     """
@@ -50,6 +51,7 @@ class OrderedLoop:
     def __init__(self, assembly: Assembly, arithmetic: str) -> None:
         self.arithmetic: Any = make(arithmetic, batch=True)
         self._assembly = one = assembly
+        self.track = one.track
         self._dtype: Any = np.float64 if self.arithmetic.wide else np.int64
         self._given = np.array(one.given, dtype=np.int64) * LANES
         self._terms = np.array(one.terms, dtype=np.int64).reshape(-1, 3)
@@ -67,7 +69,7 @@ class OrderedLoop:
     ) -> tuple[None, Notches]:
         """One control period of all trains."""
         trains = np.size(speed_01mmps)
-        values = [k, speed_01mmps, position_01mm, *(balise if self._assembly.track else ())]
+        values = [k, speed_01mmps, position_01mm, *(balise if self.track else ())]
         blocks = -(-trains // LANES)
         wire = np.empty((len(values), blocks * LANES), dtype=self._dtype)
         for row, value in zip(wire, values, strict=True):

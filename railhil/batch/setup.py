@@ -159,7 +159,7 @@ class BalisePasses:
 
 @dataclass(frozen=True, slots=True)
 class Trains:
-    """N trains at rest at tick 0."""
+    """N trains at rest at tick 0, in the order of their lanes; balises in the order of the seeds."""
 
     records: NDArray[Any]
     tables: PerTrain
@@ -200,17 +200,28 @@ def trains(scenario: Scenario, seeds: Sequence[int], drawn: bool, times: Times, 
     # A notch is delayed by at most the loop delay, and there is one new notch per control period.
     slots = ceil(records["delay_ticks"].max() * timing.base_tick_ns / timing.control_period_ns) + 2
     balises = _balises(actual, records["wheel_factor"])
+    # In a block of similar delays, notches begin to act in the same ticks.
+    order = np.argsort(records["delay_ticks"], kind="stable")
     tables = PerTrain(
-        np.broadcast_to(permil, (count, permil.shape[-1])).copy(),
-        np.broadcast_to(permil_per_m, (count, permil.shape[-1])).copy(),
-        balises.true_m,
+        np.broadcast_to(permil, (count, permil.shape[-1]))[order],
+        np.broadcast_to(permil_per_m, (count, permil.shape[-1]))[order],
+        balises.true_m[order],
         np.zeros((count, slots)),
         np.zeros((count, slots), dtype=np.int64),
         np.zeros((cycles, count)),
         np.zeros((count, int(times.control_columns.max()) + 1), dtype=np.int64),
-        np.ones(lanes.SIZE),
+        order,
+        _empty_lanes(count),
+        np.zeros((4, count), dtype=np.int64),
     )
-    return Trains(records, tables, balises)
+    return Trains(records[order], tables, balises)
+
+
+def _empty_lanes(count: int) -> NDArray[np.float64]:
+    """Blocks without trains: numbers with which a lane can be computed, and nothing comes of it."""
+    blocks = np.ones((-(-count // lanes.LANES), lanes.SIZE))
+    blocks[:, lanes.CALM : lanes.CALM + lanes.LANES] = 0.0
+    return blocks
 
 
 def _balises(actual: Scenario, wheel_factor: NDArray[np.float64]) -> BalisePasses:

@@ -70,8 +70,8 @@ from railhil.batch.lanes import (
 from railhil.supervisor.measures import KMH
 
 #: Raw SIM_TRUTH: scales of position, speed and forces.
-_TRUTH_LSB, _FORCE_LSB_N = 1e-4, 20.0
-_FORCE_MAX = 65535.0
+TRUTH_LSB, FORCE_LSB_N = 1e-4, 20.0
+FORCE_MAX = 65535.0
 
 
 @compiled.side_by_side_part
@@ -205,7 +205,7 @@ def advance(common: Any, s: Any, tick: int, looked: bool) -> int:
 
 
 @compiled.side_by_side
-def _allow(common: Any, s: Any) -> None:
+def allow(common: Any, s: Any) -> None:
     """``limits_under_train`` of every lane."""
     limits, length_m = common.line_limits, common.length_m
     for i in range(LANES):
@@ -215,7 +215,7 @@ def _allow(common: Any, s: Any) -> None:
         begin_m = -inf if row == 0 else limits[row, 0]
         limit_mps = limits[row, 1]
         for i in range(LANES):
-            front_m = np.rint(s[POSITION + i] * 1e4) * _TRUTH_LSB
+            front_m = np.rint(s[POSITION + i] * 1e4) * TRUTH_LSB
             before_mps = s[ALLOWED + i]
             touched = (front_m >= begin_m) & (front_m - length_m < end_m) & (limit_mps < before_mps)
             s[ALLOWED + i] = limit_mps if touched else before_mps
@@ -235,7 +235,7 @@ def sample(common: Any, s: Any, seconds: float, judged: bool) -> int:
         len(traction.curve_mps) > 0,
     )
     brake_max_n, brake_max_w, brake_curved = brake.force_max_n, brake.power_max_w, len(brake.curve_mps) > 0
-    _allow(common, s)
+    allow(common, s)
     marked = 0
     for i in range(LANES):
         v, force_n = s[SPEED + i], s[ACTUATOR + i]
@@ -252,11 +252,11 @@ def sample(common: Any, s: Any, seconds: float, judged: bool) -> int:
         running_n = s[RESISTANCE_A + i] + v * (s[RESISTANCE_B + i] + v * s[RESISTANCE_C + i])
         s[NOW + i] = (force_n - (running_n + s[GRADE_N + i] * permil)) / s[MASS + i]
         true_01mm = np.rint(s[POSITION + i] * 1e4)
-        speed_mps = np.rint(v * 1e4) * _TRUTH_LSB
-        up = np.rint((force_n if force_n > 0.0 else 0.0) / _FORCE_LSB_N)
-        down = np.rint((-force_n if -force_n > 0.0 else 0.0) / _FORCE_LSB_N)
-        traction_w = (_FORCE_MAX if up > _FORCE_MAX else up) * _FORCE_LSB_N * speed_mps
-        brake_w = (_FORCE_MAX if down > _FORCE_MAX else down) * _FORCE_LSB_N * speed_mps
+        speed_mps = np.rint(v * 1e4) * TRUTH_LSB
+        up = np.rint((force_n if force_n > 0.0 else 0.0) / FORCE_LSB_N)
+        down = np.rint((-force_n if -force_n > 0.0 else 0.0) / FORCE_LSB_N)
+        traction_w = (FORCE_MAX if up > FORCE_MAX else up) * FORCE_LSB_N * speed_mps
+        brake_w = (FORCE_MAX if down > FORCE_MAX else down) * FORCE_LSB_N * speed_mps
         known = (
             (s[STEADY_RUN + i] > 0.0)
             & (v >= s[TRACTION_FROM + i])

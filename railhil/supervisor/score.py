@@ -33,6 +33,8 @@ if TYPE_CHECKING:
 #: A record without SIM_TRUTH for longer than this is not accepted as a run, because the motion in the gap is unknown.
 #: A short bus failure leaves shorter gaps.
 HOLE_MAX_S = 1.0
+#: Criteria with a limit, in the order of their failures.
+_LIMITED = tuple(limited())
 #: Where the controller of ``ato`` reports on its arithmetic; the notes are defined by the law.
 STATUS = Status(CtlStat.PORT, "OverflowFlags")
 
@@ -114,7 +116,7 @@ def judged(scenario: Scenario, run: Measured) -> Score:
         failures.append("controller lost")
     if run.stop.standstill is None:
         failures.append(f"not stopped {scenario.plan.overtime_max_s:g} s after the timetable")
-    for criterion in limited():
+    for criterion in _LIMITED:
         if missed := criterion.missed(scenario, run.values[criterion.key]):
             failures.append(f"{criterion.title} {missed}")
     if run.overspeed_mps > 0:

@@ -24,6 +24,7 @@ from railhil.batch.lanes import load as into_lane
 from railhil.batch.noise import standard_noise
 from railhil.batch.setup import trains
 from railhil.batch.steady import advance
+from railhil.batch.window import leave
 from railhil.bench import coupled_run, direct_run, local_run
 from railhil.common.errors import InputError
 from railhil.controller_node.arithmetic import make
@@ -215,13 +216,14 @@ def test_a_train_is_in_its_lane_while_it_runs(short):
     code, noise = np.full(1, 1024, dtype=np.int64), np.zeros(1)
     run_period(engine.common, fleet.tables, fleet.records, code, noise, -1, 0)
     run_period(engine.common, fleet.tables, fleet.records, code, noise, 0, 100)
-    lane, record = fleet.tables.lanes, fleet.records[0]
+    lane, record = fleet.tables.lanes[0], fleet.records[0]
+    leave(2, 2, record, lane, 0, 100)
     into_lane(engine.common, fleet.tables, 0, record, lane, 0, 100)
     assert lane[STEADY_RUN] == 1.0
     advance(engine.common, lane, 100, False)
     assert lane[STEP_LEFT] == 0.0
     assert lane[POSITION] > record.position_m
-    store(engine.common, record, lane, 0, 101)
+    store(2, 2, record, lane, 0, 101)
     assert (lane[STEADY_RUN], record.position_m) == (0.0, lane[POSITION])
     record.speed_mps = 0.0
     into_lane(engine.common, fleet.tables, 0, record, lane, 0, 101)

@@ -1,0 +1,140 @@
+"""Calm trains are what each is alone on its record, with the functions of the bench, to the last bit."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import inf
+from typing import Any
+
+import numpy as np
+import pytest
+
+from railhil.batch import Case
+from railhil.batch.engine import Engine
+from railhil.batch.kernel import run_period, stand_to_the_end
+from railhil.batch.lanes import CALM, LANES, SPLIT, STEADY_RUN
+from railhil.batch.layout import READ_ENDED, Common
+from railhil.batch.setup import Trains, trains
+from railhil.scenarios.load import load
+from railhil.scenarios.model import Scenario
+
+#: Two blocks, and one that is nearly empty.
+COUNT = 2 * LANES + 3
+DRIVEN = "lvshun_tieshan"
+LIMITED = "yizhuang_02_xiaocun_xiaohongmen"
+
+
+def _fleet(scenario: Scenario, engine: Engine) -> Trains:
+    """Trains with delays of all kinds: whole ticks, none, parts of a tick, and more than a control period."""
+    fleet = trains(scenario, range(COUNT), True, engine.times, len(engine.grid.counts))
+    delays = fleet.records["delay_ticks"]
+    delays[::7] = np.rint(delays[::7])
+    delays[1::11] = 0.0
+    delays[2::13] = 61.3
+    delays[3::17] = 50.0
+    return fleet
+
+
+def _codes(engine: Engine, seed: int) -> Any:
+    """Notches of a driver who is never content: traction first, then anything, in the end the brake."""
+    random = np.random.Generator(np.random.PCG64(seed))
+    steps = engine.times.steps.size
+    held = np.repeat(random.integers(-900, 1300, (steps // 8 + 1, COUNT)), 8, axis=0)[:steps]
+    codes = held + random.integers(-40, 40, (steps, COUNT))
+    codes[:20] = 1100 + 40 * random.integers(0, 3, (20, COUNT))
+    codes[-steps // 4 :] = -random.integers(100, 700, (steps // 4 + (steps % 4 > 0), COUNT))
+    return codes
+
+
+def _driven(engine: Engine, common: Common, fleet: Trains, codes: Any) -> tuple[int, int, int]:
+    """Make the runs; control periods of calm trains, of others, and how often one was calm no longer."""
+    noise = np.random.Generator(np.random.PCG64(9)).normal(size=(engine.times.steps.size, COUNT))
+    calm, other, left = 0, 0, 0
+    run_period(common, fleet.tables, fleet.records, codes[0], noise[0], -1, 0)
+    before = np.zeros(COUNT, dtype=bool)
+    for i, (tick, end) in enumerate(zip(engine.times.steps.tolist(), engine.times.ends.tolist(), strict=True)):
+        running = fleet.records["ended"] == 0
+        run_period(common, fleet.tables, fleet.records, codes[i], noise[i], tick, end)
+        now = (fleet.tables.lanes[:, CALM : CALM + LANES].reshape(-1) > 0.0)[:COUNT]
+        calm, other, left = calm + now.sum(), other + (running & ~now).sum(), left + (before & ~now).sum()
+        before = now
+        if fleet.tables.readings[READ_ENDED].all():
+            break
+    stand_to_the_end(common, fleet.tables, fleet.records)
+    return int(calm), int(other), int(left)
+
+
+def _with_curves(common: Common) -> Common:
+    speeds, share = np.array([2.0, 9.0, 15.0, 30.0]), np.array([1.0, 0.9, 0.6, 0.25])
+    return common._replace(
+        traction=common.traction._replace(curve_mps=speeds, curve_n=share * common.traction.force_max_n),
+        brake=common.brake._replace(curve_mps=speeds, curve_n=(1.1 - share / 4) * common.brake.force_max_n),
+    )
+
+
+#: What else may happen in a run: scenario, changes of its constants.
+WAYS = {
+    "grades": (DRIVEN, lambda common: common),
+    "limits": (LIMITED, lambda common: common),
+    "curves": (DRIVEN, _with_curves),
+    "weak brakes are found": (
+        DRIVEN,
+        lambda common: common._replace(checks=common.checks._replace(share=0.97, allowance_mps2=0.02, weak_looks=3)),
+    ),
+    "traction that is left is found": (
+        LIMITED,
+        lambda common: common._replace(checks=common.checks._replace(left_max_n=-3000.0)),
+    ),
+    "end of authority": (LIMITED, lambda common: common._replace(checks=common.checks._replace(end_m=900.0))),
+    "readings in the middle of a period": (DRIVEN, lambda common: common._replace(position_ticks=7)),
+    "less force": (
+        DRIVEN,
+        lambda common: common._replace(traction=common.traction._replace(force_max_n=120_000.0, power_max_w=1.1e6)),
+    ),
+}
+
+
+@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("by_distance", [False, True])
+def test_calm_trains_are_what_they_are_alone(way: str, by_distance: bool) -> None:
+    name, changed = WAYS[way]
+    scenario = load(name)
+    scenario = replace(scenario, timing=replace(scenario.timing, loop_delay_s=0.4))
+    engine = Engine(Case(scenario))
+    common = changed(engine.common)._replace(by_distance=by_distance)
+    together, apart, alone = _fleet(scenario, engine), _fleet(scenario, engine), common
+    if common.checks.end_m == inf:
+        # Infinite times 0 is not a number, which is less than none: each train is computed on its record.
+        alone = common._replace(checks=common.checks._replace(end_braking_mps2=0.0))
+    else:
+        # A grade without an end is too steep for a calm train, and too gentle to change a bit.
+        apart.tables.permil_per_m[:, -1] = 1e-300
+    codes = _codes(engine, list(WAYS).index(way))
+    calm, _, left = _driven(engine, common, together, codes)
+    assert calm > 5 * COUNT
+    assert left > COUNT / 4
+    assert _driven(engine, alone, apart, codes)[0] == 0
+    for field in together.records.dtype.names:
+        found, wanted = together.records[field], apart.records[field]
+        assert np.array_equal(found, wanted), (field, int((found != wanted).sum()))
+    for part in ("error_sums_kmh", "control_accel_raw", "readings"):
+        assert np.array_equal(getattr(together.tables, part), getattr(apart.tables, part)), part
+
+
+def test_nearly_all_of_a_run_is_calm() -> None:
+    """Else the batch would be as slow as before, with the same results."""
+    engine = Engine(Case(load(DRIVEN)))
+    fleet = trains(load(DRIVEN), range(COUNT), True, engine.times, len(engine.grid.counts))
+    chunk = engine.run(range(COUNT))
+    calm, other, _ = _driven(engine, engine.common, fleet, chunk.codes[:, fleet.tables.order].astype(np.int64))
+    assert calm > 20 * other
+
+
+def test_trains_of_a_block_have_similar_delays() -> None:
+    scenario = load(DRIVEN)
+    engine = Engine(Case(scenario))
+    fleet = trains(scenario, range(COUNT), True, engine.times, len(engine.grid.counts))
+    assert (np.diff(fleet.records["delay_ticks"]) >= 0.0).all()
+    assert sorted(fleet.tables.order.tolist()) == list(range(COUNT))
+    assert not fleet.tables.lanes[:, CALM : CALM + LANES].any()
+    assert (SPLIT % LANES, STEADY_RUN % LANES) == (0, 0)
