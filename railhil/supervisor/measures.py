@@ -21,12 +21,6 @@ KMH = 3.6
 def total(values: Any) -> Any:
     """Sum along the last axis, from the first to the last value (``sum`` of numpy adds in another order)."""
     array = np.asarray(values)
-    if array.ndim > 1 and array.shape[-1] and array.dtype == np.float64:
-        # The same sums, of all rows at once.
-        sums = array[..., 0].copy()
-        for column in np.moveaxis(array, -1, 0)[1:]:
-            sums += column
-        return sums
     return np.cumsum(array, axis=-1)[..., -1] if array.shape[-1] else np.zeros(array.shape[:-1])
 
 
