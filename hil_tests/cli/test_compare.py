@@ -34,15 +34,15 @@ class Twin(Ipfc):
 _TWO_LAWS = """\
 import importlib.metadata
 
-_all = importlib.metadata.entry_points
+_select = importlib.metadata.EntryPoints.select
 
-def entry_points(**given):
-    found = _all(**given)
+def select(self, **given):
+    found = _select(self, **given)
     if given.get("group") == "railhil.laws":
         found = importlib.metadata.EntryPoints(entry for entry in found if entry.name in ("ipfc", "twin"))
     return found
 
-importlib.metadata.entry_points = entry_points
+importlib.metadata.EntryPoints.select = select
 """
 _TUNED = """\
 law = "ipfc"
