@@ -251,6 +251,10 @@ class PipeLink(Link):
         """The plant: the record has it with the next poll of the supervisor."""
         if len(self._held) + len(packet) > _WRITE_BYTES:
             self._write_record()
+        # A read may bring more than fits one write, of which a part would be lost.
+        while len(packet) > _WRITE_BYTES:
+            self._held, packet = packet[:_WRITE_BYTES], packet[_WRITE_BYTES:]
+            self._write_record()
         self._held += packet
 
     def _write_record(self) -> None:

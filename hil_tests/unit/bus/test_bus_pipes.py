@@ -132,6 +132,28 @@ def test_the_record_is_written_when_it_fills_a_write(links: dict[str, PipeLink])
     assert links["supervisor"].receive(0.0) == expected[-waiting:]
 
 
+def test_more_answers_than_fit_one_write_are_recorded_whole(
+    links: dict[str, PipeLink], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Into a pipe with little room, too: a longer write would leave a part of itself out."""
+    sizes: list[int] = []
+    record, write = links["plant"]._record, os.write
+
+    def noted(end: int, packet: bytes) -> int:
+        if end == record:
+            sizes.append(len(packet))
+        return write(end, packet)
+
+    monkeypatch.setattr(module.os, "write", noted)
+    answers = [Frame(0x110, number.to_bytes(2)) for number in range(900)]
+    links["plant"].send([POLL])
+    links["controller"].send(answers)
+    assert links["plant"].receive(10.0) == answers
+    links["plant"].send([SUPERVISOR_POLL])
+    assert links["supervisor"].receive(10.0) == [POLL, *answers, SUPERVISOR_POLL]
+    assert max(sizes) <= select.PIPE_BUF
+
+
 def test_the_record_is_written_when_no_answer_comes(links: dict[str, PipeLink]) -> None:
     """A controller that stands still is seen with all that came before."""
     links["plant"].send([POLL])
