@@ -31,12 +31,10 @@ from typing import Any, Final, NamedTuple, cast
 from railhil.bus.errors import BusLost, BusUnavailable
 from railhil.bus.frame import Frame
 from railhil.bus.hub.wire import CLASSIC_SIZE, ROLES, pack_frame, pack_frames, unpack_frames
-from railhil.bus.ident import Role, SupIdent
 from railhil.bus.link.base import Link, PackedEnd
 from railhil.bus.link.turn import ASLEEP, AWAKE, Turn
-from railhil.bus.mvb import F_DEVICE_STATUS, master_frame
 from railhil.bus.select import PIPES
-from railhil.bus.telegrams import SupCmd
+from railhil.bus.supervisor_polls import supervisor_polls
 from railhil.common.mypyc import mypyc_attr
 from railhil.common.patience import PATIENCE_S
 from railhil.dbc import wire_contract
@@ -50,14 +48,6 @@ _RECORD_BYTES: Final = 1 << 20
 _WRITE_BYTES: Final = select.PIPE_BUF // CLASSIC_SIZE * CLASSIC_SIZE
 #: Interval at which a node that waits for room looks whether it shall stop.
 _LOOK_MS: Final = 100
-
-
-def supervisor_polls() -> frozenset[bytes]:
-    """The packed frames that the supervisor answers; it is woken for these alone."""
-    contract = wire_contract()
-    ports = (contract.port(name) for name in (SupCmd.PORT, SupIdent.PORT))
-    polls = [master_frame(port.f_code, port.address) for port in ports]
-    return frozenset(map(pack_frame, (*polls, master_frame(F_DEVICE_STATUS, Role.SUPERVISOR))))
 
 
 class Ends(NamedTuple):
@@ -182,7 +172,9 @@ class PipeLink(Link):
         self._answers = ends.inboxes[0] if self._is_plant else -1
         # What the record does not have yet.
         self._held = b""
-        self._asks = supervisor_polls() if self._is_plant else frozenset()
+        self._asks: frozenset[bytes] = frozenset()
+        if self._is_plant:
+            self._asks = frozenset(map(pack_frame, supervisor_polls(wire_contract())))
         self._gone: set[int] = set()
 
     @property

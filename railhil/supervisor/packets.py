@@ -19,10 +19,11 @@ import numpy.typing as npt
 from railhil.bus.frame import Frame, quick_frame
 from railhil.bus.hub.columns import PACKED
 from railhil.bus.hub.wire import CLASSIC_SIZE, SFF_MASK, pack_frame, unpack_frames
-from railhil.bus.ident import CtlIdent, PltIdent, Role, SupIdent
-from railhil.bus.mvb import F_DEVICE_STATUS, master_frame, master_tail
+from railhil.bus.ident import CtlIdent, PltIdent
+from railhil.bus.mvb import master_tail
 from railhil.bus.responder import Responder
-from railhil.bus.telegrams import RunEvent, SupCmd
+from railhil.bus.supervisor_polls import supervisor_polls
+from railhil.bus.telegrams import RunEvent
 from railhil.dbc import Contract
 from railhil.supervisor.framelog import LateLines
 from railhil.supervisor.log_trace import are_whole
@@ -88,12 +89,15 @@ class Packets:
         if truth is not None:
             self._kinds[list(truth.truth_ids)] = _TRUTH
         #: The poll of SUP_CMD.
-        self.command_poll = _poll_of(contract, SupCmd.PORT)
+        self.command_poll, ident_poll, status_poll = supervisor_polls(contract)
         self._command_poll = pack_frame(self.command_poll)
         # Other polls that the supervisor answers, and the ends of telegrams that change what it answers.
-        polls = (_poll_of(contract, SupIdent.PORT), master_frame(F_DEVICE_STATUS, Role.SUPERVISOR))
         ends = (contract.port(kind.PORT).can_ids[-1] for kind in (RunEvent, PltIdent, CtlIdent))
-        self._urgent = [*map(pack_frame, polls), *(can_id.to_bytes(4, sys.byteorder) for can_id in ends)]
+        self._urgent = [
+            pack_frame(ident_poll),
+            pack_frame(status_poll),
+            *(can_id.to_bytes(4, sys.byteorder) for can_id in ends),
+        ]
 
     def may_wait(self, packet: bytes) -> bool:
         """Whether a packet ends with the poll of SUP_CMD, and nothing before it needs or changes an answer."""
@@ -185,8 +189,3 @@ class Packets:
         times_ns.append(time_ns)
         counts.append(len(part) - begin)
         self._late.add(part, times_ns, counts)
-
-
-def _poll_of(contract: Contract, name: str) -> Frame:
-    port = contract.port(name)
-    return master_frame(port.f_code, port.address)

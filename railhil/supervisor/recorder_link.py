@@ -8,17 +8,14 @@ from typing import Any
 
 from railhil.bus.can_settings import HUB_INTERFACE
 from railhil.bus.errors import BusLost, BusOccupied, BusUnavailable
-from railhil.bus.ident import Role, SupIdent
 from railhil.bus.link import Link, open_link
-from railhil.bus.mvb import F_DEVICE_STATUS, master_frame
 from railhil.bus.select import BusChoice
-from railhil.bus.telegrams import SupCmd
+from railhil.bus.supervisor_polls import supervisor_polls
 from railhil.dbc import wire_contract
 from railhil.supervisor.processes import Nodes
 
 #: Frames that the recorder reads at once from the hub: about a tenth of a second of traffic.
 _BULK_FRAMES = 64
-_ANSWERED = (SupCmd.PORT, SupIdent.PORT)
 #: Listening time: a running bench polls every 20 ms of its time, one that waits for its nodes every 100 ms.
 _LISTEN_S = 0.15
 
@@ -56,9 +53,7 @@ def _bulk_reading(choice: BusChoice) -> dict[str, Any]:
     """On the hub in lockstep, read frames in bulk and wake at once only for polls to be answered."""
     if choice.config.get("interface") != HUB_INTERFACE:
         return {}
-    contract = wire_contract()
-    polls = [master_frame(contract.port(name).f_code, contract.port(name).address) for name in _ANSWERED]
-    return {"coalesce_frames": _BULK_FRAMES, "wake_on": [*polls, master_frame(F_DEVICE_STATUS, Role.SUPERVISOR)]}
+    return {"coalesce_frames": _BULK_FRAMES, "wake_on": [*supervisor_polls(wire_contract())]}
 
 
 def refuse_occupied(link: Link, choice: BusChoice) -> None:
