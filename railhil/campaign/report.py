@@ -9,20 +9,19 @@ from pathlib import Path
 from typing import Any
 
 import pyarrow as pa
-from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
 
 from railhil.campaign.manifest import read_manifest
 from railhil.campaign.parts import RESULTS, SUMMARY
 from railhil.campaign.plan import Plan, make_plan
 from railhil.campaign.results_table import NotThePart, column_of, numbers, read_results, rows_of
 from railhil.common.errors import InputError, Words
-from railhil.common.plain_text import plain
 from railhil.common.whole_file import whole_file
 from railhil.scenarios.stored import any_judged_sha256
 from railhil.supervisor.report.assets import as_json, scripts, styles_text
 from railhil.supervisor.report.distribution import Spread, charted, limits_of, picture
 from railhil.supervisor.report.recorded import REPORT
 from railhil.supervisor.report.styles import styles
+from railhil.supervisor.report.templates import template
 
 #: Folder in that of the campaign for runs that are made again.
 _AGAIN = "worst"
@@ -34,15 +33,6 @@ def page(plan: Plan, summary: Mapping[str, Any], table: pa.Table, folder: Path) 
     :param table: rows of ``results.parquet``.
     :param folder: of the campaign; runs that were made again in it are linked.
     """
-    environment = Environment(
-        loader=ChoiceLoader([PackageLoader("railhil.campaign", "."), PackageLoader("railhil.supervisor.report", ".")]),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-        finalize=lambda value: plain(value) if type(value) is str else value,
-    )
     labels = [entry.label for entry in plan.entries]
     looks = dict(zip(labels, styles([entry.law.controller for entry in plan.entries]), strict=True))
     by_law = {label: rows_of(table, label) for label in labels}
@@ -54,7 +44,7 @@ def page(plan: Plan, summary: Mapping[str, Any], table: pa.Table, folder: Path) 
         )
         for criterion in plan.criteria
     ]
-    return environment.get_template("campaign.html.j2").render(
+    return template("campaign.html.j2", "railhil.campaign").render(
         summary=summary,
         title=plan.scenario.title,
         asked=plan.judging.asked(plan.scenario),

@@ -293,9 +293,10 @@ def report_line(runs: Sequence[RecordedRun], folder: Path, notes: Sequence[str] 
 def load_for_the_report() -> None:
     """Load and prepare what :func:`report_line` needs, which says what cannot be loaded."""
     with suppress(Exception), undocumented_matplotlib():
-        from railhil.supervisor.report.page import template
+        from railhil.supervisor.report.page import TEMPLATE
+        from railhil.supervisor.report.templates import template
 
-        template()
+        template(TEMPLATE)
 
 
 def load_for_the_end() -> None:

@@ -8,10 +8,8 @@ from pathlib import Path
 from typing import Any
 
 import pyarrow as pa
-from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
 
 from railhil.campaign.results_table import row as row_of
-from railhil.common.plain_text import plain
 from railhil.common.whole_file import whole_file
 from railhil.controller_node.laws import find
 from railhil.controller_node.laws.memory import memory_key
@@ -25,6 +23,7 @@ from railhil.sequences.table import memories
 from railhil.supervisor.report.assets import styles_text
 from railhil.supervisor.report.figures import Picture
 from railhil.supervisor.report.recorded import REPORT, RecordedRun
+from railhil.supervisor.report.templates import template
 
 
 def page(plan: Plan, summary: Mapping[str, Any], table: pa.Table) -> str:
@@ -32,16 +31,7 @@ def page(plan: Plan, summary: Mapping[str, Any], table: pa.Table) -> str:
 
     :param table: rows of ``results.parquet``.
     """
-    environment = Environment(
-        loader=ChoiceLoader([PackageLoader("railhil.sequences", "."), PackageLoader("railhil.supervisor.report", ".")]),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-        finalize=lambda value: plain(value) if type(value) is str else value,
-    )
-    return environment.get_template("learn.html.j2").render(
+    return template("learn.html.j2", "railhil.sequences").render(
         summary=summary,
         title=plan.scenario.title,
         asked=plan.judging.asked(plan.scenario),

@@ -5,13 +5,10 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import cache
 from pathlib import Path
+from typing import Final
 from urllib.parse import quote
 
-from jinja2 import Environment, PackageLoader, StrictUndefined, Template
-
-from railhil.common.plain_text import plain
 from railhil.common.whole_file import whole_file
 from railhil.scenarios.model import watch_sentence
 from railhil.scenarios.system import system_named
@@ -25,25 +22,12 @@ from railhil.supervisor.report.facts import facts, without_paths
 from railhil.supervisor.report.figures import Panel, pictures
 from railhil.supervisor.report.recorded import REPORT, RecordedRun, told_apart
 from railhil.supervisor.report.score_table import better_sentence, rows
+from railhil.supervisor.report.templates import template
 
 #: Above so many runs the page shows distributions, and figures and charts of the worst runs only.
 RUNS_MAX, _WORST = 20, 6
-
-
-@cache
-def template() -> Template:
-    """The template of the page; to compile it takes 30 ms."""
-    environment = Environment(
-        loader=PackageLoader("railhil.supervisor.report", "."),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-        # Markup and drawings are already escaped.
-        finalize=lambda value: plain(value) if type(value) is str else value,
-    )
-    return environment.get_template("report.html.j2")
+#: The page's template.
+TEMPLATE: Final = "report.html.j2"
 
 
 def page(
@@ -70,7 +54,7 @@ def page(
     spreads, looks = spreads_of(scenario, criteria, runs) if many else ([], {})
     known = judging.deviations if scenario.published else None
     source, deviating = known() if known else ("", ())
-    return template().render(
+    return template(TEMPLATE).render(
         scenario=scenario,
         runs=runs,
         watch=watch_sentence(scenario),
