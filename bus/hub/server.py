@@ -152,12 +152,20 @@ class _Signals:
 
     @contextlib.contextmanager
     def interrupting(self) -> Iterator[None]:
-        """Let a stop signal end the block at once, by :class:`_StoppedAtStart`."""
+        """Let a stop signal end the block at once, by :class:`_StoppedAtStart`.
+
+        An error of the block after a stop comes from the interruption: a driver that catches everything makes one of
+        it, and so does CPython where a second signal comes in between.
+        """
         self._may_interrupt = True
         if self._is_stopped:
             raise _StoppedAtStart
         try:
             yield
+        except Exception:
+            if self._is_stopped:
+                raise _StoppedAtStart from None
+            raise
         finally:
             self._may_interrupt = False
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -159,10 +158,7 @@ def test_in_real_time_the_process_is_stopped_and_killed(tmp_path: Path) -> None:
     stopped_s = notch_s[(notch_s > 7.5) & (notch_s < 12.0)]
     assert np.diff(stopped_s).max() > 0.25, "the process has slept"
     found = levels(scenario, made.folder, "train")
-    # The train may have been in HOLD before, by an answer that a late machine missed.
-    for before, event in pairwise(found):
-        if event.level == "traction_cut" and 7.9 < event.time_s < 8.5:
-            assert (before.level, before.cause, event.cause) == ("hold", "command_age", "command_age")
-            break
-    else:
-        pytest.fail(f"traction was not cut: {found}")
+    # 64 ms after the last answer traction is cut, 256 ms after it the train brakes; a late machine may have missed
+    # answers before, none can come now.
+    levels_now = [(one.level, one.cause) for one in found if one.time_s <= 8.2 < one.until_s]
+    assert levels_now in ([("traction_cut", "command_age")], [("service_brake", "command_age")]), found

@@ -8,6 +8,7 @@ import struct
 import subprocess
 import sys
 import time
+from contextlib import nullcontext
 from pathlib import Path
 
 import can
@@ -16,11 +17,13 @@ from can.interfaces.virtual import VirtualBus
 
 from hil_tests.support.cli import wait_for
 from hil_tests.support.hub import PATIENCE_S, PLAIN, HubProcess, opened_port, running_hub, taken, two_hubs_and_a_gateway
+from railhil.bus.errors import BusUnavailable
 from railhil.bus.frame import Frame
-from railhil.bus.hub import portspec
+from railhil.bus.hub import gateway, portspec
 from railhil.bus.hub.client import HubBus
 from railhil.bus.hub.gateway import SLOW_RETRY_NS, BusPort
 from railhil.bus.hub.portspec import open_port_again, parse_port
+from railhil.bus.hub.server import serve
 from railhil.bus.hub.wire import CLASSIC_SIZE, pack_frame
 from railhil.bus.link import open_link
 from railhil.machines.adapter.terminal import Terminal
@@ -258,4 +261,23 @@ def test_a_gateway_that_waits_for_a_hub_can_be_stopped(socket_folder: Path, numb
     process.send_signal(number)
     assert process.communicate(timeout=PATIENCE_S) == ("", "")
     assert process.returncode == 0
+    assert not list(socket_folder.iterdir())
+
+
+@pytest.mark.parametrize("stopped", [True, False])
+def test_a_driver_that_makes_an_error_of_a_stop_does_not_hold_it_back(
+    socket_folder: Path, monkeypatch: pytest.MonkeyPatch, stopped: bool
+) -> None:
+    def opened(*_: object, **__: object) -> BusPort:
+        try:
+            if stopped:
+                signal.raise_signal(signal.SIGTERM)
+                time.sleep(PATIENCE_S)
+        except BaseException:  # noqa: BLE001, S110: as drivers do
+            pass
+        raise BusUnavailable("interrupted")
+
+    monkeypatch.setattr(gateway, "BusPort", opened)
+    with nullcontext() if stopped else pytest.raises(BusUnavailable, match="interrupted"):
+        serve(os.fspath(socket_folder / "gw.sock"), ports=[parse_port("railhil:late.sock")])
     assert not list(socket_folder.iterdir())
