@@ -131,6 +131,11 @@ class _StoppedAtStart(BaseException):
     error."""
 
 
+#: What a stop raises while a port is opened, a driver may catch, and the interpreter loses where nobody can be told: it
+#: is raised again after this time.
+_STOP_AGAIN_S = 0.05
+
+
 class _Signals:
     """SIGTERM, SIGINT and SIGHUP end the hub, SIGUSR1 makes it report, from the very start (main thread only)."""
 
@@ -152,22 +157,36 @@ class _Signals:
 
     @contextlib.contextmanager
     def interrupting(self) -> Iterator[None]:
-        """Let a stop signal end the block at once, by :class:`_StoppedAtStart`.
+        """Let a stop signal end the block, by :class:`_StoppedAtStart`; SIGALRM raises it again until the block ends.
 
         An error of the block after a stop comes from the interruption: a driver that catches everything makes one of
         it, and so does CPython where a second signal comes in between.
         """
-        self._may_interrupt = True
-        if self._is_stopped:
-            raise _StoppedAtStart
-        try:
+        if not self._previous:
             yield
-        except Exception:
-            if self._is_stopped:
-                raise _StoppedAtStart from None
-            raise
+            return
+        unraisable = sys.unraisablehook
+        alarm, timer = signal.signal(signal.SIGALRM, self._interrupt), signal.setitimer(signal.ITIMER_REAL, 0)
+        sys.unraisablehook = lambda lost: None if lost.exc_type is _StoppedAtStart else unraisable(lost)
+        try:
+            try:
+                self._may_interrupt = True
+                if self._is_stopped:
+                    raise _StoppedAtStart
+                yield
+            except Exception:
+                if self._is_stopped:
+                    raise _StoppedAtStart from None
+                raise
+            finally:
+                self._may_interrupt = False
         finally:
+            # Once more: an alarm may have come before it was done.
             self._may_interrupt = False
+            signal.setitimer(signal.ITIMER_REAL, 0)
+            signal.signal(signal.SIGALRM, alarm)
+            signal.setitimer(signal.ITIMER_REAL, *timer)
+            sys.unraisablehook = unraisable
 
     @contextlib.contextmanager
     def sent_to(self, switch: Switch) -> Iterator[None]:
@@ -188,7 +207,11 @@ class _Signals:
 
     def _stop(self, *_: object) -> None:
         self._is_stopped = True
+        self._interrupt()
+
+    def _interrupt(self, *_: object) -> None:
         if self._may_interrupt:
+            signal.setitimer(signal.ITIMER_REAL, _STOP_AGAIN_S)
             raise _StoppedAtStart
 
     def _tell(self, *_: object) -> None:

@@ -8,6 +8,7 @@ import struct
 import subprocess
 import sys
 import time
+import weakref
 from contextlib import nullcontext
 from pathlib import Path
 
@@ -273,11 +274,61 @@ def test_a_driver_that_makes_an_error_of_a_stop_does_not_hold_it_back(
             if stopped:
                 signal.raise_signal(signal.SIGTERM)
                 time.sleep(PATIENCE_S)
-        except BaseException:  # noqa: BLE001, S110: as drivers do
-            pass
+        except BaseException as error:
+            raise BusUnavailable("interrupted") from error
         raise BusUnavailable("interrupted")
 
     monkeypatch.setattr(gateway, "BusPort", opened)
     with nullcontext() if stopped else pytest.raises(BusUnavailable, match="interrupted"):
         serve(os.fspath(socket_folder / "gw.sock"), ports=[parse_port("railhil:late.sock")])
     assert not list(socket_folder.iterdir())
+
+
+def test_a_driver_that_catches_a_stop_is_stopped_again(socket_folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    caught: list[BaseException] = []
+
+    def opened(*_: object, **__: object) -> BusPort:
+        for _ in range(2):
+            try:
+                signal.raise_signal(signal.SIGTERM)
+                time.sleep(PATIENCE_S)
+            except BaseException as error:  # noqa: BLE001: as drivers do
+                caught.append(error)
+        time.sleep(PATIENCE_S)
+        raise BusUnavailable("not interrupted")
+
+    monkeypatch.setattr(gateway, "BusPort", opened)
+    serve(os.fspath(socket_folder / "gw.sock"), ports=[parse_port("railhil:late.sock")])
+    assert len(caught) == 2
+    assert not list(socket_folder.iterdir())
+
+
+class _Reference:
+    """Something with a callback when it goes."""
+
+
+def test_a_stop_that_the_interpreter_loses_is_raised_again(
+    socket_folder: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """As in the callback of a weak reference, of which importing a driver has many."""
+    lost = []
+
+    def opened(*_: object, **__: object) -> BusPort:
+        def callback(_: object) -> None:
+            lost.append(True)
+            signal.raise_signal(signal.SIGTERM)
+            time.sleep(PATIENCE_S)
+
+        thing = _Reference()
+        reference = weakref.ref(thing, callback)
+        del thing
+        assert reference() is None
+        time.sleep(PATIENCE_S)
+        raise BusUnavailable("not interrupted")
+
+    monkeypatch.setattr(gateway, "BusPort", opened)
+    hook = sys.unraisablehook
+    serve(os.fspath(socket_folder / "gw.sock"), ports=[parse_port("railhil:late.sock")])
+    assert lost == [True]
+    assert capfd.readouterr() == ("", "")
+    assert sys.unraisablehook is hook
