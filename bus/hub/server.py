@@ -22,6 +22,9 @@ if TYPE_CHECKING:
 
 DEFAULT_QUEUE_LIMIT_BYTES = 64 << 20
 DEFAULT_BITRATE_BPS = 500_000
+#: A stop while a port is opened is an exception. A driver may catch it, and the interpreter drops it where it has no
+#: caller to tell, as in the callback of a weak reference. So it is raised again after this time.
+_STOP_AGAIN_S = 0.05
 
 
 def serve(
@@ -129,11 +132,6 @@ def _report(line: str) -> None:
 class _StoppedAtStart(BaseException):
     """A signal came before the switch ran; a separate class, so that a driver being opened does not treat it as its own
     error."""
-
-
-#: What a stop raises while a port is opened, a driver may catch, and the interpreter loses where nobody can be told: it
-#: is raised again after this time.
-_STOP_AGAIN_S = 0.05
 
 
 class _Signals:
