@@ -10,6 +10,10 @@ LOCK_PYTHONS ?= python3.11 python3.12 python3.13
 ARGS   ?=
 # As in every railhil command (railhil/common/light_start.py): the tests start hundreds of processes.
 export OPENBLAS_NUM_THREADS ?= 1
+# make test-long SAMPLE=4: one long test of 4 only, and make test-builds SAMPLE=8 one run of 8: those of the day.
+SAMPLE ?=
+DAY    ?= $(shell date -u +%F)
+SAMPLED = $(if $(SAMPLE),--sample $(SAMPLE) --day $(DAY))
 # Laws whose parameters `make tuned` searches.
 TUNED_LAWS ?= ipfc ipfc_plus ipfc_plus_stop tpfc1 tpfc2 tdmc fuzzy_pid
 
@@ -25,7 +29,7 @@ VCAN_FIRST   = test_faults or test_can_utils or test_outage or test_benchmark_pa
 # Files of tests that keep real time: collecting all the others takes as long as some of these tests.
 REAL_TIME    = $$(grep -rlw --include='test_*.py' wall_clock hil_tests)
 
-.PHONY: run test test-fast test-here test-side-by-side test-long test-long-side-by-side test-real-time test-vcan test-vcan-first test-vcan-second test-compose test-docker test-docker-vcan test-wheel test-arm64 test-arm64-ipfc test-image-arm64 test-compiled test-builds wheels mutants lint lint-types lint-imports prepared-batches prepared-bytecode bench dbc tables tuned $(TUNED_LAWS:%=tuned-%) install locks locked clean
+.PHONY: run test test-all test-fast test-here test-side-by-side test-long test-long-side-by-side test-real-time test-vcan test-vcan-first test-vcan-second test-compose test-docker test-docker-vcan test-wheel test-arm64 test-arm64-ipfc test-image-arm64 test-compiled test-builds wheels mutants lint lint-types lint-imports prepared-batches prepared-bytecode bench dbc tables tuned $(TUNED_LAWS:%=tuned-%) install locks locked clean
 
 # A run that misses the limits of its scenario (exit code 1) is a result, not an error of make.
 run: $(VENV)/.installed
@@ -47,8 +51,14 @@ test: | $(VENV)/bin/pip
 	@$(MAKE) --no-print-directory PART="$(COUNTED)" BEHIND=--behind -j3 -Otarget test-vcan-first test-vcan-second test-real-time
 	@$(PART) --counts $(COUNTS) --total 5
 
+# Everything, before a release: an hour.
+test-all:
+	@$(MAKE) --no-print-directory test
+	@$(MAKE) --no-print-directory test-long
+	@$(MAKE) --no-print-directory test-builds
+
 # What takes minutes together and seldom fails: benchmarks, long comparisons of batch, bench and exported C, search and
-# training, and containers on a kernel with CAN. `.ci/run` does it after `make test`.
+# training, and containers on a kernel with CAN. `.ci/run` does a sample of it after `make test`.
 test-long: $(VENV)/.installed-dev
 	@rm -f $(COUNTS)
 	@$(MAKE) --no-print-directory PART="$(COUNTED)" BEHIND=--behind -j2 -Otarget test-long-side-by-side test-docker-vcan
@@ -66,8 +76,10 @@ test-here: $(VENV)/.installed-dev
 test-side-by-side: $(VENV)/.installed-dev
 	@$(PART) --tool compilers --tool browser "tests side by side" $(SIDE_BY_SIDE) -m "$(HERE) and not long and not wall_clock"
 
+test-long-side-by-side: export RAILHIL_SAMPLE = $(if $(SAMPLE),$(SAMPLE) $(DAY))
+test-long-side-by-side: OF_DAY = $(if $(SAMPLE), (one of $(SAMPLE): those of $(DAY)))
 test-long-side-by-side: $(VENV)/.installed-dev
-	@$(PART) --tool compilers --tool browser "long tests" $(SIDE_BY_SIDE) -m "$(HERE) and long"
+	@$(PART) --tool compilers --tool browser "long tests$(OF_DAY)" $(SIDE_BY_SIDE) -m "$(HERE) and long"
 
 test-real-time: $(VENV)/.installed-dev
 	@$(PART) "tests in real time" $(BIN)/pytest -q -m "$(HERE) and wall_clock" $(REAL_TIME)
@@ -98,20 +110,21 @@ test-wheel: $(VENV)/.installed-dev
 
 # The hashes of every law and every fault of the catalogue with the compiled build and without it: ten minutes.
 test-compiled: $(VENV)/.installed-dev
-	@$(BIN)/python -m hil_tests.compiled_build $(ARGS)
+	@$(BIN)/python -m hil_tests.compiled_build $(SAMPLED) $(ARGS)
 
 # The hashes of every law on aarch64, emulated, and here; half an hour. ARGS=--compiled: compiled for aarch64, too.
 test-arm64: $(VENV)/.installed-dev
 	@$(BIN)/python -m hil_tests.arm64 $(ARGS)
 
 test-arm64-ipfc: $(VENV)/.installed-dev
-	@$(BIN)/python -m hil_tests.arm64 --compiled --law ipfc
+	@$(BIN)/python -m hil_tests.arm64 --compiled --law ipfc $(SAMPLED)
 
 # The container image for aarch64, built and run here by an emulator; ARGS=lvshun_tieshan: with the published run.
 test-image-arm64: $(VENV)/.installed-dev
 	@$(BIN)/python -m hil_tests.image_arm64 $(ARGS)
 
-# One hash for each seed with every build, here and on aarch64 (there ipfc, in every arithmetic). `.ci/run` does it last.
+# One hash for each seed with every build, here and on aarch64 (there ipfc, in every arithmetic). `.ci/run` does a
+# sample of it last.
 test-builds: $(VENV)/.installed-dev
 	@$(MAKE) --no-print-directory -j2 -Otarget test-compiled test-arm64-ipfc
 

@@ -1,7 +1,7 @@
 """Hashes of every law on a Raspberry Pi's processor and on this one.
 
-``python -m hil_tests.arm64 [--compiled] [--law LAW] [--arithmetic A] [SYSTEM ...]``: both make the runs of
-:mod:`hil_tests.hashes`, aarch64 in an emulator; a line that differs is printed and fails. With ``--compiled`` the
+``python -m hil_tests.arm64 [--compiled] [WORD ...]``: both make the runs of :mod:`hil_tests.hashes`, whose words these
+are; aarch64 in an emulator; a line that differs is printed and fails. With ``--compiled`` the
 emulator has the compiled build, which a cross compiler makes here, and makes each run with it and with its sources.
 
 Exit code: 0 if all lines are equal, 1 if not; 77 when this host cannot emulate aarch64, or compile for it (one line

@@ -1,10 +1,10 @@
-"""Hashes of every law with the compiled build and without it: ``python -m hil_tests.compiled_build [SYSTEM ...]``
+"""Hashes of every law with the compiled build and without it: ``python -m hil_tests.compiled_build [WORD ...]``
 
 Builds the wheel with mypyc (gcc; some minutes), unpacks it beside this environment's libraries and makes the runs of
 :mod:`hil_tests.uses` and :mod:`hil_tests.hashes` with it and with these sources; a line that differs is printed and
 fails. ``RAILHIL_PURE=1`` is tried with it, a campaign in two processes, which pass compiled objects to each other, and
-whether ``railhil doctor`` and certificates say which build it is. Without a system all that is done, and the runs of
-all systems; ``uses`` in place of a system leaves out the runs.
+whether ``railhil doctor`` and certificates say which build it is. The words are those of :mod:`hil_tests.hashes` (a
+system, ``--sample N --day DAY``); without one all runs are made, and ``uses`` alone leaves out the runs.
 
 Exit code: 0 if all lines are equal, 1 if not; 77 without a compiler (one line says why).
 """
@@ -54,7 +54,7 @@ def _path(*folders: Path) -> str:
     return os.pathsep.join(map(str, folders))
 
 
-def compared(systems: list[str]) -> int:
+def compared(words: list[str]) -> int:
     """Build, run and compare; returns the exit code.
 
     Raises:
@@ -71,8 +71,8 @@ def compared(systems: list[str]) -> int:
         wrong = int(not _tells(environment, folder)) + int(not _is_one_campaign(environment, folder))
         here = {**os.environ, "PYTHONPATH": _path(toy, law)}
         wrong += differences(environment.start([USES], folder), "compiled", [], program=USES, environment=here)
-        if systems != ["uses"]:
-            wrong += differences(environment.start([HASHES, *systems], folder), "compiled", systems, environment=here)
+        if words != ["uses"]:
+            wrong += differences(environment.start([HASHES, *words], folder), "compiled", words, environment=here)
     return 1 if wrong else 0
 
 
@@ -102,10 +102,10 @@ def _is_one_campaign(environment: _Environment, folder: Path) -> bool:
     return bool(laws[0] == laws[1])
 
 
-def main(systems: list[str]) -> int:
+def main(words: list[str]) -> int:
     """As :func:`compared`; a build that fails is one line."""
     try:
-        return compared(systems)
+        return compared(words)
     except subprocess.SubprocessError as error:
         debian.say(f"compiled build: {error}")
         return 1

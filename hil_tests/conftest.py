@@ -15,6 +15,7 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
+from hil_tests.hashes import choose
 from hil_tests.support.browser import browser
 from railhil.bench import BenchRun, local_run
 from railhil.bus.select import vcan_available
@@ -55,7 +56,13 @@ def pytest_collection() -> Iterator[None]:
 
 @pytest.hookimpl(trylast=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Skip by capability, naming it; begin with the files that take long where several workers share the files."""
+    """Skip by capability, naming it; begin with the files that take long where several workers share the files.
+    With ``RAILHIL_SAMPLE=N DAY`` one of N tests only, those of the day (:func:`hil_tests.hashes.choose`)."""
+    if sampled := os.environ.get("RAILHIL_SAMPLE"):
+        share, day = sampled.split()
+        chosen = choose([item.nodeid for item in items], int(share), day)
+        config.hook.pytest_deselected(items=[item for item in items if item.nodeid not in chosen])
+        items[:] = [item for item in items if item.nodeid in chosen]
     if hasattr(config, "workerinput"):
         weights = Counter[Path]()
         for item in items:

@@ -45,6 +45,8 @@ def differences(
         assert here.stdout is not None
         for ours, theirs in zip(here.stdout, there.stdout, strict=True):
             equal += ours == theirs
+            if "--sample" in words:
+                print(f"sample, here and {what}: {ours}", end="", flush=True)
             if ours != theirs:
                 different += 1
                 print(f"here  {ours}{what} {theirs}", end="", flush=True)
