@@ -129,6 +129,11 @@ class Guard:
             self.waits = waits
             self._find("time", CtlCause.CLOCK if waits else CtlCause.NONE)
 
+    def overrun(self, is_beyond: bool) -> None:
+        """The train is beyond its end of authority by the balises, so the law's position is wrong: it brakes."""
+        if is_beyond or self._findings:
+            self._find("overrun", CtlCause.POSITION_IMPLAUSIBLE if is_beyond else CtlCause.NONE)
+
     def speed(self, telegram: TrnSpeed, now_ns: int, stamp: int | None = None) -> None:
         """Take a TRN_SPEED telegram that passed the traffic store.
 

@@ -62,6 +62,11 @@ def mailboxes(safe: bool = False) -> tuple[Mailbox, ...]:
     return mailbox_table(contract, received, sent)
 
 
+def end_of_authority_01mm(scenario: Scenario) -> int:
+    """Where the train must not go, 0.1 mm from the start of the run."""
+    return round((scenario.plan.distance_m + scenario.watch.end_of_authority_margin_m) * 1e4)
+
+
 class ControllerNode:
     """Handles frames; it has no socket, so it runs in a process of its own or in memory.
 
@@ -101,6 +106,8 @@ class ControllerNode:
         self._odometer = Odometer(scenario, law.task_period_ms * _NS_PER_MS, needed=needed)
         self.guard = Guard(scenario, counter, self._odometer)
         self._balises = Balises()
+        # Only a law that is given balises has a position that they can contradict.
+        self._end_01mm = end_of_authority_01mm(scenario) if self.law_type.track else None
         self._control_ns = scenario.timing.control_period_ns
         self._note_slots = slots(self.controller.notes)
         self._ident = make_ident(Role.CONTROLLER, scenario.sha256, **law.identity)
@@ -237,7 +244,10 @@ class ControllerNode:
         is_late = k > self._last_k + 1 and self._last_k >= 0
         self._overruns += is_late
         self.guard.period(is_late)
-        self._output = self.controller.step(k, speed_01mmps, self._odometer.at(clock.own_ns), self._balises.last)
+        position_01mm = self._odometer.at(clock.own_ns)
+        if self._end_01mm is not None:
+            self.guard.overrun(self._balises.is_beyond(position_01mm, self._end_01mm))
+        self._output = self.controller.step(k, speed_01mmps, position_01mm, self._balises.last)
         self._last_k = k
         self._steps += 1
 

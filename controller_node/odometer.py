@@ -163,6 +163,9 @@ class Odometer:
         return CtlCause.POSITION_IMPLAUSIBLE if now_ns - since_ns > RECKONING_MAX_NS else _NOT_LOST
 
     def _tolerance(self) -> int:
+        if not self._heard:
+            # Nobody knows where the train is before the first telegram.
+            return POSITION_MAX_01MM * _NS_PER_S
         return self._exact + self._speed_01mmps * self._hold_ns + self._slack
 
     def _reckon(self, at_ns: int) -> None:

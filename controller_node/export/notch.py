@@ -12,7 +12,7 @@ from railhil.bus.safe_telegrams import SAFE_DATA_VERSION, NotchSdt, SpeedSdt
 from railhil.bus.schedule import Schedule
 from railhil.bus.sdt import source_identity
 from railhil.bus.telegrams import NotchCmd, TrnPos, TrnSpeed
-from railhil.controller_node import odometer
+from railhil.controller_node import balises, odometer
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Arithmetic
 from railhil.controller_node.channel import Latency, channel_cost_ms
@@ -36,7 +36,7 @@ from railhil.controller_node.laws import load
 from railhil.controller_node.laws.base import NOTCH_Q, BaliseReading
 from railhil.controller_node.laws.note import SLOTS, slots
 from railhil.controller_node.loop import NO_BALISE, ControlLoop
-from railhil.controller_node.node import ANSWERS, MAILBOXES, SAFE_ANSWERS, SAFE_MAILBOXES
+from railhil.controller_node.node import ANSWERS, MAILBOXES, SAFE_ANSWERS, SAFE_MAILBOXES, end_of_authority_01mm
 from railhil.controller_node.plausibility import MotionLimits
 from railhil.controller_node.program.model import BALISE_INPUTS, Value
 from railhil.controller_node.program.record import record
@@ -215,9 +215,20 @@ class NotchControl(Control):
             Define("ODOMETER_EXACT", wide(exact), "tolerance at standstill, 1e-13 m"),
             Define("SPEED_ERROR_01MMPS", wide(speed_error), "resolution and noise of the speed"),
             Define("ACCEL_MAX_01MMPS2", wide(round(odometer.ACCEL_MAX_MPS2 * 1e4))),
+            *self._end(),
             *_motion(scenario),
             Define("STEP_CYCLES", f"UINT32_C({cycles})", "estimated C28x cycles of a control period, at most 65535"),
             *self._safe_channel(schedule),
+        ]
+
+    def _end(self) -> list[Define]:
+        """How balises are placed, and where they end the authority of a law that is given them."""
+        end_01mm = end_of_authority_01mm(self.scenario) if self.programs.track else 0
+        return [
+            Define("WHEEL_PARTS", wide(balises.WHEEL_PARTS), "the largest error of a wheel is one of so many parts"),
+            Define("BALISE_ERROR_MM", wide(balises.BALISE_ERROR_MM), "largest error of a surveyed balise"),
+            Define("TRACK", str(int(self.programs.track)), "1: the law is given balises"),
+            Define("END_01MM", wide(end_01mm), "end of its authority"),
         ]
 
     def _safe_channel(self, schedule: Schedule) -> list[Define]:

@@ -20,6 +20,11 @@ NOTCH_RAW_Q = 19
 #: Notch as sent, 1/256 notch.
 NOTCH_Q = 8
 
+#: Largest error of the distance by the odometer that a worn wheel explains, as a share: 1.25 %.
+WHEEL_ERROR_MAX = 1 / 80
+#: Largest error of a surveyed balise that is explained without the wheel.
+BALISE_ERROR_MAX_M = 0.5
+
 
 class BaliseReading(NamedTuple, Generic[T]):
     """The last balise passed: its number (0: none yet), where it was surveyed, and the odometer at its passing.

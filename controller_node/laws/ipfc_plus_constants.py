@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 from pydantic import Field
 
 from railhil.controller_node.arithmetic.base import Constant
-from railhil.controller_node.laws.base import NOTCH_RAW_Q, SPEED_Q
+from railhil.controller_node.laws.base import BALISE_ERROR_MAX_M, NOTCH_RAW_Q, SPEED_Q, WHEEL_ERROR_MAX
 from railhil.controller_node.laws.constant_table import build, flatten, held
 from railhil.controller_node.laws.ipfc_plus_design import (
     Uncertainty,
@@ -110,9 +110,9 @@ class IpfcPlusParameters:
     speed_noise_mps: Annotated[float, Field(ge=1e-5, le=10)] = 0.004
     #: Balise position, m, and wheel circumference, relative; the largest errors accepted.
     balise_sigma_m: Ten = 0.03
-    balise_error_max_m: Hundred = 0.5
+    balise_error_max_m: Hundred = BALISE_ERROR_MAX_M
     wheel_sigma: Annotated[float, Field(ge=1e-6, le=1)] = 0.003
-    wheel_error_max: Annotated[float, Field(ge=0, le=0.1)] = 0.0125
+    wheel_error_max: Annotated[float, Field(ge=0, le=0.1)] = WHEEL_ERROR_MAX
 
 
 #: Bounds of a search.

@@ -17,7 +17,7 @@ import pytest
 
 from hil_tests.support.paths import ROOT
 from railhil.bench import BenchRun, direct_run, local_run
-from railhil.bus.codes import CtlMode, Event
+from railhil.bus.codes import CtlCause, CtlMode, Event
 from railhil.bus.frame import Frame
 from railhil.bus.layout import CHECK_CORRECT, Telegram
 from railhil.bus.mvb import TelegramSource
@@ -175,6 +175,7 @@ def test_position_that_comes_back_is_used_again(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.faults
 def test_position_that_never_comes_holds_the_train(tmp_path: Path) -> None:
     run = run_with(tmp_path, TrnPos, silent(0))
     assert np.max(run.trace.raw(SimTruth.PORT, "TruePos")) < 20_000
@@ -193,19 +194,56 @@ def test_a_law_by_distance_brakes_and_one_by_time_runs_on(tmp_path: Path) -> Non
 # -- balises ----------------------------------------------------------------------------------------------------------
 
 
+def few_balises(*at_m: float) -> Scenario:
+    """9 km with few balises: there a reading wrong by 65.536 m is inside of what a worn wheel explains."""
+    slope = load(ROOT / "docs/examples/desiro_slope.toml")
+    balises = tuple(Balise(number, place_m, place_m) for number, place_m in enumerate(at_m, 1))
+    return replace(slope, line=replace(slope.line, balises=balises))
+
+
 @pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.faults
 def test_late_balises_are_placed_or_not_used(tmp_path: Path) -> None:
-    """9 km with few balises: there a reading wrong by 65.536 m is inside of what a worn wheel explains."""
-    slope = load(ROOT / "docs/examples/desiro_slope.toml")
-    balises = tuple(Balise(number, at_m, at_m) for number, at_m in ((1, 2000.0), (2, 5000.0), (3, 8000.0)))
-    slope = replace(slope, line=replace(slope.line, balises=balises))
-    run = run_with(tmp_path, BalisePassed, late(3), slope, seed=0, drawn=False)
-    # At one of them the train is faster than 65 m in 3 s.
+    run = run_with(tmp_path, BalisePassed, late(3), few_balises(2000, 5000, 8000), seed=0, drawn=False)
+    # At two of them the train is faster than 65 m in 3 s.
+    assert run.refused == {"controller.balise_late": 2}
+    assert run.score.values["stop_error_m"] is not None
+    assert run.score.values["stop_error_m"] < 0.05
+
+
+@pytest.mark.slow
+@pytest.mark.faults
+def test_a_first_balise_that_may_be_an_old_one_is_not_used(tmp_path: Path) -> None:
+    """The port was lost until 3 s after the third balise, more than 65.536 m behind it."""
+    third_late = late(3)
+
+    def fault(telegram: BalisePassed, now_s: float) -> list[BalisePassed]:
+        return [] if telegram.balise_id < 3 else third_late(telegram, now_s)
+
+    run = run_with(tmp_path, BalisePassed, fault, few_balises(0, 3000, 6000), seed=0, drawn=False)
     assert run.refused == {"controller.balise_late": 1}
     assert run.score.values["stop_error_m"] is not None
     assert run.score.values["stop_error_m"] < 0.05
+
+
+@pytest.mark.slow
+def test_a_law_with_a_wrong_position_brakes_at_the_end_of_its_authority(tmp_path: Path) -> None:
+    """The third balise tells a place 65 m short of its own, which a worn wheel would explain; the last one is right."""
+
+    def fault(telegram: BalisePassed, now_s: float) -> list[BalisePassed]:
+        off_mm = 65_000 if telegram.balise_id == 3 else 0
+        return [replace(telegram, surveyed_mm=telegram.surveyed_mm - off_mm)]
+
+    run = run_with(tmp_path, BalisePassed, fault, few_balises(0, 3000, 6000, 8900), seed=0, drawn=False)
+    braked = run.trace.raw(NotchCmd.PORT, "CtlMode") == CtlMode.SERVICE_BRAKE
+    assert set(run.trace.raw(NotchCmd.PORT, "CtlCause")[braked]) == {CtlCause.POSITION_IMPLAUSIBLE}
+    began_s = run.trace.times_s(NotchCmd.PORT)[braked][0]
+    passed = run.trace.raw(SimTruth.PORT, "TruePos") > 9_005_0000
+    # In the control period after it, 20 m at most: the wheel and the survey are allowed for.
+    assert 0.0 < began_s - run.trace.times_s(SimTruth.PORT)[passed][0] < 1.0
+    assert run.score.signed["stop_error_m"] is not None
+    assert run.score.signed["stop_error_m"] > 5.0
 
 
 @pytest.mark.slow

@@ -6,6 +6,8 @@ import random
 from dataclasses import replace
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from railhil.bus.codes import CtlCause
 from railhil.bus.telegrams import BalisePassed, TrnPos
@@ -237,3 +239,57 @@ def test_balises_under_the_waiting_train() -> None:
         balises.take(passed(number, at_mm), 0, 1100)
         assert balises.last == BaliseReading(number, 10_000 * number, 10 * at_mm)
     assert balises.counters == {}
+
+
+@settings(max_examples=300)
+@given(
+    at_mm=st.integers(0, 12_000_000),
+    wheel=st.integers(-12_500, 12_500),
+    survey_mm=st.integers(-500, 500),
+    late_mm=st.integers(0, 400_000),
+    more=st.lists(st.integers(0, 3_000_000), max_size=3),
+)
+def test_a_balise_is_placed_where_it_was_passed_or_not_used(
+    at_mm: int, wheel: int, survey_mm: int, late_mm: int, more: list[int]
+) -> None:
+    """After a silence of the port nobody knows of, on any wheel and survey that the laws believe."""
+    balises = Balises()
+    for number, since_mm in enumerate([0, *more], 1):
+        at_mm += since_mm
+        surveyed_mm = at_mm * 1_000_000 // (1_000_000 + wheel) + survey_mm
+        told = BalisePassed(number, surveyed_mm, at_mm & 0xFFFF)
+        at_mm += late_mm
+        balises.take(told, 10 * at_mm, 4000)
+        if balises.last.number == number:
+            assert balises.last.odometer_01mm == 10 * (at_mm - late_mm)
+        late_mm = 0
+
+
+def test_a_first_balise_near_the_start_is_always_used() -> None:
+    for at_mm in range(0, 2_500_000, 49_999):
+        for wheel in (0.9876, 1.0, 1.0124):
+            balises = Balises()
+            balises.take(BalisePassed(1, round(at_mm / wheel), at_mm & 0xFFFF), 10 * at_mm, 4000)
+            assert balises.last.odometer_01mm == 10 * at_mm, (at_mm, wheel)
+
+
+def test_a_balise_says_nothing_to_a_train_without_a_position() -> None:
+    """A controller that has just been started again: TRN_POS comes after BALISE."""
+    odometer, balises = Odometer(SCENARIO, needed=True), Balises()
+    odometer.speed(CRUISE_01MMPS, 0)
+    balises.take(BalisePassed(3, 6_000_000, 6_000_000 & 0xFFFF), *odometer.reckoned(0))
+    assert balises.last == NO_BALISE
+    assert balises.counters == {"balise_late": 1}
+
+
+def test_beyond_a_place_for_certain() -> None:
+    """By the last balise that a worn wheel explains, with 1.25 % of the way since then and 0.5 m of survey."""
+    balises = Balises()
+    place_01mm = 10_000_0000
+    assert not balises.is_beyond(place_01mm + 1_260_000, place_01mm)
+    assert balises.is_beyond(place_01mm + 1_280_000, place_01mm)
+    balises.take(BalisePassed(9, 9_890_000, 9_940_000 & 0xFFFF), 9_940_0000, 1)
+    for number, surveyed_mm in ((1, 9_900_000), (2, 9_800_000)):
+        balises.take(BalisePassed(number, surveyed_mm, 9_950_000 & 0xFFFF), 9_950_0000, 1)
+        assert not balises.is_beyond(10_051_0000, place_01mm)
+        assert balises.is_beyond(10_052_0000, place_01mm)

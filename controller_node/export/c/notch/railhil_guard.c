@@ -88,6 +88,9 @@ static finding_t find(const railhil_guard_t *guard, int64_t now_ns, finding_t fi
     if (watch->waits) {
         finding = stronger(finding, RAILHIL_SERVICE_BRAKE, RAILHIL_CAUSE_CLOCK);
     }
+    if (watch->beyond) {
+        finding = stronger(finding, RAILHIL_SERVICE_BRAKE, RAILHIL_CAUSE_POSITION_WRONG);
+    }
     if (motion->runaway) {
         finding = stronger(finding, RAILHIL_EMERGENCY, RAILHIL_CAUSE_RUNAWAY);
     } else if (motion->weak_ms != 0) {

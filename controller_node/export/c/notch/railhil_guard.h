@@ -68,6 +68,7 @@ typedef struct {
     int life;
     int late; /* late control periods in a row */
     int stale; /* the telegrams are delayed */
+    int beyond; /* the train is beyond its end of authority by the balises: the law's position is wrong */
     int waits; /* the train moves, and the time of the run is not known yet: the law cannot run */
 } railhil_watch_t;
 

@@ -61,6 +61,9 @@ static void step(railhil_law_t *law, const railhil_clock_t *clock)
     law->overruns += (uint32_t)late;
     railhil_period(&law->guard, late);
     position_01mm = railhil_position_01mm(&law->guard.odometer, railhil_own_ns(clock));
+#if RAILHIL_TRACK
+    law->guard.watch.beyond = railhil_is_beyond(&law->guard.balise, position_01mm, RAILHIL_END_01MM);
+#endif
     @LAW@_inputs(k, speed_01mmps, position_01mm@BALISE@, &law->in, &law->events);
     if (law->steps == 0) {
         @LAW@_start(&law->in, &law->state);

@@ -31,6 +31,10 @@ static int64_t elapsed(int64_t since_ns, int64_t now_ns)
 
 static int64_t tolerance(const railhil_odometer_t *odometer)
 {
+    if (!odometer->heard) {
+        /* Nobody knows where the train is before the first telegram. */
+        return POSITION_MAX_01MM * NS_PER_S;
+    }
     return RAILHIL_ODOMETER_EXACT + odometer->speed_01mmps * RAILHIL_HOLD_MS * NS_PER_MS + odometer->slack;
 }
 
@@ -150,6 +154,33 @@ int railhil_position_lost(const railhil_odometer_t *odometer, int64_t now_ns)
     return RAILHIL_NOT_LOST;
 }
 
+/* 1 if a worn wheel explains the odometer at a balise. */
+static int is_explained(int64_t surveyed_mm, int64_t passed_mm, int64_t within_mm)
+{
+    const int64_t off_mm = surveyed_mm - passed_mm;
+    const int64_t unexplained_mm = railhil_greater(off_mm, -off_mm) - RAILHIL_BALISE_ERROR_MM - within_mm;
+    return unexplained_mm * RAILHIL_WHEEL_PARTS <= railhil_greater(passed_mm, -passed_mm);
+}
+
+/* 1 if the passing may have been a multiple of 65.536 m before, but after the start of the run. */
+static int may_be_earlier(int64_t surveyed_mm, int64_t passed_mm, int64_t within_mm)
+{
+    int64_t place_mm;
+    for (place_mm = passed_mm - WORD_MM; place_mm >= -within_mm; place_mm -= WORD_MM) {
+        if (is_explained(surveyed_mm, place_mm, within_mm)) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
+int railhil_is_beyond(const railhil_balise_t *balise, int32_t here_01mm, int64_t place_01mm)
+{
+    const int64_t since_mm = railhil_floored(here_01mm, 10) - balise->sure_passed_mm;
+    const int64_t least_mm = since_mm - railhil_floored(since_mm, RAILHIL_WHEEL_PARTS) - RAILHIL_BALISE_ERROR_MM;
+    return balise->sure_surveyed_mm + least_mm > railhil_floored(place_01mm, 10);
+}
+
 void railhil_balise(railhil_balise_t *balise, railhil_odometer_t *odometer, int64_t now_ns,
                     const unsigned char *process, uint32_t *counts)
 {
@@ -157,6 +188,8 @@ void railhil_balise(railhil_balise_t *balise, railhil_odometer_t *odometer, int6
     const int32_t number_before = balise->number;
     const int64_t here_mm = railhil_floored(reckoned_01mm(odometer, now_ns), 10);
     const int64_t within_mm = tolerance(odometer) / NS_PER_S / 10 + 1;
+    const int64_t surveyed_mm = (int32_t)railhil_get32(process + 1);
+    const int first = !balise->heard;
     int64_t furthest_mm = WORD_MM - 1 - within_mm;
     int64_t behind_mm;
     if (process[7] >> 6 != RAILHIL_CHECK_CORRECT) {
@@ -169,7 +202,7 @@ void railhil_balise(railhil_balise_t *balise, railhil_odometer_t *odometer, int6
     }
     /* The balise is behind the present position, but not behind the position at the last telegram of the port. A balise
      * under a train that has not moved was read when the train arrived. */
-    if (balise->heard && here_mm > within_mm) {
+    if (!first && here_mm > within_mm) {
         furthest_mm = here_mm - balise->heard_mm;
     }
     balise->heard = 1;
@@ -180,11 +213,17 @@ void railhil_balise(railhil_balise_t *balise, railhil_odometer_t *odometer, int6
     }
     behind_mm = here_mm + within_mm - (int64_t)railhil_get16(process + 5);
     behind_mm -= railhil_floored(behind_mm, WORD_MM) * WORD_MM + within_mm;
-    if (furthest_mm + within_mm >= WORD_MM || behind_mm > furthest_mm) {
+    /* The first telegram may be of a balise passed long ago: the last place possible is taken, if it is the only one. */
+    if (furthest_mm + within_mm >= WORD_MM || behind_mm > furthest_mm ||
+        (first && may_be_earlier(surveyed_mm, here_mm - behind_mm, within_mm))) {
         counts[RAILHIL_BALISE_LATE]++;
         return;
     }
     balise->last[0] = number;
-    balise->last[1] = limited_01mm((int32_t)railhil_get32(process + 1));
+    balise->last[1] = limited_01mm(surveyed_mm);
     balise->last[2] = limited_01mm(here_mm - behind_mm);
+    if (is_explained(surveyed_mm, here_mm - behind_mm, 0)) {
+        balise->sure_surveyed_mm = surveyed_mm;
+        balise->sure_passed_mm = here_mm - behind_mm;
+    }
 }

@@ -14,7 +14,7 @@ enum {
     RAILHIL_POSITION_JUMP,                             /* inconsistent with the speeds */
     RAILHIL_BALISE_CHECK,                              /* BALISE: check variable not correct */
     RAILHIL_BALISE_NUMBER,                             /* number 0: no balise */
-    RAILHIL_BALISE_LATE, /* not passed between the last telegram and the present position */
+    RAILHIL_BALISE_LATE, /* there is not exactly one place where it can have been passed */
     RAILHIL_POSITION_OUTCOMES
 };
 
@@ -41,6 +41,8 @@ typedef struct {
 typedef struct {
     int32_t last[3]; /* for the law: number (0: none yet), surveyed position, odometer when passed, 0.1 mm */
     int64_t heard_mm;
+    int64_t sure_surveyed_mm; /* the last balise that a worn wheel explains, and the odometer there; the start */
+    int64_t sure_passed_mm;
     int32_t number;
     int heard;
 } railhil_balise_t;
@@ -49,6 +51,9 @@ typedef struct {
 void railhil_position(railhil_odometer_t *odometer, int64_t now_ns, const unsigned char *process, uint32_t *counts);
 void railhil_balise(railhil_balise_t *balise, railhil_odometer_t *odometer, int64_t now_ns,
                     const unsigned char *process, uint32_t *counts);
+
+/* 1 if a train at here_01mm by its odometer is beyond a place on the line, whatever its wheels, by the last balise. */
+int railhil_is_beyond(const railhil_balise_t *balise, int32_t here_01mm, int64_t place_01mm);
 
 /* Position for the law: the odometer's while it is trusted, else the reckoned one; 0.1 mm. */
 int32_t railhil_position_01mm(railhil_odometer_t *odometer, int64_t now_ns);
