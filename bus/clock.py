@@ -64,8 +64,8 @@ class BusClock:
 
     __slots__ = (
         "_ahead", "_began_tick", "_expected", "_frame_tick", "_known_tick", "_life", "_near_ticks", "_poll_tick",
-        "_polls", "_sync_life", "_ticks_per_frame", "base_tick_ns", "counters", "is_set", "now_ns", "own_ns", "rate",
-        "running", "tick",
+        "_polls", "_spare_ns", "_sync_life", "_ticks_per_frame", "base_tick_ns", "counters", "is_set", "now_ns",
+        "own_ns", "rate", "running", "tick",
     )  # fmt: skip
 
     def __init__(
@@ -91,6 +91,8 @@ class BusClock:
         self._ahead: tuple[int, int] | None = None
         # Since an outage of the interface the time is an estimate: the last tick before it (-1: it is no estimate).
         self._known_tick = -1
+        # What of that time is less than a tick.
+        self._spare_ns = 0
         self.tick = 0
         #: Simulation time of the current tick in ns; read ten times per tick, hence not a property.
         self.now_ns = 0
@@ -212,16 +214,16 @@ class BusClock:
         be fresher.
         """
         if self.running:
-            if self._known_tick < 0:
-                self._known_tick = self.tick
-            self._set(self.tick + int(wall_ns * self.rate) // self.base_tick_ns)
+            self.elapsed(int(wall_ns * self.rate))
 
     def elapsed(self, sim_ns: int) -> None:
         """Nothing was received for ``sim_ns`` of simulation time: advance by it, as by the node's own timer."""
         if self.running:
             if self._known_tick < 0:
                 self._known_tick = self.tick
-            self._set(self.tick + sim_ns // self.base_tick_ns)
+                self._spare_ns = 0
+            ticks, self._spare_ns = divmod(self._spare_ns + sim_ns, self.base_tick_ns)
+            self._set(self.tick + ticks)
 
     def synchronise(self, telegram: TimeSync) -> bool:
         """Take pace and absolute tick of a TIME_SYNC telegram of the current tick; False when it is refused.

@@ -75,25 +75,20 @@ class Latency:
 
 
 class Debt:
-    """Counts events against time: each adds ``cost_ms``, each ms pays 1 back.
+    """Counts events against time: each adds ``cost``, each ms pays ``paid_per_ms`` back.
 
-    :param limit_ms: above this, there were too many.
+    :param limit: above this, there were too many.
     """
 
-    __slots__ = ("_at_ms", "_cost_ms", "_debt_ms", "_limit_ms")
+    __slots__ = ("_at_ms", "_cost", "_debt", "_limit", "_paid_per_ms")
 
-    def __init__(self, cost_ms: int, limit_ms: int) -> None:
-        self._cost_ms, self._limit_ms = cost_ms, limit_ms
-        self._debt_ms = self._at_ms = 0
+    def __init__(self, cost: int, limit: int, paid_per_ms: int = 1) -> None:
+        self._cost, self._limit, self._paid_per_ms = cost, limit, paid_per_ms
+        self._debt = self._at_ms = 0
 
     def add(self, now_ms: int) -> bool:
         """Count an event; True when there were too many. A clock that was set back pays nothing."""
-        paid_ms = max(now_ms - self._at_ms, 0)
+        paid = max(now_ms - self._at_ms, 0) * self._paid_per_ms
         self._at_ms = now_ms
-        self._debt_ms = min(max(self._debt_ms - paid_ms, 0) + self._cost_ms, 2 * self._limit_ms)
-        return self._debt_ms > self._limit_ms
-
-
-def channel_cost_ms(scenario: Scenario) -> int:
-    """What a bad telegram counts, of :data:`CHANNEL_WINDOW_MS`."""
-    return CHANNEL_WINDOW_MS // scenario.watch.channel_bad_max
+        self._debt = min(max(self._debt - paid, 0) + self._cost, 2 * self._limit)
+        return self._debt > self._limit

@@ -20,7 +20,6 @@ from railhil.controller_node.channel import (
     DISORDER_MS,
     Debt,
     Latency,
-    channel_cost_ms,
 )
 from railhil.controller_node.ecan import BitCounter, MessageAge
 from railhil.controller_node.odometer import Odometer
@@ -89,7 +88,9 @@ class Guard:
         self._sample_ns = -_SAMPLE_NS
         self._sample_01mmps = 0
         self._latency = Latency(scenario)
-        self._channel = Debt(channel_cost_ms(scenario), CHANNEL_WINDOW_MS)
+        # Of the permitted bad telegrams, each is paid back within the window divided by their number.
+        permitted = scenario.watch.channel_bad_max
+        self._channel = Debt(CHANNEL_WINDOW_MS, CHANNEL_WINDOW_MS * permitted, permitted)
         self._disorder = Debt(DISORDER_MS, DISORDER_MAX_MS)
         self._overruns_max = scenario.watch.overruns_max
         self._late = 0
@@ -240,7 +241,7 @@ class Guard:
             self._find("latency", CtlCause.SPEED_LATENCY if is_stale else CtlCause.NONE)
         # Also in the tick of a good telegram: the speed limit may have arrived after it.
         self.look(now_ns)
-        elapsed_ms = (now_ns - self._sent_ns) // _NS_PER_MS
+        ramp = self._ladder.ramp_codes(self._sent_ns, now_ns)
         self._sent_ns = now_ns
-        self._state, code, emergency = command(self._ladder, self._state, law_code, elapsed_ms)
+        self._state, code, emergency = command(self._ladder, self._state, law_code, ramp)
         return code, emergency

@@ -148,11 +148,12 @@ class Motion:
         self._speed = 0
         # Force of the actuator in the model, notch codes (1/256 notch) times 256.
         self._force = 0
-        # By how much the train is faster than the model, since the notch is at most 0, with a time constant of 1 s.
+        # Sums over the samples, in units in which no product is rounded. By how much the train is faster than the
+        # model, since the notch is at most 0, with a time constant of 1 s; 1e-7 m/s.
         self._off = 0
-        # Change of speed that is due since the reading has changed.
+        # Change of speed that is due since the reading has changed, 1e-7 m/s.
         self._due = 0
-        # Way by the speeds, 1e-7 m; entries (way, position) of the last 5 s.
+        # Way by the speeds, 0.5e-7 m; entries (way, position) of the last 5 s.
         self._way = 0
         self._count = 0
         self._ring = [(0, 0)] * RING
@@ -173,7 +174,8 @@ class Motion:
         """
         limits = self._limits
         before_ns, before = self._at_ns, self._speed
-        step_ms = (now_ns - before_ns) // _NS_PER_MS
+        # Both ends are rounded, so that over many samples no time is lost.
+        step_ms = now_ns // _NS_PER_MS - before_ns // _NS_PER_MS
         self._at_ns, self._speed = now_ns, speed
         if not self._begun or not 0 < step_ms <= PAUSE_MAX_MS:
             self._begun = True
@@ -202,7 +204,7 @@ class Motion:
         else:
             self._off = self.weak_ms = 0
             self.is_runaway = False
-        self._way += (speed + before) * step_ms // 2
+        self._way += (speed + before) * step_ms
         if position is None:
             self._count = 0
             self.is_off_scale = False
@@ -216,18 +218,18 @@ class Motion:
         if self._speed == 0:
             self._due = 0
         elif abs(accel) >= DUE_MIN:
-            self._due += accel * step_ms // 1000
-        self.is_stuck = abs(self._due) > self._limits.stuck_01mmps
+            self._due += accel * step_ms
+        self.is_stuck = abs(self._due) > self._limits.stuck_01mmps * 1000
 
     def _judge_force(self, force: int, against: int, step_ms: int, change: int) -> None:
         limits = self._limits
         force = max(force, -limits.brake_01mmps2)
         accel = force - against
-        self._off = off = self._off - self._off * step_ms // 1000 + change - accel * step_ms // 1000
+        self._off = off = self._off - self._off * step_ms // 1000 + change * 1000 - accel * step_ms
         # The excess over 1 s is the unexplained acceleration.
-        self.is_runaway = off > limits.runaway_01mmps and accel + off > 0
+        self.is_runaway = off > limits.runaway_01mmps * 1000 and accel * 1000 + off > 0
         missing = -force * (1000 - limits.brake_share_permil) // 1000 + SHORTFALL
-        self.weak_ms = self.weak_ms + step_ms if force < -DEMAND_MIN and off > missing else 0
+        self.weak_ms = self.weak_ms + step_ms if force < -DEMAND_MIN and off > missing * 1000 else 0
 
     def _judge_scale(self, position: int) -> None:
         entry = self._count // RING_EVERY
@@ -235,7 +237,7 @@ class Motion:
         self._ring[entry % RING] = self._way, position
         if entry <= RING:
             return
-        by_speed, by_odometer = (self._way - way) // 1000, position - place
+        by_speed, by_odometer = (self._way - way) // 2000, position - place
         allowed = max(by_speed, by_odometer) * self._limits.scale_permil // 1000 + self._limits.disagreement_01mm
         self.is_off_scale = abs(by_speed - by_odometer) > allowed
 

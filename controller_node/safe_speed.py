@@ -53,9 +53,11 @@ class SafeSpeed:
         :param tick: of the controller's clock; None: it is not known yet, and the telegram's time is not checked.
         :param speed_01mmps: accepted from TRN_SPEED at this instant; None: none was.
         """
-        missed = (now_ns - self._cycle_ns) // self._period_ns - 1
-        self._cycle_ns = now_ns
-        for _ in range(min(missed, self._n_rxsafe)):
+        since_ns = now_ns - self._cycle_ns
+        cycles = since_ns // self._period_ns
+        # A telegram that comes late does not take the time of the next one.
+        self._cycle_ns = now_ns - since_ns % self._period_ns if cycles > 0 else now_ns
+        for _ in range(min(cycles - 1, self._n_rxsafe)):
             self._sink.judge(None)
         if self._sink.judge(telegram.encode()) is not Validity.FRESH:
             return

@@ -41,6 +41,7 @@ RECENT = 10
 SERVICE_BRAKE_JERK_MPS3: Final = 0.75
 
 _CODES_PER_NOTCH: Final = 256
+_NS_PER_S: Final = 1_000_000_000
 _RECENT_MASK: Final = (1 << RECENT) - 1
 
 
@@ -141,6 +142,10 @@ class Ladder(NamedTuple):
             round(SERVICE_BRAKE_JERK_MPS3 * codes_per_mps2),
             round(limits.overspeed_margin_mps * 1e4),
         )
+
+    def ramp_codes(self, since_ns: int, now_ns: int) -> int:
+        """How far the ramp goes in this time. Both ends are rounded, so that over many short times nothing is lost."""
+        return self.ramp_code_per_s * now_ns // _NS_PER_S - self.ramp_code_per_s * since_ns // _NS_PER_S
 
     def is_overspeed(self, speed_01mmps: int, limit_01mmps: int) -> bool:
         """True when the measured speed is above the limit by more than the margin."""
@@ -249,17 +254,14 @@ def _by_telegrams(
     return _NORMAL, CtlCause.NONE
 
 
-def command(
-    ladder: Ladder, state: SpeedWatchState, law_code: int, elapsed_ms: int
-) -> tuple[SpeedWatchState, int, bool]:
+def command(ladder: Ladder, state: SpeedWatchState, law_code: int, ramp: int) -> tuple[SpeedWatchState, int, bool]:
     """The notch to send instead of the law's.
 
     :param law_code: the law's last result, 1/256 notch, inside the notch range.
-    :param elapsed_ms: time since the last notch was sent.
+    :param ramp: how far the ramp goes since the last notch was sent (:meth:`Ladder.ramp_codes`).
     :returns: state, notch code, emergency brake flag.
     """
     last = state.code
-    ramp = ladder.ramp_code_per_s * elapsed_ms // 1000
     level, returning = state.level, state.returning or state.level >= _TRACTION_CUT
     if level is _EMERGENCY:
         code = -ladder.full_code

@@ -15,7 +15,7 @@ from railhil.bus.telegrams import NotchCmd, TrnPos, TrnSpeed
 from railhil.controller_node import balises, odometer
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Arithmetic
-from railhil.controller_node.channel import Latency, channel_cost_ms
+from railhil.controller_node.channel import Latency
 from railhil.controller_node.cost import cost_of
 from railhil.controller_node.export import notch_runs
 from railhil.controller_node.export.control import (
@@ -74,7 +74,7 @@ def _motion(scenario: Scenario) -> list[Define]:
         Define("GRADE_Q16", wide(limits.grade_q16), "of a grade of 0.01 permil"),
         Define("NOTCH_TICKS", wide(latency.poll_ticks), "between two polls of NOTCH_CMD"),
         Define("LATENCY_MAX_TICKS", wide(latency.limit_ticks), "TRN_SPEED behind the polls"),
-        Define("CHANNEL_COST_MS", wide(channel_cost_ms(scenario)), "of a bad TRN_SPEED"),
+        Define("CHANNEL_BAD_MAX", wide(scenario.watch.channel_bad_max), "bad TRN_SPEED permitted in 10 s"),
         Define("OVERRUNS_MAX", wide(scenario.watch.overruns_max), "late control periods in a row"),
     ]
 

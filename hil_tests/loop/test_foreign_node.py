@@ -215,13 +215,20 @@ def test_speed_is_missing_at_standstill_and_while_braking(exported) -> None:
     assert SpeedWatchLevel.EMERGENCY not in run.levels
 
 
-def driven(exported, speeds: Sequence[int | None], unpolled: Container[int] = ()) -> tuple[list[int], bytes]:
+def driven(
+    exported, speeds: Sequence[int | None], unpolled: Container[int] = (), tick_ns: int = 10_000_000
+) -> tuple[list[int], bytes]:
     """Both controllers with one speed (0.1 mm/s; None: no telegram) in each tick and their two polls in every other.
 
     :param unpolled: ticks without polls.
     :returns: the level after each tick, and the second block of the last CTL_STAT.
     """
     scenario = short()
+    if tick_ns != scenario.timing.base_tick_ns:
+        periods = {TrnSpeed.PORT: tick_ns, NotchCmd.PORT: 2 * tick_ns}
+        timing = dataclasses.replace(scenario.timing, base_tick_ns=tick_ns, port_period_ns=periods)
+        scenario = dataclasses.replace(scenario, timing=timing)
+        scenario = dataclasses.replace(scenario, sha256=scenario_sha256(scenario))
     node, c = ControllerNode(scenario, LawSpec()), CNode(exported(scenario), "ipfc")
     source, contract = TelegramSource(TrnSpeed.port()), wire_contract()
     polls = [master_frame(port.f_code, port.address) for port in map(contract.port, (NotchCmd.PORT, CtlStat.PORT))]
@@ -237,6 +244,15 @@ def driven(exported, speeds: Sequence[int | None], unpolled: Container[int] = ()
             status = expected[1].data if len(expected) == 3 else status
         levels.append(c.level)
     return levels, status
+
+
+@pytest.mark.parametrize("tick_ns", [500_000, 1_000_000, 7_000_000])
+def test_the_ramps_lose_nothing_with_any_tick(exported, tick_ns: int) -> None:
+    """Service brake for want of a speed, and back: from a ramp of less than a code from one poll to the next on."""
+    ticks = 400_000_000 // tick_ns
+    levels, _ = driven(exported, [*[10_000] * ticks, *[None] * ticks, *[10_000] * ticks], tick_ns=tick_ns)
+    assert levels[ticks - 1] == levels[-1] == SpeedWatchLevel.NORMAL
+    assert max(levels) == SpeedWatchLevel.SERVICE_BRAKE
 
 
 def test_control_periods_left_out_are_counted(exported) -> None:

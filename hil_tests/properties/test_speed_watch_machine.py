@@ -114,7 +114,7 @@ class SpeedWatchBesideReference(RuleBasedStateMachine):
     )
     def notches(self, law: int, elapsed_ms: int, times: int) -> None:
         for _ in range(times):
-            self.state, code, emergency = command(LADDER, self.state, law, elapsed_ms)
+            self.state, code, emergency = command(LADDER, self.state, law, RAMP_PER_S * elapsed_ms // 1000)
             assert code == self.reference.notch(law, elapsed_ms)
             assert emergency == (self.reference.level == 4)
 
@@ -141,7 +141,7 @@ def test_a_run_goes_on_at_the_very_limit_of_hold() -> None:
 
 
 def test_after_a_traction_cut_the_notch_returns_on_the_ramp_though_it_was_zero_all_the_time() -> None:
-    state, code, _ = command(LADDER, seen(SpeedWatchState(), Seen(65)), 0, 20)
+    state, code, _ = command(LADDER, seen(SpeedWatchState(), Seen(65)), 0, RAMP_PER_S * 20 // 1000)
     assert code == 0
-    _, code, _ = command(LADDER, seen(state, *GOODS * 5), 900, 20)
+    _, code, _ = command(LADDER, seen(state, *GOODS * 5), 900, RAMP_PER_S * 20 // 1000)
     assert code == RAMP_PER_S * 20 // 1000 < 900

@@ -30,6 +30,8 @@ class TruthClock:
         # Ticks of the last telegrams of the truth and of the clock port.
         self._last, self._clock_tick = -self._truth_ticks, 0
         self._begun = False
+        # What of the silences is less than the period of the truth.
+        self._spare_ns = 0
         # Telegrams of the clock port since the last one of the truth.
         self._seen = 0
         self.tick = 0
@@ -74,7 +76,8 @@ class TruthClock:
 
     def silence(self, sim_ns: int) -> None:
         """Nothing could be received for some simulation time."""
-        self._last += sim_ns // (self._truth_ticks * self._base_tick_ns) * self._truth_ticks
+        frames, self._spare_ns = divmod(self._spare_ns + sim_ns, self._truth_ticks * self._base_tick_ns)
+        self._last += frames * self._truth_ticks
         self._set(max(self.tick, self._last))
 
     def _set(self, tick: int) -> bool:

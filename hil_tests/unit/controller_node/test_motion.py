@@ -45,7 +45,7 @@ class PlainMotion:
     ) -> None:
         limits, last = self.limits, self.last
         self.last = now_ns, speed
-        step_ms = (now_ns - last[0]) // 1_000_000 if last else 0
+        step_ms = now_ns // 1_000_000 - last[0] // 1_000_000 if last else 0
         if last is None or step_ms <= 0 or step_ms > 1000:
             return self.begin()
         share = min(limits.decay_q16 * step_ms // 100, 65536)
@@ -56,18 +56,19 @@ class PlainMotion:
         if changed_ns > last[0] or speed == 0:
             self.due = 0
         elif abs(min(force, limits.weak_traction_01mmps2) - against) >= 1000:
-            self.due += (min(force, limits.weak_traction_01mmps2) - against) * step_ms // 1000
-        self.stuck = changed_ns <= last[0] and abs(self.due) > limits.stuck_01mmps
+            self.due += (min(force, limits.weak_traction_01mmps2) - against) * step_ms
+        self.stuck = changed_ns <= last[0] and abs(self.due) / 1000 > limits.stuck_01mmps
         if code <= 0 and speed >= 5000 and grade is not None:
             force = min(force, limits.traction_01mmps2)
             accel = force - against
-            self.off += -(self.off * step_ms // 1000) + speed - last[1] - accel * step_ms // 1000
-            self.runaway = self.off > limits.runaway_01mmps and self.off > -accel
-            is_weak = force < -3000 and self.off > -force * (1000 - limits.brake_share_permil) // 1000 + 1500
+            self.off += -(self.off * step_ms // 1000) + (speed - last[1]) * 1000 - accel * step_ms
+            off = self.off / 1000
+            self.runaway = off > limits.runaway_01mmps and off > -accel
+            is_weak = force < -3000 and off > -force * (1000 - limits.brake_share_permil) // 1000 + 1500
             self.weak_ms = self.weak_ms + step_ms if is_weak else 0
         else:
             self.off, self.runaway, self.weak_ms = 0, False, 0
-        self.way += (speed + last[1]) * step_ms // 2
+        self.way += (speed + last[1]) * step_ms
         if position is None:
             self.entries, self.count, self.off_scale = [], 0, False
             return None
@@ -77,7 +78,7 @@ class PlainMotion:
         self.entries.append((self.way, position))
         if len(self.entries) > 10:
             way, place = self.entries[-11]
-            ways = (self.way - way) // 1000, position - place
+            ways = (self.way - way) // 2000, position - place
             allowed = max(ways) * limits.scale_permil // 1000 + limits.disagreement_01mm
             self.off_scale = abs(ways[0] - ways[1]) > allowed
         return None

@@ -27,6 +27,13 @@ from railhil.scenarios.load import load
 
 SCENARIO = load("lvshun_tieshan")
 LADDER = Ladder.of(SCENARIO)
+
+
+def ramp(elapsed_ms: int) -> int:
+    """How far the ramp goes in this time from 0."""
+    return LADDER.ramp_codes(0, elapsed_ms * 1_000_000)
+
+
 GOOD, BAD, NONE, IMPLAUSIBLE = Reception.GOOD, Reception.BAD, Reception.NONE, Reception.IMPLAUSIBLE
 
 
@@ -114,7 +121,7 @@ def test_ladder_equals_the_reference(events: list[Any]) -> None:
         assert state.level == reference.look(seen)
         if state.level > before.level and not (seen.finding and seen.telegram >= BAD):
             assert state.cause is cause_of(seen, state.level)
-        state, code, emergency = command(LADDER, state, law_code, elapsed_ms)
+        state, code, emergency = command(LADDER, state, law_code, ramp(elapsed_ms))
         assert state.code == code
         _assert_safe(before, state, code, emergency, law_code, elapsed_ms)
 
@@ -266,7 +273,7 @@ def test_emergency_is_latched(cause: Seen) -> None:
 def run_commands(state: SpeedWatchState, law_code: int, count: int) -> tuple[SpeedWatchState, list[int]]:
     codes = []
     for _ in range(count):
-        state, code, _ = command(LADDER, state, law_code, 20)
+        state, code, _ = command(LADDER, state, law_code, ramp(20))
         codes.append(code)
     return state, codes
 
@@ -315,7 +322,7 @@ def test_no_traction_in_service_brake_though_the_ladder_jumped_there() -> None:
     assert state.level is SpeedWatchLevel.SERVICE_BRAKE
     code = 7 * 256
     for elapsed_ms in (20, 20, 20):
-        state, code, _ = command(LADDER, state, 7 * 256, elapsed_ms)
+        state, code, _ = command(LADDER, state, 7 * 256, ramp(elapsed_ms))
         assert code < 0, "brakes from the first notch on"
 
 
@@ -326,12 +333,12 @@ def test_harder_braking_is_not_released_by_the_service_brake() -> None:
 
 def test_emergency_brakes_fully_at_once() -> None:
     state = after(SpeedWatchState(code=1000), Seen(1001))
-    assert command(LADDER, state, 1000, 20)[1:] == (-LADDER.full_code, True)
+    assert command(LADDER, state, 1000, ramp(20))[1:] == (-LADDER.full_code, True)
 
 
 def test_a_clock_that_is_set_back_makes_no_notch_beyond_the_greatest() -> None:
     """Elapsed time below 0 turns the ramp round; the train's gate would refuse what lies beyond its range."""
     back = after(SpeedWatchState(code=-LADDER.full_code, returning=True), *goods(1))
     for elapsed_ms in (-1000, -10, 0, 10):
-        _, code, _ = command(LADDER, back, 0, elapsed_ms)
+        _, code, _ = command(LADDER, back, 0, ramp(elapsed_ms))
         assert code == -LADDER.full_code + max(0, LADDER.ramp_code_per_s * elapsed_ms // 1000)

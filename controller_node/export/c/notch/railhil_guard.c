@@ -4,6 +4,7 @@
 #include "@LAW@_node.h"
 
 #define NS_PER_MS INT64_C(1000000)
+#define NS_PER_S INT64_C(1000000000)
 /* A higher raw speed is not plausible for a train (0.1 mm/s). */
 #define SPEED_MAX_01MMPS INT32_C(1500000)
 
@@ -177,7 +178,8 @@ static void refuse(railhil_guard_t *guard, int64_t now_ns, seen_t seen)
 {
     finding_t finding = no_finding;
     const int64_t now_ms = railhil_floored(now_ns, NS_PER_MS);
-    if (railhil_debt_add(&guard->channel, now_ms, RAILHIL_CHANNEL_COST_MS, CHANNEL_WINDOW_MS)) {
+    if (railhil_debt_add(&guard->channel, now_ms, CHANNEL_WINDOW_MS, CHANNEL_WINDOW_MS * RAILHIL_CHANNEL_BAD_MAX,
+                         RAILHIL_CHANNEL_BAD_MAX)) {
         finding = stronger(finding, RAILHIL_SERVICE_BRAKE, RAILHIL_CAUSE_CHANNEL_MONITOR);
     }
     look(guard, now_ns, seen, finding);
@@ -212,7 +214,7 @@ void railhil_speed(railhil_guard_t *guard, int64_t now_ns, const unsigned char *
         if (judged == RAILHIL_OLD) {
             const int64_t now_ms = railhil_floored(now_ns, NS_PER_MS);
             /* Two senders alternate; after a loss there are old ones in a row. */
-            if (!guard->latency.old && railhil_debt_add(&guard->disorder, now_ms, DISORDER_MS, DISORDER_MAX_MS)) {
+            if (!guard->latency.old && railhil_debt_add(&guard->disorder, now_ms, DISORDER_MS, DISORDER_MAX_MS, 1)) {
                 finding = stronger(finding, RAILHIL_SERVICE_BRAKE, RAILHIL_CAUSE_TWO_SOURCES);
             }
             guard->latency.doubt = guard->latency.old = 1;
@@ -268,11 +270,17 @@ void railhil_period(railhil_guard_t *guard, int late)
     guard->watch.late = late ? guard->watch.late + 1 : 0;
 }
 
+/* How far the ramp goes up to a time. Both ends of an interval are rounded, so that many short ones lose nothing. */
+static int64_t ramp_codes(int64_t at_ns)
+{
+    const int64_t at_s = railhil_floored(at_ns, NS_PER_S);
+    return RAILHIL_RAMP_CODE_PER_S * at_s + RAILHIL_RAMP_CODE_PER_S * (at_ns - at_s * NS_PER_S) / NS_PER_S;
+}
+
 int32_t railhil_watched_notch(railhil_guard_t *guard, int64_t now_ns, int32_t law_code)
 {
     railhil_watch_t *watch = &guard->watch;
-    const int64_t elapsed_ms = railhil_floored(now_ns - watch->sent_ns, NS_PER_MS);
-    const int64_t ramp = railhil_floored(RAILHIL_RAMP_CODE_PER_S * elapsed_ms, 1000);
+    const int64_t ramp = ramp_codes(now_ns) - ramp_codes(watch->sent_ns);
     const int64_t last = watch->code;
     int returning;
     int64_t code;

@@ -27,10 +27,10 @@ static void judge_stuck(railhil_motion_t *motion, int64_t force, int64_t against
     } else {
         const int64_t accel = railhil_greater(force, -RAILHIL_BRAKE_01MMPS2) - against;
         if (railhil_greater(accel, -accel) >= DUE_MIN) {
-            motion->due += railhil_floored(accel * step_ms, 1000);
+            motion->due += accel * step_ms;
         }
     }
-    motion->stuck = railhil_greater(motion->due, -motion->due) > RAILHIL_STUCK_01MMPS;
+    motion->stuck = railhil_greater(motion->due, -motion->due) > RAILHIL_STUCK_01MMPS * 1000;
 }
 
 static void judge_force(railhil_motion_t *motion, int64_t wanted, int64_t against, int64_t step_ms, int64_t change)
@@ -39,10 +39,10 @@ static void judge_force(railhil_motion_t *motion, int64_t wanted, int64_t agains
     const int64_t accel = force - against;
     const int64_t missing = railhil_floored(-force * (1000 - RAILHIL_BRAKE_SHARE_PERMIL), 1000) + SHORTFALL;
     motion->off -= railhil_floored(motion->off * step_ms, 1000);
-    motion->off += change - railhil_floored(accel * step_ms, 1000);
+    motion->off += change * 1000 - accel * step_ms;
     /* The excess over 1 s is the unexplained acceleration. */
-    motion->runaway = motion->off > RAILHIL_RUNAWAY_01MMPS && accel + motion->off > 0;
-    motion->weak_ms = force < -DEMAND_MIN && motion->off > missing ? motion->weak_ms + step_ms : 0;
+    motion->runaway = motion->off > RAILHIL_RUNAWAY_01MMPS * 1000 && accel * 1000 + motion->off > 0;
+    motion->weak_ms = force < -DEMAND_MIN && motion->off > missing * 1000 ? motion->weak_ms + step_ms : 0;
 }
 
 static void judge_scale(railhil_motion_t *motion, int has_position, int64_t position)
@@ -62,7 +62,7 @@ static void judge_scale(railhil_motion_t *motion, int has_position, int64_t posi
         return;
     }
     entry = motion->count / RAILHIL_RING_EVERY;
-    by_speed = railhil_floored(motion->way - motion->ring_way[entry % RAILHIL_RING], 1000);
+    by_speed = railhil_floored(motion->way - motion->ring_way[entry % RAILHIL_RING], 2000);
     by_odometer = position - motion->ring_place[entry % RAILHIL_RING];
     motion->ring_way[entry % RAILHIL_RING] = motion->way;
     motion->ring_place[entry % RAILHIL_RING] = position;
@@ -77,7 +77,8 @@ static void judge_scale(railhil_motion_t *motion, int has_position, int64_t posi
 void railhil_sample(railhil_motion_t *motion, int64_t now_ns, int64_t speed, int64_t code, int has_grade, int64_t grade,
                     int64_t changed_ns, int has_position, int64_t position)
 {
-    const int64_t step_ms = railhil_floored(now_ns - motion->at_ns, NS_PER_MS);
+    /* Both ends are rounded, so that over many samples no time is lost. */
+    const int64_t step_ms = railhil_floored(now_ns, NS_PER_MS) - railhil_floored(motion->at_ns, NS_PER_MS);
     const int64_t before_ns = motion->at_ns;
     const int64_t before = motion->speed;
     int64_t share_q16;
@@ -108,7 +109,7 @@ void railhil_sample(railhil_motion_t *motion, int64_t now_ns, int64_t speed, int
     } else {
         judge_force(motion, railhil_lesser(wanted, RAILHIL_TRACTION_01MMPS2), against, step_ms, speed - before);
     }
-    motion->way += railhil_floored((speed + before) * step_ms, 2);
+    motion->way += (speed + before) * step_ms;
     judge_scale(motion, has_position, position);
 }
 
@@ -136,10 +137,10 @@ int railhil_latency_polled(railhil_latency_t *latency)
     return late > RAILHIL_LATENCY_MAX_TICKS;
 }
 
-int railhil_debt_add(railhil_debt_t *debt, int64_t now_ms, int64_t cost_ms, int64_t limit_ms)
+int railhil_debt_add(railhil_debt_t *debt, int64_t now_ms, int64_t cost, int64_t limit, int64_t paid_per_ms)
 {
-    const int64_t paid_ms = railhil_greater(now_ms - debt->at_ms, 0);
+    const int64_t paid = railhil_greater(now_ms - debt->at_ms, 0) * paid_per_ms;
     debt->at_ms = now_ms;
-    debt->debt_ms = railhil_lesser(railhil_greater(debt->debt_ms - paid_ms, 0) + cost_ms, 2 * limit_ms);
-    return debt->debt_ms > limit_ms;
+    debt->debt = railhil_lesser(railhil_greater(debt->debt - paid, 0) + cost, 2 * limit);
+    return debt->debt > limit;
 }

@@ -13,9 +13,9 @@ enum { RAILHIL_RING = 10, RAILHIL_RING_EVERY = 5 };
 typedef struct {
     int64_t at_ns;
     int64_t force; /* of the actuator in the model, notch codes (1/256 notch) times 256 */
-    int64_t off;   /* excess of the speed over the model, with a time constant of 1 s */
-    int64_t due;   /* change of speed that is due since the reading has changed */
-    int64_t way;   /* by the speeds, 1e-7 m */
+    int64_t off;   /* excess of the speed over the model, with a time constant of 1 s, 1e-7 m/s */
+    int64_t due;   /* change of speed that is due since the reading has changed, 1e-7 m/s */
+    int64_t way;   /* by the speeds, 0.5e-7 m */
     int64_t ring_way[RAILHIL_RING];
     int64_t ring_place[RAILHIL_RING];
     int64_t speed;
@@ -35,10 +35,10 @@ typedef struct {
     int old;   /* the last telegram was older than the one before */
 } railhil_latency_t;
 
-/* Events against time: each adds its cost, each ms pays 1 back. */
+/* Events against time: each adds its cost, each ms pays some of it back. */
 typedef struct {
     int64_t at_ms;
-    int64_t debt_ms;
+    int64_t debt;
 } railhil_debt_t;
 
 /* 1 if a train can have changed its speed by so much in this time. */
@@ -54,6 +54,6 @@ void railhil_latency_received(railhil_latency_t *latency, int life);
 int railhil_latency_polled(railhil_latency_t *latency);
 
 /* Counts an event; 1 if there were too many. */
-int railhil_debt_add(railhil_debt_t *debt, int64_t now_ms, int64_t cost_ms, int64_t limit_ms);
+int railhil_debt_add(railhil_debt_t *debt, int64_t now_ms, int64_t cost, int64_t limit, int64_t paid_per_ms);
 
 #endif

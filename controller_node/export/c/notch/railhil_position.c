@@ -213,7 +213,7 @@ void railhil_balise(railhil_balise_t *balise, railhil_odometer_t *odometer, int6
     }
     behind_mm = here_mm + within_mm - (int64_t)railhil_get16(process + 5);
     behind_mm -= railhil_floored(behind_mm, WORD_MM) * WORD_MM + within_mm;
-    /* The first telegram may be of a balise passed long ago: the last place possible is taken, if it is the only one. */
+    /* The first telegram may be of a balise passed long ago: the last place is taken if it is the only one. */
     if (furthest_mm + within_mm >= WORD_MM || behind_mm > furthest_mm ||
         (first && may_be_earlier(surveyed_mm, here_mm - behind_mm, within_mm))) {
         counts[RAILHIL_BALISE_LATE]++;

@@ -154,13 +154,15 @@ static inline void railhil_safe_speed(railhil_safe_t *safe, const railhil_clock_
                                       int speed_known, int32_t speed_01mmps, uint32_t *counts)
 {
     const int64_t now_ns = railhil_own_ns(clock);
-    int64_t missed = railhil_floored(now_ns - safe->cycle_ns, RAILHIL_SAFE_PERIOD_NS) - 1;
+    const int64_t cycles = railhil_floored(now_ns - safe->cycle_ns, RAILHIL_SAFE_PERIOD_NS);
+    int64_t missed;
     const uint32_t raw = (railhil_get16(process) << 8) | process[2];
     const int32_t told_01mmps = (int32_t)(raw ^ UINT32_C(0x800000)) - INT32_C(0x800000);
     const uint32_t tick = (uint32_t)process[3] << 16 | railhil_get16(process + 8);
     const uint32_t off = (tick - (uint32_t)((uint64_t)clock->tick & 0xFFFFFFu)) & 0xFFFFFFu;
-    safe->cycle_ns = now_ns;
-    for (missed = railhil_lesser(missed, RAILHIL_SAFE_RXSAFE); missed > 0; missed--) {
+    /* A telegram that comes late does not take the time of the next one. */
+    safe->cycle_ns = cycles > 0 ? safe->cycle_ns + cycles * RAILHIL_SAFE_PERIOD_NS : now_ns;
+    for (missed = railhil_lesser(cycles - 1, RAILHIL_SAFE_RXSAFE); missed > 0; missed--) {
         (void)railhil_safe_judge(safe, NULL, counts);
     }
     if (railhil_safe_judge(safe, process, counts) != RAILHIL_SAFE_FRESH) {
