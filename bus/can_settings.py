@@ -10,7 +10,6 @@ import argparse
 import os
 import sys
 from collections.abc import Iterator, Mapping
-from pathlib import Path
 from typing import Any, ClassVar
 
 #: Where python-can looks for settings on Linux (``can.util.CONFIG_FILES`` and ``load_environment_config``).
@@ -28,7 +27,12 @@ def has_settings(environment: Mapping[str, str] | None = None) -> bool:
     if "can" in sys.modules:
         return True
     environment = os.environ if environment is None else environment
-    return any(name in environment for name in _VARIABLES) or any(Path(path).expanduser().exists() for path in _FILES)
+    return any(name in environment for name in _VARIABLES) or any(map(_is_there, _FILES))
+
+
+def _is_there(path: str) -> bool:
+    """Whether there is such a file; in the home of somebody else python-can finds none, and there may be no home."""
+    return os.path.isfile(os.path.expanduser(path))
 
 
 class Interfaces:

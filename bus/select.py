@@ -95,21 +95,24 @@ def choose_bus(namespace: argparse.Namespace, private_hub: Path | None = None, v
 
     :param private_hub: socket path where the caller can start its own hub; without it the default hub is used.
     :param vcan: whether the kernel has vcan0; None: determined if nothing else selects a bus.
+    :raises InputError: python-can's configuration is wrong, or a channel or bit rate is given and nothing names an
+        interface.
     """
     given = config_from_namespace(namespace)
     reason = "given on the command line"
+    config = _configured(given)
     if given and "interface" not in given:
         # python-can would fill it in when opening; code that depends on the interface needs it earlier.
-        configured = _configured(given)
-        if "interface" in configured:
-            given = {**configured, **given}
-            reason += ", the rest from python-can's configuration"
+        if "interface" not in config:
+            found = Words(f"only {' '.join(arguments_from_config(given)) or 'a timing'}")
+            raise InputError("command line", "--interface", found, "-i INTERFACE beside it, or can.rc")
+        given = {**config, **given}
+        reason += ", the rest from python-can's configuration"
     if given.get("interface") == HUB_INTERFACE and "channel" not in given and private_hub is not None:
         return _own_hub(private_hub, "a hub of this run's own, as given on the command line", given)
     if given:
         return BusChoice(given, reason, arguments=arguments_from_config(given))
-    config = _configured({})
-    if config.get("interface"):
+    if config:
         return BusChoice(config, "from python-can's configuration", arguments=arguments_from_config(config))
     if vcan_available() if vcan is None else vcan:
         config = {"interface": "socketcan", "channel": _DEFAULT_VCAN}
@@ -142,15 +145,15 @@ def own_pipes() -> BusChoice:
 
 
 def _configured(given: dict[str, Any]) -> dict[str, Any]:
-    """What ``can.rc`` and the environment add to ``given``; empty if no interface is named."""
-    if not (given or has_settings()):
-        return {}
-    import can
+    """The bus of ``given`` and python-can's configuration; empty if neither says anything.
 
-    try:
-        found = can.util.load_config(config=dict(given))
-    except can.CanInterfaceNotImplementedError:
-        return {}
+    :raises InputError: the configuration is wrong.
+    """
+    if not has_settings():
+        return dict(given)
+    from railhil.bus.configured import configured
+
+    found = configured(given)
     return {key: found[key] for key in ("interface", "channel", "bitrate", "fd") if found.get(key) is not None}
 
 

@@ -10,6 +10,7 @@ import sys
 from collections.abc import Callable
 from typing import NoReturn
 
+from railhil.common.errors import InputError, Words
 from railhil.common.light_start import one_thread_for_matrices, without_asammdf
 from railhil.common.plain_text import plain
 
@@ -104,6 +105,10 @@ def guarded(name: str, main: Callable[[], int]) -> int:
         # Whatever nobody has expected: one line and an exit code, no traceback.
         if os.environ.get("RAILHIL_TRACEBACK"):
             raise
+        if isinstance(error, PermissionError) and error.filename is not None:
+            # Of a path that the user names, or of the user's home: whoever looks there finds no defect of the bench.
+            path = os.fsdecode(error.filename) if not isinstance(error.filename, int) else str(error.filename)
+            error = InputError(path, "", Words("permission denied"), "a path that this user may use")
         text = " ".join(str(error).split()) or type(error).__name__
         code = exit_code_of(error)
         expected = code != TOOL_ERROR or hasattr(error, "exit_code")

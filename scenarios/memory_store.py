@@ -62,9 +62,13 @@ class MemoryStore:
         empty.
 
         :param law: the law that asks; None: that of the records.
-        :raises InputError: the path is no folder, or a record is of another law.
+        :raises InputError: the path is no folder or not ours, or a record is of another law.
         """
-        if self.path.exists() and not self.path.is_dir():
+        try:
+            is_file = self.path.exists() and not self.path.is_dir()
+        except PermissionError:
+            raise InputError(self.path, "", Words("permission denied"), _ALLOWED) from None
+        if is_file:
             hint = f"copy it to FOLDER/{SLOT_FILES[LINE_DEFAULT]} to go on from it"
             raise InputError(self.path, "", Words("a file"), _ALLOWED, hint)
         found = [self._stored(slot) for slot in SLOT_FILES]

@@ -16,7 +16,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from railhil.common.choices import ARITHMETICS, BUSES, INDEXINGS, PACES, USUAL_LAW, USUAL_SCENARIO
 from railhil.common.command_line import APPEAR_MAX_S, RATE_MAX, RATE_MIN, RUN_NUMBER_MAX, SEED_MAX, TASK_PERIOD_MAX_MS
-from railhil.common.errors import Faults, InputError, Words, near_file
+from railhil.common.errors import Faults, InputError, Words, did_you_mean, near_file
 from railhil.common.patience import PATIENCE_S
 from railhil.faults import FAULT
 from railhil.scenarios.load import load_any, stable_name
@@ -51,14 +51,25 @@ OPTIONS: Mapping[str, str] = {
     "memory": "--memory-from",
     "orders": "--order",
 }
+_WITHOUT_VARIABLE = ("settings", "faults", "orders")
 #: Key of a run -> its environment variable: the name of the option with the prefix ``RAILHIL_``; compose uses the
 #: same names without the prefix. Settings, faults and orders have no variable, because
 #: there may be many.
 ENVIRONMENT: Mapping[str, str] = {
     key: "RAILHIL_" + option.lstrip("-").replace("-", "_").upper()
     for key, option in OPTIONS.items()
-    if key not in ("settings", "faults", "orders")
+    if key not in _WITHOUT_VARIABLE
 }
+#: Variables with our prefix that others read: the package itself, its build, its tests, pytest's plugin and compose. Any
+#: other name is a mistake, which must not run something else than was meant.
+OTHER_VARIABLES = frozenset(
+    f"RAILHIL_{name}"
+    for name in (
+        *("PURE", "TRACEBACK", "COMPILED", "CACHE", "REQUIRE_ALL"),
+        *("SEEDS", "RUNS", "NO_CONTROLLER"),
+        *("UID", "GID", "COMPOSE", "BUILD_NETWORK", "VCAN_RUNS", "VCAN_CASES"),
+    )
+)
 #: Keys whose value is a file name, except in a certificate, which holds the content; ``memory_store`` is always one.
 _MEMORY = ("memory", "memory_store")
 _FILES = ("parameters", "memory", "memory_store")
@@ -153,6 +164,12 @@ def environment_layer(environment: Mapping[str, str], faults: Faults) -> Layer:
     """The values of the variables in :data:`ENVIRONMENT`; empty ones are ignored. Errors are added to ``faults``."""
     said = {key: environment[name] for key, name in ENVIRONMENT.items() if environment.get(name)}
     source = "environment"
+    ours = [name for name, value in environment.items() if name.startswith("RAILHIL_") and value]
+    for name in sorted({*ours} - {*ENVIRONMENT.values()} - OTHER_VARIABLES):
+        options = " and ".join(OPTIONS[key] for key in _WITHOUT_VARIABLE)
+        allowed = f"a variable of docs/run_spec.md, or no such variable; {options} have none"
+        hint = did_you_mean(name, ENVIRONMENT.values())
+        faults.found.append(InputError(source, name, environment[name], allowed, hint))
     values: dict[str, Any] = {}
     if not said:
         # Most often: nothing to check, and no model to build.

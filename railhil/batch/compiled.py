@@ -99,7 +99,7 @@ class Kept:
     @property
     def is_there(self) -> bool:
         """Whether the machine code of an earlier process exists."""
-        return any(self.folder.glob(f"*/*.{self.name}-*.nbi"))
+        return self.kept and any(self.folder.glob(f"*/*.{self.name}-*.nbi"))
 
 
 #: Every function decorated with :func:`cached`.
@@ -129,11 +129,14 @@ def cached(*sources: str) -> Callable[[Callable[..., Any]], Any]:
     modules = (*plant, counted_normals, target, measures, compilable)
     for path in (Path(__file__), *map(source_of, modules), *map(Path, sources)):
         digest.update(path.read_bytes())
-    home = os.environ.get("NUMBA_CACHE_DIR") or os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+    home = os.environ.get("NUMBA_CACHE_DIR") or os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")
     folder = Path(home) / "railhil" / f"batch-{digest.hexdigest()[:16]}"
     try:
-        folder.mkdir(parents=True, exist_ok=True)
-        kept = os.access(folder, os.W_OK)
+        # "~" stays in the name if this user has no home.
+        kept = not home.startswith("~")
+        if kept:
+            folder.mkdir(parents=True, exist_ok=True)
+            kept = os.access(folder, os.W_OK)
     except OSError:
         # Otherwise each process compiles anew: numba's default folder would not detect a change of the plant.
         kept = False

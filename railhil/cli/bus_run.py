@@ -16,7 +16,7 @@ from railhil.bus.select import BusChoice, choose_bus, no_bus, own_pipes
 from railhil.cli.progress import LOADED_LATER, progress
 from railhil.common.choices import BUSES
 from railhil.common.command_line import add_law_arguments, add_run_arguments
-from railhil.common.errors import InputError, Words
+from railhil.common.errors import InputError
 from railhil.common.exit_codes import FAIL, USAGE
 from railhil.common.extras import install_command
 from railhil.common.light_start import undocumented_matplotlib
@@ -121,22 +121,6 @@ def start_up(namespace: argparse.Namespace) -> StartUp:
     return StartUp(ask_for_fifo=not namespace.no_rt, appear_s=namespace.appear_timeout)
 
 
-def require_interface(choice: BusChoice) -> None:
-    """Refuse a channel or bit rate without an interface.
-
-    :raises InputError: neither the command line nor python-can's configuration names one.
-    """
-    if choice.config.get("interface") is not None:
-        return
-    import can
-
-    try:
-        can.util.load_config(config=dict(choice.config))
-    except can.CanInterfaceNotImplementedError:
-        found = Words(f"only {' '.join(choice.arguments)}")
-        raise InputError("command line", "--interface", found, "-i INTERFACE beside it, or can.rc") from None
-
-
 @contextmanager
 def chosen_bus(
     namespace: argparse.Namespace, spec: RunSpec, scenario: AnyScenario, attach: bool = False
@@ -151,7 +135,6 @@ def chosen_bus(
         return
     with private_socket() as private:
         choice = choose_bus(namespace, None if attach else private)
-        require_interface(choice)
         interface = choice.config.get("interface")
         if interface == "virtual":
             allowed = "an interface that other processes can open"

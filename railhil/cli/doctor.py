@@ -17,7 +17,7 @@ from railhil.bus.hub.modelled import HUB
 from railhil.bus.limits import LIMITS
 from railhil.bus.link import open_link
 from railhil.bus.select import BusChoice, choose_bus, config_from_namespace, own_pipes
-from railhil.cli.bus_run import gets_pipes, require_interface
+from railhil.cli.bus_run import gets_pipes
 from railhil.common.build import python_build, railhil_build
 from railhil.common.choices import USUAL_SCENARIO
 from railhil.common.errors import InputError
@@ -121,7 +121,6 @@ def work(namespace: argparse.Namespace) -> int:
     if any(value is not None for value in (namespace.fmu, namespace.fmu_map, namespace.fmu_scenario)):
         return _fmu(namespace)
     choice = choose_bus(namespace)
-    require_interface(choice)
     asked = _asked_bus(namespace, choice)
     found = findings(namespace.quick) + ([asked] if asked else [])
     code = USAGE if asked and asked.advice else PASS

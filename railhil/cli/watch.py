@@ -18,7 +18,6 @@ from railhil.bus.frame import Frame
 from railhil.bus.link import Link, open_link
 from railhil.bus.link.passive import be_passive
 from railhil.bus.select import choose_bus
-from railhil.cli.bus_run import require_interface
 from railhil.common.choices import USUAL_SCENARIO
 from railhil.common.output import Output, table
 from railhil.controller_node.telemetry_file import law_notes
@@ -64,7 +63,6 @@ def work(namespace: argparse.Namespace) -> int:
     scenario = load_any(namespace.scenario, namespace.set, namespace.fault)
     notes = law_notes(system_named(scenario.system), namespace.controller)
     choice = choose_bus(namespace)
-    require_interface(choice)
     console = Output()
     link = listening(choice.config)
     console.say(f"bus: {choice.transport} ({choice.reason}), listening only")

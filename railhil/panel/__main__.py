@@ -30,6 +30,9 @@ def main(words: Sequence[str] | None = None) -> int:
             raise missing("railhil panel", error, "panel") from error
         return serve_panel(namespace)
     except OSError as error:
+        if error.filename is not None:
+            # Of a file, not of the port.
+            raise
         reason = (error.strerror or str(error)).lower()
         raise InputError("command line", "--port", namespace.port, f"a free port ({reason})") from None
     finally:

@@ -14,6 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from railhil.bus.select import BusChoice, arguments_from_config, choose_bus, config_from_namespace
+from railhil.common.errors import InputError
 
 
 def parsed(*arguments: str) -> argparse.Namespace:
@@ -77,7 +78,74 @@ def test_a_configured_interface_without_channel_has_no_channel_called_none(monke
     assert chosen().arguments == ["-i", "railhil"]
 
 
-def test_an_interface_that_does_not_exist_is_no_configuration(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(
+    ("variables", "named"),
+    [
+        ({"CAN_INTERFACE": "socketcan_native", "CAN_CHANNEL": "can0"}, "CAN_INTERFACE: found 'socketcan_native'"),
+        ({"CAN_INTERFACE": "SocketCAN"}, "(did you mean socketcan?)"),
+        ({"CAN_INTERFACE": "sockecan"}, "(did you mean socketcan?)"),
+        ({"CAN_CHANNEL": "can0"}, "CAN_CHANNEL: found channel can0 without an interface"),
+        ({"CAN_INTERFACE": "virtual", "CAN_BITRATE": "fast"}, "CAN_BITRATE: found 'fast'"),
+        ({"CAN_CONFIG": "{"}, "CAN_CONFIG: found '{'"),
+        ({"CAN_CONFIG": "[1]"}, "CAN_CONFIG: found '[1]'"),
+        (
+            {"CAN_CONFIG": '{"interface": "virtual", "receive_own_messages": "no"}'},
+            "CAN_CONFIG: receive_own_messages: ",
+        ),
+        ({"CAN_CONFIG": '{"interface": "virtual", "port": "x"}'}, "CAN_CONFIG: port: found 'x'"),
+    ],
+)
+def test_a_wrong_variable_is_refused_by_its_name(
+    variables: dict[str, str], named: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name, value in variables.items():
+        monkeypatch.setenv(name, value)
+    with pytest.raises(InputError) as error:
+        chosen()
+    assert str(error.value).startswith("environment: CAN_")
+    assert named in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("text", "key"),
+    [
+        ("interface = socketcan\n", ""),
+        ("[default]\ninterface = sockecan\nchannel = can0\n", "interface"),
+        ("[default]\nbustype = sockecan\n", "bustype"),
+        ("[default]\ninterfce = socketcan\n", "interfce"),
+        ("[default]\ninterface = virtual\nfd = no\n", "fd"),
+        ("[default]\ninterface = virtual\nchannel = 50%\n", ""),
+        ("[default]\ninterface = virtual\ninterface = socketcan\n", ""),
+        ("[default\xff", ""),
+    ],
+)
+def test_a_wrong_file_is_refused_by_its_name(tmp_path: Path, text: str, key: str) -> None:
+    (tmp_path / "can.rc").write_bytes(text.encode("latin-1"))
+    with pytest.raises(InputError) as error:
+        chosen()
+    assert (error.value.file, error.value.key) == (str(tmp_path / "can.rc"), key)
+
+
+@pytest.mark.usefixtures("configured")
+def test_a_wrong_file_is_refused_beside_a_command_line_too(tmp_path: Path) -> None:
+    (tmp_path / "can.rc").write_text("interface = socketcan\n")
+    with pytest.raises(InputError):
+        chosen("-i", "virtual", "-c", "mine")
+
+
+def test_what_the_command_line_overrides_need_not_be_right(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("CAN_INTERFACE", "sockecan")
+    assert chosen("-i", "virtual", "-c", "mine").transport == "virtual:mine"
+
+
+@pytest.mark.parametrize("arguments", [("-c", "can0"), ("-b", "500000")])
+def test_a_channel_without_any_interface_is_refused(arguments: tuple[str, ...]) -> None:
+    with pytest.raises(InputError, match="--interface: found only -"):
+        chosen(*arguments)
+
+
+def test_a_folder_in_the_place_of_a_file_is_none_as_in_python_can(tmp_path: Path) -> None:
+    (tmp_path / "can.rc").mkdir()
     assert chosen().config["interface"] == "railhil"
 
 

@@ -184,6 +184,12 @@ def test_all_sources_are_refused_together(tmp_path: Path) -> None:
     assert "command line: --controller: found 'ipcf'" in str(refused.value)
 
 
+@pytest.mark.parametrize(("name", "hint"), [("RAILHIL_SEEED", "RAILHIL_SEED"), ("RAILHIL_FAULT", "--fault")])
+def test_a_variable_that_nobody_reads_is_refused(name: str, hint: str) -> None:
+    with pytest.raises(InputError, match=f"environment: {name}: found '1', .*{hint}"):
+        asked(**{name: "1"})
+
+
 def test_an_environment_without_our_variables_says_nothing() -> None:
     faults = Faults()
     assert environment_layer({"SEED": "3", "RAILHIL_CACHE": "/tmp", "RAILHIL_SEED": ""}, faults).values == {}
