@@ -1,7 +1,7 @@
 """What python-can's configuration says of the bus: its files and variables, each checked before it is used.
 
-python-can passes over a file that it cannot open, and takes any text for a number or a switch. Here what is set wrong is
-refused with the name of its file or variable.
+python-can passes over a file that it cannot open, and takes any text for a number or a switch. Here what is set wrong
+is refused with the name of its file or variable.
 """
 
 from __future__ import annotations

@@ -13,6 +13,7 @@ from typing import NoReturn
 from railhil.common.errors import InputError, Words
 from railhil.common.light_start import one_thread_for_matrices, without_asammdf
 from railhil.common.plain_text import plain
+from railhil.common.streams import provide_streams
 
 PASS = 0
 #: The run is valid, limits of the scenario are missed.
@@ -85,6 +86,7 @@ def guarded(name: str, main: Callable[[], int]) -> int:
     ``RAILHIL_TRACEBACK=1`` lets the exception through, for debugging. SIGTERM and SIGHUP end the process
     like Ctrl-C, so that sockets and files are closed.
     """
+    provide_streams()
     try:
         for number in ending_signals()[1:]:
             signal.signal(number, _end)

@@ -60,8 +60,8 @@ ENVIRONMENT: Mapping[str, str] = {
     for key, option in OPTIONS.items()
     if key not in _WITHOUT_VARIABLE
 }
-#: Variables with our prefix that others read: the package itself, its build, its tests, pytest's plugin and compose. Any
-#: other name is a mistake, which must not run something else than was meant.
+#: Variables with our prefix that others read: the package itself, its build, its tests, pytest's plugin and compose.
+#: Any other name is a mistake, which must not run something else than was meant.
 OTHER_VARIABLES = frozenset(
     f"RAILHIL_{name}"
     for name in (

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import sys
 from typing import TYPE_CHECKING, Any
 
@@ -18,16 +19,21 @@ if TYPE_CHECKING:
     import can
 
 
+#: python-can's switch to receive what one has sent, as other tools want it.
+_ECHO = "receive_own_messages"
+
+
 def open_link(config: dict[str, Any], name: str = "bus", *, timeouts: Timeouts = TIMEOUTS) -> Link:
     """Open a python-can interface from ``can.Bus`` keyword arguments (absent ones come from ``can.rc``, environment).
 
     :param name: the node's name, with which each line about an outage on standard error begins.
     :param timeouts: how long to wait for an interface that is down; not used for the hub, whose loss ends the run.
     :raises BusUnavailable: one line that names interface and channel.
+    :raises InputError: python-can's configuration is wrong.
     """
 
     # The hub says to the nodes of a bench which of them are there.
-    own = {"role": name} if config.get("interface") == HUB_INTERFACE and name in ROLES else {}
+    own: dict[str, Any] = {"role": name} if config.get("interface") == HUB_INTERFACE and name in ROLES else {}
 
     def reopen() -> can.BusABC:
         import can
@@ -44,6 +50,13 @@ def open_link(config: dict[str, Any], name: str = "bus", *, timeouts: Timeouts =
         from railhil.bus.link.pipes import Ends, PipeLink
 
         return PipeLink(Ends.parse(config["channel"]), name, say)
+    if has_settings():
+        from railhil.bus.configured import configured
+
+        if configured(config).get(_ECHO):
+            # A node would take its own polls for those of another bus administrator.
+            own[_ECHO] = False
+            say(f"{_ECHO} is set for this bus, and switched off: no node needs its own frames")
     try:
         from railhil.bus.hub.batches import HubClient
 
@@ -76,6 +89,8 @@ def open_link(config: dict[str, Any], name: str = "bus", *, timeouts: Timeouts =
         # An interface without its driver library may raise anything (kvaser: NameError).
         where = f"{config.get('interface', 'default interface')}:{config.get('channel', 'default channel')}"
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
+        if isinstance(error, OSError) and error.errno == errno.EAFNOSUPPORT and config.get("interface") == "socketcan":
+            reason = "this kernel has no CAN (railhil vcan -- COMMAND gives a command one, with vcan0)"
         raise BusUnavailable(f"bus {where} cannot be opened: {reason}") from error
 
 

@@ -24,6 +24,9 @@ from railhil.common.mypyc import mypyc_attr
 _SEND_RETRY_S = 0.0005
 #: Longest time that an interface may block in one attempt to send.
 _SEND_TIMEOUT_S = 0.005
+#: So much unreadable input in a row is no disturbance.
+_UNREADABLE_SAID = 20
+_NO_FRAME = "another protocol, another serial rate, or a firmware that is not understood"
 _FULL = (errno.ENOBUFS, errno.EAGAIN)
 
 
@@ -57,6 +60,8 @@ class SingleLink(Link):
         self._heard_ns = self._wall.monotonic_ns()
         self._was_out = False
         self._gap_ns = 0
+        # Unreadable input since the last frame.
+        self._unreadable = 0
 
     @property
     def is_down(self) -> bool:
@@ -159,6 +164,7 @@ class SingleLink(Link):
             self._went_down(error, "receive")
             return []
         if frames:
+            self._unreadable = 0
             self.counters["received"] += len(frames)
             error_frames = [frame for frame in frames if frame.flags & ERROR]
             if error_frames or self._outage is not None:
@@ -183,11 +189,19 @@ class SingleLink(Link):
         except (ValueError, IndexError, TypeError, struct.error):
             # A serial line can deliver anything, or half a frame; python-can's readers do not expect that, and some
             # keep it in their buffer.
-            self.counters["garbage"] += 1
+            self._count_garbage()
             if hasattr(self.bus, "flush"):
                 self.bus.flush()
             return []
         return [] if message is None else [from_message(message)]
+
+    def _count_garbage(self) -> None:
+        """Count unreadable input; input without any frame is said while the node runs, which else only seems to hear
+        nothing."""
+        self.counters["garbage"] += 1
+        self._unreadable += 1
+        if self._unreadable == _UNREADABLE_SAID:
+            self._say(f"{self.where}: input {_UNREADABLE_SAID} times, and no frame in it: {_NO_FRAME}")
 
     def _look_at(self, frames: list[Frame]) -> None:
         """Handle error frames, and notice that the bus works again."""

@@ -45,7 +45,8 @@ _SILENCE_S = 0.1
 _STATUS = re.compile(rb"F[0-9A-Fa-f]{2}")
 #: Status flag of the SJA1000: bus error (Lawicel CAN232, command F).
 _BUS_ERROR = 0x80
-_END = re.compile(rb"[\r\a]")
+#: CR ends a line, BELL is an answer; some firmware sends CR LF or LF.
+_END = re.compile(rb"\r\n?|\n|\a")
 _BELL = 0x07
 #: Answers to an accepted frame, from Lawicel adapters with and without automatic forwarding of received frames.
 _TAKEN = (b"", b"z", b"Z")
@@ -99,6 +100,7 @@ class SlcanLink(SingleLink):
         self._fd: int = serial.fileno()
         #: Received part of an incomplete line.
         self._partial = b""
+        self._ended_by_cr = False
         #: Unsent rest of a line that the port accepted only in part.
         self._rest = b""
         #: When each frame or query was written that the adapter has not answered yet.
@@ -244,6 +246,10 @@ class SlcanLink(SingleLink):
 
     def _frames(self, data: bytes) -> list[Frame]:
         """Frames of the complete lines in ``data``; the rest after the last one is kept."""
+        if self._ended_by_cr:
+            # The LF of a line that ended with what was read before.
+            data = data.removeprefix(b"\n")
+        self._ended_by_cr = data.endswith(b"\r")
         frames: list[Frame] = []
         start = 0
         for end in _END.finditer(data):
@@ -252,16 +258,16 @@ class SlcanLink(SingleLink):
                 try:
                     frames.append(from_line(line, may_have_stamp=True))
                 except ValueError:
-                    self.counters["garbage"] += 1
+                    self._count_garbage()
             elif line in _TAKEN:
                 self._answered(refused=data[end.start()] == _BELL)
             elif _STATUS.fullmatch(line):
                 self._take_status(int(line[1:], 16))
             else:
-                self.counters["garbage"] += 1
+                self._count_garbage()
         self._partial = data[start:]
         if len(self._partial) > LINE_MAX_BYTES:
-            self.counters["garbage"] += 1
+            self._count_garbage()
             self._partial = b""
         return frames
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 import os
+import shlex
 import subprocess
 from contextlib import redirect_stdout
 from dataclasses import replace
@@ -326,3 +327,19 @@ def test_every_command_with_a_result_has_the_same_json_option():
     said = {action.help for one in found for action in one._actions if "--json" in action.option_strings}
     assert said == {"print the result as one JSON document, all else to standard error"}
     assert all(one._option_string_actions["--json"].nargs == 0 for one in found)
+
+
+@pytest.mark.parametrize("closed", [">&-", "2>&-", "<&- >&- 2>&-"])
+@pytest.mark.parametrize("words", ["run {short} --seed 1 --no-report --quiet --out {out}", "score {run}", "nonsense"])
+@pytest.mark.slow
+def test_a_closed_stream_changes_nothing_but_what_is_printed(
+    short: Path, json_run: tuple[Path, Any, str], tmp_path: Path, words: str, closed: str
+) -> None:
+    """Nor may the log of a run take the number of the stream, to which the nodes print."""
+    recorded, score, _ = json_run
+    given = words.format(short=short, run=recorded, out=tmp_path / "run")
+    done = subprocess.run(f"{shlex.join(command())} {given} {closed}", shell=True, capture_output=True, check=False)
+    assert b"Error" not in done.stderr + done.stdout
+    assert done.returncode == (2 if words == "nonsense" else int(score["verdict"] == "FAIL"))
+    if words.startswith("run"):
+        assert sha256_of(tmp_path / "run" / "frames.log") == sha256_of(recorded / "frames.log")

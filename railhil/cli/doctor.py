@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import platform
 import sys
+import time
 from dataclasses import asdict
 from importlib.metadata import version
 from pathlib import Path
@@ -12,7 +13,7 @@ from pathlib import Path
 import can
 
 from railhil.bus.can_settings import add_bus_arguments
-from railhil.bus.errors import BusUnavailable
+from railhil.bus.errors import BusLost, BusUnavailable
 from railhil.bus.hub.modelled import HUB
 from railhil.bus.limits import LIMITS
 from railhil.bus.link import open_link
@@ -33,6 +34,10 @@ from railhil.supervisor.doctor.lateness import lateness
 from railhil.supervisor.doctor.machine import machine
 from railhil.supervisor.doctor.scheduling import scheduling
 from railhil.supervisor.doctor.tools import tools
+
+#: How long the bus that is asked for is listened to.
+_LISTEN_S = 0.3
+_SEE = "the lines above, and docs/adapters.md"
 
 
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -87,10 +92,20 @@ def _asked_bus(namespace: argparse.Namespace, choice: BusChoice) -> Finding | No
     if not config_from_namespace(namespace):
         return None
     try:
-        open_link(choice.config).close()
+        link = open_link(choice.config)
     except BusUnavailable as error:
-        return Finding("bus asked for", str(error), "the lines above, and docs/adapters.md")
-    return Finding("bus asked for", f"{choice.transport} can be opened")
+        return Finding("bus asked for", str(error), _SEE)
+    try:
+        until_s = time.monotonic() + _LISTEN_S
+        while (rest_s := until_s - time.monotonic()) > 0:
+            link.receive(rest_s)
+    except BusLost as error:
+        return Finding("bus asked for", f"{choice.transport} can be opened, and then: {error}", _SEE)
+    finally:
+        link.close()
+    heard, garbage = link.counters["received"], link.counters["garbage"]
+    found = f"{choice.transport} can be opened; in {_LISTEN_S:g} s {heard} frames, unreadable input {garbage} times"
+    return Finding("bus asked for", found, _SEE if garbage > heard else "")
 
 
 def _fmu(namespace: argparse.Namespace) -> int:

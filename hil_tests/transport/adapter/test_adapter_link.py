@@ -80,11 +80,13 @@ def received(link: SlcanLink, count: int) -> list[Frame]:
 # -- frames -------------------------------------------------------------------------------------------------------
 
 
-def test_frames_of_every_kind_come_in_one_piece(terminal, link):
+@pytest.mark.parametrize("end", [b"\r", b"\r\n", b"\n"])
+@pytest.mark.parametrize("size", [1, 7, 4096])
+def test_frames_of_every_kind_come_in_one_piece(terminal, link, end, size):
     sent = [Frame(0x118, bytes(8)), Frame(0x110, bytes(3), REMOTE), Frame(0x118, bytes(64), FD | BRS), *notches(1)]
-    data = b"".join(to_line(frame) + b"\r" for frame in sent)
-    for start in range(0, len(data), 7):
-        terminal.write(data[start : start + 7])
+    data = b"".join(to_line(frame) + end for frame in sent)
+    for start in range(0, len(data), size):
+        terminal.write(data[start : start + size])
     assert received(link, len(sent)) == sent
     link.send(sent)
     assert [from_line(line) for line in heard(terminal, len(sent))] == sent
@@ -107,6 +109,26 @@ def test_time_stamps_of_the_adapter_are_dropped(terminal, link):
     (frame,) = notches(1)
     terminal.write(to_line(frame) + b"03E8\r")
     assert received(link, 1) == [frame]
+
+
+def test_an_answer_that_ends_with_cr_lf_is_one_answer(terminal, link):
+    """Else the second one would be taken for that to the next frame."""
+    link.send(notches(1, 2))
+    heard(terminal, 2)
+    for part in (b"z\r", b"\n"):
+        terminal.write(part)
+        link.receive(0.02)
+    assert len(link._unanswered) == 1
+    assert link.counters["garbage"] == 0
+
+
+def test_input_that_is_never_a_frame_is_said_while_the_node_runs(terminal, link, capfd):
+    terminal.write(b"slcan v9.9\r" * 19)
+    link.receive(0.05)
+    assert "no frame in it" not in capfd.readouterr().err
+    terminal.write(b"slcan v9.9\r" * 60)
+    until(lambda: link.receive(0.02) == [] and link.counters["garbage"] == 79)
+    assert capfd.readouterr().err.count("no frame in it") == 1
 
 
 # -- a stuck adapter ----------------------------------------------------------------------------------------------

@@ -13,7 +13,7 @@ from railhil.bus.clock import Pacer
 from railhil.bus.errors import BusOccupied
 from railhil.bus.frame import Frame, from_message, to_message
 from railhil.bus.ident import Role
-from railhil.bus.link import open_link
+from railhil.bus.link import Link, open_link
 from railhil.bus.link.echo import EchoLink
 from railhil.bus.mvb import device_status_frame, master_frame
 from railhil.bus.store import TrafficStore
@@ -56,7 +56,7 @@ def two_links() -> tuple[EchoLink, EchoLink]:
     return EchoLink(UdpMulticastBus(group)), EchoLink(UdpMulticastBus(group))
 
 
-def administrator_on(link: EchoLink) -> Administrator:
+def administrator_on(link: Link) -> Administrator:
     return Administrator(link, TrafficStore([]), lambda: 0, Pacer(), [])
 
 
@@ -104,3 +104,21 @@ def test_but_another_one_is_noticed() -> None:
     theirs.send([master_frame(15, Role.CONTROLLER)])
     with pytest.raises(BusOccupied, match="another bus administrator"):
         administrator_on(ours).find_devices((Role.CONTROLLER,), 1_000_000_000)
+
+
+@pytest.mark.parametrize("way", ["variable", "command line"])
+def test_a_switch_for_own_frames_is_off_for_a_node_and_said(
+    way: str, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """Else the administrator takes its own poll for that of another one."""
+    config: dict[str, Any] = {"interface": "virtual", "channel": "echoing"}
+    if way == "variable":
+        monkeypatch.setenv("CAN_CONFIG", '{"receive_own_messages": true}')
+    else:
+        config["receive_own_messages"] = True
+    link = open_link(config, "plant")
+    link.send([POLL])
+    assert link.receive(0.02) == []
+    assert administrator_on(link).find_devices((Role.CONTROLLER,), 1_000_000) == {Role.CONTROLLER}
+    link.close()
+    assert "plant: receive_own_messages is set for this bus, and switched off" in capfd.readouterr().err

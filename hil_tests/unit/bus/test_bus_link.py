@@ -235,3 +235,13 @@ def test_what_cannot_be_opened_is_one_line(config: dict[str, Any], where: str) -
         open_link(config)
     assert where in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+def test_a_kernel_without_can_points_to_a_way_to_get_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(**config: Any) -> can.BusABC:
+        del config
+        raise OSError(errno.EAFNOSUPPORT, "Address family not supported by protocol")
+
+    monkeypatch.setattr(can, "Bus", refuse)
+    with pytest.raises(BusUnavailable, match=r"this kernel has no CAN .*railhil vcan -- "):
+        open_link({"interface": "socketcan", "channel": "can7"})
