@@ -9,6 +9,7 @@ from typing import Any
 from railhil.audit.bounds import Bounds
 from railhil.audit.effect import Effect
 from railhil.audit.shadow import Codes, QuantityError, ShadowRun, compare_codes
+from railhil.common.digits import beside, percent
 from railhil.controller_node.arithmetic.base import Arithmetic
 from railhil.controller_node.cost import Cost
 from railhil.scenarios.run_spec import LawSpec
@@ -52,7 +53,7 @@ def _codes_bars(codes: Codes) -> list[Bar]:
     return [
         Bar(
             f"{command.name} codes equal to float64's",
-            f"{codes.equal_share:.2%} of {codes.steps}",
+            f"{percent(codes.equal_share)} of {codes.steps}",
             f"at least {EQUAL_SHARE_MIN:.0%}",
             codes.equal_share >= EQUAL_SHARE_MIN,
         ),
@@ -67,7 +68,7 @@ def _codes_bars(codes: Codes) -> list[Bar]:
 
 def _error_bar(error: QuantityError, most: float) -> Bar:
     """The limit of one quantity's error, in its unit."""
-    shown = "no value" if error.maximum is None else f"{error.maximum:.2g} {error.unit}"
+    shown = "no value" if error.maximum is None else f"{beside(error.maximum, most, 2, kind='g')} {error.unit}"
     met = error.maximum is not None and error.maximum <= most
     return Bar(f"largest difference of {error.name} from float64's", shown, f"at most {most:g} {error.unit}", met)
 
@@ -79,7 +80,11 @@ def _effect_bars(over_runs: Effect) -> list[Bar]:
         Bar("divisions by zero in the perturbed runs", f"{counters.zero_divisions}", "0", not counters.zero_divisions),
     ]
     for one in over_runs.scores:
-        shown = "no run has it" if one.difference is None else f"{one.difference:+.4g} {one.unit}"
+        shown = (
+            "no run has it"
+            if one.difference is None
+            else f"{beside(one.difference, one.allowed, 4, '+', 'g')} {one.unit}"
+        )
         if one.missing:
             shown += f", {one.missing} runs have it in one arithmetic only"
         found.append(Bar(f"median {one.score}", shown, f"within {one.allowed:.3g} {one.unit}", one.met))
@@ -120,6 +125,13 @@ def bars(
         if error.name.split("[")[0] == name
     ]
     found += look.bars if look is not None else ()
-    found.append(Bar("share of the control period, from flash", f"{price.share:.4%}", "below 100%", price.share < 1))
+    found.append(
+        Bar(
+            "share of the control period, from flash",
+            f"{beside(100 * price.share, 100, 4)}%",
+            "below 100%",
+            price.share < 1,
+        )
+    )
     found += _effect_bars(over_runs) if over_runs is not None else []
     return found

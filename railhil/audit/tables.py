@@ -9,6 +9,7 @@ from rich.table import Table
 from railhil.audit.effect import Effect
 from railhil.audit.result import Floor, Result
 from railhil.audit.shadow import QuantityError
+from railhil.common.digits import percent
 from railhil.common.output import Output, table
 from railhil.controller_node.laws.constant_table import COARSE
 from railhil.controller_node.program.cycles import CPU_MHZ, FLASH_FACTOR
@@ -195,7 +196,7 @@ def show(out: Output, result: Result) -> None:
         out.print(_floor(result, result.floor))
         for codes in result.floor.codes:
             out.print(
-                f"{codes.command.name} codes with floored products: {codes.equal_share:.2%} equal to float64's, "
+                f"{codes.command.name} codes with floored products: {percent(codes.equal_share)} equal to float64's, "
                 f"largest difference {codes.command.shown(codes.largest)}"
             )
         out.print()

@@ -14,6 +14,7 @@ from railhil.campaign.manifest import read_manifest
 from railhil.campaign.parts import RESULTS, SUMMARY
 from railhil.campaign.plan import Plan, make_plan
 from railhil.campaign.results_table import NotThePart, column_of, numbers, read_results, rows_of
+from railhil.common.digits import percent
 from railhil.common.errors import InputError, Words
 from railhil.common.whole_file import whole_file
 from railhil.scenarios.stored import any_judged_sha256
@@ -62,8 +63,10 @@ def _row(plan: Plan, label: str, law: Mapping[str, Any]) -> dict[str, Any]:
     cells = []
     for criterion in plan.criteria:
         score = law["scores"][criterion.key]
-        cells.append(", ".join(criterion.shown(float(score[name]["value"])) for name in ("median", "p95")))
-    return {"label": label, "cells": cells, "passed": f"{law['inside']['pass']['share']:.2%}"}
+        values = [score[name]["value"] for name in ("median", "p95")]
+        cells.append(", ".join(criterion.shown(None if value is None else float(value)) for value in values))
+    failures = "; ".join(f"{kind} ({count})" for kind, count in law["failures"].items())
+    return {"label": label, "cells": cells, "passed": percent(law["inside"]["pass"]["share"]), "failures": failures}
 
 
 def _worst(label: str, run: Mapping[str, Any], folder: Path) -> dict[str, Any]:
@@ -73,7 +76,7 @@ def _worst(label: str, run: Mapping[str, Any], folder: Path) -> dict[str, Any]:
         "name": f"{label}-{run['seed']}",
         "label": label,
         "seed": run["seed"],
-        "why": ", ".join(run["why"]),
+        "why": "; ".join([", ".join(run["why"]), *run["failures"]]),
         "command": f"{run['command']} --out {shlex.quote(place)}",
         "link": report if (folder / report).is_file() else "",
     }

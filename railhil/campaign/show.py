@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from rich.table import Table
 
 from railhil.campaign.summary import QUANTILES, all_limits, key_of
+from railhil.common.digits import beside, percent
 from railhil.common.output import Output, table
 from railhil.supervisor.criteria import STOP_WITHIN_M, Criterion, limit_key, limited
 from railhil.supervisor.judging import Judging
@@ -42,12 +43,17 @@ def _digits(criterion: Criterion) -> int:
 
 def _limit(criterion: Criterion, limit: float) -> str:
     sign = "+-" if criterion.signed else "<= " if criterion.better == "low" else ">= "
-    return f"{sign}{limit:g} {criterion.unit}"
+    return f"{sign}{limit:.10g} {criterion.unit}"
+
+
+def _limits(summary: Mapping[str, Any], criteria: Sequence[Criterion]) -> list[Criterion]:
+    """The criteria whose limits the scenario has."""
+    return [criterion for criterion in limited(criteria) if limit_key(criterion) in summary["limits"]]
 
 
 def _share(found: Mapping[str, Any]) -> str:
     low, high = found["interval"]
-    return f"{found['share']:.2%}\n{100 * low:.2f}..{100 * high:.2f}"
+    return f"{percent(found['share'])}\n{100 * low:.2f}..{100 * high:.2f}"
 
 
 def _scores(summary: Mapping[str, Any], criteria: Sequence[Criterion]) -> Table:
@@ -60,22 +66,20 @@ def _scores(summary: Mapping[str, Any], criteria: Sequence[Criterion]) -> Table:
             cells = []
             for key in QUANTILES:
                 value = score[key]["value"]
-                cells.append("did not stop" if value == "inf" else _number(value, digits))
+                cells.append(criterion.without if value == "inf" else _number(value, digits))
                 cells.append(_interval(score[key]["interval"], digits))
             made.add_row("" if i else label, criterion.title, score["unit"], *cells)
     return made
 
 
 def _inside(summary: Mapping[str, Any], judging: Judging) -> Table:
-    criteria = judging.criteria
+    criteria = _limits(summary, judging.criteria)
     limits = summary["limits"]
-    title = "Runs inside " + " and ".join(
-        _limit(criterion, limits[limit_key(criterion)]) for criterion in limited(criteria)
-    )
+    title = "Runs inside " + " and ".join(_limit(criterion, limits[limit_key(criterion)]) for criterion in criteria)
     counts = {"not_stopped": "not\nstopped"} | {extra.counted: extra.heading for extra in judging.extras}
     counts |= {"runs_with_wraps": "with\nwraps"}
     counts = {key: head for key, head in counts.items() if all(key in law for law in summary["laws"].values())}
-    inside = [*(key_of(criterion) for criterion in limited(criteria)), all_limits(criteria)]
+    inside = [*map(key_of, criteria), all_limits(criteria)]
     heads = [*(key.replace("_", " ") for key in inside), "PASS", *counts.values()]
     made = _columns(title, ("law",), heads)
     for label, law in summary["laws"].items():
@@ -97,7 +101,7 @@ def _against(summary: Mapping[str, Any], criteria: Sequence[Criterion]) -> Table
     heads = ("median difference", f"{summary['confidence']:.0%} CI", "better in", "equal in")
     made = _columns(f"Against {summary['baseline']}, run by run on the same seeds", ("law", "score", "unit"), heads)
     for label, scores in summary["against_baseline"].items():
-        for i, criterion in enumerate(criteria):
+        for i, criterion in enumerate(one for one in criteria if one.key in scores):
             score, digits = scores[criterion.key], _digits(criterion)
             apart = score["median_difference"]
             made.add_row(
@@ -106,17 +110,30 @@ def _against(summary: Mapping[str, Any], criteria: Sequence[Criterion]) -> Table
                 score["unit"],
                 f"{float(apart['value']):+.{digits}f}",
                 _interval(apart["interval"], digits),
-                f"{score['better']['share']:.1%}",
-                f"{score['equal_runs'] / summary['runs']:.1%}",
+                percent(score["better"]["share"], 1),
+                percent(score["equal_runs"] / summary["runs"], 1),
             )
     return made
 
 
-def _errors(run: Mapping[str, Any], criteria: Sequence[Criterion]) -> str:
-    values = {criterion: run[limit_key(criterion)] for criterion in limited(criteria)}
-    if None in values.values():
-        return "no stop"
-    return ", ".join(f"{criterion.brief} {value:+.3f} {criterion.unit}" for criterion, value in values.items())
+def _errors(run: Mapping[str, Any], summary: Mapping[str, Any], criteria: Sequence[Criterion]) -> str:
+    """The values of a run that have a limit, and how it failed."""
+    values = [(criterion, run[limit_key(criterion)], summary["limits"][limit_key(criterion)]) for criterion in criteria]
+    said = ", ".join(
+        f"{criterion.brief} {beside(value, limit, 3, '+' if criterion.signed else '')} {criterion.unit}"
+        for criterion, value, limit in values
+        if value is not None
+    )
+    failed = f"FAIL: {'; '.join(run['failures'])}" if run["failures"] else ""
+    return "; ".join(filter(None, (said, failed)))
+
+
+def _failures(summary: Mapping[str, Any]) -> Iterator[str]:
+    """For each law that has failed: in how many runs, and how."""
+    for label, law in summary["laws"].items():
+        if failed := summary["runs"] - law["inside"]["pass"]["runs"]:
+            kinds = "; ".join(f"{kind} ({count:,})" for kind, count in law["failures"].items())
+            yield f"{label}: FAIL in {failed:,} of {summary['runs']:,} runs: {kinds}"
 
 
 def show(console: Output, summary: Mapping[str, Any], folder: Path, judging: Judging) -> None:
@@ -137,10 +154,12 @@ def show(console: Output, summary: Mapping[str, Any], folder: Path, judging: Jud
         console.print(made)
         console.say("")
     if any(law.get("not_stopped") for law in summary["laws"].values()):
-        console.say("A run that did not stop counts as infinitely bad in the quantiles of stop and time error.")
+        console.say("A run that did not stop counts as infinitely bad in the quantiles of scores that it lacks.")
+    for sentence in _failures(summary):
+        console.say(sentence)
     console.say("Worst runs, and the command that makes each again on the bench", style="bold")
     for label, law in summary["laws"].items():
         for run in law["worst"]:
-            console.say(f"{label}: {', '.join(run['why'])}: {_errors(run, criteria)}")
+            console.say(f"{label}: {', '.join(run['why'])}: {_errors(run, summary, _limits(summary, criteria))}")
             console.say(f"  {run['command']}", style="dim")
     console.say(f"campaign folder {folder}")

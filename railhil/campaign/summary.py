@@ -13,16 +13,19 @@ from numpy.typing import NDArray
 from railhil.batch.statistics import CONFIDENCE, Estimate, Share, differences, estimate, share
 from railhil.campaign.plan import Entry, Plan
 from railhil.campaign.results_table import numbers, rows_of
-from railhil.campaign.worst import worst_runs
+from railhil.campaign.worst import failures_of, without_stop, worst_runs
 from railhil.scenarios.model import watch_sentence
 from railhil.scenarios.stored import any_judged_sha256
-from railhil.supervisor.criteria import STOP_ERROR, STOP_WITHIN_M, Criterion, limit_key, limited
+from railhil.supervisor.criteria import DID_NOT_STOP, STOP_ERROR, STOP_WITHIN_M, Criterion, limit_key, limited
 
 #: Key and probability of each quantile.
 QUANTILES = {"median": 0.5, "p95": 0.95}
+#: Of a score that does not apply.
+_NOTHING: dict[str, Any] = {"value": None, "interval": [None, None]}
 _NOTES = [
-    'a run that did not stop counts as infinitely bad in the quantiles of stop and time error: the text "inf"; '
-    'differences: "inf" where only this law did not stop, "-inf" where only the other did not, 0 where neither did',
+    'a run without a value (it did not stop) counts as infinitely bad in the quantiles: the text "inf"; '
+    'differences: "inf" where only this law has none, "-inf" where only the other has none, 0 where neither has; '
+    "null: the score does not apply to this scenario",
     "intervals of quantiles: order statistics (binomial), null where the sample is too small for a bound; "
     "intervals of shares: Clopper-Pearson",
 ]
@@ -49,8 +52,10 @@ def _turned(criterion: Criterion, found: Estimate) -> dict[str, Any]:
     return _estimate(Estimate(-found.value, *ends))
 
 
-def _quantiles(criterion: Criterion, values: NDArray[np.float64]) -> dict[str, Any]:
+def _quantiles(plan: Plan, criterion: Criterion, values: NDArray[np.float64]) -> dict[str, Any]:
     """Quantiles from the best run to the worst, so that p95 is a bad run whether lower or higher is better."""
+    if not criterion.applies(plan.scenario):
+        return dict.fromkeys(QUANTILES, _NOTHING)
     worse = criterion.badness(values)
     return {name: _turned(criterion, estimate(worse, q)) for name, q in QUANTILES.items()}
 
@@ -60,9 +65,9 @@ def _within(values: NDArray[np.float64], limit: float) -> NDArray[np.bool_]:
     return np.asarray(np.nan_to_num(values, nan=math.inf) <= limit, dtype=np.bool_)
 
 
-def all_limits(criteria: Sequence[Criterion]) -> str:
+def all_limits(limits: Sequence[Criterion]) -> str:
     """Key of the share of runs inside all limits."""
-    return "both" if len(limited(criteria)) == 2 else "all_limits"
+    return "both" if len(limits) == 2 else "all_limits"
 
 
 def key_of(criterion: Criterion) -> str:
@@ -70,20 +75,20 @@ def key_of(criterion: Criterion) -> str:
     return f"{criterion.brief.replace(' ', '_')}_limit"
 
 
-def _stops(stop_errors_m: NDArray[np.float64]) -> dict[str, Any]:
-    return {
-        "stopped_within_m": {f"{limit:g}": _share(share(_within(stop_errors_m, limit))) for limit in STOP_WITHIN_M},
-        "not_stopped": int(np.count_nonzero(np.isnan(stop_errors_m))),
-    }
+def _stops(limits: Sequence[Criterion], rows: pa.Table) -> dict[str, Any]:
+    """How many runs stopped, and within what; empty where no limit asks for a stop."""
+    if not any(criterion.without == DID_NOT_STOP for criterion in limits):
+        return {}
+    found: dict[str, Any] = {"not_stopped": int(np.count_nonzero(without_stop(rows, limits)))}
+    if STOP_ERROR.key in rows.column_names:
+        errors_m = numbers(rows, STOP_ERROR.key)
+        found["stopped_within_m"] = {f"{limit:g}": _share(share(_within(errors_m, limit))) for limit in STOP_WITHIN_M}
+    return found
 
 
 def _law(plan: Plan, entry: Entry, rows: pa.Table) -> dict[str, Any]:
-    criteria = plan.criteria
-    stops = {} if STOP_ERROR not in criteria else _stops(numbers(rows, STOP_ERROR.key))
-    inside = {
-        key_of(criterion): criterion.inside(plan.scenario, numbers(rows, criterion.key))
-        for criterion in limited(plan.criteria)
-    }
+    limits = limited(plan.criteria, plan.scenario)
+    inside = {key_of(criterion): criterion.inside(plan.scenario, numbers(rows, criterion.key)) for criterion in limits}
     everyone = np.ones(rows.num_rows, dtype=np.bool_)
     passed = np.array(rows["verdict"].to_pylist()) == "PASS"
     wraps = rows["wraps"].to_numpy()
@@ -92,15 +97,17 @@ def _law(plan: Plan, entry: Entry, rows: pa.Table) -> dict[str, Any]:
         "parameters_sha256": None if entry.parameters is None else entry.parameters.sha256,
         "training_runs": int(np.count_nonzero(rows["training"].to_numpy(zero_copy_only=False))),
         "scores": {
-            criterion.key: {"unit": criterion.unit} | _quantiles(criterion, numbers(rows, criterion.key))
-            for criterion in criteria
+            criterion.key: {"unit": criterion.unit} | _quantiles(plan, criterion, numbers(rows, criterion.key))
+            for criterion in plan.criteria
         },
         "inside": {
             **{key: _share(share(hits)) for key, hits in inside.items()},
-            all_limits(criteria): _share(share(np.logical_and.reduce([everyone, *inside.values()]))),
+            all_limits(limits): _share(share(np.logical_and.reduce([everyone, *inside.values()]))),
             "pass": _share(share(passed)),
         },
-        **stops,
+        # How many runs failed in each way; a run may fail in several.
+        "failures": {kind: len(failed) for kind, failed in failures_of(rows).items()},
+        **_stops(limits, rows),
         **{extra.counted: int(np.count_nonzero(numbers(rows, extra.key) > 0)) for extra in plan.judging.extras},
         "runs_with_wraps": int(np.count_nonzero(wraps)),
         "wraps": int(wraps.sum()),
@@ -110,10 +117,10 @@ def _law(plan: Plan, entry: Entry, rows: pa.Table) -> dict[str, Any]:
     }
 
 
-def _against(criteria: Sequence[Criterion], rows: pa.Table, baseline: pa.Table) -> dict[str, Any]:
-    """Paired comparison: both laws ran the same seeds, and therefore the same trains."""
+def _against(plan: Plan, rows: pa.Table, baseline: pa.Table) -> dict[str, Any]:
+    """Paired comparison: both laws ran the same seeds, and therefore the same trains; scores that apply."""
     found = {}
-    for criterion in criteria:
+    for criterion in (one for one in plan.criteria if one.applies(plan.scenario)):
         ours, theirs = (criterion.badness(numbers(side, criterion.key)) for side in (rows, baseline))
         apart = differences(ours, theirs)
         found[criterion.key] = {
@@ -154,13 +161,12 @@ def summary(plan: Plan, results: pa.Table) -> dict[str, Any]:
         # Shown in every table.
         "warnings": warnings,
         "watch_weakened": plan.scenario.watch_weakened,
-        "notes": _NOTES if STOP_ERROR in plan.criteria else _NOTES[1:],
+        "notes": _NOTES,
         "limits": {
-            limit_key(criterion): criterion.limit.of(plan.scenario)
-            for criterion in limited(plan.criteria)
-            if criterion.limit
+            limit_key(criterion): criterion.limit_in(plan.scenario)
+            for criterion in limited(plan.criteria, plan.scenario)
         },
         "laws": {entry.label: _law(plan, entry, rows[entry.label]) for entry in plan.entries},
         "baseline": first,
-        "against_baseline": {label: _against(plan.criteria, rows[label], rows[first]) for label in others},
+        "against_baseline": {label: _against(plan, rows[label], rows[first]) for label in others},
     }

@@ -125,7 +125,7 @@ def _page(port: int | None, folder: Path, has_runs: bool) -> Iterator[Callable[[
 
 
 def _told(console: Output, scenario: AnyScenario) -> Told:
-    criteria = limited(judging_of(scenario).criteria)
+    criteria = limited(judging_of(scenario).criteria, scenario)
 
     def told(number: int, result: RunResult) -> None:
         values = {**result.score.values, **result.score.signed}

@@ -8,6 +8,7 @@ from typing import Any
 
 from rich.table import Table
 
+from railhil.common.digits import percent
 from railhil.common.output import Output, table
 
 #: Runs that get a row of their own, besides the last.
@@ -30,7 +31,7 @@ def _rows(measure: Mapping[str, Any]) -> Table:
     by_run = measure["by_run"]
     shown = [*by_run[:_FIRST_RUNS], *(by_run[-1:] if len(by_run) > _FIRST_RUNS else [])]
     for name, one in [(str(one["run"]), one) for one in shown] + [(f"last {last['of']}", last)]:
-        shares = [f"{share:.1%}" for share in one["within"].values()]
+        shares = [percent(share, 1) for share in one["within"].values()]
         figures = [_number(one[key]) for key in ("mean", "mean_error", "rms", "p95")]
         made.add_row(name, *figures, *shares)
     return made

@@ -13,6 +13,7 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
+from railhil.batch.statistics import at_most
 from railhil.campaign.results_table import column_of
 from railhil.sequences.plan import Plan
 from railhil.sequences.table import by_run
@@ -62,10 +63,10 @@ def spread(values: Floats, within: tuple[float, ...]) -> dict[str, Any]:
 
 
 def _quantile(values: Floats, q: float) -> float | None:
-    """An order statistic, never between two values; None: infinite, or there is none."""
+    """See :func:`at_most`; None: infinite, or there is none."""
     if not len(values):
         return None
-    found = float(np.quantile(values, q, method="higher"))
+    found = at_most(values, q)
     return found if math.isfinite(found) else None
 
 

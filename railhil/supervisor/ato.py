@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from railhil.bus.telegrams import CtlStat, NotchCmd, SimTruth, TrkInfo, TrnPos, TrnSpeed
+from railhil.common.digits import beside
 from railhil.common.law_order import LAW_ORDER
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.system import system_named
@@ -53,8 +54,8 @@ def asked(scenario: Scenario) -> str:
     """The requirements on the run."""
     plan = scenario.plan
     return (
-        f"{plan.distance_m:g} m in {plan.running_time_s:g} s; allowed ±{plan.stop_error_max_m:g} m and "
-        f"±{plan.time_error_max_s:g} s"
+        f"{plan.distance_m:g} m in {plan.running_time_s:g} s; allowed ±{plan.stop_error_max_m:.10g} m and "
+        f"±{plan.time_error_max_s:.10g} s"
     )
 
 
@@ -64,7 +65,7 @@ def checks(scenario: Scenario, found: Score) -> list[tuple[str, str]]:
     stood = any(stop.standstill is not None for stop in found.stops)
     return [
         ("stops", "" if stood else "did not stop"),
-        ("overspeed", f"{over_mps:.3f} m/s" if over_mps > 0 else ""),
+        ("overspeed", f"{beside(over_mps, 0, 3)} m/s" if over_mps > 0 else ""),
         ("no_emergency_brake", next((text for text in found.failures if "emergency" in text), "")),
         ("no_wrap", next((text for text in found.failures if text.startswith(WRAP_FAILURE)), "")),
     ]

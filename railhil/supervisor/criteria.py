@@ -15,11 +15,20 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from railhil.common.digits import beside
 from railhil.supervisor import journey
 
 #: Stop errors, in m, for which runs are counted in addition to the scenario's own limit: the stricter figures stay
 #: visible.
 STOP_WITHIN_M = (0.1, 0.2, 0.3)
+
+
+#: What a run without a value of a criterion did, where that is a stop.
+DID_NOT_STOP = "did not stop"
+
+
+def _always(scenario: Any) -> bool:
+    return True
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,6 +50,9 @@ class Criterion:
     ``signed``: key of the same value with its sign; the score itself then has no sign. ``limit``: None if the
     scenario has none. ``audit_allowed``: allowed difference of a median in fixed point from that of float64, in
     ``unit``; None: a share of the value is allowed.
+
+    ``applies``: whether runs of a scenario have it at all: if so, one without a value is infinitely bad in statistics.
+    ``without``: what such a run did, in words.
     """
 
     key: str
@@ -55,6 +67,8 @@ class Criterion:
     statistics_digits: int | None = None
     tuning_digits: int | None = None
     audit_allowed: float | None = None
+    applies: Callable[[Any], bool] = _always
+    without: str = "no value"
 
     @property
     def unit_typeset(self) -> str:
@@ -88,23 +102,28 @@ class Criterion:
         """Values with their sign changed if necessary, so that less is better; NaN is kept."""
         return values if self.better == "low" else -values
 
+    def limit_in(self, scenario: Any) -> float | None:
+        """What the scenario allows; None: it says nothing about this criterion, or has none."""
+        return None if self.limit is None or not self.applies(scenario) else self.limit.of(scenario)
+
     def inside(self, scenario: Any, values: NDArray[np.float64]) -> NDArray[np.bool_]:
         """Which values (without sign) the scenario allows; NaN (a run that did not get that far) is not allowed."""
-        assert self.limit is not None
-        limit = self.limit.of(scenario)
+        limit = self.limit_in(scenario)
+        assert limit is not None
         return np.asarray(values <= limit if self.better == "low" else values >= limit, dtype=np.bool_)
 
     def missed(self, scenario: Any, value: float | None) -> str:
         """How a value (with its sign) misses the limit, in words; empty if it does not, or if there is no limit."""
-        if value is None or self.limit is None:
+        limit = self.limit_in(scenario)
+        if value is None or limit is None:
             return ""
-        limit = self.limit.of(scenario)
         if self.signed is not None:
-            return "" if abs(value) <= limit else f"{value:+.3f} {self.unit}, allowed +-{limit:g} {self.unit}"
+            shown = beside(value, limit, 3, "+")
+            return "" if abs(value) <= limit else f"{shown} {self.unit}, allowed +-{limit:.10g} {self.unit}"
         if value <= limit if self.better == "low" else value >= limit:
             return ""
         bound = "at most" if self.better == "low" else "at least"
-        return f"{value:.{self.digits}f} {self.unit}, allowed {bound} {limit:g} {self.unit}"
+        return f"{beside(value, limit, self.digits)} {self.unit}, allowed {bound} {limit:.10g} {self.unit}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,13 +146,13 @@ OVERSPEED = Extra("overspeed_mps", "overspeed", "overspeeds", "over-\nspeed")
 STOP_ERROR = Criterion(
     "stop_error_m", "stop error", "m", 4, lambda run: run.stop.error_m,
     limit=Limit(lambda scenario: scenario.plan.stop_error_max_m, 0), signed="stop_error_m", tuning_digits=3,
-    audit_allowed=0.01,
+    audit_allowed=0.01, without=DID_NOT_STOP,
 )  # fmt: skip
 #: Eq. (7): difference of the arrival time from the timetable.
 TIME_ERROR = Criterion(
     "punctuality_s", "time error", "s", 4, lambda run: run.stop.late_s,
     limit=Limit(lambda scenario: scenario.plan.time_error_max_s, 1), signed="time_error_s", tuning_digits=3,
-    audit_allowed=0.01,
+    audit_allowed=0.01, without=DID_NOT_STOP,
 )  # fmt: skip
 #: The five criteria of the paper, for a train that drives automatically from one stop to the next, in column order.
 ATO_CRITERIA = (
@@ -145,8 +164,13 @@ ATO_CRITERIA = (
 )
 
 
-def limited(criteria: Sequence[Criterion] = ATO_CRITERIA) -> list[Criterion]:
-    """The criteria with a limit, in the order in which limits are listed."""
+def limited(criteria: Sequence[Criterion] = ATO_CRITERIA, scenario: Any = None) -> list[Criterion]:
+    """The criteria with a limit, in the order in which limits are listed.
+
+    :param scenario: only those that apply to it; None: all.
+    """
+    if scenario is not None:
+        criteria = [criterion for criterion in criteria if criterion.applies(scenario)]
     placed = [(criterion.limit.place, criterion) for criterion in criteria if criterion.limit is not None]
     return [criterion for _, criterion in sorted(placed, key=lambda pair: pair[0])]
 

@@ -180,7 +180,7 @@ def junit(scenario: AnyScenario, spec: RunSpec, result: RunResult) -> ET.Element
     if result.trusted:
         cases = [
             (criterion.name, criterion.missed(scenario, found.with_sign(criterion)))
-            for criterion in limited(judging.criteria)
+            for criterion in limited(judging.criteria, scenario)
         ]
         cases += judging.checks(scenario, found)
         cases += [(f"stop {stop.planned.name}", stop.missed) for stop in found.listed_stops]

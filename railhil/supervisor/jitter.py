@@ -18,6 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from railhil.bus.clock import RATE_MAX_10TH, RATE_MIN_10TH, rate_to_10th
+from railhil.common.digits import beside
 from railhil.supervisor.start_up import TIMING
 from railhil.supervisor.trace import Trace
 
@@ -56,11 +57,11 @@ class Jitter:
     def sentence(self) -> str:
         """Why the timing is not good enough."""
         if self.late_share > LATE_SHARE_MAX:
+            share = beside(100 * self.late_share, 100 * LATE_SHARE_MAX, 2)
             return (
-                f"timing: {self.late_share:.2%} of {self.cycles} cycles more than {LATE_MS:g} ms late, "
-                f"allowed {LATE_SHARE_MAX:.1%}"
+                f"timing: {share}% of {self.cycles} cycles more than {LATE_MS:g} ms late, allowed {LATE_SHARE_MAX:.1%}"
             )
-        return f"timing: a cycle {self.max_ms:.0f} ms late, allowed less than {PAUSE_MS:g} ms"
+        return f"timing: a cycle {beside(self.max_ms, PAUSE_MS, 0)} ms late, allowed less than {PAUSE_MS:g} ms"
 
     def as_json(self) -> dict[str, Any]:
         """Figures without the histogram."""

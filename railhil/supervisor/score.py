@@ -15,6 +15,7 @@ import numpy as np
 from railhil.bus.codes import Event
 from railhil.bus.ident import INDEXINGS, CtlIdent
 from railhil.bus.telegrams import CtlStat, NotchCmd, RunEvent, SimTruth
+from railhil.common.digits import beside
 from railhil.faults.parsed import parsed
 from railhil.scenarios.model import Scenario
 from railhil.supervisor import measures
@@ -120,7 +121,7 @@ def judged(scenario: Scenario, run: Measured) -> Score:
         if missed := criterion.missed(scenario, run.values[criterion.key]):
             failures.append(f"{criterion.title} {missed}")
     if run.overspeed_mps > 0:
-        failures.append(f"overspeed {run.overspeed_mps * measures.KMH:.2f} km/h, allowed 0")
+        failures.append(f"overspeed {beside(run.overspeed_mps * measures.KMH, 0, 2)} km/h, allowed 0")
     if run.emergency_s is not None:
         failures.append(f"emergency brake at {run.emergency_s:.2f} s")
     if run.wrap:
@@ -182,7 +183,7 @@ def score(scenario: Scenario, trace: Trace) -> Score:
     if gaps_s.max() > HOLE_MAX_S:
         longest = int(gaps_s.argmax())
         return _unscored(
-            f"record: no SIM_TRUTH for {gaps_s[longest]:.2f} s from {time_s[longest]:.2f} s on, "
+            f"record: no SIM_TRUTH for {beside(gaps_s[longest], HOLE_MAX_S, 2)} s from {time_s[longest]:.2f} s on, "
             f"allowed {HOLE_MAX_S:g} s",
             ended.name.lower(),
         )

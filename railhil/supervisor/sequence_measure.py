@@ -31,9 +31,9 @@ def sequence_measures(scenario: Any, judging: Judging) -> Sequence[SequenceMeasu
     if judging.learned:
         return judging.learned
     found = []
-    for criterion in limited(judging.criteria):
-        assert criterion.limit is not None
-        limit = criterion.limit.of(scenario)
+    for criterion in limited(judging.criteria, scenario):
+        limit = criterion.limit_in(scenario)
+        assert limit is not None
         if criterion.better == "low":
             found.append(SequenceMeasure(criterion, (limit,), limit))
     return found

@@ -13,6 +13,7 @@ from railhil.bench import BenchRun
 from railhil.controller_node.vector.controller import VectorOutput
 from railhil.scenarios.load import load_any
 from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.supervisor.criteria import limited
 from railhil.supervisor.high_speed import judging, panels
 from railhil.supervisor.high_speed.ride import Ride, milestone
 from railhil.supervisor.judging import judging_of
@@ -83,7 +84,14 @@ def test_limits_and_units_that_act_alone_fail(run: BenchRun, scenario: Any) -> N
         load_any("jinan_xuzhou_emu3_emergency", [*SETTINGS, "task.emergency_stop_max_m=1000"]), run.trace
     )
     assert short.failures[0].startswith("emergency stop ")
-    assert judging.EMU3.checks(scenario, run.score) == [("emergency_stop", "")]
+    assert [one.name for one in limited(judging.EMU3.criteria, scenario)] == ["RMSE", "emergency_stop"]
+    short_run = load_any("hst_short")
+    assert [one.key for one in judging.HST1.criteria if not one.applies(short_run)] == [
+        "arrival_m",
+        "emergency_rmse_kmh",
+        "emergency_stop_m",
+    ]
+    assert all(one.applies(load_any("jinan_xuzhou")) for one in judging.HST1.criteria if "arrival" in one.key)
     early = coupled_run(load_any("jinan_xuzhou_emu3_emergency", [*SETTINGS, "task.duration_s=90"]), proportional, SPEC)
     assert early.score.failures == ("no emergency stop, allowed at most 4500 m",)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
+from railhil.common.digits import percent
 from railhil.reproduce.ilc import names, published
 from railhil.reproduce.ilc.bands import ACCEPTANCE, BARS, Band
 from railhil.reproduce.ilc.names import (
@@ -71,7 +72,7 @@ def _shown(value: float | None, digits: int = 3) -> str:
 
 
 def _percent(value: float | None) -> str:
-    return "-" if value is None else f"{value:.0%}"
+    return "-" if value is None else percent(value, 0)
 
 
 def _figure_6(results: Results) -> Statement:

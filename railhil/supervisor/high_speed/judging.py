@@ -9,7 +9,8 @@ import numpy as np
 from railhil.bus.codes import Event
 from railhil.bus.high_speed import UnitLevel, Wire, wire
 from railhil.bus.telegrams import RunEvent
-from railhil.supervisor.criteria import Criterion, Limit, scores, unscored
+from railhil.scenarios.high_speed.target import journey_curve
+from railhil.supervisor.criteria import DID_NOT_STOP, Criterion, Limit, scores, unscored
 from railhil.supervisor.events.declared import Watch
 from railhil.supervisor.high_speed.ride import Ride
 from railhil.supervisor.judging import Judging
@@ -20,15 +21,44 @@ from railhil.supervisor.trace import Trace
 RMSE = Criterion(
     "rmse_kmh", "RMSE", "km/h", 4, Ride.rmse_kmh, limit=Limit(lambda scenario: scenario.task.rmse_max_kmh, 0)
 )
-#: Its limit is not that of a criterion: most scenarios have no emergency, and a run without one has not failed it.
-EMERGENCY_STOP = Criterion("emergency_stop_m", "emergency stop", "m", 1, Ride.emergency_stop_m)
+
+
+def _has_emergency(scenario: Any) -> bool:
+    return scenario.task.emergency is not None
+
+
+def _arrives(scenario: Any) -> bool:
+    """Whether a run lasts until the train has to stand at the end of its journey."""
+    task = scenario.task
+    return not _has_emergency(scenario) and task.start_s + task.duration_s >= journey_curve(task).duration_s
+
+
+EMERGENCY_STOP = Criterion(
+    "emergency_stop_m",
+    "emergency stop",
+    "m",
+    1,
+    Ride.emergency_stop_m,
+    limit=Limit(lambda scenario: scenario.task.emergency_stop_max_m, 1),
+    applies=_has_emergency,
+    without=DID_NOT_STOP,
+)
 CRITERIA = (
     RMSE,
     Criterion("max_error_kmh", "largest error", "km/h", 3, Ride.max_error_kmh),
     Criterion("slope_mps3", "command slope", "m/s3", 4, Ride.slope_mps3),
     Criterion("energy_kwh", "energy", "kWh", 1, Ride.energy_kwh),
-    Criterion("arrival_m", "arrival error", "m", 2, Ride.arrival_error_m, signed="arrival_error_m"),
-    Criterion("emergency_rmse_kmh", "emergency RMSE", "km/h", 4, Ride.emergency_rmse_kmh),
+    Criterion(
+        "arrival_m",
+        "arrival error",
+        "m",
+        2,
+        Ride.arrival_error_m,
+        signed="arrival_error_m",
+        applies=_arrives,
+        without=DID_NOT_STOP,
+    ),
+    Criterion("emergency_rmse_kmh", "emergency RMSE", "km/h", 4, Ride.emergency_rmse_kmh, applies=_has_emergency),
     EMERGENCY_STOP,
 )
 #: Further criteria of a train of several units.
@@ -58,28 +88,12 @@ def score(scenario: Any, trace: Trace) -> Score:
     ride = Ride.of(scenario, trace)
     measured = {criterion.key: criterion.measure(ride) for criterion in criteria}
     missed = [f"{item.title} {text}" for item in criteria if (text := item.missed(scenario, measured[item.key]))]
-    missed += filter(None, [_emergency_missed(scenario, measured[EMERGENCY_STOP.key])])
+    if EMERGENCY_STOP.applies(scenario) and measured[EMERGENCY_STOP.key] is None:
+        missed.append(f"no emergency stop, allowed at most {scenario.task.emergency_stop_max_m:g} m")
     missed += [text for unit in range(1, len(scenario.task.unit) + 1) if (text := _alone(trace, truth, unit))]
     missed += filter(None, [wrap_failure(trace, _STATUS), _ENDINGS[ended]])
     verdict = "FAIL" if missed else "PASS"
     return Score(verdict, *scores(measured, criteria), tuple(missed), ended.name.lower())
-
-
-def _emergency_missed(scenario: Any, stop_m: float | None) -> str:
-    """How the run misses the limit of the emergency stop, in words; empty if it does not."""
-    if scenario.task.emergency is None:
-        return ""
-    most_m = scenario.task.emergency_stop_max_m
-    if stop_m is None:
-        return f"no emergency stop, allowed at most {most_m:g} m"
-    return "" if stop_m <= most_m else f"emergency stop {stop_m:.1f} m, allowed at most {most_m:g} m"
-
-
-def _checks(scenario: Any, score: Score) -> list[tuple[str, str]]:
-    """The emergency stop as a JUnit case, in a scenario that has one."""
-    if scenario.task.emergency is None:
-        return []
-    return [("emergency_stop", _emergency_missed(scenario, score.values.get(EMERGENCY_STOP.key)))]
 
 
 def _alone(trace: Trace, truth: str, unit: int) -> str:
@@ -145,7 +159,6 @@ def _judging(units: int) -> Judging:
         ),
         published="figures of the NGPC papers, which print no RMSE of the speed",
         facts=_facts,
-        checks=_checks,
         watches=tuple(
             Watch(
                 f"unit{unit}",

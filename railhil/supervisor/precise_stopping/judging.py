@@ -10,7 +10,7 @@ import numpy as np
 from railhil.bus.codes import Event
 from railhil.bus.stopping import BrakeCommand, BrakeLevel, BrakeStatus, Odo, SpeedRaw, StopReport, Truth
 from railhil.bus.telegrams import RunEvent
-from railhil.supervisor.criteria import Criterion, Limit, scores, unscored
+from railhil.supervisor.criteria import DID_NOT_STOP, Criterion, Limit, scores, unscored
 from railhil.supervisor.events.declared import Watch
 from railhil.supervisor.judging import Judging
 from railhil.supervisor.precise_stopping.approach import Approach
@@ -30,11 +30,20 @@ STOP_ERROR = Criterion(
     limit=Limit(lambda scenario: scenario.task.stop_error_max_m, 0),
     signed="stop_error_m",
     audit_allowed=_AUDIT_ALLOWED_M,
+    without=DID_NOT_STOP,
 )
 CRITERIA = (
     STOP_ERROR,
-    Criterion("overshoot_m", "overshoot", "m", 3, Approach.overshoot_m, audit_allowed=_AUDIT_ALLOWED_M),
-    Criterion("running_time_s", "running time", "s", 2, Approach.running_time_s),
+    Criterion(
+        "overshoot_m",
+        "overshoot",
+        "m",
+        3,
+        Approach.overshoot_m,
+        audit_allowed=_AUDIT_ALLOWED_M,
+        without=DID_NOT_STOP,
+    ),
+    Criterion("running_time_s", "running time", "s", 2, Approach.running_time_s, without=DID_NOT_STOP),
     Criterion("jerk_mps3", "largest jerk", "m/s3", 3, Approach.jerk_mps3),
     Criterion("brake_travel_mps2", "brake travel", "m/s2", 3, Approach.brake_travel_mps2),
 )

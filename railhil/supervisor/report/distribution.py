@@ -37,9 +37,9 @@ class Spread:
 
 def limits_of(scenario: Any, criterion: Criterion) -> tuple[float, ...]:
     """The bounds of what a scenario allows."""
-    if criterion.limit is None:
+    limit = criterion.limit_in(scenario)
+    if limit is None:
         return ()
-    limit = criterion.limit.of(scenario)
     return (-limit, limit) if criterion.signed is not None else (limit,)
 
 
@@ -67,12 +67,12 @@ def worst_first(scenario: Any, criteria: Sequence[Criterion], runs: Sequence[Rec
     def badness(run: RecordedRun) -> tuple[bool, bool, float]:
         worst = 0.0
         for criterion in criteria:
-            value = run.score.values[criterion.key]
-            if criterion.limit is None:
+            value, limit = run.score.values[criterion.key], criterion.limit_in(scenario)
+            if limit is None:
                 continue
             if value is None:
                 return run.verdict == "INVALID", True, np.inf
-            limit = abs(criterion.limit.of(scenario)) or 1.0
+            limit = abs(limit) or 1.0
             worst = max(worst, value / limit if criterion.better == "low" else limit / max(value, 1e-9))
         return run.verdict == "INVALID", run.verdict != "PASS", worst
 

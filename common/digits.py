@@ -1,0 +1,43 @@
+"""Numbers as text with enough digits: rounding must not turn one statement into another."""
+
+from __future__ import annotations
+
+#: Significant digits at which a float stands exactly.
+_DIGITS_MAX = 17
+
+
+def beside(value: float, limit: float, digits: int, sign: str = "", kind: str = "f") -> str:
+    """A value that is shown beside its limit, with as many digits as it takes to see on which side it is.
+
+    >>> beside(0.30004, 0.3, 3, "+"), beside(0.4, 0.3, 3)
+    ('+0.30004', '0.400')
+
+    :param limit: with a ``sign``, of the magnitude.
+    :param digits: so many at least: decimals, with ``kind`` g significant ones.
+    :param sign: ``+``: the sign is always shown.
+    """
+
+    def side(of: float) -> int:
+        size = abs(of) if sign else of
+        return int(size > limit) - int(size < limit)
+
+    for more in range(digits, _DIGITS_MAX):
+        text = f"{value:{sign}.{more}{kind}}"
+        if side(float(text)) == side(value):
+            return text
+    return f"{value:{sign}.{_DIGITS_MAX}g}"
+
+
+def percent(share: float, digits: int = 2) -> str:
+    """A share of runs in per cent: 100 only for all of them, 0 only for none.
+
+    >>> percent(20_000 / 20_001), percent(1.0), percent(0.5)
+    ('99.995%', '100.00%', '50.00%')
+    """
+    if share in (0.0, 1.0):
+        return f"{share:.{digits}%}"
+    for more in range(digits, _DIGITS_MAX):
+        text = f"{share:.{more}%}"
+        if 0.0 < float(text.removesuffix("%")) < 100.0:
+            return text
+    return f"{100 * share:.{_DIGITS_MAX}g}%"
