@@ -41,8 +41,11 @@ class ScoreEffect:
 
     @property
     def met(self) -> bool:
-        """The medians differ by no more than allowed, and no draw has the score in only one arithmetic."""
-        return not self.missing and (self.difference is None or abs(self.difference) <= self.allowed)
+        """The medians differ by no more than allowed, and no draw has the score in only one arithmetic.
+
+        A score that no run has proves nothing.
+        """
+        return not self.missing and self.difference is not None and abs(self.difference) <= self.allowed
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,9 +73,10 @@ def _effect(criterion: Criterion, audited: list[Score], reference: list[Score]) 
 
 
 def effect(scenario: AnyScenario, runs: int, law: LawSpec) -> Effect:
-    """Run ``runs`` draws in each of the two arithmetics and compare the scores."""
+    """Run ``runs`` draws in each of the two arithmetics and compare the scores that apply to the scenario."""
     audited, reference = (outcomes(scenario, runs, each) for each in (law, replace(law, arithmetic="float64")))
-    return compared(audited, reference, judging_of(scenario).criteria)
+    criteria = [criterion for criterion in judging_of(scenario).criteria if criterion.applies(scenario)]
+    return compared(audited, reference, criteria)
 
 
 def compared(audited: Outcomes, reference: Outcomes, criteria: Sequence[Criterion]) -> Effect:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import shlex
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from statistics import median
 from typing import TYPE_CHECKING, Any
 
@@ -171,6 +171,14 @@ class Statement:
     why: str = ""
 
 
+def checked(results: Results, statement: Statement, keys: Iterable[str]) -> Statement:
+    """The statement, which cannot be checked unless all entries that it needs were made and can be trusted."""
+    missing = [key for key in keys if key not in results.runs or results.runs[key].verdict == "INVALID"]
+    if not missing:
+        return statement
+    return replace(statement, measured=f"not made: {', '.join(missing)}.", verdict=OPEN, why="")
+
+
 def no_curves(outcome: Any) -> None:
     """For a paper whose figures are drawn from the measured values."""
 
@@ -204,3 +212,8 @@ class Paper:
 def order(values: Mapping[str, float | None]) -> list[str]:
     """Names from the least value to the greatest; those without a value are last, in their own order."""
     return sorted(values, key=lambda name: (values[name] is None, values[name] or 0.0))
+
+
+def least(values: Mapping[str, float | None]) -> str | None:
+    """The name with the least value; None if none has a value."""
+    return next((name for name in order(values) if values[name] is not None), None)

@@ -14,12 +14,14 @@ from railhil.cli.bus_run import NeverBegan
 from railhil.common.errors import InputError
 from railhil.reproduce.__main__ import arguments, main
 from railhil.reproduce.document import results_of
+from railhil.reproduce.ipfc.runs import ADAPTED, CHATTER, RMS_ERROR
 from railhil.reproduce.page import page, seeds_said
-from railhil.reproduce.paper import Line, Measured, Results, Table, order
+from railhil.reproduce.paper import FOLLOWS_NOT, OPEN, Line, Measured, Results, Table, least, order
 from railhil.reproduce.papers import PAPERS as SHIPPED
 from railhil.reproduce.papers import paper_named
 from railhil.scenarios.load import load_any
 from railhil.scenarios.system import system_named
+from railhil.supervisor.criteria import ATO_CRITERIA
 
 IPFC = {"ipfc": SHIPPED["ipfc"]}
 
@@ -133,6 +135,7 @@ def test_a_figure_over_runs_needs_a_value_of_every_run() -> None:
 
 def test_order_has_those_without_a_value_last() -> None:
     assert order({"a": 2.0, "b": None, "c": -1.0}) == ["c", "a", "b"]
+    assert (least({"a": 2.0, "b": None, "c": -1.0}), least({"a": None, "b": None})) == ("c", None)
 
 
 def test_a_table_without_published_values_has_no_ratio() -> None:
@@ -178,3 +181,26 @@ def test_a_refused_run_comes_back_from_its_process() -> None:
     back = pickle.loads(pickle.dumps(NeverBegan("the law refused", 2)))
     assert (str(back), back.exit_code) == ("the law refused", 2)
     assert pickle.loads(pickle.dumps(SHORT)) == SHORT
+
+
+@pytest.mark.parametrize("name", list(SHIPPED))
+def test_what_was_not_measured_proves_nothing(name: str) -> None:
+    paper = paper_named(name)
+    said = paper.statements(Results(paper.seeds, {}))
+    assert {one.verdict for one in said} == {OPEN}
+    assert all("not made" in one.measured and not one.why for one in said)
+
+
+@pytest.mark.parametrize("lost", ["not made", "INVALID", "without values"])
+def test_a_paper_is_not_confirmed_by_runs_that_did_not_get_that_far(lost: str) -> None:
+    """The order of the laws is that of the paper where nothing is known; a run that cannot be trusted is not known."""
+    paper = paper_named("ipfc")
+    keys = [one.key for one in paper.planned(paper.seeds)]
+    names = [one.key for one in ATO_CRITERIA] + [RMS_ERROR, CHATTER, ADAPTED]
+    runs = {
+        key: Measured(key, "INVALID" if lost == "INVALID" else "FAIL", (), "", dict.fromkeys(names))
+        for key in keys
+        if lost == "without values" or lost == "INVALID" or key != "ipfc-iq-0"
+    }
+    verdicts = {one.verdict for one in paper.statements(Results(paper.seeds, runs))}
+    assert verdicts == ({FOLLOWS_NOT} if lost == "without values" else {OPEN})
