@@ -107,6 +107,11 @@ class Port:
         return name in self._signals
 
     @property
+    def life(self) -> Signal | None:
+        """The life sign, the signal with a name that ends so; None: the telegram has none."""
+        return next((one for one in self.signals if one.name.endswith("Life")), None)
+
+    @property
     def data_bytes(self) -> int:
         """Length of the process data in bytes (2, 4, 8, 16, 32)."""
         return DATA_BITS[self.f_code] // 8

@@ -212,6 +212,28 @@ def test_where_frames_can_be_lost_only_too_many_are_found(disturbed: tuple[Scena
     assert with_told(scenario, run.trace, Told(False, more.nodes))[0].startswith("invariant 1: the controller took")
 
 
+def test_a_telegram_that_only_the_recorder_has_missed_is_no_breach(make: Make) -> None:
+    """The node took it, the record lacks it: nothing is known of it, and the run is INVALID."""
+    scenario, run = make()
+    nodes = run.trace.told.nodes
+    for port, trace in records(run.trace):
+        fewer = trace.count(port) < run.trace.count(port)
+        trace.told = Told(False, nodes)
+        node = "controller" if port == TrnSpeed.PORT else "plant"
+        unclear = f"record: the {node} took 1 {port} telegrams that the record does not show"
+        assert unreconciled(scenario, trace) == ([unclear] if fewer else [])
+        found = judging_of(scenario).score(scenario, trace)
+        assert (found.verdict == "INVALID", unclear in found.failures) == (fewer, fewer)
+
+
+def test_a_bad_telegram_that_was_taken_is_a_breach_wherever_it_is_recorded(make: Make) -> None:
+    scenario, run = make("TRN_SPEED.SpeedChk raw 2 @1s x3")
+    accepted = counts(run, "controller", TrnSpeed.PORT)["accepted"]
+    for surplus, said in ((3, "invariant 1: the controller took 3"), (4, "record: the controller took 4")):
+        told = changed(run.trace, "controller", TrnSpeed.PORT, accepted=accepted + surplus)
+        assert with_told(scenario, run.trace, Told(False, told.nodes))[0].startswith(said)
+
+
 def test_the_folder_of_a_run_keeps_the_counters(tmp_path: Path) -> None:
     (tmp_path / "short.toml").write_text(RUN_2M_TOML)
     spec = RunSpec(str(tmp_path / "short.toml"), bus="local", faults=("TRN_SPEED.checksum random @1s x3",))

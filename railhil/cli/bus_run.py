@@ -17,7 +17,7 @@ from railhil.cli.progress import LOADED_LATER, progress
 from railhil.common.choices import BUSES
 from railhil.common.command_line import add_law_arguments, add_run_arguments
 from railhil.common.errors import InputError
-from railhil.common.exit_codes import FAIL, USAGE
+from railhil.common.exit_codes import FAIL, INVALID, USAGE
 from railhil.common.extras import install_command
 from railhil.common.light_start import undocumented_matplotlib
 from railhil.scenarios.load import load_any
@@ -216,9 +216,10 @@ def complete(scenario: AnyScenario, result: RunResult, trace: Trace) -> None:
 
     injected = [one.as_json() for one in result.faults]
     result.events = events_of(scenario, trace, fault_events(injected, trace.end_s))
-    expected = with_expectations(result.score, injected, result.events)
+    expected = with_expectations(result.score, injected, result.events, scenario, trace)
     if result.trusted and expected is not result.score:
-        result.score, result.exit_code, result.line = expected, FAIL, "; ".join(expected.failures)
+        code = INVALID if expected.verdict == "INVALID" else FAIL
+        result.score, result.exit_code, result.line = expected, code, "; ".join(expected.failures)
 
 
 def write_results(

@@ -4,6 +4,9 @@
 3. Beyond the overspeed margin the emergency brake is applied.
 4. A watch lowers its level only after the stated number of good telegrams, or at a standstill; EMERGENCY is never left.
 
+What the record does not show breaks no rule: where a rule hangs on a telegram that the record may lack, the run is
+INVALID (:mod:`railhil.supervisor.unseen`).
+
 The numbers are those of the specification of the bench. Rule 1 (no telegram that failed a check reaches the law) and 6
 (sent = accepted + refused + lost) need the counters of the nodes: :mod:`railhil.supervisor.counters`. The checks here
 use neither watch: they read levels, speeds and forces from the record, and count its good telegrams again.
@@ -12,7 +15,7 @@ use neither watch: they read levels, speeds and forces from the record, and coun
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -27,6 +30,7 @@ from railhil.supervisor.events.declared import Received
 from railhil.supervisor.events.telegrams import judged
 from railhil.supervisor.measures import limits_under_train
 from railhil.supervisor.trace import FloatArray, Trace
+from railhil.supervisor.unseen import UNCLEAR, Unseen
 
 if TYPE_CHECKING:
     from railhil.faults.model import Fault
@@ -49,7 +53,7 @@ IntArray: TypeAlias = npt.NDArray[np.int64]
 
 def broken(scenario: Scenario, trace: Trace) -> list[str]:
     """One sentence for the first breach of each rule, with those of :mod:`railhil.supervisor.counters`; empty for a run
-    that keeps them.
+    that keeps them. One that begins with :data:`railhil.supervisor.unseen.UNCLEAR` names what the record lacks.
 
     A record of an earlier version, without the level of the train's watch, is checked only for the controller's. What
     a fault has put into NOTCH_CMD is not the controller's, and is not checked; with any fault of NOTCH_CMD, the order
@@ -57,15 +61,16 @@ def broken(scenario: Scenario, trace: Trace) -> list[str]:
     checked from EMERGENCY on, where the main breaker opens.
     """
     has_watch = "TRN_WATCH" in {port.name for port in trace.contract.ports}
-    found = list(unreconciled(scenario, trace))
+    found = unreconciled(scenario, trace)
     items = {item.port: item for item in received(scenario)}
+    unseen = Unseen(scenario, trace)
     if not _is_forged(scenario):
         found += _commanded_traction(trace)
     if not _is_out_of_step(scenario):
-        found += _left_early_by_controller(trace, items)
+        found += _left_early_by_controller(trace, items, unseen)
     if has_watch and trace.count(TrnWatch.PORT):
         found += [*_applied_traction(scenario, trace), *_overspeed(scenario, trace)]
-        found += _left_early_by_train(trace, items)
+        found += _left_early_by_train(trace, items, unseen)
     return found
 
 
@@ -175,13 +180,15 @@ def _good_before(trace: Trace, item: Received, port: str) -> IntArray:
 
 
 def _left_early(
-    who: str, time_s: FloatArray, level: IntArray, first: IntArray, past: IntArray, stands: BoolArray
-) -> Iterator[str]:
-    """The first breach of rule 4.
+    who: str, time_s: FloatArray, level: IntArray, first: IntArray, past: IntArray, standing: Standing, port: str,
+    unseen: Unseen,
+) -> Iterator[str]:  # fmt: skip
+    """The first breach of rule 4, or what the record does not show of it.
 
-    :param level: at each instant; -1: not known. The good telegrams are numbered in their order: ``first`` is the
-        first one that can count for a level entered at an instant, ``past`` the first that is too late for one left.
-    :param stands: whether the train stands at each instant; where it has stood at this level, any may be left.
+    :param level: at each instant; -1: not known. The good telegrams of ``port`` are numbered in their order: ``first``
+        is the first one that can count for a level entered at an instant, ``past`` the first that is too late for one
+        left.
+    :param standing: whether the train stands at each instant; where it has stood at this level, any may be left.
     """
     for index in np.flatnonzero(np.diff(level) < 0) + 1:
         left, entered = int(level[index - 1]), index - 1
@@ -196,32 +203,60 @@ def _left_early(
             # It may have been entered earlier.
             continue
         count = int(past[index] - first[entered])
+        rows = slice(entered, index + 1)
         # At a standstill SERVICE BRAKE is left at once, and a level may be left through it between two reports.
-        if count < GOOD_NEEDED[left] and not stands[entered : index + 1].any():
-            yield (
-                f"invariant 4: {who} left {LEVELS[left]} at {time_s[index]:.2f} s after {count} good telegrams, "
-                f"needed {GOOD_NEEDED[left]}"
-            )
-            return
+        if count >= GOOD_NEEDED[left] or standing.stands[rows].any():
+            continue
+        said = f"{who} left {LEVELS[left]} at {time_s[index]:.2f} s"
+        missing = unseen.count(port, time_s[entered - 1 if entered else 0], time_s[index])
+        if not standing.known[rows].all():
+            yield f"{UNCLEAR}{said}, and no {standing.port} shows whether the train stood"
+        elif count + missing >= GOOD_NEEDED[left]:
+            yield f"{UNCLEAR}{said} after {count} good {port} telegrams, and {missing} are not in the record"
+        else:
+            yield f"invariant 4: {said} after {count} good telegrams, needed {GOOD_NEEDED[left]}"
+        return
 
 
-def _left_early_by_controller(trace: Trace, items: Mapping[str, Received]) -> Iterator[str]:
-    """The level stands in each answer, so it was entered after the answer before; telegrams come before the poll."""
+class Standing(NamedTuple):
+    """Whether the train stands at each of some instants, shape (n,), as ``port`` shows it; ``known``: where it does."""
+
+    port: str
+    stands: BoolArray
+    known: BoolArray
+
+
+def _standing(trace: Trace, port: str, signal: str, time_s: FloatArray, unseen: Unseen) -> Standing:
+    """What the newest telegram before each instant says, if none is missing after it."""
+    told_s, raw = trace.times_s(port), trace.raw(port, signal)
+    if not len(raw):
+        return Standing(port, np.zeros(len(time_s), dtype=bool), np.zeros(len(time_s), dtype=bool))
+    index = np.searchsorted(told_s, time_s, side="right") - 1
+    newest = np.maximum(index, 0)
+    known = (index >= 0) & (time_s - told_s[newest] < 2 * unseen.period_s(port))
+    return Standing(port, (index >= 0) & (raw[newest] == 0), known)
+
+
+def _left_early_by_controller(trace: Trace, items: Mapping[str, Received], unseen: Unseen) -> Iterator[str]:
+    """The level stands in each answer, so it was entered after the answer before; telegrams come before the poll.
+
+    Whether the train stands is what TRN_SPEED says: to a controller that hears none, it does not.
+    """
     time_s = trace.times_s(NotchCmd.PORT)
-    speed = trace.raw(TrnSpeed.PORT, "TrainSpeed")
     past = _good_before(trace, items[TrnSpeed.PORT], NotchCmd.PORT)
     first = np.concatenate([[0], past[:-1]])
-    newest = np.searchsorted(trace.times_s(TrnSpeed.PORT), time_s, side="right") - 1
-    stands = (newest >= 0) & (speed[np.maximum(newest, 0)] == 0) if len(speed) else np.ones(len(time_s), dtype=bool)
-    yield from _left_early("the controller", time_s, _controller_levels(trace), first, past, stands)
+    standing = _standing(trace, TrnSpeed.PORT, "TrainSpeed", time_s, unseen)
+    heard = standing._replace(known=np.ones_like(standing.known))
+    levels = _controller_levels(trace)
+    yield from _left_early("the controller", time_s, levels, first, past, heard, TrnSpeed.PORT, unseen)
 
 
-def _left_early_by_train(trace: Trace, items: Mapping[str, Received]) -> Iterator[str]:
+def _left_early_by_train(trace: Trace, items: Mapping[str, Received], unseen: Unseen) -> Iterator[str]:
     """The level is told one tick after it was entered, and commands follow it in the tick."""
-    told_s, truth_s = trace.times_s(TrnWatch.PORT), trace.times_s(SimTruth.PORT)
+    told_s = trace.times_s(TrnWatch.PORT)
     # In the order of the record: without the port that opens a tick, its report has the instant of the last poll.
     good = _good_before(trace, items[NotchCmd.PORT], TrnWatch.PORT)
-    speed = trace.raw(SimTruth.PORT, "TrueSpeed")
-    index = np.clip(np.searchsorted(truth_s, told_s, side="right") - 1, 0, max(len(truth_s) - 1, 0))
-    stands = speed[index] == 0 if len(speed) else np.ones(len(told_s), dtype=bool)
-    yield from _left_early("the train", told_s, _told_levels(trace), good, good, stands)
+    standing = _standing(trace, SimTruth.PORT, "TrueSpeed", told_s, unseen)
+    yield from _left_early(
+        "the train", told_s, _told_levels(trace), good, good, standing, NotchCmd.PORT, unseen
+    )  # fmt: skip

@@ -53,7 +53,7 @@ class Record:
         """The score of the record, with the expectations of its faults."""
         found = judging_of(self.scenario).score(self.scenario, self.trace)
         injected = self.certificate.get("injected", ())
-        return with_expectations(found, injected, self.events) if injected else found
+        return with_expectations(found, injected, self.events, self.scenario, self.trace) if injected else found
 
 
 def log_path(text: str) -> Path:

@@ -26,14 +26,12 @@ from railhil.supervisor.measures import limits_under_train
 from railhil.supervisor.status import Status, wrap_failure
 from railhil.supervisor.stops import ScoredStop
 from railhil.supervisor.trace import Trace
-from railhil.supervisor.witness import milestone_missing, standstill_unclear
+from railhil.supervisor.unseen import UNCLEAR
+from railhil.supervisor.witness import incomplete, standstill_unclear
 
 if TYPE_CHECKING:
     from railhil.faults.model import Fault
 
-#: A record without SIM_TRUTH for longer than this is not accepted as a run, because the motion in the gap is unknown.
-#: A short bus failure leaves shorter gaps.
-HOLE_MAX_S = 1.0
 #: Criteria with a limit, in the order of their failures.
 _LIMITED = tuple(limited())
 #: Where the controller of ``ato`` reports on its arithmetic; the notes are defined by the law.
@@ -179,16 +177,13 @@ def score(scenario: Scenario, trace: Trace) -> Score:
     if ended not in whole or len(time_s) < 2:
         name = ended.name.lower() if ended is not None else "record_incomplete"
         return _unscored(f"run {name}", name)
-    gaps_s = np.diff(time_s)
-    if gaps_s.max() > HOLE_MAX_S:
-        longest = int(gaps_s.argmax())
-        return _unscored(
-            f"record: no SIM_TRUTH for {beside(gaps_s[longest], HOLE_MAX_S, 2)} s from {time_s[longest]:.2f} s on, "
-            f"allowed {HOLE_MAX_S:g} s",
-            ended.name.lower(),
-        )
-    unclear = milestone_missing(trace) or standstill_unclear(trace, time_s, truth["position"], truth["speed"])
+    unclear = incomplete(trace, SimTruth.PORT) or standstill_unclear(
+        trace, time_s, truth["position"], truth["speed"]
+    )  # fmt: skip
     if unclear:
+        return _unscored(unclear, ended.name.lower())
+    rules = broken(scenario, trace)
+    if unclear := next((said for said in rules if said.startswith(UNCLEAR)), ""):
         return _unscored(unclear, ended.name.lower())
     ident = trace.ident(CtlIdent)
     run = Journey(
@@ -213,6 +208,6 @@ def score(scenario: Scenario, trace: Trace) -> Score:
             stop=run.stop,
             emergency_s=emergency[0][0] if emergency else None,
             wrap=wrap_failure(trace, STATUS),
-            broken=broken(scenario, trace),
+            broken=rules,
         ),
     )

@@ -11,8 +11,12 @@ import numpy as np
 
 from railhil.bus.codes import Event
 from railhil.bus.telegrams import STOP_LEG_MIN_M, RunEvent
+from railhil.common.digits import beside
 from railhil.supervisor.trace import FloatArray, Trace
 
+#: A record without the truth for longer than this is not accepted as a run, because the motion in the gap is unknown.
+#: A short bus failure leaves shorter gaps.
+HOLE_MAX_S = 1.0
 #: A train that SIM_TRUTH shows at rest for this long has stopped. Speeds below half an LSB (0.05 mm/s) also appear as
 #: rest, but no train creeps so slowly for so long.
 STANDING_S = 0.5
@@ -23,6 +27,27 @@ STAMP_ERROR_MAX_S = 0.1
 ACCEL_MAX_MPS2 = 10.0
 #: Resolution of positions on the wire, rounded once in the milestone and once in the truth.
 _LSB_M = 1e-4
+
+
+def incomplete(trace: Trace, truth: str) -> str:
+    """What a record lacks to be judged as a run, as a reason; empty if it lacks nothing.
+
+    :param truth: the port that shows the train.
+    """
+    return _hole(trace, truth) or milestone_missing(trace)
+
+
+def _hole(trace: Trace, truth: str) -> str:
+    """A time without the train, at the start of the record, within it or at its end."""
+    shown_s = trace.times_s(truth)
+    firsts_s = [trace.times_s(port.name)[:1] for port in trace.contract.ports]
+    time_s = np.concatenate([[np.concatenate(firsts_s).min()], shown_s, [max(trace.end_s, shown_s[-1])]])
+    gaps_s = np.diff(time_s)
+    longest = int(gaps_s.argmax())
+    if gaps_s[longest] <= HOLE_MAX_S:
+        return ""
+    gap = f"{beside(gaps_s[longest], HOLE_MAX_S, 2)} s from {time_s[longest]:.2f} s on"
+    return f"record: no {truth} for {gap}, allowed {HOLE_MAX_S:g} s"
 
 
 def milestone_missing(trace: Trace) -> str:

@@ -136,6 +136,8 @@ class Run:
             judging_of(outcome.scenario).score(outcome.scenario, outcome.trace),
             outcome.certificate.get("injected", ()),
             outcome.events,
+            outcome.scenario,
+            outcome.trace,
         )
         invalid = "; ".join(outcome.reasons) if outcome.verdict == "INVALID" else ""
         return recorded_run(

@@ -13,6 +13,7 @@ from hil_tests.support.paths import TEST_DATA
 from hil_tests.support.told import told
 from railhil.bus.codes import CtlCause, CtlMode, WatchCause
 from railhil.bus.frame import ERROR, EXTENDED, Frame
+from railhil.bus.ident import PltIdent, Role
 from railhil.bus.layout import CHECK_CORRECT, FLAG_FALSE, FLAG_TRUE, Telegram
 from railhil.bus.mvb import TelegramSource, master_frame
 from railhil.bus.telegrams import NotchCmd, PltStat, TrnPos, TrnSpeed, TrnWatch
@@ -124,6 +125,45 @@ def test_lost_telegrams_are_counted_once(scenario: Scenario) -> None:
     (lost,) = events_in(scenario, record)
     assert (lost.kind, lost.source, lost.count, lost.time_s, lost.until_s) == ("lost", "TRN_SPEED", 4, 0.2, 0.24)
     assert why(scenario, [lost]) == "4 TRN_SPEED lost (gap)"
+
+
+def positions(*ticks: int) -> list[tuple[int, Telegram]]:
+    """TRN_POS at these ticks; its life sign counts periods of two ticks."""
+    return [(tick, TrnPos(0, life=tick // 2 & 0xF)) for tick in ticks]
+
+
+def test_copies_hide_no_loss(scenario: Scenario) -> None:
+    """50 telegrams came twice; then 10 are lost."""
+    copied = [item for item in positions(*range(0, 100, 2)) for _ in range(2)]
+    events = events_in(scenario, frames_of(*copied, *positions(*range(120, 200, 2))))
+    (lost,) = (event for event in events if event.kind == "lost")
+    assert (lost.source, lost.count, lost.time_s, lost.until_s) == ("TRN_POS", 10, 1.0, 1.2)
+
+
+@pytest.mark.parametrize("missing", [1, 14, 15, 16, 17, 300])
+def test_the_life_sign_may_go_round_in_an_outage(scenario: Scenario, missing: int) -> None:
+    after = 200 + 2 * missing
+    events = events_in(scenario, frames_of(*positions(*range(0, 200, 2), *range(after, after + 80, 2))))
+    (lost,) = (event for event in events if event.kind == "lost")
+    assert (lost.count, lost.time_s) == (missing, 2.0)
+
+
+def test_an_outage_may_last_to_the_end_or_from_the_start(scenario: Scenario) -> None:
+    opened = PltIdent(Role.PLANT)
+    record = frames_of((0, opened), *positions(*range(50, 100, 2)), (300, TrnSpeed(0, life=3)))
+    lost = {event.source: event for event in events_in(scenario, record) if event.kind == "lost"}
+    # The last one was due at tick 98, and a tick is not over before the next begins.
+    assert (lost["TRN_POS"].count, lost["TRN_POS"].time_s, lost["TRN_POS"].until_s) == (100, 1.0, 3.0)
+    assert (lost["PLT_STAT"].count, lost["PLT_STAT"].time_s) == (19, 0.0)
+    # A speed that only begins late; a channel that a scenario need not have; a balise that was not passed.
+    assert (lost["TRN_SPEED"].count, lost["TRN_SPEED"].until_s) == (300, 3.0)
+    assert not {"SPEED_SDT", "BALISE", "NOTCH_CMD"} & lost.keys()
+
+
+def test_a_stuck_counter_loses_nothing(scenario: Scenario) -> None:
+    stuck = [(tick, TrnPos(0, life=min(tick // 2, 20) & 0xF)) for tick in range(0, 200, 2)]
+    events = events_in(scenario, frames_of(*stuck, *positions(*range(200, 240, 2))))
+    assert [event for event in events if event.kind == "lost"] == []
 
 
 def test_time_stamps_that_are_late_for_a_while_lose_nothing(scenario: Scenario) -> None:

@@ -14,7 +14,7 @@ from railhil.plant_sim.command_watch import GOOD_AFTER_TRACTION_CUT as TRAIN_AFT
 from railhil.scenarios.load import load, load_any
 from railhil.supervisor.invariants import GOOD_NEEDED, broken
 from railhil.supervisor.score import score
-from railhil.supervisor.trace import Trace
+from railhil.supervisor.trace import Told, Trace
 
 SCENARIO = load("lvshun_tieshan")
 TICK_NS = 10_000_000
@@ -33,13 +33,19 @@ class Story:
     without: set[int] = field(default_factory=set)
     watch_lost: set[int] = field(default_factory=set)
     speed_lost: set[int] = field(default_factory=set)
+    truth_lost: set[int] = field(default_factory=set)
+    #: As ``without``, for the speed alone; the time goes on.
+    speed_unseen: set[int] = field(default_factory=set)
+    #: Whether the record is known to have every frame.
+    whole: bool = True
 
     def trace(self) -> Trace:
         made, told, life, now_ns = Trace(), -1, 0, 0
+        made.told = Told(self.whole, {})
         for tick in range(100):
             # Without the port that opens the ticks, the record's clock stands still.
             now_ns = now_ns if tick in self.speed_lost or not self.check(tick) else tick * TICK_NS
-            if tick not in self.without | self.speed_lost:
+            if tick not in self.without | self.speed_lost | self.speed_unseen:
                 speed = TrnSpeed(self.speed_01mmps(tick), check=self.check(tick), life=tick & 15)
                 made.add(TrnSpeed.PORT, now_ns, speed.encode())
             level = self.train_level(tick)
@@ -49,7 +55,8 @@ class Story:
                     made.add(TrnWatch.PORT, now_ns, TrnWatch(level, life=life).encode())
             if tick % 2 == 0:
                 truth = SimTruth(0, self.speed_01mmps(tick), life=tick // 2 & 15, traction_20n=self.traction_20n(tick))
-                made.add(SimTruth.PORT, now_ns, truth.encode())
+                if tick not in self.truth_lost:
+                    made.add(SimTruth.PORT, now_ns, truth.encode())
                 mode = CtlMode(CtlMode.RUNNING + self.controller_level(tick))
                 if tick not in self.without:
                     command = NotchCmd(self.notch_256th(tick), mode, life=tick // 2 & 15)
@@ -199,6 +206,43 @@ def test_the_service_brake_is_left_at_a_standstill() -> None:
 
     assert found(of(0)) == []
     assert [text[:11] for text in found(of(1000))] == ["invariant 4", "invariant 4"]
+
+
+def test_a_level_left_in_a_gap_of_the_truth_is_unclear() -> None:
+    """At a standstill it may be left at once; without SIM_TRUTH nobody knows whether the train stood."""
+    story = Story(train_level=lambda tick: 3 if tick < 1 else 0, speed_01mmps=lambda tick: 100 * tick)
+    assert found(story) == []
+    (said,) = found(replace(story, truth_lost=set(range(10))))
+    assert said == "record: the train left SERVICE BRAKE at 0.01 s, and no SIM_TRUTH shows whether the train stood"
+
+
+@pytest.mark.parametrize(("lost", "unclear"), [({42}, False), ({42, 46}, True)])
+def test_telegrams_that_only_the_recorder_has_missed_are_no_breach(lost: set[int], unclear: bool) -> None:
+    """TRACTION CUT is left after four recorded commands; the fifth, or three more, may have come unseen."""
+    level = (lambda tick: 2 if 40 <= tick < 48 else 0) if not unclear else (lambda tick: 2 if 40 <= tick < 50 else 0)
+    story = Story(train_level=level, without=lost)
+    assert [text[:31] for text in found(story)] == ["invariant 4: the train left TRA"]
+    (said,) = found(replace(story, whole=False))
+    if unclear:
+        assert said.startswith("record: the train left TRACTION CUT at 0.50 s after 3 good NOTCH_CMD telegrams")
+        assert score(SCENARIO, replace(story, whole=False).trace()).verdict == "INVALID"
+    else:
+        assert said.startswith("invariant 4: the train left TRACTION CUT at 0.48 s after 3 good telegrams")
+
+
+@pytest.mark.parametrize(
+    ("left_tick", "lost", "unclear"), [(46, 0, False), (46, 1, False), (48, 1, True), (48, 3, True)]
+)
+def test_speeds_that_only_the_recorder_has_missed_are_no_breach(left_tick: int, lost: int, unclear: bool) -> None:
+    """At tick 48 ten speeds have come, with those that are not recorded."""
+    story = Story(
+        controller_level=lambda tick: 3 if 40 <= tick < left_tick else 0,
+        notch_256th=lambda tick: 0,
+        speed_unseen=set(range(44, 44 + lost)),
+        whole=False,
+    )
+    (said,) = found(story)
+    assert said.startswith("record: the controller left" if unclear else "invariant 4: the controller left")
 
 
 def test_emergency_is_never_left() -> None:

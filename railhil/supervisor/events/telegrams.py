@@ -2,25 +2,27 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
+from railhil.bus.ident import PltIdent
 from railhil.bus.layout import CHECK_CORRECT
 from railhil.bus.lifesign import LifeSign
 from railhil.bus.schedule import Schedule
+from railhil.dbc import Port
 from railhil.supervisor.events.declared import Received
 from railhil.supervisor.events.event import LOST, MISSED_POLL, REFUSED, RecordedEvent
 from railhil.supervisor.trace import Noted, Trace
 
 BoolArray: TypeAlias = npt.NDArray[np.bool_]
+Times: TypeAlias = npt.NDArray[np.int64]
 #: Refusals of one port with one cause that are no further apart are one event; longer than any port's period.
 BURST_NS = 2_000_000_000
 _LIFE_VALUES = 16
-#: Telegrams after a gap that show whether any are missing.
-_LOOK_AHEAD = 32
 
 
 def refused(trace: Trace, received: Iterable[Received]) -> Iterator[RecordedEvent]:
@@ -116,36 +118,86 @@ def judged(trace: Trace, item: Received, heard: Sequence[Stretch] | None = None)
                 yield index, "check_variable" if wrong else "out_of_range"
 
 
+class Gap(NamedTuple):
+    """Telegrams of a port that the record does not show: how many, when the first of them was due, and when the next
+    one came, or the record ended (ns)."""
+
+    missing: int
+    begun_ns: int
+    until_ns: int
+
+
 def lost(trace: Trace, schedule: Schedule) -> Iterator[RecordedEvent]:
     """Periodic telegrams of the plant that are neither in the record nor refused: an outage, or frames that were lost.
 
-    One event for each gap; its instant is that of the first missing telegram.
+    One event for each gap; its instant is that of the first missing telegram. An outage may last from the start of the
+    run, or to its end.
     """
-    refusals: dict[str, list[int]] = {}
-    for time_ns, source, _ in trace.refused:
-        refusals.setdefault(source, []).append(time_ns)
     for port in trace.contract.ports:
-        if port.mode != "publish" or port.name not in schedule.periods_ns:
-            continue
-        times_ns: npt.NDArray[np.int64] = np.array(trace.times_ns(port.name), dtype=np.int64)
-        if port.name in refusals:
-            times_ns = np.sort(np.concatenate([times_ns, np.array(refusals[port.name], dtype=np.int64)]))
-        period_ns = schedule.ticks(port.name) * schedule.base_tick_ns
-        missing = _missing(times_ns, period_ns)
-        for index in np.flatnonzero(missing).tolist():
-            begun_s, until_s = (int(times_ns[index]) + period_ns) / 1e9, int(times_ns[index + 1]) / 1e9
-            yield RecordedEvent(begun_s, port.name, LOST, "gap", count=int(missing[index]), until_s=until_s)
+        if port.mode != "poll" and port.name in schedule.periods_ns:
+            for count, begun_ns, until_ns in [*gaps(trace, port, schedule), *outages(trace, port, schedule)]:
+                yield RecordedEvent(
+                    begun_ns / 1e9, port.name, LOST, "gap", count=count, until_s=until_ns / 1e9
+                )  # fmt: skip
 
 
-def _missing(times_ns: npt.NDArray[np.int64], period_ns: int) -> npt.NDArray[np.int64]:
-    """Number of telegrams missing between each two, shape (n - 1,).
+def _arrivals(trace: Trace, port: str) -> tuple[Times, Times]:
+    """Times of the telegrams of a port, and of those that were refused, shape (n,) and (m,)."""
+    refused = [time_ns for time_ns, source, _ in trace.refused if source == port]
+    return np.array(trace.times_ns(port), dtype=np.int64), np.array(refused, dtype=np.int64)
 
-    While the clock port itself is disturbed, time stamps are wrong by some ticks for a while. What counts is therefore
-    how far the telegrams are behind their number from then on, and more so than ever before.
+
+def gaps(trace: Trace, port: Port, schedule: Schedule) -> list[Gap]:
+    """Where telegrams of a periodic port are missing between two others.
+
+    The life sign numbers the telegrams, and time says how often it has gone round. Numbers that never came are missing
+    if there was time for them: a stuck counter leaves none out, copies and late telegrams fill no gap. While the clock
+    port itself is disturbed, time stamps are wrong by some ticks; the numbers are not.
     """
-    if len(times_ns) < 2 or np.diff(times_ns).max() < 1.5 * period_ns:
-        return np.zeros(max(len(times_ns) - 1, 0), dtype=np.int64)
-    behind = np.rint((times_ns - times_ns[0]) / period_ns).astype(np.int64) - np.arange(len(times_ns))
-    later = np.pad(behind, (0, _LOOK_AHEAD - 1), mode="edge")
-    lasting = np.lib.stride_tricks.sliding_window_view(later, _LOOK_AHEAD).min(axis=1)
-    return np.asarray(np.diff(np.maximum.accumulate(np.maximum(lasting, 0))), dtype=np.int64)
+    times_ns, refused_ns = _arrivals(trace, port.name)
+    if len(times_ns) < 2:
+        return []
+    period_ns = schedule.ticks(port.name) * schedule.base_tick_ns
+    periods = np.diff(times_ns) / period_ns
+    if port.life is None:
+        # Each is the next one, by its time.
+        steps = np.maximum(1, np.ceil(periods - 0.5)).astype(np.int64)
+    else:
+        values = 1 << port.life.length
+        steps = np.diff(trace.raw(port.name, port.life.name)) % values
+        steps += values * np.rint((periods - steps) / values).astype(np.int64)
+    if np.all(steps == 1):
+        return []
+    numbers = np.concatenate([[0], np.cumsum(steps)])
+    shown, first = np.unique(numbers, return_index=True)
+    last = len(numbers) - 1 - np.unique(numbers[::-1], return_index=True)[1]
+    found = []
+    for index in np.flatnonzero(np.diff(shown) > 1).tolist():
+        after_ns, until_ns = int(times_ns[last[index]]), int(times_ns[first[index + 1]])
+        refused = int(((refused_ns >= after_ns) & (refused_ns <= until_ns)).sum())
+        count = int(shown[index + 1] - shown[index]) - 1 - refused
+        if port.mode != "event":
+            # Others in between had a wrong life sign.
+            between = int(((times_ns > after_ns) & (times_ns < until_ns)).sum())
+            count = min(count, round((until_ns - after_ns) / period_ns) - 1 - between - refused)
+        if count > 0:
+            found.append(Gap(count, after_ns + period_ns, until_ns))
+    return found
+
+
+def outages(trace: Trace, port: Port, schedule: Schedule) -> Iterator[Gap]:
+    """Where telegrams of a periodic port are missing before its first one and after its last one.
+
+    Before the first one only in a record from the start of a run; what a scenario or a train need not send may begin
+    at any time.
+    """
+    period_ns = schedule.ticks(port.name) * schedule.base_tick_ns
+    seen_ns = np.sort(np.concatenate(_arrivals(trace, port.name)))
+    opened_ns = trace.times_ns(PltIdent.PORT)
+    if len(opened_ns) and port.mode != "event" and (len(seen_ns) or not port.optional):
+        # In the last tick of a record not everything has come yet.
+        first_ns = int(seen_ns[0]) if len(seen_ns) else trace.end_ns
+        if (count := round((first_ns - opened_ns[0]) / period_ns + (0 if len(seen_ns) else 0.5))) > 0:
+            yield Gap(count, opened_ns[0], first_ns)
+    if len(seen_ns) and (behind := (trace.end_ns - int(seen_ns[-1])) / period_ns) > 1.5:
+        yield Gap(math.ceil(behind) - 1, int(seen_ns[-1]) + period_ns, trace.end_ns)

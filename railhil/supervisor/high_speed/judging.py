@@ -17,6 +17,7 @@ from railhil.supervisor.judging import Judging
 from railhil.supervisor.score import Score
 from railhil.supervisor.status import Status, wrap_failure
 from railhil.supervisor.trace import Trace
+from railhil.supervisor.witness import incomplete
 
 RMSE = Criterion(
     "rmse_kmh", "RMSE", "km/h", 4, Ride.rmse_kmh, limit=Limit(lambda scenario: scenario.task.rmse_max_kmh, 0)
@@ -85,6 +86,8 @@ def score(scenario: Any, trace: Trace) -> Score:
     truth = wire(len(scenario.task.unit)).truth.PORT
     if ended is None or trace.count(truth) < 2:
         return Score("INVALID", *unscored(criteria), ("run did not come to its end",), "record_incomplete")
+    if unclear := incomplete(trace, truth):
+        return Score("INVALID", *unscored(criteria), (unclear,), ended.name.lower())
     ride = Ride.of(scenario, trace)
     measured = {criterion.key: criterion.measure(ride) for criterion in criteria}
     missed = [f"{item.title} {text}" for item in criteria if (text := item.missed(scenario, measured[item.key]))]

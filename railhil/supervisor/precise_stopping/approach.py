@@ -11,6 +11,7 @@ from railhil.bus.codes import Event
 from railhil.bus.stopping import BrakeCommand, Truth
 from railhil.bus.telegrams import RunEvent
 from railhil.supervisor.trace import FloatArray, Trace
+from railhil.supervisor.witness import STAMP_ERROR_MAX_S
 
 #: The jerk is taken over this time.
 _JERK_S = 0.192
@@ -52,6 +53,16 @@ class Approach:
         """Position less stopping point."""
         stop_m: float = self.scenario.task.stop_m
         return self.position_m - stop_m
+
+    def end_unclear(self, end_s: float) -> str:
+        """What the record does not show of the standstill, as a reason; empty if it shows it.
+
+        :param end_s: end of the record.
+        """
+        unseen_s = end_s - float(self.time_s[-1])
+        if self.stopped_s is None or self.speed_mps[-1] == 0.0 or unseen_s <= STAMP_ERROR_MAX_S:
+            return ""
+        return f"record: no {Truth.PORT} for {unseen_s:.2f} s before its end shows where the train stands"
 
     def stop_error_m(self) -> float | None:
         """Standstill less stopping point, overshoot positive; None if the train does not stand at the end."""

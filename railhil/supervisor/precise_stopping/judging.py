@@ -18,6 +18,7 @@ from railhil.supervisor.score import Score
 from railhil.supervisor.sequence_measure import SequenceMeasure
 from railhil.supervisor.status import Status, wrap_failure
 from railhil.supervisor.trace import Trace
+from railhil.supervisor.witness import incomplete
 
 #: Median in fixed point against float64: a stop is as exact as lengths on the bus are, whatever the law makes of it.
 _AUDIT_ALLOWED_M = 0.001
@@ -78,6 +79,8 @@ def score(scenario: Any, trace: Trace) -> Score:
     if ended is None or trace.count(Truth.PORT) < 2:
         return Score("INVALID", *unscored(CRITERIA), ("run did not come to its end",), "record_incomplete")
     approach = Approach.of(scenario, trace)
+    if unclear := incomplete(trace, Truth.PORT) or approach.end_unclear(trace.end_s):
+        return Score("INVALID", *unscored(CRITERIA), (unclear,), ended.name.lower())
     measured = {criterion.key: criterion.measure(approach) for criterion in CRITERIA}
     missed = [f"{item.title} {text}" for item in CRITERIA if (text := item.missed(scenario, measured[item.key]))]
     if ended is Event.ENDED_COMPLETE and measured[STOP_ERROR.key] is None:

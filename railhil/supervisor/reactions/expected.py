@@ -8,23 +8,51 @@ from typing import TYPE_CHECKING, Any
 
 from railhil.supervisor.events.event import LEVEL, RecordedEvent
 from railhil.supervisor.score import Score
+from railhil.supervisor.unseen import UNCLEAR, Unseen
 
 if TYPE_CHECKING:
     from railhil.faults.model import Expect
+    from railhil.supervisor.trace import Trace
 
 #: The bound is met to within this: instants are on the wire in 0.1 ms.
 _SLACK_S = 1e-4
 
 
-def with_expectations(found: Score, injected: Iterable[Mapping[str, Any]], events: Sequence[RecordedEvent]) -> Score:
+def with_expectations(
+    found: Score, injected: Iterable[Mapping[str, Any]], events: Sequence[RecordedEvent], scenario: Any, trace: Trace
+) -> Score:
     """The score of a run, with what its faults expected in vain among the failures.
+
+    Where the record may lack reports of the train's watch from the fault on, it is INVALID: the reaction may have come.
 
     :param injected: entries of ``injected`` in ``certificate.json``.
     """
     if found.verdict not in ("PASS", "FAIL"):
         return found
-    unmet = tuple(text for one in injected for text in _unmet(one, found.verdict, events))
+    unmet: list[str] = []
+    for one in injected:
+        if said := list(_unmet(one, found.verdict, events)):
+            if unseen := _unseen(float(one["effect_s"]), scenario, trace):
+                return replace(found, verdict="INVALID", failures=(f"{unseen}: {'; '.join(said)}",))
+            unmet += said
     return replace(found, verdict="FAIL", failures=(*found.failures, *unmet)) if unmet else found
+
+
+def _unseen(effect_s: float, scenario: Any, trace: Trace) -> str:
+    """The reports of a watch that the record may lack from an instant on, in words; empty: none.
+
+    Nobody has seen those that a fault of the run keeps from the bus. Of a watch that is polled, the polls are recorded.
+    """
+    from railhil.faults.parsed import parsed
+    from railhil.supervisor.judging import judging_of
+
+    unseen = Unseen(scenario, trace)
+    disturbed = {fault.place.name for fault in parsed(scenario.faults)}
+    for port in dict.fromkeys(watch.port for watch in judging_of(scenario).watches):
+        published = trace.count(port) and trace.contract.port(port).mode != "poll"
+        if published and port not in disturbed and (count := unseen.count(port, effect_s)):
+            return f"{UNCLEAR}{count} {port} are missing"
+    return ""
 
 
 def _unmet(one: Mapping[str, Any], verdict: str, events: Sequence[RecordedEvent]) -> Iterator[str]:
