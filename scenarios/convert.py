@@ -74,12 +74,6 @@ def line(table: schema.LineTable, train_length_m: float, refuse: Refuse) -> tupl
     if table.stops:
         whole = StopLine(whole.line, tuple(Stop(stop.name, stop.position_m) for stop in table.stops))
     if table.from_stop is None and table.to_stop is None:
-        if table.balises_before_stop_m:
-            raise refuse(
-                ("line", "balises_before_stop_m"),
-                table.balises_before_stop_m,
-                "only with from_stop and to_stop",
-            )
         return whole.line, None
     here, there = (
         _find_stop(whole, key, choice, refuse)

@@ -23,10 +23,18 @@ _FOLDERS = {"train": "trains", "line": "lines", "target": "targets"}
 _FOREIGN = {"train": ("railtoolkit",), "line": ("railtoolkit", "ttobench"), "target": ()}
 _CHAIN_MAX = 8
 
+#: With all of these keys a section is complete: another train or line, which inherits nothing.
+COMPLETE = {
+    "train": ("name", "mass_t", "length_m", "davis", "traction", "brake", "actuator_pole_per_s"),
+    "line": ("name", "grade_permil", "speed_limit_kmh"),
+    "target": (),
+}
 #: Keys that identify the scenario and its base, and so are never left out.
 _KEPT = ("extends", "name", "title", "schema_version")
 
 Table = dict[str, Any]
+#: Keys that explain a scenario.
+_EXPLAINING = (*_KEPT, "assumptions", "published")
 #: A file and a key in it that is left out; without keys, the whole file except its reference to the base.
 Without = tuple[Path, tuple[str, ...]]
 
@@ -52,8 +60,11 @@ class Layers:
         self._stack: list[tuple[Path, Table]] = []
         #: Complete scenario files as written.
         self._written: list[tuple[Path, Table]] = []
-        self._closed: set[str] = set()
-        self._target_made_anew = False
+        #: Section that inherits nothing -> place in the stack of the file that says so.
+        self._closed: dict[str, int] = {}
+        #: Section of which a lower file gives something that is not inherited -> place of the file that replaces it.
+        self._replaced: dict[str, int] = {}
+        self._target_made_anew: int | None = None
         if settings:
             self._add_scenario(SET, self._left(SET, layer(settings)))
         self._read_scenario(path)
@@ -72,9 +83,7 @@ class Layers:
 
     def merged(self) -> Table:
         """The scenario as one table, references resolved (``extends`` and ``file`` are gone)."""
-        result: Table = {}
-        for _, table in reversed(self._stack):
-            _lay_over(result, table)
+        result = _together(self._stack)
         rows = result.get("fault", [])
         if self._faults and isinstance(rows, list):
             result["fault"] = [*rows, *self._faults]
@@ -95,6 +104,27 @@ class Layers:
         if deepest == 0:
             return self.main
         return self._stack[len(depths) - 1 - depths[::-1].index(deepest)][0]
+
+    def place(self, *keys: str) -> int:
+        """Place of the highest file that gives a key, 0 for the highest of all; 0 also if none gives it."""
+        return next((place for place, (_, table) in enumerate(self._stack) if _depth(table, keys) == len(keys)), 0)
+
+    def changes_since(self, *keys: str) -> tuple[Path, list[tuple[str, ...]]]:
+        """What files and settings above the file that gives a key change, without what only explains.
+
+        :returns: that file; the keys that it gives, or what is below it, and that have another value above.
+        """
+        place = self.place(*keys)
+        above, below = _together(self._stack[:place]), _together(self._stack[place:])
+        other: list[tuple[str, ...]] = [(section,) for section, by in self._replaced.items() if by < place]
+        for leaf in _leaves(above):
+            explains = leaf[0] in _EXPLAINING or leaf[-1] == "assumptions"
+            if explains or (leaf[0],) in other or _depth(below, leaf) < len(leaf):
+                continue
+            # An empty table changes nothing.
+            if _at(above, leaf) not in ({}, _at(below, leaf)):
+                other.append(leaf)
+        return self._stack[place][0], other
 
     def _is_given(self, row: str | int) -> bool:
         """Whether a row of ``fault`` is one of those given in addition to the files."""
@@ -127,7 +157,8 @@ class Layers:
 
     def _add_scenario(self, path: Path, table: Table) -> None:
         for section in self._closed:
-            table.pop(section, None)
+            if table.pop(section, None):
+                self._replaced.setdefault(section, self._closed[section])
         self._stack.append((path, table))
         for section, folder in _FOLDERS.items():
             inner = table.get(section)
@@ -135,9 +166,11 @@ class Layers:
                 continue
             _absolute_foreign(path, section, inner)
             self._drop_nodes(section, inner)
-            if any(key in inner for key in ("file", *_FOREIGN[section])):
-                # A section that names a file inherits nothing: the same section of an extended scenario is ignored.
-                self._closed.add(section)
+            complete = COMPLETE[section]
+            if any(key in inner for key in ("file", *_FOREIGN[section])) or (complete and {*complete} <= {*inner}):
+                # A section that names a file, or is complete, inherits nothing: the same section of an extended
+                # scenario is ignored.
+                self._closed.setdefault(section, len(self._stack) - 1)
             if "file" in inner:
                 there = self._reference(path, f"{section}.file", inner.pop("file"), DATA / folder)
                 referred = read_toml(there)
@@ -148,9 +181,11 @@ class Layers:
     def _drop_nodes(self, section: str, table: Table) -> None:
         """If a file only says how to generate the target, ignore nodes of the files below it."""
         if section == "target":
-            if self._target_made_anew:
-                table.pop("nodes_s_mps2", None)
-            self._target_made_anew |= "generate" in table and "nodes_s_mps2" not in table
+            if self._target_made_anew is not None:
+                if table.pop("nodes_s_mps2", None):
+                    self._replaced.setdefault(section, self._target_made_anew)
+            elif "generate" in table and "nodes_s_mps2" not in table:
+                self._target_made_anew = len(self._stack) - 1
 
     @staticmethod
     def _reference(path: Path, key: str, value: object, shipped: Path) -> Path:
@@ -214,6 +249,19 @@ def _absolute_foreign(path: Path, section: str, table: Table) -> None:
             if not there.is_file():
                 raise InputError(path, f"{section}.{key}", value, "a file that exists, relative to this one")
             table[key] = str(there)
+
+
+def _together(stack: Sequence[tuple[Path, Table]]) -> Table:
+    result: Table = {}
+    for _, table in reversed(stack):
+        _lay_over(result, table)
+    return result
+
+
+def _at(table: Any, keys: tuple[str, ...]) -> object:
+    for key in keys:
+        table = table[key]
+    return table
 
 
 def _lay_over(below: Table, above: Table) -> None:

@@ -7,7 +7,8 @@ module only says what a file may contain: :mod:`railhil.scenarios.load` resolves
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from collections.abc import Mapping
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Strict, Tag
 
@@ -24,6 +25,8 @@ PORTS = (
     "TIME_SYNC", "SUP_CMD", "NOTCH_CMD", "TRN_SPEED", "TRN_POS", "PLT_STAT", "TRK_INFO", "CTL_STAT", "BALISE",
     "TRN_WATCH", "SIM_TRUTH", "SPEED_SDT", "NOTCH_SDT",
 )  # fmt: skip
+#: Those that are sent only with safe data transmission.
+SAFE_PORTS = ("SPEED_SDT", "NOTCH_SDT")
 
 Number = Annotated[float, Field(ge=-_LARGEST, le=_LARGEST)]
 #: A row ``[x, y]`` of a table; TOML writes it as an array of two numbers.
@@ -40,6 +43,9 @@ NotchRange = Annotated[float, Field(gt=0, le=127, multiple_of=1 / 256)]
 
 class Table(BaseModel):
     """Base of the tables of a file: no unknown keys, strict types."""
+
+    #: Key that is used only beside another one -> that key.
+    BESIDE: ClassVar[Mapping[str, str]] = {}
 
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False, defer_build=True)
 
@@ -127,6 +133,11 @@ class StopTable(Table):
 class LineTable(Table):
     """A line: either its profiles, or a reference to an importable file; optionally cut between two stops."""
 
+    BESIDE: ClassVar[Mapping[str, str]] = {
+        "stops": "from_stop",
+        "balises_before_stop_m": "from_stop",
+        "path_id": "railtoolkit",
+    }
     name: Text | None = None
     grade_permil: Pairs | None = None
     speed_limit_kmh: Pairs | None = None
@@ -202,6 +213,10 @@ class EnergyTable(Table):
 class WatchTable(Table):
     """Reaction ladder: ages in ms (increasing), the overspeed margin, and limits of the other checks."""
 
+    BESIDE: ClassVar[Mapping[str, str]] = {
+        "end_of_authority_margin_m": "end_of_authority",
+        "end_of_authority_braking_mps2": "end_of_authority",
+    }
     hold_ms: Annotated[int, Field(gt=0)] = 20
     traction_cut_ms: Annotated[int, Field(gt=0)] = 64
     service_brake_ms: Annotated[int, Field(gt=0)] = 256
@@ -227,6 +242,7 @@ class WatchTable(Table):
 class SafetyTable(Table):
     """Safe data transmission (SDTv2) of speed and command, in addition to their telegrams."""
 
+    BESIDE: ClassVar[Mapping[str, str]] = {"n_rxsafe": "sdt", "cmthr": "sdt"}
     sdt: bool = False
     n_rxsafe: Annotated[int, Field(ge=2, le=20)] = 3
     cmthr: Annotated[int, Field(ge=1, le=100_000)] = 1000

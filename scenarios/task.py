@@ -25,6 +25,7 @@ from pydantic import Field, create_model
 from railhil.common.errors import InputError, Words
 from railhil.scenarios import convert
 from railhil.scenarios.canonical import injected, text_sha256
+from railhil.scenarios.derived import with_own_words
 from railhil.scenarios.fault_rows import faults_of_rows
 from railhil.scenarios.layers import Layers
 from railhil.scenarios.model import AnyScenario, PublishedScore, Timing
@@ -75,6 +76,8 @@ class Task(Table):
 
     #: Keys that change no frame of a run, only its evaluation.
     JUDGING: ClassVar[tuple[str, ...]] = ()
+    #: Whether the plant lets a command wait for ``timing.loop_delay_s``.
+    LOOP_DELAY: ClassVar[bool] = False
 
     duration_s: Annotated[float, Field(gt=0, le=RUNNING_TIME_MAX_S, description="how long the run lasts")]
 
@@ -168,7 +171,10 @@ class TaskScenarios:
         for row, published in enumerate(file.published):
             if not isinstance(published.get("controller"), str):
                 raise refuse(("published", row, "controller"), published.get("controller"), "the name of a law")
-        return self._hashed(
+        if file.timing.loop_delay_s and "loop_delay_s" in file.timing.model_fields_set and not file.task.LOOP_DELAY:
+            allowed = "0, or no such key: the delays of this system are in its task"
+            raise refuse(("timing", "loop_delay_s"), file.timing.loop_delay_s, allowed)
+        made = self._hashed(
             file.name,
             file.title,
             timing,
@@ -177,6 +183,7 @@ class TaskScenarios:
             tuple(file.assumptions),
             faults_of_rows(table.get("fault", ()), self._system, lambda row: layers.origin("fault", row)),
         )
+        return with_own_words(made, layers, self.read, lambda one: one.task.model_dump(exclude={*one.task.JUDGING}))
 
     def _hashed(
         self,

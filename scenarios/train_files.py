@@ -10,10 +10,11 @@ from pathlib import Path
 from railhil.common.errors import InputError, Words
 from railhil.scenarios import check, convert, model
 from railhil.scenarios.canonical import scenario_sha256
+from railhil.scenarios.derived import with_own_words
 from railhil.scenarios.envelope import CurveError
 from railhil.scenarios.generate import fastest_time_s, generate
 from railhil.scenarios.layers import DATA, Layers
-from railhil.scenarios.schema import FAULT_TAGS, TRAIN_TAGS, ScenarioFile
+from railhil.scenarios.schema import FAULT_TAGS, SAFE_PORTS, TRAIN_TAGS, ScenarioFile
 from railhil.scenarios.validation import Keys, dotted, validated
 
 _RUNS = DATA / "runs"
@@ -48,6 +49,11 @@ def _parts(layers: Layers) -> Parts:
     check.check_tables(train, line, refuse)
     if section_m is not None and abs(section_m - file.plan.distance_m) > check.DISTANCE_TOLERANCE_M:
         raise refuse(("plan", "distance_m"), file.plan.distance_m, f"{section_m:g} m, the distance of the stops")
+    behind = [row for row, balise in enumerate(line.balises) if balise.surveyed_m > file.plan.distance_m]
+    # A line may be longer than a run on it: then this is said. Who gives both does not mean it.
+    if behind and layers.place("line", "balises") <= layers.place("plan", "distance_m"):
+        allowed = f"at most plan.distance_m = {file.plan.distance_m:g}: the run ends there"
+        raise refuse(("line", "balises", behind[0], "surveyed_m"), line.balises[behind[0]].surveyed_m, allowed)
     return Parts(file, train, line, refuse)
 
 
@@ -64,10 +70,19 @@ def read_train_scenario(layers: Layers, faults_of: Callable[[], tuple[str, ...]]
     perturbations = convert.perturbations(file.perturbations)
     watch = convert.watch(file.watch)
     check.check_timing(timing, perturbations, refuse)
+    if "sdt" not in file.safety.model_fields_set:
+        for port in SAFE_PORTS:
+            if port in timing.port_period_ns:
+                allowed = "only beside safety.sdt, without which nothing sends it"
+                raise refuse(("timing", "port_period_ms", port), timing.port_period_ns[port] / 1e6, allowed)
     check.check_perturbations(perturbations, refuse)
     check.check_watch(watch, refuse)
     curve, running_time_s = _target(parts)
     target = check.checked_target(curve, refuse)
+    assumptions = (*file.train.assumptions, *file.line.assumptions, *file.assumptions)
+    if behind := [balise.number for balise in parts.line.balises if balise.surveyed_m > file.plan.distance_m]:
+        numbers = ", ".join(map(str, behind))
+        assumptions = (*assumptions, f"balises that the run never passes, behind its stop: {numbers}")
     scenario = model.Scenario(
         name=file.name,
         title=file.title,
@@ -82,12 +97,19 @@ def read_train_scenario(layers: Layers, faults_of: Callable[[], tuple[str, ...]]
         safety=convert.safety(file.safety),
         perturbations=perturbations,
         published=tuple(model.PublishedScore.of(row.model_dump()) for row in file.published),
-        assumptions=(*file.train.assumptions, *file.line.assumptions, *file.assumptions),
+        assumptions=assumptions,
         faults=faults,
     )
     check.check_run(scenario, target, refuse)
     check.check_authority(scenario, refuse)
-    return replace(scenario, sha256=scenario_sha256(scenario))
+    scenario = replace(scenario, sha256=scenario_sha256(scenario))
+    return with_own_words(scenario, layers, lambda base: read_train_scenario(base, tuple), _published_run)
+
+
+def _published_run(scenario: model.Scenario) -> object:
+    """What defines the run of a published result: its conditions may differ."""
+    plan = scenario.plan
+    return scenario.train, scenario.line, scenario.target, plan.distance_m, plan.running_time_s, scenario.energy
 
 
 def _target(parts: Parts) -> tuple[model.TargetCurve, float]:
@@ -95,6 +117,10 @@ def _target(parts: Parts) -> tuple[model.TargetCurve, float]:
     table, given_s = parts.file.target, parts.file.plan.running_time_s
     if table.nodes_s_mps2 is None:
         return generated_target(parts)
+    reserve = parts.file.plan.running_time_reserve_percent
+    if reserve is not None:
+        allowed = "no such key beside target.nodes_s_mps2, which say how long the run takes"
+        raise parts.refuse(("plan", "running_time_reserve_percent"), reserve, allowed)
     if given_s is None:
         raise parts.refuse(("plan",), Words("no running_time_s"), "running_time_s beside given nodes")
     return model.TargetCurve(tuple(table.nodes_s_mps2)), given_s

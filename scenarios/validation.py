@@ -3,7 +3,7 @@ missing keys."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -44,13 +44,28 @@ def validated(table_type: type[M], data: object, origin: Callable[[Keys], str | 
     Raises :class:`InputError` with the key as a dotted path, what was found and what is allowed.
     """
     try:
-        return table_type.model_validate(data)
+        found = table_type.model_validate(data)
     except ValidationError as error:
         details = sorted(error.errors(include_url=False), key=lambda one: _EXPLAINS_FIRST.get(one["type"], 1))
         missing = [_keys(one["loc"], tags) for one in details if one["type"] == "missing"]
         if len(missing) == len(details) and len(missing) > 1:
             raise _all_missing(missing, origin) from None
         raise _translated(details[0], table_type, origin, tags) from None
+    for keys, value, other in _alone(found):
+        raise InputError(origin(keys), dotted(keys), value, f"only beside {other}, without which nothing uses it")
+    return found
+
+
+def _alone(table: BaseModel, above: Keys = ()) -> Iterator[tuple[Keys, object, str]]:
+    """Keys that are given without the key beside which alone they are used (``BESIDE`` of a table)."""
+    beside: Mapping[str, str] = getattr(table, "BESIDE", {})
+    for key in table.model_fields_set:
+        value, keys = getattr(table, key), (*above, key)
+        if key in beside and beside[key] not in table.model_fields_set:
+            is_list = isinstance(value, list) and value and isinstance(value[0], BaseModel)
+            yield keys, Words(f"{len(value)} of them") if is_list else value, dotted((*above, beside[key]))
+        if isinstance(value, BaseModel):
+            yield from _alone(value, keys)
 
 
 def findings(error: ValidationError, table_type: type[BaseModel], source: str | Path) -> dict[str, InputError]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from math import fsum
 from typing import Annotated, ClassVar, Literal
 
@@ -84,6 +85,10 @@ class HighSpeedTask(Task):
     """The section ``[task]``: a train of one or several power units follows a target curve."""
 
     JUDGING: ClassVar[tuple[str, ...]] = ("rmse_max_kmh", "emergency_stop_max_m")
+    BESIDE: ClassVar[Mapping[str, str]] = {
+        "stale_braking_mps2": "stale_command",
+        "emergency_stop_max_m": "emergency",
+    }
 
     start_s: Annotated[
         float,

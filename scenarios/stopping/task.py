@@ -8,6 +8,7 @@ Every draw is from a normal distribution with the given standard deviation unles
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from itertools import pairwise
 from typing import Annotated, ClassVar
 
@@ -59,6 +60,7 @@ class BrakeTable(Table):
 class TrueBrakeTable(Table):
     """The brake as it is."""
 
+    BESIDE: ClassVar[Mapping[str, str]] = {"low_speed_mps": "low_speed_loss"}
     delay_s: Annotated[float, Field(ge=0, le=3, description="pure delay")]
     lag_s: Annotated[float, Field(gt=0, le=5, description="lag")]
     gain: Annotated[float, Field(gt=0, le=2, description="share of the commanded deceleration that is achieved")] = 1.0
@@ -76,6 +78,11 @@ class TrueBrakeTable(Table):
 class RailTable(Table):
     """Runs on a rail that limits the braking: the wheels slide."""
 
+    BESIDE: ClassVar[Mapping[str, str]] = {
+        "adhesion_mps2": "slide_share",
+        "seen_share": "slide_share",
+        "announced_share": "slide_share",
+    }
     slide_share: Annotated[_Share, Field(description="share of these runs")] = 0.0
     adhesion_mps2: Annotated[
         tuple[_Accel, _Accel],
@@ -106,6 +113,7 @@ class StopTask(Task):
     """The section ``[task]``: a train stops at a platform."""
 
     JUDGING: ClassVar[tuple[str, ...]] = ("stop_error_max_m",)
+    BESIDE: ClassVar[Mapping[str, str]] = {"wander_time_s": "wander_sigma_mps"}
 
     train: Annotated[Name, Field(description="the train: its memory is its own")] = "train_1"
     platform: Annotated[Name, Field(description="the platform")]

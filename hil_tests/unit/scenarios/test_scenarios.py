@@ -318,7 +318,7 @@ def test_ports_whose_period_may_be_set_are_those_that_have_one() -> None:
 @pytest.mark.parametrize(("distance", "right"), [(15, False), (16, True)])
 def test_a_balise_number_may_come_again_behind_fifteen_others(tmp_path: Path, distance: int, right: bool) -> None:
     """A line of 400 km has more balises than the wire has numbers. Their order in the file does not matter."""
-    rows = [f"{{ number = {k % distance + 1}, surveyed_m = {100 * k} }}" for k in range(2 * distance)]
+    rows = [f"{{ number = {k % distance + 1}, surveyed_m = {90 * k} }}" for k in range(2 * distance)]
     path = tmp_path / "many.toml"
     path.write_text(
         f'extends = "lvshun_tieshan"\nname = "many"\n[line]\nbalises = [{", ".join(reversed(rows))}]\n',

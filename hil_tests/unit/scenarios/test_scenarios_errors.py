@@ -76,7 +76,11 @@ CASES = {
     "balise key": ("[line]\nbalises = [{number = 1, position_m = 3}]", "line.balises[0].position_m", "surveyed_m"),
     "stop without stops": ('[line]\nfrom_stop = "A"\nto_stop = "B"', "line.from_stop", "the line has none"),
     "two lines": ('[line]\nttobench = "there.json"\ngrade_permil = [[0, 0]]', "line", "profiles and ttobench"),
-    "stray balises": ("[line]\nbalises_before_stop_m = [3]", "line.balises_before_stop_m", "only with from_stop"),
+    "stray balises": (
+        "[line]\nbalises_before_stop_m = [3]",
+        "line.balises_before_stop_m",
+        "only beside line.from_stop",
+    ),
     "no such file": ('[line]\nttobench = "nix.json"', "line.ttobench", "a file that exists"),
     "no such train": ('[train]\nfile = "nix"', "train.file", "one of lvshun_2m2t, yizhuang_b6"),
     "file is no text": ("[train]\nfile = 3", "train.file", "found 3"),
