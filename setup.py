@@ -12,6 +12,8 @@ import sys
 
 from setuptools import setup
 
+#: Packages whose files lie in a folder of the checkout, which ``railhil/`` links to.
+LINKED = ("bus", "common", "controller_node", "dbc", "faults", "plant_sim", "scenarios")
 MODULES = [
     "railhil/bus/acceptance.py",
     "railhil/bus/administrator.py",
@@ -109,6 +111,13 @@ MODULES = [
 #: A build environment has no libraries, and no configuration is read: what is compiled depends on the sources only.
 OPTIONS = ["--config-file=", "--follow-imports=silent", "--ignore-missing-imports"]
 
+# Archives of hosting sites, and checkouts on some systems, have a text file in the place of each link, or nothing. What
+# is built from these can import nothing.
+if lost := [name for name in LINKED if not os.path.isfile(f"railhil/{name}/__init__.py")]:
+    raise SystemExit(
+        f"railhil cannot be built: {', '.join(f'railhil/{name}' for name in lost)} must be a link to the folder of its "
+        "name; clone with git (where needed with -c core.symlinks=true), or take the source archive of a release"
+    )
 extensions = []
 compiled = os.environ.get("RAILHIL_COMPILED", "0") not in ("", "0")
 if compiled:
