@@ -10,10 +10,8 @@ import sys
 from collections.abc import Callable
 from typing import NoReturn
 
-from railhil.common.errors import InputError, Words
 from railhil.common.light_start import one_thread_for_matrices, without_asammdf
 from railhil.common.plain_text import plain
-from railhil.common.streams import provide_streams
 
 PASS = 0
 #: The run is valid, limits of the scenario are missed.
@@ -24,6 +22,21 @@ USAGE = 2
 INVALID = 3
 #: A defect of the bench itself, or the record could not be written (disk full).
 TOOL_ERROR = 4
+
+
+def provide_streams() -> None:
+    """Replace a standard stream that the caller has closed (``>&-``) by the null device.
+
+    Else the next file that is opened, such as a log, gets its number, and every process that is started writes there.
+    """
+    for number, name in enumerate(("stdin", "stdout", "stderr")):
+        if getattr(sys, name) is None:
+            null = os.open(os.devnull, os.O_RDWR)
+            # The lowest free number is this one, unless something was opened before.
+            if null == number:
+                os.set_inheritable(null, True)
+            mode = "r" if name == "stdin" else "w"
+            setattr(sys, name, os.fdopen(null, mode, encoding="utf-8", closefd=False))
 
 
 def exit_code_of(error: BaseException) -> int:
@@ -86,8 +99,8 @@ def guarded(name: str, main: Callable[[], int]) -> int:
     ``RAILHIL_TRACEBACK=1`` lets the exception through, for debugging. SIGTERM and SIGHUP end the process
     like Ctrl-C, so that sockets and files are closed.
     """
-    provide_streams()
     try:
+        provide_streams()
         for number in ending_signals()[1:]:
             signal.signal(number, _end)
         hear_interrupts()
@@ -110,6 +123,8 @@ def guarded(name: str, main: Callable[[], int]) -> int:
         if isinstance(error, PermissionError) and error.filename is not None:
             # Of a path that the user names, or of the user's home: whoever looks there finds no defect of the bench.
             path = os.fsdecode(error.filename) if not isinstance(error.filename, int) else str(error.filename)
+            from railhil.common.errors import InputError, Words
+
             error = InputError(path, "", Words("permission denied"), "a path that this user may use")
         text = " ".join(str(error).split()) or type(error).__name__
         code = exit_code_of(error)

@@ -21,21 +21,6 @@ def say(text: str, stderr: bool = False) -> None:
         discard_output()
 
 
-def provide_streams() -> None:
-    """Replace a standard stream that the caller has closed (``>&-``) by the null device.
-
-    Else the next file that is opened, such as a log, gets its number, and every process that is started writes there.
-    """
-    for number, name in enumerate(("stdin", "stdout", "stderr")):
-        if getattr(sys, name) is None:
-            null = os.open(os.devnull, os.O_RDWR)
-            # The lowest free number is this one, unless something was opened before.
-            if null == number:
-                os.set_inheritable(null, True)
-            mode = "r" if name == "stdin" else "w"
-            setattr(sys, name, os.fdopen(null, mode, encoding="utf-8", closefd=False))
-
-
 def add_json_argument(parser: argparse.ArgumentParser) -> None:
     """The same option on every command that has a result."""
     parser.add_argument(

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import errno
+import fcntl
 import os
 import stat
 import tempfile
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 _NEW_FILE_MODE = 0o666
+#: Interval between attempts to get a lock.
+_LOCK_LOOK_S = 0.01
 
 
 def _mode(path: Path) -> int | None:
@@ -83,6 +87,25 @@ def write_synced(path: Path, content: bytes) -> None:
         file.flush()
         os.fsync(file.fileno())
     sync_folder(path.resolve().parent)
+
+
+def locked(descriptor: int, wait_s: float) -> bool:
+    """Lock an open file or folder for this process alone; False if somebody else holds the lock for so long.
+
+    The lock ends with the process or the descriptor.
+
+    :raises OSError: it cannot be locked at all.
+    """
+    deadline_s = time.monotonic() + wait_s
+    while True:
+        try:
+            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            if time.monotonic() > deadline_s:
+                return False
+            time.sleep(_LOCK_LOOK_S)
+        else:
+            return True
 
 
 def sync_folder(path: Path) -> None:

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from railhil.common.errors import InputError, Words, did_you_mean
+from railhil.common.given_file import given_text
 from railhil.faults import FAULT
 from railhil.scenarios.settings import SET, layer
 from railhil.scenarios.tomlfile import parsed_toml
@@ -229,7 +230,7 @@ def short_name(name: str, names: Sequence[str]) -> str:
 def read_toml(path: Path) -> Table:
     """A TOML file as a table. Raises :class:`InputError` when it cannot be read or is not TOML."""
     try:
-        text = path.read_text(encoding="utf-8")
+        text = given_text(path)
     except OSError as error:
         raise InputError(path, "", Words(error.strerror or "no readable file"), "a readable TOML file") from None
     except UnicodeDecodeError as error:

@@ -26,6 +26,7 @@ from typing import Any, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from railhil.common.errors import InputError, Words, near_file
+from railhil.common.given_file import given_bytes
 from railhil.common.whole_file import write_synced
 from railhil.scenarios.validation import validated
 
@@ -260,16 +261,16 @@ def _document(path: Path) -> dict[str, Any]:
     :raises BadRecord: there is none.
     """
     try:
-        with path.open("rb") as stream:
-            data = stream.read(_BYTES_MAX + 1)
-        document = json.loads(data.decode("utf-8")) if len(data) <= _BYTES_MAX else None
+        document = json.loads(given_bytes(path, _BYTES_MAX).decode("utf-8"))
+    except InputError as error:
+        raise BadRecord("unreadable", error) from None
     except OSError as error:
         found = InputError(path, "", Words(error.strerror or str(error)), _ALLOWED, near_file(path))
         raise BadRecord("unreadable", found) from None
     except (ValueError, RecursionError) as error:
         raise BadRecord("json", InputError(path, "", Words(f"no JSON document ({error})"), _ALLOWED)) from None
     if not isinstance(document, dict):
-        found = InputError(path, "", Words("no JSON object, or a larger one than 1 MB"), _ALLOWED)
+        found = InputError(path, "", Words("no JSON object"), _ALLOWED)
         raise BadRecord("json", found)
     return document
 

@@ -12,7 +12,7 @@ that the law has begun with stays, whatever happens to the new one.
 
 from __future__ import annotations
 
-import fcntl
+import errno
 import hashlib
 import os
 from collections.abc import Iterator, Mapping
@@ -21,7 +21,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from railhil.common.errors import InputError, Words
-from railhil.common.whole_file import check_writable, sync_folder, write_synced
+from railhil.common.given_file import given_bytes
+from railhil.common.whole_file import check_writable, locked, sync_folder, write_synced
 from railhil.scenarios.memory import (
     LINE_DEFAULT,
     SLOT_A,
@@ -39,6 +40,8 @@ from railhil.scenarios.memory import (
 #: Place in a store -> file.
 SLOT_FILES: Mapping[str, str] = {SLOT_A: "a.json", SLOT_B: "b.json", LINE_DEFAULT: "default.json"}
 _REFUSED = "refused"
+#: A write of another run takes milliseconds.
+_LOCK_WAIT_S = 5.0
 _DRAFTS = ".part-*"
 _ALLOWED = "a folder in which railhil keeps the memory of a law"
 
@@ -49,9 +52,13 @@ class StoreChanged(Exception):
 
 @dataclass(frozen=True)
 class MemoryStore:
-    """The folder; it need not exist yet."""
+    """The folder; it need not exist yet.
+
+    :param wait_s: how long to wait for another program that has locked it.
+    """
 
     path: Path
+    wait_s: float = _LOCK_WAIT_S
 
     def file(self, slot: str) -> Path:
         """File of a place."""
@@ -113,11 +120,16 @@ class MemoryStore:
 
     @contextmanager
     def _alone(self) -> Iterator[None]:
-        """One process at a time; the lock ends with the process. Removes what a killed one has left."""
+        """One process at a time. Removes what a killed one has left.
+
+        :raises OSError: the folder cannot be made, or another program keeps it locked.
+        """
         self.path.mkdir(parents=True, exist_ok=True)
         handle = os.open(self.path, os.O_RDONLY)
         try:
-            fcntl.flock(handle, fcntl.LOCK_EX)
+            if not locked(handle, self.wait_s):
+                reason = f"locked by another program for {self.wait_s:g} s"
+                raise OSError(errno.EAGAIN, reason, str(self.path))
             for draft in self.path.glob(_DRAFTS):
                 draft.unlink()
             yield
@@ -128,9 +140,9 @@ class MemoryStore:
         """Move the file of a slot to ``refused/``, for somebody to look at. Raises OSError."""
         file = self.file(slot)
         try:
-            name = hashlib.sha256(file.read_bytes()).hexdigest()[:16]
-        except OSError:
-            # It could not be read before either; a folder or a broken link keeps its name.
+            name = hashlib.sha256(given_bytes(file)).hexdigest()[:16]
+        except (OSError, InputError):
+            # It could not be read before either; a folder, a pipe or a broken link keeps its name.
             name = "unreadable"
         place = self.path / _REFUSED
         place.mkdir(exist_ok=True)

@@ -25,6 +25,7 @@ from typing import Any
 from pydantic import BaseModel, ConfigDict, Field
 
 from railhil.common.errors import InputError, Words, near_file
+from railhil.common.given_file import given_text
 from railhil.scenarios.tomlfile import parsed_toml, toml_table, toml_value
 from railhil.scenarios.validation import validated
 
@@ -176,7 +177,7 @@ def load_parameters(path: Path) -> ParameterSet:
     :raises InputError: it cannot be read, or does not have the format described at the top of this module.
     """
     try:
-        text = path.read_text(encoding="utf-8")
+        text = given_text(path)
         if path.suffix == ".json":
             return _stored(path, text)
         content = parsed_toml(text)

@@ -10,8 +10,11 @@ from pathlib import Path
 from typing import Any
 
 from railhil.common.errors import InputError, Words
+from railhil.common.given_file import open_given
 
 OPTION, MAP_OPTION = "--plant-fmu", "--fmu-map"
+#: Largest archive of an FMU.
+FMU_BYTES_MAX = 500_000_000
 #: Key of the certificate.
 KEY = "plant_fmu"
 
@@ -105,7 +108,8 @@ def fmu_again(document: Mapping[str, Any], file: str | Path, given: PlantFmu | N
 
 def _sha256(name: str) -> str:
     try:
-        return hashlib.sha256(Path(name).read_bytes()).hexdigest()
+        with open_given(Path(name), FMU_BYTES_MAX) as stream:
+            return hashlib.file_digest(stream, "sha256").hexdigest()
     except OSError as error:
         reason = Words((error.strerror or str(error)).lower())
         raise InputError(name, "file", reason, "an FMU, and a TOML file with the names of its variables") from None

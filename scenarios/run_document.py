@@ -17,6 +17,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from railhil.common.choices import ARITHMETICS, BUSES, INDEXINGS, PACES, USUAL_LAW, USUAL_SCENARIO
 from railhil.common.command_line import APPEAR_MAX_S, RATE_MAX, RATE_MIN, RUN_NUMBER_MAX, SEED_MAX, TASK_PERIOD_MAX_MS
 from railhil.common.errors import Faults, InputError, Words, did_you_mean, near_file
+from railhil.common.given_file import given_text
 from railhil.common.patience import PATIENCE_S
 from railhil.faults import FAULT
 from railhil.scenarios.load import load_any, stable_name
@@ -278,7 +279,7 @@ def _table(path: Path, stored: bool) -> dict[str, Any]:
     :raises InputError: it cannot be read, or is not a table.
     """
     try:
-        text = path.read_text(encoding="utf-8")
+        text = given_text(path)
         document = json.loads(text) if stored else parsed_toml(text)
     except OSError as error:
         raise InputError(path, "", Words(error.strerror or str(error)), _ALLOWED, near_file(path)) from None

@@ -10,13 +10,13 @@ from __future__ import annotations
 import argparse
 import json
 import re
-import tomllib
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from railhil.common.errors import InputError, Words
 from railhil.faults import FAULT
+from railhil.scenarios.tomlfile import parsed_toml
 
 #: Shown instead of a file name for a key from the command line.
 SET = Path("--set")
@@ -123,8 +123,8 @@ def _parsed(text: str) -> tuple[str, Any]:
 
 def _value(text: str) -> Any:
     try:
-        table = tomllib.loads(f"value = {text}")
-    except (tomllib.TOMLDecodeError, ValueError, RecursionError):
+        table = parsed_toml(f"value = {text}")
+    except ValueError:
         return text
     # A text with a line break may contain more than a value.
     return table["value"] if len(table) == 1 else text

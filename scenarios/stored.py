@@ -16,6 +16,7 @@ from typing import Any
 from pydantic import TypeAdapter, ValidationError
 
 from railhil.common.errors import InputError, Words
+from railhil.common.given_file import given_text
 from railhil.scenarios.layers import DATA
 from railhil.scenarios.model import AnyScenario, PublishedScore, Scenario
 from railhil.scenarios.system import DEFAULT, system_named
@@ -102,7 +103,7 @@ def read_scenario(path: Path) -> AnyScenario:
     :raises InputError: it cannot be read, is not a scenario, or does not match its own hash.
     """
     try:
-        fields = json.loads(path.read_text(encoding="utf-8"))
+        fields = json.loads(given_text(path))
     except OSError as error:
         raise InputError(path, "file", Words((error.strerror or str(error)).lower()), _ALLOWED) from None
     except (ValueError, RecursionError):

@@ -3,12 +3,20 @@
 from __future__ import annotations
 
 import json
+import re
 import tomllib
 from collections.abc import Mapping
 from typing import Any
 
 #: Maximum nesting of tables and arrays; railhil's own files use four.
 DEPTH_MAX = 32
+#: Texts of each kind, comments, words, blanks, and all other characters one by one.
+_TOKEN = re.compile(
+    r'"""(?:\\.|[^\\])*?"""|'
+    r"'''.*?'''"
+    r'|"(?:\\.|[^"\\\n])*"|\'[^\'\n]*\'|#[^\n]*|[A-Za-z0-9_-]+|[^\S\n]+|.',
+    re.DOTALL,
+)
 
 
 def parsed_toml(text: str) -> dict[str, Any]:
@@ -17,6 +25,9 @@ def parsed_toml(text: str) -> dict[str, Any]:
     :raises ValueError: it is not TOML, nests deeper than :data:`DEPTH_MAX`, or has an integer of thousands of digits;
         the message is one line.
     """
+    # tomllib takes memory and time with the square of the parts of a key.
+    if any(line.count(".") >= DEPTH_MAX for line in text.splitlines()) and _parts_of_a_key(text) > DEPTH_MAX:
+        raise ValueError(f"a key of more than {DEPTH_MAX} parts")
     try:
         table = tomllib.loads(text)
     except tomllib.TOMLDecodeError:
@@ -33,6 +44,20 @@ def parsed_toml(text: str) -> dict[str, Any]:
         if not level:
             return table
     raise ValueError(_too_deep())
+
+
+def _parts_of_a_key(text: str) -> int:
+    """Most parts, with dots between them, of what stands outside texts and comments."""
+    most = parts = 0
+    after_dot = False
+    for found in _TOKEN.finditer(text):
+        token = found[0]
+        if token == ".":
+            after_dot = True
+        elif not token.isspace() or "\n" in token:
+            parts = parts + 1 if after_dot else 1
+            most, after_dot = max(most, parts), False
+    return most
 
 
 def _too_deep() -> str:

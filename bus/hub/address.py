@@ -8,17 +8,16 @@ from __future__ import annotations
 
 import contextlib
 import errno
-import fcntl
 import ipaddress
 import os
 import socket
 import stat
 import tempfile
-import time
 from collections.abc import Iterator
 from dataclasses import dataclass
 
 from railhil.bus.errors import BusUnavailable
+from railhil.common.whole_file import locked
 
 TCP_SCHEME = "tcp://"
 #: ``sizeof(sun_path)`` of Linux minus the terminating zero byte.
@@ -157,15 +156,8 @@ def _directory_lock(path: str) -> Iterator[None]:
     folder = os.path.dirname(path) or "."
     descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
     try:
-        deadline_s = time.monotonic() + _LOCK_TIMEOUT_S
-        while True:
-            try:
-                fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-                break
-            except BlockingIOError:
-                if time.monotonic() > deadline_s:
-                    raise BusUnavailable(f"hub channel {path}: folder {folder} is locked by another program") from None
-                time.sleep(0.01)
+        if not locked(descriptor, _LOCK_TIMEOUT_S):
+            raise BusUnavailable(f"hub channel {path}: folder {folder} is locked by another program")
         yield
     finally:
         os.close(descriptor)

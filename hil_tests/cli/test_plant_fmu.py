@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import json
+import os
+import struct
+import zipfile
 from pathlib import Path
 
 import pytest
 
 from hil_tests.cli.conftest import Railhil
 from hil_tests.support import fmus
-from hil_tests.support.cli import Done
+from hil_tests.support.cli import Done, railhil_process
 from hil_tests.support.short_runs import RUN_72M_TOML
 from railhil.plant_sim.fmu.train import FmuTrain
 from railhil.plant_sim.train import TrainOnBus
@@ -71,8 +74,13 @@ def test_with_equal_notches_it_moves_like_the_native_train(train: Path) -> None:
 def test_processes_have_the_bytes_of_one_process(here: Railhil, train: Path, tmp_path: Path) -> None:
     (tmp_path / "short.toml").write_text(RUN_72M_TOML)
     one = _run(here, train, "one", "short.toml")
-    done = here("run", "short.toml", "--plant-fmu", train, "--no-report", "--quiet", "--out", "three")
-    assert done.exit_code in (0, 1), done.err
+    words = ("run", "short.toml", "--plant-fmu", train, "--no-report", "--quiet", "--out", "three")
+    # Its temporary folder.
+    (tmp_path / "t").mkdir()
+    environment = {**os.environ, "TMPDIR": str(tmp_path / "t")}
+    done = railhil_process(*words, environment=environment, cwd=Path.cwd(), anew=True)
+    assert done.returncode in (0, 1), done.stderr
+    assert not list((tmp_path / "t").glob("railhil-fmu-*"))
     assert json.loads(Path("three/certificate.json").read_text())["frames_sha256"] == one["frames_sha256"]
 
 
@@ -199,6 +207,37 @@ def test_files_that_are_no_fmu_of_a_train_are_refused(
     done = here("run", "--bus", "local", "--plant-fmu", "t.fmu", "--out", "run")
     assert (done.exit_code, done.err.count("\n")) == (2, 1)
     assert message in done.err
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("/etc/absolute", "archive: found cannot be unpacked"),
+        ("resources\\back", "archive: found cannot be unpacked"),
+    ],
+)
+def test_names_that_no_archive_of_an_fmu_may_have_are_refused(
+    here: Railhil, library: Path, name: str, message: str
+) -> None:
+    fmus.packed(Path("t.fmu"), fmus.description(), library)
+    with zipfile.ZipFile("t.fmu", "a") as archive:
+        archive.writestr(name, "x")
+    done = here("run", "--bus", "local", "--plant-fmu", "t.fmu", "--out", "run")
+    assert (done.exit_code, done.err.count("\n")) == (2, 1)
+    assert message in done.err
+
+
+def test_an_archive_that_would_fill_the_disk_is_refused(here: Railhil, library: Path) -> None:
+    fmus.packed(Path("t.fmu"), fmus.description(), library)
+    with zipfile.ZipFile("t.fmu", "a") as archive:
+        archive.writestr("resources/big", "x")
+    # The directory of the archive comes last: its size of that member.
+    content = Path("t.fmu").read_bytes()
+    entry = content.rindex(b"PK\x01\x02")
+    Path("t.fmu").write_bytes(content[: entry + 24] + struct.pack("<L", 3_000_000_000) + content[entry + 28 :])
+    done = here("run", "--bus", "local", "--plant-fmu", "t.fmu", "--out", "run")
+    assert (done.exit_code, done.err.count("\n")) == (2, 1)
+    assert "archive: found 3 GB when unpacked, allowed an FMU of at most 2 GB" in done.err
 
 
 def test_an_fmu_for_another_machine_is_refused(here: Railhil) -> None:

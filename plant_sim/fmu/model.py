@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
+import atexit
 import tempfile
 import weakref
 from collections.abc import Mapping
 from pathlib import Path
 from shutil import rmtree
 from typing import Any
+from zipfile import BadZipFile, ZipFile
 
 from railhil.common.errors import InputError, Words
 from railhil.common.extras import missing
+from railhil.common.given_file import open_given
 from railhil.plant_sim.any_plant import PlantError
 from railhil.plant_sim.fmu.names import Named, Quantities, read_names
-from railhil.scenarios.plant_fmu import OPTION, PlantFmu
+from railhil.scenarios.plant_fmu import FMU_BYTES_MAX, OPTION, PlantFmu
 
 _VERSIONS = ("2.0", "3.0")
+#: Largest content of an FMU, which is written to the temporary folder.
+_UNPACKED_MAX = 2_000_000_000
 _REALS = ("Real", "Float64")
 _BOOLEANS = ("Boolean",)
 
@@ -48,6 +53,7 @@ class Fmu:
         self.names = read_names(Path(named.map), quantities)
         self.step_s = step_s
         self._time_s = 0.0
+        self._check_size()
         try:
             self.description = fmpy.read_model_description(str(self.file))
         except Exception as error:
@@ -66,10 +72,22 @@ class Fmu:
         #: Whether steps of other lengths than :param:`step_s` are possible.
         self.variable_step = bool(simulation.canHandleVariableCommunicationStepSize)
         self._folder = tempfile.mkdtemp(prefix="railhil-fmu-")
-        weakref.finalize(self, rmtree, self._folder, True)
+        weakref.finalize(self, rmtree, self._folder, True).atexit = False
+        # That of weakref is lost in a forked process, in which the handlers of this one are cleared.
+        atexit.register(rmtree, self._folder, True)
         self._start(fmpy, train)
 
     # -- checks ---------------------------------------------------------------------------------------------------
+
+    def _check_size(self) -> None:
+        try:
+            with open_given(self.file, FMU_BYTES_MAX) as stream, ZipFile(stream) as archive:
+                unpacked = sum(member.file_size for member in archive.infolist())
+        except BadZipFile as error:
+            raise InputError(self.file, "archive", Words("no zip archive"), "an FMU", str(error)) from None
+        if unpacked > _UNPACKED_MAX:
+            found, allowed = (f"{size / 1e9:.3g} GB" for size in (unpacked, _UNPACKED_MAX))
+            raise InputError(self.file, "archive", Words(f"{found} when unpacked"), f"an FMU of at most {allowed}")
 
     def _check_kind(self, fmpy: Any) -> None:
         description = self.description
@@ -118,7 +136,15 @@ class Fmu:
 
     def _start(self, fmpy: Any, train: Mapping[str, float]) -> None:
         description = self.description
-        fmpy.extract(str(self.file), unzipdir=self._folder)
+        try:
+            fmpy.extract(str(self.file), unzipdir=self._folder)
+        except OSError:
+            # The temporary folder cannot be written.
+            raise
+        except Exception as error:
+            # The reader raises what zip and its own checks of names raise.
+            cause = " ".join(str(error).split())
+            raise InputError(self.file, "archive", Words("cannot be unpacked"), "an FMU", cause) from None
         given = {
             "guid": description.guid,
             "unzipDirectory": self._folder,

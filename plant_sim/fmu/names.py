@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from railhil.common.errors import InputError, Words, did_you_mean
+from railhil.common.given_file import given_text
+from railhil.scenarios.tomlfile import parsed_toml
 
 #: Unit -> its SI unit here, and the factor to it.
 UNITS = {
@@ -72,7 +73,7 @@ def read_names(path: Path, quantities: Quantities) -> Names:
     :raises InputError: it cannot be read, or a key or value is not allowed.
     """
     try:
-        table = tomllib.loads(path.read_text(encoding="utf-8"))
+        table = parsed_toml(given_text(path))
     except OSError as error:
         raise InputError(path, "file", Words((error.strerror or str(error)).lower()), "a TOML file") from None
     except ValueError as error:

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from railhil.common.errors import InputError, Words
+from railhil.common.given_file import given_text
 from railhil.dbc import Contract
 from railhil.dbc.text import dbc_text
 
@@ -15,7 +16,7 @@ def _load(path: Path) -> Any:
     import cantools
 
     try:
-        text = path.read_text(encoding="cp1252", errors="replace")
+        text = given_text(path, "cp1252", "replace")
     except OSError as error:
         raise InputError(path, "file", Words((error.strerror or str(error)).lower()), "a readable DBC file") from None
     try:

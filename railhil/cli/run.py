@@ -31,6 +31,7 @@ from railhil.cli.panel import (
     with_emergency,
 )
 from railhil.common.errors import Faults, InputError, Words
+from railhil.common.given_file import given_text
 from railhil.common.streams import add_json_argument, print_json, say
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.plant_fmu import OPTION as FMU_OPTION
@@ -157,7 +158,7 @@ def made_again(path: Path, spec: RunSpec, result: RunResult) -> str:
     changed run."""
     if path.suffix != ".json" or spec.is_realtime or spec != RunSpec.from_file(path, spec.plant_fmu):
         return ""
-    document = json.loads(path.read_text(encoding="utf-8"))
+    document = json.loads(given_text(path))
     then = document.get("frames_sha256")
     if then == result.frames_sha256:
         return f"frames.log has the same bytes as in {path}"

@@ -10,6 +10,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, model_validator
 
 from railhil.common.errors import InputError, Words
+from railhil.common.given_file import given_text
 from railhil.scenarios.validation import validated
 
 #: Names in a run folder.
@@ -260,7 +261,7 @@ class _Comparison(_Part):
 
 def _read(path: Path, model: type[_Part], allowed: str) -> dict[str, Any] | None:
     try:
-        document = json.loads(path.read_text(encoding="utf-8"))
+        document = json.loads(given_text(path))
     except FileNotFoundError:
         return None
     except OSError as error:

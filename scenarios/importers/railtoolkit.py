@@ -27,6 +27,7 @@ from pydantic import BaseModel, ConfigDict, Field, Strict
 
 from railhil.common.errors import InputError, Words
 from railhil.common.extras import missing
+from railhil.common.given_file import given_text
 from railhil.scenarios.importers.section import Stop, StopLine
 from railhil.scenarios.model import Effort, Line, Train
 from railhil.scenarios.profiles import merged
@@ -222,7 +223,7 @@ def _read(file: str | Path, kind: str) -> dict[str, Any]:
     except ImportError as error:
         raise missing(str(file), error, "railtoolkit") from None
     try:
-        data = yaml.safe_load(Path(file).read_text(encoding="utf-8"))
+        data = yaml.safe_load(given_text(Path(file)))
     except OSError as error:
         raise InputError(file, "", Words(error.strerror or "no readable file"), "a readable YAML file") from None
     except (yaml.YAMLError, ValueError, RecursionError) as error:

@@ -14,6 +14,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field, Strict
 
 from railhil.common.errors import InputError, Words
+from railhil.common.given_file import given_text
 from railhil.scenarios.importers.section import Stop, StopLine
 from railhil.scenarios.model import Line, Profile
 from railhil.scenarios.validation import validated
@@ -102,7 +103,7 @@ def _increasing(file: str | Path, key: str, positions: list[float]) -> None:
 
 def _read(file: str | Path) -> dict[str, Any]:
     try:
-        data = json.loads(Path(file).read_text(encoding="utf-8"))
+        data = json.loads(given_text(Path(file)))
     except OSError as error:
         raise InputError(file, "", Words(error.strerror or "no readable file"), "a readable JSON file") from None
     except (ValueError, RecursionError) as error:

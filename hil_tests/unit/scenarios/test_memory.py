@@ -113,9 +113,7 @@ def test_a_record_of_something_else_with_a_good_crc(
     assert bad.value.fault == fault
 
 
-@pytest.mark.parametrize(
-    "content", [b"", b"\xff\xfe", b"[]", b"{", b"[" * 200_000, b" " * 1_000_001], ids=lambda text: repr(text[:4])
-)
+@pytest.mark.parametrize("content", [b"", b"\xff\xfe", b"[]", b"{", b"[" * 200_000], ids=lambda text: repr(text[:4]))
 def test_what_is_no_memory_is_one_line(content: bytes, tmp_path: Path) -> None:
     path = tmp_path / "memory.json"
     path.write_bytes(content)
@@ -123,6 +121,13 @@ def test_what_is_no_memory_is_one_line(content: bytes, tmp_path: Path) -> None:
         load_memory(path)
     with pytest.raises(InputError, match=r"No such file or directory.*did you mean .*memory\.json"):
         load_memory(tmp_path / "memry.json")
+
+
+def test_a_file_that_no_memory_fills_is_not_read(tmp_path: Path) -> None:
+    path = tmp_path / "memory.json"
+    path.write_bytes(b" " * 1_000_001)
+    with pytest.raises(InputError, match="found 1000001 bytes, allowed a regular file of at most 1000000 bytes"):
+        load_memory(path)
 
 
 def test_a_changed_memory_of_a_run_is_one_line(tmp_path: Path) -> None:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import fcntl
 import json
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -127,6 +129,32 @@ def test_a_slot_that_is_a_folder_or_a_dead_link_is_no_crash(tmp_path: Path) -> N
     assert places(store.read("mylaw")) == [("B", 2, ""), ("A", 0, "unreadable")]
     assert store.write(record(3), store.read("mylaw"), "B", {}) == "A"
     assert places(store.read()) == [("A", 3, ""), ("B", 2, "")]
+
+
+@pytest.mark.timeout(20)
+def test_a_slot_that_is_a_pipe_or_a_device_is_not_read(tmp_path: Path) -> None:
+    """Opening a pipe waits for its writer, and a device has no end."""
+    store = after(tmp_path, 1)
+    os.mkfifo(tmp_path / "b.json")
+    (tmp_path / "default.json").symlink_to("/dev/zero")
+    found = store.read("mylaw")
+    assert places(found) == [("A", 1, ""), ("B", 0, "unreadable"), ("default", 0, "unreadable")]
+    assert [one.detail for one in found.stored[1:]] == [
+        "found a pipe, allowed a regular file",
+        "found a device or socket, allowed a regular file",
+    ]
+    assert store.write(record(2), found, "A", {}) == "B"
+    assert (tmp_path / "refused" / "b-unreadable.json").is_fifo()
+
+
+def test_a_lock_of_another_program_ends_the_wait(tmp_path: Path) -> None:
+    store = after(tmp_path, 1)
+    holder = os.open(tmp_path, os.O_RDONLY)
+    fcntl.flock(holder, fcntl.LOCK_EX)
+    with pytest.raises(OSError, match=r"locked by another program for 0\.05 s"):
+        MemoryStore(tmp_path, 0.05).write(record(2), store.read(), "A", {})
+    os.close(holder)
+    assert store.write(record(2), store.read(), "A", {}) == "B"
 
 
 def test_a_store_that_somebody_else_has_written_stays(tmp_path: Path) -> None:
