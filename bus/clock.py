@@ -48,6 +48,7 @@ class BusClock:
     life sign repeated, or behind by 1..8    nothing: a stuck, duplicated or old frame opens no tick
     8..14 ahead, and the next frame follows  the whole bus was silent: bridged by the second frame
     no clock frame since the last poll       the polls advance the clock: they are periodic
+    life sign of a slower port ahead         a silence that the clock port's own cannot tell, see :meth:`slow`
     nothing at all, the interface was out    :meth:`silence` counts on, by the wall clock and the pace of the run
     TIME_SYNC                                takes its absolute value if it is plausible, see :meth:`synchronise`
     ======================================== ========================================================================
@@ -64,8 +65,8 @@ class BusClock:
 
     __slots__ = (
         "_ahead", "_began_tick", "_expected", "_frame_tick", "_known_tick", "_life", "_near_ticks", "_poll_tick",
-        "_polls", "_spare_ns", "_sync_life", "_ticks_per_frame", "base_tick_ns", "counters", "is_set", "now_ns",
-        "own_ns", "rate", "running", "tick",
+        "_polls", "_slow", "_slow_ahead", "_spare_ns", "_sync_life", "_ticks_per_frame", "base_tick_ns", "counters",
+        "is_set", "now_ns", "own_ns", "rate", "running", "tick",
     )  # fmt: skip
 
     def __init__(
@@ -89,6 +90,10 @@ class BusClock:
         # Life sign of the last TIME_SYNC taken; of one refused as too far ahead, its life sign and how far.
         self._sync_life = LifeSign()
         self._ahead: tuple[int, int] | None = None
+        # Life sign of a slower port, with the tick of this node's count at which it was right; of one ahead of the
+        # clock: by how much, and the life sign.
+        self._slow: tuple[int, int] | None = None
+        self._slow_ahead: tuple[int, int] | None = None
         # Since an outage of the interface the time is an estimate: the last tick before it (-1: it is no estimate).
         self._known_tick = -1
         # What of that time is less than a tick.
@@ -225,6 +230,36 @@ class BusClock:
             ticks, self._spare_ns = divmod(self._spare_ns + sim_ns, self.base_tick_ns)
             self._set(self.tick + ticks)
 
+    def slow(self, life: int, period_ticks: int, received_ns: int) -> None:
+        """Take the life sign of a port slower than the clock port; it counts more time than the clock port's own.
+
+        A silence of the whole bus shifts the clock by whole turns of its life sign, and nothing on the clock port tells
+        so. Where two telegrams in a row of the slower port are ahead by the same number of turns, the clock follows. By
+        its count, both must come soon after the last one that was not ahead: otherwise telegrams of the slower port are
+        missing or late by themselves. The result is an estimate, see :meth:`silence`: TIME_SYNC may take it back.
+
+        :param received_ns: :attr:`own_ns` at its arrival.
+        """
+        at_tick = received_ns // self.base_tick_ns
+        if self._slow is None:
+            self._slow = life, at_tick
+            return
+        right_life, right_tick = self._slow
+        turn, slow_turn = _LIFE_MODULUS * self._ticks_per_frame, _LIFE_MODULUS * period_ticks
+        # A period before the silence and two after it, and what the clock port tells of it.
+        soon = 3 * period_ticks + turn
+        since = at_tick - right_tick
+        ahead = ((life - right_life) * period_ticks - since) % slow_turn
+        before, self._slow_ahead = self._slow_ahead, None
+        if ahead == 0:
+            self._slow = life, at_tick
+        elif since <= soon and ahead < slow_turn - soon and ahead % turn == 0:
+            if before == (ahead, (life - 1) % _LIFE_MODULUS):
+                self.elapsed(ahead * self.base_tick_ns)
+                self._slow = life, at_tick + ahead
+            else:
+                self._slow_ahead = ahead, life
+
     def synchronise(self, telegram: TimeSync) -> bool:
         """Take pace and absolute tick of a TIME_SYNC telegram of the current tick; False when it is refused.
 
@@ -265,19 +300,20 @@ class BusClock:
         tick = from_time_sync(telegram, self.base_tick_ns)
         if telegram.check != CHECK_CORRECT:
             return "time_check", tick
+        off, near = tick - self.tick, self._near_ticks
+        if off > near:
+            # Nothing is repeated from the future: after a long silence the order of the life signs says nothing.
+            before, self._ahead = self._ahead, (telegram.life, off)
+            if before is not None and telegram.life == (before[0] + 1) % _LIFE_MODULUS and abs(off - before[1]) <= near:
+                self._ahead = None
+                return "", tick
+            return "time_ahead", tick
         life = self._sync_life.judge(telegram.life)
         if not life.fresh:
             return f"time_{life.value}", tick
-        off = tick - self.tick
-        before, self._ahead = self._ahead, None
+        self._ahead = None
         if off < 0:
             return "" if 0 <= self._known_tick < tick else "time_backward", tick
-        near = self._near_ticks
-        if off > near and not (
-            before is not None and telegram.life == (before[0] + 1) % _LIFE_MODULUS and abs(off - before[1]) <= near
-        ):
-            self._ahead = telegram.life, off
-            return "time_ahead", tick
         return "", tick
 
 

@@ -21,6 +21,8 @@ from railhil.bus.store import FrameCheck, TrafficStore
 from railhil.bus.telegrams import TimeSync
 from railhil.dbc import Contract, Port, wire_contract
 
+#: Bits of the life sign of a port that counts time for the clock, see :func:`slow_port`.
+_LIFE_BITS: Final = 4
 #: Device status word: class 2/3 device, nothing to report (IEC 61375-3-1, type nibble 1).
 _STATUS_READY: Final = 0x1000
 
@@ -42,6 +44,27 @@ class Reading(NamedTuple, Generic[T_co]):
 
 #: :class:`Reading` of a whole tuple, as :data:`railhil.bus.frame.quick_frame`.
 _quick_reading: Final[Callable[[tuple[Any, int, int | None]], Reading[Any]]] = partial(tuple.__new__, Reading)
+
+
+def slow_port(received: Iterable[Port], clock_port: Port, schedule: Schedule) -> Port | None:
+    """Of the ports that a node receives, the slowest one whose life sign counts time (:meth:`BusClock.slow`): it is
+    published on a period longer than the clock port's and has 4 bits at the end of its data. None: there is none."""
+
+    def counts(port: Port) -> bool:
+        end = 8 * port.data_bytes
+        return (
+            port.mode == "publish"
+            and port.name in schedule.periods_ns
+            and port.name != TimeSync.PORT
+            and schedule.ticks(port.name) > schedule.ticks(clock_port.name)
+            and any(s.name.endswith("Life") and s.first_bit == end - _LIFE_BITS for s in port.signals)
+        )
+
+    return max(filter(counts, received), key=lambda port: schedule.ticks(port.name), default=None)
+
+
+def _last_octet(data: bytes) -> int:
+    return data[-1]
 
 
 class CanModule(Protocol):
@@ -69,7 +92,8 @@ class Responder:
         polled.
     :param module: the node's CAN module; None: every frame of its ports is read at once.
     :param contract: of the run's system; None: that of railhil's own train.
-    :param paced: the polls of its own ports are the second time base of its clock; False: another one is.
+    :param paced: the polls of its own ports are the second time base of its clock, and the slowest port with a life
+        sign the third; False: another one is.
     """
 
     def __init__(
@@ -86,6 +110,7 @@ class Responder:
     ) -> None:
         contract = contract or wire_contract()
         clock_port = contract.clock_port
+        sinks = tuple(sinks)
         self.store = TrafficStore(sinks)
         self.clock = BusClock(schedule.base_tick_ns, schedule.ticks(clock_port.name), self.store.counters)
         self._device = device
@@ -97,6 +122,10 @@ class Responder:
         self._handlers: dict[str, list[tuple[Callable[[bytes], Any], Callable[[Any], None]]]] = {}
         if TimeSync.PORT in self.store.ports:
             self.on(TimeSync, self._synchronise)
+        slow = slow_port(sinks, clock_port, schedule) if paced else None
+        if slow is not None:
+            self._slow_ticks = schedule.ticks(slow.name)
+            self._handlers.setdefault(slow.name, []).append((_last_octet, self._count))
         self._answers = {
             contract.port(name).f_code << 12 | contract.port(name).address: (
                 TelegramSource(contract.port(name), fd),
@@ -160,6 +189,9 @@ class Responder:
         if port is not None:
             for decode, handler in self._handlers.get(port, ()):
                 handler(_quick_reading((decode(self.store.raw(port)), received_ns, stamp)))
+
+    def _count(self, reading: Reading[Any]) -> None:
+        self.clock.slow(reading.telegram & (1 << _LIFE_BITS) - 1, self._slow_ticks, reading.received_ns)
 
     def _synchronise(self, reading: Reading[TimeSync]) -> None:
         self.clock.synchronise(reading.telegram)

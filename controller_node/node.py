@@ -147,6 +147,9 @@ class ControllerNode:
         responder.on(TrnPos, self._position)
         responder.on(BalisePassed, self._balise)
         responder.on(TrkInfo, self._track)
+        # The time may have gone on by more than the telegrams since the last poll tell: the watch must see that.
+        for kind in (TimeSync, PltStat):
+            responder.on(kind, self._look)
         responder.on(RunEvent, self._event)
         self._clock = responder.clock
         #: Takes one frame in bus order; returns the answer to a poll of the controller.
@@ -221,6 +224,9 @@ class ControllerNode:
 
     def _balise(self, reading: Reading[BalisePassed]) -> None:
         self._balises.take(reading.telegram, *self._odometer.reckoned(self._clock.own_ns))
+
+    def _look(self, reading: Reading[Any]) -> None:
+        self.guard.look(self._clock.own_ns)
 
     def _track(self, reading: Reading[TrkInfo]) -> None:
         self.guard.limit(reading.telegram)

@@ -76,8 +76,9 @@ class Odometer:
         self._reading_01mm = 0
         self._fitted_ns = 0
         self._trusted_ns = 0
-        # When the first implausible telegram since then arrived.
+        # When the first implausible telegram since then arrived, and the last one.
         self._jumped_ns: int | None = None
+        self._jumping_ns = 0
         # Dead-reckoned position, its possible error and time; the last speed and its time.
         self._place = 0
         self._slack = 0
@@ -119,8 +120,9 @@ class Odometer:
         if abs(off) > self._tolerance():
             self.counters["position_jump"] += 1
             self._run = 0
-            if self._jumped_ns is None:
+            if self._jumped_ns is None or at_ns - self._jumping_ns > RECKONING_MAX_NS:
                 self._jumped_ns = at_ns
+            self._jumping_ns = at_ns
             return
         self.accepted += 1
         since_ns = max(at_ns - self._fitted_ns, 0)
@@ -154,11 +156,13 @@ class Odometer:
 
     def lost(self, now_ns: int) -> CtlCause:
         """Why the position is lost: too long a time of dead reckoning for a law that needs a position, or implausible
-        telegrams for as long."""
+        telegrams for as long. To the other laws a silent port says nothing, also after an implausible telegram."""
         jumped_ns = self._jumped_ns
         if jumped_ns is None:
             lost = self._needed and self._begun and now_ns - self._trusted_ns > RECKONING_MAX_NS
             return CtlCause.POSITION_LOST if lost else _NOT_LOST
+        if not self._needed and now_ns - self._jumping_ns > self._in_time_ns:
+            return _NOT_LOST
         since_ns = self._trusted_ns if self._needed else jumped_ns
         return CtlCause.POSITION_IMPLAUSIBLE if now_ns - since_ns > RECKONING_MAX_NS else _NOT_LOST
 

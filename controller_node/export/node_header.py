@@ -5,6 +5,7 @@ from __future__ import annotations
 from railhil.bus.ident import Role, make_ident
 from railhil.bus.lifesign import MAX_STEP
 from railhil.bus.mvb import master_word
+from railhil.bus.responder import slow_port
 from railhil.bus.schedule import Schedule
 from railhil.controller_node.export.control import Control, Define
 from railhil.controller_node.export.names import comment, wide
@@ -37,7 +38,7 @@ def node_header(name: str, control: Control) -> str:
             "",
             *(
                 f"#define RAILHIL_{each.name} {each.literal}{f' /* {each.words} */' if each.words else ''}"
-                for each in (*_bus(control, sent), *control.constants())
+                for each in (*_bus(control, received, sent), *control.constants())
             ),
             "",
             "/* Ports: first those with receive mailboxes, then those that the controller sends. */",
@@ -73,7 +74,7 @@ def _port_row(port: Port) -> str:
     return f"    {{UINT32_C({port.address:#x}), UINT32_C({word:#x}), {port.data_bytes}}}, /* {port.name} */"
 
 
-def _bus(control: Control, sent: list[Port]) -> list[Define]:
+def _bus(control: Control, received: list[Port], sent: list[Port]) -> list[Define]:
     """Constants of the bus that every controller needs."""
     contract, timing = control.contract, control.scenario.timing
     schedule = Schedule.from_contract(timing.base_tick_ns, timing.port_period_ns, contract)
@@ -82,6 +83,8 @@ def _bus(control: Control, sent: list[Port]) -> list[Define]:
     words = [(schedule.ticks(port.name), int.from_bytes(master_word(port.f_code, port.address))) for port in paced]
     pace_ticks, pace_word = min(words, default=(0, 0))
     clock = contract.clock_port.name
+    slow = slow_port(received, contract.clock_port, schedule)
+    slow_ticks = 0 if slow is None else schedule.ticks(slow.name)
     return [
         Define("POLL_ID", f"UINT32_C({contract.poll_id:#x})", "master frames of the bus administrator"),
         Define("DEVICE_STATUS_ID", f"UINT32_C({contract.device_status_id:#x})"),
@@ -90,4 +93,6 @@ def _bus(control: Control, sent: list[Port]) -> list[Define]:
         Define("CLOCK_TICKS", wide(schedule.ticks(clock)), f"ticks from one {clock} to the next"),
         Define("PACE_TICKS", wide(pace_ticks), "ticks from one poll of RAILHIL_PACE_WORD to the next, 0: none"),
         Define("PACE_WORD", f"UINT32_C({pace_word:#x})"),
+        Define("SLOW_PORT", "-1" if slow is None else f"RAILHIL_{slow.name}", "its life sign counts long silences"),
+        Define("SLOW_TICKS", wide(slow_ticks)),
     ]

@@ -47,6 +47,7 @@ static railhil_control_t control;
 void begin(void) { railhil_init(&control); }
 unsigned take(uint32_t can_id, unsigned length, const unsigned char *data, railhil_frame_t *answer)
 { return railhil_receive(&control, can_id, length, data, answer); }
+void elapsed(int64_t ns) { railhil_elapsed(&control, ns); }
 unsigned counted(unsigned index) { return (unsigned)control.counts[index]; }
 unsigned counters(void) { return RAILHIL_COUNTS; }
 int ended(void) { return control.ended; }
@@ -106,6 +107,10 @@ class CNode:
             can_id |= bit if flags & flag else 0
         count = self._c.take(ctypes.c_uint32(can_id), len(data), data, self._answer)
         return [Frame(each.can_id, bytes(each.data[: each.length])) for each in self._answer[:count]]
+
+    def was_stopped(self, sim_ns: int) -> None:
+        """Nothing was received for so much simulation time."""
+        self._c.elapsed(ctypes.c_int64(sim_ns))
 
     @property
     def ended(self) -> int:

@@ -9,6 +9,8 @@ void railhil_clock_init(railhil_clock_t *clock)
 {
     memset(clock, 0, sizeof *clock);
     clock->life = clock->expected = clock->sync_life = clock->ahead_life = -1;
+    clock->slow_life = clock->slow_ahead_life = -1;
+    clock->known_tick = -1;
 }
 
 int64_t railhil_now_ns(const railhil_clock_t *clock)
@@ -81,6 +83,55 @@ void railhil_clock_poll(railhil_clock_t *clock, int64_t period_ticks)
     clock->polls++;
 }
 
+void railhil_clock_elapsed(railhil_clock_t *clock, int64_t elapsed_ns)
+{
+    int64_t ticks;
+    if (!clock->running) {
+        return;
+    }
+    if (clock->known_tick < 0) {
+        clock->known_tick = clock->tick;
+        clock->spare_ns = 0;
+    }
+    clock->spare_ns += elapsed_ns;
+    ticks = railhil_floored(clock->spare_ns, RAILHIL_BASE_TICK_NS);
+    clock->spare_ns -= ticks * RAILHIL_BASE_TICK_NS;
+    clock->tick += ticks;
+}
+
+void railhil_clock_slow(railhil_clock_t *clock, int life)
+{
+    const int64_t own_tick = clock->tick - clock->began;
+    const int64_t turn = 16 * RAILHIL_CLOCK_TICKS;
+    const int64_t slow_turn = 16 * RAILHIL_SLOW_TICKS;
+    /* A period before the silence and two after it, and what the clock port tells of it. */
+    const int64_t soon = 3 * RAILHIL_SLOW_TICKS + turn;
+    const int64_t since = own_tick - clock->slow_tick;
+    const int before_life = clock->slow_ahead_life;
+    int64_t ahead;
+    if (clock->slow_life < 0) {
+        clock->slow_life = life;
+        clock->slow_tick = own_tick;
+        return;
+    }
+    ahead = (life - clock->slow_life) * RAILHIL_SLOW_TICKS - since;
+    ahead -= railhil_floored(ahead, slow_turn) * slow_turn;
+    clock->slow_ahead_life = -1;
+    if (ahead == 0) {
+        clock->slow_life = life;
+        clock->slow_tick = own_tick;
+    } else if (since <= soon && ahead < slow_turn - soon && ahead % turn == 0) {
+        if (before_life >= 0 && ahead == clock->slow_ahead && life == ((before_life + 1) & 0xF)) {
+            railhil_clock_elapsed(clock, ahead * RAILHIL_BASE_TICK_NS);
+            clock->slow_life = life;
+            clock->slow_tick = own_tick + ahead;
+        } else {
+            clock->slow_ahead_life = life;
+            clock->slow_ahead = ahead;
+        }
+    }
+}
+
 /* Why a TIME_SYNC is refused; 0: it is not. */
 static unsigned implausible(railhil_clock_t *clock, const unsigned char *process, int64_t off)
 {
@@ -92,17 +143,19 @@ static unsigned implausible(railhil_clock_t *clock, const unsigned char *process
     if (process[7] >> 6 != RAILHIL_CHECK_CORRECT) {
         return RAILHIL_TIME_CHECK;
     }
+    if (off > near_ticks) {
+        /* Nothing is repeated from the future: after a long silence the order of the life signs says nothing. */
+        clock->ahead_life = confirming ? -1 : life;
+        clock->ahead_ticks = off;
+        return confirming ? 0 : RAILHIL_TIME_AHEAD;
+    }
     if (judged == RAILHIL_REPEATED || judged == RAILHIL_OLD) {
         return judged == RAILHIL_OLD ? RAILHIL_TIME_OUT_OF_ORDER : RAILHIL_TIME_DUPLICATE;
     }
     clock->ahead_life = -1;
     if (off < 0) {
-        return RAILHIL_TIME_BACKWARD;
-    }
-    if (off > near_ticks && !confirming) {
-        clock->ahead_life = life;
-        clock->ahead_ticks = off;
-        return RAILHIL_TIME_AHEAD;
+        /* Only an estimate is taken back, and never to before the silence. */
+        return clock->known_tick >= 0 && clock->known_tick < clock->tick + off ? 0 : RAILHIL_TIME_BACKWARD;
     }
     return 0;
 }
@@ -115,12 +168,14 @@ int railhil_time_sync(railhil_clock_t *clock, const unsigned char *process, uint
     const int64_t off = tick - clock->tick;
     const unsigned cause = implausible(clock, process, off);
     /* If only clock frames have been missing, since before the last poll, their count continues. */
-    const int known = clock->life >= 0 && clock->polls > 0 && off <= RAILHIL_LIFE_STEP_MAX * RAILHIL_CLOCK_TICKS;
+    const int known = clock->life >= 0 && clock->polls > 0 &&
+                      railhil_greater(off, -off) <= RAILHIL_LIFE_STEP_MAX * RAILHIL_CLOCK_TICKS;
     if (cause != 0) {
         counts[cause]++;
         return 0;
     }
     clock->sync_life = process[7] & 0xF;
+    clock->known_tick = -1;
     if (!clock->is_set && off > RAILHIL_LIFE_STEP_MAX * RAILHIL_CLOCK_TICKS) {
         clock->began = off;
     }

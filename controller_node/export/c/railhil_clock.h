@@ -28,6 +28,12 @@ typedef struct {
     int sync_life;  /* of the last TIME_SYNC taken, -1 before the first */
     int ahead_life; /* of a TIME_SYNC refused as too far ahead, -1: none; the next one may confirm it */
     int64_t ahead_ticks;
+    int64_t known_tick; /* since a silence the time is an estimate: the last tick before it, -1: it is none */
+    int64_t spare_ns;   /* what of the silence is less than a tick */
+    int64_t slow_tick;  /* own tick at which the life sign of the slow port was right */
+    int64_t slow_ahead; /* by so many ticks it was ahead in the last telegram */
+    int slow_life;       /* that life sign, -1 before the first */
+    int slow_ahead_life; /* the one that was ahead, -1: none */
     int64_t began; /* tick at which a node that came late began to count */
     int running;
     int is_set; /* a TIME_SYNC has been taken: the time is that of the run */
@@ -69,5 +75,12 @@ int64_t railhil_own_ns(const railhil_clock_t *clock);
 void railhil_clock_frame(railhil_clock_t *clock, unsigned length, const unsigned char *data);
 void railhil_clock_poll(railhil_clock_t *clock, int64_t period_ticks);
 int railhil_time_sync(railhil_clock_t *clock, const unsigned char *process, uint32_t *counts);
+
+/* Take the life sign of the slow port. A silence of the whole bus shifts the clock by whole turns of its life sign;
+ * where two telegrams of the slow port in a row are ahead by the same number of turns, the clock follows. */
+void railhil_clock_slow(railhil_clock_t *clock, int life);
+
+/* Nothing was received for a time. The time after it is an estimate, which TIME_SYNC may take back. */
+void railhil_clock_elapsed(railhil_clock_t *clock, int64_t elapsed_ns);
 
 #endif

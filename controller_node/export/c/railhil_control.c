@@ -100,7 +100,16 @@ static void take_telegram(railhil_control_t *control, int port, const unsigned c
     } else if (port == RAILHIL_RUN_EVENT && process[0] >= RAILHIL_ENDED && process[0] <= RAILHIL_EVENT_MAX) {
         control->ended = process[0];
     }
+    if (port == RAILHIL_SLOW_PORT) {
+        railhil_clock_slow(&control->clock, process[railhil_ports[port].bytes - 1u] & 0xF);
+    }
     railhil_law_take(&control->law, &control->clock, port, process, control->counts);
+}
+
+void railhil_elapsed(railhil_control_t *control, int64_t elapsed_ns)
+{
+    railhil_clock_elapsed(&control->clock, elapsed_ns);
+    railhil_law_look(&control->law, &control->clock);
 }
 
 unsigned railhil_receive(railhil_control_t *control, uint32_t can_id, unsigned length, const unsigned char *data,

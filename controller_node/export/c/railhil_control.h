@@ -1,8 +1,10 @@
 /* The controller on the bus, for any CAN driver: frames in, answers to the bus administrator's polls out.
  *
  * A board's program calls railhil_init once, then railhil_receive with every data frame in the order of arrival, and
- * sends the frames that it returns in their order. There is no timer: time comes from the frames. While the bus is
- * silent there is no poll and no answer; a board that does more than answer needs a timer of its own.
+ * sends the frames that it returns in their order. Time comes from the frames. While the bus is silent there is no poll
+ * and no answer; what has passed is seen afterwards, from a slow port or TIME_SYNC. A board that has a timer of its own
+ * passes the time to railhil_elapsed: the age of the speed is then seen at once, and a board that does more than answer
+ * can act on it.
  *
  * Runs may follow one another: the handshake of the next one resets everything, however the last one ended.
  */
@@ -37,6 +39,10 @@ void railhil_init(railhil_control_t *control);
  * frames to send, at most RAILHIL_FRAMES_MAX. */
 unsigned railhil_receive(railhil_control_t *control, uint32_t can_id, unsigned length, const unsigned char *data,
                          railhil_frame_t *answer);
+
+/* Nothing was received for so much simulation time since the last frame or call, by a timer of the board. Not in
+ * lockstep (rate_10th 0), where time waits for the answers. */
+void railhil_elapsed(railhil_control_t *control, int64_t elapsed_ns);
 
 /* Name of an entry of control->counts. */
 const char *railhil_count_name(unsigned index);

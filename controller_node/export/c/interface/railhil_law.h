@@ -41,6 +41,9 @@ void railhil_law_take(railhil_law_t *law, const railhil_clock_t *clock, int port
 void railhil_law_answer(railhil_law_t *law, const railhil_clock_t *clock, int port, unsigned char *process,
                         uint32_t *counts);
 
+/* Time has passed without a telegram. */
+void railhil_law_look(railhil_law_t *law, const railhil_clock_t *clock);
+
 /* Name of an outcome; index >= RAILHIL_CLOCK_OUTCOMES. */
 const char *railhil_law_outcome(unsigned index);
 

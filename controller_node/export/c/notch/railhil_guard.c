@@ -265,6 +265,11 @@ void railhil_track(railhil_guard_t *guard, const unsigned char *process)
     }
 }
 
+void railhil_look(railhil_guard_t *guard, int64_t now_ns)
+{
+    look(guard, now_ns, NO_TELEGRAM, no_finding);
+}
+
 void railhil_period(railhil_guard_t *guard, int late)
 {
     guard->watch.late = late ? guard->watch.late + 1 : 0;
@@ -285,7 +290,7 @@ int32_t railhil_watched_notch(railhil_guard_t *guard, int64_t now_ns, int32_t la
     int returning;
     int64_t code;
     watch->stale = railhil_latency_polled(&guard->latency);
-    look(guard, now_ns, NO_TELEGRAM, no_finding);
+    railhil_look(guard, now_ns);
     returning = watch->returning || watch->level >= RAILHIL_TRACTION_CUT;
     switch (watch->level) {
     case RAILHIL_EMERGENCY:

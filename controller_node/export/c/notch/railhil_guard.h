@@ -91,6 +91,9 @@ void railhil_guard_init(railhil_guard_t *guard);
 void railhil_speed(railhil_guard_t *guard, int64_t now_ns, const unsigned char *process, uint32_t *counts);
 void railhil_track(railhil_guard_t *guard, const unsigned char *process);
 
+/* Check the age of the last speed. */
+void railhil_look(railhil_guard_t *guard, int64_t now_ns);
+
 /* A control period is computed; late: periods before it were left out. */
 void railhil_period(railhil_guard_t *guard, int late);
 

@@ -146,6 +146,11 @@ void railhil_law_answer(railhil_law_t *law, const railhil_clock_t *clock, int po
     }
 }
 
+void railhil_law_look(railhil_law_t *law, const railhil_clock_t *clock)
+{
+    railhil_look(&law->guard, railhil_own_ns(clock));
+}
+
 void railhil_law_take(railhil_law_t *law, const railhil_clock_t *clock, int port, const unsigned char *process,
                       uint32_t *counts)
 {
@@ -171,7 +176,12 @@ void railhil_law_take(railhil_law_t *law, const railhil_clock_t *clock, int port
                            counts + RAILHIL_SAFE_FIRST);
         break;
 #endif
-    default: /* PLT_STAT: checked and counted like the others, not used by the law */
+    case RAILHIL_TIME_SYNC:
+    case RAILHIL_PLT_STAT:
+        /* The time may have gone on by more than the telegrams since the last poll tell. */
+        railhil_law_look(law, clock);
+        break;
+    default: /* checked and counted like the others, not used by the law */
         break;
     }
 }

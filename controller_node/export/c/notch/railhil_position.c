@@ -105,10 +105,11 @@ void railhil_position(railhil_odometer_t *odometer, int64_t now_ns, const unsign
     if (railhil_greater(off, -off) > tolerance(odometer)) {
         counts[RAILHIL_POSITION_JUMP]++;
         odometer->run = 0;
-        if (!odometer->jumped) {
+        if (!odometer->jumped || now_ns - odometer->jumping_ns > RAILHIL_RECKONING_MAX_NS) {
             odometer->jumped = 1;
             odometer->jumped_ns = now_ns;
         }
+        odometer->jumping_ns = now_ns;
         return;
     }
     since_ns = railhil_greater(now_ns - odometer->fitted_ns, 0);
@@ -145,8 +146,10 @@ int32_t railhil_position_01mm(railhil_odometer_t *odometer, int64_t now_ns)
 int railhil_position_lost(const railhil_odometer_t *odometer, int64_t now_ns)
 {
     if (odometer->jumped) {
+        /* To a law that needs no position a silent port says nothing, also after an inconsistent telegram. */
+        const int speaks = RAILHIL_NEEDS_POSITION || now_ns - odometer->jumping_ns <= RAILHIL_POSITION_IN_TIME_NS;
         const int64_t since_ns = RAILHIL_NEEDS_POSITION ? odometer->trusted_ns : odometer->jumped_ns;
-        return now_ns - since_ns > RAILHIL_RECKONING_MAX_NS ? RAILHIL_CONTRADICTED : RAILHIL_NOT_LOST;
+        return speaks && now_ns - since_ns > RAILHIL_RECKONING_MAX_NS ? RAILHIL_CONTRADICTED : RAILHIL_NOT_LOST;
     }
     if (RAILHIL_NEEDS_POSITION && odometer->begun && now_ns - odometer->trusted_ns > RAILHIL_RECKONING_MAX_NS) {
         return RAILHIL_LOST;
