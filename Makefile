@@ -29,7 +29,7 @@ VCAN_FIRST   = test_faults or test_can_utils or test_outage or test_benchmark_pa
 # Files of tests that keep real time: collecting all the others takes as long as some of these tests.
 REAL_TIME    = $$(grep -rlw --include='test_*.py' wall_clock hil_tests)
 
-.PHONY: run test test-all test-fast test-here test-side-by-side test-long test-long-side-by-side test-real-time test-vcan test-vcan-first test-vcan-second test-compose test-docker test-docker-vcan test-wheel test-arm64 test-arm64-ipfc test-image-arm64 test-compiled test-builds wheels mutants lint lint-types lint-imports prepared-batches prepared-bytecode bench dbc tables tuned $(TUNED_LAWS:%=tuned-%) install locks locked clean
+.PHONY: run test test-all test-fast test-here test-side-by-side test-long test-long-side-by-side test-real-time test-vcan test-vcan-first test-vcan-second test-compose test-docker test-docker-vcan test-wheel test-arm64 test-arm64-ipfc test-image-arm64 test-compiled test-builds wheels mutants lint lint-types lint-imports prepared-batches prepared-bytecode bench docs-update dbc tables tuned $(TUNED_LAWS:%=tuned-%) install locks locked clean
 
 # A run that misses the limits of its scenario (exit code 1) is a result, not an error of make.
 run: $(VENV)/.installed
@@ -151,6 +151,11 @@ prepared-batches prepared-bytecode: prepared-%: $(VENV)/.installed-dev
 # Every mutant of what judges, moves and protects (hil_tests/mutation/targets.toml); takes minutes.
 mutants: $(VENV)/.installed-dev
 	$(BIN)/python -m hil_tests.mutation
+
+# What commands print, and the figures in tables and text, into README.md and docs/*.md (hil_tests/documents); long.
+# ARGS="docs/laws.md", ARGS=--quick: a page, or without what `make test-long` checks.
+docs-update: $(VENV)/.installed-dev
+	@$(BIN)/python -m hil_tests.documents $(ARGS)
 
 bench: $(VENV)/.installed-dev
 	$(BIN)/python -m benchmarks

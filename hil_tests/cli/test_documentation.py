@@ -113,7 +113,9 @@ def test_every_option_says_what_it_is_and_is_in_the_documentation() -> None:
 def test_code_blocks_name_only_commands_that_exist():
     seen = 0
     for page in _PAGES:
-        for block in re.findall(r"^```\n(.*?)^```", (ROOT / page).read_text(encoding="utf-8"), re.M | re.S):
+        for block in re.findall(
+            r"^```(?:sh|console|usage)?\b[^\n]*\n(.*?)^```", (ROOT / page).read_text(encoding="utf-8"), re.M | re.S
+        ):
             for line in block.splitlines():
                 # A line that is a command line, not what one prints.
                 match = re.match(r"\s*railhil (?:(?:bus|memory|new|node|sequence) )?[a-z][a-z-]*(?= |$)", line)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import doctest
 import inspect
 import json
 import subprocess
@@ -50,18 +49,6 @@ def test_every_name_is_there_and_typed() -> None:
     for function in (library.run, library.open_run, library.campaign):
         parameters = inspect.signature(function).parameters.values()
         assert all(one.annotation is not inspect.Parameter.empty for one in parameters)
-
-
-@pytest.mark.slow
-def test_the_examples_of_the_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    page = (ROOT / "docs/library.md").read_text(encoding="utf-8").replace("```", "")
-    flags = doctest.ELLIPSIS
-    test = doctest.DocTestParser().get_doctest(page, {}, "docs/library.md", "docs/library.md", 0)
-    assert len(test.examples) > 20
-    said: list[str] = []
-    doctest.DocTestRunner(optionflags=flags).run(test, out=said.append)
-    assert not said, "".join(said)
 
 
 @pytest.mark.slow

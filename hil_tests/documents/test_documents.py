@@ -1,0 +1,115 @@
+"""README.md and docs/*.md: every command runs, every figure in a table is right (:mod:`hil_tests.documents`)."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from hil_tests.documents import commands
+from hil_tests.documents.compared import OtherWords, paragraph, printed, table
+from hil_tests.documents.pages import MARKERS, PAGES, Block, blocks, blocks_of
+from hil_tests.documents.update import Group, groups
+
+#: A line of a block in which nothing is run, and which looks as if somebody should type it.
+_TYPED = re.compile(r"(?:\$ |(?:railhil|make|python3?|docker|pip) [a-z-]+(?= |$)).*")
+#: Pages whose tables are written from a schema; tests elsewhere compare them.
+_WRITTEN = ("docs/scenario_keys.md", "docs/faults.md")
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(1800)
+@pytest.mark.parametrize(
+    "group", [pytest.param(one, id=one.name, marks=[pytest.mark.long] if one.long else []) for one in groups()]
+)
+def test_the_pages_say_what_is(group: Group) -> None:
+    changes = group.changes()
+    assert not changes, "\n".join(
+        [f"{group.page}: `make docs-update` writes", *(f"{one.number + 1}: {one.line}" for one in changes)]
+    )
+
+
+def problem(block: Block) -> str:
+    """What a block does not say of itself; empty if nothing is missing."""
+    if block.kind == "fence":
+        language, *words = block.info or ("",)
+        if language not in (*commands.RUN, *commands.SHOWN) or not set(words) <= set(commands.WORDS):
+            return (
+                f"a fenced block says what it is: {', '.join((*commands.RUN, *commands.SHOWN))}; long, machine, pytest"
+            )
+        if language == "text":
+            typed = [line for line in block.lines if _TYPED.fullmatch(line) and "[" not in line]
+            if typed:
+                return f"commands stand in a block that is run (console, sh), or needs a machine: {typed[0]}"
+    is_ours = block.kind == "table" and block.page not in _WRITTEN
+    needs = is_ours or block.info[:1] == ("text",) or (block.kind == "text" and block.page == "README.md")
+    if needs and block.figures and block.marker is None:
+        return f"figures ({', '.join(block.figures[:3])}) without a comment above: {', '.join(MARKERS)}"
+    return ""
+
+
+def test_every_block_says_what_it_is() -> None:
+    found = [f"{block}: {problem(block)}" for block in blocks() if problem(block)]
+    assert not found, "\n".join(found)
+
+
+def test_commands_and_figures_are_there() -> None:
+    """The rule must not hold because no block is recognised as one."""
+    kinds = [block.kind for block in blocks()]
+    assert {page for page in PAGES if page not in {block.page for block in blocks()}} == set()
+    assert (kinds.count("fence") > 100, kinds.count("table") > 80) == (True, True)
+    assert sum(not group.long for group in groups()) > 20
+
+
+@pytest.mark.parametrize(
+    ("lines", "said"),
+    [
+        (["```", "railhil run", "```"], "says what it is"),
+        (["```bash", "railhil run", "```"], "says what it is"),
+        (["```text", "railhil run", "```"], "commands stand in a block that is run"),
+        (["```text", "stop error 0.25 m", "```"], "without a comment"),
+        (["| law | m |", "|---|---|", "| ipfc | 0.25 |"], "without a comment"),
+        (["<!-- given: the paper -->", "", "| law | m |", "|---|---|", "| ipfc | 0.25 |"], "without a comment"),
+        (["It stops 0.25 m short."], "without a comment"),
+    ],
+)  # fmt: skip
+def test_what_is_not_checked_is_found(lines: list[str], said: str) -> None:
+    assert said in problem(next(blocks_of("README.md", lines)))
+
+
+def _block(*lines: str) -> Block:
+    return next(blocks_of("README.md", list(lines)))
+
+
+def test_figures_are_compared_and_words_are_not_guessed(tmp_path: Path) -> None:
+    block = _block("```console", "$ railhil run", "FAIL: stop error -0.347 m, after ... s", "hash " + 64 * "a", "```")
+    digits = "FAIL:  stop error +0.249 m, after 1.25 s\nhash " + 64 * "b"
+    changes = printed(block, 1, block.lines[1:], digits)
+    assert [one.line for one in changes] == ["FAIL: stop error +0.249 m, after ... s", "hash " + 64 * "b"]
+    assert [one.number for one in changes] == [2, 3]
+    assert printed(block, 1, block.lines[1:], block.text) == []
+    with pytest.raises(OtherWords, match=r"README\.md:3: not printed"):
+        printed(block, 1, block.lines[1:], digits.replace("FAIL", "PASS"))
+
+
+def test_a_paragraph_has_its_figures_where_its_words_are() -> None:
+    block = _block("It stops 0.25 m short", "in 20 of 200 runs, and 0.25 m", "in `0.1`.")
+    changes = paragraph(block, ["stops 0.31 m short in 21 of 200", "and 0.40 m"])
+    assert [(one.number, one.line) for one in changes] == [
+        (0, "It stops 0.31 m short"), (1, "in 21 of 200 runs, and 0.40 m"),
+    ]  # fmt: skip
+    with pytest.raises(OtherWords, match=r"no function computes 0\.25"):
+        paragraph(block, ["stops 0.31 m short"])
+    assert len(paragraph(block, ["stops 0.31 m short"], given=["0.25"])) == 1
+    with pytest.raises(OtherWords, match="there 0 times"):
+        paragraph(block, ["stops 0.31 m late", "and 0.25 m"])
+
+
+def test_rows_are_those_of_the_function(tmp_path: Path) -> None:
+    lines = ["x", "", "<!-- figures: laws.none -->", "   | law | m |", "   |---|---|", "   | ipfc | 0.25 |"]
+    block = list(blocks_of("README.md", lines))[1]
+    assert table(block, ["| ipfc | 0.25 |"]) == []
+    assert [(one.number, one.line) for one in table(block, ["| ipfc | 0.26 |"])] == [(5, "   | ipfc | 0.26 |")]
+    with pytest.raises(OtherWords, match="1 rows, 0 are computed"):
+        table(block, [])
