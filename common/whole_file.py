@@ -15,6 +15,9 @@ from pathlib import Path
 _NEW_FILE_MODE = 0o666
 #: Interval between attempts to get a lock.
 _LOCK_LOOK_S = 0.01
+_DRAFT = ".part-"
+#: Names of files that are being written.
+DRAFTS = f"{_DRAFT}*"
 
 
 def _mode(path: Path) -> int | None:
@@ -66,7 +69,7 @@ def whole_file(path: Path) -> Iterator[Path]:
         yield path
         return
     target = path.resolve()
-    handle, name = tempfile.mkstemp(prefix=".part-", suffix=target.suffix, dir=target.parent)
+    handle, name = tempfile.mkstemp(prefix=_DRAFT, suffix=target.suffix, dir=target.parent)
     os.close(handle)
     draft = Path(name)
     try:

@@ -105,8 +105,13 @@ def load_contract(path: Path = _FOLDER / PORTS, check_dbc: bool = True) -> Contr
 
 
 def _read(path: Path, sha256: str) -> Contract:
-    """The port table in a file. Raises ContractError."""
-    return replace(_parsed(path.name, _text(path)), sha256=sha256)
+    """The port table in a file, whose DBC has this hash. Raises ContractError."""
+    text = _text(path)
+    # Decoded is with the table, certified is the DBC.
+    if (derived := _dbc_sha256(path.name, text)) != sha256:
+        allowed = f"{sha256}, that of the record: a port table that nobody changed"
+        raise ContractError(f"{path}: sha256 of its DBC: found {derived}, allowed {allowed}")
+    return replace(_parsed(path.name, text), sha256=sha256)
 
 
 def _text(path: Path) -> str:
@@ -176,7 +181,8 @@ def recorded_contract(folder: Path, sha256: str | None, current: Contract | None
     :param folder: run folder; its port table and DBC, if it has them, are :data:`PORTS` and :data:`DBC`.
     :param sha256: of the DBC, from the certificate; None if unknown.
     :param current: today's contract of the record's system; None: railhil's own.
-    :raises ContractError: the folder's DBC has another hash, or no version of railhil had the requested one.
+    :raises ContractError: the folder's DBC has another hash, its port table another DBC, or no version of railhil had
+        the requested one.
     """
     if (folder / PORTS).is_file() and (folder / DBC).is_file():
         found = hashlib.sha256((folder / DBC).read_bytes()).hexdigest()

@@ -3,6 +3,8 @@
 A classic telegram of more than 32 bits consists of several CAN frames, so it becomes several DBC messages: one per
 block, one for the trailer, and one for the CAN FD form. The check sequences, master words and trailers are signals too,
 so that cantools decodes every frame on the bus.
+
+Run folders hold the hash of this text, and their port tables are checked by it: the text of a table must never change.
 """
 
 from __future__ import annotations

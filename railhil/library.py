@@ -92,6 +92,8 @@ class Outcome:
     signed: Mapping[str, float | None]
     certificate: Mapping[str, Any] = field(repr=False)
     trace: Trace = field(repr=False)
+    #: What of the log was not used: its stamps, frames before or after the run.
+    notes: tuple[str, ...] = ()
     #: What happened, as in ``events.csv``, in the order of the instants.
     events: tuple[RecordedEvent, ...] = field(default=(), repr=False)
 
@@ -141,6 +143,7 @@ def _outcome(record: Record, found: Score, events: tuple[RecordedEvent, ...]) ->
         document["signed"],
         record.certificate,
         record.trace,
+        record.notes,
         events,
     )
 

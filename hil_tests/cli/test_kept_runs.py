@@ -107,7 +107,7 @@ def test_ctrl_c_while_results_are_written_waits_until_they_are_whole(tmp_path):
     assert (done.returncode, done.stderr) == (130, "")
     assert {path.name for path in (tmp_path / "run").iterdir()} == {
         "frames.log", "frames.blf", "signals.csv", "events.csv", "score.json", "junit.xml", "certificate.json",
-        "scenario.json", "ports.toml", "railhil.dbc", "telemetry.json", "plant.txt", "controller.txt",
+        "scenario.json", "ports.toml", "railhil.dbc", "telemetry.json", "plant.txt", "controller.txt", "SHA256SUMS",
     }  # fmt: skip
     assert railhil("score", "run", cwd=tmp_path).exit_code in (0, 1)
 

@@ -18,14 +18,13 @@ import pyarrow as pa
 
 from railhil.campaign.results_table import NotThePart
 from railhil.common.errors import InputError, Words
-from railhil.common.whole_file import write_synced
+from railhil.common.whole_file import DRAFTS, write_synced
 from railhil.supervisor.errors import RecordFailed, not_written
 from railhil.supervisor.run_folder import run_folder
 
 PARTS = "parts"
 RESULTS = "results.parquet"
 SUMMARY = "summary.json"
-_DRAFTS = ".part-*"
 #: Options that name a folder.
 _OPTIONS = "--out, --resume"
 
@@ -56,7 +55,7 @@ class PartsFolder(Generic[C]):
         self._read = read
         # Left by a process that was killed while writing; no other process writes here now.
         for place in (path, path / PARTS):
-            for draft in place.glob(_DRAFTS):
+            for draft in place.glob(DRAFTS):
                 draft.unlink()
 
     def part(self, chunk: C) -> Path:

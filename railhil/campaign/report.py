@@ -16,8 +16,8 @@ from railhil.campaign.plan import Plan, make_plan
 from railhil.campaign.results_table import NotThePart, column_of, numbers, read_results, rows_of
 from railhil.common.digits import percent
 from railhil.common.errors import InputError, Words
-from railhil.common.whole_file import whole_file
 from railhil.scenarios.stored import any_judged_sha256
+from railhil.supervisor.hash_list import listed_file
 from railhil.supervisor.report.assets import as_json, scripts, styles_text
 from railhil.supervisor.report.distribution import Spread, charted, limits_of, picture
 from railhil.supervisor.report.recorded import REPORT
@@ -103,5 +103,5 @@ def report_of(folder: Path, out: Path) -> None:
     if told != (sha256 := any_judged_sha256(plan.scenario)):
         raise InputError(folder, "scenario", str(told), f"{sha256}, as it is now")
     text = page(plan, summary, table, folder)
-    with whole_file(out) as draft:
+    with listed_file(out) as draft:
         draft.write_text(text, encoding="utf-8")

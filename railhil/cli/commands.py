@@ -20,6 +20,7 @@ _COMMANDS = {
     "compare": "run several laws over the bus, one after another, and compare them",
     "faults": "run the fault catalogue, or random pairs of faults, and print what they led to",
     "score": "score a recorded log",
+    "verify": "check the files of a folder against its list of hashes, and who has signed it",
     "report": "write report.html of recorded runs (needs the extra [report])",
     "plot": "draw a recorded run (needs the extra [report])",
     "export": "write a recorded run as files of other tools",

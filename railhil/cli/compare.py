@@ -33,6 +33,7 @@ from railhil.supervisor.judging import judging_of
 from railhil.supervisor.report.facts import parameters_sentence
 from railhil.supervisor.report.recorded import RecordedRun
 from railhil.supervisor.run_folder import run_folder
+from railhil.supervisor.signature import add_sign_argument, check_key, sign_list
 from railhil.supervisor.training_seeds import check_unseen
 
 _ALL = "all"
@@ -54,6 +55,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser.add_argument(
         "--allow-training-seeds", action="store_true", help="judge parameters on runs on which they were tuned"
     )
+    add_sign_argument(parser)
     add_json_argument(parser)
     parser.add_argument("--out", metavar="DIR", help="folder (default runs/<utc>-<scenario>-compare)")
     parser.set_defaults(work=work)
@@ -136,6 +138,7 @@ def work(namespace: argparse.Namespace) -> int:
     Recorded runs are kept if the comparison is stopped or a run fails.
     """
     wanted = _planned(namespace)
+    check_key(namespace.sign)
     scenario = wanted[0].load()
     plan, notes = _checked(namespace, scenario, wanted)
     how = start_up(namespace)
@@ -175,6 +178,7 @@ def work(namespace: argparse.Namespace) -> int:
     document = write_comparison(folder, scenario, plan[0], runs, notes)
     print_scores(console, scenario, [(f"{run.label} (measured)", run.score) for run in found])
     report = "" if namespace.no_report else report_line(found, folder, notes)
+    sign_list(folder, namespace.sign)
     if remark := judging_of(scenario).remark([run.score for run in found]):
         console.say(f"runs that {remark}")
     for line in assumed(scenario, folder, namespace.verbose):

@@ -48,5 +48,7 @@ def work(namespace: argparse.Namespace) -> int:
             draw(record.scenario, record.trace, draft)
     except OSError as error:
         raise not_written("--out", out, "file", error) from None
+    for note in record.notes:
+        Output(stderr=True).say(note)
     Output().say(str(out))
     return 0

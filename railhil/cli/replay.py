@@ -17,7 +17,6 @@ from railhil.scenarios.plant_fmu import OPTION as FMU_OPTION
 from railhil.scenarios.plant_fmu import add_fmu_arguments, fmu_of
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.system import system_named
-from railhil.supervisor.framelog import read_log
 from railhil.supervisor.record import Record, checked_record
 
 
@@ -45,13 +44,15 @@ def work(namespace: argparse.Namespace) -> int:
     record = checked_record(namespace.log, namespace.scenario)
     spec = _spec(record, namespace)
     _check(record, namespace.node, spec)
-    replayed = replay(namespace.node, list(read_log(record.log)), record.scenario, spec)
+    replayed = replay(namespace.node, list(record.frames()), record.scenario, spec)
     ports = _ports(record.log, namespace.port, sorted(replayed.ports))
     first = replayed.first(ports)
     if namespace.json:
-        print_json(facts(replayed, ports))
+        print_json({**facts(replayed, ports), "notes": list(record.notes)})
         return PASS if replayed.same(ports) else FAIL
     console = Output()
+    for note in record.notes:
+        console.say(note)
     law = f" ({spec.law.label} {spec.law.arithmetic})" if namespace.node == "controller" else f" (seed {spec.seed})"
     console.say(
         f"{namespace.node}{law} driven by {record.log}: {replayed.frames} frames, {replayed.sim_time_s:.2f} s in "

@@ -11,9 +11,10 @@ from railhil.common.extras import missing
 from railhil.common.light_start import undocumented_matplotlib
 from railhil.common.output import Output
 from railhil.scenarios.stored import any_judged_sha256
-from railhil.supervisor.documents import read_comparison
+from railhil.supervisor.documents import COMPARISON, read_comparison
 from railhil.supervisor.errors import not_written
-from railhil.supervisor.record import checked_record
+from railhil.supervisor.hash_list import check_hash_list
+from railhil.supervisor.record import Record, checked_record
 from railhil.supervisor.report.recorded import REPORT, RecordedRun, recorded_run
 
 #: The file by which the folder of a campaign is known.
@@ -45,9 +46,13 @@ def work(namespace: argparse.Namespace) -> int:
     notes: list[str] = []
     for path in given:
         compared = read_comparison(path) if path.is_dir() else None
+        if compared is not None:
+            check_hash_list(path, COMPARISON, compared)
         folders += [path] if compared is None else [path / row["folder"] for row in compared["runs"]]
         notes += [] if compared is None else compared.get("notes", [])
-    runs = [_run(folder, namespace.scenario) for folder in folders]
+    records = [checked_record(str(folder), namespace.scenario) for folder in folders]
+    notes += [note for record in records for note in record.notes]
+    runs = [_run(record) for record in records]
     first = runs[0].scenario
     for folder, run in zip(folders, runs, strict=True):
         if any_judged_sha256(run.scenario) != any_judged_sha256(first):
@@ -84,8 +89,7 @@ def _campaign(given: Sequence[Path], namespace: argparse.Namespace) -> int:
     return 0
 
 
-def _run(folder: Path, scenario: str | None) -> RecordedRun:
-    record = checked_record(str(folder), scenario)
+def _run(record: Record) -> RecordedRun:
     found = record.score
     invalid = record.invalid or ("; ".join(found.failures) if found.verdict == "INVALID" else "")
     folder = record.log.parent

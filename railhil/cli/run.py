@@ -42,6 +42,7 @@ from railhil.scenarios.system import system_named
 from railhil.supervisor.fault_report import transports_of
 from railhil.supervisor.memory import memory_lines
 from railhil.supervisor.run_folder import run_folder
+from railhil.supervisor.signature import add_sign_argument, check_key, sign_list
 from railhil.supervisor.start_up import StartUp
 
 if TYPE_CHECKING:
@@ -84,6 +85,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser.add_argument("--no-controller", action="store_true", help="the controller is a board or another program")
     parser.add_argument("--dbc", metavar="FILE", help="refuse to run unless this DBC describes the telegrams")
     add_panel_arguments(parser)
+    add_sign_argument(parser)
     add_json_argument(parser)
     for action in parser._actions:
         # Only options given here override environment and file.
@@ -170,6 +172,7 @@ def made_again(path: Path, spec: RunSpec, result: RunResult) -> str:
 def work(namespace: argparse.Namespace) -> int:
     """Run, write the run folder, print; the exit code is the verdict."""
     spec, how = _asked(namespace)
+    check_key(namespace.sign)
     check_panel(namespace, spec)
     spec = with_catalogue(namespace, with_emergency(namespace, spec))
     scenario = spec.load()
@@ -204,6 +207,7 @@ def work(namespace: argparse.Namespace) -> int:
 
     found = as_recorded(folder, run, result)
     report = "" if namespace.no_report else report_line([found], folder)
+    sign_list(folder, namespace.sign)
     again = "" if namespace.spec is None else made_again(namespace.spec, spec, result)
     # What was prepared for a hand that never came is not worth a line each.
     notes = [one.line for one in result.faults if one.begun_s is not None or not namespace.catalogue]

@@ -170,7 +170,8 @@ def _names(records: Sequence[Record]) -> list[str]:
 def _verdict(name: str, record: Record) -> str:
     verdict = "INVALID" if record.invalid else record.score.verdict
     missed = record.trace.missed_polls
-    return f"{name}: {verdict}, {missed} of {record.trace.polls} polls missed ({Path(record.log).parent.name})"
+    said = f"{name}: {verdict}, {missed} of {record.trace.polls} polls missed ({Path(record.log).parent.name})"
+    return "; ".join((said, *record.notes))
 
 
 def _event(event: RecordedEvent, run: str) -> dict[str, Any]:

@@ -10,7 +10,6 @@ from typing import Any
 import pyarrow as pa
 
 from railhil.campaign.results_table import row as row_of
-from railhil.common.whole_file import whole_file
 from railhil.controller_node.laws import find
 from railhil.controller_node.laws.memory import memory_key
 from railhil.scenarios.memory import SLOT_A, SLOT_B, Memory, Record, Stored, no_memory
@@ -20,6 +19,7 @@ from railhil.sequences.pictures import pictures
 from railhil.sequences.plan import Plan
 from railhil.sequences.show import converged
 from railhil.sequences.table import memories
+from railhil.supervisor.hash_list import listed_file
 from railhil.supervisor.report.assets import styles_text
 from railhil.supervisor.report.figures import Picture
 from railhil.supervisor.report.recorded import REPORT, RecordedRun
@@ -91,7 +91,7 @@ def report_line(plan: Plan, summary: Mapping[str, Any], table: pa.Table, folder:
     path = folder / REPORT
     try:
         text = page(plan, summary, table)
-        with whole_file(path) as draft:
+        with listed_file(path) as draft:
             draft.write_text(text, encoding="utf-8")
     except OSError as error:
         return f"no report: {path} cannot be written ({(error.strerror or str(error)).lower()})"

@@ -13,9 +13,11 @@ from railhil.scenarios.plant_fmu import PlantFmu
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.stored import SCENARIO, read_scenario
 from railhil.scenarios.system import DEFAULT, system_named
+from railhil.supervisor.cross_check import check_folder
 from railhil.supervisor.documents import CERTIFICATE, read_certificate
 from railhil.supervisor.folder import code_sha256
 from railhil.supervisor.framelog import BLF_SUFFIX, log_sha256
+from railhil.supervisor.hash_list import HASH_LIST
 
 _CERTIFICATE = "a run folder with its certificate, or certificate.json"
 
@@ -54,6 +56,9 @@ def recorded(text: str, fmu: PlantFmu | None = None) -> Recorded:
     if not wanted:
         raise InputError(path, "frames_sha256", Words("no such key"), _CERTIFICATE)
     log = next((log for log in _logs(path.parent) if log.is_file()), None)
+    if log is not None or (path.parent / HASH_LIST).is_file():
+        # A certificate can be kept or sent alone.
+        check_folder(path.parent, document)
     if log is not None and (found := log_sha256(log)) != wanted:
         raise InputError(log, "sha256", found, f"{wanted} ({path.name} beside it): a log that nobody changed")
     return Recorded(path, document, RunSpec.from_json(document, path, fmu), log)

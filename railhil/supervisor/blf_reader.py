@@ -27,10 +27,15 @@ def read_blf(path: Path) -> Iterator[tuple[int, Frame]]:
     """
     allowed = "a BLF file with at least one frame"
     count = 0
+    first: object = None
     try:
         with BLFReader(path) as reader:
             for message in reader:
                 count += 1
+                first = message.channel if first is None else first
+                if message.channel != first:
+                    one = f"{first}, as in the first frame: the log of one bus"
+                    raise InputError(path, f"frame {count}: channel", message.channel, one)
                 yield round(message.timestamp * 1e6) * _NS_PER_US, from_message(message)
             announced = reader.object_count
     except OSError as error:

@@ -12,7 +12,8 @@ from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 from railhil.supervisor.documents import COMPARISON
 from railhil.supervisor.errors import RecordFailed
-from railhil.supervisor.json_file import write_json
+from railhil.supervisor.hash_list import HASH_LIST, HASH_LIST_KEY, write_hash_list
+from railhil.supervisor.json_file import json_text
 from railhil.supervisor.judging import judging_of
 from railhil.supervisor.report.recorded import RecordedRun
 
@@ -80,9 +81,12 @@ def write_comparison(
             table = csv.DictWriter(stream, list(_flat(rows[0])), lineterminator="\n")
             table.writeheader()
             table.writerows(_flat(row) for row in rows)
-        write_json(folder / COMPARISON, document)
+        with whole_file(folder / COMPARISON) as draft:
+            draft.write_text(json_text(document | {HASH_LIST_KEY: HASH_LIST}), encoding="utf-8")
+            write_hash_list(folder, {COMPARISON: draft})
     except OSError as error:
-        (folder / _TABLE).unlink(missing_ok=True)
+        for name in (_TABLE, HASH_LIST):
+            (folder / name).unlink(missing_ok=True)
         reason = (error.strerror or str(error)).lower()
         raise RecordFailed(f"comparison {folder} cannot be written: {reason}; the runs in it are kept") from error
     return document

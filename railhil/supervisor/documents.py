@@ -148,6 +148,7 @@ class _Certificate(_Part):
     dbc_sha256: str | None = None
     code_sha256: str | None = None
     railhil: str | None = None
+    hash_list: str | None = None
 
 
 class _Headroom(_Part):
@@ -257,6 +258,7 @@ class _ComparedRun(_Part):
 class _Comparison(_Part):
     runs: list[_ComparedRun] = Field(min_length=1)
     notes: list[str] = Field(default_factory=list)
+    hash_list: str | None = None
 
 
 def _read(path: Path, model: type[_Part], allowed: str) -> dict[str, Any] | None:

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from railhil.bus.can_settings import HUB_INTERFACE
 from railhil.bus.select import LOCAL, BusChoice
+from railhil.common.errors import InputError, Words
 from railhil.common.whole_file import whole_file
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.system import system_named
@@ -88,13 +89,12 @@ def fault_outcomes(folder: Path, scenario: AnyScenario, seed: int) -> list[Fault
         return []
     from railhil.bus.injector.log import FILE_NAME
     from railhil.bus.injector.node_faults import nodes_of
-    from railhil.scenarios.fault_list import drawn_faults, injection_of
+    from railhil.scenarios.fault_list import injection_of
 
-    rows = sorted((row for path in sorted(folder.glob(LOGS)) for row in _rows(path)), key=lambda row: row[1])
+    rows = _logged(folder)
     with whole_file(folder / FAULTS) as draft:
         draft.write_text(_text(rows), encoding="utf-8")
-    faults = drawn_faults(scenario.faults, seed)
-    found = [_outcome(number, fault, rows) for number, fault in enumerate(faults, start=1)]
+    found, faults = _outcomes(scenario, seed, rows)
     injection = injection_of(scenario, seed)
     assert injection is not None
     contract = system_named(scenario.system).contract
@@ -105,6 +105,33 @@ def fault_outcomes(folder: Path, scenario: AnyScenario, seed: int) -> list[Fault
         ]
         found[index] = replace(found[index], unlogged=tuple(silent))
     return found
+
+
+def logged_outcomes(folder: Path, scenario: AnyScenario, seed: int) -> list[FaultOutcome]:
+    """What the logs in a run folder say of each fault, by number; nothing without logs.
+
+    :raises InputError: one cannot be read.
+    """
+    try:
+        rows = _logged(folder)
+    except (OSError, ValueError) as error:
+        raise InputError(folder / LOGS, "file", Words(str(error)), "what the nodes have written") from None
+    return _outcomes(scenario, seed, rows)[0] if rows else []
+
+
+def _logged(folder: Path) -> list[_Row]:
+    """The lines of all logs, by time."""
+    return sorted((row for path in sorted(folder.glob(LOGS)) for row in _rows(path)), key=lambda row: row[1])
+
+
+def _outcomes(
+    scenario: AnyScenario, seed: int, rows: Sequence[_Row]
+) -> tuple[list[FaultOutcome], tuple[Fault, ...] | list[Fault]]:
+    """What became of each fault, and the faults with what they have drawn."""
+    from railhil.scenarios.fault_list import drawn_faults
+
+    faults = drawn_faults(scenario.faults, seed)
+    return [_outcome(number, fault, rows) for number, fault in enumerate(faults, start=1)], faults
 
 
 def missing_logs(folder: Path, scenario: AnyScenario) -> list[str]:

@@ -29,7 +29,8 @@ from railhil.supervisor.documents import CERTIFICATE, SCORE
 from railhil.supervisor.errors import RecordFailed
 from railhil.supervisor.events.event import EVENTS, FAULT, LOST, MISSED_POLL, REFUSED, write_events
 from railhil.supervisor.events.summary import counts_said, explained, reactions, summary, why
-from railhil.supervisor.json_file import write_json
+from railhil.supervisor.hash_list import HASH_LIST, HASH_LIST_KEY, write_hash_list
+from railhil.supervisor.json_file import json_text, write_json
 from railhil.supervisor.judging import judging_of
 from railhil.supervisor.learned import NOTHING_LEARNED
 from railhil.supervisor.result import RunResult
@@ -44,7 +45,7 @@ _CODE = (
 )  # fmt: skip
 
 #: Files computed from ``frames.log`` after the run; removed again unless all of them could be written.
-_DERIVED = ("signals.csv", EVENTS, "frames.blf", SCORE, "junit.xml", MEMORY_AFTER, CERTIFICATE)
+_DERIVED = ("signals.csv", EVENTS, "frames.blf", SCORE, "junit.xml", MEMORY_AFTER, HASH_LIST, CERTIFICATE)
 
 
 def code_files() -> Iterator[tuple[str, Path]]:
@@ -254,8 +255,10 @@ def write_folder(
         if result.memory is not None and result.memory.record is not None:
             write_synced(folder / MEMORY_AFTER, result.memory.record.content)
         document = certificate(scenario, spec, start_up, result, bus_arguments, code)
-        told = {"received": None if trace.told is None else trace.told.as_json()}
-        write_json(folder / CERTIFICATE, document | told)
+        document["received"] = None if trace.told is None else trace.told.as_json()
+        with whole_file(folder / CERTIFICATE) as draft:
+            draft.write_text(json_text(document | {HASH_LIST_KEY: HASH_LIST}), encoding="utf-8")
+            write_hash_list(folder, {CERTIFICATE: draft})
     except BaseException as error:
         # On Ctrl-C, too, nothing may remain that looks like a result.
         if isinstance(error, OSError):

@@ -241,10 +241,15 @@ def log_parts(path: Path) -> Iterator[ClassicColumns | Iterator[tuple[int, Frame
         raise InputError(path, "file", error.strerror or str(error), "a readable candump log") from error
     with stream:
         number = 0
+        channels = _Channels(path)
         while part := stream.read(_PART_BYTES):
             part += stream.readline()
             columns = classic_columns(part, CHANNEL)
-            yield _one_by_one(path, part, number) if columns is None else columns
+            if columns is None:
+                yield _one_by_one(path, part, number, channels)
+            else:
+                channels.take(CHANNEL, number + 1)
+                yield columns
             number += part.count(b"\n")
         if number == 0:
             raise InputError(path, "file", "", "a candump log with at least one frame")
@@ -278,7 +283,25 @@ def frames_of(text: bytes) -> list[Frame]:
     return [parsed_line(line)[1] for line in text.decode("ascii").splitlines(keepends=True)]
 
 
-def _one_by_one(path: Path, part: bytes, before: int) -> Iterator[tuple[int, Frame]]:
+class _Channels:
+    """A log is of one bus: the first line names it."""
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._first = ""
+
+    def take(self, channel: str, number: int) -> None:
+        """The channel of a line.
+
+        :raises InputError: it is another one.
+        """
+        self._first = self._first or channel
+        if channel != self._first:
+            allowed = f"{self._first}, as in the first line: the log of one bus"
+            raise InputError(self._path, f"line {number}: channel", channel, allowed)
+
+
+def _one_by_one(path: Path, part: bytes, before: int, channels: _Channels) -> Iterator[tuple[int, Frame]]:
     """Frames of lines of a log, after ``before`` others."""
     for number, content in enumerate(BytesIO(part), before + 1):
         try:
@@ -288,10 +311,12 @@ def _one_by_one(path: Path, part: bytes, before: int) -> Iterator[tuple[int, Fra
         if not line.endswith("\n"):
             raise InputError(path, f"line {number}", line, "whole lines (the file is cut off)")
         try:
-            yield parsed_line(line)
+            found = parsed_line(line)
         except (ValueError, IndexError):
             allowed = "candump lines, (seconds.micros) channel id#data"
             raise InputError(path, f"line {number}", line.rstrip("\n"), allowed) from None
+        channels.take(line.split(maxsplit=2)[1], number)
+        yield found
 
 
 @lru_cache(maxsize=4)

@@ -2,27 +2,31 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from railhil.bus.ident import PltIdent
 from railhil.common.errors import InputError, Words
-from railhil.dbc import Contract, recorded_contract
+from railhil.dbc import ContractError, recorded_contract
 from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.stored import SCENARIO, any_judged_sha256, earlier_scenario, read_scenario
 from railhil.scenarios.system import system_named
+from railhil.supervisor.cross_check import check_folder, check_record
 from railhil.supervisor.documents import CERTIFICATE, read_certificate
 from railhil.supervisor.events.derive import events_of
 from railhil.supervisor.events.event import RecordedEvent
 from railhil.supervisor.events.injected import fault_events
-from railhil.supervisor.framelog import log_sha256
+from railhil.supervisor.framelog import log_sha256, read_log
+from railhil.supervisor.hash_list import HASH_LIST
 from railhil.supervisor.judging import judging_of
 from railhil.supervisor.log_trace import trace_of_log
+from railhil.supervisor.own_time import Timed, own_time
 from railhil.supervisor.reactions.expected import with_expectations
 from railhil.supervisor.score import Score
-from railhil.supervisor.trace import Told, Trace
+from railhil.supervisor.trace import Told, Trace, trace_of
 
 _BESIDE = "a certificate beside the log, or --scenario"
 
@@ -32,7 +36,7 @@ class Record:
     """A record whose parts belong together.
 
     ``invalid``: why the run was not trustworthy, or that the log is not the certified one; ``certificate``: empty if
-    there is none for this log.
+    there is none for this log; ``notes``: what of the log was not used, a sentence each.
     """
 
     log: Path
@@ -41,6 +45,13 @@ class Record:
     trace: Trace
     invalid: str = ""
     certificate: dict[str, Any] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+    #: The frames in the record's own time; None: the log has it.
+    timed: Sequence[Timed] | None = field(default=None, repr=False)
+
+    def frames(self) -> Iterator[Timed]:
+        """The frames of the run ``(time_ns, frame)`` in bus order, as every reader gets them."""
+        return read_log(self.log) if self.timed is None else iter(self.timed)
 
     @property
     def events(self) -> tuple[RecordedEvent, ...]:
@@ -97,37 +108,64 @@ def checked_record(text: str, name: str | None) -> Record:
     """Log, scenario and telegrams of a record, checked against each other.
 
     The SHA-256 in the certificate is compared last: the message that a log belongs to another scenario is more helpful
-    than that it is not the certified one.
+    than that it is not the certified one. A log that is not the certified one byte for byte is taken in its own time
+    (:mod:`railhil.supervisor.own_time`): that of another program may hold the same run.
 
     :param text: log or run folder.
-    :param name: scenario, if the user names one. A damaged certificate is then ignored; a log that does not match its
-        certificate is accepted as an INVALID record.
+    :param name: scenario, if the user names one. A damaged certificate is then ignored; a folder of which a file was
+        changed, or a log that does not match its certificate, is accepted as an INVALID record.
     :raises InputError: one line for the first inconsistency.
     """
     log = log_path(text)
     scenario = _recorded_scenario(log, name)
-    try:
-        document = read_certificate(log.parent, _BESIDE) or {}
-    except InputError:
-        if name is None:
-            raise
-        document = {}
+    document, changed = _certificate(log, name)
     _check_judged(log, scenario, document, name)
-    contract = system_named(scenario.system).contract
-    trace = _trace(log, scenario, recorded_contract(log.parent, document.get("dbc_sha256"), contract))
-    told = document.get("received")
-    trace.told = None if told is None else Told(told["exact"], told["nodes"])
+    contract = recorded_contract(log.parent, document.get("dbc_sha256"), system_named(scenario.system).contract)
     wanted, found = document.get("frames_sha256"), log_sha256(log)
-    if wanted != found:
+    trace = trace_of_log(log, contract)
+    _check_handshake(log, scenario, trace)
+    own = None if wanted == found else own_time(log, scenario, contract)
+    notes: tuple[str, ...] = ()
+    timed: Sequence[Timed] | None = None
+    if own is not None:
+        trace, notes, timed = trace_of(own.frames, contract), own.notes, own.frames
+    if own is not None and wanted != own.sha256:
         if name is None:
             raise InputError(log, "sha256", found, f"{wanted} ({CERTIFICATE} beside it): a log that nobody changed")
+        other = ""
         if wanted is not None:
             other = f"{log.name} (sha256 {found}) is not the log that {CERTIFICATE} beside it is of (sha256 {wanted})"
-            trace.told = None
-            return Record(log, scenario, trace, other)
-        document, trace.told = {}, None
+        return Record(log, scenario, trace, "; ".join(filter(None, (changed, other))), {}, notes, timed)
+    try:
+        check_record(log.parent, document, scenario, trace)
+    except InputError as error:
+        if name is None:
+            raise
+        changed = changed or str(error)
+    told = document.get("received")
+    trace.told = None if told is None else Told(told["exact"], told["nodes"])
     invalid = str(document.get("line") or "no reason given") if document.get("verdict") == "INVALID" else ""
-    return Record(log, scenario, trace, invalid, document)
+    return Record(log, scenario, trace, "; ".join(filter(None, (changed, invalid))), document, notes, timed)
+
+
+def _certificate(log: Path, name: str | None) -> tuple[dict[str, Any], str]:
+    """The certificate beside a log, empty if there is none, and why its folder cannot be trusted (empty: it can).
+
+    :param name: of the scenario, if the user names one; otherwise such a folder is refused.
+    """
+    document: dict[str, Any] | None = None
+    try:
+        try:
+            document = read_certificate(log.parent, _BESIDE)
+        finally:
+            # A certificate that cannot be read is first of all one that was changed.
+            check_folder(log.parent, document)
+    except (InputError, ContractError) as error:
+        if name is None:
+            raise
+        damaged = document is None and not (log.parent / HASH_LIST).is_file()
+        return document or {}, "" if damaged else str(error)
+    return document or {}, ""
 
 
 def _check_judged(log: Path, scenario: AnyScenario, document: dict[str, Any], name: str | None) -> None:
@@ -138,17 +176,15 @@ def _check_judged(log: Path, scenario: AnyScenario, document: dict[str, Any], na
         raise InputError(log.parent / SCENARIO, "judged_sha256", found, allowed)
 
 
-def _trace(log: Path, scenario: AnyScenario, contract: Contract) -> Trace:
-    """Telegrams of a log, after checking its handshake against scenario and DBC."""
-    trace = trace_of_log(log, contract)
+def _check_handshake(log: Path, scenario: AnyScenario, trace: Trace) -> None:
+    """Check the handshake of a log against scenario and DBC."""
     ident = trace.ident(PltIdent)
     if ident is None:
         raise InputError(log, "PLT_IDENT", Words("no such telegram"), "a log that railhil recorded from its start")
-    wanted_wire = int(contract.sha256[:8], 16)
+    wanted_wire = int(trace.contract.sha256[:8], 16)
     if ident.wire_hash != wanted_wire:
         allowed = f"{wanted_wire:08x} (the DBC that the record says it was made with)"
         raise InputError(log, "DBC hash", f"{ident.wire_hash:08x}", allowed)
     wanted = int(scenario.sha256[:8], 16)
     if ident.scenario_hash != wanted:
         raise InputError(log, "scenario hash", f"{ident.scenario_hash:08x}", f"{wanted:08x} ({scenario.name})")
-    return trace

@@ -24,6 +24,7 @@ from railhil.bus.responder import Reading, Responder
 from railhil.bus.schedule import Schedule
 from railhil.bus.telegrams import RunEvent, SupCmd, TimeSync
 from railhil.common.mypyc import mypyc_attr
+from railhil.dbc import Contract
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import system_named
@@ -44,6 +45,7 @@ class Session:
     :param on_progress: called at each SUP_CMD poll with the simulation time in s, of packets as far as it is known.
     :param desk: gives the orders of an operator; None: those of the run, if it has some.
     :param late: formats lines later, many of them at once; ``write`` is its own. None: each at once.
+    :param contract: that of the record, where an earlier one is recorded again; None: that of the scenario's system.
     """
 
     def __init__(
@@ -56,9 +58,10 @@ class Session:
         on_progress: Callable[[float], None] | None = None,
         desk: Desk | None = None,
         late: LateLines | None = None,
+        contract: Contract | None = None,
     ) -> None:
         system = system_named(scenario.system)
-        contract = system.contract
+        contract = contract or system.contract
         self.ended: Event | None = None
         #: Disagreements between the nodes, one sentence each; the run is then not started.
         self.disagreements: list[str] = []
@@ -150,7 +153,12 @@ class Session:
     @property
     def sim_time_s(self) -> float:
         """Simulation time of the current tick."""
-        return self._time.now_ns / 1e9
+        return self.time_ns / 1e9
+
+    @property
+    def time_ns(self) -> int:
+        """Simulation time of the current tick in ns."""
+        return self._time.now_ns
 
     @property
     def heard_ns(self) -> int:

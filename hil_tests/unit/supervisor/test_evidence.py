@@ -22,6 +22,7 @@ from railhil.scenarios.layers import DATA
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.stored import document, earlier_scenario, read_scenario, scenario_of, sha256_0_1_0
+from railhil.supervisor.hash_list import write_hash_list
 from railhil.supervisor.inputs import write_inputs
 from railhil.supervisor.record import checked_record
 from railhil.supervisor.score import score
@@ -112,6 +113,7 @@ def test_limits_changed_in_the_folder_are_noticed(mine: Path) -> None:
     fields = json.loads((mine / "scenario.json").read_text())
     fields["plan"]["stop_error_max_m"] = 100.0
     (mine / "scenario.json").write_text(json.dumps(fields))
+    write_hash_list(mine)
     with pytest.raises(
         InputError, match=r"scenario.json: judged_sha256: found '[0-9a-f]+', allowed [0-9a-f]+ .*nobody changed"
     ):
@@ -122,6 +124,7 @@ def test_a_run_changed_in_the_folder_is_noticed(mine: Path) -> None:
     fields = json.loads((mine / "scenario.json").read_text())
     fields["train"]["mass_kg"] *= 1.001
     (mine / "scenario.json").write_text(json.dumps(fields))
+    write_hash_list(mine)
     with pytest.raises(InputError, match=r"scenario.json: sha256: "):
         checked_record(str(mine), None)
 
@@ -137,6 +140,7 @@ def test_a_run_changed_in_the_folder_is_noticed(mine: Path) -> None:
 )
 def test_a_damaged_scenario_gives_one_line(mine: Path, text: str, words: str) -> None:
     (mine / "scenario.json").write_text(text)
+    write_hash_list(mine)
     with pytest.raises(InputError, match=words):
         checked_record(str(mine), None)
 
@@ -150,6 +154,7 @@ def test_an_unknown_key_is_refused(lvshun: Scenario, tmp_path: Path) -> None:
 
 def test_another_dbc_in_the_folder_is_noticed(mine: Path) -> None:
     (mine / "railhil.dbc").write_text((mine / "railhil.dbc").read_text() + "\n")
+    write_hash_list(mine)
     with pytest.raises(ContractError, match=r"railhil.dbc: sha256: found \w+, allowed \w+, as in the certificate"):
         checked_record(str(mine), None)
 
@@ -159,6 +164,7 @@ def test_a_contract_that_no_version_had_gives_one_line(mine: Path) -> None:
     certificate["dbc_sha256"] = "0" * 64
     (mine / "certificate.json").write_text(json.dumps(certificate))
     (mine / "ports.toml").unlink()
+    write_hash_list(mine)
     with pytest.raises(ContractError, match=r"DBC: found sha256 0+, allowed one of a version of railhil"):
         checked_record(str(mine), None)
 

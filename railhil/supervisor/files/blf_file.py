@@ -8,7 +8,6 @@ from can.io.blf import BLFWriter
 
 from railhil.bus.frame import to_message
 from railhil.supervisor.files.content import Content
-from railhil.supervisor.framelog import read_log
 
 
 def write_blf_file(content: Content, path: Path) -> None:
@@ -18,5 +17,5 @@ def write_blf_file(content: Content, path: Path) -> None:
     """
     start_s = content.start_ns / 1e9
     with BLFWriter(path) as writer:
-        for time_ns, frame in read_log(content.record.log):
+        for time_ns, frame in content.record.frames():
             writer.on_message_received(to_message(frame, start_s + time_ns / 1e9))

@@ -16,7 +16,7 @@ from railhil.bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame
 from railhil.dbc import DBC
 from railhil.dbc import Signal as Entry
 from railhil.supervisor.files.content import NO_START, Content
-from railhil.supervisor.framelog import CHANNEL, read_log
+from railhil.supervisor.framelog import CHANNEL
 
 #: Name of the group with the columns of ``signals.csv``.
 SIGNALS = "signals"
@@ -51,7 +51,7 @@ def write_mf4(content: Content, path: Path) -> None:
 
 def _append_frames(file: MDF, content: Content) -> None:
     frames: dict[str, list[tuple[int, Frame]]] = {kind: [] for kind in _KINDS}
-    for time_ns, frame in read_log(content.record.log):
+    for time_ns, frame in content.record.frames():
         frames[_KINDS[2 if frame.flags & ERROR else 1 if frame.flags & REMOTE else 0]].append((time_ns, frame))
     source = Source(source_type=v4.SOURCE_BUS, bus_type=v4.BUS_TYPE_CAN, name=CHANNEL, path=CHANNEL, comment="")
     dbc = content.dbc

@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Final
 from urllib.parse import quote
 
-from railhil.common.whole_file import whole_file
 from railhil.scenarios.model import watch_sentence
 from railhil.scenarios.system import system_named
+from railhil.supervisor.hash_list import listed_file
 from railhil.supervisor.judging import judging_of
 from railhil.supervisor.report import jitter_panel as timing
 from railhil.supervisor.report.assets import as_json, scripts, styles_text
@@ -91,10 +91,11 @@ def write_report(
     """Write the report completely or not at all.
 
     :param folders: of the runs, to link the worst ones of many.
+    :raises InputError: it is a file of a signed folder.
     :raises OSError: it cannot be written.
     """
     text = page(runs, notes, links=[_link(folder, out) for folder in folders])
-    with whole_file(out) as draft:
+    with listed_file(out) as draft:
         draft.write_text(text, encoding="utf-8")
 
 

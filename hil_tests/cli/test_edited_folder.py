@@ -1,0 +1,171 @@
+"""One edited byte of a run folder never turns a verdict without a word, whoever reads the folder."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from hil_tests.cli.conftest import Railhil
+from hil_tests.support.short_runs import RUN_2M_TOML
+from railhil import library
+from railhil.cli.bus_run import report_line
+from railhil.common.errors import InputError
+from railhil.dbc import ContractError
+from railhil.panel.recorded import RecordedRuns
+from railhil.supervisor import again
+from railhil.supervisor.hash_list import HASH_LIST, SIGNATURE, listed_files, write_hash_list
+from railhil.supervisor.record import checked_record
+from railhil.supervisor.report.recorded import recorded_run
+
+_READERS: dict[str, Callable[[Path], object]] = {
+    "score, report, replay, plot, export": lambda folder: checked_record(str(folder), None),
+    "open_run": library.open_run,
+    "panel": lambda folder: RecordedRuns([str(folder)]),
+    "rerun": lambda folder: again.recorded(str(folder)),
+}
+_FILES = (
+    "SHA256SUMS", "certificate.json", "events.csv", "faults-plant.csv", "faults.csv", "frames.blf", "frames.log",
+    "junit.xml", "ports.toml", "railhil.dbc", "report.html", "scenario.json", "score.json", "signals.csv",
+    "telemetry.json",
+)  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The run folder of 2 m with a fault, and its report."""
+    place = tmp_path_factory.mktemp("made")
+    (place / "short.toml").write_text(RUN_2M_TOML)
+    run = library.run(place / "short.toml", faults=["TRN_SPEED loss 30% @0s"], out=place / "run")
+    row = recorded_run(
+        run.folder, dict(run.certificate), run.scenario, run.trace, checked_record(str(run.folder), None).score
+    )
+    assert report_line([row], run.folder).startswith("report ")
+    return run.folder
+
+
+@pytest.fixture
+def copy(made: Path, tmp_path: Path) -> Path:
+    """A copy of that folder that a test may change."""
+    return Path(shutil.copytree(made, tmp_path / "copy"))
+
+
+@pytest.fixture
+def earlier(copy: Path) -> Path:
+    """The same as it was written before there were lists of hashes."""
+    (copy / HASH_LIST).unlink()
+    _edit(copy / "certificate.json", lambda document: document.pop("hash_list"))
+    return copy
+
+
+def _edit(path: Path, change: Callable[[dict[str, object]], object]) -> None:
+    document = json.loads(path.read_text())
+    change(document)
+    path.write_text(json.dumps(document))
+
+
+def test_every_file_of_a_folder_is_listed(made: Path) -> None:
+    assert {*listed_files(made), HASH_LIST} == {path.name for path in made.iterdir()} == set(_FILES)
+
+
+@pytest.mark.parametrize("place", [0.0, 0.5, 1.0])
+@pytest.mark.parametrize("name", _FILES)
+def test_an_edited_byte_is_noticed_by_every_reader(copy: Path, name: str, place: float) -> None:
+    content = bytearray((copy / name).read_bytes())
+    content[round((len(content) - 1) * place)] ^= 1
+    (copy / name).write_bytes(content)
+    for read in _READERS.values():
+        with pytest.raises(InputError) as refused:
+            read(copy)
+        assert "\n" not in str(refused.value)
+        assert name in str(refused.value) or HASH_LIST in str(refused.value)
+
+
+@pytest.mark.parametrize("name", [HASH_LIST, "certificate.json"])
+def test_a_list_or_certificate_that_is_gone_is_missed(copy: Path, name: str) -> None:
+    (copy / name).unlink()
+    for read in _READERS.values():
+        with pytest.raises(InputError, match=name):
+            read(copy)
+
+
+def test_what_was_made_from_the_record_may_be_left_away(copy: Path) -> None:
+    wanted = checked_record(str(copy), None).score
+    for name in ("frames.blf", "signals.csv", "events.csv", "report.html", "telemetry.json"):
+        (copy / name).unlink()
+    assert checked_record(str(copy), None).score == wanted
+
+
+def test_a_named_scenario_does_not_hide_an_edited_file(made: Path, tmp_path: Path) -> None:
+    scenario = made.parent / "short.toml"
+    folder = library.run(scenario, out=tmp_path / "run").folder
+    (folder / "junit.xml").write_text("<testsuites/>")
+    record = checked_record(str(folder), str(scenario))
+    assert "junit.xml: sha256: found" in record.invalid
+
+
+@pytest.mark.parametrize(
+    ("keys", "beside"),
+    [
+        ({"verdict": "INVALID"}, "score.json"),
+        ({"line": "all is well"}, "score.json"),
+        ({"seed": 1}, "score.json"),
+        ({"controller": "tdmc"}, "score.json"),
+        ({"arithmetic": "float64"}, "score.json"),
+        ({"injected": []}, "score.json"),
+    ],
+)
+def test_a_certificate_is_compared_with_what_lies_beside_it(
+    earlier: Path, keys: dict[str, object], beside: str
+) -> None:
+    """A folder without a list: step by step, an attacker has to change every document, and then the record."""
+    _edit(earlier / "certificate.json", lambda document: document.update(keys))
+    for read in _READERS.values():
+        with pytest.raises(InputError, match=rf"certificate.json: {next(iter(keys))}: .*as in {beside} beside it"):
+            read(earlier)
+    (earlier / beside).unlink()
+    if "line" in keys:
+        return
+    where = "as in the logs of the faults" if "injected" in keys else "as in junit.xml"
+    with pytest.raises(InputError, match=where):
+        checked_record(str(earlier), None)
+    (earlier / "junit.xml").unlink()
+    if keys.keys() & {"seed", "controller", "arithmetic"}:
+        with pytest.raises(
+            InputError, match=r"certificate.json: handshake: found .*PLT_IDENT, CTL_IDENT and SUP_IDENT"
+        ):
+            checked_record(str(earlier), None)
+
+
+def test_a_scaled_port_table_is_noticed_without_a_list(earlier: Path) -> None:
+    """Decoded is with the table; its DBC is derived again."""
+    path = earlier / "ports.toml"
+    scaled = path.read_text().replace("scale = 0.0001,", "scale = 0.00010004,")
+    assert scaled != path.read_text()
+    path.write_text(scaled)
+    for read in _READERS.values():
+        with pytest.raises(ContractError, match=r"ports.toml: sha256 of its DBC: found \w+, allowed \w+"):
+            read(earlier)
+
+
+def test_a_list_of_more_than_its_folder_is_refused(copy: Path) -> None:
+    path = copy / HASH_LIST
+    for line in (f"{'0' * 64}  ../other\n", f"{'0' * 64}  /etc/passwd\n", "no hash\n", ""):
+        path.write_text(path.read_text() + line if line else "")
+        with pytest.raises(InputError, match=HASH_LIST):
+            checked_record(str(copy), None)
+        write_hash_list(copy)
+
+
+def test_a_new_report_is_listed_and_a_signed_one_kept(here: Railhil, copy: Path) -> None:
+    (copy / "report.html").unlink()
+    assert here("report", copy).exit_code == 0
+    assert checked_record(str(copy), None).certificate
+    (copy / SIGNATURE).write_text("a signature")
+    done = here("report", copy)
+    assert done.exit_code == 2
+    assert "report.html: file: found a file of a signed folder" in done.err
+    assert here("report", copy, "--out", copy.parent / "elsewhere.html").exit_code == 0

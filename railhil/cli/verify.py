@@ -1,0 +1,128 @@
+"""``railhil verify``: a folder of evidence against its list of hashes, and that list against its signature."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from railhil.common.errors import InputError, Words
+from railhil.common.exit_codes import FAIL, PASS
+from railhil.common.output import Output
+from railhil.common.streams import add_json_argument, print_json
+from railhil.dbc import ContractError
+from railhil.supervisor.documents import CERTIFICATE
+from railhil.supervisor.hash_list import DOCUMENTS, HASH_LIST, Changed, changed_files, listed_files, read_hash_list
+from railhil.supervisor.record import checked_record
+from railhil.supervisor.signature import KEY, Signed, signed
+
+_END = f"/{HASH_LIST}"
+
+
+def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Register the subcommand."""
+    parser = commands.add_parser(
+        "verify",
+        description="Exit code 0 when every file is as it was written, and signed with --key if that is given; else 1.",
+    )
+    parser.add_argument("folder", type=Path, help="folder of a run, a comparison, a campaign, a sequence or faults")
+    parser.add_argument(
+        KEY, type=Path, metavar="FILE", help="public SSH key that must have signed, or a file of allowed signers"
+    )
+    add_json_argument(parser)
+    parser.set_defaults(work=work)
+
+
+@dataclass
+class _Found:
+    """What was looked at: files that are as listed; what is wrong, and what could not be checked, a sentence each."""
+
+    files: int = 0
+    problems: list[str] = field(default_factory=list)
+    unchecked: list[str] = field(default_factory=list)
+
+
+def work(namespace: argparse.Namespace) -> int:
+    """Check and print."""
+    folder: Path = namespace.folder
+    if not folder.is_dir() or not any((folder / name).is_file() for name in (HASH_LIST, *DOCUMENTS)):
+        found = Words("no such folder" if not folder.is_dir() else "nothing to verify")
+        raise InputError(folder, "folder", found, f"a folder with {HASH_LIST}, or with one of {', '.join(DOCUMENTS)}")
+    seen = _Found()
+    _look(folder, "", seen)
+    signature = signed(folder, namespace.key) if (folder / HASH_LIST).is_file() else None
+    said, is_good = _signature(signature, namespace.key)
+    if not is_good:
+        seen.problems.append(said)
+    if namespace.json:
+        print_json(_document(seen, said, signature))
+        return FAIL if seen.problems else PASS
+    console = Output()
+    for line in seen.unchecked:
+        console.say(line, style="bold yellow")
+    for line in seen.problems:
+        console.say(line, style="red")
+    ending = f"{len(seen.problems)} problems" if seen.problems else f"{seen.files} files as listed"
+    console.say(f"{folder}: {ending}; {said}")
+    return FAIL if seen.problems else PASS
+
+
+def _signature(found: Signed | None, key: Path | None) -> tuple[str, bool]:
+    """The sentence on the signature, and whether it is as asked for."""
+    if found is None:
+        return "unsigned", key is None
+    if not found.by or found.is_good is False:
+        return f"the signature is not good: {found.said}", False
+    return f"signed with {found.by}" + (f" ({KEY} FILE says whose it is)" if found.is_good is None else ""), True
+
+
+def _document(seen: _Found, said: str, signature: Signed | None) -> dict[str, Any]:
+    return {
+        "files": seen.files,
+        "problems": seen.problems,
+        "not_checked": seen.unchecked,
+        "signature": said,
+        "signed_by": None if signature is None or not signature.by else signature.by,
+    }
+
+
+def _look(folder: Path, place: str, seen: _Found) -> None:
+    """Look at a folder and those below it that have lists of their own.
+
+    :param place: of the folder in the one that is verified.
+    """
+    try:
+        hashes = read_hash_list(folder)
+        changed: list[Changed] = []
+        if hashes is None:
+            covered = "the record and what stands in two of its files" if _has_certificate(folder) else "nothing"
+            seen.unchecked.append(f"{place or folder}: a folder without {HASH_LIST}: only {covered} can be checked")
+        else:
+            changed = list(changed_files(folder, hashes))
+            seen.problems += [f"{place}{one.sentence}" for one in changed]
+            seen.files += len(hashes) - len(changed)
+            more = [name for name in listed_files(folder) if name not in hashes]
+            seen.unchecked += [f"{place}{name}: not in {HASH_LIST}" for name in more]
+        if _has_certificate(folder) and not changed:
+            seen.problems += _record(folder)
+    except InputError as error:
+        seen.problems.append(str(error))
+        return
+    for name in hashes or ():
+        if name.endswith(_END) and (folder / name).is_file():
+            below = name.removesuffix(HASH_LIST)
+            _look(folder / below, f"{place}{below}", seen)
+
+
+def _has_certificate(folder: Path) -> bool:
+    return (folder / CERTIFICATE).is_file()
+
+
+def _record(folder: Path) -> Iterator[str]:
+    """Why log, certificate and what lies beside them do not belong together."""
+    try:
+        checked_record(str(folder), None)
+    except (InputError, ContractError) as error:
+        yield str(error)

@@ -1,0 +1,127 @@
+"""Signatures of lists of hashes, made and checked by OpenSSH (``ssh-keygen -Y``) in the namespace ``railhil``."""
+
+from __future__ import annotations
+
+import argparse
+import re
+import subprocess
+import tempfile
+from pathlib import Path
+from typing import Final, NamedTuple
+
+from railhil.common.errors import InputError, Words
+from railhil.supervisor.hash_list import HASH_LIST, SIGNATURE
+
+NAMESPACE: Final = "railhil"
+OPTION, KEY = "--sign", "--key"
+_PROGRAM: Final = "ssh-keygen"
+_SIGNER: Final = "signer"
+_KEY = re.compile(r"with (\S+ key \S+)")
+
+
+def add_sign_argument(parser: argparse.ArgumentParser) -> None:
+    """Register ``--sign``."""
+    parser.add_argument(
+        OPTION, type=Path, metavar="KEY", help="SSH key with which the folder's list of hashes is signed"
+    )
+
+
+def check_key(key: Path | None) -> None:
+    """Make a signature of nothing, before the work whose result is to be signed.
+
+    :raises InputError: the key, or OpenSSH, cannot sign.
+    """
+    if key is not None:
+        with tempfile.TemporaryDirectory(prefix="railhil-sign-") as private:
+            trial = Path(private) / HASH_LIST
+            trial.touch()
+            sign_list(trial.parent, key)
+
+
+def sign_list(folder: Path, key: Path | None) -> None:
+    """Sign the list of a folder, which has one; None: with no key.
+
+    :param key: private key, or a public one whose private key the SSH agent has.
+    :raises InputError: it cannot sign.
+    """
+    if key is None:
+        return
+    (folder / SIGNATURE).unlink(missing_ok=True)
+    done = _ssh_keygen("sign", "-f", str(key), str(folder / HASH_LIST))
+    if done.returncode:
+        found = Words(_said(done))
+        raise InputError("command line", f"{OPTION} {key}", found, "an SSH key that can sign (ssh-keygen -t ed25519)")
+
+
+class Signed(NamedTuple):
+    """What is known of a signature.
+
+    ``by``: fingerprint of the key that has made it, empty if it is not one of this list. ``is_good``: whether it was
+    made with the key that was given; None: none was given. ``said``: what OpenSSH says of one that is not good.
+    """
+
+    by: str
+    is_good: bool | None
+    said: str = ""
+
+
+def signed(folder: Path, key: Path | None) -> Signed | None:
+    """Check the signature of a folder's list; None: there is none.
+
+    :param key: public key, or a file of allowed signers.
+    :raises InputError: the key is none, or OpenSSH is missing.
+    """
+    signature = folder / SIGNATURE
+    if not signature.is_file():
+        return None
+    content = (folder / HASH_LIST).read_bytes()
+    alone = _ssh_keygen("check-novalidate", "-s", str(signature), given=content)
+    if alone.returncode:
+        return Signed("", None if key is None else False, _said(alone))
+    match = _KEY.search(alone.stdout.decode(errors="replace"))
+    by = "an unknown key" if match is None else match[1]
+    if key is None:
+        return Signed(by, None)
+    with tempfile.TemporaryDirectory(prefix="railhil-sign-") as private:
+        allowed = Path(private) / "allowed_signers"
+        allowed.write_text(_allowed_signers(key), encoding="utf-8")
+        found = _ssh_keygen("find-principals", "-s", str(signature), "-f", str(allowed))
+        for name in found.stdout.decode(errors="replace").splitlines():
+            whose = ("-I", name, "-f", str(allowed))
+            if not _ssh_keygen("verify", *whose, "-s", str(signature), given=content).returncode:
+                return Signed(by, True)
+    return Signed(by, False, f"it is of {by}")
+
+
+def _allowed_signers(key: Path) -> str:
+    """A file of allowed signers as it is, of a public key one line.
+
+    :raises InputError: it is neither.
+    """
+    allowed = "a public key (id_ed25519.pub) or a file of allowed signers"
+    try:
+        text = key.read_text(encoding="utf-8")
+    except (OSError, ValueError) as error:
+        raise InputError("command line", f"{KEY} {key}", Words(str(error)), allowed) from None
+    if "PRIVATE KEY" in text:
+        raise InputError("command line", f"{KEY} {key}", Words("a private key"), allowed)
+    lines = [line for line in text.splitlines() if line.strip() and not line.startswith("#")]
+    if not lines:
+        raise InputError("command line", f"{KEY} {key}", Words("no key"), allowed)
+    is_key = re.match(r"(ssh-|ecdsa-|sk-)\S+ \S+", lines[0]) is not None
+    return f'{_SIGNER} namespaces="{NAMESPACE}" {lines[0]}\n' if is_key and len(lines) == 1 else text
+
+
+def _ssh_keygen(verb: str, *words: str, given: bytes | None = None) -> subprocess.CompletedProcess[bytes]:
+    namespace = () if verb == "find-principals" else ("-n", NAMESPACE)
+    command = [_PROGRAM, "-Y", verb, *namespace, *words]
+    try:
+        # A key with a passphrase is asked for on the terminal, not here.
+        return subprocess.run(command, input=given or b"", capture_output=True, check=False)
+    except FileNotFoundError:
+        raise InputError("command line", OPTION, Words(f"no {_PROGRAM}"), "OpenSSH 8.1 or later installed") from None
+
+
+def _said(done: subprocess.CompletedProcess[bytes]) -> str:
+    lines = done.stderr.decode(errors="replace").split("\n")
+    return "; ".join(line.strip() for line in lines if line.strip()) or f"exit code {done.returncode}"
