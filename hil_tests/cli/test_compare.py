@@ -52,7 +52,7 @@ softening_max = 0.8
 scenario = "benchmark_quick"
 seeds = [0, 1]
 """
-_FILES = ["compare.csv", "compare.json", "report.html"]
+_FILES = ["SHA256SUMS", "compare.csv", "compare.json", "report.html"]
 
 
 @pytest.fixture(scope="module")

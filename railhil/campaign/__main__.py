@@ -17,6 +17,7 @@ from railhil.common.command_line import parse
 from railhil.common.exit_codes import FAIL, PASS, guarded
 from railhil.common.output import Output
 from railhil.common.streams import accept_any_text, flush_output, print_json
+from railhil.supervisor.signature import check_key, sign_list
 
 _VERIFIED_RUNS = 3
 
@@ -48,6 +49,7 @@ def _run(namespace: argparse.Namespace) -> int:
     from railhil.campaign.run import execute
     from railhil.campaign.show import show
 
+    check_key(namespace.sign)
     begun = Request() if namespace.resume is None else read_manifest(Path(namespace.resume)).request
     plan = make_plan(request_from(namespace, begun))
     console = Console(stderr=True)
@@ -62,6 +64,7 @@ def _run(namespace: argparse.Namespace) -> int:
     kernel = kernel_of(plan.scenario)
     with running(namespace.engine, namespace.jobs or -1, namespace.scheduler, say, kernel=kernel) as engine:
         folder, found = execute(plan, namespace.resume or namespace.out, console, engine, say)
+    sign_list(folder, namespace.sign)
     if namespace.json:
         print_json(found)
     else:

@@ -16,6 +16,7 @@ from railhil.controller_node.arithmetic import names as arithmetics
 from railhil.controller_node.laws import names as laws
 from railhil.scenarios.load import stable_name
 from railhil.scenarios.settings import add_set_argument
+from railhil.supervisor.signature import add_sign_argument
 
 _JOBS_MAX = 1024
 ENGINES = ("batch", "joblib", "dask")
@@ -81,6 +82,7 @@ def arguments() -> argparse.ArgumentParser:
     )
     parser.add_argument("--out", metavar="DIR", help="folder (default runs/<utc>-<scenario>-campaign); resumes there")
     parser.add_argument("--resume", metavar="DIR", help="resume the campaign of this folder")
+    add_sign_argument(parser)
     add_json_argument(parser)
     parser.add_argument("--verify", metavar="DIR", help="run some runs of a finished campaign again on the bench")
     parser.add_argument(

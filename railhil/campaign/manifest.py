@@ -20,6 +20,7 @@ from railhil.controller_node.arithmetic import names as arithmetics
 from railhil.scenarios import system as systems
 from railhil.scenarios.stored import any_document
 from railhil.scenarios.validation import validated
+from railhil.supervisor.hash_list import HASH_LIST, HASH_LIST_KEY, check_document
 
 MANIFEST = "campaign.json"
 _FORMAT = 1
@@ -88,6 +89,7 @@ def read_manifest(folder: Path) -> Manifest:
     if not isinstance(document, dict) or document.get("format") != _FORMAT:
         raise InputError(path, "format", Words("something else"), f"{_FORMAT}, of a campaign of this railhil")
     file = validated(_File, document, lambda keys: path)
+    check_document(folder, MANIFEST, document)
     return Manifest(file.campaign, _request_of(file.request))
 
 
@@ -117,5 +119,6 @@ def manifest(plan: Plan) -> dict[str, Any]:
             entry.label: dict(entry.parameters.values) for entry in plan.entries if entry.parameters is not None
         },
         "machine": machine(),
+        HASH_LIST_KEY: HASH_LIST,
         "libraries": {name: version(name) for name in _LIBRARIES},
     }

@@ -20,6 +20,8 @@ from railhil.campaign.results_table import NotThePart
 from railhil.common.errors import InputError, Words
 from railhil.common.whole_file import DRAFTS, write_synced
 from railhil.supervisor.errors import RecordFailed, not_written
+from railhil.supervisor.framelog import sha256_of
+from railhil.supervisor.hash_list import HASH_LIST, enter, read_hash_list, write_hash_list
 from railhil.supervisor.run_folder import run_folder
 
 PARTS = "parts"
@@ -53,6 +55,8 @@ class PartsFolder(Generic[C]):
         self.path = path
         self._chunks = chunks
         self._read = read
+        #: As in the list; None in a folder of an earlier version, which has none.
+        self._hashes = read_hash_list(path)
         # Left by a process that was killed while writing; no other process writes here now.
         for place in (path, path / PARTS):
             for draft in place.glob(DRAFTS):
@@ -64,12 +68,23 @@ class PartsFolder(Generic[C]):
 
     def read(self, chunk: C) -> pa.Table:
         """The runs of a chunk. Raises :class:`NotThePart`, OSError (FileNotFoundError: not made yet)."""
-        return self._read(self.part(chunk), chunk)
+        path = self.part(chunk)
+        table = self._read(path, chunk)
+        if self._hashes is not None and self._hashes.get(path.relative_to(self.path).as_posix()) != sha256_of(path):
+            raise NotThePart(f"not as listed in {HASH_LIST}")
+        return table
+
+    def _changed_results(self) -> Iterator[str]:
+        """A sentence for each result that was changed since it was written, and that is made from the parts again."""
+        for name in (RESULTS, SUMMARY):
+            path, listed = self.path / name, (self._hashes or {}).get(name)
+            if listed is not None and path.is_file() and sha256_of(path) != listed:
+                yield f"{path} is not as listed in {HASH_LIST}: it is written again"
 
     def missing(self) -> tuple[list[C], list[str]]:
         """Chunks without a part, and a sentence for each file whose content did not match its name and that was
         removed."""
-        left, complaints = [], []
+        left, complaints = [], list(self._changed_results())
         for chunk in self._chunks:
             try:
                 self.read(chunk)
@@ -101,6 +116,9 @@ class PartsFolder(Generic[C]):
     def write(self, name: Path, content: bytes) -> None:
         """Write a file of the folder, completely or not at all. Raises RecordFailed."""
         try:
+            if self._hashes is not None:
+                # Entered first: whatever is there after an interruption is listed.
+                self._hashes = enter(self.path, self._hashes, name.as_posix(), content)
             write_synced(self.path / name, content)
         except OSError as error:
             # Whatever the reason: the folder was writable before.
@@ -170,6 +188,8 @@ def locked(
                 stream.write((json.dumps(document, indent=2) + "\n").encode())
                 stream.flush()
                 os.fsync(stream.fileno())
+            if not (path / PARTS).exists() and not (path / HASH_LIST).exists():
+                write_hash_list(path, only=[manifest])
             check(path)
             (path / PARTS).mkdir(exist_ok=True)
         except OSError as error:

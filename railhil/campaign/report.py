@@ -10,14 +10,14 @@ from typing import Any
 
 import pyarrow as pa
 
-from railhil.campaign.manifest import read_manifest
+from railhil.campaign.manifest import MANIFEST, read_manifest
 from railhil.campaign.parts import RESULTS, SUMMARY
 from railhil.campaign.plan import Plan, make_plan
 from railhil.campaign.results_table import NotThePart, column_of, numbers, read_results, rows_of
 from railhil.common.digits import percent
 from railhil.common.errors import InputError, Words
 from railhil.scenarios.stored import any_judged_sha256
-from railhil.supervisor.hash_list import listed_file
+from railhil.supervisor.hash_list import check_hash_list, listed_file
 from railhil.supervisor.report.assets import as_json, scripts, styles_text
 from railhil.supervisor.report.distribution import Spread, charted, limits_of, picture
 from railhil.supervisor.report.recorded import REPORT
@@ -85,10 +85,11 @@ def _worst(label: str, run: Mapping[str, Any], folder: Path) -> dict[str, Any]:
 def report_of(folder: Path, out: Path) -> None:
     """Write the report of a finished campaign from its folder.
 
-    :raises InputError: the campaign is not finished, damaged, or of a scenario that has changed since.
+    :raises InputError: the campaign is not finished, damaged, changed, or of a scenario that has changed since.
     :raises OSError: it cannot be written.
     """
     plan = make_plan(read_manifest(folder).request)
+    check_hash_list(folder, MANIFEST, None)
     try:
         summary = json.loads((folder / SUMMARY).read_text(encoding="utf-8"))
         table = read_results(folder / RESULTS, plan.judging)
@@ -99,6 +100,8 @@ def report_of(folder: Path, out: Path) -> None:
         raise InputError(
             folder, "campaign", Words(str(error)), f"{SUMMARY} and {RESULTS} as they were written"
         ) from None
+    if table.num_rows != (wanted := sum(chunk.runs for chunk in plan.chunks())):
+        raise InputError(folder / RESULTS, "rows", table.num_rows, f"{wanted}, as many as {MANIFEST} names runs")
     told = summary.get("scenario_sha256") if isinstance(summary, dict) else None
     if told != (sha256 := any_judged_sha256(plan.scenario)):
         raise InputError(folder, "scenario", str(told), f"{sha256}, as it is now")

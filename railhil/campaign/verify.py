@@ -23,6 +23,7 @@ from railhil.common.exit_codes import FAIL, INVALID, PASS
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import system_named
 from railhil.supervisor.framelog import log_sha256
+from railhil.supervisor.hash_list import check_hash_list
 from railhil.supervisor.log_trace import trace_of_log
 
 
@@ -44,9 +45,10 @@ class Verified:
 def _plan(folder: Path) -> Plan:
     """The campaign's plan, made with the present installation.
 
-    :raises InputError: scenario, parameters or laws have changed since the campaign.
+    :raises InputError: scenario, parameters or laws have changed since the campaign, or a file of the folder.
     """
     begun = read_manifest(folder)
+    check_hash_list(folder, MANIFEST, None)
     plan = make_plan(begun.request)
     ours = json.loads(json.dumps(plan.identity))
     for key in ("scenario_sha256", "laws", "runs", "first_seed"):

@@ -20,13 +20,19 @@ from railhil.common.errors import InputError
 from railhil.common.exit_codes import FAIL, PASS
 from railhil.common.output import Output, table
 from railhil.common.streams import add_json_argument, print_json
+from railhil.common.whole_file import whole_file
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import System
+from railhil.supervisor.errors import RecordFailed
+from railhil.supervisor.hash_list import HASH_LIST, HASH_LIST_KEY, write_hash_list
+from railhil.supervisor.json_file import json_text
 from railhil.supervisor.reactions.catalogue import Entry, catalogue_of
 from railhil.supervisor.reactions.evaluate import Row, evaluated
 from railhil.supervisor.reactions.facts import seen_in
+from railhil.supervisor.signature import add_sign_argument, check_key, sign_list
 from railhil.supervisor.start_up import StartUp
 
+_TABLE = "faults.json"
 _PAIRS_MAX = 1_000_000
 _COLUMNS = ("id", "fault", "begun s", "effective s", "detected by", "ms", "reaction", "ms", "bound", "margin", "")
 _NUMBERS = ("begun s", "effective s", "ms", "bound", "margin")
@@ -53,6 +59,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         help="runs at a time with --bus local (default: one for each processor)",
     )  # fmt: skip
     parser.add_argument("--out", type=Path, metavar="DIR", help="keep the run folders there, one for each entry")
+    add_sign_argument(parser)
     add_json_argument(parser)
     parser.set_defaults(work=work)
 
@@ -80,6 +87,21 @@ def entry_run(namespace: argparse.Namespace, how: StartUp, base: RunSpec, out: P
     except NeverBegan as error:
         return Row(entry, verdict="none", failures=[str(error)])
     return evaluated(entry, seen_in(scenario, result, run.trace))
+
+
+def _write_table(out: Path, rows: Sequence[Row], key: Path | None) -> None:
+    """Write the table beside the run folders, with the list of hashes over all of them, and sign it.
+
+    :raises RecordFailed: it cannot be written.
+    """
+    document = {"rows": [row.as_json() for row in rows], HASH_LIST_KEY: HASH_LIST}
+    try:
+        with whole_file(out / _TABLE) as draft:
+            draft.write_text(json_text(document), encoding="utf-8")
+            write_hash_list(out, {_TABLE: draft})
+    except OSError as error:
+        raise RecordFailed(f"{out / _TABLE} cannot be written: {(error.strerror or str(error)).lower()}") from error
+    sign_list(out, key)
 
 
 def _millis(seconds: float | None, since_s: float | None) -> str:
@@ -138,6 +160,7 @@ def work(namespace: argparse.Namespace) -> int:
     console = Output(stderr=namespace.json)
     if namespace.pairs is not None:
         return pairs(namespace, how, base, system, jobs, console)
+    check_key(namespace.sign)
     entries = _entries(namespace.only, system)
     rows: list[Row] = []
     stopped = 0
@@ -147,6 +170,8 @@ def work(namespace: argparse.Namespace) -> int:
             rows.extend(held.enter_context(each(partial(entry_run, namespace, how, base, out), entries, jobs)))
     except (KeyboardInterrupt, SystemExit) as error:
         stopped = stop_code(error)
+    if namespace.out is not None and rows:
+        _write_table(namespace.out, rows, namespace.sign)
     if namespace.json:
         print_json([row.as_json() for row in rows])
     else:

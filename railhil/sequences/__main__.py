@@ -21,6 +21,7 @@ from railhil.common.streams import accept_any_text, flush_output, print_json
 from railhil.sequences.command import arguments, check_combination, request_from
 from railhil.sequences.one import runner_of, through_nodes, together_of
 from railhil.sequences.plan import Plan, Request, make_plan
+from railhil.supervisor.signature import check_key, sign_list
 
 
 def _verify(namespace: argparse.Namespace) -> int:
@@ -45,6 +46,7 @@ def _run(namespace: argparse.Namespace) -> int:
     from railhil.sequences.show import show
     from railhil.sequences.work import run_task
 
+    check_key(namespace.sign)
     begun = Request() if namespace.resume is None else read_manifest(Path(namespace.resume))[1]
     plan = make_plan(request_from(namespace, begun))
     console = Console(stderr=True)
@@ -64,6 +66,7 @@ def _run(namespace: argparse.Namespace) -> int:
     ) as engine:
         folder, found, table = execute(plan, namespace.resume or namespace.out, console, engine, say)
     report = "" if namespace.no_report else _report(plan, found, table, folder)
+    sign_list(folder, namespace.sign)
     if namespace.json:
         print_json(found)
     else:

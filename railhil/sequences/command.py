@@ -15,6 +15,7 @@ from railhil.controller_node.arithmetic import names as arithmetics
 from railhil.scenarios.load import stable_name
 from railhil.scenarios.settings import add_fault_argument, add_set_argument
 from railhil.sequences.plan import CHUNK_MAX, RUNS_MAX, SEQUENCES_MAX, Request
+from railhil.supervisor.signature import add_sign_argument
 
 _JOBS_MAX = 1024
 _EXIT_CODES = """\
@@ -72,6 +73,7 @@ def arguments() -> argparse.ArgumentParser:
     parser.add_argument("--out", metavar="DIR", help="folder (default runs/<utc>-<scenario>-learn); resumes there")
     parser.add_argument("--resume", metavar="DIR", help="go on in this folder")
     parser.add_argument("--no-report", action="store_true", help="write no report.html")
+    add_sign_argument(parser)
     add_json_argument(parser)
     parser.add_argument("--verify", metavar="DIR", help="run some sequences again through the nodes of the bench")
     parser.add_argument(

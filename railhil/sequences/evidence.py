@@ -4,6 +4,7 @@
 
     run001/, run002/, ...   run folders, as of railhil run
     sequence.json           what was asked for, a line per finished run, and the hash of the sequence
+    SHA256SUMS              of a complete sequence: hashes of sequence.json and of the lists of the runs
 
 The hash is the SHA-256 of one line per run, ``NUMBER MEMORY_BEFORE FRAMES MEMORY_AFTER`` and a line feed: the SHA-256
 of the memory before it, of ``frames.log``, and of the record that it left, ``-`` if it left none. It is the same on
@@ -24,13 +25,16 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from railhil.common.errors import InputError, Words
 from railhil.common.whole_file import write_synced
+from railhil.dbc import ContractError
 from railhil.scenarios.memory import MEMORY_AFTER, MEMORY_BEFORE, Memory, Record, load_memory, no_memory, read_record
 from railhil.scenarios.memory import BadRecord as BadMemory
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.validation import validated
 from railhil.sequences.plan import RUNS_MAX
+from railhil.supervisor.cross_check import check_folder
 from railhil.supervisor.documents import CERTIFICATE, read_certificate
-from railhil.supervisor.framelog import log_sha256
+from railhil.supervisor.framelog import log_sha256, sha256_of
+from railhil.supervisor.hash_list import HASH_LIST, HASH_LIST_KEY, check_document, enter
 
 SEQUENCE = "sequence.json"
 _FORMAT = 1
@@ -109,6 +113,8 @@ class Evidence:
             "first": self.first.as_json(),
             "made": [asdict(one) for one in self.made],
             "sha256": self.sha256,
+            # It is written when the sequence is complete: the runs have lists of their own.
+            **({HASH_LIST_KEY: HASH_LIST} if self.complete else {}),
         }
 
 
@@ -123,8 +129,14 @@ def run_name(number: int) -> str:
 
 
 def write_evidence(evidence: Evidence, folder: Path) -> None:
-    """Write ``sequence.json``. Raises OSError."""
-    write_synced(folder / SEQUENCE, (json.dumps(evidence.as_json(), indent=2, allow_nan=False) + "\n").encode("ascii"))
+    """Write ``sequence.json``, and the list of hashes of a complete sequence. Raises OSError."""
+    content = (json.dumps(evidence.as_json(), indent=2, allow_nan=False) + "\n").encode("ascii")
+    if evidence.complete:
+        lists = [f"{run_name(one.run)}/{HASH_LIST}" for one in evidence.made]
+        # Runs of an earlier version have none.
+        hashes = {name: sha256_of(folder / name) for name in lists if (folder / name).is_file()}
+        enter(folder, hashes, SEQUENCE, content)
+    write_synced(folder / SEQUENCE, content)
 
 
 def read_evidence(folder: Path) -> Evidence:
@@ -141,6 +153,8 @@ def read_evidence(folder: Path) -> Evidence:
     except (ValueError, RecursionError):
         raise InputError(path, "", Words("no JSON"), "what `railhil sequence run` has written") from None
     file = validated(_File, document, lambda keys: path)
+    if document.get(HASH_LIST_KEY) or len(file.made) == file.runs:
+        check_document(folder, SEQUENCE, document)
     made = tuple(Made(**dict(one)) for one in file.made)
     evidence = Evidence(RunSpec.from_json(file.first, path), file.runs, made)
     if [one.run for one in made] != [*range(1, len(made) + 1)] or len(made) > file.runs:
@@ -177,9 +191,18 @@ def problems(folder: Path) -> Iterator[str]:
     evidence = read_evidence(folder)
     if not evidence.complete:
         yield f"{len(evidence.made)} of {evidence.runs} runs are finished"
+    yield from differences(folder, evidence)
+
+
+def differences(folder: Path, evidence: Evidence) -> Iterator[str]:
+    """What does not fit in the finished runs of a sequence: one sentence each."""
     memory = evidence.began
     for one in evidence.made:
         place = folder / run_name(one.run)
+        try:
+            check_folder(place, read_certificate(place))
+        except (InputError, ContractError) as error:
+            yield str(error)
         try:
             found = load_memory(place / MEMORY_BEFORE)
             if not memory.sha256 == found.sha256 == one.memory_before_sha256:

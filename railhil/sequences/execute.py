@@ -27,6 +27,7 @@ from railhil.sequences.plan import CHUNK_MAX, RUNS_MAX, SEQUENCES_MAX, Chunk, Pl
 from railhil.sequences.summary import summary
 from railhil.sequences.table import read_part
 from railhil.sequences.work import origin_of, task_of
+from railhil.supervisor.hash_list import HASH_LIST, HASH_LIST_KEY, check_document
 
 MANIFEST = "learn.json"
 _FORMAT = 1
@@ -73,6 +74,7 @@ def read_manifest(folder: Path) -> tuple[dict[str, Any], Request]:
     if not isinstance(document, dict) or document.get("format") != _FORMAT:
         raise InputError(path, "format", Words("something else"), f"{_FORMAT}, of this railhil")
     file = validated(_File, document, lambda keys: path)
+    check_document(folder, MANIFEST, document)
     values: dict[str, Any] = {name: tuple(value) if isinstance(value, list) else value for name, value in file.request}
     return file.study, Request(**values)
 
@@ -86,6 +88,7 @@ def _manifest(plan: Plan) -> dict[str, Any]:
         "request": asdict(plan.request),
         "scenario": any_document(plan.scenario),
         "machine": machine(),
+        HASH_LIST_KEY: HASH_LIST,
     }
 
 

@@ -15,7 +15,16 @@ from railhil.common.output import Output
 from railhil.scenarios.memory import Memory
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
-from railhil.sequences.evidence import SEQUENCE, Evidence, Made, left, read_evidence, run_name, write_evidence
+from railhil.sequences.evidence import (
+    SEQUENCE,
+    Evidence,
+    Made,
+    differences,
+    left,
+    read_evidence,
+    run_name,
+    write_evidence,
+)
 from railhil.sequences.plan import run_specs
 from railhil.supervisor.errors import not_written
 from railhil.supervisor.result import RunResult
@@ -52,6 +61,8 @@ def begin(first: RunSpec, scenario: AnyScenario, runs: int, out: str | None) -> 
     evidence = read_evidence(folder)
     if (evidence.first.as_json(), evidence.runs) != (first.as_json(), runs):
         raise InputError(folder / SEQUENCE, "", Words("another sequence"), "the same one to go on, or another --out")
+    for difference in differences(folder, evidence):
+        raise InputError(folder / SEQUENCE, "made", Words("changed runs"), f"them as they were made: {difference}")
     return folder, evidence
 
 

@@ -34,6 +34,7 @@ from railhil.supervisor.criteria import limited
 from railhil.supervisor.judging import judging_of
 from railhil.supervisor.result import RunResult
 from railhil.supervisor.run_folder import run_folder
+from railhil.supervisor.signature import add_sign_argument, check_key, sign_list
 from railhil.supervisor.start_up import StartUp
 
 _RUNS = 15
@@ -53,6 +54,7 @@ def arguments() -> argparse.ArgumentParser:
     run.add_argument("--runs", type=whole_number(1, RUNS_MAX), default=_RUNS, metavar="N", help="runs (default 15)")
     run.add_argument("--out", metavar="DIR", help="folder (default runs/<utc>-<scenario>-sequence)")
     add_page_argument(run)
+    add_sign_argument(run)
     verify = verbs.add_parser("verify", help="check every file of a sequence against its hashes")
     verify.add_argument("sequence", type=Path, metavar="DIR", help="folder of a sequence")
     rerun = verbs.add_parser("rerun", help="make the sequence again: the same bytes, or the first run that differs")
@@ -65,6 +67,7 @@ def arguments() -> argparse.ArgumentParser:
 
 
 def _run(namespace: argparse.Namespace) -> int:
+    check_key(namespace.sign)
     system = run_system(namespace)
     name = namespace.controller or system.law
     system.check_law(name, "command line", "--controller")
@@ -94,6 +97,7 @@ def _run(namespace: argparse.Namespace) -> int:
     except KeyboardInterrupt:
         done = len(read_evidence(folder).made)
         raise KeyboardInterrupt(f"stopped; {done} of {evidence.runs} runs are in {folder}") from None
+    sign_list(folder, namespace.sign)
     if namespace.json:
         print_json(found.as_json())
     console.say(f"sequence sha256 {found.sha256}")

@@ -17,6 +17,7 @@ from railhil.sequences.execute import MANIFEST, read_manifest
 from railhil.sequences.one import sequence, through_nodes
 from railhil.sequences.plan import make_plan
 from railhil.sequences.table import row, schema
+from railhil.supervisor.hash_list import check_hash_list
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,6 +37,7 @@ def verify(folder: Path, sequences: int, draw: int) -> Iterator[Verified]:
     :raises InputError: the folder has no finished work that can be repeated.
     """
     begun, request = read_manifest(folder)
+    check_hash_list(folder, MANIFEST, None)
     plan = make_plan(request)
     for key in ("scenario_sha256", "law_sha256", "parameters"):
         if begun.get(key) != plan.identity[key]:

@@ -75,6 +75,7 @@ def write_comparison(
         "runs": rows,
         **judging_of(scenario).counted([run.score for _, run in runs]),
         "published": [row.as_table() for row in scenario.published],
+        HASH_LIST_KEY: HASH_LIST,
     }
     try:
         with whole_file(folder / _TABLE) as draft, draft.open("w", encoding="utf-8", newline="") as stream:
@@ -82,7 +83,7 @@ def write_comparison(
             table.writeheader()
             table.writerows(_flat(row) for row in rows)
         with whole_file(folder / COMPARISON) as draft:
-            draft.write_text(json_text(document | {HASH_LIST_KEY: HASH_LIST}), encoding="utf-8")
+            draft.write_text(json_text(document), encoding="utf-8")
             write_hash_list(folder, {COMPARISON: draft})
     except OSError as error:
         for name in (_TABLE, HASH_LIST):

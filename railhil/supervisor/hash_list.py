@@ -10,6 +10,7 @@ missed where there was one. Folders of earlier versions have none.
 
 from __future__ import annotations
 
+import hashlib
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
@@ -94,6 +95,13 @@ def listed_file(path: Path) -> Iterator[Path]:
         _write(path.parent, hashes | {path.name: sha256_of(path)})
 
 
+def enter(folder: Path, hashes: Mapping[str, str], name: str, content: bytes) -> dict[str, str]:
+    """Write a list with a file of this content entered; returns it. Raises OSError."""
+    entered = {**hashes, name: hashlib.sha256(content).hexdigest()}
+    _write(folder, entered)
+    return entered
+
+
 def _write(folder: Path, hashes: Mapping[str, str]) -> None:
     content = "".join(f"{sha256}  {name}\n" for name, sha256 in sorted(hashes.items())).encode()
     path = folder / HASH_LIST
@@ -146,22 +154,32 @@ def changed_files(folder: Path, hashes: Mapping[str, str]) -> Iterator[Changed]:
             yield Changed(name, found, listed)
 
 
-def check_hash_list(folder: Path, complete: str, document: Mapping[str, Any] | None) -> None:
-    """Refuse a folder of which a file has been changed since its list was written.
+def check_document(folder: Path, name: str, document: Mapping[str, Any] | None) -> dict[str, str]:
+    """Refuse a folder whose complete document has been changed since its list was written.
 
-    A file that is missing has not been changed: what a reader falls back on is covered by the document itself. Only
-    that one must be there.
-
-    :param complete: name of the document that marks the folder as complete; ``document``: its content, None if the
-        folder has none.
-    :raises InputError: the first file that is not as listed, or the list is missing where there was one.
+    :param name: of the document that marks the folder as complete; ``document``: its content, None if the folder has
+        none.
+    :returns: the list; empty if the folder never had one.
+    :raises InputError: the document is not as listed or gone, or the list is gone.
     """
     hashes = read_hash_list(folder)
-    if hashes is None or complete not in hashes:
+    if hashes is None or name not in hashes:
         if document is not None and document.get(HASH_LIST_KEY):
-            found = Words(_MISSING if hashes is None else f"no line of {complete}")
-            raise InputError(folder / HASH_LIST, "file", found, f"the list of the folder's files that {complete} names")
-        return
-    for changed in changed_files(folder, hashes):
-        if not changed.is_missing or changed.name == complete:
+            found = Words(_MISSING if hashes is None else f"no line of {name}")
+            raise InputError(folder / HASH_LIST, "file", found, f"the list of the folder's files that {name} names")
+        return {}
+    for changed in changed_files(folder, {name: hashes[name]}):
+        raise changed.error(folder)
+    return hashes
+
+
+def check_hash_list(folder: Path, name: str, document: Mapping[str, Any] | None) -> None:
+    """As :func:`check_document`, for every file of the folder.
+
+    A file that is missing has not been changed: what a reader falls back on is covered by the document itself.
+
+    :raises InputError: the first file that is not as listed, or the document or the list is gone.
+    """
+    for changed in changed_files(folder, check_document(folder, name, document)):
+        if not changed.is_missing:
             raise changed.error(folder)

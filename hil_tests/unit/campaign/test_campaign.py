@@ -6,6 +6,7 @@ import argparse
 import json
 import re
 import shutil
+from hashlib import sha256
 from pathlib import Path
 
 import pyarrow.parquet as pq
@@ -22,6 +23,7 @@ from railhil.scenarios.canonical import judged_sha256
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.supervisor.criteria import ATO_CRITERIA
+from railhil.supervisor.hash_list import write_hash_list
 
 #: Of every campaign here that is to give the same results.
 SAME = ("--runs", "24", "--first-seed", "50")
@@ -77,6 +79,7 @@ def test_chunks_do_not_change_results(campaign, finished, short):
     again = campaign("--resume", "mine", "--json")
     assert again.out == (finished / "summary.json").read_text(encoding="utf-8")
     assert sorted(path.name for path in Path("mine").iterdir()) == [
+        "SHA256SUMS",
         "campaign.json",
         "parts",
         "results.parquet",
@@ -155,6 +158,7 @@ def test_other_code_and_another_scenario_are_refused(campaign, tmp_path):
     own.write_text(QUICK_TOML)
     manifest = Path("mine/campaign.json")
     manifest.write_text(manifest.read_text().replace(bench_sha256(), "0" * 64))
+    write_hash_list(Path("mine"))
     assert 'campaign.code_sha256: found "' in campaign("--resume", "mine").one_line()
 
 
@@ -183,6 +187,49 @@ def test_parameters_have_rows_of_their_own(campaign, short, tmp_path):
     assert "campaign.laws: found " in campaign("--resume", "mine").one_line()
 
 
+def test_a_changed_file_is_noticed_without_the_bench(campaign, finished, tmp_path):
+    """By report and --resume, whether or not the change can be seen from the file alone."""
+    for name, old, new in (
+        ("campaign.json", b'"runs": 24', b'"runs": 6000000'),
+        ("summary.json", b'"runs": 24', b'"runs": 6000000'),
+        ("results.parquet", b"", b""),
+    ):
+        copy = tmp_path / name.partition(".")[0]
+        shutil.copytree(finished, copy)
+        content = (copy / name).read_bytes()
+        changed = content.replace(old, new) if old else content[:200] + bytes([content[200] ^ 1]) + content[201:]
+        assert changed != content
+        (copy / name).write_bytes(changed)
+        with pytest.raises(InputError, match=rf"{name}: sha256: found '\w+', allowed {sha256(content).hexdigest()}"):
+            report_of(copy, copy / "report.html")
+        again = campaign("--resume", copy)
+        if name == "campaign.json":
+            assert again.exit_code == 2
+            assert "campaign.json: sha256: found" in again.one_line()
+        else:
+            assert f"{copy / name} is not as listed in SHA256SUMS: it is written again" in again.err
+            assert (copy / name).read_bytes() == content
+            report_of(copy, copy / "report.html")
+            assert "report.html" in (copy / "SHA256SUMS").read_text()
+
+
+def test_a_campaign_without_a_list_has_as_many_rows_as_it_says(finished, tmp_path):
+    """As before there were lists."""
+    copy = tmp_path / "copy"
+    shutil.copytree(finished, copy)
+    (copy / "SHA256SUMS").unlink()
+    document = json.loads((copy / "campaign.json").read_text())
+    with pytest.raises(InputError, match=r"SHA256SUMS: file: found no such file"):
+        report_of(copy, copy / "report.html")
+    del document["hash_list"]
+    (copy / "campaign.json").write_text(json.dumps(document))
+    report_of(copy, copy / "report.html")
+    document["request"]["runs"] = document["campaign"]["runs"] = 6_000_000
+    (copy / "campaign.json").write_text(json.dumps(document))
+    with pytest.raises(InputError, match=r"results.parquet: rows: found 24, allowed 6000000"):
+        report_of(copy, copy / "report.html")
+
+
 @pytest.mark.slow
 @pytest.mark.loop
 def test_the_bench_verifies(campaign, finished):
@@ -199,6 +246,8 @@ def test_the_bench_finds_a_forged_figure(campaign, short):
     forged = table.to_pylist()
     forged[0] |= {"itae": forged[0]["itae"] + 1e-9, "notch_digest": "0" * 16}
     pq.write_table(table.from_pylist(forged, schema=table.schema), "mine/results.parquet")
+    assert "results.parquet: sha256: found" in campaign("--verify", "mine").one_line()
+    write_hash_list(Path("mine"))
     done = campaign("--verify", "mine")
     assert done.exit_code == 1
     assert "seed 1000: itae " in done.out

@@ -16,6 +16,7 @@ from railhil.campaign.work import task_of
 from railhil.common.extras import install_command
 from railhil.common.law_order import in_order
 from railhil.controller_node.laws import names
+from railhil.supervisor.hash_list import write_hash_list
 
 
 def test_seeds_on_which_a_law_was_designed_are_refused(campaign, short):
@@ -93,6 +94,7 @@ def test_the_request_comes_back_from_the_manifest(tmp_path):
     request = Request(runs=7, laws=("ipfc", "tpfc1"), both=True, arithmetic="iq", indexing="distance", chunk=3)
     path = tmp_path / "campaign.json"
     path.write_text(json.dumps(manifest(make_plan(request))))
+    write_hash_list(tmp_path)
     assert read_manifest(tmp_path).request == request
 
 
@@ -146,7 +148,7 @@ def test_a_missing_library_is_one_line(campaign, short, tmp_path, monkeypatch, m
 
 def test_a_disk_that_fails_is_one_line_and_keeps_what_is_there(campaign, short, monkeypatch):
     def full(descriptor: int) -> None:
-        if written.append(descriptor) or len(written) > 5:
+        if written.append(descriptor) or len(written) > 11:
             raise OSError(28, "No space left on device")
 
     written: list[int] = []
@@ -157,7 +159,7 @@ def test_a_disk_that_fails_is_one_line_and_keeps_what_is_there(campaign, short, 
         "mine/parts/ipfc-00002.parquet cannot be written: no space left on device; "
         "2 of 6 runs are kept; railhil campaign --resume mine goes on"
     )
-    # One synchronisation for the manifest, two for each part.
+    # One synchronisation for the manifest, two for its list of hashes, and two each for a part and its entry.
     assert [path.name for path in sorted(Path("mine/parts").iterdir())] == ["ipfc-00000.parquet", "ipfc-00001.parquet"]
 
 

@@ -61,8 +61,10 @@ def test_an_interrupted_sequence_is_gone_on_with(
 ) -> None:
     whole = read_evidence(sequence)
     document = json.loads((sequence / "sequence.json").read_text())
-    # As it is when killed in the third run: its folder is there, but not entered.
+    # As it is when killed in the third run: its folder is there, but not entered, and the list is not written.
+    del document["hash_list"]
     (sequence / "sequence.json").write_text(json.dumps(document | {"made": document["made"][:2], "sha256": None}))
+    (sequence / "SHA256SUMS").unlink()
     (sequence / "run003" / "certificate.json").unlink()
     assert main(["verify", str(sequence)]) == FAIL
     assert "2 of 3 runs are finished" in capsys.readouterr().out
@@ -92,6 +94,19 @@ def test_what_was_changed_is_named(sequence: Path, capsys: pytest.CaptureFixture
     assert main(["verify", str(sequence), "--json"]) == FAIL
     problems = json.loads(capsys.readouterr().out)["problems"]
     assert "run002/memory_before.json is not the memory that run 1 has left" in problems[0]
+
+
+def test_a_changed_sequence_is_not_gone_on_with(sequence: Path, short: Path) -> None:
+    """Neither a complete one nor one with runs to make."""
+    path = sequence / "sequence.json"
+    whole = path.read_text()
+    path.write_text(whole.replace('"runs": 3', '"runs": 5', 1))
+    with pytest.raises(InputError, match=r"sequence.json: sha256: found '\w+', allowed \w+ \(SHA256SUMS beside it\)"):
+        main(words(short, sequence, "--bus", "local"))
+    path.write_text(whole)
+    (sequence / "run001" / "junit.xml").write_text("<testsuites/>")
+    with pytest.raises(InputError, match=r"run001/junit.xml: sha256: found"):
+        main(words(short, sequence, "--bus", "local"))
 
 
 @pytest.mark.parametrize(

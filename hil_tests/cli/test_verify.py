@@ -1,0 +1,118 @@
+"""``railhil verify`` and ``--sign``: hashes of all files of a folder, signed with an SSH key."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from hil_tests.cli.conftest import Railhil
+from hil_tests.support.cli import complaint
+from hil_tests.support.short_runs import RUN_2M_TOML
+from railhil.supervisor.hash_list import HASH_LIST, SIGNATURE
+
+
+def _key(path: Path) -> Path:
+    subprocess.run(["ssh-keygen", "-q", "-t", "ed25519", "-N", "", "-f", str(path)], check=True)
+    return path
+
+
+@pytest.fixture
+def short(tmp_path: Path) -> Path:
+    """The scenario's file of a run of 2 m."""
+    path = tmp_path / "short.toml"
+    path.write_text(RUN_2M_TOML)
+    return path
+
+
+def _run(here: Railhil, short: Path, out: Path, *more: str | Path) -> Path:
+    done = here("run", short, "--bus", "local", "--no-report", "--quiet", "--out", out, *more)
+    assert done.exit_code in (0, 1), done.err
+    return out
+
+
+def test_a_signed_run_is_verified_with_the_key(here: Railhil, short: Path, tmp_path: Path) -> None:
+    key, other = _key(tmp_path / "key"), _key(tmp_path / "other")
+    run = _run(here, short, tmp_path / "run", "--sign", key)
+    signers = tmp_path / "allowed_signers"
+    signers.write_text(f'# who may sign\nme@example.org namespaces="railhil" {key.with_suffix(".pub").read_text()}')
+    assert here("verify", run, "--key", key.with_suffix(".pub")).exit_code == 0
+    assert here("verify", run, "--key", signers).exit_code == 0
+    assert "signed with ED25519 key SHA256:" in here("verify", run).out
+    strange = here("verify", run, "--key", other.with_suffix(".pub"))
+    assert strange.exit_code == 1
+    assert "the signature is not good: it is of ED25519 key" in strange.out
+    # Whoever changes a file and its hash has to sign again.
+    (run / "junit.xml").write_text("<testsuites/>")
+    assert "junit.xml: sha256 " in here("verify", run).out
+    shutil.rmtree(run)
+    _run(here, short, run)
+    unsigned = here("verify", run, "--key", key.with_suffix(".pub"), "--json")
+    assert (unsigned.exit_code, unsigned.json["signature"]) == (1, "unsigned")
+    subprocess.run(["ssh-keygen", "-q", "-Y", "sign", "-n", "file", "-f", str(key), str(run / HASH_LIST)], check=True)
+    wrong = here("verify", run)
+    assert wrong.exit_code == 1, "signed, but not as evidence"
+    assert (run / SIGNATURE).is_file()
+
+
+def test_an_unsigned_run_says_so(here: Railhil, short: Path, tmp_path: Path) -> None:
+    run = _run(here, short, tmp_path / "run")
+    done = here("verify", run, "--json")
+    assert done.exit_code == 0
+    assert done.json == {
+        "files": len((run / HASH_LIST).read_text().splitlines()),
+        "problems": [],
+        "not_checked": [],
+        "signature": "unsigned",
+        "signed_by": None,
+    }
+    (run / "mine.txt").write_text("a note")
+    (run / "frames.blf").unlink()
+    found = here("verify", run, "--json")
+    assert found.exit_code == 1
+    assert found.json["not_checked"] == [f"mine.txt: not in {HASH_LIST}"]
+    assert found.json["problems"][0].startswith("frames.blf: no such file, in SHA256SUMS ")
+
+
+def test_of_a_folder_without_a_list_it_is_said_what_is_checked(here: Railhil, short: Path, tmp_path: Path) -> None:
+    run = _run(here, short, tmp_path / "run")
+    (run / HASH_LIST).unlink()
+    assert "SHA256SUMS: file: found no such file" in here("verify", run).out
+    certificate = json.loads((run / "certificate.json").read_text())
+    del certificate["hash_list"]
+    (run / "certificate.json").write_text(json.dumps(certificate))
+    done = here("verify", run)
+    assert done.exit_code == 0
+    assert "only the record and what stands in two of its files can be checked" in done.out
+    (run / "certificate.json").write_text(json.dumps(certificate | {"seed": 7}))
+    assert here("verify", run).exit_code == 1
+
+
+def test_a_key_that_cannot_sign_is_refused_before_the_run(here: Railhil, short: Path, tmp_path: Path) -> None:
+    (tmp_path / "none").write_text("no key")
+    for key in ("none", "missing"):
+        assert "--sign" in complaint(here("run", short, "--out", tmp_path / "run", "--sign", tmp_path / key))
+    assert not (tmp_path / "run").exists()
+    assert "nothing to verify" in complaint(here("verify", tmp_path))
+
+
+@pytest.mark.slow
+def test_comparison_and_fault_table_cover_their_run_folders(here: Railhil, short: Path, tmp_path: Path) -> None:
+    key = _key(tmp_path / "key")
+    words = (short, "--bus", "local", "--sign", key, "--out")
+    assert here("compare", "--laws", "ipfc,tpfc2", "--no-report", *words, tmp_path / "compared").exit_code in (0, 1)
+    assert here("faults", "--only", "T11", *words, tmp_path / "table").exit_code in (0, 1)
+    for folder, below in ((tmp_path / "compared", "ipfc"), (tmp_path / "table", "T11")):
+        assert here("verify", folder, "--key", key.with_suffix(".pub")).exit_code == 0
+        # The hash of the changed file is entered in the list of its own folder.
+        changed = folder / below / "events.csv"
+        changed.write_text(changed.read_text() + "\n")
+        found = here("verify", folder, "--json")
+        assert [text.split(":")[0] for text in found.json["problems"]] == [f"{below}/events.csv"]
+        lines = (folder / below / HASH_LIST).read_text().splitlines(keepends=True)
+        (folder / below / HASH_LIST).write_text("".join(line for line in lines if "events.csv" not in line))
+        found = here("verify", folder, "--json")
+        assert [text.split(":")[0] for text in found.json["problems"]] == [f"{below}/{HASH_LIST}"]
