@@ -16,6 +16,8 @@ from railhil.panel.growing import Growing
 from railhil.panel.learning import learning_charts, run_folders
 from railhil.panel.values import Rows
 from railhil.panel.wire import REPLACE, batch
+from railhil.supervisor.cross_check import check_folder
+from railhil.supervisor.documents import read_certificate
 from railhil.supervisor.events.event import LEVEL, MISSED_POLL, START, RecordedEvent
 from railhil.supervisor.record import Record, checked_record
 from railhil.supervisor.report.recorded import recorded_run, told_apart
@@ -35,6 +37,9 @@ class RecordedRuns:
     def __init__(self, folders: Sequence[str]) -> None:
         asked, (folders, every) = list(folders), run_folders(folders)
         records = [checked_record(folder, None) for folder in folders]
+        for folder in map(Path, set(every).difference(folders)):
+            # Of a sequence only two runs are read as records; the charts over its runs show them all.
+            check_folder(folder, read_certificate(folder))
         first = records[0].scenario
         for folder, record in zip(folders, records, strict=True):
             if record.scenario.system != first.system:

@@ -11,6 +11,7 @@ import pytest
 from hil_tests.support.cli import railhil
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import FAIL, PASS
+from railhil.panel.recorded import RecordedRuns
 from railhil.scenarios.memory import load_memory
 from railhil.sequences.evidence import Made, read_evidence, sequence_sha256
 from railhil.sequences.sequence_command import main
@@ -107,6 +108,12 @@ def test_a_changed_sequence_is_not_gone_on_with(sequence: Path, short: Path) -> 
     (sequence / "run001" / "junit.xml").write_text("<testsuites/>")
     with pytest.raises(InputError, match=r"run001/junit.xml: sha256: found"):
         main(words(short, sequence, "--bus", "local"))
+    shutil.rmtree(sequence / "run001")
+    shutil.copytree(sequence / "run002", sequence / "run001")
+    score = sequence / "run002" / "score.json"
+    score.write_text(score.read_text().replace('"verdict": "PASS"', '"verdict": "FAIL"', 1) + " ")
+    with pytest.raises(InputError, match=r"run002/score.json: sha256: found"):
+        RecordedRuns([str(sequence)])
 
 
 @pytest.mark.parametrize(
