@@ -194,7 +194,7 @@ def test_folder_that_is_full_after_the_run_holds_the_log_alone(monkeypatch, tmp_
     write_folder(tmp_path, lvshun, run.spec, run.start_up, result, trace, [])
     kept = sorted(path.name for path in tmp_path.iterdir())
     results = ["frames.blf", "frames.log", "junit.xml", "score.json", "signals.csv"]
-    assert kept == ["certificate.json", "events.csv", *results]
+    assert kept == ["SHA256SUMS", "certificate.json", "events.csv", *results]
 
     def full(*_: object) -> None:
         raise OSError(28, "No space left on device")
