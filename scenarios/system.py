@@ -6,7 +6,6 @@ A scenario file selects one with ``system = "..."``; railhil's own is ``ato``. A
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from importlib import import_module
@@ -15,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from railhil.common.errors import InputError, Words, did_you_mean
+from railhil.common.held_code import OURS, held_sha256
 from railhil.common.law_order import in_order
 from railhil.common.plug_ins import entries
 from railhil.dbc import Contract, system_contract
@@ -111,7 +111,7 @@ class System:
         return system_contract(self.port_table)
 
     def code_sha256(self) -> str | None:
-        """Hash over the package that contains the plant (paths and contents, in path order): code and tables.
+        """Hash over the package that contains the plant: :func:`~railhil.common.plug_ins.held_sha256`.
 
         None if that package is railhil itself, whose hash is in every certificate.
 
@@ -121,13 +121,13 @@ class System:
         if name == __name__.partition(".")[0]:
             return None
         self.part("plant")
-        package = import_module(name)
-        digest = hashlib.sha256()
-        for root in sorted(map(Path, package.__path__)):
-            for path in sorted(root.rglob("*")):
-                if path.suffix in (".py", ".toml", ".dbc", ".csv"):
-                    digest.update(str(path.relative_to(root)).encode() + b"\0" + path.read_bytes() + b"\0")
-        return digest.hexdigest()
+        return held_sha256(name)
+
+    def law_sha256(self, name: str) -> str | None:
+        """Hash over what the distribution of one of its laws holds; None for a law of railhil, whose hash is in every
+        certificate, and for one that is not installed."""
+        law = entries(self.laws).get(name)
+        return None if law is None or law.module.partition(".")[0] == OURS else held_sha256(law.module, law.dist)
 
     def law_names(self) -> list[str]:
         """Names of the installed laws for this system, in the order of every table."""

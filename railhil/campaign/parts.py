@@ -143,6 +143,37 @@ def check_same(path: Path, kind: str, recorded: dict[str, Any], ours: dict[str, 
             raise InputError(path, f"{kind}.{key}", Words(found), allowed)
 
 
+def _claim(descriptor: int, path: Path, kind: str) -> None:
+    """Lock what is open (flock), until it is closed or the process ends in whatever way.
+
+    :raises InputError: another process has it.
+    """
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError as error:
+        if error.errno not in (errno.EWOULDBLOCK, errno.EACCES):
+            raise not_written(_OPTIONS, path, "folder", error) from error
+        found = Words(f"a {kind} that is running there")
+        raise InputError(path, "", found, "one process at a time") from None
+
+
+@contextmanager
+def claimed(path: Path, kind: str) -> Iterator[None]:
+    """Exclusive access to a folder whose manifest is written anew again and again: the folder itself is locked.
+
+    :raises InputError: another process has it, or it cannot be opened.
+    """
+    try:
+        descriptor = os.open(path, os.O_RDONLY | os.O_DIRECTORY)
+    except OSError as error:
+        raise not_written(_OPTIONS, path, "folder", error) from error
+    try:
+        _claim(descriptor, path, kind)
+        yield
+    finally:
+        os.close(descriptor)
+
+
 @contextmanager
 def locked(
     out: str | None,
@@ -173,13 +204,7 @@ def locked(
     except OSError as error:
         raise not_written(_OPTIONS, path, "folder", error) from error
     with os.fdopen(handle, "r+b") as stream:
-        try:
-            fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError as error:
-            if error.errno not in (errno.EWOULDBLOCK, errno.EACCES):
-                raise not_written(_OPTIONS, path, "folder", error) from error
-            found = Words(f"a {kind} that is running there")
-            raise InputError(path, "", found, "one process at a time") from None
+        _claim(stream.fileno(), path, kind)
         try:
             # A process killed at this point leaves an empty or incomplete manifest, and no part.
             if not (path / PARTS).exists() and not _is_json(stream.read()):

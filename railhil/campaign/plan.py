@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import inspect
 import json
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
@@ -17,6 +16,8 @@ from railhil.batch.nodes import batch_of
 from railhil.common.choices import USUAL_SCENARIO
 from railhil.common.command_line import SEED_MAX
 from railhil.common.errors import InputError, Words, did_you_mean
+from railhil.common.held_code import held_sha256
+from railhil.common.plug_ins import entries
 from railhil.controller_node import laws as registered
 from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario
@@ -57,7 +58,7 @@ class Request:
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """One law with its parameters: a row of every table. ``law_sha256`` is the hash of the file with its class."""
+    """One law with its parameters: a row of every table. ``law_sha256``: :func:`law_sha256`."""
 
     law: LawSpec
     law_sha256: str
@@ -119,8 +120,10 @@ def _law(name: str, system: str) -> Any:
 
 @lru_cache(maxsize=64)
 def law_sha256(name: str, system: str) -> str:
-    """Hash of the source file with the class of a law: it may come from another package. Raises InputError."""
-    return hashlib.sha256(Path(inspect.getfile(_law(name, system))).read_bytes()).hexdigest()
+    """Hash of all code on which a law may depend: :func:`~railhil.common.held_code.held_sha256`. Raises InputError."""
+    _law(name, system)
+    entry = entries(system_named(system).laws)[name]
+    return held_sha256(entry.module, entry.dist)
 
 
 @dataclass(frozen=True, slots=True)

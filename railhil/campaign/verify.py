@@ -52,9 +52,9 @@ def _plan(folder: Path) -> Plan:
     plan = make_plan(begun.request)
     ours = json.loads(json.dumps(plan.identity))
     for key in ("scenario_sha256", "laws", "runs", "first_seed"):
-        found = begun.campaign.get(key)
-        if found != ours[key]:
-            allowed = f"{json.dumps(ours[key])}, what this installation would run"
+        found, wanted = (_without_code(campaign.get(key)) for campaign in (begun.campaign, ours))
+        if found != wanted:
+            allowed = f"{json.dumps(wanted)}, what this installation would run"
             raise InputError(folder / MANIFEST, f"campaign.{key}", Words(json.dumps(found)), allowed)
     return plan
 
@@ -63,7 +63,15 @@ def code_changed(folder: Path) -> bool:
     """Whether the code has changed since the campaign, so that a difference need not be a defect. Raises InputError."""
     recorded = read_manifest(folder).campaign
     ours = _plan(folder).identity
-    return any(recorded.get(key) != ours[key] for key in ("code_sha256", "batch_sha256"))
+    then, now = (json.loads(json.dumps(identity)) for identity in (recorded, ours))
+    return any(then.get(key) != now[key] for key in ("code_sha256", "batch_sha256", "system_sha256", "laws"))
+
+
+def _without_code(value: Any) -> Any:
+    """Laws without the hashes of their code."""
+    if not isinstance(value, list):
+        return value
+    return [{key: one[key] for key in one if key != "law_sha256"} if isinstance(one, dict) else one for one in value]
 
 
 def bench_run(plan: Plan, run: RunSpec) -> dict[str, Any]:

@@ -90,8 +90,8 @@ def arguments(papers: Mapping[str, str] = PAPERS) -> argparse.ArgumentParser:
     parser.add_argument("--keep-runs", action="store_true", help="also keep the run folders, in DIR/runs")
     parser.add_argument(
         "--measured", type=Path, metavar="DIR",
-        help="store the figures of each run in DIR, and do not make runs again whose figures are there (empty it when "
-        "the code has changed); the protocol can so be run in pieces",
+        help="store the figures of each run in DIR, and do not make runs again whose figures are there (by the "
+        "same code); the protocol can so be run in pieces",
     )  # fmt: skip
     parser.add_argument(
         "--only", metavar="PATTERN",

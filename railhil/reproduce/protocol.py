@@ -14,6 +14,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from railhil.common.errors import InputError
+from railhil.common.held_code import OURS, held_sha256
 from railhil.common.whole_file import whole_file
 from railhil.reproduce.paper import Measured, Paper, Planned, Results
 
@@ -87,6 +88,7 @@ def _stored(found: Measured, planned: Planned) -> dict[str, Any]:
     return {
         "entry": planned.identity,
         "railhil": version("railhil"),
+        "code_sha256": held_sha256(OURS),
         "verdict": found.verdict,
         "reasons": list(found.reasons),
         "sha256": found.sha256,
@@ -97,13 +99,17 @@ def _stored(found: Measured, planned: Planned) -> dict[str, Any]:
 def _read(file: Path, planned: Planned) -> Measured:
     """The stored figures of a run.
 
-    :raises InputError: they are those of another run, or of another version.
+    :raises InputError: they are those of another run, or of other code.
     """
     try:
         found = json.loads(file.read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
         raise InputError(file, "file", str(error), "figures of a run, as --measured writes them") from None
-    for key, allowed in (("entry", planned.identity), ("railhil", version("railhil"))):
+    for key, allowed in (
+        ("entry", planned.identity),
+        ("railhil", version("railhil")),
+        ("code_sha256", held_sha256(OURS)),
+    ):
         if found.get(key) != allowed:
             raise InputError(file, key, str(found.get(key)), f"{allowed}, or no such file: the run is then made")
     return Measured(planned.key, found["verdict"], tuple(found["reasons"]), found["sha256"], found["measured"])

@@ -25,9 +25,11 @@ from railhil.supervisor.signature import check_key, sign_list
 
 
 def _verify(namespace: argparse.Namespace) -> int:
-    from railhil.sequences.verify import verify
+    from railhil.sequences.verify import code_changed, verify
 
     console, made, bad = Output(stderr=namespace.json), [], 0
+    if code_changed(Path(namespace.verify)):
+        console.say("the code has changed since then: a difference may come from that", style="bold yellow")
     for one in verify(Path(namespace.verify), namespace.sequences or 1, namespace.draw):
         made.append({"sequence": one.seed, "run": one.run, "differences": dict(one.differences)})
         bad += bool(one.differences)

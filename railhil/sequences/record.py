@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import argparse
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
+from railhil.campaign.parts import claimed
 from railhil.cli.bus_run import chosen_bus, recorded
 from railhil.common.errors import InputError, Words
 from railhil.common.exit_codes import INVALID
@@ -26,6 +28,8 @@ from railhil.sequences.evidence import (
     write_evidence,
 )
 from railhil.sequences.plan import run_specs
+from railhil.supervisor.again import changes
+from railhil.supervisor.again import recorded as recorded_run
 from railhil.supervisor.errors import not_written
 from railhil.supervisor.result import RunResult
 from railhil.supervisor.run_folder import run_folder
@@ -43,27 +47,39 @@ class Broken(Exception):
         self.exit_code = exit_code
 
 
-def begin(first: RunSpec, scenario: AnyScenario, runs: int, out: str | None) -> tuple[Path, Evidence]:
-    """The folder of a sequence, new or with the runs that it has.
+@contextmanager
+def begin(first: RunSpec, scenario: AnyScenario, runs: int, out: str | None) -> Iterator[tuple[Path, Evidence]]:
+    """The folder of a sequence, new or with the runs that it has, with exclusive access.
 
     :param first: the first run, with the memory that the sequence begins with, if any.
-    :raises InputError: the folder cannot be used, or has another sequence.
+    :raises InputError: the folder cannot be used or is in use, has another sequence, or runs of other code.
     """
     if out is None or not (Path(out) / SEQUENCE).exists():
         folder, _ = run_folder(out, scenario.name, "sequence")
-        evidence = Evidence(first, runs, ())
-        try:
-            write_evidence(evidence, folder)
-        except OSError as error:
-            raise not_written("--out", folder, "folder", error) from None
-        return folder, evidence
-    folder = Path(out)
-    evidence = read_evidence(folder)
+    else:
+        folder = Path(out)
+    with claimed(folder, "sequence"):
+        if (folder / SEQUENCE).exists():
+            evidence = read_evidence(folder)
+            _check_same(evidence, first, runs, folder)
+        else:
+            evidence = Evidence(first, runs, ())
+            try:
+                write_evidence(evidence, folder)
+            except OSError as error:
+                raise not_written("--out", folder, "folder", error) from None
+        yield folder, evidence
+
+
+def _check_same(evidence: Evidence, first: RunSpec, runs: int, folder: Path) -> None:
+    """Refuse to go on with something else. Raises InputError."""
     if (evidence.first.as_json(), evidence.runs) != (first.as_json(), runs):
         raise InputError(folder / SEQUENCE, "", Words("another sequence"), "the same one to go on, or another --out")
     for difference in differences(folder, evidence):
         raise InputError(folder / SEQUENCE, "made", Words("changed runs"), f"them as they were made: {difference}")
-    return folder, evidence
+    if evidence.made and (changed := changes(recorded_run(str(folder / run_name(len(evidence.made)))))):
+        found = Words(f"runs of other code: {'; '.join(changed)}")
+        raise InputError(folder / SEQUENCE, "", found, "that code to go on, or another --out")
 
 
 def record(

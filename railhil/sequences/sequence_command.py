@@ -80,7 +80,20 @@ def _run(namespace: argparse.Namespace) -> int:
     if namespace.memory_from is not None:
         first = replace(first, law=replace(first.law, memory=memory_at(namespace.memory_from.resolve())))
     console = Output(stderr=namespace.json)
-    folder, evidence = begin(first, scenario, namespace.runs, namespace.out)
+    with begin(first, scenario, namespace.runs, namespace.out) as (folder, evidence):
+        found = _record(namespace, scenario, folder, evidence, console)
+        sign_list(folder, namespace.sign)
+    if namespace.json:
+        print_json(found.as_json())
+    console.say(f"sequence sha256 {found.sha256}")
+    console.say(f"folder {folder}")
+    return PASS
+
+
+def _record(
+    namespace: argparse.Namespace, scenario: AnyScenario, folder: Path, evidence: Evidence, console: Output
+) -> Evidence:
+    """Make the runs that are missing, shown on the page if asked for."""
     if evidence.made:
         console.say(f"{folder}: {len(evidence.made)} of {evidence.runs} runs are there already")
     try:
@@ -93,16 +106,10 @@ def _run(namespace: argparse.Namespace) -> int:
 
             # A page listens to no bus: the runs keep their pipes.
             bus = argparse.Namespace(**{**vars(namespace), "panel": None})
-            found = record(folder, evidence, scenario, start_up(namespace), bus, console, told)
+            return record(folder, evidence, scenario, start_up(namespace), bus, console, told)
     except KeyboardInterrupt:
         done = len(read_evidence(folder).made)
         raise KeyboardInterrupt(f"stopped; {done} of {evidence.runs} runs are in {folder}") from None
-    sign_list(folder, namespace.sign)
-    if namespace.json:
-        print_json(found.as_json())
-    console.say(f"sequence sha256 {found.sha256}")
-    console.say(f"folder {folder}")
-    return PASS
 
 
 @contextmanager

@@ -29,6 +29,13 @@ class Verified:
     differences: Mapping[str, tuple[Any, Any]]
 
 
+def code_changed(folder: Path) -> bool:
+    """Whether the code has changed since, so that a difference need not be a defect. Raises InputError."""
+    begun, request = read_manifest(folder)
+    ours = make_plan(request).identity
+    return any(begun.get(key) != ours[key] for key in ("law_sha256", "code_sha256", "learning_sha256", "system_sha256"))
+
+
 def verify(folder: Path, sequences: int, draw: int) -> Iterator[Verified]:
     """Run some sequences again through the nodes and compare every run to the last digit.
 
@@ -39,7 +46,7 @@ def verify(folder: Path, sequences: int, draw: int) -> Iterator[Verified]:
     begun, request = read_manifest(folder)
     check_hash_list(folder, MANIFEST, None)
     plan = make_plan(request)
-    for key in ("scenario_sha256", "law_sha256", "parameters"):
+    for key in ("scenario_sha256", "parameters"):
         if begun.get(key) != plan.identity[key]:
             allowed = f"{plan.identity[key]}, what this installation would run"
             raise InputError(folder / MANIFEST, f"study.{key}", Words(str(begun.get(key))), allowed)

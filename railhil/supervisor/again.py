@@ -109,6 +109,7 @@ def changes(run: Recorded) -> list[str]:
         "railhil": version("railhil"),
         "code_sha256": code_sha256(),
         "system_sha256": system.code_sha256(),
+        "law_sha256": system.law_sha256(str(run.certificate.get("controller"))),
         "dbc_sha256": system.contract.sha256,
     }
     differ = {key for key, value in now.items() if then.get(key) not in (None, value)}
@@ -121,4 +122,6 @@ def changes(run: Recorded) -> list[str]:
         found.append("the code of the bench has changed since the record (code_sha256)")
     if "system_sha256" in differ and "code_sha256" not in differ:
         found.append(f"the code of system {system.name} has changed since the record (system_sha256)")
+    if "law_sha256" in differ:
+        found.append("the distribution of the law has changed since the record (law_sha256)")
     return found

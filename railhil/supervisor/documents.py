@@ -147,6 +147,7 @@ class _Certificate(_Part):
     command_needs: str | None = None
     dbc_sha256: str | None = None
     code_sha256: str | None = None
+    law_sha256: str | None = None
     railhil: str | None = None
     hash_list: str | None = None
 

@@ -138,6 +138,8 @@ def certificate(
         "system_sha256": system_named(scenario.system).code_sha256(),
         "dbc_sha256": system_named(scenario.system).contract.sha256,
         "code_sha256": code,
+        # Of the distribution that provides the law; None: railhil.
+        "law_sha256": system_named(scenario.system).law_sha256(spec.law.controller),
         "own_parameters": None if result.origin is None else {"origin": result.origin.text},
         # What the law has declared about its notes in CTL_STAT; None: the controller has not reported it.
         "notes": _notes(result),

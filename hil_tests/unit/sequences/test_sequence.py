@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from hil_tests.support.cli import railhil
+from railhil.campaign.parts import claimed
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import FAIL, PASS
 from railhil.panel.recorded import RecordedRuns
@@ -133,3 +134,19 @@ def test_bad_input_is_one_line(given: tuple[str, ...], line: str, short: Path) -
 def test_another_sequence_is_not_mixed_in(sequence: Path, short: Path) -> None:
     with pytest.raises(InputError, match=r"sequence\.json: found another sequence, allowed the same one to go on"):
         main(words(short, sequence, "--bus", "local", runs=4))
+
+
+def test_a_second_process_in_the_same_folder_is_refused(sequence: Path, short: Path) -> None:
+    with claimed(sequence, "sequence"):
+        done = railhil("sequence", *words(short, sequence, "--bus", "local"))
+    assert done.exit_code == 2
+    assert f"{sequence}: found a sequence that is running there, allowed one process at a time" in done.err
+    assert main(words(short, sequence, "--bus", "local")) == PASS
+
+
+def test_a_sequence_is_not_gone_on_with_by_other_code(sequence: Path, short: Path) -> None:
+    path = sequence / "run003" / "certificate.json"
+    certificate = json.loads(path.read_text("utf-8"))
+    path.write_text(json.dumps(certificate | {"law_sha256": "0" * 64}), "utf-8")
+    with pytest.raises(InputError, match="found runs of other code: the distribution of the law has changed"):
+        main(words(short, sequence, "--bus", "local"))
