@@ -97,6 +97,14 @@ def any_judged_sha256(scenario: AnyScenario) -> str:
     return str(system.part("scenarios")(system).judged_sha256(scenario))
 
 
+def content_sha256(scenario: AnyScenario) -> str:
+    """Hash of what a run of any system uses, whatever the scenario is called."""
+    system = system_named(scenario.system)
+    kind = system.part("scenarios")(system)
+    unnamed = kind.stored(kind.document(scenario) | {"name": "unnamed"}, Path(SCENARIO))
+    return str(unnamed.sha256)
+
+
 def read_scenario(path: Path) -> AnyScenario:
     """The scenario in ``scenario.json`` of a run folder.
 

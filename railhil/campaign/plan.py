@@ -19,6 +19,7 @@ from railhil.common.errors import InputError, Words, did_you_mean
 from railhil.common.held_code import held_sha256
 from railhil.common.plug_ins import entries
 from railhil.controller_node import laws as registered
+from railhil.scenarios.design_seeds import chosen_on
 from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.parameters import ParameterSet, load_parameters
@@ -176,8 +177,8 @@ class Plan:
         The latter also with a parameter file, because parameters that it does not name keep the law's own values.
         """
         tuned = set() if entry.parameters is None else set(entry.parameters.seen(self.seeds))
-        chosen = _law(entry.law.controller, self.scenario.system).design_seeds.get(self.scenario.name, ())
-        return sorted(tuned.union(seed for seed in chosen if seed in self.seeds))
+        declared = _law(entry.law.controller, self.scenario.system).design_seeds
+        return sorted(tuned.union(chosen_on(declared, self.scenario, self.seeds)))
 
     @property
     def subject(self) -> dict[str, Any]:

@@ -18,6 +18,7 @@ from railhil.common.errors import InputError, Words
 from railhil.controller_node.law_controller import maker_of
 from railhil.controller_node.laws import find
 from railhil.controller_node.laws.memory import require_memory
+from railhil.scenarios.design_seeds import chosen_on
 from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.parameters import load_parameters
@@ -199,8 +200,8 @@ def _check_unseen(plan: Plan, last: int) -> None:
         found = Words(f"seed {tuned[0]}, on which these parameters were tuned")
         raise InputError(given.source, "training.seeds", found, "parameters tuned on other seeds, or another --seed")
     law = find(plan.law.controller, system_named(plan.scenario.system).laws)
-    chosen = law.design_seeds.get(plan.scenario.name, range(0))
-    seen = [seed for seed in chosen if seed in seeds] if plan.perturbed else []
+    drawn = plan.perturbed or plan.scenario.every_run_is_drawn
+    seen = chosen_on(law.design_seeds, plan.scenario, seeds) if drawn else []
     if seen:
         found = Words(f"seed {seen[0]}, on which {plan.law.controller}'s own parameters were chosen")
-        raise InputError("command line", "--seed", found, f"other seeds than {chosen.start} to {chosen[-1]}")
+        raise InputError("command line", "--seed", found, f"other seeds than {seen[0]} to {seen[-1]}")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from railhil.common.errors import InputError, Words
+from railhil.scenarios.design_seeds import chosen_on
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 from railhil.supervisor.telemetry import LawOrigin
@@ -23,7 +24,7 @@ def seed_was_trained(scenario: AnyScenario, run: RunSpec, origin: LawOrigin | No
     if origin is None:
         return None
     # Also with a parameter file: parameters that it does not name keep the law's own values.
-    return run.seed in origin.design_seeds.get(scenario.name, ())
+    return bool(chosen_on(origin.design_seeds, scenario, [run.seed]))
 
 
 def check_unseen(scenario: AnyScenario, run: RunSpec, origin: LawOrigin | None = None) -> None:

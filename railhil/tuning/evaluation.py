@@ -13,6 +13,7 @@ from railhil.batch.statistics import quantile
 from railhil.common.errors import InputError, Words
 from railhil.common.output import Output, table
 from railhil.controller_node.laws import load
+from railhil.scenarios.design_seeds import chosen_on
 from railhil.scenarios.model import watch_sentence
 from railhil.scenarios.parameters import ParameterSet
 from railhil.supervisor.criteria import ATO_CRITERIA, OVERSPEED, STOP_ERROR, Criterion, limited
@@ -37,8 +38,7 @@ class Evaluation:
 
 def _designed_on(case: Case, seeds: range) -> list[int]:
     """Seeds on which the law's own parameters were chosen, which still apply to those that the file does not name."""
-    chosen = load(case.law.controller).design_seeds.get(case.scenario.name, ())
-    return [seed for seed in chosen if seed in seeds]
+    return chosen_on(load(case.law.controller).design_seeds, case.scenario, seeds)
 
 
 def check_seeds(case: Case, given: ParameterSet, seeds: range) -> None:

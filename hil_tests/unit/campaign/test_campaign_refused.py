@@ -13,6 +13,7 @@ from railhil.campaign.manifest import manifest, read_manifest
 from railhil.campaign.plan import Request, make_plan
 from railhil.campaign.summary import training_sentence
 from railhil.campaign.work import task_of
+from railhil.common.errors import InputError
 from railhil.common.extras import install_command
 from railhil.common.law_order import in_order
 from railhil.controller_node.laws import names
@@ -33,6 +34,10 @@ def test_seeds_on_which_a_law_was_designed_are_refused(campaign, short):
     assert training_sentence(plan) == (
         "NOT AN EVALUATION: parameters were tuned or chosen on seeds of this campaign (ipfc_plus on 2 of 3 runs)"
     )
+    # The same runs under another name are the same runs.
+    Path("copy.toml").write_text('schema_version = 1\nextends = "lvshun_tieshan"\nname = "copy"\ntitle = "Copy"\n')
+    with pytest.raises(InputError, match="found seed 0, on which ipfc_plus's own parameters were chosen"):
+        make_plan(Request("copy.toml", first_seed=0, runs=5, laws=("ipfc_plus",)))
     # On another scenario it was not designed, and from 200 on it has seen nothing.
     assert make_plan(replace(request, scenario=str(short)))
     assert make_plan(replace(request, first_seed=200))

@@ -8,6 +8,7 @@ import pytest
 
 from railhil.common.errors import InputError
 from railhil.controller_node.laws.high_speed.delay_gpc import DelayGpc
+from railhil.scenarios.design_seeds import chosen_on
 from railhil.scenarios.load import load_any
 from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.run_spec import LawSpec, RunSpec
@@ -50,3 +51,28 @@ def test_our_law_is_not_evaluated_on_the_seeds_of_its_design() -> None:
     with pytest.raises(InputError, match="105, on which delay_gpc's own parameters were chosen"):
         check_unseen(scenario, RunSpec(scenario.name, law=law, seed=105), origin)
     check_unseen(scenario, RunSpec(scenario.name, law=law, seed=211), origin)
+
+
+EXTENDS = 'schema_version = 1\nsystem = "{system}"\nextends = "{name}"\nname = "mine"\ntitle = "Mine"\n'
+
+
+@pytest.mark.parametrize(
+    ("name", "system", "judged", "other"),
+    [
+        ("lvshun_tieshan", "ato", "plan.stop_error_max_m=0.1", "watch.emergency_ms=900"),
+        ("jinan_xuzhou", "hst1", "task.rmse_max_kmh=0.9", "task.gradient_permil=3"),
+    ],
+)
+def test_a_scenario_is_known_by_its_content_whatever_it_is_called(
+    name: str, system: str, judged: str, other: str, tmp_path: Path
+) -> None:
+    mine = tmp_path / "mine.toml"
+    text = EXTENDS.format(system=system, name=name)
+    mine.write_text(text if system != "ato" else text.replace('system = "ato"\n', ""))
+    seeds = range(95, 105)
+    assert [chosen_on(CHOSEN.design_seeds, load_any(str(mine), given), seeds) for given in ((), (judged,))] == [
+        [100, 101, 102, 103, 104]
+    ] * 2
+    assert chosen_on(CHOSEN.design_seeds, load_any(str(mine), (other,)), seeds) == []
+    assert chosen_on(CHOSEN.design_seeds, load_any(name, (other,)), seeds) == [100, 101, 102, 103, 104]
+    assert chosen_on({"a_scenario_that_is_gone": range(200)}, load_any(name), seeds) == []
