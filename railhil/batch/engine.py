@@ -111,7 +111,9 @@ class Engine:
         """Score of each run, from the sums computed in the compiled loop."""
         scenario, times, records = self._case.scenario, self.times, fleet.records
         stand_to_the_end(self.common, fleet.tables, records)
-        itae = measures.itae_kmh_s2(fleet.tables.error_sums_kmh.T, self.grid.counts, self.grid.period_s)
+        itae = measures.itae_kmh_s2(
+            fleet.tables.error_sums_kmh.T, self.grid.counts, self.grid.period_s, self.grid.shares
+        )
         last_s = times.truth_s[records["samples"] - 1]
         ticks = (last_s / (scenario.timing.control_period_ns / 1e9)).astype(np.int64)
         column = times.control_columns[np.minimum(np.arange(ticks.max() + 1), ticks[:, None])]

@@ -64,7 +64,7 @@ class ErrorGrid:
     """Where the ITAE compares speed and set-point: at every SIM_TRUTH until the end of the timetable.
 
     ``time_s`` and ``cycle`` (control period of each, from 0) have the shape (n,); ``counts`` (cycles,) is their number
-    in each cycle.
+    in each cycle, ``shares`` (cycles,) what part of each lies in the timetable: 1 but for the last one.
     """
 
     step_s: float
@@ -72,18 +72,21 @@ class ErrorGrid:
     time_s: FloatArray
     cycle: npt.NDArray[np.int64]
     counts: npt.NDArray[np.int64]
+    shares: FloatArray
 
     @classmethod
     def of(cls, scenario: Scenario) -> ErrorGrid:
         """Grid of a scenario."""
         period_s = scenario.timing.control_period_ns / 1e9
-        cycles = math.ceil(round(scenario.plan.running_time_s / period_s, 9))
+        wanted = round(scenario.plan.running_time_s / period_s, 9)
+        cycles = math.ceil(wanted)
         step_s = _samples(scenario)
-        time_s: FloatArray = np.asarray(np.arange(1, round(cycles * period_s / step_s) + 1) * step_s, dtype=np.float64)
+        samples = math.floor(round(scenario.plan.running_time_s / step_s, 9))
+        time_s: FloatArray = np.asarray(np.arange(1, samples + 1) * step_s, dtype=np.float64)
         cycle = np.ceil(np.round(time_s / period_s, 9)).astype(np.int64) - 1
-        inside = cycle < cycles
-        time_s, cycle = time_s[inside], cycle[inside]
-        return cls(step_s, period_s, time_s, cycle, np.bincount(cycle, minlength=cycles))
+        shares = np.ones(cycles)
+        shares[-1] = wanted - (cycles - 1)
+        return cls(step_s, period_s, time_s, cycle, np.bincount(cycle, minlength=cycles), shares)
 
 
 def itae_kmh_s2(run: Journey) -> float:
@@ -96,7 +99,7 @@ def itae_kmh_s2(run: Journey) -> float:
     else:
         wanted = np.asarray(target.speed_mps(grid.time_s))
     sums = np.bincount(grid.cycle, weights=measures.error_kmh(wanted, speed), minlength=len(grid.counts))
-    return float(measures.itae_kmh_s2(sums, grid.counts, grid.period_s))
+    return float(measures.itae_kmh_s2(sums, grid.counts, grid.period_s, grid.shares))
 
 
 def energy_kj(run: Journey) -> float:

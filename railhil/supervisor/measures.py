@@ -51,14 +51,15 @@ def limits_under_train(limits: Profile, front_m: Any, length_m: float) -> Any:
     return allowed
 
 
-def itae_kmh_s2(sums_kmh: Any, counts: Any, period_s: float) -> Any:
+def itae_kmh_s2(sums_kmh: Any, counts: Any, period_s: float, shares: Any) -> Any:
     """Eq. (4): sum of k Tc^2 times the mean |e| of cycle k, from the sum over the samples of each cycle.
 
     :param sums_kmh: shape (..., cycles); cycle 1 comes first.
     :param counts: samples of each cycle, shape (cycles,).
+    :param shares: of each cycle that lies in the timetable, shape (cycles,); the last cycle may be cut off by its end.
     """
     cycles = np.arange(1, counts.size + 1)
-    return total(cycles * period_s**2 * sums_kmh / np.maximum(counts, 1))
+    return total(cycles * period_s**2 * sums_kmh / np.maximum(counts, 1) * shares)
 
 
 def comfort_mps2_per_km(accel_mps2: Any, distance_m: float) -> Any:

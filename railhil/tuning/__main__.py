@@ -35,6 +35,8 @@ if TYPE_CHECKING:
 
 # Modules that run the bench are imported where they are used: help and list do not need the extra libraries.
 
+#: Values closer than this are the same: a search reaches the law's own through a logarithm.
+_SAME = 1e-9
 _INTERRUPTED = 128 + signal.SIGINT
 
 
@@ -167,16 +169,20 @@ def _keep_the_better(judged: Evaluation, protocol: Protocol, found: Found, file:
     :returns: why the tuned ones were discarded, None if they were kept.
     """
     from railhil.tuning.document import document
-    from railhil.tuning.evaluation import worse
+    from railhil.tuning.evaluation import better, worse
     from railhil.tuning.search import Box
 
     runs = f"on the {len(judged.tuned.seed)} runs of the evaluation"
-    said = worse(judged, found.scale)
-    if not said:
-        console.say(f"the tuned parameters are the better set {runs}: kept in {file}", style="bold")
-        return None
     box = Box.of(protocol.law.controller)
     own = dict(zip(box.names, box.default, strict=True))
+    if all(math.isclose(found.values[name], own[name], rel_tol=_SAME) for name in own):
+        console.say(f"no better set was found: {file} holds the law's own parameters", style="bold yellow")
+        return None
+    said = worse(judged, found.scale)
+    if not said:
+        how = "the better set" if better(judged, found.scale) else "as good as the law's own"
+        console.say(f"the tuned parameters are {how} {runs}: kept in {file}", style="bold")
+        return None
     kept = replace(found, values=own, objective=found.objective_default, laid_aside=", ".join(said))
     _write(file, document(protocol, kept))
     console.say(

@@ -75,6 +75,11 @@ def _digits(criterion: Criterion) -> int:
     return criterion.digits if criterion.tuning_digits is None else criterion.tuning_digits
 
 
+def better(found: Evaluation, scale: Scale) -> bool:
+    """Whether the objective of the search is smaller with the tuned parameters on these runs."""
+    return objective(scale, found.tuned.scores) < objective(scale, found.default.scores)
+
+
 def worse(found: Evaluation, scale: Scale) -> list[str]:
     """The respects in which the tuned parameters are worse than the law's own; empty if they are kept.
 

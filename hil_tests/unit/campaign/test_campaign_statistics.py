@@ -9,7 +9,7 @@ from types import ModuleType
 import numpy as np
 import pytest
 
-from railhil.batch.statistics import Estimate, differences, estimate, order_ranks, quantile, share
+from railhil.batch.statistics import Estimate, at_most, differences, estimate, order_ranks, quantile, share
 
 
 def stats() -> ModuleType:
@@ -107,3 +107,17 @@ def test_no_bound_is_not_an_infinite_one():
     assert estimate(np.full(9, math.nan), 0.95) == Estimate(math.inf, math.inf, None)
     assert estimate(np.full(9, -math.inf), 0.5) == Estimate(-math.inf, -math.inf, -math.inf)
     assert estimate(np.arange(5.0), 0.5) == Estimate(2.0, None, None)
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 10, 11, 20, 60, 150, 299])
+@pytest.mark.parametrize("q", [0.5, 0.9, 0.95])
+def test_at_most_is_the_least_value_that_a_share_of_the_values_reaches(count, q):
+    values = np.arange(1.0, count + 1.0)
+    found = at_most(values, q)
+    assert np.mean(values <= found) >= q - 1e-12
+    assert np.mean(values <= found - 1) < q - 1e-12
+
+
+def test_in_90_percent_of_ten_sequences_at_most_the_ninth():
+    assert at_most(np.array([10.0, 1, 9, 2, 8, 3, 7, 4, 6, 5]), 0.9) == 9.0
+    assert at_most(np.array([1.0, np.inf]), 0.5) == 1.0

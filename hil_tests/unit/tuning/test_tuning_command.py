@@ -24,7 +24,7 @@ from railhil.scenarios.run_spec import LawSpec
 from railhil.supervisor.criteria import ATO_CRITERIA, STOP_ERROR
 from railhil.tuning import __main__ as tool
 from railhil.tuning.command import seed_list
-from railhil.tuning.evaluation import Evaluation, evaluate, quantiles, worse
+from railhil.tuning.evaluation import Evaluation, better, evaluate, quantiles, worse
 from railhil.tuning.objective import Scale
 from railhil.tuning.search import Box, Protocol, search
 from railhil.tuning.shipped import shipped
@@ -78,6 +78,17 @@ def test_a_set_that_is_worse_on_other_runs_is_laid_aside(
     assert notes["objective_tuned"] == notes["objective_default"]
 
 
+def test_the_laws_own_parameters_are_not_called_the_better_set(
+    quick: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "own.toml"
+    monkeypatch.setattr(Trials, "of", lambda self, given: [None for _ in given])
+    words = ["fuzzy_pid", str(quick), "--budget", "10", "--seeds", "0", "--runs", "2", "--out", str(file)]
+    assert tool.main(words) == 0
+    last = capsys.readouterr().out.splitlines()[-1]
+    assert last == f"no better set was found: {file} holds the law's own parameters"
+
+
 def test_what_counts_as_worse(short: Scenario) -> None:
     result = run_batch(Case(short, LawSpec("ipfc", "float64")), (2, 3, 4))
     given = ParameterSet("ipfc", {}, Path("tuned.toml"))
@@ -89,6 +100,8 @@ def test_what_counts_as_worse(short: Scenario) -> None:
         )
 
     assert said() == []
+    same = Evaluation(Case(short, LawSpec("ipfc", "float64")), given, (), result, result)
+    assert not better(same, scale), "as good"
     more = tuple(with_values(score, itae=2 * score.values["itae"]) for score in result.scores)
     assert [text.split()[0] for text in said(scores=more)] == ["objective"]
     assert said(scores=tuple(with_values(score, itae=0.5 * score.values["itae"]) for score in result.scores)) == []
@@ -149,7 +162,9 @@ def test_tune_as_a_user_runs_it(
     shown = evaluated()
     *before, last = done.out.splitlines()
     assert "\n".join(before).endswith(shown.rstrip("\n"))
-    assert last.startswith(("the tuned parameters are the better set on the 4 runs", "WORSE than the law's own"))
+    assert last.startswith(
+        ("the tuned parameters are the better set on the 4 runs", "WORSE than the law's own", "no better set was found")
+    )
     told = json.loads(evaluated("--json"))
     assert (told["runs"], told["first_seed"], told["training_seeds"]) == (4, 1000, [])
     assert told["tuned"]["scores"].keys() == told["default"]["scores"].keys()

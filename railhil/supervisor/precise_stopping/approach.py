@@ -79,14 +79,22 @@ class Approach:
         return self.stopped_s
 
     def jerk_mps3(self) -> float | None:
-        """Largest change of the acceleration by traction and brake, over :data:`_JERK_S`, until the standstill."""
-        drive_mps2 = self.drive_mps2[self.speed_mps > 0.0]
-        if len(self.time_s) < 2 or self.time_s[1] <= self.time_s[0]:
+        """Largest change of the acceleration by traction and brake, over :data:`_JERK_S`, until the standstill.
+
+        The instants are found by their times: a telegram that is missing is no change of the time between the others.
+        """
+        moves = self.speed_mps > 0.0
+        time_s, drive_mps2 = self.time_s[moves], self.drive_mps2[moves]
+        if len(time_s) < 2:
             return None
-        rows = max(1, round(_JERK_S / float(self.time_s[1] - self.time_s[0])))
-        if len(drive_mps2) <= rows:
+        step_s = float(np.median(np.diff(self.time_s)))
+        later_s = time_s + max(1, round(_JERK_S / step_s)) * step_s
+        later = np.searchsorted(time_s, later_s - step_s / 2)
+        there = np.flatnonzero(later < len(time_s))
+        there = there[np.abs(time_s[later[there]] - later_s[there]) < step_s / 2]
+        if not len(there):
             return None
-        return float(np.abs(drive_mps2[rows:] - drive_mps2[:-rows]).max()) / _JERK_S
+        return float(np.abs(drive_mps2[later[there]] - drive_mps2[there]).max()) / _JERK_S
 
     def brake_travel_mps2(self) -> float | None:
         """Sum of all changes of the command: a brake that is commanded once travels its rate."""
