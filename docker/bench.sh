@@ -18,6 +18,12 @@ up="up --exit-code-from supervisor"
 
 say() { echo "$role: $*" >&2; }
 
+# A setting that is there but wrong is none that was left out. The commands check all others.
+only() { say "$1: found $2, allowed $3"; exit 2; }
+case ${START_TIMEOUT:-60} in *[!0-9]*) only START_TIMEOUT "$START_TIMEOUT" "whole seconds" ;; esac
+case ${WAIT:-1} in 1) ;; *) only WAIT "$WAIT" "1, or nothing" ;; esac
+case ${CATALOGUE:-1} in 1) ;; *) only CATALOGUE "$CATALOGUE" "1, or nothing" ;; esac
+
 # Wait until a file of the volume is there; not zero when there is a problem in its place.
 await() {
     tries=$((START_TIMEOUT * 10))

@@ -34,7 +34,8 @@ def with_own_words(scenario: S, layers: Layers, read: Callable[[Layers], S], run
         _, inside = layers.changes_since(section, "assumptions")
         other += [keys for keys in inside if keys[0] == section and len(keys) > 1 and keys not in other]
     if assumptions and other:
-        assumptions.append(f"changed here: {_listed(other)}; sentences about them are those of {of.stem}")
+        title = ", and the title," if layers.place("title") >= layers.place("assumptions") else ""
+        assumptions.append(f"changed here: {_listed(other)}; sentences about them{title} are those of {of.stem}")
     if published and layers.place("published"):
         of, other = layers.changes_since("published")
         try:

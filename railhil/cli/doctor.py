@@ -13,6 +13,7 @@ from pathlib import Path
 import can
 
 from railhil.bus.can_settings import add_bus_arguments
+from railhil.bus.configured import configured
 from railhil.bus.errors import BusLost, BusUnavailable
 from railhil.bus.hub.modelled import HUB
 from railhil.bus.limits import LIMITS
@@ -88,8 +89,8 @@ def findings(quick: bool) -> list[Finding]:
 
 
 def _asked_bus(namespace: argparse.Namespace, choice: BusChoice) -> Finding | None:
-    """Whether the bus named by the user can be opened; None if none is named."""
-    if not config_from_namespace(namespace):
+    """Whether the bus named by the user, or by python-can's configuration, can be opened; None if none is named."""
+    if not config_from_namespace(namespace) and not configured({}):
         return None
     try:
         link = open_link(choice.config)
@@ -104,8 +105,9 @@ def _asked_bus(namespace: argparse.Namespace, choice: BusChoice) -> Finding | No
     finally:
         link.close()
     heard, garbage = link.counters["received"], link.counters["garbage"]
+    # One piece of a line may have been under way.
     found = f"{choice.transport} can be opened; in {_LISTEN_S:g} s {heard} frames, unreadable input {garbage} times"
-    return Finding("bus asked for", found, _SEE if garbage > heard else "")
+    return Finding("bus asked for", found, _SEE if garbage > heard + 1 else "")
 
 
 def _fmu(namespace: argparse.Namespace) -> int:

@@ -90,3 +90,13 @@ def test_the_catalogue_is_prepared_too() -> None:
     found = prepared_faults("lvshun_tieshan", True)
     assert found[0] == EMERGENCY
     assert len(found) > 40
+
+
+@pytest.mark.parametrize(("name", "value"), [("START_TIMEOUT", "60s"), ("WAIT", "0"), ("CATALOGUE", "false")])
+def test_a_wrong_setting_of_the_containers_is_refused_by_its_name(name: str, value: str) -> None:
+    words = ["sh", str(ROOT / "docker/bench.sh"), "supervisor"]
+    done = subprocess.run(
+        words, env={**NAMES, name: value, "PATH": os.environ["PATH"]}, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 2
+    assert done.stderr.startswith(f"supervisor: {name}: found {value}, allowed ")

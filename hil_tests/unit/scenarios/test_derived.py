@@ -65,6 +65,11 @@ def test_so_they_are_with_a_setting(setting: str) -> None:
     assert said_of(found, f"changed here: {setting.partition('=')[0]};")
 
 
+def test_a_title_that_is_inherited_is_said_too() -> None:
+    (said,) = said_of(load("lvshun_tieshan", ["train.mass_t=215"]), "changed here")
+    assert said == "changed here: train.mass_t; sentences about them, and the title, are those of lvshun_tieshan"
+
+
 @pytest.mark.parametrize("body", ["", "[plan]\nstop_error_max_m = 0.2\n", "[train]\nmass_t = 211\n[line]\n"])
 def test_the_same_run_keeps_them(tmp_path: Path, body: str) -> None:
     assert based(tmp_path, body).published == load("lvshun_tieshan").published != ()
