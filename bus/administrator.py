@@ -13,13 +13,14 @@ from typing import Final
 
 from railhil.bus.clock import Pacer
 from railhil.bus.errors import BusOccupied, PeerSilent
-from railhil.bus.frame import BRS, FD, Frame
+from railhil.bus.frame import Frame
 from railhil.bus.hub.wire import pack_frame
 from railhil.bus.ident import Role
 from railhil.bus.layout import Telegram
 from railhil.bus.link import Endpoint
 from railhil.bus.link.base import PackedEnd
 from railhil.bus.mvb import F_DEVICE_STATUS, TelegramSource, master_frame, parse_device_status
+from railhil.bus.own_frames import OwnFrames
 from railhil.bus.store import TrafficStore
 from railhil.common.patience import PATIENCE_S
 from railhil.dbc import Contract, Port, wire_contract
@@ -76,6 +77,7 @@ class Administrator:
         self._monotonic_ns = pacer.wall.monotonic_ns
         self._sources = {port.name: TelegramSource(port, fd) for port in published}
         # Identifiers of the frame that completes a telegram, for classic CAN and CAN FD.
+        self._own = OwnFrames(contract)
         self._last_ids = {port.name: (port.can_ids[-1], port.fd_id) for port in contract.ports}
         self._queue: list[Frame] = []
         self._ahead = None if pacer.rate else ahead
@@ -196,13 +198,14 @@ class Administrator:
         name, last_ids = port.name, self._last_ids[port.name]
         committed = None
         for frame in self._endpoint.receive(timeout_ns / 1e9):
-            if not frame.data and frame.can_id in last_ids and not frame.flags:
+            is_last = frame.can_id in last_ids and frame in self._own
+            if is_last and not frame.data:
                 # Under a fault a source says that it does not answer; nobody would wait for it in real time.
                 self.counters["no_answer"] += 1
                 committed = False if committed is None else committed
             elif self._store.feed(frame, self._now_ns()) == name:
                 committed = True
-            elif frame.can_id in last_ids and committed is None and not frame.flags & ~(FD | BRS):
+            elif is_last and committed is None:
                 committed = False
         return committed
 
@@ -243,7 +246,9 @@ class Administrator:
         contract = wire_contract()
         answers: Counter[int] = Counter()
         for frame in frames:
-            if frame.can_id == contract.poll_id and not frame.flags:
+            if frame not in self._own:
+                continue
+            if frame.can_id == contract.poll_id:
                 raise BusOccupied("another bus administrator polls on this bus: one bench at a time")
             if frame.can_id == contract.device_status_id:
                 answer = parse_device_status(frame.data)

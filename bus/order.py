@@ -14,6 +14,7 @@ import time
 
 from railhil.bus.frame import Frame
 from railhil.bus.mvb import F_DEVICE_STATUS
+from railhil.bus.own_frames import OwnFrames
 from railhil.dbc import Contract, wire_contract
 
 #: Silence after which held frames are released. A slow controller, or a short outage of the bus, must not change the
@@ -39,6 +40,7 @@ class BusOrder:
     ) -> None:
         contract = contract or wire_contract()
         self._poll_id = contract.poll_id
+        self._own = OwnFrames(contract)
         self._answers = {
             port.address: (port.fd_id,) if fd else port.can_ids for port in contract.ports if port.source == source
         }
@@ -54,11 +56,12 @@ class BusOrder:
     def feed(self, frame: Frame) -> list[Frame]:
         """Take the next frame as it arrived; returns what can be recorded now."""
         self._silent_since_s = None
+        is_own = frame in self._own
         if self._awaited:
-            if frame.can_id == self._awaited[-1] and not frame.data:
+            if is_own and frame.can_id == self._awaited[-1] and not frame.data:
                 # The source says that it does not answer.
                 self._awaited = [frame.can_id]
-            if frame.can_id != self._awaited[0]:
+            if not is_own or frame.can_id != self._awaited[0]:
                 self._held.append(frame)
                 self.moved += 1
                 return []
@@ -67,6 +70,8 @@ class BusOrder:
                 return [frame]
             held, self._held = self._held, []
             return [frame, *(item for later in held for item in self.feed(later))]
+        if not is_own:
+            return [frame]
         if frame.can_id in self._answer_ids:
             self._early.append(frame)
             self.moved += 1

@@ -13,15 +13,13 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Final
 
-from railhil.bus.frame import ERROR, EXTENDED, REMOTE, Frame
+from railhil.bus.frame import Frame
 from railhil.bus.hub.wire import CLASSIC_SIZE
 from railhil.common.exit_codes import finish_undisturbed
 from railhil.common.whole_file import whole_file
 
 #: Frames that are kept as they are before their data are put together: a node sends about 500 per simulated second.
 _BATCH: Final = 4096
-#: Flags of frames that are no telegrams, whatever their identifier: they have no owner.
-NO_TELEGRAM: Final = ERROR | EXTENDED | REMOTE
 
 
 class SentFrames:

@@ -24,7 +24,7 @@ from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import system_named
 from railhil.supervisor.fault_report import fault_outcomes, missed_faults
-from railhil.supervisor.framelog import FrameLog
+from railhil.supervisor.framelog import FrameLog, telegrams_sha256
 from railhil.supervisor.jitter import lockstep_timing
 from railhil.supervisor.judging import judging_of
 from railhil.supervisor.log_trace import trace_of_log
@@ -162,6 +162,8 @@ class LocalRun:
             line=line or "; ".join(found.failures),
             frames=session.frames,
             frames_sha256=sha256,
+            telegrams_sha256=telegrams_sha256(self.log.path, contract) if self.trace.foreign else sha256,
+            other_frames=self.trace.foreign,
             wall_time_s=(session.last_poll_ns - session.first_frame_ns) / 1e9 if recording else 0.0,
             sim_time_s=session.sim_time_s,
             first_frame_s=(session.first_frame_ns - self._started_ns) / 1e9 if recording else float("nan"),

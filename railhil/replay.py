@@ -17,6 +17,7 @@ from typing import Any
 from railhil.bus.errors import BusError
 from railhil.bus.frame import FD, Frame
 from railhil.bus.mvb import F_DEVICE_STATUS, device_status_frame, parse_master_frame
+from railhil.bus.own_frames import OwnFrames
 from railhil.controller_node.any_controller import AnyController
 from railhil.controller_node.faulty import controller_of
 from railhil.dbc import Contract
@@ -101,11 +102,11 @@ def replay(node: str, record: Sequence[Timed], scenario: AnyScenario, spec: RunS
 def _drive_controller(
     controller: AnyController, record: Sequence[Timed], replayed: Replayed, contract: Contract
 ) -> None:
-    own = _ids(contract, "controller")
+    own, ours = _ids(contract, "controller"), OwnFrames(contract)
     words = FrameWords(contract)
     waiting: dict[str, deque[Frame]] = defaultdict(deque)
     for line, (time_ns, frame) in enumerate(record, 1):
-        name = own.get(frame.can_id)
+        name = own.get(frame.can_id) if frame in ours else None
         if name is None:
             answers = controller.handle(frame)
             if answers:
@@ -150,6 +151,7 @@ class RecordedBus:
         self._inbox: list[Frame] = []
         self._diverged = False
         self._poll_id = contract.poll_id
+        self._ours = OwnFrames(contract)
         self._own = _ids(contract, "plant") | {contract.poll_id: "polls"}
         self._words = FrameWords(contract)
 
@@ -180,9 +182,13 @@ class RecordedBus:
         if recorded.can_id != frame.can_id or (frame.can_id == self._poll_id and recorded != frame):
             self._diverged = True
             raise _RecordEnds
-        while self._next < len(self._record) and (answer := self._record[self._next][1]).can_id not in self._own:
+        while self._next < len(self._record) and not self._is_sent(answer := self._record[self._next][1]):
             self._inbox.append(answer)
             self._next += 1
+
+    def _is_sent(self, frame: Frame) -> bool:
+        """Whether a recorded frame is the plant's."""
+        return frame.can_id in self._own and frame in self._ours
 
     def receive(self, timeout_s: float | None) -> list[Frame]:
         """Recorded answers since the last call; nothing can arrive later, so the time-out is not waited for."""

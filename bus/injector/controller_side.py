@@ -11,10 +11,11 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Protocol
 
 from railhil.bus.codes import Event
-from railhil.bus.frame import BRS, FD, Frame
+from railhil.bus.frame import Frame
 from railhil.bus.injector.holding import LOST
 from railhil.bus.injector.node_faults import NodeFaults
 from railhil.bus.mvb import parse_master_frame
+from railhil.bus.own_frames import OwnFrames
 from railhil.bus.reception import Document, Gap, summed
 from railhil.dbc import Contract, Port
 
@@ -57,6 +58,7 @@ class FaultyController:
         self._kill = kill
         self._pause = pause
         self._poll_id = contract.poll_id
+        self._own = OwnFrames(contract)
         self._polled: Mapping[int, Port] = {
             port.f_code << 12 | port.address: port
             for port in contract.ports
@@ -107,12 +109,12 @@ class FaultyController:
             self.faults.see(answer)
         left = list(self.faults.passes(answers))
         ends = (port.can_ids[-1], port.fd_id)
-        answered = any(one.can_id in ends and not one.flags & ~(FD | BRS) for one in left)
+        answered = any(one.can_id in ends and one in self._own for one in left)
         return left if answered else [*left, *self._nothing(port)]
 
     def _asked(self, frame: Frame) -> Port | None:
         """The port that a frame asks for; None: it asks for none of this controller."""
-        if frame.can_id != self._poll_id or frame.flags:
+        if frame.can_id != self._poll_id or frame not in self._own:
             return None
         asked = parse_master_frame(frame.data)
         return None if asked is None else self._polled.get(asked[0] << 12 | asked[1])

@@ -40,6 +40,18 @@ def test_the_same_bytes_are_one_line(here: Railhil, short: Path) -> None:
     assert "seed 3" in line
 
 
+def test_frames_of_others_are_no_difference(here: Railhil, copy: Path) -> None:
+    """As on a shared bus: a record with them, and one of the same telegrams without."""
+    log = (copy / "frames.log").read_text().splitlines(keepends=True)
+    rewritten(copy, [*log[:90], "(0.020000) mvb0 00000118#1122 R\n", *log[90:]])
+    certified(copy, other_frames=1)
+    done = here("rerun", copy)
+    assert done.exit_code == 0
+    assert done.out.startswith("same telegrams, beside 1 recorded frames of others and 0 now: sha256 ")
+    certified(copy, telegrams_sha256="0" * 64)
+    assert here("rerun", copy).exit_code == 1
+
+
 def test_the_repeated_run_is_kept_where_it_is_asked_for(here: Railhil, short: Path, tmp_path: Path) -> None:
     done = here("rerun", short, "--out", tmp_path / "again", "--json")
     assert done.json["same"]

@@ -55,6 +55,8 @@ def print_result(
     if result.telemetry is not None:
         console.say(f"arithmetic: {result.telemetry.sentence()}")
     console.say(f"frames.log sha256 {result.frames_sha256}")
+    if result.other_frames:
+        console.say(f"without {result.other_frames} frames of others: sha256 {result.telegrams_sha256}")
     console.say(f"run folder {folder}")
     for line in notes:
         console.say(line)

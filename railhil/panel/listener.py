@@ -6,11 +6,12 @@ from collections import Counter, deque
 from collections.abc import Iterable
 
 from railhil.bus.clock import BusClock
-from railhil.bus.frame import ERROR, Frame
+from railhil.bus.frame import Frame
 from railhil.bus.ident import PltIdent
 from railhil.bus.lifesign import MAX_STEP
 from railhil.bus.load import longest_frame_bits
 from railhil.bus.mvb import master_tail
+from railhil.bus.own_frames import OwnFrames
 from railhil.bus.schedule import Schedule
 from railhil.bus.store import TrafficStore
 from railhil.bus.telegrams import TimeSync
@@ -49,6 +50,7 @@ class Listener:
         clock_port = contract.clock_port
         self._clock_ids = {clock_port.address, clock_port.fd_id}
         self._poll_id = contract.poll_id
+        self._own = OwnFrames(contract)
         self._polls = {
             master_tail(port.f_code, port.address): port.name for port in contract.ports if port.mode == "poll"
         }
@@ -125,7 +127,7 @@ class Listener:
             self._bits, self._load_from_ns = 0, now_ns
         if can_id in self.watched:
             self.watched[can_id].append((now_ns / 1e9, data))
-        if can_id == self._poll_id and not flags & ERROR:
+        if can_id == self._poll_id and frame in self._own:
             self._polled(data)
             return
         port = self.store.feed(frame, now_ns)

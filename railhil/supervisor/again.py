@@ -39,6 +39,11 @@ class Recorded:
         """Of its ``frames.log``, from the certificate."""
         return str(self.certificate["frames_sha256"])
 
+    @property
+    def telegrams_sha256(self) -> str:
+        """Of the frames of its wire contract alone; empty: the certificate does not say it."""
+        return str(self.certificate.get("telegrams_sha256") or "")
+
 
 def recorded(text: str, fmu: PlantFmu | None = None) -> Recorded:
     """The run of a run folder or of a certificate.

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 from itertools import zip_longest
 from typing import Any
 
-from railhil.bus.frame import FD, REMOTE, Frame
+from railhil.bus.frame import FD, Frame
 from railhil.bus.mvb import master_tail
+from railhil.bus.own_frames import OwnFrames
 from railhil.dbc import Contract, Port, Signal
 
 #: A frame and its simulation time in ns.
@@ -63,6 +64,7 @@ class FrameWords:
 
     def __init__(self, contract: Contract) -> None:
         self._poll_id = contract.poll_id
+        self._own = OwnFrames(contract)
         # CAN identifier -> port and block; -1 the trailer, None the CAN FD form.
         self._parts: dict[int, tuple[Port, int | None]] = {}
         for port in contract.ports:
@@ -73,11 +75,12 @@ class FrameWords:
 
     def name(self, frame: Frame) -> str:
         """What the frame is: port and source, a poll, or a frame of no port."""
-        if frame.can_id == self._poll_id:
+        is_own = frame in self._own
+        if is_own and frame.can_id == self._poll_id:
             asked = self._polled.get(frame.data)
             return f"poll of {asked}" if asked else f"poll {frame.data.hex().upper()}"
         port, part = self._parts.get(frame.can_id, (None, None))
-        if port is None:
+        if port is None or not is_own:
             return f"frame {frame.can_id:03X} of no port"
         block = f" block {part}" if part is not None and port.blocks > 1 and part >= 0 else ""
         return f"{port.name}{' trailer' if part == -1 else block} ({port.source})"
@@ -87,7 +90,7 @@ class FrameWords:
         data = frame.data
         found = {"flags": f"{frame.flags:X}"} if frame.flags & ~FD else {}
         port, part = self._parts.get(frame.can_id, (None, None))
-        if frame.can_id == self._poll_id or port is None or frame.flags & REMOTE:
+        if port is None or frame not in self._own:
             return found | {"data": data.hex().upper()}
         if part == -1:
             return found | _trailer(data, port.blocks)

@@ -141,6 +141,8 @@ class _Certificate(_Part):
     transport: str | None = None
     frames: int | None = None
     frames_sha256: str | None = None
+    telegrams_sha256: str | None = None
+    other_frames: int | None = None
     verdict: str | None = None
     line: str | None = None
     command: str | None = None

@@ -8,6 +8,7 @@ from railhil.bus.codes import Event
 from railhil.common.exit_codes import FAIL, INVALID, PASS, TOOL_ERROR, USAGE
 from railhil.common.scheduling import said_in
 from railhil.supervisor.fault_report import FaultOutcome, missed_faults
+from railhil.supervisor.framelog import telegrams_sha256
 from railhil.supervisor.jitter import (
     WALL,
     RunTiming,
@@ -82,6 +83,8 @@ def result_of(
         line=line or "; ".join(result.failures),
         frames=session.frames,
         frames_sha256=sha256,
+        telegrams_sha256=telegrams_sha256(run.log.path, run.trace.contract) if run.trace.foreign else sha256,
+        other_frames=run.trace.foreign,
         wall_time_s=(session.last_poll_ns - session.first_frame_ns) / 1e9 if session.recording else 0.0,
         sim_time_s=session.sim_time_s,
         first_frame_s=(session.first_frame_ns - started_ns) / 1e9 if session.recording else float("nan"),

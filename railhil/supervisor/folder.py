@@ -151,6 +151,10 @@ def certificate(
         "transport": result.transport,
         "frames": result.frames,
         "frames_sha256": result.frames_sha256,
+        # Of the frames of the wire contract alone, and how many others the record has: on a shared bus the first hash
+        # is also that of what others sent.
+        "telegrams_sha256": result.telegrams_sha256,
+        "other_frames": result.other_frames,
         # Ports whose owner was not started by this command and has not said which frames it sent.
         "not_witnessed": list(result.not_witnessed),
         "verdict": result.verdict,

@@ -20,7 +20,9 @@ import numpy.typing as npt
 
 from railhil.bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame, quick_frame
 from railhil.bus.hub.columns import PACKED
+from railhil.bus.own_frames import OwnFrames
 from railhil.common.errors import InputError
+from railhil.dbc import Contract
 from railhil.supervisor.log_columns import ClassicColumns, classic_columns, plain_lines
 
 #: Channel name in the log, whatever the transport was.
@@ -213,6 +215,15 @@ def log_sha256(path: Path) -> str:
     digest = hashlib.sha256()
     for time_ns, frame in read_log(path):
         digest.update(log_line(time_ns, frame).encode("ascii"))
+    return digest.hexdigest()
+
+
+def telegrams_sha256(path: Path, contract: Contract) -> str:
+    """SHA-256 of the frames of a record that are of its wire contract: the same on a bus that others use, too."""
+    own, digest = OwnFrames(contract), hashlib.sha256()
+    for time_ns, frame in read_log(path):
+        if frame in own:
+            digest.update(log_line(time_ns, frame).encode("ascii"))
     return digest.hexdigest()
 
 

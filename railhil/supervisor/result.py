@@ -40,6 +40,9 @@ class RunResult:
     memory: Learned | None = None
     #: What happened in the run, in the order of the instants.
     events: tuple[RecordedEvent, ...] = ()
+    #: SHA-256 of the recorded frames of the wire contract alone, and how many others the record has.
+    telegrams_sha256: str = ""
+    other_frames: int = 0
     #: What became of the faults of the run, by number.
     faults: list[FaultOutcome] = field(default_factory=list)
 

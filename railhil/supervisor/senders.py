@@ -18,7 +18,7 @@ import numpy as np
 
 from railhil.bus.frame import Frame
 from railhil.bus.mvb import F_DEVICE_STATUS, master_frame
-from railhil.bus.sent import NO_TELEGRAM
+from railhil.bus.own_frames import OwnFrames
 from railhil.common.arrays import distinct
 from railhil.dbc import Contract, Port
 from railhil.supervisor.log_columns import ClassicColumns
@@ -146,6 +146,7 @@ class Senders:
 
     def __init__(self, folder: Path, contract: Contract, *, complete: bool) -> None:
         self._contract = contract
+        self._own = OwnFrames(contract)
         self._complete = complete
         self._folder = folder
         self._streams: dict[int, _Stream] = {}
@@ -170,13 +171,15 @@ class Senders:
 
     def passing(self, frames: Iterable[tuple[int, Frame]]) -> Iterator[tuple[int, Frame]]:
         """The frames of a record, compared on their way to another reader."""
-        streams, answers = self._streams, self._answers
+        streams, answers, own = self._streams, self._answers, self._own
         for item in frames:
-            time_ns, (can_id, data, flags) = item
+            time_ns, (can_id, data, _) = item
             stream = streams.get(can_id)
-            if stream is None:
+            if item[1] not in own:
+                pass
+            elif stream is None:
                 answers[can_id] += 1
-            elif not flags & NO_TELEGRAM:
+            else:
                 stream.take(time_ns, data)
             yield item
 

@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from railhil.bus.hub.columns import PACKED
 from railhil.bus.hub.wire import SFF_MASK
-from railhil.bus.sent import NO_TELEGRAM
+from railhil.bus.own_frames import NO_TELEGRAM
 from railhil.common.arrays import distinct
 
 Array: TypeAlias = npt.NDArray[Any]

@@ -14,12 +14,13 @@ from operator import itemgetter
 from typing import Final
 
 from railhil.bus.codes import Event, FaultOrder, SupCommand
-from railhil.bus.frame import ERROR, Frame
+from railhil.bus.frame import Frame
 from railhil.bus.hub.wire import CLASSIC_SIZE, SFF_MASK, pack_frames, unpack_frames
 from railhil.bus.ident import CtlIdent, Ident, PltIdent, Role, SupIdent, make_ident
 from railhil.bus.layout import Telegram
 from railhil.bus.lifesign import MAX_STEP
 from railhil.bus.mvb import F_DEVICE_STATUS, master_frame
+from railhil.bus.own_frames import OwnFrames
 from railhil.bus.responder import Reading, Responder
 from railhil.bus.schedule import Schedule
 from railhil.bus.telegrams import RunEvent, SupCmd, TimeSync
@@ -116,6 +117,7 @@ class Session:
         self._responder.on(RunEvent, self._event)
         self._clock = self._responder.clock
         self._poll_id = contract.poll_id
+        self._own = OwnFrames(contract)
         self._status_id = contract.device_status_id
         self._clock_ids = {clock_port.address, clock_port.fd_id}
         opening = contract.port(PltIdent.PORT)
@@ -186,8 +188,7 @@ class Session:
 
     def handle(self, frame: Frame) -> list[Frame]:
         """Take one frame in bus order: record it, return the answer to a poll of the supervisor."""
-        # The identifier of an error frame says what went wrong.
-        if frame[0] in self._seen_ids and not frame[2] & ERROR:
+        if frame[0] in self._seen_ids and frame in self._own:
             can_id = frame[0]
             if can_id in self._clock_ids:
                 # Under faults too: TIME_SYNC is judged by it.

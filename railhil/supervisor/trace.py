@@ -10,9 +10,10 @@ from typing import Any, Final, NamedTuple, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from railhil.bus.frame import ERROR, Frame
+from railhil.bus.frame import Frame
 from railhil.bus.ident import Ident
 from railhil.bus.mvb import master_tail, parse_master_frame
+from railhil.bus.own_frames import OwnFrames
 from railhil.bus.store import TrafficStore
 from railhil.common.mypyc import mypyc_attr
 from railhil.dbc import Contract, Signal, wire_contract
@@ -77,6 +78,8 @@ class Trace:
         self.idents: dict[type[Ident], tuple[bytes, Ident | None]] = {}
         #: The telegrams of a port as numbers, of which the signals are cut, while there are few of them.
         self._words: dict[str, list[int]] = {}
+        #: Frames in the record that are not of the contract.
+        self.foreign = 0
         #: Polls in the record.
         self.polls = 0
         #: Refused frames and telegrams, in the order of the record.
@@ -255,6 +258,7 @@ class TraceReader:
     def __init__(self, contract: Contract | None = None) -> None:
         self.trace = Trace(contract)
         self._ports = contract = self.trace.contract
+        self._own = OwnFrames(contract)
         self._store = TrafficStore(contract.ports)
         polled = [port for port in contract.ports if port.mode == "poll"]
         self._polls = {master_tail(port.f_code, port.address): port.name for port in polled}
@@ -270,15 +274,17 @@ class TraceReader:
     def take(self, frames: Iterable[tuple[int, Frame]]) -> None:
         """Take frames ``(time_ns, frame)``."""
         trace, store, counted = self.trace, self._store, self._counted
-        polls, silences, names = self._polls, self._silences, self._names
+        polls, silences, names, own = self._polls, self._silences, self._names, self._own
         poll_id, check, feed = self._ports.poll_id, store.check, store.feed
         time_ns = trace.end_ns
         for time_ns, frame in frames:
             can_id, data, flags = frame
-            if can_id == poll_id and not flags & ERROR:
+            is_own = frame in own
+            trace.foreign += not is_own
+            if can_id == poll_id and is_own:
                 if (asked := polls.get(data)) is not None:
                     trace.polled(asked, time_ns)
-                elif flags or parse_master_frame(data) is None:
+                elif parse_master_frame(data) is None:
                     trace.refuse(BUS, time_ns, "wrong_master_word")
                 continue
             checked = check(frame)

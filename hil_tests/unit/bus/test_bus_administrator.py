@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 import pytest
 
 from hil_tests.support.clock import SetClock
+from hil_tests.support.other_frames import OTHERS
 from railhil.bus.administrator import Administrator
 from railhil.bus.clock import Pacer
 from railhil.bus.errors import PeerSilent
@@ -363,3 +364,22 @@ def test_a_source_that_does_not_answer_says_so(wall: SetClock) -> None:
     administrator, store = make(endpoint)
     assert administrator.poll(NOTCH)
     assert store.counters == {"remote_frame": 1}
+
+
+def test_frames_that_only_have_our_identifiers_are_no_answers(wall: SetClock) -> None:
+    answers = controller()
+
+    def with_others(frame: Frame) -> list[tuple[int, Frame]]:
+        found = answers(frame)
+        return [*((10, other) for other in OTHERS), *found] if found else []
+
+    administrator, store = make(FakeEndpoint(wall, with_others))
+    assert administrator.poll(NOTCH)
+    assert store.accepted(NOTCH.name) == 1
+    assert (administrator.counters["no_answer"], administrator.counters["missed_polls"]) == (0, 0)
+
+
+def test_a_device_status_that_is_not_ours_is_no_answer(wall: SetClock) -> None:
+    """Extended, remote and FD frames on its identifier, and on that of the polls: nobody is there, and nobody polls."""
+    administrator, _ = make(FakeEndpoint(wall, lambda frame: [(10, other) for other in OTHERS]))
+    assert administrator.find_devices([1], 10_000_000) == {1}

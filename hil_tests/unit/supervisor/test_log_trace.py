@@ -11,12 +11,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hil_tests.support.changed_records import Recorded, changed_records, recorded
+from hil_tests.support.other_frames import OTHERS
 from railhil.bus.frame import ERROR, EXTENDED, REMOTE, Frame
 from railhil.bus.mvb import TelegramSource
 from railhil.bus.telegrams import SimTruth
 from railhil.dbc import wire_contract
 from railhil.supervisor.blf_writer import write_blf
-from railhil.supervisor.framelog import log_line, read_log
+from railhil.supervisor.framelog import log_line, log_sha256, read_log, telegrams_sha256
 from railhil.supervisor.log_trace import trace_of_log
 from railhil.supervisor.senders import Senders
 from railhil.supervisor.trace import Trace, TraceReader, trace_of
@@ -128,12 +129,24 @@ def test_senders_see_every_frame(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     frames.insert(200, (frames[200][0], Frame(0x1ABCDEF, b"\1", EXTENDED)))
     log = written(tmp_path, frames)
     write_blf(log, tmp_path / "frames.blf")
-    every = Counter(frame.can_id for _, frame in frames)
+    every = Counter(frame.can_id for _, frame in frames if not frame.flags)
     for path in (log, tmp_path / "frames.blf"):
         # Without lists of what was sent it counts the frames of each identifier.
         senders = Senders(tmp_path, wire_contract(), complete=False)
         assert state_of(trace_of_log(path, None, senders)) == state_of(trace_of(frames))
         assert senders._answers == every
+
+
+def test_frames_of_others_are_not_in_the_second_hash(tmp_path: Path) -> None:
+    """Whatever they are; with them the log has another hash."""
+    frames = list(recorded()[:400])
+    alone = log_sha256(written(tmp_path, frames))
+    assert telegrams_sha256(tmp_path / "frames.log", wire_contract()) == alone
+    for place, other in enumerate(OTHERS):
+        frames.insert(200 + 2 * place % 150, (frames[200][0], other))
+    log = written(tmp_path, frames)
+    assert trace_of_log(log).foreign == len(OTHERS)
+    assert telegrams_sha256(log, wire_contract()) == alone != log_sha256(log)
 
 
 @pytest.mark.parametrize("late_ns", [4_999_000, 5_000_000, 5_001_000])
