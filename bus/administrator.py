@@ -13,13 +13,19 @@ from typing import Final
 
 from railhil.bus.clock import Pacer
 from railhil.bus.errors import BusOccupied, PeerSilent
-from railhil.bus.frame import Frame
+from railhil.bus.frame import ERROR, Frame
 from railhil.bus.hub.wire import pack_frame
 from railhil.bus.ident import Role
 from railhil.bus.layout import Telegram
 from railhil.bus.link import Endpoint
 from railhil.bus.link.base import PackedEnd
-from railhil.bus.mvb import F_DEVICE_STATUS, TelegramSource, master_frame, parse_device_status
+from railhil.bus.mvb import (
+    F_DEVICE_STATUS,
+    TelegramSource,
+    device_status_fault,
+    master_frame,
+    parse_device_status,
+)
 from railhil.bus.own_frames import OwnFrames
 from railhil.bus.store import TrafficStore
 from railhil.common.patience import PATIENCE_S
@@ -70,6 +76,8 @@ class Administrator:
     ) -> None:
         contract = contract or wire_contract()
         self.counters: Counter[str] = Counter()
+        #: Answers to the device status that were refused, by the reason in words.
+        self.refused_status: Counter[str] = Counter()
         self._endpoint = endpoint
         self._store = store
         self._now_ns = now_ns
@@ -247,6 +255,8 @@ class Administrator:
         answers: Counter[int] = Counter()
         for frame in frames:
             if frame not in self._own:
+                if frame.can_id == contract.device_status_id and not frame.flags & ERROR:
+                    self.refused_status["no classic data frame with a standard identifier"] += 1
                 continue
             if frame.can_id == contract.poll_id:
                 raise BusOccupied("another bus administrator polls on this bus: one bench at a time")
@@ -254,6 +264,8 @@ class Administrator:
                 answer = parse_device_status(frame.data)
                 if answer is not None:
                     answers[answer[0]] += 1
+                else:
+                    self.refused_status[device_status_fault(frame.data)] += 1
         return answers
 
     def _refuse_doubles(self, devices: set[int]) -> None:

@@ -230,9 +230,13 @@ def device_status_frame(device: int, status: int) -> Frame:
 
 def parse_device_status(data: bytes) -> tuple[int, int] | None:
     """``(device, status)`` of a device status answer, or None when it is invalid."""
-    if len(data) != 8 or check_sequence(data[:2]) != data[4] or check_sequence(data[5:7]) != data[7]:
-        return None
-    word = int.from_bytes(data[5:7])
-    if word >> 12 != F_DEVICE_STATUS:
-        return None
-    return word & 0xFFF, int.from_bytes(data[:2])
+    return None if device_status_fault(data) else (int.from_bytes(data[5:7]) & 0xFFF, int.from_bytes(data[:2]))
+
+
+def device_status_fault(data: bytes) -> str:
+    """Why a device status answer is invalid, in words; empty if it is valid."""
+    if len(data) != 8:
+        return f"wrong length, {len(data)} bytes instead of 8"
+    if check_sequence(data[:2]) != data[4] or check_sequence(data[5:7]) != data[7]:
+        return "wrong check sequence"
+    return "" if data[5] >> 4 == F_DEVICE_STATUS else "wrong master word"

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections import Counter
+
 from railhil.bus.administrator import Administrator
 from railhil.bus.codes import SupCommand
 from railhil.bus.errors import BusError, PeerSilent
@@ -31,25 +33,41 @@ def agree(administrator: Administrator, store: TrafficStore, own: Ident, contrac
     missing = administrator.find_devices((Role.CONTROLLER, Role.SUPERVISOR), round(appear_s * 1e9))
     if missing:
         names = " and ".join(Role(device).name.lower() for device in sorted(missing))
+        refused = _counted(administrator.refused_status)
+        if refused:
+            can_id = f"{contract.device_status_id:03X}"
+            raise PeerSilent(
+                f"bus administrator waits for {names}: no good answer within {appear_s:g} s, "
+                f"refused on identifier {can_id}: {refused}"
+            )
         raise PeerSilent(f"bus administrator waits for {names}: no answer within {appear_s:g} s")
     administrator.publish(own)
     differences: list[str] = []
     for telegram in (CtlIdent, SupIdent):
-        _demand(administrator, contract.port(telegram.PORT))
+        _demand(administrator, store, contract.port(telegram.PORT))
         other: Ident | None = store.read(telegram, 0)[0]
         if other is not None:
             differences += own.differences(other)
     if differences:
         raise Refused("; ".join(differences))
-    _demand(administrator, contract.port(SupCmd.PORT))
+    _demand(administrator, store, contract.port(SupCmd.PORT))
     order = store.read(SupCmd, 0)[0]
     if order is None or order.command != SupCommand.START:
         raise Refused("the supervisor did not start the run")
 
 
-def _demand(administrator: Administrator, port: Port) -> None:
+def _counted(causes: Counter[str]) -> str:
+    """How often each cause was found, in words."""
+    return ", ".join(f"{count} times {cause.replace('_', ' ')}" for cause, count in sorted(causes.items()))
+
+
+def _demand(administrator: Administrator, store: TrafficStore, port: Port) -> None:
     """A poll that must be answered, regardless of the pacing."""
+    before = Counter(store.counters)
     for _ in range(_DEMANDS_MAX):
         if administrator.poll(port):
             return
+    refused = _counted(store.counters - before)
+    if refused:
+        raise PeerSilent(f"{port.source} does not answer the handshake ({port.name}) well: refused {refused}")
     raise PeerSilent(f"{port.source} does not answer the handshake ({port.name})")

@@ -196,9 +196,10 @@ def run(
     if no_controller and spec.is_local:
         raise InputError("railhil.run", "no_controller", Words("a run in this process"), "a bus beside it")
     with chosen_bus(namespace, spec, loaded, no_controller) as choice:
-        folder, made = run_folder(None if out is None else str(out), loaded.name, spec.law.controller)
-        spec = placed(spec, folder)
         how = StartUp(foreign=no_controller)
+        name = how.folder_name(spec.law.controller)
+        folder, made = run_folder(None if out is None else str(out), loaded.name, name)
+        spec = placed(spec, folder)
         done, result = recorded(loaded, spec, how, choice, folder, made, partial(Output, stderr=True), quiet=True)
     if done.stopped_exit_code:
         raise KeyboardInterrupt(result.line)

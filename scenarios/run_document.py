@@ -134,6 +134,12 @@ class Layer:
         return InputError(self.source, self.names.get(key, key), found, allowed, hint)
 
 
+def as_asked(document: Mapping[str, Any]) -> dict[str, Any]:
+    """A certificate with what was asked for, where the controller was somebody else's and has not confirmed it."""
+    asked = document.get("asked")
+    return {**document, **asked} if isinstance(asked, dict) else dict(document)
+
+
 def file_layer(path: Path, faults: Faults, fmu: PlantFmu | None = None) -> Layer:
     """The run of a TOML file, or of a certificate (``.json``) of any version. Errors are added to ``faults``.
 
@@ -142,7 +148,7 @@ def file_layer(path: Path, faults: Faults, fmu: PlantFmu | None = None) -> Layer
     stored = path.suffix == ".json"
     values: dict[str, Any] = {}
     with faults.kept():
-        values = _table(path, stored)
+        values = as_asked(_table(path, stored)) if stored else _table(path, stored)
         if values.get(FMU_KEY) and stored:
             fmu_again(values, path, fmu)
     model = RunDocument if stored else _Named

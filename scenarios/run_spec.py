@@ -194,11 +194,11 @@ class RunSpec:
         """
         from railhil.scenarios.memory import memory_from_json
         from railhil.scenarios.parameters import parameters_from_json
-        from railhil.scenarios.run_document import RunDocument
+        from railhil.scenarios.run_document import RunDocument, as_asked
         from railhil.scenarios.validation import validated
 
         plant_fmu = fmu_again(document, file, fmu)
-        found = validated(RunDocument, dict(document), lambda keys: file)
+        found = validated(RunDocument, as_asked(document), lambda keys: file)
         orders_of(found.orders, file)
         given = found.parameters
         parameters = None

@@ -89,7 +89,7 @@ class Data:
 class Body:
     """Lines of one C function.
 
-    ``locals``: number of its local variables, for the stack bound.
+    ``locals``: number of its local variables, for the estimate of the stack.
 
     :param places: C expression of each input of the program, by its name.
     :param parameters: names of the function's parameters.

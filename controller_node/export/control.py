@@ -93,7 +93,7 @@ class Source:
     ``header`` and ``source``: text of the two files. ``columns``: names of the result words in a log, in order.
     ``macros``: names of the macros for its notes. ``constants``: the single constants. Sizes are in 16-bit words:
     ``table_words`` of the tables, ``constant_words`` of the single constants, ``ram_words`` of state, inputs, outputs
-    and event counters, ``stack_words`` the stack bound of each function by its name.
+    and event counters, ``stack_words`` the stack estimated for each function by its name.
     """
 
     name: str

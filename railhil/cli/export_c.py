@@ -105,7 +105,7 @@ def main() -> int:
     words = source.constant_words + sum(source.table_words.values())
     size = (
         f"{namespace.law} on the target: {source.ram_words} words of RAM, {words} words of constants, "
-        f"stack at most {max(source.stack_words.values())} words"
+        f"stack about {max(source.stack_words.values())} words (estimate for cl2000)"
     )
     _end(namespace, bundle, scenario, law, size)
     return 0

@@ -83,6 +83,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         help="--attach: folder in which the nodes leave the logs of their faults (default: the run folder)",
     )
     parser.add_argument("--no-controller", action="store_true", help="the controller is a board or another program")
+    parser.add_argument("--controller-name", default="", metavar="TEXT", help="--no-controller: what to call it")
     parser.add_argument("--dbc", metavar="FILE", help="refuse to run unless this DBC describes the telegrams")
     add_panel_arguments(parser)
     add_sign_argument(parser)
@@ -119,6 +120,8 @@ def _asked(namespace: argparse.Namespace) -> tuple[RunSpec, StartUp]:
     if (namespace.attach or namespace.no_controller) and (spec.memory_store or spec.law.memory):
         found = Words("a memory of the law")
         raise InputError("command line", given[0], found, "none: the controller of somebody else is not given it")
+    if namespace.controller_name and not namespace.no_controller:
+        raise InputError("command line", "--controller-name", namespace.controller_name, "only with --no-controller")
     if namespace.rerun_command and not namespace.attach:
         raise InputError("command line", "--rerun-command", namespace.rerun_command, "only with --attach")
     if namespace.fault_logs is not None and not namespace.attach:
@@ -131,6 +134,7 @@ def _asked(namespace: argparse.Namespace) -> tuple[RunSpec, StartUp]:
         start_up(namespace),
         attach=namespace.attach,
         foreign=namespace.no_controller,
+        controller_name=namespace.controller_name,
         rerun_command=namespace.rerun_command,
         fault_logs=namespace.fault_logs,
     )
@@ -188,7 +192,7 @@ def work(namespace: argparse.Namespace) -> int:
         return Output(stderr=namespace.json)
 
     with chosen_bus(namespace, spec, scenario, how.attach or how.foreign) as choice:
-        folder, made = run_folder(namespace.out, scenario.name, spec.law.controller)
+        folder, made = run_folder(namespace.out, scenario.name, how.folder_name(spec.law.controller))
         say(f"bus: {choice.transport} ({choice.reason})", namespace.json)
         quiet = namespace.quiet or namespace.json
         with panel_beside(namespace, spec, choice, folder) as panel:

@@ -112,6 +112,7 @@ class _Certificate(_Part):
     settings: list[str] = []
     faults: list[str] = []
     controller: str | None = None
+    asked: dict[str, str] | None = None
     parameters: _Parameters | None = None
     own_parameters: _OwnParameters | None = None
     memory: _Memory | None = None

@@ -21,6 +21,7 @@ from railhil.supervisor.jitter import (
 from railhil.supervisor.judging import judging_of
 from railhil.supervisor.launch import needs_orders
 from railhil.supervisor.log_trace import trace_of_log
+from railhil.supervisor.reported import reported
 from railhil.supervisor.result import RunResult
 from railhil.supervisor.senders import Senders
 from railhil.supervisor.status import untold_wrap
@@ -85,6 +86,7 @@ def result_of(
         frames_sha256=sha256,
         telegrams_sha256=telegrams_sha256(run.log.path, run.trace.contract) if run.trace.foreign else sha256,
         other_frames=run.trace.foreign,
+        reported=reported(run.start_up, run.trace),
         wall_time_s=(session.last_poll_ns - session.first_frame_ns) / 1e9 if session.recording else 0.0,
         sim_time_s=session.sim_time_s,
         first_frame_s=(session.first_frame_ns - started_ns) / 1e9 if session.recording else float("nan"),

@@ -77,6 +77,7 @@ def run_command(spec: RunSpec, start_up: StartUp, bus_arguments: list[str]) -> s
     words = ["railhil", "run", *spec.words]
     words += ["--no-rt"] * (not start_up.ask_for_fifo)
     words += ["--no-controller"] * start_up.foreign
+    words += ["--controller-name", start_up.controller_name] if start_up.controller_name else []
     return shlex.join(words + ([] if start_up.attach else bus_arguments))
 
 
@@ -98,7 +99,7 @@ def score_json(scenario: AnyScenario, result: RunResult, spec: RunSpec) -> dict[
     document["events"] = summary(scenario, result.events)
     document["faults"] = [one.as_json() for one in result.faults]
     parameters = spec.law.parameters
-    document["run"] = spec.as_json() | {
+    document["run"] = _described(spec, result) | {
         # Their values are in the certificate.
         "parameters": None if parameters is None else parameters.digest,
         "memory": None if spec.law.memory is None else spec.law.memory.digest,
@@ -118,6 +119,15 @@ def score_json(scenario: AnyScenario, result: RunResult, spec: RunSpec) -> dict[
     return document
 
 
+def _described(spec: RunSpec, result: RunResult) -> dict[str, Any]:
+    """The keys of a run. What somebody else's controller has not confirmed is said as it is known, and what was asked
+    for stands under ``asked``."""
+    document = spec.as_json()
+    if not result.reported:
+        return document
+    return document | dict(result.reported) | {"asked": {key: document[key] for key in result.reported}}
+
+
 def certificate(
     scenario: AnyScenario, spec: RunSpec, start_up: StartUp, result: RunResult, bus_arguments: list[str], code: str
 ) -> dict[str, Any]:
@@ -127,7 +137,7 @@ def certificate(
     """
     return {
         "railhil": version("railhil"),
-        **spec.as_json(),
+        **_described(spec, result),
         # Of memory.json in the same folder; the initial memory is memory_before.json.
         **(NOTHING_LEARNED if result.memory is None else result.memory.as_json()),
         "scenario_sha256": scenario.sha256,
@@ -144,7 +154,7 @@ def certificate(
         # What the law has declared about its notes in CTL_STAT; None: the controller has not reported it.
         "notes": _notes(result),
         "seed_was_trained": seed_was_trained(scenario, spec, result.origin),
-        "arithmetic_profile": PROFILES[spec.law.arithmetic],
+        "arithmetic_profile": None if "arithmetic" in result.reported else PROFILES[spec.law.arithmetic],
         "attached": start_up.attach,
         # If true, the controller was not railhil's: law, parameters and arithmetic are those of the handshake.
         "foreign": start_up.foreign,
@@ -193,7 +203,7 @@ def junit(scenario: AnyScenario, spec: RunSpec, result: RunResult) -> ET.Element
         cases += [(f"stop {stop.planned.name}", stop.missed) for stop in found.listed_stops]
     suite = ET.Element(
         "testsuite",
-        name=_xml(f"{scenario.name}.{spec.law.controller}"),
+        name=_xml(f"{scenario.name}.{result.reported.get('controller', spec.law.controller)}"),
         tests=str(1 + len(cases)),
         failures=str(sum(bool(text) for _, text in cases)),
         errors=str(int(not result.trusted)),
@@ -205,8 +215,8 @@ def junit(scenario: AnyScenario, spec: RunSpec, result: RunResult) -> ET.Element
         ("seed", spec.seed),
         ("verdict", result.verdict),
         ("frames_sha256", result.frames_sha256),
-        ("controller", spec.law.label),
-        ("arithmetic", spec.law.arithmetic),
+        ("controller", result.reported.get("controller", spec.law.label)),
+        ("arithmetic", result.reported.get("arithmetic", spec.law.arithmetic)),
         *((f"reaction.{item.watch.name}", item.sentence()) for item in reactions(scenario, result.events)),
         *((kind, said) for kind in (REFUSED, LOST, MISSED_POLL) if (said := counts_said(result.events, kind))),
         *((FAULT, event.detail) for event in result.events if event.kind == FAULT),

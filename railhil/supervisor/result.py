@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from railhil.common.exit_codes import FAIL, PASS
@@ -40,6 +40,8 @@ class RunResult:
     memory: Learned | None = None
     #: What happened in the run, in the order of the instants.
     events: tuple[RecordedEvent, ...] = ()
+    #: What is said of a controller that is not railhil's own (:mod:`railhil.supervisor.reported`).
+    reported: Mapping[str, str] = field(default_factory=dict)
     #: SHA-256 of the recorded frames of the wire contract alone, and how many others the record has.
     telegrams_sha256: str = ""
     other_frames: int = 0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -19,6 +20,7 @@ class StartUp:
     :param ask_for_fifo: real time: request SCHED_FIFO and locked memory.
     :param attach: attach to running nodes instead of starting them.
     :param foreign: the controller is a board or another program: all nodes except it are started.
+    :param controller_name: what to call that controller; empty: as it reports itself.
     :param rerun_command: the command that the certificate names for repeating an attached run; empty: a run that starts
         its own nodes.
     :param fault_logs: folder in which running nodes leave the logs of their faults; None: the run folder.
@@ -28,9 +30,19 @@ class StartUp:
     ask_for_fifo: bool = True
     attach: bool = False
     foreign: bool = False
+    controller_name: str = ""
     rerun_command: str = ""
     fault_logs: Path | None = None
     appear_s: float = APPEAR_S
+
+    def folder_name(self, law: str) -> str:
+        """The controller in the name of a run folder.
+
+        :param law: that was asked for.
+        """
+        if not self.foreign:
+            return law
+        return re.sub(r"[^A-Za-z0-9_.+-]+", "_", self.controller_name) or "other"
 
     def realtime_scheduling(self, run: RunSpec) -> bool:
         """True if the processes of this run should request SCHED_FIFO and locked memory."""

@@ -126,10 +126,11 @@ class Bench:
         for number, run in enumerate(self.runs, 1):
             end = "" if number == 1 else f".{number}"
             spec = run.spec
+            own = {"controller": spec.law.label, "arithmetic": spec.law.arithmetic}
+            own |= {key: run.certificate[key] for key in run.certificate.get("asked") or {} if key in own}
             facts = {
                 "scenario": run.outcome.scenario.name,
-                "controller": spec.law.label,
-                "arithmetic": spec.law.arithmetic,
+                **own,
                 "seed": spec.seed,
                 "fault": "; ".join(spec.faults),
                 "verdict": run.verdict,

@@ -12,12 +12,14 @@ from railhil.bus.administrator import Administrator
 from railhil.bus.clock import Pacer
 from railhil.bus.errors import PeerSilent
 from railhil.bus.frame import ERROR, REMOTE, Frame
+from railhil.bus.ident import Role, make_ident
 from railhil.bus.layout import Telegram
 from railhil.bus.mvb import TelegramSource, device_status_frame, master_frame
 from railhil.bus.schedule import Schedule
 from railhil.bus.store import TrafficStore
 from railhil.bus.telegrams import CtlStat, NotchCmd, TrnPos, TrnSpeed
 from railhil.dbc import wire_contract
+from railhil.plant_sim.handshake import agree
 
 NOTCH, STAT = NotchCmd.port(), CtlStat.port()
 
@@ -336,6 +338,34 @@ def test_find_devices_names_those_that_did_not_answer(wall: SetClock) -> None:
     assert administrator.find_devices((1, 2, 3), 1_000_000_000) == {2, 3}
     assert wall.now_ns == 1_000_000_000
     assert wire_contract().device_status_id == 0x088
+
+
+@pytest.mark.parametrize(
+    ("change", "reason"),
+    [
+        (lambda data: data[:7], "wrong length, 7 bytes instead of 8"),
+        (lambda data: data[:4] + bytes([data[4] ^ 1]) + data[5:], "wrong check sequence"),
+        (lambda data: data[:5] + master_frame(1, 1).data, "wrong master word"),
+    ],
+)
+def test_a_device_status_that_is_refused_is_not_silence(
+    wall: SetClock, change: Callable[[bytes], bytes], reason: str
+) -> None:
+    good = device_status_frame(1, 0x1000)
+    answer = good._replace(data=change(good.data))
+    administrator, store = make(FakeEndpoint(wall, lambda frame: [(0, answer)]))
+    contract = wire_contract()
+    with pytest.raises(PeerSilent) as caught:
+        agree(administrator, store, make_ident(Role.PLANT, "0" * 64), contract, 0.3)
+    # Two nodes are asked three times.
+    expected = f"no good answer within 0.3 s, refused on identifier 088: 6 times {reason}"
+    assert str(caught.value) == f"bus administrator waits for controller and supervisor: {expected}"
+
+
+def test_silence_is_called_so(wall: SetClock) -> None:
+    administrator, store = make(FakeEndpoint(wall))
+    with pytest.raises(PeerSilent, match=r"waits for controller and supervisor: no answer within 0\.3 s$"):
+        agree(administrator, store, make_ident(Role.PLANT, "0" * 64), wire_contract(), 0.3)
 
 
 def test_in_lockstep_nobody_is_silent_while_the_own_interface_is_out(wall: SetClock) -> None:

@@ -93,6 +93,15 @@ def _parameters(run: RecordedRun) -> str:
     return parameters_sentence(run) + "".join(f"; {name} = {value}" for name, value in values.items())
 
 
+def _other(certificate: dict[str, Any]) -> str:
+    said = "a board or another program"
+    asked = certificate.get("asked") or {}
+    if not asked:
+        return f"{said}; law and arithmetic are as it reported them"
+    words = ", ".join(f"{key} {value}" for key, value in asked.items())
+    return f"{said}; asked for, and not confirmed or named otherwise: {words}"
+
+
 def _settings(certificate: dict[str, Any]) -> str:
     return "".join(f"; set: {without_paths(text)}" for text in certificate.get("settings", ()))
 
@@ -105,7 +114,7 @@ def facts_of(run: RecordedRun) -> list[tuple[str, str]]:
         found = certificate.get(key)
         return _UNKNOWN if found is None else str(found)
 
-    transport = said("transport")
+    transport, profile = said("transport"), certificate.get("arithmetic_profile")
     own = list(judging_of(scenario).facts(run))
     rows = [
         ("Scenario", f"{scenario.title} ({scenario.name}){_settings(certificate)}"),
@@ -113,7 +122,7 @@ def facts_of(run: RecordedRun) -> list[tuple[str, str]]:
         ("Controller", said("controller")),
         ("Parameters", _parameters(run)),
         *([("Memory", kept)] if (kept := memory_sentence(run.certificate)) else []),
-        ("Arithmetic", f"{said('arithmetic')} (profile {said('arithmetic_profile')})"),
+        ("Arithmetic", said("arithmetic") + (f" (profile {profile})" if profile else "")),
         ("Set-point over", said("indexing")),
         ("Seed", said("seed")),
         ("Plant", "drawn from the scenario's distributions" if certificate.get("perturbed") else "nominal"),
@@ -132,7 +141,7 @@ def facts_of(run: RecordedRun) -> list[tuple[str, str]]:
         ("Again with", _command(said("command"))),
     ]
     if certificate.get("foreign"):
-        rows.append(("Other controller", "a board or another program; law and arithmetic are as it reported them"))
+        rows.append(("Other controller", _other(certificate)))
     if certificate.get("attached"):
         rows.append(("Attached", "plant and controller were started elsewhere"))
     if certificate.get("not_witnessed"):

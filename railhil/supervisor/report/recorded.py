@@ -101,9 +101,11 @@ def recorded_run(
     line = explained(line, why(scenario, events))
     document = read_score(folder) if certificate else None
     label = str(certificate.get("controller") or folder.name)
-    if parameters := certificate.get("parameters"):
+    # Of a controller that has not said that it has them, nothing is known.
+    confirmed = {} if certificate.get("asked") else certificate
+    if parameters := confirmed.get("parameters"):
         label += f"+{parameters['sha256'][:DIGEST_DIGITS]}" + (" tuned" if parameters.get("training") else "")
-    if memory := certificate.get("memory"):
+    if memory := confirmed.get("memory"):
         label += f"@{memory['sha256'][:DIGEST_DIGITS]}"
     label += " (on this seed)" if certificate.get("seed_was_trained") else ""
     return RecordedRun(label, scenario, trace, score, verdict, line, certificate, document or {}, events)
