@@ -81,11 +81,10 @@ class ControlLoop(LawState[T]):
         kind, indexing = load(name), law.indexing
         if indexing in INDEXINGS and indexing not in kind.indexings:
             raise InputError("indexing", name, indexing, f"{' or '.join(kind.indexings)} with this law")
+        longest_m = POSITION_MAX_01MM / 1e4 / scenario.wheel_factor_max
         distance_m = scenario.plan.distance_m
-        if (kind.track or law.over_distance) and distance_m * 1e4 > POSITION_MAX_01MM:
-            allowed = (
-                f"at most {POSITION_MAX_01MM / 1e4:g} m for {name} with set-points by {indexing}: it uses the position"
-            )
+        if (kind.track or law.over_distance) and distance_m > longest_m:
+            allowed = f"at most {longest_m:g} m for {name} with set-points by {indexing}: it uses the position"
             raise InputError(scenario.name, "plan.distance_m", distance_m, allowed)
         given = law_parameters(name, kind, law.parameters)
         with _starting(name, kind, scenario):

@@ -23,8 +23,8 @@ from railhil.bus.layout import CHECK_CORRECT
 from railhil.bus.lifesign import Life, LifeSign
 from railhil.bus.schedule import Schedule
 from railhil.bus.telegrams import TrnPos
-from railhil.controller_node.loop import POSITION_MAX_01MM, limited_01mm
-from railhil.scenarios.model import Scenario
+from railhil.controller_node.loop import POSITION_MAX_01MM
+from railhil.scenarios.model import DISTANCE_MAX_M, Scenario
 
 #: Longest time on dead reckoning (reaction to the loss of position only: 1 s, then service brake).
 RECKONING_MAX_NS: Final = 1_000_000_000
@@ -38,6 +38,9 @@ TOLERANCE_M: Final = 0.1
 #: Largest acceleration or deceleration of any train: adhesion of steel on steel allows 0.2 g.
 ACCEL_MAX_MPS2: Final = 2.0
 
+#: Readings of the odometer beyond this are taken as this (0.1 mm); no scenario has a longer run.
+READING_MAX_01MM: Final = round(DISTANCE_MAX_M * 1e4)
+
 _NS_PER_S: Final = 1_000_000_000
 _NOT_LOST: Final = CtlCause.NONE
 _NS_PER_MS: Final = 1_000_000
@@ -47,7 +50,8 @@ _NEXT: Final = Life.NEXT
 class Odometer:
     """Position for the law, and whether it can be relied upon.
 
-    Dead-reckoned lengths are in 1e-13 m (0.1 mm/s times ns): no product is rounded, and 200 km fit into 64 bits.
+    Dead-reckoned lengths are in 1e-13 m (0.1 mm/s times ns): no product is rounded, and the difference of
+    two of 400 km fits into 64 bits. Only what the law gets is limited to the 200 km of its formats.
 
     ``counters``: TRN_POS telegrams refused, by cause: ``position_duplicate``, ``position_out_of_order``,
     ``position_check`` (check variable not correct), ``position_jump`` (not plausible).
@@ -111,7 +115,7 @@ class Odometer:
             self._run = 0
             return
         self._reckon(at_ns)
-        reading_01mm = limited_01mm(telegram.odometer_mm)
+        reading_01mm = _within(telegram.odometer_mm * 10, READING_MAX_01MM)
         if not self._heard:
             # The first telegram: there is nothing yet to compare it with.
             self._heard = True
@@ -145,14 +149,13 @@ class Odometer:
     def at(self, now_ns: int) -> int:
         """Position for the law in 0.1 mm: the odometer, or the dead-reckoned position."""
         if self._heard and self._run == GOOD_RUN and now_ns - self._fitted_ns <= self._in_time_ns:
-            return self._reading_01mm
+            return _within(self._reading_01mm, POSITION_MAX_01MM)
         return self.reckoned(now_ns)[0]
 
     def reckoned(self, now_ns: int) -> tuple[int, int]:
         """Dead-reckoned position at ``now_ns``, and the tolerance for the odometer; 0.1 mm."""
         self._reckon(now_ns)
-        place_01mm = self._place // _NS_PER_S
-        return min(max(place_01mm, -POSITION_MAX_01MM), POSITION_MAX_01MM), self._tolerance() // _NS_PER_S
+        return _within(self._place // _NS_PER_S, POSITION_MAX_01MM), self._tolerance() // _NS_PER_S
 
     def lost(self, now_ns: int) -> CtlCause:
         """Why the position is lost: too long a time of dead reckoning for a law that needs a position, or implausible
@@ -183,3 +186,7 @@ class Odometer:
             since_ns = at_ns - self._speed_ns
             changed_01mmps = self._accel_01mmps2 * since_ns // _NS_PER_S if since_ns > 0 else 0
             self._slack += (self._speed_error_01mmps + changed_01mmps) * step_ns
+
+
+def _within(value: int, most: int) -> int:
+    return min(max(value, -most), most)

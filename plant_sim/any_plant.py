@@ -10,7 +10,8 @@ from railhil.bus.layout import Telegram
 
 
 class PlantError(Exception):
-    """The simulation itself failed: its state is no longer finite. A tool error, never a verdict on a run."""
+    """The simulation itself failed: its state is no longer finite, or the wire cannot carry it. A tool error, never a
+    verdict on a run."""
 
 
 class Happened(Protocol):

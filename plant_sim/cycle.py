@@ -23,7 +23,7 @@ from railhil.bus.codes import Event
 from railhil.bus.layout import Telegram
 from railhil.bus.schedule import Schedule
 from railhil.dbc import Port
-from railhil.plant_sim.any_plant import Ending, Happened
+from railhil.plant_sim.any_plant import Ending, Happened, PlantError
 from railhil.plant_sim.milestones import Milestones
 
 #: Ticks after which the same ports are due again, up to which a table says which.
@@ -127,14 +127,18 @@ class TickLoop:
             tick = plant.tick
             makers, ports = table[tick % turn] if table else self._due(tick)
             around.begin()
-            for make in makers:
-                telegram = make()
-                if telegram is not None:
-                    around.publish(telegram)
-            around.milestones.repeat(tick)
-            for happened in plant.drain_events():
-                ending.happened(happened.kind, tick)
-                around.report(happened)
+            try:
+                for make in makers:
+                    telegram = make()
+                    if telegram is not None:
+                        around.publish(telegram)
+                around.milestones.repeat(tick)
+                for happened in plant.drain_events():
+                    ending.happened(happened.kind, tick)
+                    around.report(happened)
+            except OverflowError as misfit:
+                # What a scenario can reach is checked when it is loaded: this is a fault that goes further.
+                raise PlantError(f"tick {tick}: {misfit}: the wire cannot carry it") from misfit
             for port in ports:
                 # An answer may end the run; the other nodes then leave the bus.
                 if around.ended is None:

@@ -11,7 +11,7 @@ import numpy as np
 
 from railhil.bus.clock import rate_to_10th, to_time_sync
 from railhil.bus.codes import TimeState
-from railhil.bus.layout import Telegram, flag
+from railhil.bus.layout import CHECK_ERRONEOUS, Telegram, flag
 from railhil.bus.safe_telegrams import SAFE_DATA_VERSION, SpeedSdt, safe_tick_fields
 from railhil.bus.sdt import SafeSource, source_identity
 from railhil.bus.telegrams import (
@@ -37,11 +37,9 @@ _TARGET_TICKS: Final = 1024
 _RUNNING: Final = TimeState.RUNNING
 
 
-def _clamped(value: float, low: int, high: int) -> int:
-    raw = rounded(value)
-    if low <= raw <= high:
-        return raw
-    return low if raw < low else high
+def _highest(telegram: type[Telegram], field: str) -> int:
+    """Largest raw number of a field."""
+    return dict(telegram.signals())[field].raw_range[1]
 
 
 class TrainTelegrams:
@@ -54,6 +52,9 @@ class TrainTelegrams:
         self._target_half_mps: list[int] = []
         self._target_from_tick = 0
         self._rate_10th = rate_to_10th(rate)
+        self._speed_max = _highest(TrnSpeed, "speed_01mmps")
+        # "That far or farther".
+        self._distance_max = _highest(TrkInfo, "next_limit_distance_m")
         # Life signs of the ports that the train publishes, each with its own modulus.
         self._lives: dict[str, Iterator[int]] = defaultdict(lambda: cycle(range(16)), {TrkInfo.PORT: cycle(range(4))})
         # Those of the most frequent ports.
@@ -77,10 +78,17 @@ class TrainTelegrams:
             self.makers[SpeedSdt.PORT] = self._safe_speed
 
     def _speed(self) -> TrnSpeed:
-        return TrnSpeed(self._plant.speed_01mmps, life=next(self._speed_life))
+        speed_01mmps = self._plant.speed_01mmps
+        if speed_01mmps > self._speed_max:
+            # A slipping axle: the reading stays at its end, and says that it is none.
+            return TrnSpeed(self._speed_max, CHECK_ERRONEOUS, life=next(self._speed_life))
+        return TrnSpeed(speed_01mmps, life=next(self._speed_life))
 
-    def _safe_speed(self) -> SpeedSdt:
+    def _safe_speed(self) -> SpeedSdt | None:
         plant = self._plant
+        if plant.speed_01mmps > self._speed_max:
+            # It has no check variable.
+            return None
         telegram = SpeedSdt(plant.speed_01mmps, odometer_mm=plant.odometer_mm, **safe_tick_fields(plant.tick))
         return SpeedSdt.decode(self._safe.secured(telegram.encode()))
 
@@ -97,8 +105,8 @@ class TrainTelegrams:
         plant = self._plant
         return TrnPos(
             plant.odometer_mm,
-            _clamped(plant.effort_fraction * _BIPOLAR_FULL, -0x8000, 0x7FFF),
-            _clamped(plant.notch_acting / 16, -128, 127),
+            rounded(plant.effort_fraction * _BIPOLAR_FULL),
+            rounded(plant.notch_acting / 16),
             life=next(self._position_life),
         )
 
@@ -113,7 +121,7 @@ class TrainTelegrams:
             safety_loop_closed=flag(status.safety_loop_closed),
             traction_enabled=flag(status.traction_enabled),
             brake_available=flag(status.brake_available),
-            line_voltage_half_percent=_clamped(status.line_voltage_percent * 2, 0, 255),
+            line_voltage_half_percent=rounded(status.line_voltage_percent * 2),
             fault=status.fault,
             life=next(self._lives[PltStat.PORT]),
         )
@@ -125,12 +133,12 @@ class TrainTelegrams:
         following = next(((at_m, limit) for at_m, limit in limits if at_m > front_m), None)
         next_at_m, next_limit = following or (front_m, here)
         return TrkInfo(
-            target_mm=_clamped(plan.distance_m * 1000, 0, 2**29 - 1),
-            target_time_ds=_clamped(plan.running_time_s * 10, 0, 2**19 - 1),
-            speed_limit_4mmps=_clamped(here * 250, 0, 0xFFFF),
-            next_limit_4mmps=_clamped(next_limit * 250, 0, 0xFFFF),
-            next_limit_distance_m=_clamped(next_at_m - front_m, 0, 0xFFFF),
-            grade_001permil=_clamped(self._plant.grade_permil * 100, -0x8000, 0x7FFF),
+            target_mm=rounded(plan.distance_m * 1000),
+            target_time_ds=rounded(plan.running_time_s * 10),
+            speed_limit_4mmps=rounded(here * 250),
+            next_limit_4mmps=rounded(next_limit * 250),
+            next_limit_distance_m=min(max(rounded(next_at_m - front_m), 0), self._distance_max),
+            grade_001permil=rounded(self._plant.grade_permil * 100),
             target_speed_half_mps=self._target_speed_half_mps(),
             life=next(self._lives[TrkInfo.PORT]),
         )
@@ -140,7 +148,7 @@ class TrainTelegrams:
         if not 0 <= tick - self._target_from_tick < len(self._target_half_mps):
             ticks = np.arange(tick, tick + _TARGET_TICKS, dtype=np.int64)
             speed_mps = self._target.speed_mps(ticks * self._scenario.timing.base_tick_ns / 1e9)
-            self._target_half_mps = [_clamped(2 * value, 0, 255) for value in speed_mps.tolist()]
+            self._target_half_mps = [max(rounded(2 * value), 0) for value in speed_mps.tolist()]
             self._target_from_tick = tick
         return self._target_half_mps[tick - self._target_from_tick]
 
@@ -150,10 +158,10 @@ class TrainTelegrams:
             plant.position_01mm,
             plant.true_speed_01mmps,
             life=next(self._truth_life),
-            accel_01mmps2=_clamped(plant.accel_mps2 * 1e4, -0x8000, 0x7FFF),
-            traction_20n=_clamped(plant.traction_n / 20, 0, 0xFFFF),
-            brake_20n=_clamped(plant.brake_n / 20, 0, 0xFFFF),
-            grade_001permil=_clamped(plant.grade_permil * 100, -0x8000, 0x7FFF),
+            accel_01mmps2=rounded(plant.accel_mps2 * 1e4),
+            traction_20n=rounded(plant.traction_n / 20),
+            brake_20n=rounded(plant.brake_n / 20),
+            grade_001permil=rounded(plant.grade_permil * 100),
         )
 
     def watch(self) -> TrnWatch:

@@ -154,6 +154,12 @@ def check_run(scenario: model.Scenario, target: Target, refuse: Refuse) -> None:
             plan.running_time_s,
             f"{target.stop_time_s:.4f} s, when the target curve stops, +-{TIME_TOLERANCE_S} s",
         )
+    if plan.distance_m * scenario.wheel_factor_max > model.DISTANCE_MAX_M:
+        section = "sensors" if scenario.sensors.wheel_factor == scenario.wheel_factor_max else "perturbations"
+        allowed = (
+            f"at most {model.DISTANCE_MAX_M / plan.distance_m:g}: an odometer reads up to {model.DISTANCE_MAX_M:g} m"
+        )
+        raise refuse((section, "wheel_factor"), scenario.wheel_factor_max, allowed)
     time_s = np.arange(0.0, target.stop_time_s, _SAMPLE_S)
     speed, position = target.speed_mps(time_s), target.position_m(time_s)
     limit = front_speed_limit(scenario.line, scenario.train)

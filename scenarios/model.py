@@ -12,6 +12,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from typing import Any, Protocol
 
+#: Longest run, by the train's own odometer.
+DISTANCE_MAX_M = 400_000.0
+
 #: A step profile: rows ``(from_m, value)``, each valid until the next row; the first value also applies before the
 #: first row.
 Profile = tuple[tuple[float, float], ...]
@@ -326,6 +329,12 @@ class Scenario:
     #: What is injected, as canonical texts (:mod:`railhil.faults.language`), in the order of their numbers.
     faults: tuple[str, ...] = ()
     safety: Safety = Safety()
+
+    @property
+    def wheel_factor_max(self) -> float:
+        """Largest share of the true distance that the odometer can read, at least 1."""
+        drawn = self.perturbations.wheel_factor
+        return max(1.0, self.sensors.wheel_factor, 1.0 if drawn is None else drawn.high)
 
     @property
     def planned_s(self) -> float:

@@ -12,12 +12,13 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Strict, Tag
 
+from railhil.scenarios.model import DISTANCE_MAX_M
+
 #: Far beyond any railway, yet small enough that no sum or square of it overflows.
 _LARGEST = 1e7
 _SMALLEST = 1e-9
 
 #: Longest run that a scenario may ask for.
-DISTANCE_MAX_M = 400_000.0
 RUNNING_TIME_MAX_S = 28_800.0
 
 #: Ports whose period a scenario may set: those that have one in the port table (a test compares the two).

@@ -15,7 +15,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, Protocol
@@ -25,6 +25,7 @@ from pydantic import Field, create_model
 from railhil.common.errors import InputError, Words
 from railhil.scenarios import convert
 from railhil.scenarios.canonical import injected, text_sha256
+from railhil.scenarios.carried import Reach, check_carried
 from railhil.scenarios.derived import with_own_words
 from railhil.scenarios.fault_rows import faults_of_rows
 from railhil.scenarios.layers import Layers
@@ -80,6 +81,10 @@ class Task(Table):
     LOOP_DELAY: ClassVar[bool] = False
 
     duration_s: Annotated[float, Field(gt=0, le=RUNNING_TIME_MAX_S, description="how long the run lasts")]
+
+    def reaches(self) -> Iterable[Reach]:
+        """How far the quantities of a run can go, for those that the wire might not carry; keys begin with ``task``."""
+        return ()
 
     @property
     def can_be_perturbed(self) -> bool:
@@ -168,6 +173,7 @@ class TaskScenarios:
                 raise refuse(keys, Words(f"the unknown port {port}"), f"only {', '.join(ports)}")
             if period_ns <= 0 or timing.base_tick_ns <= 0 or period_ns % timing.base_tick_ns:
                 raise refuse(keys, period_ns / 1e6, f"a whole multiple of base_tick_ms = {timing.base_tick_ns / 1e6:g}")
+        check_carried(self._system.contract, file.task.reaches(), refuse)
         for row, published in enumerate(file.published):
             if not isinstance(published.get("controller"), str):
                 raise refuse(("published", row, "controller"), published.get("controller"), "the name of a law")

@@ -8,8 +8,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from railhil.common.errors import InputError, Words
+from railhil.dbc import wire_contract
 from railhil.scenarios import check, convert, model
 from railhil.scenarios.canonical import scenario_sha256
+from railhil.scenarios.carried import check_carried, train_reaches
 from railhil.scenarios.derived import with_own_words
 from railhil.scenarios.envelope import CurveError
 from railhil.scenarios.generate import fastest_time_s, generate
@@ -101,6 +103,7 @@ def read_train_scenario(layers: Layers, faults_of: Callable[[], tuple[str, ...]]
         faults=faults,
     )
     check.check_run(scenario, target, refuse)
+    check_carried(wire_contract(), train_reaches(scenario, target), refuse)
     check.check_authority(scenario, refuse)
     scenario = replace(scenario, sha256=scenario_sha256(scenario))
     return with_own_words(scenario, layers, lambda base: read_train_scenario(base, tuple), _published_run)

@@ -9,17 +9,17 @@ from typing import Any
 
 from railhil.bus.codes import Event
 from railhil.bus.high_speed import ACCEL_PER_MPS2, TRUE_PER_UNIT, UnitLevel, wire
-from railhil.bus.layout import Telegram
+from railhil.bus.layout import CHECK_CORRECT, CHECK_ERRONEOUS, Telegram
 from railhil.plant_sim.any_plant import PlantError
 from railhil.plant_sim.high_speed.dynamics import available_of
-from railhil.plant_sim.high_speed.train import HighSpeedTrain, Wayside
+from railhil.plant_sim.high_speed.train import SPEED_RAW_MAX, HighSpeedTrain, Wayside
 from railhil.plant_sim.high_speed.watch import STALE_PERIODS, UnitWatch
 from railhil.plant_sim.timed_run import TimedEnd, TimedPlant
 
 #: The train has arrived when it stands and the target is below this speed.
 ARRIVED_MPS = 0.5
 _MM, _CM = 1000.0, 100.0
-_POSITION_MAX_CM = 2**32 - 1
+_GAP_MAX_MM = 0x7F
 
 
 class HighSpeedPlant(TimedPlant):
@@ -82,16 +82,19 @@ class HighSpeedPlant(TimedPlant):
 
     def _feedback(self, unit: int) -> Telegram:
         kind = self._wire.feedback[unit]
-        return kind(self.train.read_speed_raw(unit), life=self.next_life(kind.PORT))
+        speed = self.train.read_speed_raw(unit)
+        # At the end of its range the reading says that it is none.
+        return kind(speed, CHECK_CORRECT if speed < SPEED_RAW_MAX else CHECK_ERRONEOUS, self.next_life(kind.PORT))
 
     def _force(self, unit: int) -> Telegram:
         kind, motion = self._wire.forces[unit], self.train.units[unit].motion
         available = available_of(self.train.limits, motion.speed_mps)
         coupler = gap = 0
         if unit < len(self.train.couplers_n):
-            coupler = _within(self.train.couplers_n[unit] / 100.0, 0x7FFF)
+            coupler = round(self.train.couplers_n[unit] / 100.0)
             rear = self.train.units[unit + 1].motion
-            gap = _within((motion.position_m - rear.position_m) * _MM, 0x7F)
+            # Units without couplers go apart, and the record shows no more than it can.
+            gap = min(max(round((motion.position_m - rear.position_m) * _MM), -_GAP_MAX_MM), _GAP_MAX_MM)
         return kind(
             round(motion.drive_mps2 * ACCEL_PER_MPS2),
             coupler,
@@ -113,14 +116,15 @@ class HighSpeedPlant(TimedPlant):
 
     def _place(self) -> Telegram:
         kind = self._wire.place
-        position_cm = min(round(self.train.position_m * _CM), _POSITION_MAX_CM)
-        return kind(position_cm, round(self.tick * self.tick_ns / 1e7), life=self.next_life(kind.PORT))
+        return kind(
+            round(self.train.position_m * _CM), round(self.tick * self.tick_ns / 1e7), life=self.next_life(kind.PORT)
+        )
 
     def _truth(self) -> Telegram:
         kind, train = self._wire.truth, self.train
         counts = (train.speed_mps, train.accel_mps2, train.drive_mps2, self.wayside.target_mps(self.tick))
         more = [unit.motion.speed_mps for unit in train.units] if len(train.units) > 1 else []
-        couplers = (_within(force_n / 10.0, 0x7FFF) for force_n in train.couplers_n)
+        couplers = (round(force_n / 10.0) for force_n in train.couplers_n)
         made: Telegram = kind(
             round(train.position_m * _MM),
             *(round(value * TRUE_PER_UNIT) for value in (*counts, *more)),
@@ -177,8 +181,3 @@ class _HighSpeedEnd(TimedEnd):
         if controller_lost and tick < self.due_tick and self._train.speed_mps > 0.0:
             return None
         return super().reached(tick, controller_lost)
-
-
-def _within(value: float, most: int) -> int:
-    """A value as a whole number, at most ``most`` to either side."""
-    return min(max(round(value), -most), most)

@@ -7,7 +7,7 @@ from math import isfinite
 from typing import Any
 
 from railhil.bus.codes import Event
-from railhil.bus.layout import Telegram
+from railhil.bus.layout import CHECK_CORRECT, CHECK_ERRONEOUS, Telegram
 from railhil.bus.stopping import (
     CONTRACT,
     MM,
@@ -29,14 +29,15 @@ from railhil.common.errors import InputError
 from railhil.plant_sim.any_plant import PlantError
 from railhil.plant_sim.run_end import BRAKING_MAX_NS
 from railhil.plant_sim.stopping.draws import RunDraw, TrainDraw, drawn_run, drawn_train
-from railhil.plant_sim.stopping.train import StopTrain
+from railhil.plant_sim.stopping.train import SPEED_RAW_MAX, StopTrain
 from railhil.plant_sim.stopping.watch import StopWatch
 from railhil.plant_sim.timed_run import TimedEnd, TimedPlant
 
 TICK_NS = 16_000_000
 #: The doors open this long after the standstill.
 DOORS_NS = 1_000_000_000
-ODO_MAX = 2**24 - 1
+#: Readings stay at the end of their range, and the telegram then says that it is erroneous.
+ODO_MAX = CONTRACT.port(Odo.PORT).signal("OdoDistance").raw_range[1]
 _WHEEL_PER_UNIT = 1e6
 
 
@@ -101,14 +102,16 @@ class StopPlant(TimedPlant):
         self._samples = (count + 1) & 0xFFFF
         slide = int(train.slides and train.run.slide_seen)
         first, second, third, fourth, last = train.samples
-        return SpeedRaw(first, second, third, fourth, last, count, 1, slide, life=self.next_life(SpeedRaw.PORT))
+        check = CHECK_CORRECT if max(train.samples) < SPEED_RAW_MAX else CHECK_ERRONEOUS
+        return SpeedRaw(first, second, third, fourth, last, count, 1, slide, check, self.next_life(SpeedRaw.PORT))
 
     def _odo(self) -> Telegram:
         passed = self.train.passed
         odometer, at_balise = (
             min(max(int(metres * MM), 0), ODO_MAX) for metres in (self.train.odometer_m, passed.odometer_m)
         )
-        return Odo(odometer, passed.balise, at_balise, life=self.next_life(Odo.PORT))
+        check = CHECK_CORRECT if odometer < ODO_MAX else CHECK_ERRONEOUS
+        return Odo(odometer, passed.balise, at_balise, check, self.next_life(Odo.PORT))
 
     def _state(self) -> Telegram:
         stop_tick = self._stop_tick

@@ -6,14 +6,14 @@ from collections import deque
 from math import exp, sqrt
 from typing import Any, NamedTuple
 
-from railhil.bus.stopping import MM, SAMPLE_S, SAMPLES
+from railhil.bus.stopping import CONTRACT, MM, SAMPLE_S, SAMPLES, SpeedRaw
 from railhil.plant_sim.high_speed.surroundings import Normals
 from railhil.plant_sim.stopping.brake import GRAVITY_MPS2, Course, Going, Motion, achieved, gone_on
 from railhil.plant_sim.stopping.draws import RunDraw, TrainDraw
 from railhil.scenarios import streams
 
 TICK_S = SAMPLES * SAMPLE_S
-SPEED_RAW_MAX = 0xFFFF
+SPEED_RAW_MAX = CONTRACT.port(SpeedRaw.PORT).signal("Speed5").raw_range[1]
 
 
 class Passed(NamedTuple):

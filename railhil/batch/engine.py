@@ -16,6 +16,7 @@ from railhil.batch.noise import standard_noise
 from railhil.batch.ordered import loop_of
 from railhil.batch.setup import Times, Trains, common, status_tick, trains
 from railhil.bus.codes import Event
+from railhil.bus.telegrams import SimTruth
 from railhil.controller_node.arithmetic.base import DIVISION_BY_ZERO, SATURATION, WRAP
 from railhil.controller_node.laws.base import NOTCH_Q, BaliseReading
 from railhil.controller_node.loop import NO_BALISE, POSITION_MAX_01MM
@@ -89,6 +90,11 @@ class Engine:
         finite = np.isfinite(records["position_m"] + records["speed_mps"] + records["actuator_n"])
         if not finite.all():
             raise PlantError(f"plant state is not finite with seed {seeds[fleet.tables.order[np.argmin(finite)]]}")
+        low, high = SimTruth.port().signal("TrueAccel").raw_range
+        held = (fleet.tables.control_accel_raw <= low) | (fleet.tables.control_accel_raw >= high)
+        if (beyond := held.any(axis=1)).any():
+            seed = seeds[fleet.tables.order[np.argmax(beyond)]]
+            raise PlantError(f"SIM_TRUTH.TrueAccel: the wire cannot carry it, with seed {seed}")
         steps = np.searchsorted(times.steps, records["end_tick"][np.argsort(fleet.tables.order)], side="right")
         return BatchRuns(self._scores(fleet, watch), codes, steps, watch.counts)
 

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from math import fsum
 from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field, Strict
 
+from railhil.scenarios.carried import SIGMAS, Reach
 from railhil.scenarios.schema import Table
 from railhil.scenarios.task import Task
 
+_KMH, _GRAVITY_MPS2 = 3.6, 9.80665
 _Share = Annotated[float, Field(gt=0, le=1)]
 _Kmh = Annotated[float, Field(gt=0, le=600)]
 _Km = Annotated[float, Field(ge=0, le=10_000)]
@@ -122,6 +124,39 @@ class HighSpeedTask(Task):
     emergency_stop_max_m: Annotated[
         float, Field(gt=0, le=20_000, description="largest distance from the trigger to the standstill for a PASS")
     ] = 4500.0
+
+    def reaches(self) -> Iterator[Reach]:
+        """See :meth:`railhil.scenarios.task.Task.reaches`; the train follows its curve."""
+        curve, unit_words = self.curve, [f"UNIT{number + 1}" for number in range(len(self.unit))]
+        peak_mps, end_m = curve.peak_kmh / _KMH, curve.distance_km * 1000.0
+        noise, noise_key = SIGMAS * self.noise_sigma_mps, ("task", "noise_sigma_mps")
+        peak, end = ("task", "curve", "peak_kmh"), ("task", "curve", "distance_km")
+        yield Reach("REF.RefNow", 0.0, curve.peak_kmh, peak, curve.peak_kmh)
+        for word in unit_words:
+            yield Reach(
+                f"{word}_FB.{word.capitalize()}Speed", 0.0, (peak_mps + noise) * _KMH, noise_key, noise / SIGMAS
+            )
+        yield Reach("TRAIN.TrainPos", 0.0, end_m, end, curve.distance_km)
+        yield Reach("TRUTH.TruePos", 0.0, end_m, end, curve.distance_km)
+        time_s = self.duration_s
+        yield Reach("TRAIN.TrainTime", 0.0, time_s, ("task", "duration_s"), time_s)
+        # Accelerations: what is commanded with the gain of the unit, and what acts from outside.
+        wind_mps2, grade_mps2 = SIGMAS * self.wind_sigma_mps2, self.gradient_permil * _GRAVITY_MPS2 / 1000
+        a, b, c = self.davis_n_per_t
+        drag_mps2 = (a + b * curve.peak_kmh + c * curve.peak_kmh**2) / 1000
+        yield Reach("MUTATION.TrueWind", -wind_mps2, wind_mps2, ("task", "wind_sigma_mps2"), self.wind_sigma_mps2)
+        yield Reach("MUTATION.TrueGrade", 0.0, self.gradient_permil, ("task", "gradient_permil"), self.gradient_permil)
+        for row, (word, unit) in enumerate(zip(unit_words, self.unit, strict=True)):
+            gain = ("task", "unit", row, "gain")
+            pull_mps2, push_mps2 = self.traction_max_mps2 * unit.gain, self.braking_max_mps2 * unit.gain
+            drive = f"{word}_FORCE.{word.capitalize()}Drive"
+            for signal, more, less in (
+                (drive, 0.0, 0.0),
+                ("TRUTH.TrueDrive", 0.0, 0.0),
+                ("TRUTH.TrueAccel", wind_mps2 + grade_mps2, wind_mps2 + grade_mps2 + drag_mps2),
+            ):
+                yield Reach(signal, -push_mps2 - less, pull_mps2 + more, gain, unit.gain)
+            yield Reach("MUTATION.TrueGain", 0.0, unit.gain, gain, unit.gain)
 
     @property
     def can_be_perturbed(self) -> bool:

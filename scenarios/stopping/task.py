@@ -8,15 +8,20 @@ Every draw is from a normal distribution with the given standard deviation unles
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from itertools import pairwise
+from math import exp, sqrt
 from typing import Annotated, ClassVar
 
 from pydantic import AfterValidator, Field, Strict
 
+from railhil.scenarios.carried import SIGMAS, Reach
 from railhil.scenarios.schema import Name, Table
 from railhil.scenarios.task import Task
 
+_KMH, _GRAVITY_MPS2 = 3.6, 9.81
+#: One tick: five samples of the speed.
+_TICK_S = 0.016
 _Accel = Annotated[float, Field(gt=0, le=3)]
 _Share = Annotated[float, Field(ge=0, le=1)]
 _Sigma = Annotated[float, Field(ge=0, le=0.2)]
@@ -165,6 +170,54 @@ class StopTask(Task):
     true: TrueBrakeTable
     rail: RailTable = RailTable()
     sensors: SensorTable = SensorTable()
+
+    def reaches(self) -> Iterator[Reach]:
+        """See :meth:`railhil.scenarios.task.Task.reaches`; the train stops where it should, or by its own brake."""
+        true, sensors, brake = self.true, self.sensors, self.brake
+        wheel, gain = 1.0 + SIGMAS * sensors.wheel_sigma, self.gain_max
+        cruise_mps = (self.start_kmh + self.start_spread_kmh) / _KMH + SIGMAS * self.cruise_sigma_mps
+        fastest_mps = max(cruise_mps, self.approach_kmh / _KMH) + SIGMAS * self.wander_sigma_mps
+        read_mps = fastest_mps * wheel + SIGMAS * sensors.speed_noise_mps
+        start, wheel_key = ("task", "start_kmh"), ("task", "sensors", "wheel_sigma")
+        yield Reach("SPEED_RAW.Speed5", 0.0, read_mps, start, self.start_kmh)
+        yield Reach("TRUE_DATA.TrueCruise", 0.0, cruise_mps, start, self.start_kmh)
+        yield Reach("TRUE_DATA.TrueWheel", 1.0 - wheel, wheel - 1.0, wheel_key, sensors.wheel_sigma)
+        # Behind the stopping point as far as the train's own brake needs, after a second without commands.
+        slowest_mps2 = self.service_braking_mps2 / 2
+        end_m = self.stop_m + fastest_mps * (1.0 + true.delay_s + true.lag_s) + fastest_mps**2 / (2 * slowest_mps2)
+        stop = ("task", "stop_m")
+        yield Reach("TRUTH.TruePos", self.start_m, end_m, stop, self.stop_m)
+        for signal in ("ODO.OdoDistance", "ODO.BaliseDistance"):
+            yield Reach(signal, 0.0, (end_m - self.start_m) * wheel, stop, self.stop_m)
+        yield Reach("TRUE_DATA.TrueGain", 0.0, gain, ("task", "true", "gain"), true.gain)
+        delay_s = true.delay_s + SIGMAS * (true.delay_train_sigma_s + true.delay_run_sigma_s)
+        yield Reach("TRUE_DATA.TrueDelay", 0.0, delay_s, ("task", "true", "delay_s"), true.delay_s)
+        yield Reach("TRUE_DATA.TrueLag", 0.0, true.lag_s, ("task", "true", "lag_s"), true.lag_s)
+        # Accelerations: the strongest brake with its gain and the traction, each with grade and wander.
+        permil = max(abs(value) for _, value in self.grade) + SIGMAS * self.map_error_sigma_permil
+        keep = exp(-_TICK_S / self.wander_time_s)
+        beside_mps2 = permil * _GRAVITY_MPS2 / 1000 + (
+            SIGMAS * self.wander_sigma_mps * (sqrt(1.0 - keep * keep) + 1.0 - keep) / _TICK_S
+        )
+        pushes = {
+            ("task", "brake", "braking_max_mps2"): (brake.braking_max_mps2, gain),
+            ("task", "service_braking_mps2"): (self.service_braking_mps2, gain),
+            ("task", "emergency_braking_mps2"): (self.emergency_braking_mps2, 1.0),
+        }
+        for keys, (value, factor) in pushes.items():
+            yield Reach("TRUTH.TrueDrive", -value * factor, 0.0, keys, value)
+            yield Reach("TRUTH.TrueAccel", -value * factor - beside_mps2, 0.0, keys, value)
+        pull_mps2 = brake.traction_max_mps2
+        pull = ("task", "brake", "traction_max_mps2")
+        yield Reach("TRUTH.TrueDrive", 0.0, pull_mps2 + permil * _GRAVITY_MPS2 / 1000, pull, pull_mps2)
+        yield Reach("TRUTH.TrueAccel", 0.0, pull_mps2 + beside_mps2, pull, pull_mps2)
+
+    @property
+    def gain_max(self) -> float:
+        """Largest share of the commanded braking that a drawn train achieves in a run."""
+        true = self.true
+        loaded = max(1.0 + (true.full_load_gain - 1.0) * percent / 100.0 for percent in self.load_percent)
+        return true.gain * (1.0 + SIGMAS * true.gain_train_sigma) * (1.0 + SIGMAS * true.gain_run_sigma) * loaded
 
     @property
     def can_be_perturbed(self) -> bool:

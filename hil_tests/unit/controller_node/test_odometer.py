@@ -293,3 +293,18 @@ def test_beyond_a_place_for_certain() -> None:
         balises.take(BalisePassed(number, surveyed_mm, 9_950_000 & 0xFFFF), 9_950_0000, 1)
         assert not balises.is_beyond(10_051_0000, place_01mm)
         assert balises.is_beyond(10_052_0000, place_01mm)
+
+
+def test_a_law_without_a_position_is_not_stopped_by_a_long_way() -> None:
+    """Beyond 200 km only what a law would get is limited: readings and dead reckoning stay together."""
+    ride = Ride(1_000_000)
+    ride.odometer = Odometer(SCENARIO, needed=False)
+    ride.tick = 199_901
+    for ticks in range(1, 400):
+        ride.go(1)
+        place_01mm, tolerance_01mm = ride.odometer.reckoned(ride.now_ns)
+        assert not ride.lost, ticks
+        assert abs(place_01mm - min(10 * ride.true_mm, 2_000_000_000)) <= tolerance_01mm
+    assert ride.odometer.counters == {}
+    assert ride.true_mm > 200_000_000
+    assert ride.odometer.at(ride.now_ns) == 2_000_000_000

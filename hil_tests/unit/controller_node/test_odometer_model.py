@@ -71,7 +71,7 @@ class Plain:
             self.good = 0
             return
         self.reckon(now)
-        reading = min(max(10 * reading_mm, -2_000_000_000), 2_000_000_000)
+        reading = min(max(10 * reading_mm, -4_000_000_000), 4_000_000_000)
         if not self.heard:
             self.heard, self.place, self.fitted = True, reading * S, now
         off = reading * S - self.place
@@ -92,7 +92,7 @@ class Plain:
 
     def at(self, now: int) -> int:
         if self.heard and self.good == 10 and now - self.fitted <= 23 * MS:
-            return self.reading
+            return min(max(self.reading, -2_000_000_000), 2_000_000_000)
         return self.reckoned(now)[0]
 
     def reckoned(self, now: int) -> tuple[int, int]:

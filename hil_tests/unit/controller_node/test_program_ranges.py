@@ -171,16 +171,16 @@ def test_no_law_starts_in_fixed_point_that_may_wrap(name: str, notch_max: float,
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "command", [("run", "--controller", "tdmc", "--bus", "local", "--out", "out"), ("export-c", "tdmc")]
+    "command", [("run", "--controller", "tpfc2", "--bus", "local", "--out", "out"), ("export-c", "tpfc2")]
 )
 def test_commands_say_so_with_exit_code_2(command: tuple[str, ...], tmp_path: Path) -> None:
-    text = 'extends = "lvshun_tieshan"\nname = "many"\ntitle = "many notches"\n[train]\nnotch_max = 12.0\n'
-    (tmp_path / "many.toml").write_text(text, encoding="utf-8")
+    text = 'extends = "lvshun_tieshan"\nname = "seldom"\ntitle = "seldom"\n[timing]\ncontrol_period_ms = 5000\n'
+    (tmp_path / "seldom.toml").write_text(text, encoding="utf-8")
     program, *options = command
-    given = [program, "many.toml", *options] if program == "run" else [*command, "many.toml", "--out", "out"]
+    given = [program, "seldom.toml", *options] if program == "run" else [*command, "seldom.toml", "--out", "out"]
     done = railhil(*given, cwd=tmp_path)
     assert done.exit_code == 2
-    assert "add before y_m that may reach 256.524 in Q23, which ends at 256" in done.one_line()
+    assert "dot before notch_raw that may reach 4196.6 in Q19, which ends at 4096" in done.one_line()
     assert not (tmp_path / "out").exists()
 
 

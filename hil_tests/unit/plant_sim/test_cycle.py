@@ -7,10 +7,11 @@ from dataclasses import replace
 import pytest
 
 from railhil.bus.codes import Event
-from railhil.bus.layout import Telegram
+from railhil.bus.layout import CHECK_CORRECT, CHECK_ERRONEOUS, Telegram
 from railhil.bus.schedule import Schedule
-from railhil.bus.telegrams import CtlStat, NotchCmd, SimTruth, SupCmd, TimeSync, TrnSpeed
+from railhil.bus.telegrams import CtlStat, NotchCmd, SimTruth, SupCmd, TimeSync, TrnPos, TrnSpeed
 from railhil.dbc import Port
+from railhil.plant_sim.any_plant import PlantError
 from railhil.plant_sim.cycle import TickLoop
 from railhil.plant_sim.events import PlantEvent
 from railhil.plant_sim.milestones import Milestones
@@ -143,3 +144,25 @@ def test_a_train_without_its_controller_may_brake_after_the_timetable() -> None:
     last = 50 + BRAKING_MAX_NS // scenario.timing.base_tick_ns
     assert [run_end.reached(tick, True) for tick in (3, 51, last)] == [None] * 3
     assert run_end.reached(last + 1, True) is Event.ENDED_NOT_STOPPED
+
+
+def test_what_the_wire_cannot_carry_ends_the_run_as_an_error_of_the_plant() -> None:
+    scenario = scenario_of(10.0)
+    plant = Plant(scenario, 0)
+    noting = Noting(plant)
+    noting.publish = lambda telegram: telegram.encode() and None  # type: ignore[method-assign]
+    plant._motion = plant._motion._replace(position_m=1e9)
+    with pytest.raises(PlantError, match=r"^tick 0: TRN_POS\.odometer_mm: found 1000000000000, allowed"):
+        cycle_of(scenario, plant, noting, TrnPos.PORT).run()
+
+
+def test_a_speed_beyond_its_signal_says_that_it_is_none() -> None:
+    scenario = scenario_of(10.0)
+    plant = Plant(scenario, 0)
+    makers = TrainTelegrams(scenario, plant, 0.0).makers
+    for speed_mps, raw, check in ((838.0, 8_380_000, CHECK_CORRECT), (900.0, 2**23 - 1, CHECK_ERRONEOUS)):
+        plant._motion = plant._motion._replace(speed_mps=speed_mps)
+        telegram = makers[TrnSpeed.PORT]()
+        assert isinstance(telegram, TrnSpeed)
+        assert (round(telegram.speed_01mmps, -3) // 1000, telegram.check) == (round(raw, -3) // 1000, check)
+        assert TrnSpeed.decode(telegram.encode()) == telegram

@@ -18,7 +18,7 @@ from railhil.plant_sim.high_speed.watch import brake_looked_at
 
 #: Columns of the truth before those of units and couplers.
 SPEED, DRIVE, STANDS, UNITS = range(4)
-_COUPLER_MAX = 0x7FFF
+COUPLER_MAX = 0x7FFF
 #: Files whose constants are compiled into the loop.
 _SOURCES = (__file__, str(train_module.__file__), str(high_speed.__file__))
 
@@ -159,7 +159,7 @@ def _record(common: Any, fleet: Any, train: int, tick: int) -> None:
             truth[UNITS + unit] = round(fleet.motion[train, unit, 1] * TRUE_PER_UNIT)
         for unit in range(units - 1):
             force = round(fleet.coupler_n[train, unit] / 10.0)
-            truth[UNITS + units + unit] = smaller(larger(force, -_COUPLER_MAX), _COUPLER_MAX)
+            truth[UNITS + units + unit] = smaller(larger(force, -COUPLER_MAX), COUPLER_MAX)
 
 
 @compiled.cached(*_SOURCES)

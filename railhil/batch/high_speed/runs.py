@@ -17,7 +17,7 @@ from railhil.batch.case import BatchResult, Case, result_of
 from railhil.batch.columns import Columns
 from railhil.batch.coupled import digest_of, run_coupled
 from railhil.batch.high_speed.fleet import made, noise_normals, wind_normals
-from railhil.batch.high_speed.kernel import DRIVE, SPEED, STANDS, UNITS, advance_fleet
+from railhil.batch.high_speed.kernel import COUPLER_MAX, DRIVE, SPEED, STANDS, UNITS, advance_fleet
 from railhil.batch.high_speed.wayside import Waysides
 from railhil.bus.codes import Event
 from railhil.bus.high_speed import ACCEL_PER_MPS2, SPEED_PER_MPS, TRUE_PER_UNIT, wire
@@ -152,6 +152,11 @@ class _Runs:
         finite = np.isfinite(fleet.motion[:, :, :2]).all(axis=(1, 2))
         if not finite.all():
             raise PlantError(f"speed is not finite with seed {self._seeds[int(np.argmin(finite))]}")
+        couplers = fleet.truth[:, :, UNITS + fleet.motion.shape[1] :]
+        beyond = (np.abs(couplers) >= COUPLER_MAX).any(axis=(1, 2))
+        if beyond.any():
+            seed = self._seeds[int(np.argmax(beyond))]
+            raise PlantError(f"{self._wire.truth.PORT}: the wire cannot carry the force of a coupler, with seed {seed}")
         self._targets_mps = self._waysides.targets_mps(due_tick + 1)
 
     def _step(self, period: int, tick: int) -> None:

@@ -13,9 +13,10 @@
 #define WORD_MM INT64_C(65536)
 /* Longer pauses are limited to this, so that no product below exceeds 64 bits. */
 #define PAUSE_MAX_NS INT64_C(100000000000)
-#define PLACE_MAX INT64_C(4000000000000000000)
-/* Limit of positions for the law, 0.1 mm. */
+#define PLACE_MAX INT64_C(4600000000000000000)
+/* Limits of positions for the law, and of readings, 0.1 mm: the difference of a reading and a place fits into 64 bits. */
 #define POSITION_MAX_01MM INT64_C(2000000000)
+#define READING_MAX_01MM INT64_C(4000000000)
 
 /* a * share / whole, floored, without a product of more than 64 bits; 0 <= share <= whole <= 1e9. */
 static int64_t share_of(int64_t a, int64_t share, int64_t whole)
@@ -79,7 +80,7 @@ void railhil_position(railhil_odometer_t *odometer, int64_t now_ns, const unsign
 {
     const int life = process[7] & 0xF;
     const railhil_life_t judged = railhil_life(odometer->life, life);
-    int32_t reading_01mm;
+    int64_t reading_01mm;
     int64_t off;
     int64_t since_ns;
     int64_t share_ns;
@@ -94,7 +95,7 @@ void railhil_position(railhil_odometer_t *odometer, int64_t now_ns, const unsign
         return;
     }
     reckon(odometer, now_ns);
-    reading_01mm = limited_01mm((int32_t)railhil_get32(process));
+    reading_01mm = railhil_within(INT64_C(10) * (int32_t)railhil_get32(process), READING_MAX_01MM);
     if (!odometer->heard) {
         /* The first telegram: there is no earlier position to compare it with. */
         odometer->heard = 1;
@@ -138,7 +139,7 @@ int32_t railhil_position_01mm(railhil_odometer_t *odometer, int64_t now_ns)
 {
     if (odometer->heard && odometer->run == RAILHIL_GOOD_POSITIONS &&
         now_ns - odometer->fitted_ns <= RAILHIL_POSITION_IN_TIME_NS) {
-        return odometer->reading_01mm;
+        return (int32_t)railhil_within(odometer->reading_01mm, POSITION_MAX_01MM);
     }
     return (int32_t)reckoned_01mm(odometer, now_ns);
 }

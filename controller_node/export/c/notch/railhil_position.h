@@ -30,8 +30,8 @@ typedef struct {
     int64_t trusted_ns; /* last time that the odometer was trusted */
     int64_t jumped_ns;  /* the first telegram since then that was inconsistent with the speeds */
     int64_t jumping_ns; /* and the last one */
+    int64_t reading_01mm;
     int32_t speed_01mmps;
-    int32_t reading_01mm;
     int life;
     int begun;
     int heard;

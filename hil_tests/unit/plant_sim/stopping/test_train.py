@@ -8,8 +8,10 @@ from typing import Any
 import pytest
 
 from hil_tests.support.stops import EXACT, FLAT, stop_scenario
+from railhil.bus.layout import CHECK_CORRECT, CHECK_ERRONEOUS
 from railhil.plant_sim.stopping.brake import Going, gone_on
 from railhil.plant_sim.stopping.draws import drawn_run, drawn_train
+from railhil.plant_sim.stopping.plant import StopPlant
 from railhil.plant_sim.stopping.train import StopTrain
 
 TICK_S = 0.016
@@ -216,3 +218,13 @@ class TestDraws:
     def test_a_loaded_train_brakes_less(self) -> None:
         full = ("task.load_percent=[100, 100]", "task.true.full_load_gain=0.9")
         assert self.drawn(*full)[1].gain == pytest.approx(0.9 * self.drawn()[1].gain)
+
+
+@pytest.mark.parametrize(("gone_m", "raw", "correct"), [(16_777.0, 16_777_000, True), (16_778.0, 2**24 - 1, False)])
+def test_a_distance_beyond_its_signal_says_that_it_is_none(gone_m: float, raw: int, correct: bool) -> None:
+    plant = StopPlant(stop_scenario(*EXACT, *FLAT), 0, False, 0.0, 1)
+    moved = plant.train.motion._replace(position_m=plant.train.task.start_m + gone_m)
+    plant.train.going = plant.train.going._replace(motion=moved)
+    telegram: Any = plant.makers["ODO"]()
+    assert telegram.odometer == pytest.approx(raw, abs=1)
+    assert telegram.check == (CHECK_CORRECT if correct else CHECK_ERRONEOUS)
