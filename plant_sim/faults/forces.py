@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import inf
+from math import copysign, inf
 from typing import NamedTuple
 
 from railhil.bus.codes import WatchCause
@@ -137,9 +137,12 @@ class FaultyForces:
         return self._carried(constants, window, extra_n)
 
     def _carried(self, constants: TrainConstants, window: Window, extra_n: float) -> Allowed:
-        """These forces as far as the rail carries them."""
+        """These forces as far as the rail carries them; while the axle slips or slides, its friction in their place."""
         carried_n = self._carried_n
-        if carried_n < inf:
+        if carried_n < inf and self.axle.slip_mps != 0.0:
+            extra_n = copysign(carried_n, self.axle.slip_mps)
+            constants = constants._replace(traction=capped(constants.traction, 0.0), brake=capped(constants.brake, 0.0))
+        elif carried_n < inf:
             extra_n = min(max(extra_n, -carried_n), carried_n)
             constants = constants._replace(
                 traction=capped(constants.traction, carried_n - extra_n),

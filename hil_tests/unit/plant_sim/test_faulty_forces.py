@@ -285,6 +285,21 @@ def test_the_axle_slips_by_what_the_rail_does_not_carry() -> None:
     assert back.forces.axle.slip_mps == 0.0
 
 
+@pytest.mark.parametrize("demand_n", [-800.0, -150.0, 0.0, 150.0, 500.0])
+@pytest.mark.parametrize("slip_mps", [-7.7, 3.0])
+def test_friction_acts_against_the_slip_whatever_is_demanded(demand_n: float, slip_mps: float) -> None:
+    """A locked wheel brakes the train until it rolls again, also while traction already turns it."""
+    found = slippery()
+    found.forces.axle.slip_mps = slip_mps
+    for window in (FREE, Window(False, 300.0)):
+        allowed = found.allowed(round(demand_n), window=window)
+        motion = Motion(0.0, 10.0, demand_n, 0.0)
+        force_n = dynamics.applied_n(allowed.constants, allowed.window, motion) + allowed.extra_n
+        assert force_n == (200.0 if slip_mps > 0 else -200.0)
+        running_n = HEALTHY.resistance_a_n - allowed.constants.resistance_a_n
+        assert running_n == force_n
+
+
 def test_notches_are_remembered_for_a_dead_time() -> None:
     late = {"delay_s": 0.1}
     found = Forces(fault(PULL, "dead_time", 0.0, late), fault(PUSH, "dead_time", 0.0, late))
