@@ -36,6 +36,7 @@ from railhil.controller_node.speed_watch import (
     observe,
     stronger,
 )
+from railhil.controller_node.track_info import TrackInfo
 from railhil.dbc import wire_contract
 from railhil.scenarios.model import Scenario
 
@@ -56,12 +57,19 @@ class Guard:
     :param counter: the counter that provides the time stamps; default: one at the bit rate of the port table.
     :param odometer: gets every accepted speed; when it loses the position, the train brakes. Default: one that is not
         needed by the law.
+    :param track: limit and grade, and what their age demands. Default: one whose age is not watched.
 
     ``counters``: telegrams refused by cause (``duplicate``, ``out_of_order``, ``check_variable``, ``out_of_range``,
     ``speed_jump``) and ``gap`` for accepted ones after lost ones.
     """
 
-    def __init__(self, scenario: Scenario, counter: BitCounter | None = None, odometer: Odometer | None = None) -> None:
+    def __init__(
+        self,
+        scenario: Scenario,
+        counter: BitCounter | None = None,
+        odometer: Odometer | None = None,
+        track: TrackInfo | None = None,
+    ) -> None:
         self.counters: Counter[str] = Counter()
         #: Number of accepted telegrams.
         self.accepted = 0
@@ -77,8 +85,7 @@ class Guard:
         #: The safe channel that must confirm every speed; None: the scenario has none.
         self.safe = SafeSpeed(scenario) if scenario.safety.sdt else None
         self._speed_ns = -1
-        self._limit_01mmps: int | None = None
-        self._grade_001permil: int | None = None
+        self._track = track or TrackInfo(scenario, watched=False)
         self._motion_limits = MotionLimits.of(scenario)
         self._motion = Motion(self._motion_limits)
         # A change up to this is plausible from one tick to the next.
@@ -110,12 +117,9 @@ class Guard:
         """Why the level was entered."""
         return self._state.cause
 
-    def limit(self, track: TrkInfo) -> None:
-        """Take the speed limit and the grade of a TRK_INFO telegram, each if its check variable is correct."""
-        if track.limit_check == CHECK_CORRECT:
-            self._limit_01mmps = track.speed_limit_4mmps * 40
-        if track.grade_check == CHECK_CORRECT:
-            self._grade_001permil = track.grade_001permil
+    def limit(self, track: TrkInfo, now_ns: int) -> None:
+        """Take a TRK_INFO telegram that passed the traffic store."""
+        self._track.take(track, now_ns)
 
     def period(self, is_late: bool) -> None:
         """A control period is computed; ``is_late``: periods before it were left out."""
@@ -196,7 +200,7 @@ class Guard:
         age_ms = (now_ns - position_ns) // _NS_PER_MS
         place = position + speed * age_ms // 1000 if 0 <= age_ms <= POSITION_AGE_MAX_MS else None
         motion = self._motion
-        motion.sample(now_ns, speed, self._state.code, self._grade_001permil, self._changed_ns, place)
+        motion.sample(now_ns, speed, self._state.code, self._track.grade_001permil(now_ns), self._changed_ns, place)
         if motion.is_suspicious or self._findings:
             self._find("motion", *found(motion))
 
@@ -215,14 +219,14 @@ class Guard:
         self, telegram: Reception, now_ns: int, age_ns: int | None = None, finding: Finding | None = None
     ) -> None:
         speed = self.speed_01mmps
-        limit = self._limit_01mmps
+        limit, track = self._track.limit_01mmps, self._track.finding(now_ns)
         if age_ns is None:
             age_ns = self._age.ns(now_ns)
         unconfirmed_ns = 0 if self.safe is None else self.safe.age_ns(now_ns)
         overspeed = speed is not None and limit is not None and self._ladder.is_overspeed(speed, limit)
         lost = self._odometer.lost(now_ns)
-        if lost or finding or self._finding:
-            finding = stronger(finding, self._finding, LEVELS[lost] if lost else None)
+        if lost or finding or self._finding or track:
+            finding = stronger(finding, self._finding, LEVELS[lost] if lost else None, track)
         is_confirmed = unconfirmed_ns <= age_ns
         age_ms = (age_ns if is_confirmed else unconfirmed_ns) // _NS_PER_MS
         state = observe(self._ladder, self._state, age_ms, telegram, speed == 0, overspeed, finding)

@@ -34,6 +34,7 @@ from railhil.controller_node.guard import Guard
 from railhil.controller_node.laws import load
 from railhil.controller_node.laws.note import slots
 from railhil.controller_node.odometer import Odometer
+from railhil.controller_node.track_info import TrackInfo
 from railhil.dbc import wire_contract
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec
@@ -104,7 +105,7 @@ class ControllerNode:
         self.law_type: Any = load(law.controller)
         needed = self.law_type.track or law.over_distance
         self._odometer = Odometer(scenario, law.task_period_ms * _NS_PER_MS, needed=needed)
-        self.guard = Guard(scenario, counter, self._odometer)
+        self.guard = Guard(scenario, counter, self._odometer, TrackInfo(scenario))
         self._balises = Balises()
         # Only a law that is given balises has a position that they can contradict.
         self._end_01mm = end_of_authority_01mm(scenario) if self.law_type.track else None
@@ -229,7 +230,7 @@ class ControllerNode:
         self.guard.look(self._clock.own_ns)
 
     def _track(self, reading: Reading[TrkInfo]) -> None:
-        self.guard.limit(reading.telegram)
+        self.guard.limit(reading.telegram, self._clock.own_ns)
 
     def _event(self, reading: Reading[RunEvent]) -> None:
         code = reading.telegram.event

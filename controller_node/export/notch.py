@@ -12,7 +12,7 @@ from railhil.bus.safe_telegrams import SAFE_DATA_VERSION, NotchSdt, SpeedSdt
 from railhil.bus.schedule import Schedule
 from railhil.bus.sdt import source_identity
 from railhil.bus.telegrams import NotchCmd, TrnPos, TrnSpeed
-from railhil.controller_node import balises, odometer
+from railhil.controller_node import balises, odometer, track_info
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Arithmetic
 from railhil.controller_node.channel import Latency
@@ -55,6 +55,7 @@ _NS_PER_S = 1_000_000_000
 def _motion(scenario: Scenario) -> list[Define]:
     """Thresholds and model of the checks of the motion, and of the monitors of the channel."""
     limits, latency = MotionLimits.of(scenario), Latency(scenario)
+    track_cut_ns, track_brake_ns = track_info.ages_ns(scenario)
     return [
         Define("JUMP_01MMPS", wide(limits.jump_01mmps), "change of the speed by noise alone"),
         Define("SPEED_CHANGE_01MMPS2", wide(limits.accel_01mmps2), "a faster change is refused"),
@@ -75,6 +76,8 @@ def _motion(scenario: Scenario) -> list[Define]:
         Define("NOTCH_TICKS", wide(latency.poll_ticks), "between two polls of NOTCH_CMD"),
         Define("LATENCY_MAX_TICKS", wide(latency.limit_ticks), "TRN_SPEED behind the polls"),
         Define("CHANNEL_BAD_MAX", wide(scenario.watch.channel_bad_max), "bad TRN_SPEED permitted in 10 s"),
+        Define("TRACK_CUT_NS", wide(track_cut_ns), "TRK_INFO older than this cuts the traction"),
+        Define("TRACK_BRAKE_NS", wide(track_brake_ns), "and brakes"),
         Define("OVERRUNS_MAX", wide(scenario.watch.overruns_max), "late control periods in a row"),
     ]
 

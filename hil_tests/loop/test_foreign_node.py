@@ -22,7 +22,7 @@ from railhil.bus.frame import Frame
 from railhil.bus.ident import CtlIdent, Role
 from railhil.bus.local import LocalBus
 from railhil.bus.mvb import F_DEVICE_STATUS, TelegramSource, check_sequence, master_frame
-from railhil.bus.telegrams import BalisePassed, CtlStat, NotchCmd, TimeSync, TrnPos, TrnSpeed
+from railhil.bus.telegrams import BalisePassed, CtlStat, NotchCmd, TimeSync, TrkInfo, TrnPos, TrnSpeed
 from railhil.controller_node.node import ControllerNode
 from railhil.controller_node.speed_watch import SpeedWatchLevel
 from railhil.dbc import wire_contract
@@ -215,12 +215,22 @@ def test_speed_is_missing_at_standstill_and_while_braking(exported) -> None:
     assert SpeedWatchLevel.EMERGENCY not in run.levels
 
 
+def told(tick: int) -> TrkInfo | None:
+    """TRK_INFO on its period."""
+    return None if tick % 16 else TrkInfo(speed_limit_4mmps=60_000, life=tick // 16 % 4)
+
+
 def driven(
-    exported, speeds: Sequence[int | None], unpolled: Container[int] = (), tick_ns: int = 10_000_000
+    exported,
+    speeds: Sequence[int | None],
+    unpolled: Container[int] = (),
+    track: Callable[[int], TrkInfo | None] = told,
+    tick_ns: int = 10_000_000,
 ) -> tuple[list[int], bytes]:
     """Both controllers with one speed (0.1 mm/s; None: no telegram) in each tick and their two polls in every other.
 
     :param unpolled: ticks without polls.
+    :param track: TRK_INFO of a tick.
     :returns: the level after each tick, and the second block of the last CTL_STAT.
     """
     scenario = short()
@@ -237,6 +247,8 @@ def driven(
         frames = [] if speed is None else source.frames(TrnSpeed(speed, life=tick & 0xF).encode())
         if tick == 0:
             frames += TelegramSource(TimeSync.port()).frames(TimeSync().encode())
+        if (info := track(tick)) is not None:
+            frames += TelegramSource(TrkInfo.port()).frames(info.encode())
         for frame in [*frames, *(polls if tick % 2 == 0 and tick not in unpolled else [])]:
             expected = node.handle(frame)
             assert without_telemetry(c.handle(frame)) == without_telemetry(expected), tick
@@ -253,6 +265,28 @@ def test_the_ramps_lose_nothing_with_any_tick(exported, tick_ns: int) -> None:
     levels, _ = driven(exported, [*[10_000] * ticks, *[None] * ticks, *[10_000] * ticks], tick_ns=tick_ns)
     assert levels[ticks - 1] == levels[-1] == SpeedWatchLevel.NORMAL
     assert max(levels) == SpeedWatchLevel.SERVICE_BRAKE
+
+
+@pytest.mark.parametrize(
+    "how",
+    [{}, {"life": 1}, {"limit_check": 0}, {"grade_check": 3}],
+    ids=["silent", "stuck", "limit not correct", "grade not correct"],
+)
+def test_a_limit_that_is_no_longer_told_is_no_limit(exported, how: dict[str, int]) -> None:
+    """Three missing periods cut the traction, the age of an emergency brakes; the telegram's return ends it."""
+
+    def track(tick: int) -> TrkInfo | None:
+        info = told(tick)
+        if info is None or not 32 <= tick < 192:
+            return info
+        return dataclasses.replace(info, **how) if how else None
+
+    levels, _ = driven(exported, [100_000 + 30 * (tick % 3) for tick in range(260)], track=track)
+    cut, brake = levels.index(SpeedWatchLevel.TRACTION_CUT), levels.index(SpeedWatchLevel.SERVICE_BRAKE)
+    # The last one is of tick 16.
+    assert (cut, brake) == (16 + 48 + 1, 16 + short().watch.emergency_ms // 10 + 1)
+    assert levels[:cut] == [SpeedWatchLevel.NORMAL] * cut
+    assert (levels[191], levels[259]) == (SpeedWatchLevel.SERVICE_BRAKE, SpeedWatchLevel.NORMAL)
 
 
 def test_control_periods_left_out_are_counted(exported) -> None:

@@ -114,7 +114,7 @@ def sweep_guard_random(module: ModuleType) -> None:
     for seed in range(30):
         draw = random.Random(seed)
         subject, model = module.Guard(SCENARIO), PlainGuard()
-        now_ns, life = 0, 0
+        now_ns, life, told = 0, 0, 0
         speeds = [0, 0, 1, 100_000, 150_000, 1_499_999, 1_500_000, 1_500_001, -1]
         for _ in range(300):
             now_ns += draw.choice([0, 10, 10, 10, 10, 16, 21, 65, 257, 1001]) * MS if draw.random() < 0.4 else 10 * MS
@@ -128,7 +128,8 @@ def sweep_guard_random(module: ModuleType) -> None:
             elif kind < 0.78:
                 limit = draw.choice([1402, 1403, 2000, 3400, 60_000])
                 check = draw.randrange(4)
-                subject.limit(TrkInfo(speed_limit_4mmps=limit, limit_check=check))
+                told += 1
+                subject.limit(TrkInfo(speed_limit_4mmps=limit, limit_check=check, life=told % 4), now_ns)
                 if check == 1:
                     model.limits.append(limit)
             else:
@@ -152,7 +153,7 @@ def sweep_guard_boundaries(module: ModuleType) -> None:
     edge = limit * 40 + round(SCENARIO.watch.overspeed_margin_mps * 10_000)
     for speed in range(edge - 3, edge + 4):
         subject = module.Guard(SCENARIO)
-        subject.limit(TrkInfo(speed_limit_4mmps=limit))
+        subject.limit(TrkInfo(speed_limit_4mmps=limit), 0)
         subject.speed(TrnSpeed(speed), 0)
         assert (subject.level is SpeedWatchLevel.EMERGENCY) == (speed > edge)
     for age_ms in range(1100):
@@ -174,7 +175,7 @@ def sweep_guard_boundaries(module: ModuleType) -> None:
     # A limit that arrives after the speed of the same tick applies in that tick.
     subject = module.Guard(SCENARIO)
     subject.speed(TrnSpeed(edge + 1), 0)
-    subject.limit(TrkInfo(speed_limit_4mmps=limit))
+    subject.limit(TrkInfo(speed_limit_4mmps=limit), 0)
     assert subject.notch(500, 0)[1]
     # An hour without a telegram at standstill is not an emergency, and time 0 is an ordinary time.
     subject = module.Guard(SCENARIO)
@@ -287,11 +288,11 @@ def sweep_guard_samples(module: ModuleType) -> None:
     assert at(150 * MS, 100_000, 0)[:2] == (150 * MS, 100_000)
     at_ns = 1000 * MS
     assert at(at_ns, 100_000, 0) == (at_ns, 100_000, 0, None, 0, 5000)
-    subject.limit(TrkInfo(grade_001permil=77, grade_check=2))
+    subject.limit(TrkInfo(grade_001permil=77, grade_check=2), at_ns)
     assert at(at_ns, 100_000, 0) == ()
     assert at(at_ns + 100 * MS - 1, 100_000, 0) == ()
     assert at(at_ns + 100 * MS, 100_000, 100 * MS) == (at_ns + 100 * MS, 100_000, 0, None, 0, 15_000)
-    subject.limit(TrkInfo(grade_001permil=-88))
+    subject.limit(TrkInfo(grade_001permil=-88, life=1), at_ns)
     # Set back by the smallest step.
     assert at(at_ns + 100 * MS - 1, 100_001, 101 * MS)[3:] == (-88, at_ns + 100 * MS - 1, None)
     assert at(at_ns + 300 * MS, 100_001, 99 * MS)[3:] == (-88, at_ns + 100 * MS - 1, 5000 + 9900)
@@ -351,7 +352,7 @@ def sweep_guard_safe(module: ModuleType) -> None:
             assert subject.cause is (cause if level else CtlCause.NONE)
     # Another cause of a new level is named as it is.
     unconfirmed_ns, subject = 21 * MS, prepared()
-    subject.limit(TrkInfo(speed_limit_4mmps=1))
+    subject.limit(TrkInfo(speed_limit_4mmps=1), 0)
     subject.speed(TrnSpeed(100_000), 0)
     assert subject.cause is CtlCause.OVERSPEED
 

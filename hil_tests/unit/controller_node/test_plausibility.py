@@ -42,7 +42,7 @@ class Ride:
         self.held: int | None = None
         self.sent = 0
         if grade is not None:
-            self.guard.limit(TrkInfo(speed_limit_4mmps=60_000, grade_001permil=grade))
+            self.guard.limit(TrkInfo(speed_limit_4mmps=60_000, grade_001permil=grade), 0)
 
     @property
     def now_ns(self) -> int:

@@ -27,7 +27,7 @@ enum { CHANNEL_WINDOW_MS = 10000, DISORDER_MS = 20, DISORDER_MAX_MS = 80 };
 void railhil_guard_init(railhil_guard_t *guard)
 {
     memset(guard, 0, sizeof *guard);
-    guard->odometer.life = guard->watch.life = -1;
+    guard->odometer.life = guard->watch.life = guard->watch.track_life = -1;
     guard->odometer.run = RAILHIL_GOOD_POSITIONS;
     guard->latency.doubt = 1;
     guard->watch.sample_ns = -SAMPLE_MS * NS_PER_MS;
@@ -74,6 +74,12 @@ static finding_t stronger(finding_t one, int level, int cause)
     return one;
 }
 
+/* 1 if the limit, and the grade, have not been told for so long. */
+static int track_older(const railhil_guard_t *guard, int64_t now_ns, int64_t age_ns)
+{
+    return now_ns - guard->watch.track_ns > age_ns;
+}
+
 /* What the checks find now, and with them a finding of this telegram alone. */
 static finding_t find(const railhil_guard_t *guard, int64_t now_ns, finding_t finding)
 {
@@ -99,6 +105,11 @@ static finding_t find(const railhil_guard_t *guard, int64_t now_ns, finding_t fi
                            RAILHIL_CAUSE_WEAK_BRAKE);
     } else if (motion->stuck || motion->off_scale) {
         finding = stronger(finding, RAILHIL_TRACTION_CUT, RAILHIL_CAUSE_SPEED_IMPLAUSIBLE);
+    }
+    if (track_older(guard, now_ns, RAILHIL_TRACK_BRAKE_NS)) {
+        finding = stronger(finding, RAILHIL_SERVICE_BRAKE, RAILHIL_CAUSE_CHANNEL_MONITOR);
+    } else if (track_older(guard, now_ns, RAILHIL_TRACK_CUT_NS)) {
+        finding = stronger(finding, RAILHIL_TRACTION_CUT, RAILHIL_CAUSE_CHANNEL_MONITOR);
     }
     if (lost != RAILHIL_NOT_LOST) {
         finding = stronger(finding, RAILHIL_SERVICE_BRAKE,
@@ -193,10 +204,12 @@ static void sample(railhil_guard_t *guard, int64_t now_ns)
     const int64_t speed = watch->speed_01mmps;
     const int64_t age_ms = railhil_floored(now_ns - odometer->fitted_ns, NS_PER_MS);
     const int has_position = age_ms >= 0 && age_ms <= POSITION_AGE_MAX_MS;
+    const int has_grade = watch->grade_known && !track_older(guard, now_ns, RAILHIL_TRACK_CUT_NS) &&
+                          !track_older(guard, now_ns, RAILHIL_TRACK_BRAKE_NS);
     const int64_t position = has_position ? odometer->reading_01mm + speed * age_ms / 1000 : 0;
     watch->sample_ns = now_ns;
     watch->sample_01mmps = watch->speed_01mmps;
-    railhil_sample(&guard->motion, now_ns, speed, watch->code, watch->grade_known, watch->grade_001permil,
+    railhil_sample(&guard->motion, now_ns, speed, watch->code, has_grade, watch->grade_001permil,
                    watch->changed_ns, has_position, position);
 }
 
@@ -252,13 +265,23 @@ void railhil_speed(railhil_guard_t *guard, int64_t now_ns, const unsigned char *
     }
 }
 
-void railhil_track(railhil_guard_t *guard, const unsigned char *process)
+void railhil_track(railhil_guard_t *guard, int64_t now_ns, const unsigned char *process)
 {
-    if (((process[15] >> 4) & 3) == RAILHIL_CHECK_CORRECT) {
+    const int has_limit = ((process[15] >> 4) & 3) == RAILHIL_CHECK_CORRECT;
+    const int has_grade = ((process[15] >> 2) & 3) == RAILHIL_CHECK_CORRECT;
+    const int life = process[15] & 3;
+    if (life == guard->watch.track_life) {
+        return; /* Nothing new: its age keeps growing. */
+    }
+    guard->watch.track_life = life;
+    if (has_limit && has_grade) {
+        guard->watch.track_ns = now_ns;
+    }
+    if (has_limit) {
         guard->watch.limit_known = 1;
         guard->watch.limit_01mmps = (int32_t)railhil_get16(process + 6) * 40; /* 4 mm/s */
     }
-    if (((process[15] >> 2) & 3) == RAILHIL_CHECK_CORRECT) {
+    if (has_grade) {
         const int32_t raw = (int32_t)railhil_get16(process + 12);
         guard->watch.grade_known = 1;
         guard->watch.grade_001permil = raw < 0x8000 ? raw : raw - 0x10000;

@@ -51,6 +51,7 @@ typedef struct {
     int64_t sent_ns;     /* time of the last notch sent */
     int64_t changed_ns;  /* when the speed has last changed */
     int64_t sample_ns;   /* last sample of the motion */
+    int64_t track_ns;    /* time of the last TRK_INFO with limit and grade */
     int32_t speed_01mmps;
     int32_t sample_01mmps;
     int32_t limit_01mmps;
@@ -66,6 +67,7 @@ typedef struct {
     int limit_known;
     int grade_known;
     int life;
+    int track_life;
     int late; /* late control periods in a row */
     int stale; /* the telegrams are delayed */
     int beyond; /* the train is beyond its end of authority by the balises: the law's position is wrong */
@@ -89,7 +91,7 @@ void railhil_guard_init(railhil_guard_t *guard);
 
 /* Take the process data of TRN_SPEED and TRK_INFO telegrams. counts: counters of refusals, by outcome. */
 void railhil_speed(railhil_guard_t *guard, int64_t now_ns, const unsigned char *process, uint32_t *counts);
-void railhil_track(railhil_guard_t *guard, const unsigned char *process);
+void railhil_track(railhil_guard_t *guard, int64_t now_ns, const unsigned char *process);
 
 /* Check the age of the last speed. */
 void railhil_look(railhil_guard_t *guard, int64_t now_ns);

@@ -167,7 +167,7 @@ void railhil_law_take(railhil_law_t *law, const railhil_clock_t *clock, int port
         railhil_balise(&guard->balise, &guard->odometer, now_ns, process, counts);
         break;
     case RAILHIL_TRK_INFO:
-        railhil_track(guard, process);
+        railhil_track(guard, now_ns, process);
         break;
 #if RAILHIL_SAFE
     case RAILHIL_SPEED_SDT:
