@@ -24,10 +24,10 @@ from railhil.bus.lifesign import Life, LifeSign
 from railhil.bus.schedule import Schedule
 from railhil.bus.telegrams import TrnPos
 from railhil.controller_node.loop import POSITION_MAX_01MM
-from railhil.scenarios.model import DISTANCE_MAX_M, Scenario
+from railhil.scenarios.model import DISTANCE_MAX_M, POSITION_AGE_MAX_MS, Scenario
 
 #: Longest time on dead reckoning (reaction to the loss of position only: 1 s, then service brake).
-RECKONING_MAX_NS: Final = 1_000_000_000
+RECKONING_MAX_NS: Final = POSITION_AGE_MAX_MS * 1_000_000
 #: Plausible telegrams in a row before the odometer is used again; the same number as ends the service brake.
 GOOD_RUN: Final = 10
 #: Time constant with which the dead-reckoned position follows the odometer: a slow drift causes an error of the drift

@@ -8,6 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 from railhil.common.errors import InputError, Words
+from railhil.dbc import Contract
 from railhil.scenarios import model
 from railhil.scenarios.effort import force_limit_n
 from railhil.scenarios.profiles import front_speed_limit
@@ -31,6 +32,7 @@ BALISES_BETWEEN = 15
 _SAMPLE_S = 0.1
 #: No train on rails is faster.
 _FASTEST_MPS = 200.0
+_NS_PER_MS = 1_000_000
 
 
 def check_tables(train: model.Train, line: model.Line, refuse: Refuse) -> None:
@@ -105,6 +107,34 @@ def check_watch(watch: model.WatchLimits, refuse: Refuse) -> None:
     for before, after in pairwise(levels):
         if getattr(watch, after) <= getattr(watch, before):
             raise refuse(("watch", after), getattr(watch, after), f"more than {before} = {getattr(watch, before)}")
+
+
+def check_periods(
+    timing: model.Timing, watch: model.WatchLimits, sdt: bool, contract: Contract, refuse: Refuse
+) -> None:
+    """No telegram of a healthy run is older than a watch allows, and a safe command comes with its command."""
+    tick_ns = timing.base_tick_ns
+    usual = {port.name: port.period_ns for port in contract.ports}
+
+    def ticks(port: str) -> int:
+        return max(1, timing.port_period_ns.get(port, usual[port]) // tick_ns)
+
+    # An age of which the watch of the train sees the ticks before the next command, and that of the controller all.
+    longest_ns = {
+        "TRN_SPEED": ("watch.hold_ms", max(watch.hold_ms * _NS_PER_MS, tick_ns)),
+        "NOTCH_CMD": ("watch.hold_ms", watch.hold_ms * _NS_PER_MS // tick_ns * tick_ns + tick_ns),
+        "TRN_POS": ("the age at which a position is lost", model.POSITION_AGE_MAX_MS * _NS_PER_MS),
+        "TRK_INFO": ("watch.emergency_ms", watch.emergency_ms * _NS_PER_MS),
+    }
+    for port, (why, most_ns) in longest_ns.items():
+        if ticks(port) * tick_ns > most_ns:
+            keys = ("timing", "port_period_ms", port) if port in timing.port_period_ns else ("timing", "base_tick_ms")
+            found_ms = timing.port_period_ns.get(port, tick_ns) / _NS_PER_MS
+            raise refuse(keys, found_ms, f"{port} every {most_ns / _NS_PER_MS:g} ms at least: {why}")
+    if sdt and ticks("NOTCH_SDT") != ticks("NOTCH_CMD"):
+        key = "NOTCH_SDT" if "NOTCH_SDT" in timing.port_period_ns else "NOTCH_CMD"
+        allowed = "NOTCH_SDT as often as NOTCH_CMD: with safety.sdt it confirms every command"
+        raise refuse(("timing", "port_period_ms", key), timing.port_period_ns[key] / _NS_PER_MS, allowed)
 
 
 def check_authority(scenario: model.Scenario, refuse: Refuse) -> None:

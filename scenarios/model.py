@@ -14,6 +14,8 @@ from typing import Any, Protocol
 
 #: Longest run, by the train's own odometer.
 DISTANCE_MAX_M = 400_000.0
+#: Longest time without a position.
+POSITION_AGE_MAX_MS = 1000
 
 #: A step profile: rows ``(from_m, value)``, each valid until the next row; the first value also applies before the
 #: first row.

@@ -174,6 +174,7 @@ class TaskScenarios:
             if period_ns <= 0 or timing.base_tick_ns <= 0 or period_ns % timing.base_tick_ns:
                 raise refuse(keys, period_ns / 1e6, f"a whole multiple of base_tick_ms = {timing.base_tick_ns / 1e6:g}")
         check_carried(self._system.contract, file.task.reaches(), refuse)
+        self._check_ages(timing, refuse)
         for row, published in enumerate(file.published):
             if not isinstance(published.get("controller"), str):
                 raise refuse(("published", row, "controller"), published.get("controller"), "the name of a law")
@@ -190,6 +191,19 @@ class TaskScenarios:
             faults_of_rows(table.get("fault", ()), self._system, lambda row: layers.origin("fault", row)),
         )
         return with_own_words(made, layers, self.read, lambda one: one.task.model_dump(exclude={*one.task.JUDGING}))
+
+    def _check_ages(self, timing: Timing, refuse: convert.Refuse) -> None:
+        """No reading of a healthy run is older than the interface of the system's laws allows."""
+        if not timing.port_period_ns or "interface" not in self._system.own:
+            # The periods of the port table fit.
+            return
+        for reading in self._system.part("interface").readings:
+            port = reading.telegram.PORT
+            period_ns = timing.port_period_ns.get(port, 0)
+            most_ns = self._system.part("interface").age_max_ns(reading)
+            if period_ns - timing.base_tick_ns > most_ns:
+                allowed = f"at most {(most_ns + timing.base_tick_ns) / 1e6:g}: an older {reading.name} is not used"
+                raise refuse(("timing", "port_period_ms", port), period_ns / 1e6, allowed)
 
     def _hashed(
         self,

@@ -79,6 +79,7 @@ def read_train_scenario(layers: Layers, faults_of: Callable[[], tuple[str, ...]]
                 raise refuse(("timing", "port_period_ms", port), timing.port_period_ns[port] / 1e6, allowed)
     check.check_perturbations(perturbations, refuse)
     check.check_watch(watch, refuse)
+    check.check_periods(timing, watch, file.safety.sdt, wire_contract(), refuse)
     curve, running_time_s = _target(parts)
     target = check.checked_target(curve, refuse)
     assumptions = (*file.train.assumptions, *file.line.assumptions, *file.assumptions)

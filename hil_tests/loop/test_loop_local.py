@@ -82,9 +82,9 @@ def test_direct_coupling_is_the_same_loop(nominal, lvshun, brief, tmp_path, arit
         "control_period_ms = 200",
         # The period begins between two polls.
         "control_period_ms = 330",
-        # Shorter than the poll's period: periods are left out, and the train's watch takes the traction away.
-        "control_period_ms = 200\nport_period_ms = { NOTCH_CMD = 240 }",
-        "port_period_ms = { NOTCH_CMD = 40 }",
+        # Shorter than the poll's period: periods are left out.
+        "control_period_ms = 200\nport_period_ms = { NOTCH_CMD = 240 }\n[watch]\nhold_ms = 230\ntraction_cut_ms = 240",
+        "port_period_ms = { NOTCH_CMD = 30 }",
         "control_period_ms = 330\nport_period_ms = { NOTCH_CMD = 10, SIM_TRUTH = 40 }",
         # The position that the law sees is older than its poll.
         "control_period_ms = 330\nport_period_ms = { NOTCH_CMD = 10, TRN_POS = 160 }",

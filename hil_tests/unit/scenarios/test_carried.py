@@ -136,3 +136,32 @@ def test_the_wheels_count_for_the_length_of_a_run(tmp_path: Path) -> None:
     worn = ("--set", f"{FACTOR}=1.1")
     done = railhil("run", str(path), "--controller", "ipfc_plus", "--bus", "local", "--no-report", *worn, cwd=tmp_path)
     assert (done.exit_code, "allowed at most 181818 m" in done.one_line()) == (2, True)
+
+
+PERIODS = {
+    "NOTCH_CMD": ("lvshun_tieshan", 40, 30, ()),
+    "TRN_SPEED": ("lvshun_tieshan", 30, 20, ()),
+    "TRN_POS": ("lvshun_tieshan", 1200, 1000, ()),
+    "TRK_INFO": ("lvshun_tieshan", 1010, 1000, ()),
+    "NOTCH_SDT": ("lvshun_tieshan", 40, 20, ("safety.sdt=true",)),
+    "ODO": ("yizhuang_stop", 128, 112, ()),
+    "REF": ("hst_short", 800, 600, ()),
+    "UNIT3_FB": ("emu3_short", 200, 160, ()),
+}
+
+
+@pytest.mark.parametrize("port", PERIODS)
+def test_a_period_older_than_a_watch_allows_is_refused(port: str) -> None:
+    """One that it does allow is not."""
+    scenario, too_long, longest, settings = PERIODS[port]
+    load_any(scenario, (*settings, f"timing.port_period_ms.{port}={longest}"))
+    with pytest.raises(InputError, match=rf"timing\.port_period_ms\.{port}: found {too_long}"):
+        load_any(scenario, (*settings, f"timing.port_period_ms.{port}={too_long}"))
+
+
+def test_a_weaker_watch_allows_longer_periods() -> None:
+    load("lvshun_tieshan", ("watch.hold_ms=40", "timing.port_period_ms.NOTCH_CMD=50"))
+    with pytest.raises(InputError, match="found 60"):
+        load("lvshun_tieshan", ("watch.hold_ms=40", "timing.port_period_ms.NOTCH_CMD=60"))
+    with pytest.raises(InputError, match=r"timing\.port_period_ms\.NOTCH_CMD: found 10"):
+        load("lvshun_tieshan", ("safety.sdt=true", "timing.port_period_ms.NOTCH_CMD=10"))
