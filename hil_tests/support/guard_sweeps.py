@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import random
 from dataclasses import replace
+from fractions import Fraction
 from types import ModuleType, SimpleNamespace
 from typing import Any
 
@@ -52,9 +53,9 @@ class PlainGuard:
         self.is_old = False
 
     @staticmethod
-    def owes(instants_ms: list[int], cost_ms: int, limit_ms: int) -> bool:
+    def owes(instants_ms: list[int], cost_ms: Fraction | int, limit_ms: int) -> bool:
         """Whether events were too many, each with a cost that time pays back."""
-        debt_ms, at_ms = 0, 0
+        debt_ms, at_ms = Fraction(0), 0
         for instant_ms in instants_ms:
             debt_ms = min(max(debt_ms - (instant_ms - at_ms), 0) + cost_ms, 2 * limit_ms)
             at_ms = instant_ms
@@ -98,14 +99,14 @@ class PlainGuard:
     def refuse(self, cause: str, telegram: Reception, now_ns: int) -> None:
         self.count(cause)
         self.bad_ms.append(now_ns // MS)
-        found = self.owes(self.bad_ms, 333, 10_000)
+        found = self.owes(self.bad_ms, Fraction(10_000, 30), 10_000)
         self.look(telegram, now_ns, LEVELS[CtlCause.CHANNEL_MONITOR] if found else None)
 
     def notch(self, law_code: int, now_ns: int) -> tuple[int, bool]:
         self.look(Reception.NONE, now_ns)
-        elapsed_ms = (now_ns - self.sent[-1]) // MS
+        codes = [self.ladder.ramp_code_per_s * at_ns // 10**9 for at_ns in (self.sent[-1], now_ns)]
         self.sent.append(now_ns)
-        self.state, code, emergency = command(self.ladder, self.state, law_code, elapsed_ms)
+        self.state, code, emergency = command(self.ladder, self.state, law_code, codes[1] - codes[0])
         return code, emergency
 
 
@@ -163,13 +164,13 @@ def sweep_guard_boundaries(module: ModuleType) -> None:
             subject.notch(500, (7 + age_ms) * MS + extra_ns)
             expected = sum(age_ms > edge_ms for edge_ms in (20, 64, 256, 1000))
             assert subject.level == expected
-    # Before the first telegram the age and the ramp count from time 0, in whole milliseconds.
+    # Before the first telegram the age and the ramp count from time 0, the age in whole milliseconds.
     for age_ms in (20, 21, *range(300, 304)):
         level = (SpeedWatchLevel.NORMAL, SpeedWatchLevel.HOLD, SpeedWatchLevel.SERVICE_BRAKE)[
             (age_ms > 20) + (age_ms > 256)
         ]
         subject = module.Guard(SCENARIO)
-        code = -command_ramp(age_ms) if level is SpeedWatchLevel.SERVICE_BRAKE else 0
+        code = -command_ramp((age_ms + 1) * MS - 1) if level is SpeedWatchLevel.SERVICE_BRAKE else 0
         assert subject.notch(0, (age_ms + 1) * MS - 1) == (code, False)
         assert subject.level is level
     # A limit that arrives after the speed of the same tick applies in that tick.
@@ -180,7 +181,7 @@ def sweep_guard_boundaries(module: ModuleType) -> None:
     # An hour without a telegram at standstill is not an emergency, and time 0 is an ordinary time.
     subject = module.Guard(SCENARIO)
     subject.speed(TrnSpeed(0), 0)
-    assert subject.notch(500, 3_600_000 * MS) == (-command_ramp(3_600_000), False)
+    assert subject.notch(500, 3_600_000 * MS) == (-command_ramp(3_600_000 * MS), False)
     assert subject.level is SpeedWatchLevel.SERVICE_BRAKE
 
 
@@ -270,6 +271,16 @@ def sweep_guard_wait(module: ModuleType) -> None:
         assert tick != 10 or subject.cause is CtlCause.CLOCK
 
 
+def sweep_guard_overrun(module: ModuleType) -> None:
+    """A train beyond its end of authority brakes; ten good telegrams in a row after it is not end that."""
+    subject = module.Guard(SCENARIO)
+    for tick in range(40):
+        subject.overrun(10 <= tick < 20)
+        subject.speed(TrnSpeed(100_000 + tick % 2, life=tick % 16), 10 * tick * MS)
+        assert subject.level == (SpeedWatchLevel.SERVICE_BRAKE if 10 <= tick < 29 else SpeedWatchLevel.NORMAL)
+        assert tick != 10 or subject.cause is CtlCause.POSITION_IMPLAUSIBLE
+
+
 def sweep_guard_samples(module: ModuleType) -> None:
     """When the motion is sampled, and with what."""
     odometer = SimpleNamespace(fitted=(5000, 0), speed=lambda *given: None, lost=lambda now_ns: CtlCause.NONE)
@@ -357,15 +368,16 @@ def sweep_guard_safe(module: ModuleType) -> None:
     assert subject.cause is CtlCause.OVERSPEED
 
 
-def command_ramp(elapsed_ms: int) -> int:
-    """Service brake after ``elapsed_ms`` of its ramp from notch 0, as a positive code."""
+def command_ramp(elapsed_ns: int) -> int:
+    """Service brake after some time of its ramp from notch 0, as a positive code."""
     ladder = Ladder.of(SCENARIO)
-    return min(ladder.service_code, ladder.ramp_code_per_s * elapsed_ms // 1000)
+    return min(ladder.service_code, ladder.ramp_code_per_s * elapsed_ns // 10**9)
 
 
 #: The quick ones first: a mutant meets them up to the first that notices it.
 GUARD_SWEEPS = (
     sweep_guard_wait,
+    sweep_guard_overrun,
     sweep_guard_samples,
     sweep_guard_position,
     sweep_guard_order,

@@ -161,3 +161,12 @@ def test_the_debt_at_its_edges() -> None:
     # Time does not pay in advance.
     debt = Debt(10, 9)
     assert [debt.add(at_ms) for at_ms in (100, 500)] == [True, True]
+
+
+def test_time_pays_at_its_rate() -> None:
+    """30 events are permitted, each paid in a third of a second and 1/3 ms."""
+    debt = Debt(10_000, 300_000, 30)
+    assert [debt.add(0) for _ in range(31)] == [*[False] * 30, True]
+    # One too many: at 666 ms less than two are paid, at 1 s three.
+    assert debt.add(666)
+    assert not debt.add(1000)

@@ -35,6 +35,7 @@ class Plain:
         self.heard = False
         self.reading = self.fitted = self.trusted = 0
         self.jumped: int | None = None
+        self.jumping = 0
         self.place = self.slack = self.now = self.speed = self.speed_at = 0
 
     def reckon(self, now: int) -> None:
@@ -58,7 +59,7 @@ class Plain:
 
     @property
     def tolerance(self) -> int:
-        return 1123 * S + self.speed * 21 * MS + self.slack
+        return 1123 * S + self.speed * 21 * MS + self.slack if self.heard else 2_000_000_000 * S
 
     def position(self, reading_mm: int, life: int, check: int, now: int) -> None:
         step = 1 if self.life is None else (life - self.life) % 16
@@ -78,7 +79,8 @@ class Plain:
         if abs(off) > self.tolerance:
             self.counters["position_jump"] += 1
             self.good = 0
-            self.jumped = now if self.jumped is None else self.jumped
+            self.jumped = now if self.jumped is None or now - self.jumping > S else self.jumped
+            self.jumping = now
             return
         self.accepted += 1
         since = max(now - self.fitted, 0)
@@ -102,7 +104,8 @@ class Plain:
     def lost(self, now: int) -> CtlCause:
         if self.jumped is not None:
             since = self.trusted if self.needed else self.jumped
-            return CtlCause.POSITION_IMPLAUSIBLE if now - since > S else CtlCause.NONE
+            silent = not self.needed and now - self.jumping > 20 * MS + TASK_NS
+            return CtlCause.POSITION_IMPLAUSIBLE if now - since > S and not silent else CtlCause.NONE
         return CtlCause.POSITION_LOST if self.needed and self.begun and now - self.trusted > S else CtlCause.NONE
 
 
@@ -160,8 +163,18 @@ def test_a_position_is_lost_after_more_than_a_second() -> None:
     other.position(TrnPos(0, life=1), 0)
     other.position(TrnPos(10**6, life=2), 3)
     other.position(TrnPos(10**6, life=3), 9)
+    assert other.lost(S + 4) is CtlCause.NONE
+    for life, now in enumerate((S - 20 * MS, S), 4):
+        other.position(TrnPos(10**6, life=life), now)
     assert other.lost(S + 3) is CtlCause.NONE
     assert other.lost(S + 4) is CtlCause.POSITION_IMPLAUSIBLE
+    # A silence of more than a second between them begins the second anew.
+    assert other.lost(S + 20 * MS) is CtlCause.POSITION_IMPLAUSIBLE
+    assert other.lost(S + 20 * MS + 1) is CtlCause.NONE
+    other.position(TrnPos(10**6, life=6), 2 * S)
+    assert other.lost(2 * S) is CtlCause.POSITION_IMPLAUSIBLE
+    other.position(TrnPos(10**6, life=7), 3 * S + 1)
+    assert other.lost(3 * S + 1) is CtlCause.NONE
 
 
 def test_without_a_task_a_telegram_is_in_time_for_its_period() -> None:
@@ -201,6 +214,9 @@ def test_the_units_of_the_sensors() -> None:
     """Values so large that the last digit of each factor counts."""
     sensors = replace(SCENARIO.sensors, odometer_lsb_m=9.9, speed_lsb_mps=20.0, speed_noise_sigma_mps=0.0)
     odometer = Odometer(replace(SCENARIO, sensors=sensors))
+    # Where the train is, nobody knows before the first telegram.
+    assert odometer.reckoned(0) == (0, 2_000_000_000)
+    odometer.position(TrnPos(0), 0)
     assert odometer.reckoned(0) == (0, 100_000)
     odometer.speed(1, 0)
     # 10 m/s of the sensor and 2 m/s of a change within a second.
