@@ -37,9 +37,9 @@ class RecordedRuns:
     def __init__(self, folders: Sequence[str]) -> None:
         asked, (folders, every) = list(folders), run_folders(folders)
         records = [checked_record(folder, None) for folder in folders]
-        for folder in map(Path, set(every).difference(folders)):
+        for place in map(Path, set(every).difference(folders)):
             # Of a sequence only two runs are read as records; the charts over its runs show them all.
-            check_folder(folder, read_certificate(folder))
+            check_folder(place, read_certificate(place))
         first = records[0].scenario
         for folder, record in zip(folders, records, strict=True):
             if record.scenario.system != first.system:
