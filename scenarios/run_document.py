@@ -66,7 +66,7 @@ ENVIRONMENT: Mapping[str, str] = {
 OTHER_VARIABLES = frozenset(
     f"RAILHIL_{name}"
     for name in (
-        *("PURE", "TRACEBACK", "COMPILED", "CACHE", "REQUIRE_ALL"),
+        *("PURE", "TRACEBACK", "COMPILED", "CACHE", "REQUIRE_ALL", "SAMPLE"),
         *("SEEDS", "RUNS", "NO_CONTROLLER"),
         *("UID", "GID", "COMPOSE", "BUILD_NETWORK", "VCAN_RUNS", "VCAN_CASES"),
     )

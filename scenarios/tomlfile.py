@@ -27,7 +27,7 @@ def parsed_toml(text: str) -> dict[str, Any]:
     """
     # tomllib takes memory and time with the square of the parts of a key.
     if any(line.count(".") >= DEPTH_MAX for line in text.splitlines()) and _parts_of_a_key(text) > DEPTH_MAX:
-        raise ValueError(f"a key of more than {DEPTH_MAX} parts")
+        raise ValueError(_too_deep())
     try:
         table = tomllib.loads(text)
     except tomllib.TOMLDecodeError:
