@@ -110,6 +110,20 @@ def test_every_option_says_what_it_is_and_is_in_the_documentation() -> None:
                 assert named & set(action.option_strings), (name, action.option_strings)
 
 
+def test_readme_names_the_commands_without_a_document() -> None:
+    """All others have ``--json``."""
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    named = re.findall(
+        r"`([^`]+)`", text.partition("have no such\noption:")[2].partition("\n\n")[0].partition(".\n")[0]
+    )
+    without = {
+        name.removeprefix("railhil ")
+        for name, parser in _leaves(whole_parser())
+        if "--json" not in parser._option_string_actions
+    }
+    assert without == set(named)
+
+
 def test_code_blocks_name_only_commands_that_exist():
     seen = 0
     for page in _PAGES:

@@ -10,9 +10,8 @@ import sys
 
 from hil_tests.documents.commands import Failed
 from hil_tests.documents.compared import OtherWords
-from hil_tests.documents.pages import PAGES, write
+from hil_tests.documents.pages import PAGES, read, write
 from hil_tests.documents.update import groups
-from hil_tests.support.paths import ROOT
 
 
 def main() -> int:
@@ -22,19 +21,19 @@ def main() -> int:
     parser.add_argument("--quick", action="store_true", help="without what `make test-long` checks")
     parser.add_argument("--only", default="", metavar="TEXT", help="only what has this text in its name")
     given = parser.parse_args()
+    lengths = {page: len(read(page)) for page in PAGES}
     code = 0
     for group in groups():
         if group.page not in given.pages or (group.long and given.quick) or given.only not in group.name:
             continue
         try:
             changes = group.changes()
-        except (Failed, OtherWords) as problem:
+            write(group.page, {change.number: change.line for change in changes}, lengths[group.page])
+        except (Failed, OtherWords, ValueError) as problem:
             print(f"{group.name}: {problem}", flush=True)
             code = 1
-            continue
-        if changes:
-            write(ROOT, group.page, {change.number: change.line for change in changes})
-        print(f"{group.name}: {len(changes)} lines", flush=True)
+        else:
+            print(f"{group.name}: {len(changes)} lines", flush=True)
     return code
 
 

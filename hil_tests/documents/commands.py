@@ -125,10 +125,10 @@ def _run(block: Block, commands: Sequence[str], folder: Path) -> list[tuple[int,
             (folder / name).symlink_to(ROOT / name)
     if _needs_no_bus(block):
         environment["RAILHIL_BUS"] = "local"
+    limited = ["timeout", "--kill-after=5", str(_TIMEOUT_S), "bash", "-c"]
     done = subprocess.run(
-        ["bash", "-c", script + "\nkill $(jobs -p) 2>/dev/null; wait"], cwd=folder, env=environment,
-        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL, text=True, timeout=_TIMEOUT_S,
-        check=False,
+        [*limited, script + "\nkill $(jobs -p) 2>/dev/null; wait"], cwd=folder, env=environment,
+        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL, text=True, check=False,
     )  # fmt: skip
     parts = done.stdout.split(_END)
     if len(parts) != 2 * len(commands) + 1:

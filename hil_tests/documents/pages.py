@@ -6,7 +6,6 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
-from pathlib import Path
 
 from hil_tests.support.paths import ROOT
 
@@ -94,9 +93,15 @@ def blocks() -> tuple[Block, ...]:
     return tuple(block for page in PAGES for block in blocks_of(page, read(page)))
 
 
-def write(root: Path, page: str, changed: dict[int, str]) -> None:
-    """Put other lines into a page, by their numbers (from 0); a line may become several, or (None) go away."""
+def write(page: str, changed: dict[int, str], length: int) -> None:
+    """Put other lines into a page of the tree, by their numbers (from 0).
+
+    :param length: number of lines of the page when it was read.
+    :raises ValueError: somebody has edited the page since then.
+    """
     lines = read(page)
+    if len(lines) != length:
+        raise ValueError(f"{page}: edited meanwhile; nothing is written")
     for number, line in changed.items():
         lines[number] = line
-    (root / page).write_text("\n".join(lines), encoding="utf-8")
+    (ROOT / page).write_text("\n".join(lines), encoding="utf-8")

@@ -58,9 +58,9 @@ def picture() -> Sequence[str]:
     return (
         f"The {now['notch']:+.0f} notch just before",
         f"at {time_s:.1f} s",
-        "are {:.1f}, {:.1f}, {:.1f} and {:.1f}.".format(*gains),
+        "gains at the four fitting points are {:.1f}, {:.1f}, {:.1f} and {:.1f}.".format(*gains),
         f"still {now['tracking_error']:.1f} km/h too slow",
-        "are {:+.1f}, {:+.1f}, {:+.1f} and {:+.1f} km/h".format(*deviations),
+        "deviations at these points are {:+.1f}, {:+.1f}, {:+.1f} and {:+.1f} km/h".format(*deviations),
         f"of gain times deviation, {raw:+.1f}, is clipped to {now['notch']:+.0f}.",
     )
 

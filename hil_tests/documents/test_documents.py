@@ -113,3 +113,27 @@ def test_rows_are_those_of_the_function(tmp_path: Path) -> None:
     assert [(one.number, one.line) for one in table(block, ["| ipfc | 0.26 |"])] == [(5, "   | ipfc | 0.26 |")]
     with pytest.raises(OtherWords, match="1 rows, 0 are computed"):
         table(block, [])
+
+
+@pytest.mark.parametrize(
+    ("command", "said"),
+    [
+        ("railhil run yizhuang_5", "ended with 2: railhil run yizhuang_5"),
+        ("exit 0", "the shell ended early"),
+        ("railhil ports NOTCH_CMD && false", ""),
+    ],
+)
+def test_a_command_that_does_not_work_is_found(tmp_path: Path, command: str, said: str) -> None:
+    block = _block("```sh", command, "```")
+    if not said:
+        assert commands.check(block, tmp_path) == []
+    else:
+        with pytest.raises(commands.Failed, match=said):
+            commands.check(block, tmp_path)
+
+
+def test_examples_are_compared(tmp_path: Path) -> None:
+    block = _block("```python", ">>> x = 20", ">>> print(x, 'm')", "19 m", "```")
+    assert [(one.number, one.line) for one in commands.examples([block], tmp_path)] == [(3, "20 m")]
+    with pytest.raises(OtherWords):
+        commands.examples([_block("```python", ">>> print('20 m')", "20 s", "```")], tmp_path)

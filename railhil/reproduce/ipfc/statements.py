@@ -12,13 +12,15 @@ from railhil.supervisor.criteria import ATO_CRITERIA, STOP_ERROR, TIME_ERROR, Cr
 
 #: Why a column of Table 2 is another here, as far as it is known.
 _WHY = {
-    "itae": "The adaptation of the softening factor does not act (above), and the step basis where the set-point "
-    "changes slowly, which is what then is left between IPFC and TPFC2, follows the curve less closely.",
+    "itae": "The adaptation of the softening factor does not act (above). IPFC then differs from TPFC2 in the step "
+    "basis where the set-point changes slowly, and in the softening factor, which stays at its maximum in place of the "
+    "constant exp(-Ts / Tr); each of the two makes it follow the curve less closely (docs/scores.md says by how "
+    "much).",
     "energy_kj": "Timetable and resistance determine the energy.",
     "punctuality_s": "Each law arrives with a time error of its own, from how it makes up for the error of its model; "
     "the paper prints neither its train nor how the errors are extrapolated.",
-    "stop_error_m": "As for the time error. One run is one sample of the speed noise, which moves a stop by up "
-    "to 6 cm.",
+    "stop_error_m": "As for the time error. One run is one sample of the speed noise, which moves a stop by more "
+    "than a decimetre (docs/scores.md).",
     "comfort": "All laws change the acceleration far less here than the paper's table says.",
 }
 
