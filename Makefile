@@ -14,6 +14,8 @@ export OPENBLAS_NUM_THREADS ?= 1
 SAMPLE ?=
 DAY    ?= $(shell date -u +%F)
 SAMPLED = $(if $(SAMPLE),--sample $(SAMPLE) --day $(DAY))
+# Papers whose pages `make papers` writes.
+PAPERS     ?= ipfc ngpc ilc
 # Laws whose parameters `make tuned` searches.
 TUNED_LAWS ?= ipfc ipfc_plus ipfc_plus_stop tpfc1 tpfc2 tdmc fuzzy_pid
 
@@ -29,7 +31,7 @@ VCAN_FIRST   = test_faults or test_can_utils or test_outage or test_benchmark_pa
 # Files of tests that keep real time: collecting all the others takes as long as some of these tests.
 REAL_TIME    = $$(grep -rlw --include='test_*.py' wall_clock hil_tests)
 
-.PHONY: run test test-all test-fast test-here test-side-by-side test-long test-long-side-by-side test-real-time test-vcan test-vcan-first test-vcan-second test-compose test-docker test-docker-vcan test-wheel test-arm64 test-arm64-ipfc test-image-arm64 test-compiled test-builds wheels mutants lint lint-types lint-imports prepared-batches prepared-bytecode bench docs-update dbc tables tuned $(TUNED_LAWS:%=tuned-%) install locks locked clean
+.PHONY: run test test-all test-fast test-here test-side-by-side test-long test-long-side-by-side test-real-time test-vcan test-vcan-first test-vcan-second test-compose test-docker test-docker-vcan test-wheel test-arm64 test-arm64-ipfc test-image-arm64 test-compiled test-builds wheels mutants lint lint-types lint-imports prepared-batches prepared-bytecode bench docs-update papers $(PAPERS:%=paper-%) dbc tables tuned $(TUNED_LAWS:%=tuned-%) install locks locked clean
 
 # A run that misses the limits of its scenario (exit code 1) is a result, not an error of make.
 run: $(VENV)/.installed
@@ -156,6 +158,12 @@ mutants: $(VENV)/.installed-dev
 # ARGS="docs/laws.md", ARGS=--quick: a page, or without what `make test-long` checks.
 docs-update: $(VENV)/.installed-dev
 	@$(BIN)/python -m hil_tests.documents $(ARGS)
+
+# The pages of docs/reproduce, from the runs of their papers; an hour.
+papers: $(PAPERS:%=paper-%)
+
+$(PAPERS:%=paper-%): paper-%: $(VENV)/.installed-dev
+	$(BIN)/railhil reproduce $* --out docs/reproduce/$*
 
 bench: $(VENV)/.installed-dev
 	$(BIN)/python -m benchmarks

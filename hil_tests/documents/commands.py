@@ -114,7 +114,7 @@ def _console(block: Block, folder: Path) -> Iterator[Change]:
 
 def _run(block: Block, commands: Sequence[str], folder: Path) -> list[tuple[int, str]]:
     """Exit code and output of each command line, in one shell; what is left in the background ends with it."""
-    made = "".join(f"{{ {line}; }} >/dev/null || exit\n" for line in block.before)
+    made = "".join(f"{{ {line}; }} >/dev/null; [ $? -le 1 ] || exit\n" for line in block.before)
     script = made + "".join(f"{line}\nprintf '{_END}%s{_END}' $?\n" for line in commands)
     environment = {name: value for name, value in os.environ.items() if not name.startswith(("PYTEST_", "CAN_"))}
     environment["PATH"] = f"{Path(sys.executable).parent}{os.pathsep}{environment['PATH']}"
