@@ -10,11 +10,13 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks import ablation, stopping
-from hil_tests.documents.figures import WORN, batch, both, cycles, median, memory_words, passed, row
+from hil_tests.documents.figures import LVSHUN, WORN, batch, both, cycles, median, memory_words, p95, passed, row
 from hil_tests.documents.laws import YIZHUANG
 from hil_tests.documents.readme import MANY
 from hil_tests.loop.test_position_loop import Fault, changed, late, run_with, silent
 from hil_tests.unit.controller_node.test_ipfc_plus import faulty
+from railhil.batch import BatchResult
+from railhil.batch.statistics import estimate
 from railhil.bus.codes import CtlMode
 from railhil.bus.telegrams import BalisePassed, NotchCmd, TrnPos
 from railhil.scenarios.load import load
@@ -96,6 +98,59 @@ def sensors() -> Sequence[str]:
         row("least possible with the bounds", bounds, *[""] * 7),
     ]
     return rows + [row(f"`{law}`", *_row(WORN, law, len(MANY), (), ())[:8]) for law in _LAWS]
+
+
+def intervals() -> Sequence[str]:
+    """Intervals of the quantiles of the ten thousand runs, and fixed point."""
+    stops = np.abs(batch("ipfc_plus_stop", WORN, "float64", seeds=MANY).values["stop_error_m"])
+    middle, high = estimate(stops, 0.5), estimate(stops, 0.95)
+    ranges = [f"{one.low:.4f} to {one.high:.4f}" for one in (middle, high)]
+    fixed = both(batch("ipfc_plus_stop", WORN, seeds=MANY), "stop_error_m", 4)
+    return (f"`ipfc_plus_stop` {ranges[0]} / {ranges[1]} m; in `iq` {fixed} m",)
+
+
+def _span(values: Sequence[float], digits: int) -> str:
+    low, high = f"{min(values):.{digits}f}", f"{max(values):.{digits}f}"
+    return f"{low} to {high}"
+
+
+def other_lines() -> Sequence[str]:
+    """Both laws on the Yizhuang runs and with exact wheels, and what longer re-planning gives."""
+    ride = {
+        scenario: [
+            _row(scenario, stopping.LAW, runs, tuple(changed.items()), ())[3].split(" / ")[0]
+            for changed in ({}, {"replan_max_s": 10.0})
+        ]
+        for scenario, runs in ((WORN, 2000), ("yizhuang_01", 1000))
+    }
+    stop, plus = ([batch(law, name) for name in YIZHUANG] for law in ("ipfc_plus_stop", "ipfc_plus"))
+    floor = [np.abs(stopping.floors_m(load(name), range(1000, 1200))[1]) for name in YIZHUANG]
+    exact = [batch(law, LVSHUN, seeds=range(1000, 2000)) for law in ("ipfc_plus_stop", "ipfc_plus")]
+    assert all(bool(run.passed.all()) and not run.wraps.any() for run in (*stop, *plus, *exact))
+    for ours, theirs in zip(stop, plus, strict=True):
+        assert median(ours, "comfort") < median(theirs, "comfort")
+
+    def spans(runs: Sequence[BatchResult], key: str) -> str:
+        return f"{_span([median(run, key) for run in runs], 3)} / {_span([p95(run, key) for run in runs], 3)}"
+
+    pairs = zip(stop, plus, strict=True)
+    energy = max(abs(median(ours, "energy_kj") / median(theirs, "energy_kj") - 1) for ours, theirs in pairs)
+    least = [estimate(one, share).value for share in (0.5, 0.95) for one in floor]
+    travel = [
+        np.median([np.abs(np.diff(codes.astype(np.int64), prepend=0)).sum() / 256 for codes in run.notch_codes or ()])
+        for run in exact
+    ]
+    return (
+        "comfort {} instead of {} on the first".format(*ride[WORN]),
+        "{} instead of {} on the second".format(*ride["yizhuang_01"]),
+        f"stop errors are {spans(stop, 'stop_error_m')} m (IPFC+ {spans(plus, 'stop_error_m')} m; least possible "
+        f"{_span(least[:13], 3)} / {_span(least[13:], 3)} m)",
+        f"time errors {spans(stop, 'punctuality_s')} s ({spans(plus, 'punctuality_s')} s)",
+        f"energy within {100 * energy:.2f} % of IPFC+'s",
+        f"(1000 runs, `iq`), {both(exact[0], 'stop_error_m', 4)} m ({both(exact[1], 'stop_error_m', 4)} m)",
+        f"and {both(exact[0], 'punctuality_s', 3)} s ({both(exact[1], 'punctuality_s', 3)} s)",
+        f"with {travel[0]:.1f} instead of {travel[1]:.1f} notches of travel",
+    )
 
 
 _CHANGED = {
