@@ -109,8 +109,7 @@ def _shown(field: str, value: int) -> str:
 
 def _law_shown(code: int) -> str:
     """The installed laws with this code and their own parameters; the code of a parameter file cannot be decoded."""
-    names = sorted(name for name in entries("railhil.laws") if law_code(name) == code)
-    return " or ".join(names) or f"{code:03x} (no installed law with its own parameters)"
+    return " or ".join(laws_of_code(code)) or f"{code:03x} (no installed law with its own parameters)"
 
 
 @dataclass(slots=True)
@@ -145,6 +144,14 @@ def law_code(controller: str) -> int:
     if not controller:
         return 0
     return zlib.crc32(controller.encode()) & _LAW_MAX or _LAW_MAX
+
+
+def laws_of_code(code: int, group: str = "railhil.laws") -> list[str]:
+    """The installed laws whose code with their own parameters this is, sorted.
+
+    :param group: entry point group of the system's laws.
+    """
+    return sorted(name for name in entries(group) if law_code(name) == code)
 
 
 def make_ident(

@@ -38,7 +38,8 @@ class Recorded:
         made = Rows(self.scenario, self.layout)
         for start in range(0, len(frames), look):
             listener.take(frames[start : start + look])
-            rows = made.of(listener.next_trace(), last_s, listener.now_s)
+            trace = listener.next_trace()
+            rows = made.of(trace, last_s, listener.now_s) if listener.knows_time else made.of(trace)[:0]
             if len(rows):
                 last_s = rows[-1, 0]
                 found.append(rows)

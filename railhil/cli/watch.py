@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import argparse
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
+from math import isnan
 from typing import Any
 
 from rich.console import Group, RenderableType
@@ -18,13 +19,9 @@ from railhil.bus.frame import Frame
 from railhil.bus.link import Link, open_link
 from railhil.bus.link.passive import be_passive
 from railhil.bus.select import choose_bus
-from railhil.common.choices import USUAL_SCENARIO
+from railhil.cli.watched import Watched, named_scenario
 from railhil.common.output import Output, table
-from railhil.controller_node.telemetry_file import law_notes
-from railhil.scenarios.load import load_any
-from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.settings import add_fault_argument, add_set_argument
-from railhil.scenarios.system import system_named
 from railhil.supervisor.follow import Follower
 from railhil.supervisor.now import Instruments
 from railhil.supervisor.shown import LEVEL
@@ -45,7 +42,9 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         "one line per simulated second.",
     )
     parser.add_argument(
-        "scenario", nargs="?", default=USUAL_SCENARIO, help=f"what runs there (default {USUAL_SCENARIO})"
+        "scenario",
+        nargs="?",
+        help="what runs there, if it is no shipped one (default: as the plant tells)",
     )
     parser.add_argument("--controller", metavar="LAW", help="the law that runs, whose notes are then named")
     add_set_argument(parser)
@@ -60,13 +59,12 @@ def work(namespace: argparse.Namespace) -> int:
     :raises InputError: no such scenario, law, or interface.
     :raises BusUnavailable: the bus cannot be opened.
     """
-    scenario = load_any(namespace.scenario, namespace.set, namespace.fault)
-    notes = law_notes(system_named(scenario.system), namespace.controller)
+    watched = Watched(named_scenario(namespace.scenario, namespace.set, namespace.fault), namespace.controller)
     choice = choose_bus(namespace)
     console = Output()
     link = listening(choice.config)
     console.say(f"bus: {choice.transport} ({choice.reason}), listening only")
-    view = View(scenario, notes, lines=not console.is_terminal)
+    view = View(watched, lines=not console.is_terminal)
     try:
         if console.is_terminal:
             with Live(view.picture(), console=console, auto_refresh=False, transient=False) as live:
@@ -74,7 +72,7 @@ def work(namespace: argparse.Namespace) -> int:
         else:
             watch(link, view, lambda: console.print("".join(view.new_lines()), end="", soft_wrap=True))
     except BusLost:
-        console.say(f"the bus has gone at {view.follower.now_s:.2f} s, after {view.follower.frames} frames")
+        console.say(f"the bus has gone at {view.instant}, after {view.frames} frames")
     finally:
         link.close()
     return 0
@@ -98,12 +96,17 @@ def watch(link: Link, view: View, show: Callable[[], object]) -> None:
     :raises BusLost: it has.
     """
     shown_s = time.monotonic()
+    lost = 0
     try:
         while True:
             taken = 0
             while time.monotonic() - shown_s < _REDRAW_S and taken < _FRAMES_MAX:
                 frames = link.receive(_WAIT_S)
+                was_lost, lost = lost, link.counters["rx_lost"]
+                # Where among these frames is not known.
+                view.lose(lost - was_lost)
                 view.take(frames)
+                view.lose(0 if lost == was_lost else None)
                 taken += len(frames)
             shown_s = time.monotonic()
             show()
@@ -115,67 +118,117 @@ def watch(link: Link, view: View, show: Callable[[], object]) -> None:
 class View:
     """What is shown of the frames of a bus.
 
-    :param notes: the law's declaration of its notes; None: not known.
     :param lines: lines are wanted, one per simulated second.
     """
 
-    def __init__(
-        self, scenario: AnyScenario, notes: Sequence[Mapping[str, Any]] | None = None, lines: bool = False
-    ) -> None:
-        self._scenario = scenario
-        self._instruments = Instruments(scenario, notes)
-        self.follower = Follower(scenario)
+    def __init__(self, watched: Watched, lines: bool = False) -> None:
+        self._watched = watched
         self._wants_lines = lines
         self._lines: list[str] = []
         self._line_s = -_LINE_S
+        self._said = ""
+        self.lost = 0
+        #: Frames of all runs.
+        self.frames = 0
+        self._begin()
+
+    def _begin(self) -> None:
+        scenario = self._watched.scenario
+        #: None: it is not known which system runs.
+        self.follower = None if scenario is None else Follower(scenario)
+        self._instruments = None if scenario is None else Instruments(scenario, self._watched.notes)
 
     def take(self, frames: Sequence[Frame]) -> None:
         """Frames in bus order."""
+        self.frames += len(frames)
+        if self._watched.take(frames):
+            self._begin()
+        if self.follower is None:
+            return
         self.follower.take(frames)
         now_s = self.follower.now_s
+        if not self._wants_lines or now_s is None:
+            return
         if now_s < self._line_s:
             # Another run has begun.
             self._line_s = -_LINE_S
-        if self._wants_lines and now_s - self._line_s >= _LINE_S and (line := self.line()):
+        if now_s - self._line_s >= _LINE_S and (line := self.line()):
             self._line_s = now_s
             self._lines.append(line + "\n")
 
+    def lose(self, count: int | None) -> None:
+        """So many frames were lost before those that come next; None: some of those were, whose place is not known."""
+        if count == 0:
+            return
+        if count is not None:
+            self.lost += count
+            if self._wants_lines:
+                self._lines.append(f"{count} FRAMES LOST HERE: what they said is not shown\n")
+        if self.follower is not None:
+            self.follower.hole()
+
+    @property
+    def heading(self) -> str:
+        """Which run it is, as the plant tells it, and what must be said of that."""
+        return "; ".join(filter(None, (self._watched.run, self._watched.warning)))
+
+    @property
+    def instant(self) -> str:
+        """Simulation time of the newest frame, in words."""
+        now_s = None if self.follower is None else self.follower.now_s
+        return "a time that is not known" if now_s is None else f"{now_s:.2f} s"
+
+    def values(self) -> dict[str, float]:
+        """What is known now, empty while the time is not."""
+        if self.follower is None or self._instruments is None or self.follower.now_s is None:
+            return {}
+        return self._instruments.values(self.follower.newest)
+
     def line(self) -> str:
-        """Time and instruments in one line, empty before the first telegram of the truth."""
-        values = self._instruments.values(self.follower.newest)
-        return f"{values['time_s']:8.2f} s  {self._instruments.line(values)}" if values else ""
+        """Time and instruments in one line, empty before the first telegram of the truth at a known time."""
+        values = self.values()
+        return f"{values['time_s']:8.2f} s  {self._instruments.line(values)}" if values and self._instruments else ""
 
     def new_lines(self) -> list[str]:
         """The lines since the last call, one per simulated second at most."""
         found, self._lines = self._lines, []
+        if self._wants_lines and self.frames and self.heading != self._said:
+            self._said = self.heading
+            found.insert(0, self._said + "\n")
         return found
 
     def picture(self) -> RenderableType:
         """Everything for a terminal: instruments, all columns, milestones."""
-        values, follower = self._instruments.values(self.follower.newest), self.follower
-        rate = f", {follower.clock.rate:g} times real time" if follower.clock.rate else ""
-        head = f"{follower.now_s:.2f} of {self._scenario.planned_s:.0f} s{rate}, {follower.frames} frames"
-        if not values:
-            return Panel(Text(f"{head}: no run on the bus yet"), title=self._scenario.title)
+        values, follower, instruments = self.values(), self.follower, self._instruments
+        said: list[RenderableType] = [Text(self._watched.run)]
+        if self._watched.warning:
+            said.append(Text(self._watched.warning, "bold yellow"))
+        if self.lost:
+            said.append(Text(f"{self.lost} FRAMES LOST HERE: what they said is not shown", "bold red"))
+        scenario = self._watched.scenario
+        title = "railhil watch" if scenario is None else scenario.title
+        if follower is None or instruments is None or not values:
+            heard = "no run on the bus yet" if not self.frames else f"{self.frames} frames, the time is not known yet"
+            return Panel(Group(*said, Text(heard)), title=title)
+        assert scenario is not None
+        rate = f", {follower.time.clock.rate:g} times real time" if follower.time.clock.rate else ""
+        planned = "" if isnan(scenario.planned_s) else f" of {scenario.planned_s:.0f}"
         grid = table(tight=True)
         for heading in ("signal", "value", "signal", "value"):
             grid.add_column(heading, no_wrap=True)
         cells = []
-        for column in self._instruments.shown.columns:
+        for column in instruments.shown.columns:
             if column.name in values:
                 value = values[column.name]
                 style = "bold red" if column.kind == LEVEL and value > 0 else ""
-                cells.append((Text(column.label), Text(self._instruments.said(column, value), style)))
+                cells.append((Text(column.label), Text(instruments.said(column, value), style)))
         half = -(-len(cells) // 2)
         for row, left in enumerate(cells[:half]):
             grid.add_row(*left, *(cells[half + row] if half + row < len(cells) else ("", "")))
-        lines: list[RenderableType] = [Text(head), Text(self._instruments.line(values), "bold")]
-        if follower.other_scenario:
-            lines.append(
-                Text(
-                    "the plant runs another scenario: name it, with its --set and --fault, on the command line",
-                    "bold yellow",
-                )
-            )
+        lines: list[RenderableType] = [
+            Text(f"{follower.now_s:.2f}{planned} s{rate}, {self.frames} frames"),
+            *said,
+            Text(instruments.line(values), "bold"),
+        ]
         happened = [f"{event.time_s:.2f} s {event.cause.replace('_', ' ')}" for event in follower.milestones]
-        return Panel(Group(*lines, grid, Text("; ".join(happened), "dim")), title=self._scenario.title)
+        return Panel(Group(*lines, grid, Text("; ".join(happened), "dim")), title=title)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 
 from railhil.bus.can_settings import add_bus_arguments
-from railhil.common.choices import USUAL_SCENARIO
 from railhil.common.command_line import OneLineParser, whole_number
 from railhil.scenarios.settings import add_fault_argument, add_set_argument
 
@@ -30,9 +29,9 @@ def arguments() -> argparse.ArgumentParser:
     parser.add_argument(
         "what",
         nargs="*",
-        default=[USUAL_SCENARIO],
+        default=[],
         metavar="SCENARIO | RUN",
-        help=f"scenario that runs on the bus (default {USUAL_SCENARIO}), or run folders to show",
+        help="scenario that runs on the bus, if it is no shipped one (default: as the plant tells), or run folders",
     )
     parser.add_argument(
         "--port",

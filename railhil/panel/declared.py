@@ -70,6 +70,10 @@ class Layout:
         return asdict(self)
 
 
+#: Of a run whose system is not known.
+NO_LAYOUT = Layout((), (), (), (), -1, -1, -1, -1)
+
+
 def layout_of(scenario: AnyScenario, contract: Contract, notes: Sequence[Mapping[str, Any]] | None) -> Layout:
     """The layout for a scenario.
 

@@ -59,6 +59,12 @@ class FoxgloveBridge:
         self._token = token
         self.port = port
         self._viewers: dict[ServerConnection, Viewer] = {}
+        self._prepare()
+
+    def _prepare(self) -> None:
+        """Make the channels of what the live run shows."""
+        live = self._live
+        self._layout = live.layout
         self._run = live.listener.run
         # Viewers get the units of the columns' names.
         self._factors = np.array([column.factor for column in live.layout.columns])
@@ -85,6 +91,8 @@ class FoxgloveBridge:
         live = self._live
         if not self._viewers:
             return
+        if live.layout is not self._layout:
+            self._readvertise()
         if live.listener.run != self._run:
             self._run = live.listener.run
             self._accepted.clear()
@@ -136,6 +144,22 @@ class FoxgloveBridge:
             return
         viewer.left_out = 0
         broadcast([viewer.connection], message)
+
+    def _readvertise(self) -> None:
+        """Something else is shown from now on: tell the viewers which channels have gone and which are new."""
+        before = self._channels()
+        self._prepare()
+        now = self._channels()
+        gone = [one["id"] for one in before if one not in now]
+        texts = [
+            json.dumps({"op": "unadvertise", "channelIds": gone}),
+            json.dumps(self._info()),
+            json.dumps({"op": "advertise", "channels": [one for one in now if one not in before]}),
+        ]
+        for viewer in self._viewers.values():
+            viewer.channels = {one: number for one, number in viewer.channels.items() if one not in gone}
+            for text in texts:
+                self._send(viewer, text)
 
     # -- one viewer ----------------------------------------------------------------------------------------------
 

@@ -27,14 +27,18 @@ class FrameList:
         self._decoded: dict[str, tuple[bytes, str]] = {}
 
     def rows(self, listener: Listener) -> list[list[Any]]:
-        """A row per identifier: identifier, name, count, period in ms, age in ms, data in hex, decoded telegram."""
+        """A row per identifier: identifier, name, count, period and age in ms (None: not known), data in hex,
+        decoded telegram."""
         now_ns = listener.clock.now_ns
         found = []
         for can_id, seen in sorted(listener.frames.items()):
             port = self._completes.get(can_id)
-            text = self._text(port, listener.store.raw(port)) if port is not None else ""
-            period_ms = (seen.last_ns - seen.before_ns) / 1e6 if seen.count > 1 else None
-            age_ms = (now_ns - seen.last_ns) / 1e6
+            # After frames were lost its telegram is not known before it comes again.
+            whole = b"" if port is None else listener.store.raw(port)
+            text = self._text(port, whole) if port is not None and whole else ""
+            last_ns, before_ns = seen.last_ns, seen.before_ns
+            period_ms = None if last_ns is None or before_ns is None else (last_ns - before_ns) / 1e6
+            age_ms = None if last_ns is None else (now_ns - last_ns) / 1e6
             name = self._names.get(can_id, "?")
             found.append([can_id, name, seen.count, period_ms, age_ms, seen.data.hex(" "), text])
         return found
@@ -43,7 +47,7 @@ class FrameList:
     def watched(listener: Listener) -> dict[int, list[list[Any]]]:
         """The last raw frames of the identifiers that somebody watches: instant in s and data in hex."""
         return {
-            can_id: [[round(time_s, 4), data.hex(" ")] for time_s, data in kept]
+            can_id: [[None if time_s is None else round(time_s, 4), data.hex(" ")] for time_s, data in kept]
             for can_id, kept in listener.watched.items()
         }
 

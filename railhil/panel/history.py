@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import numpy.typing as npt
 
 from railhil.supervisor.trace import FloatArray
 
@@ -10,10 +11,25 @@ from railhil.supervisor.trace import FloatArray
 ROWS_MAX = 24_000
 
 
-class History:
-    """Rows of one run; ``stride``: every how many rows one is kept."""
+def is_gap(rows: FloatArray, position: int) -> npt.NDArray[np.bool_]:
+    """Which rows stand for a gap: nothing is known but time and position, shape (n,).
 
-    def __init__(self, width: int) -> None:
+    :param position: place of its column; -1: there is none.
+    """
+    known = ~np.isnan(rows[:, 1:])
+    if position >= 0:
+        known[:, position] = False
+    return np.asarray(~known.any(axis=1))
+
+
+class History:
+    """Rows of one run; ``stride``: every how many rows one is kept, besides those of gaps.
+
+    :param position: place of its column; -1: there is none.
+    """
+
+    def __init__(self, width: int, position: int = -1) -> None:
+        self._position = position
         self._rows: FloatArray = np.empty((ROWS_MAX, width))
         self._count = 0
         self._seen = 0
@@ -21,7 +37,8 @@ class History:
 
     def add(self, rows: FloatArray) -> None:
         """Append rows in the order of time."""
-        picked = rows[-self._seen % self.stride :: self.stride]
+        number = self._seen + np.arange(len(rows))
+        picked = rows[(number % self.stride == 0) | is_gap(rows, self._position)]
         self._seen += len(rows)
         for start in range(0, len(picked), ROWS_MAX // 2):
             part = picked[start : start + ROWS_MAX // 2]
@@ -41,7 +58,10 @@ class History:
         self.stride = 1
 
     def _halve(self) -> None:
-        kept = self._rows[: self._count : 2].copy()
+        even, odd = self._rows[: self._count : 2].copy(), self._rows[1 : self._count : 2]
+        gaps = is_gap(odd, self._position)
+        kept = even
+        kept[: len(odd)][gaps] = odd[gaps]
         self._count = len(kept)
         self._rows[: self._count] = kept
         self.stride *= 2

@@ -7,16 +7,15 @@ from collections.abc import Iterable
 
 from railhil.bus.clock import BusClock
 from railhil.bus.frame import Frame
-from railhil.bus.ident import PltIdent
 from railhil.bus.lifesign import MAX_STEP
 from railhil.bus.load import longest_frame_bits
 from railhil.bus.mvb import master_tail
 from railhil.bus.own_frames import OwnFrames
-from railhil.bus.schedule import Schedule
 from railhil.bus.store import TrafficStore
 from railhil.bus.telegrams import TimeSync
 from railhil.dbc import Contract, Port
 from railhil.scenarios.model import AnyScenario
+from railhil.supervisor.follow import HeardTime
 from railhil.supervisor.trace import Trace
 
 #: Raw frames kept of an identifier that somebody watches.
@@ -26,40 +25,40 @@ _LOAD_NS = 500_000_000
 
 
 class SeenFrame:
-    """The frames of one identifier: how many, the last two instants (simulation time), the newest data."""
+    """The frames of one identifier: how many, the last two instants (simulation time; None: not known), the newest
+    data."""
 
     __slots__ = ("before_ns", "count", "data", "flags", "last_ns")
 
     def __init__(self) -> None:
         self.count = 0
-        self.last_ns = self.before_ns = 0
+        self.last_ns: int | None = None
+        self.before_ns: int | None = None
         self.data = b""
         self.flags = 0
 
 
 class Listener:
-    """Follows the frames of a bus; what was lost before is bridged by the clock, as in every node.
+    """Follows the frames of a bus; single frames that were lost are bridged by the clock, as in every node.
 
-    :param scenario: what is believed to run; PLT_IDENT says whether it does.
+    :param scenario: what runs there.
     """
 
     def __init__(self, scenario: AnyScenario, contract: Contract) -> None:
         self._contract = contract
-        timing = scenario.timing
-        self._schedule = Schedule.from_contract(timing.base_tick_ns, timing.port_period_ns, contract)
-        clock_port = contract.clock_port
-        self._clock_ids = {clock_port.address, clock_port.fd_id}
+        self._scenario = scenario
+        self._time = HeardTime(scenario, contract, Counter())
         self._poll_id = contract.poll_id
         self._own = OwnFrames(contract)
         self._polls = {
             master_tail(port.f_code, port.address): port.name for port in contract.ports if port.mode == "poll"
         }
-        self._opening = PltIdent.PORT
         # The polls of the fastest port keep the time going while the clock port is missing.
-        periods = ((self._schedule.ticks(port.name), port.name) for port in contract.ports if self._is_polled(port))
+        ticks = self._time.schedule.ticks
+        periods = ((ticks(port.name), port.name) for port in contract.ports if self._is_polled(port))
         self._pace_ticks, self._pace = min(periods, default=(MAX_STEP + 1, ""))
         #: Identifiers of which raw frames are kept: instant in s and data.
-        self.watched: dict[int, deque[tuple[float, bytes]]] = {}
+        self.watched: dict[int, deque[tuple[float | None, bytes]]] = {}
         #: Number of the run since this process began; a new handshake of the plant begins a new one.
         self.run = 0
         self.restart()
@@ -69,31 +68,54 @@ class Listener:
         contract = self._contract
         self.run += 1
         self.store = TrafficStore(contract.ports)
-        ticks = self._schedule.ticks(contract.clock_port.name)
-        self.clock = BusClock(self._schedule.base_tick_ns, ticks, self.store.counters)
+        self._time = HeardTime(self._scenario, contract, self.store.counters)
+        # The last instant that was known before a hole; -1: there was none.
+        self._last_ns = -1
         self.frames: dict[int, SeenFrame] = {}
         self.frame_count = 0
         self.polls = 0
         self.missed: Counter[str] = Counter()
         self._awaited: set[str] = set()
-        #: Whether the time is that of the run: its beginning was heard, or TIME_SYNC has told it.
-        self.knows_time = False
         self._bits = 0
         self._load_from_ns = 0
         #: Share of the bus in use, in simulation time; None: not known yet.
         self.load: float | None = None
         self.trace = Trace(contract)
-        #: Scenario's hash as told by the plant, first 32 bit; None: not heard.
-        self.told_scenario: int | None = None
 
     @staticmethod
     def _is_polled(port: Port) -> bool:
         return port.mode == "poll" and bool(port.period_ns)
 
     @property
-    def now_s(self) -> float:
-        """Simulation time of the newest frame."""
-        return self.clock.now_ns / 1e9
+    def clock(self) -> BusClock:
+        """The clock, which tells the time of the run if :attr:`knows_time`."""
+        return self._time.clock
+
+    @property
+    def knows_time(self) -> bool:
+        """Whether the time is that of the run: its beginning was heard, or TIME_SYNC has told it."""
+        return self._time.is_known
+
+    @property
+    def now_s(self) -> float | None:
+        """Simulation time of the newest frame; None: not known."""
+        return self.clock.now_ns / 1e9 if self.knows_time else None
+
+    def hole(self) -> None:
+        """Frames were lost: what was heard before is not of now, and the time is not known."""
+        if self.knows_time:
+            self._last_ns = self.clock.now_ns
+        self._time.hole()
+        self._forget()
+
+    def _forget(self) -> None:
+        """Forget the telegrams and instants so far: nobody knows when they were, or they are not of now."""
+        self.store = TrafficStore(self._contract.ports)
+        self.trace = Trace(self._contract)
+        self._awaited.clear()
+        for seen in self.frames.values():
+            seen.before_ns = seen.last_ns = None
+        self._bits, self._load_from_ns, self.load = 0, self.clock.now_ns, None
 
     def take(self, frames: Iterable[Frame]) -> None:
         """Take frames in bus order; their telegrams are added to :attr:`trace`."""
@@ -112,21 +134,22 @@ class Listener:
     def _take(self, frame: Frame) -> None:
         can_id, data, flags = frame
         clock = self.clock
-        if can_id in self._clock_ids and not self.store.check(frame).cause:
+        if can_id in self._time.clock_ids and not self.store.check(frame).cause:
             clock.feed(data)
-        now_ns = clock.now_ns
+        now_ns, knows_time = clock.now_ns, self._time.is_known
         seen = self.frames.get(can_id)
         if seen is None:
             seen = self.frames[can_id] = SeenFrame()
         seen.count += 1
-        seen.before_ns, seen.last_ns, seen.data, seen.flags = seen.last_ns, now_ns, data, flags
+        seen.before_ns, seen.last_ns = seen.last_ns, now_ns if knows_time else None
+        seen.data, seen.flags = data, flags
         self.frame_count += 1
         self._bits += longest_frame_bits(len(data))
-        if now_ns - self._load_from_ns >= _LOAD_NS:
+        if knows_time and now_ns - self._load_from_ns >= _LOAD_NS:
             self.load = self._bits * 1e9 / (now_ns - self._load_from_ns) / self._contract.bit_rate
             self._bits, self._load_from_ns = 0, now_ns
         if can_id in self.watched:
-            self.watched[can_id].append((now_ns / 1e9, data))
+            self.watched[can_id].append((now_ns / 1e9 if knows_time else None, data))
         if can_id == self._poll_id and frame in self._own:
             self._polled(data)
             return
@@ -134,27 +157,31 @@ class Listener:
         if port is None:
             return
         self._awaited.discard(port)
-        if port == TimeSync.PORT:
-            clock.synchronise(TimeSync.decode(self.store.raw(port)))
-            self.knows_time = self.knows_time or clock.is_set
-        elif port == self._opening:
-            self._opened(self.store.raw(port))
-        self.trace.add(port, clock.now_ns, self.store.raw(port))
+        data = self.store.raw(port)
+        if port == TimeSync.PORT and self._time.synchronise(TimeSync.decode(data)):
+            self._know()
+        self.trace.add(port, self.clock.now_ns, data)
 
     def _polled(self, data: bytes) -> None:
         port = self._polls.get(data)
         if port is not None:
             if port == self._pace and self._pace_ticks <= MAX_STEP:
                 self.clock.polled(self._pace_ticks)
+            if data == self._time.handshake_poll:
+                self._opened()
             self.polls += 1
             self.missed[port] += port in self._awaited
             self._awaited.add(port)
 
-    def _opened(self, data: bytes) -> None:
-        """PLT_IDENT: the plant begins a run, before its first tick."""
-        if self.clock.running:
-            raw = self.store.raw(self._opening)
+    def _know(self) -> None:
+        """The time is known from now on; earlier than before the hole, it is that of another run."""
+        if self.clock.now_ns < self._last_ns:
+            self.run += 1
+            self._last_ns = -1
+        self._forget()
+
+    def _opened(self) -> None:
+        """The handshake: the plant begins a run, before its first tick."""
+        if self.clock.running or self._last_ns >= 0:
             self.restart()
-            data = raw
-        self.knows_time = True
-        self.told_scenario = PltIdent.decode(data).scenario_hash
+        self._time.begin()

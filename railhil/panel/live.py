@@ -6,12 +6,15 @@ import json
 import os
 import time
 from collections import deque
-from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from railhil.panel.declared import Layout, layout_of
+from railhil.bus.frame import Frame
+from railhil.cli.watched import Watched
+from railhil.dbc import HOUSE_PORTS, Contract, wire_contract
+from railhil.panel.declared import NO_LAYOUT, Layout, layout_of
 from railhil.panel.frame_list import FrameList
 from railhil.panel.history import History
 from railhil.panel.kinds import kinds_of
@@ -21,8 +24,9 @@ from railhil.panel.operator import Operator
 from railhil.panel.receiver import Receiver
 from railhil.panel.values import Rows
 from railhil.panel.wire import APPEND, REPLACE, batch
-from railhil.scenarios.model import AnyScenario
-from railhil.scenarios.system import system_named
+from railhil.scenarios.model import Timing
+from railhil.scenarios.system import System, system_named
+from railhil.scenarios.unknown import UnknownScenario
 from railhil.supervisor.trace import FloatArray, Trace
 
 #: Least wall time between two states (time, counters), and two lists of frames for pages that show them: every second
@@ -32,57 +36,67 @@ STATE_S = 0.15
 LIST_S = 0.95
 
 
+def _house_contract() -> Contract:
+    """What is the same in the port table of every system."""
+    contract = wire_contract()
+    return replace(contract, ports=tuple(port for port in contract.ports if port.name in HOUSE_PORTS))
+
+
 class LiveRun:
     """Listens to a bus and says what is new.
 
-    :param notes: the law's declaration of its notes; None: not known.
+    What it shows is that of the run that the plant tells; before that, of the scenario that the user names, if any.
+
     :param operator: the connection to the supervisor; None: there are no commands.
     """
 
-    def __init__(
-        self,
-        scenario: AnyScenario,
-        receiver: Receiver,
-        title: str,
-        notes: Sequence[Mapping[str, Any]] | None = None,
-        operator: Operator | None = None,
-    ) -> None:
-        system = system_named(scenario.system)
-        self._scenario = scenario
+    def __init__(self, watched: Watched, receiver: Receiver, operator: Operator | None = None) -> None:
+        self._watched = watched
+        self._named = watched.scenario
         self._operator = operator
         self.receiver = receiver
-        self.layout: Layout = layout_of(scenario, system.contract, notes)
-        self._rows = Rows(scenario, self.layout, notes)
-        self.listener = Listener(scenario, system.contract)
-        self._list = FrameList(system.contract)
-        self._events = LiveEvents(scenario, system, self.layout)
-        self._history = History(1 + len(self.layout.columns))
-        self._run = self.listener.run
-        self._last_s = -1.0
-        #: Rows and telegrams of the last look; the trace begins with the newest telegram of each port before it.
-        self.fresh_rows: FloatArray = np.empty((0, 1))
-        self.fresh_trace = Trace(system.contract)
-        self.contract = system.contract
-        self.scenario_name = scenario.name
         #: Name of this process's runs, for viewers that must tell them apart.
         self.session = f"{os.getpid()}-{time.time_ns()}"
         self._state_s = self._list_s = self._frames_s = 0.0
-        self._title = title
+        self._show()
+
+    def _show(self) -> None:
+        """Show the watched scenario from now on; None: only frames, because it is not known which system runs."""
+        scenario, notes = self._watched.scenario, self._watched.notes
+        system: System | None = None if scenario is None else system_named(scenario.system)
+        self._scenario = scenario
+        self.contract = contract = _house_contract() if system is None else system.contract
+        heard = scenario or UnknownScenario("", "", Timing(base_tick_ns=contract.base_tick_ns))
+        self.layout: Layout = NO_LAYOUT if scenario is None else layout_of(scenario, contract, notes)
+        self._rows = None if scenario is None else Rows(scenario, self.layout, notes)
+        self._events = None if scenario is None or system is None else LiveEvents(scenario, system, self.layout)
+        self.listener = Listener(heard, contract)
+        self._list = FrameList(contract)
+        self._history = History(1 + len(self.layout.columns), self.layout.position)
+        self._run = self.listener.run
+        # The last row and its instant; no row while the curves have a gap.
+        self._last: FloatArray | None = None
+        self._last_s = -1.0
+        #: Rows and telegrams of the last look; the trace begins with the newest telegram of each port before it.
+        self.fresh_rows: FloatArray = np.empty((0, 1))
+        self.fresh_trace = Trace(contract)
+        self.scenario_name = "" if scenario is None else scenario.name
 
     def header(self) -> dict[str, Any]:
         """What a page is told first."""
+        facts = {} if self._scenario is None else {"scenario": self._scenario.name, "system": self._scenario.system}
+        name = self.scenario_name or "a run that is not known yet"
         return {
             "kind": "live",
-            "runs": [
-                {"name": self._title, "facts": {"scenario": self._scenario.name, "system": self._scenario.system}}
-            ],
+            "runs": [{"name": name, "facts": facts}],
             "layout": self.layout.as_json(),
+            "commands": self._operator is not None,
         }
 
     def past(self) -> list[str | bytes]:
         """Everything so far, for a page that has just come."""
         messages: list[str | bytes] = [batch(REPLACE, 0, self._history.rows)]
-        messages.append(json.dumps({"events": self._events.all, "replace": True}))
+        messages.append(json.dumps({"events": [] if self._events is None else self._events.all, "replace": True}))
         messages += [json.dumps(self._state()), json.dumps(self._frames())]
         return messages
 
@@ -91,9 +105,14 @@ class LiveRun:
         self.fresh_rows = self.fresh_rows[:0]
         frames = self.receiver.look()
         messages: list[str | bytes] = []
-        if frames:
-            self.listener.take(frames)
-            messages += self._fast()
+        if self._operator is not None and self._named is not None:
+            own = list(self._named.faults)
+            self._watched.has_further_faults = self._operator.report.get("faults", own) != own
+        if self._watched.take(frames):
+            self._show()
+            messages += [json.dumps({"header": self.header()}), *self.past()]
+        if frames or self.receiver.lacks_before or self.receiver.lacks_within:
+            messages += self._taken(frames)
         if self._operator is not None:
             messages += [json.dumps({"answer": answer}) for answer in self._operator.look()]
         now_s = time.monotonic()
@@ -129,45 +148,62 @@ class LiveRun:
         kept = self.listener.watched
         self.listener.watched = {one: kept.get(one, deque(maxlen=WATCHED_FRAMES)) for one in can_ids}
 
-    def _fast(self) -> list[str | bytes]:
-        listener, messages = self.listener, list[str | bytes]()
+    def _taken(self, frames: list[Frame]) -> list[str | bytes]:
+        listener, receiver, messages = self.listener, self.receiver, list[str | bytes]()
+        if receiver.lacks_before or receiver.lacks_within:
+            listener.hole()
+        listener.take(frames)
+        if receiver.lacks_within:
+            listener.hole()
         if listener.run != self._run:
-            self._run, self._last_s = listener.run, -1.0
+            self._run, self._last_s, self._last = listener.run, -1.0, None
             self._history.clear()
-            self._events.restart()
             messages.append(batch(REPLACE, 0, self._history.rows))
+            if self._events is not None:
+                self._events.restart()
             messages.append(json.dumps({"events": [], "replace": True}))
-        trace = listener.next_trace()
-        if not listener.knows_time:
+        trace, now_s = listener.next_trace(), listener.now_s
+        if self._rows is None or self._events is None:
             return messages
-        rows = self._rows.of(trace, self._last_s, listener.now_s)
+        if now_s is None:
+            # Nothing that is not heard stands still.
+            if self._last is not None:
+                messages.append(self._drawn(self._rows.gap_after(self._last[None])))
+                self._last = None
+            return messages
+        rows = self._rows.of(trace, self._last_s, now_s)
         self.fresh_rows, self.fresh_trace = rows, trace
         if len(rows):
-            self._last_s = float(rows[-1, 0])
-            self._history.add(rows)
-            messages.append(batch(APPEND, 0, rows))
+            drawn = self._rows.with_gaps(rows, self._last)
+            self._last, self._last_s = rows[-1], float(rows[-1, 0])
+            messages.append(self._drawn(drawn))
         if found := self._events.of(trace):
             messages.append(json.dumps({"events": found}))
         return messages
 
+    def _drawn(self, rows: FloatArray) -> bytes:
+        self._history.add(rows)
+        return batch(APPEND, 0, rows)
+
+    def _notices(self) -> list[str]:
+        """What must be said large."""
+        found = [self._watched.warning]
+        if dropped := self.receiver.dropped:
+            found.append(f"{dropped} FRAMES DROPPED HERE: the gaps in the curves are not of the run")
+        if self.listener.frame_count and not self.listener.knows_time:
+            found.append("the time is not known yet: nothing is drawn before TIME_SYNC has told it")
+        return [one for one in found if one]
+
     def _frames(self) -> dict[str, Any]:
         return {"frames": self._list.rows(self.listener), "raw": self._list.watched(self.listener)}
-
-    def _is_other_scenario(self) -> bool:
-        """Whether the plant has told another scenario; one with faults that the operator has added is not another."""
-        told = self.listener.told_scenario
-        if told in (None, int(self._scenario.sha256[:8], 16)):
-            return False
-        # A hash with other faults is another one, and says nothing more.
-        report = {} if self._operator is None else self._operator.report
-        own = list(self._scenario.faults)
-        return bool(report.get("faults", own) == own)
 
     def _state(self) -> dict[str, Any]:
         listener = self.listener
         return {
             "state": {
                 "time_s": listener.now_s,
+                "run": self._watched.run,
+                "notices": self._notices(),
                 "bus": self.receiver.trouble,
                 "load": listener.load,
                 "frames": listener.frame_count,
@@ -176,6 +212,5 @@ class LiveRun:
                 "dropped": self.receiver.dropped,
                 "rate": listener.clock.rate,
                 "operator": None if self._operator is None else self._operator.report,
-                "other_scenario": self._is_other_scenario(),
             },
         }

@@ -70,10 +70,12 @@ class Receiver:
             self._config |= {"coalesce_frames": _BULK_FRAMES, "connect_timeout": 0.0}
         self._open_bus = open_bus
         self._link: Source | None = None
-        self._was_there = False
+        self._was_there = self._was_open = False
         self._retry_s = 0.0
         self._lost_before = 0
         self.dropped = 0
+        #: What the last look lacks: frames before its first one, and frames at places that are not known.
+        self.lacks_before = self.lacks_within = False
         #: Why there is no bus; empty while there is one.
         self.trouble = "not opened yet"
 
@@ -83,7 +85,9 @@ class Receiver:
         return self._link is not None
 
     def look(self) -> list[Frame]:
-        """Frames that have arrived since the last look, oldest first."""
+        """Frames that have arrived since the last look, oldest first; see :attr:`lacks_before`,
+        :attr:`lacks_within`."""
+        self.lacks_before = self.lacks_within = False
         if self._link is None and not self._opened():
             return []
         assert self._link is not None
@@ -100,9 +104,11 @@ class Receiver:
         if self._frames_max is not None and len(frames) > self._frames_max:
             self.dropped += len(frames) - self._frames_max
             frames = frames[-self._frames_max :]
+            self.lacks_before = True
         if self._link is not None:
             lost = self._link.counters["rx_lost"]
             self.dropped += lost - self._lost_before
+            self.lacks_within = lost != self._lost_before
             self._lost_before = lost
         return frames
 
@@ -126,5 +132,8 @@ class Receiver:
             self.trouble = str(error)
             return False
         self._lost_before = 0
+        # Not before the first time.
+        self.lacks_before = self._was_open
+        self._was_open = True
         self.trouble = ""
         return True

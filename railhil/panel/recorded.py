@@ -13,6 +13,7 @@ import numpy as np
 from railhil.common.errors import InputError
 from railhil.panel.declared import Chart, Layout, layout_of
 from railhil.panel.growing import Growing
+from railhil.panel.history import is_gap
 from railhil.panel.learning import learning_charts, run_folders
 from railhil.panel.values import Rows
 from railhil.panel.wire import REPLACE, batch
@@ -53,9 +54,7 @@ class RecordedRuns:
         self._learning = learning_charts(first, every)
         self._growing = Growing(first, asked)
         self._rows = [
-            thinned(
-                _placed(Rows(one.scenario, layout, one.certificate.get("notes")).of(one.trace), layout, self.layout)
-            )
+            thinned(_placed(_rows(one, layout), layout, self.layout), self.layout.position)
             for one, layout in zip(records, layouts, strict=True)
         ]
 
@@ -103,8 +102,12 @@ class RecordedRuns:
         return []
 
 
-def thinned(rows: FloatArray) -> FloatArray:
-    """At most about :data:`ROWS_MAX` rows: of each part of a longer table its smallest and its largest values."""
+def thinned(rows: FloatArray, position: int = -1) -> FloatArray:
+    """At most about :data:`ROWS_MAX` rows: of each part of a longer table its smallest and its largest values; a gap
+    remains one.
+
+    :param position: place of its column; -1: there is none.
+    """
     parts = ROWS_MAX // 2
     if len(rows) <= ROWS_MAX:
         return rows
@@ -115,6 +118,10 @@ def thinned(rows: FloatArray) -> FloatArray:
     found = np.empty((2 * parts, rows.shape[1]))
     found[0::2], found[1::2] = lows, highs
     found[~np.isfinite(found)] = np.nan
+    gaps = np.logical_or.reduceat(is_gap(rows, position), edges)
+    found[1::2][gaps, 1:] = np.nan
+    if position >= 0:
+        found[1::2, 1 + position] = highs[:, 1 + position]
     return found
 
 
@@ -151,6 +158,11 @@ def union(layouts: Sequence[Layout]) -> Layout:
 def _layout(record: Record) -> Layout:
     notes: Sequence[Mapping[str, Any]] | None = record.certificate.get("notes")
     return layout_of(record.scenario, record.trace.contract, notes)
+
+
+def _rows(record: Record, layout: Layout) -> FloatArray:
+    made = Rows(record.scenario, layout, record.certificate.get("notes"))
+    return made.with_gaps(made.of(record.trace))
 
 
 def _placed(rows: FloatArray, layout: Layout, wanted: Layout) -> FloatArray:

@@ -9,18 +9,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from railhil.bus.select import arguments_from_config, choose_bus, config_from_namespace
+from railhil.cli.watched import Watched, named_scenario
 from railhil.common.errors import InputError, Words
 from railhil.common.exit_codes import ending_signals
 from railhil.common.orphans import end_with_parent
 from railhil.common.output import Output
-from railhil.controller_node.telemetry_file import law_notes
 from railhil.panel.following import FollowedRun
 from railhil.panel.live import LiveRun
 from railhil.panel.operator import Operator
 from railhil.panel.receiver import Receiver
 from railhil.panel.server import PanelServer
-from railhil.scenarios.load import load_any
-from railhil.scenarios.system import system_named
 
 if TYPE_CHECKING:
     from railhil.panel.foxglove import FoxgloveBridge
@@ -44,10 +42,9 @@ def serve_panel(namespace: argparse.Namespace) -> int:
         return asyncio.run(_serve(PanelServer(runs, "", namespace.port), Output(stderr=True)))
     if len(namespace.what) > 1:
         raise InputError("command line", "SCENARIO", Words(" ".join(namespace.what)), "one scenario, or run folders")
-    scenario = load_any(namespace.what[0], namespace.set, namespace.fault)
+    named = named_scenario(next(iter(namespace.what), None), namespace.set, namespace.fault)
     operator = Operator(namespace.operator) if namespace.operator else None
-    notes = law_notes(system_named(scenario.system), namespace.controller)
-    source = LiveRun(scenario, _receiver(namespace), scenario.name, notes, operator)
+    source = LiveRun(Watched(named, namespace.controller), _receiver(namespace), operator)
     token = secrets.token_urlsafe(16) if operator else ""
     port = namespace.public_port if namespace.socket and namespace.public_port else namespace.port
     bridge: FoxgloveBridge | None = None

@@ -6,12 +6,20 @@ from typing import Any
 
 import numpy as np
 
+from railhil.bus.schedule import Schedule
 from railhil.panel.declared import ERROR, LAMP, Layout
+from railhil.panel.history import is_gap
 from railhil.scenarios.model import AnyScenario
+from railhil.scenarios.system import system_named
 from railhil.supervisor.judging import judging_of
 from railhil.supervisor.sampled import Sampler
 from railhil.supervisor.signals import table_of
 from railhil.supervisor.trace import FloatArray, Trace
+
+#: A row that comes so much later than the one before, or so many periods of the truth, comes after a gap.
+_GAP_S, _GAP_PERIODS = 0.2, 8
+#: Where the row that stands for a gap comes, after the last one before it.
+_AFTER_S = 0.001
 
 
 class Rows:
@@ -23,6 +31,10 @@ class Rows:
     def __init__(self, scenario: AnyScenario, layout: Layout, notes: Any = None) -> None:
         self._scenario, self._layout, self._notes = scenario, layout, notes
         self._judging = judging_of(scenario)
+        timing, truth = scenario.timing, self._judging.truth
+        contract = system_named(scenario.system).contract
+        schedule = Schedule.from_contract(timing.base_tick_ns, timing.port_period_ns, contract)
+        self._gap_s = max(_GAP_S, _GAP_PERIODS * schedule.ticks(truth) * schedule.base_tick_ns / 1e9)
         plain = [column for column in layout.columns if column.kind != LAMP and column.name != ERROR]
         self._factors = np.array([1.0, *(column.factor for column in plain)])
         self._has_error = any(column.name == ERROR for column in layout.columns)
@@ -50,3 +62,23 @@ class Rows:
         for lamp in layout.lamps:
             rows[:, 1 + lamp.column] = sampler.signal(lamp.port, lamp.signal)
         return rows
+
+    def gap_after(self, rows: FloatArray) -> FloatArray:
+        """For each row the one that says that nothing is known from then on (:func:`railhil.panel.history.is_gap`)."""
+        gaps = np.full_like(rows, np.nan)
+        gaps[:, 0] = rows[:, 0] + _AFTER_S
+        if (position := self._layout.position) >= 0:
+            gaps[:, 1 + position] = rows[:, 1 + position]
+        return gaps
+
+    def with_gaps(self, rows: FloatArray, before: FloatArray | None = None) -> FloatArray:
+        """The rows, with one for each gap between them: no line is drawn over it.
+
+        :param before: the row before them, shape (1 + columns,); None: there is none.
+        """
+        whole = rows if before is None else np.vstack((before, rows))
+        last = np.flatnonzero(np.diff(whole[:, 0]) > self._gap_s)
+        # A gap that is known already.
+        last = last[~is_gap(whole[last], self._layout.position)]
+        found: FloatArray = np.insert(whole, last + 1, self.gap_after(whole[last]), axis=0)
+        return found if before is None else found[1:]

@@ -8,8 +8,9 @@ from typing import Any
 
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.system import system_named
+from railhil.scenarios.unknown import UnknownScenario
 from railhil.supervisor.criteria import Criterion, Extra
-from railhil.supervisor.events.declared import Interlocks, Received, Watch, interface_received
+from railhil.supervisor.events.declared import Interlocks, Received, Watch, in_words, interface_received
 from railhil.supervisor.score import Score
 from railhil.supervisor.sequence_measure import SequenceMeasure
 from railhil.supervisor.status import Status, interface_status
@@ -88,7 +89,7 @@ class Judging:
 
 
 def judging_of(scenario: AnyScenario) -> Judging:
-    """The judging of a scenario's system.
+    """The judging of a scenario's system; of an unknown scenario only what is on the wire.
 
     :raises InputError: the system has no part ``judging``.
     """
@@ -100,4 +101,7 @@ def judging_of(scenario: AnyScenario) -> Judging:
             judging = replace(judging, status=interface_status(interface))
         if judging.received is _nothing:
             judging = replace(judging, received=lambda scenario: interface_received(interface))
+    if isinstance(scenario, UnknownScenario):
+        watches = tuple(replace(watch, said=in_words) for watch in judging.watches)
+        judging = replace(judging, reckoned=_nothing, ends_at_m=_no_place, watches=watches)
     return judging

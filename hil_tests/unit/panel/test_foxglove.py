@@ -14,6 +14,7 @@ from hil_tests.support.panel import Recorded, ScriptedLink
 
 websockets = pytest.importorskip("websockets", reason="MISSING CAPABILITY websockets")
 
+from railhil.cli.watched import Watched  # noqa: E402
 from railhil.panel.foxglove import SUBPROTOCOLS, FoxgloveBridge  # noqa: E402
 from railhil.panel.live import LiveRun  # noqa: E402
 from railhil.panel.receiver import Receiver  # noqa: E402
@@ -41,7 +42,7 @@ def order(call: int, token: str, command: str) -> bytes:
 async def visited(run: Recorded, subprotocol: str, sent: list[str | bytes], looks: int) -> dict[str, list[Any]]:
     """What a client is told that sends all this and then sees so many looks of 200 frames each."""
     parts = [part for look in range(looks) for part in (run.frames[200 * look : 200 * look + 200], [])]
-    live = LiveRun(run.scenario, Receiver({}, lambda config, name: ScriptedLink(*parts)), "short")
+    live = LiveRun(Watched(run.scenario, "ipfc"), Receiver({}, lambda config, name: ScriptedLink(*parts)))
     live.command = lambda command: "" if command["do"] == "stop" else "not that"  # type: ignore[method-assign]
     bridge = FoxgloveBridge(live, TOKEN, 0)
     server = await bridge.listen()

@@ -11,6 +11,7 @@ import pytest
 from hil_tests.support.panel import Recorded, ScriptedLink
 from railhil.bus.errors import BusUnavailable
 from railhil.bus.frame import Frame
+from railhil.cli.watched import Watched
 from railhil.panel import live as live_module
 from railhil.panel.declared import ERROR, layout_of
 from railhil.panel.history import ROWS_MAX, History
@@ -71,7 +72,6 @@ def test_polls_and_load_are_counted(run):
 def test_another_run_begins_with_its_handshake(run):
     listener = Listener(run.scenario, run.contract)
     listener.take(run.frames)
-    assert listener.told_scenario == int(run.scenario.sha256[:8], 16)
     before = listener.run
     listener.take(run.frames[:200])
     assert listener.run == before + 1
@@ -183,7 +183,7 @@ def test_every_system_has_a_layout_from_what_it_declares():
 def test_state_and_list_of_frames_do_not_come_at_every_look(run, monkeypatch):
     now_s = [100.0]
     monkeypatch.setattr(live_module.time, "monotonic", lambda: now_s[0])
-    live = LiveRun(run.scenario, Receiver({}, lambda config, name: ScriptedLink(*[[]] * 30)), "short")
+    live = LiveRun(Watched(run.scenario), Receiver({}, lambda config, name: ScriptedLink(*[[]] * 30)))
     told, lists = [], 0
     for _ in range(20):
         told += [next(iter(json.loads(message))) for message in live.look()]
@@ -193,7 +193,7 @@ def test_state_and_list_of_frames_do_not_come_at_every_look(run, monkeypatch):
 
 
 def test_pages_are_told_events_and_frames(run):
-    live = LiveRun(run.scenario, Receiver({}, lambda config, name: ScriptedLink(run.frames[:4000], [])), "short")
+    live = LiveRun(Watched(run.scenario), Receiver({}, lambda config, name: ScriptedLink(run.frames[:4000], [])))
     live.look()
     events = [event["text"] for event in live._events.all]
     assert "departed" in events
@@ -211,11 +211,11 @@ def test_a_run_with_faults_of_the_operator_is_no_other_scenario(run: Recorded) -
     for faults in ([], ["safety_loop off @manual"]):
         operator = Operator("nowhere")
         operator.report = {"phase": "running", "faults": faults}
-        live = LiveRun(
-            other, Receiver({}, lambda config, name: ScriptedLink(run.frames[:4000], [])), "short", None, operator
-        )
+        receiver = Receiver({}, lambda config, name: ScriptedLink(run.frames[:4000], []))
+        live = LiveRun(Watched(other), receiver, operator)
         live.look()
         operator.report = {"phase": "running", "faults": faults}
         told = [json.loads(message) for message in live.past() if isinstance(message, str)]
-        found += [one["state"]["other_scenario"] for one in told if "state" in one]
+        found += [bool(one["state"]["notices"]) for one in told if "state" in one]
+        assert live.layout.target >= 0 if faults else live.layout.target == -1
     assert found == [True, False]

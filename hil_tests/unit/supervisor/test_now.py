@@ -6,6 +6,7 @@ import argparse
 import io
 from collections.abc import Sequence
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 import pytest
@@ -17,6 +18,7 @@ from railhil.bus.errors import BusLost
 from railhil.bus.frame import Frame
 from railhil.cli import watch
 from railhil.cli.progress import progress
+from railhil.cli.watched import Watched
 from railhil.common.errors import InputError
 from railhil.common.output import Output
 from railhil.scenarios.load import load_any
@@ -121,17 +123,15 @@ def test_a_follower_knows_time_milestones_and_the_next_run(recorded: Recorded) -
     follower.take(frame for _, frame in recorded.frames)
     assert follower.now_s == pytest.approx(recorded.frames[-1][0] / 1e9, abs=0.02)
     assert follower.milestones[0].cause == "departed"
-    assert follower.other_scenario is False
     follower.take(frame for _, frame in recorded.until(1.0))
     assert follower.now_s == pytest.approx(1.0, abs=0.02)
     assert len(follower.milestones) <= 1
-    other = Follower(load_any("yizhuang_02"))
-    other.take(frame for _, frame in recorded.until(0.5))
-    assert other.other_scenario is True
 
 
 class _Bus:
     """A bus with a record on it, which is then gone."""
+
+    counters: ClassVar[dict[str, int]] = {"rx_lost": 0}
 
     def __init__(self, frames: Sequence[Frame]) -> None:
         self._parts = [frames[start : start + 500] for start in range(0, len(frames), 500)]
@@ -143,7 +143,7 @@ class _Bus:
 
 
 def test_watch_writes_a_line_per_second_and_a_picture(recorded: Recorded) -> None:
-    view = watch.View(recorded.scenario, lines=True)
+    view = watch.View(Watched(recorded.scenario), lines=True)
     with pytest.raises(BusLost):
         watch.watch(_Bus([frame for _, frame in recorded.frames]), view, lambda: None)  # type: ignore[arg-type]
     lines = view.new_lines()
@@ -156,7 +156,7 @@ def test_watch_writes_a_line_per_second_and_a_picture(recorded: Recorded) -> Non
     text = screen.file.getvalue()  # type: ignore[attr-defined]
     for words in ("true speed", "controller mode", "departed", recorded.scenario.title):
         assert words in text
-    screen.print(watch.View(recorded.scenario).picture())
+    screen.print(watch.View(Watched(recorded.scenario)).picture())
     assert "no run on the bus yet" in screen.file.getvalue()  # type: ignore[attr-defined]
 
 
@@ -188,27 +188,33 @@ def test_the_progress_line_is_not_shown_where_there_is_no_terminal(recorded: Rec
 
 
 def test_watch_names_the_notes_of_the_law(recorded: Recorded, monkeypatch: pytest.MonkeyPatch) -> None:
-    """With ``--controller`` the notes have the names that the law declares, else numbers."""
-    bus = _Bus([frame for _, frame in recorded.frames])
+    """The notes have the names that the law of the handshake declares, or that of ``--controller``; else numbers."""
+    own = set(recorded.trace().contract.port("CTL_IDENT").can_ids)
+    whole = [frame for _, frame in recorded.frames]
+    untold = [frame for frame in whole if frame.can_id not in own]
+    bus = _Bus(whole)
     bus.close = lambda: None  # type: ignore[attr-defined]
     views: list[watch.View] = []
-    monkeypatch.setattr(watch, "load_any", lambda *asked: recorded.scenario)
+    monkeypatch.setattr(watch, "named_scenario", lambda *asked: recorded.scenario)
     monkeypatch.setattr(watch, "listening", lambda config: bus)
     monkeypatch.setattr(watch, "watch", lambda link, view, show: views.append(view))
     parser = argparse.ArgumentParser()
     watch.add_parser(parser.add_subparsers())
-    for arguments in (["--controller", "ipfc"], []):
+    texts = []
+    for frames, arguments in ((untold, ["--controller", "ipfc"]), (untold, []), (whole, [])):
         namespace = parser.parse_args(["watch", "-i", "railhil", "-c", "x", *arguments])
         assert namespace.work(namespace) == 0
-        views[-1].take([frame for _, frame in recorded.frames])
-    texts = []
-    for view in views:
+        views[-1].take(frames)
         screen = Console(file=io.StringIO(), width=100, force_terminal=False)
-        screen.print(view.picture())
+        screen.print(views[-1].picture())
         texts.append(screen.file.getvalue())  # type: ignore[attr-defined]
-    assert "softening factor" in texts[0]
-    assert "note 2" not in texts[0]
-    assert "note 2" in texts[1]
+    assert ["note 2" in text for text in texts] == [False, True, False]
+    assert ["softening factor" in text for text in texts] == [True, False, True]
     namespace = parser.parse_args(["watch", "-i", "railhil", "-c", "x", "--controller", "no_such_law"])
     with pytest.raises(InputError, match="no_such_law"):
         namespace.work(namespace)
+    monkeypatch.undo()
+    with pytest.raises(InputError, match="no_such_law"):
+        namespace.work(namespace)
+    with pytest.raises(InputError, match="--set: found without a scenario"):
+        watch.work(parser.parse_args(["watch", "-i", "railhil", "-c", "x", "--set", "plan.distance_m=1"]))

@@ -97,7 +97,7 @@ export function showFrames(place, frames, chosen, onChoose) {
     const row = place.children[at];
     row.dataset.id = id;
     row.classList.toggle("chosen", id === chosen);
-    const cells = [id.toString(16).padStart(3, "0"), name, count, period === null ? "" : period.toFixed(0), age.toFixed(0), data, text];
+    const cells = [id.toString(16).padStart(3, "0"), name, count, period === null ? "" : period.toFixed(0), age === null ? "" : age.toFixed(0), data, text];
     cells.forEach((cell, place) => {
       const was = row.children[place];
       if (was.textContent !== String(cell)) was.textContent = cell;

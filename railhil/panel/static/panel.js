@@ -86,7 +86,7 @@ function answered(refused, said = "") {
 function begin(header) {
   page.header = header;
   page.layout = header.layout;
-  page.stores = header.runs.map(() => new Store(header.layout.columns.length));
+  page.stores = header.runs.map(() => new Store(header.layout.columns.length, header.layout.position));
   byId("title").textContent = header.runs.map((run) => run.name).join(" · ");
   document.title = `${header.runs[0].name} - railhil`;
   byId("desk").hidden = !header.commands;
@@ -161,7 +161,7 @@ function pick(timeS) {
 
 function showState(state) {
   const box = byId("phase"), operator = state.operator;
-  const parts = [`${state.time_s.toFixed(1)} s`];
+  const parts = [state.time_s === null ? "time not known" : `${state.time_s.toFixed(1)} s`, state.run];
   if (operator?.phase) parts.unshift(operator.phase === "ended" ? `ended: ${verdict(operator)}` : operator.phase);
   parts.push(`bus ${state.load === null ? "–" : `${(100 * state.load).toFixed(1)} %`}`);
   parts.push(`polls missed ${state.missed} of ${state.polls}`, `frames ${state.frames}`, `dropped here ${state.dropped}`);
@@ -170,8 +170,9 @@ function showState(state) {
   box.textContent = parts.join(" · ");
   const notice = byId("notice");
   const trouble = operator?.phase === "waiting" ? "" : state.bus;
-  notice.hidden = !trouble && !state.other_scenario;
-  notice.textContent = trouble || (state.other_scenario ? "the bus carries another scenario than this page was started for" : "");
+  const said = [trouble, ...state.notices].filter(Boolean);
+  notice.hidden = !said.length;
+  notice.replaceChildren(...said.map((text) => element("span", {}, text)));
   showDesk();
 }
 
@@ -179,7 +180,7 @@ function showList(message) {
   showFrames(byId("frames"), message.frames, page.watched, watch);
   const raw = message.raw[page.watched];
   byId("raw").hidden = !raw;
-  if (raw) byId("raw").textContent = raw.slice().reverse().map(([time, data]) => `${time.toFixed(2).padStart(9)}  ${data}`).join("\n");
+  if (raw) byId("raw").textContent = raw.slice().reverse().map(([time, data]) => `${(time === null ? "–" : time.toFixed(2)).padStart(9)}  ${data}`).join("\n");
 }
 
 // The list of frames comes often only while it can be seen.

@@ -2,7 +2,9 @@
 const ROWS_MAX = 48000;
 
 export class Store {
-  constructor(columns) {
+  // position: place of its column, -1 if there is none.
+  constructor(columns, position) {
+    this.position = position;
     this.times = new Float64Array(ROWS_MAX);
     this.values = Array.from({ length: columns }, () => new Float32Array(ROWS_MAX));
     this.rows = 0;
@@ -26,11 +28,15 @@ export class Store {
   }
 
   halve() {
-    for (const column of [this.times, ...this.values]) {
-      for (let row = 0; row < ROWS_MAX / 2; row += 1) column[row] = column[2 * row];
+    for (let row = 0; row < ROWS_MAX / 2; row += 1) {
+      const from = this.isGap(2 * row + 1) ? 2 * row + 1 : 2 * row;
+      for (const column of [this.times, ...this.values]) column[row] = column[from];
     }
     this.rows = ROWS_MAX / 2;
   }
+
+  // Nothing is known but time and position.
+  isGap(row) { return this.values.every((column, at) => at === this.position || Number.isNaN(column[row])); }
 
   get endS() { return this.rows ? this.times[this.rows - 1] : 0; }
 
@@ -54,6 +60,8 @@ export function thinned(x, series, from, to, count) {
     const begin = from + Math.floor(part * step), end = from + Math.floor((part + 1) * step);
     found[0][2 * part] = x[begin];
     found[0][2 * part + 1] = x[end - 1];
+    let gap = false;
+    for (let row = begin; row < end && !gap; row += 1) gap = series.every((one) => Number.isNaN(one[row]));
     series.forEach((one, at) => {
       let low = Infinity, high = -Infinity, lowAt = begin, highAt = begin;
       for (let row = begin; row < end; row += 1) {
@@ -62,6 +70,8 @@ export function thinned(x, series, from, to, count) {
         if (value > high) { high = value; highAt = row; }
       }
       const known = high >= low;
+      // A gap remains one, whatever else the part has.
+      if (gap) { found[at + 1][2 * part] = known ? low : NaN; found[at + 1][2 * part + 1] = NaN; return; }
       found[at + 1][2 * part] = known ? (lowAt <= highAt ? low : high) : NaN;
       found[at + 1][2 * part + 1] = known ? (lowAt <= highAt ? high : low) : NaN;
     });

@@ -10,7 +10,7 @@ from railhil.bus.acceptance import checks_of, life_of
 from railhil.bus.layout import Telegram
 
 
-def _in_words(scenario: Any, level: str, cause: str) -> str:
+def in_words(scenario: Any, level: str, cause: str) -> str:
     return cause.replace("_", " ")
 
 
@@ -32,7 +32,7 @@ class Watch:
     cause: str
     ladder: tuple[int, ...]
     start: frozenset[str] = frozenset()
-    said: Callable[[Any, str, str], str] = _in_words
+    said: Callable[[Any, str, str], str] = in_words
 
 
 @dataclass(frozen=True, slots=True)

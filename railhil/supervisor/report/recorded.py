@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from railhil.bus.ident import INDEXINGS, CtlIdent
+from railhil.bus.ident import INDEXINGS, CtlIdent, PltIdent
 from railhil.bus.telegrams import CtlStat, NotchCmd, SimTruth
 from railhil.scenarios.model import AnyScenario, PublishedScore, Scenario
 from railhil.scenarios.parameters import DIGEST_DIGITS
@@ -159,7 +159,8 @@ class Curves:
 def wanted_mps(scenario: Scenario, trace: Trace) -> FloatArray:
     """The set-point that the law followed, at each SIM_TRUTH: by time, or by the train's position; shape (n,)."""
     target = target_of(scenario.target)
-    ident = trace.ident(CtlIdent)
+    # Whoever joined late has not heard the controller's.
+    ident = trace.ident(CtlIdent) or trace.ident(PltIdent)
     over_distance = ident is not None and ident.indexing == INDEXINGS.index("distance")
     time_s = target.time_s(trace.values(SimTruth.PORT, "TruePos")) if over_distance else trace.times_s(SimTruth.PORT)
     # After the planned stop the target continues below zero, which no train can follow.
