@@ -11,7 +11,7 @@ DATA_BITS = {0: 16, 1: 32, 2: 64, 3: 128, 4: 256}
 CHECK_VALUES = {0: "erroneous", 1: "correct", 2: "forced", 3: "undefined"}
 ANTIVALENT_VALUES = {0: "error", 1: "false", 2: "true", 3: "undefined"}
 #: Version of the wire contract, sent in the handshake.
-WIRE_VERSION = 5
+WIRE_VERSION = 6
 
 #: Names of the port table and of its DBC, here and in a run folder.
 PORTS, DBC = "ports.toml", "railhil.dbc"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from dataclasses import replace
 
 from railhil.bus.administrator import Administrator
 from railhil.bus.codes import SupCommand
@@ -22,11 +23,12 @@ class Refused(BusError):
     exit_code = 2
 
 
-def agree(administrator: Administrator, store: TrafficStore, own: Ident, contract: Contract, appear_s: float) -> None:
+def agree(administrator: Administrator, store: TrafficStore, own: Ident, contract: Contract, appear_s: float) -> Ident:
     """Wait for controller and supervisor, compare what each node is about to run, wait for the start.
 
     :param own: what the plant is about to run.
     :param appear_s: how long the other nodes may take to appear, on the wall clock.
+    :returns: the same with what the controller has told of itself, to be repeated during the run.
     :raises PeerSilent: a node did not appear.
     :raises Refused: the nodes disagree, or the supervisor does not start the run.
     """
@@ -54,6 +56,10 @@ def agree(administrator: Administrator, store: TrafficStore, own: Ident, contrac
     order = store.read(SupCmd, 0)[0]
     if order is None or order.command != SupCommand.START:
         raise Refused("the supervisor did not start the run")
+    controller = store.read(CtlIdent, 0)[0]
+    if controller is None:
+        return own
+    return replace(own, law=controller.law, arithmetic=controller.arithmetic, indexing=controller.indexing)
 
 
 def _counted(causes: Counter[str]) -> str:

@@ -14,11 +14,12 @@ from railhil.bus.errors import PeerSilent
 from railhil.bus.frame import Frame
 from railhil.bus.hub.orders import Disturber
 from railhil.bus.ident import Role, make_ident
+from railhil.bus.layout import Telegram
 from railhil.bus.link.base import PackedEnd
 from railhil.bus.reception import Document, reception
 from railhil.bus.schedule import Schedule
 from railhil.bus.store import TrafficStore
-from railhil.bus.telegrams import SupCmd
+from railhil.bus.telegrams import SupCmd, TimeSync
 from railhil.common.patience import APPEAR_S
 from railhil.dbc import Port
 from railhil.plant_sim.any_plant import AnyPlant, Happened, PlantError
@@ -125,7 +126,7 @@ class PlantNode:
         self._sup_port = contract.port(SupCmd.PORT)
         self._statuses = [contract.port(name) for name in plant.statuses]
         asked = [self._sup_port, *map(contract.port, plant.commands), *self._statuses]
-        self._loop = TickLoop(plant, plant.ending, schedule, self, plant.makers, asked, contract.clock_port.name)
+        self._loop = TickLoop(plant, plant.ending, schedule, self, self._makers(), asked, contract.clock_port.name)
         self.controller_lost = False
         self._silence = ""
         # Counts of the newest telegram of each status in the record.
@@ -137,6 +138,19 @@ class PlantNode:
         )
         # Position of the current tick, because a plant that has failed no longer has one.
         self._position_01mm = 0
+
+    def _makers(self) -> dict[str, Callable[[], Telegram | None]]:
+        """What is published in a tick: the plant's telegrams, and what is run, for who joins late, behind the time."""
+        found: dict[str, Callable[[], Telegram | None]] = {}
+        for port, make in self.plant.makers.items():
+            found[port] = make
+            if port == TimeSync.PORT:
+                found[self._ident.PORT] = self._told
+        return found
+
+    def _told(self) -> Telegram | None:
+        # The handshake has told it before the first tick.
+        return self._ident if self.plant.tick else None
 
     @property
     def counters(self) -> dict[str, int]:
@@ -168,7 +182,7 @@ class PlantNode:
         :raises Refused: the nodes disagree; they have been told that the run has ended.
         """
         try:
-            agree(self.administrator, self._store, self._ident, self._contract, self._appear_s)
+            self._ident = agree(self.administrator, self._store, self._ident, self._contract, self._appear_s)
         except Refused:
             self.end(Event.ENDED_REFUSED)
             raise

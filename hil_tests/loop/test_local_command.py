@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
 import re
@@ -15,12 +16,14 @@ from benchmarks.figures import QUICK_TOML
 from hil_tests.support.cli import Started, railhil, wait_for
 from hil_tests.support.paths import ROOT
 from hil_tests.support.plug import Wrapping, plug_in
-from hil_tests.support.published import PUBLISHED_SHA256
+from hil_tests.support.published import PUBLISHED_SHA256, PUBLISHED_WIRE_5_SHA256, WIRE_5_HASH
+from hil_tests.support.wire_5 import as_wire_5
 from railhil.bus.limits import LIMITS, limits_of
 from railhil.common.exit_codes import FAIL, INVALID, PASS, USAGE
 from railhil.controller_node.laws.base import LawInputs, LawOutputs
 from railhil.controller_node.laws.ipfc import Ipfc, IpfcState
 from railhil.controller_node.program.tracer import Tracer
+from railhil.dbc import wire_contract
 from railhil.local_run import LocalRun
 from railhil.scenarios.load import load, load_any
 from railhil.scenarios.run_spec import LawSpec, RunSpec
@@ -48,6 +51,9 @@ def test_the_default_run_has_the_published_hash(tmp_path: Path) -> None:
     assert done.exit_code == PASS, done.err
     assert re.search(r"^all files written \d+\.\d\d s after the last frame$", done.out, re.MULTILINE)
     assert documents(tmp_path / "run")[0]["frames_sha256"] == PUBLISHED_SHA256
+    # Nothing else has moved in the record when PLT_IDENT was repeated for the first time.
+    before = as_wire_5(tmp_path / "run" / "frames.log", wire_contract(), WIRE_5_HASH)
+    assert hashlib.sha256(before).hexdigest() == PUBLISHED_WIRE_5_SHA256
 
 
 @pytest.mark.slow

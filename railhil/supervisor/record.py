@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from railhil.bus.ident import PltIdent
+from railhil.bus.ident import PltIdent, SupIdent
 from railhil.common.errors import InputError, Words
 from railhil.dbc import ContractError, recorded_contract
 from railhil.scenarios.load import load_any
@@ -188,3 +188,6 @@ def _check_handshake(log: Path, scenario: AnyScenario, trace: Trace) -> None:
     wanted = int(scenario.sha256[:8], 16)
     if ident.scenario_hash != wanted:
         raise InputError(log, "scenario hash", f"{ident.scenario_hash:08x}", f"{wanted:08x} ({scenario.name})")
+    # The plant repeats its own during the run: a log that begins later has that, and not the other two.
+    if trace.ident(SupIdent) is None and trace.count(trace.contract.clock_port.name):
+        raise InputError(log, "SUP_IDENT", Words("no such telegram"), "a log that railhil recorded from its start")

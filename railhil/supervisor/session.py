@@ -122,6 +122,8 @@ class Session:
         self._clock_ids = {clock_port.address, clock_port.fd_id}
         opening = contract.port(PltIdent.PORT)
         self._opening_ids = {opening.address, opening.fd_id}
+        # Ticks were heard, and no scan since: PLT_IDENT is a repetition in the run of somebody else, no handshake.
+        self._is_others = False
         self._time = self._truth_clock or self._clock
         self._truth_ids = self._truth_clock.truth_ids if self._truth_clock is not None else set()
         # All other frames, which are the majority, are recorded without inspection.
@@ -191,6 +193,7 @@ class Session:
         if frame[0] in self._seen_ids and frame in self._own:
             can_id = frame[0]
             if can_id in self._clock_ids:
+                self._is_others = not self.recording
                 # Under faults too: TIME_SYNC is judged by it.
                 new = self._responder.opens_tick(frame)
                 truth_clock = self._truth_clock
@@ -299,7 +302,9 @@ class Session:
         scan = frame.can_id == self._poll_id and frame.data[:1] and frame.data[0] >> 4 == F_DEVICE_STATUS
         if frame == self._pace:
             self._paced()
-        if not self.recording and frame.can_id in self._opening_ids:
+        if scan:
+            self._is_others = False
+        if not self.recording and not self._is_others and frame.can_id in self._opening_ids:
             self.recording = True
             self.first_frame_ns = self.last_poll_ns = time.monotonic_ns()
         if not self.recording and not scan:

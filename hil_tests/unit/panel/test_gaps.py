@@ -177,9 +177,14 @@ def test_a_scenario_of_the_plants_hash_is_taken_and_no_other(ride: Ride) -> None
 
 
 def test_nothing_is_taken_for_a_run_before_the_plant_has_told(ride: Ride) -> None:
-    link = ScriptedLink(ride.from_s(20.0)[:4000], [])
+    link = ScriptedLink(ride.from_s(20.5)[:300], [], ride.from_s(20.5)[300:4000], [])
     live = LiveRun(Watched(None), Receiver({}, lambda config, name: link))
     live.look()
     assert live.layout.columns == ()
     assert live.header()["runs"][0]["name"] == "a run that is not known yet"
     assert "has not told" in notices(live)
+    live.look()
+    # PLT_IDENT is repeated: who joins late knows the scenario's hash, the law and the seed.
+    assert ride.scenario.sha256[:8] in live._watched.run
+    assert "law ipfc, seed 0" in live._watched.run
+    assert live.layout.speed >= 0

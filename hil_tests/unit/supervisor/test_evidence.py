@@ -47,6 +47,16 @@ def test_folders_of_earlier_versions_are_kept() -> None:
     assert [path.parent.name for path in _FOLDERS] == ["runs_0.1.0"] * 3 + ["runs_without_list"]
 
 
+@pytest.mark.parametrize("earlier", [_FOLDERS[-1]], indirect=True)
+def test_a_port_table_of_wire_version_5_is_kept(earlier: Path) -> None:
+    """For folders that have none: in version 6 the plant repeats PLT_IDENT."""
+    wanted = json.loads((earlier / "score.json").read_text())
+    (earlier / "ports.toml").unlink()
+    (earlier / "railhil.dbc").unlink()
+    assert checked_record(str(earlier), None).score.verdict == wanted["verdict"]
+    assert json.loads((earlier / "certificate.json").read_text())["dbc_sha256"] != wire_contract().sha256
+
+
 def test_a_folder_of_an_earlier_version_has_the_same_scores_to_the_digit(earlier: Path) -> None:
     wanted = json.loads((earlier / "score.json").read_text())
     found = checked_record(str(earlier), None).score.as_json()

@@ -33,7 +33,8 @@ OWN = {can_id for name in ("SUP_CMD", "SUP_IDENT") for can_id in wire_contract()
 GOOD = "(3.000001) mvb0 100#0102 R\n"
 SUP_POLL = master_frame(1, wire_contract().port("SUP_CMD").address)
 #: Frames that are looked at one by one.
-SINGLY = [can_id for name in ("TIME_SYNC", "RUN_EVENT") for can_id in wire_contract().port(name).can_ids]
+_SINGLY = [wire_contract().port(name) for name in ("TIME_SYNC", "PLT_IDENT", "RUN_EVENT")]
+SINGLY = [can_id for port in _SINGLY for can_id in port.can_ids]
 #: Frames of each record that are taken.
 LINES = 150
 
@@ -115,8 +116,9 @@ def test_only_what_not_every_tick_brings_is_taken_one_by_one(faults: tuple[str, 
     polls = [at for at, frame in enumerate(frames) if frame == SUP_POLL]
     # As on pipes: a packet ends with a poll of the supervisor.
     both.demand_the_same(frames[: polls[20] + 1], [poll + 1 for poll in polls[:20]])
-    # A TIME_SYNC has two frames, an event three; with the end of an event the poll cannot wait.
-    events = sum(frame.can_id == SINGLY[-1] for frame in frames[: polls[20]])
+    # A TIME_SYNC has two frames, the others three; with the end of these the poll cannot wait.
+    ends = {port.can_ids[-1] for port in _SINGLY[1:]}
+    events = sum(frame.can_id in ends for frame in frames[: polls[20]])
     singly = sum(frame.can_id in SINGLY for frame in frames[: polls[20]])
     assert 4 < singly < len(both.one_by_one) <= singly + events < polls[20] / 20
     assert set(both.one_by_one) == {1}

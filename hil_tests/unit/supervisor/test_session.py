@@ -8,6 +8,8 @@ import pytest
 
 from hil_tests.support.panel import Recorded
 from railhil.bus.frame import ERROR, EXTENDED, FD, REMOTE, Frame
+from railhil.bus.ident import Role
+from railhil.bus.mvb import F_DEVICE_STATUS, master_frame
 from railhil.scenarios.run_spec import RunSpec
 from railhil.supervisor.framelog import log_line
 from railhil.supervisor.session import Session
@@ -38,3 +40,18 @@ def test_frames_together_are_recorded_as_one_by_one(run: Recorded, tmp_path: Pat
     assert len(answers) > 10
     assert fast.frames == len(one) > len(run.frames)
     assert sum(log_line(0, frame).partition("mvb0")[2] in "".join(many) for frame in _STRAY) == len(_STRAY)
+
+
+def test_the_run_of_somebody_else_is_not_recorded(run: Recorded) -> None:
+    """Its plant repeats PLT_IDENT; after a scan it is the handshake of another run."""
+    lines: list[str] = []
+    session = Session(run.scenario, lines.append, RunSpec())
+    ident = run.contract.port("PLT_IDENT").address
+    places = [place for place, frame in enumerate(run.frames) if frame.can_id == ident]
+    assert len(places) > 2
+    assert session.take(run.frames[100:]) == []
+    assert not session.recording
+    session.handle(master_frame(F_DEVICE_STATUS, int(Role.SUPERVISOR)))
+    session.take(run.frames[: places[1]])
+    assert session.recording
+    assert lines[0].split()[-2:] == log_line(0, run.frames[0]).split()[-2:]
