@@ -6,8 +6,9 @@ import os
 from typing import Any
 
 from rich.box import SIMPLE_HEAD
-from rich.console import Console
-from rich.table import Table
+from rich.console import Console, ConsoleOptions, RenderResult
+from rich.measure import Measurement
+from rich.table import Column, Table
 from rich.text import Text
 
 from railhil.common.plain_text import plain
@@ -15,6 +16,12 @@ from railhil.common.streams import discard_output
 
 #: Width of output into a file or pipe unless COLUMNS is set.
 _FILE_COLUMNS = 100
+#: Letters of a word that a column keeps together; more are a name, which may be folded.
+_WORD_LETTERS = 10
+#: Longest word that counts as a number if it has a digit: more are a path or a hash.
+_NUMBER_LETTERS = 30
+#: Width of a console that cuts nothing.
+_UNLIMITED = 10_000
 
 
 class Output(Console):
@@ -37,11 +44,39 @@ class Output(Console):
         self.quiet = True
         discard_output()
 
+    def print(self, *objects: Any, **options: Any) -> None:
+        """As rich, but a line that is longer than the console is not cut."""
+        super().print(*objects, **{"crop": False, **options})
+
     def say(self, text: str, style: str | None = None) -> None:
         """Print one line, however long."""
         self.print(text, style=style, soft_wrap=True)
 
 
+class WholeTable(Table):
+    """A table that breaks and cuts no number: where the console is too narrow, words are wrapped, and if that is not
+    enough, lines are longer than the console."""
+
+    def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
+        for column in self.columns:
+            if not column.no_wrap and column.overflow == "ellipsis":
+                column.overflow = "fold"
+            column.min_width = max(column.min_width or 0, _least_width(console, options, column))
+        least = Measurement.get(console, options.update(width=_UNLIMITED), self).minimum
+        return super().__rich_console__(console, options.update(width=max(options.max_width, least)))
+
+
+def _least_width(console: Console, options: ConsoleOptions, column: Column) -> int:
+    """Room for every cell where nothing is wrapped, else for every number and the beginning of a word."""
+    cells = [column.header, *column.cells]
+    if column.no_wrap:
+        return max(Measurement.get(console, options.update(width=_UNLIMITED), cell).maximum for cell in cells)
+    words = [word for cell in cells for word in str(cell).split()]
+    least = max((min(len(word), _WORD_LETTERS) for word in words), default=1)
+    numbers = [len(word) for word in words if len(word) <= _NUMBER_LETTERS and any(map(str.isdigit, word))]
+    return max(least, *numbers, 1)
+
+
 def table(tight: bool = False) -> Table:
     """An empty table with two spaces between its columns, one if ``tight``."""
-    return Table(box=SIMPLE_HEAD, show_edge=False, pad_edge=False, padding=(0, 0 if tight else 1, 0, 0))
+    return WholeTable(box=SIMPLE_HEAD, show_edge=False, pad_edge=False, padding=(0, 0 if tight else 1, 0, 0))

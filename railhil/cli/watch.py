@@ -215,7 +215,7 @@ class View:
         planned = "" if isnan(scenario.planned_s) else f" of {scenario.planned_s:.0f}"
         grid = table(tight=True)
         for heading in ("signal", "value", "signal", "value"):
-            grid.add_column(heading, no_wrap=True)
+            grid.add_column(heading, no_wrap=heading == "value")
         cells = []
         for column in instruments.shown.columns:
             if column.name in values:

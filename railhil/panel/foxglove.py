@@ -1,7 +1,8 @@
 """A bridge for Lichtblick, PlotJuggler and Foxglove: the Foxglove WebSocket protocol with CDR payloads.
 
-Messages are flat ROS 2 messages (:mod:`railhil.bus.ros2`), which is all that PlotJuggler reads. Web viewers come from
-pages of their own: reading needs no token, orders do.
+Messages are flat ROS 2 messages (:mod:`railhil.bus.ros2`), which is all that PlotJuggler reads. Reading needs no token,
+orders do. Programs and viewers served by this machine may connect, and the hosted ones of :data:`_VIEWERS`; the page of
+anybody else may not.
 
 Source: foxglove/ws-protocol, docs/spec.md (opcodes, ``foxglove.websocket.v1``); ``foxglove.sdk.v1`` is the same for
 what is used here.
@@ -9,18 +10,21 @@ what is used here.
 
 from __future__ import annotations
 
-import hmac
 import json
+import re
 import struct
+from http import HTTPStatus
 from typing import Any
 
 import numpy as np
 from websockets.asyncio.server import Server, ServerConnection, broadcast, serve
 from websockets.exceptions import ConnectionClosed
+from websockets.http11 import Request, Response
 from websockets.typing import Subprotocol
 
 from railhil.bus.ros2 import MESSAGE_ENCODING, SCHEMA_ENCODING, Field, Message, PortMessage, ros_name
 from railhil.panel.live import LiveRun
+from railhil.panel.wire import POLICY_VIOLATION, TooDeep, is_token, parsed
 from railhil.supervisor.trace import FloatArray, Trace
 
 #: Newest name first, as clients offer them.
@@ -29,6 +33,9 @@ _CDR_HEADER = b"\0\1\0\0"
 _MESSAGE_DATA, _TIME, _SERVICE_RESPONSE, _SERVICE_REQUEST = 1, 2, 3, 2
 _WARNING = 1
 _BACKLOG_MAX_BYTES = 1 << 20
+#: Origins of viewers that are hosted elsewhere, and hosts of this machine.
+_VIEWERS = ("https://app.foxglove.dev",)
+_LOOPBACK = re.compile(r"(127\.0\.0\.1|localhost|\[::1\])(:\d+)?")
 #: Rows of the default topics in one look: at 10 looks a second 60 Hz, above which viewers warn.
 ROWS_A_LOOK = 6
 #: Telegrams of a port on its /full topic in one look; more come only in lockstep.
@@ -79,7 +86,13 @@ class FoxgloveBridge:
         :raises OSError: it cannot be opened.
         """
         server = await serve(
-            self._serve, "127.0.0.1", self.port, subprotocols=SUBPROTOCOLS, compression=None, max_size=1 << 16
+            self._serve,
+            "127.0.0.1",
+            self.port,
+            process_request=_refused,
+            subprotocols=SUBPROTOCOLS,
+            compression=None,
+            max_size=1 << 16,
         )
         self.port = server.sockets[0].getsockname()[1]
         return server
@@ -175,7 +188,11 @@ class FoxgloveBridge:
         self._viewers[connection] = viewer
         try:
             async for message in connection:
-                answer = self._called(message) if isinstance(message, bytes) else self._asked(viewer, message)
+                try:
+                    answer = self._called(message) if isinstance(message, bytes) else self._asked(viewer, message)
+                except TooDeep as error:
+                    await connection.close(POLICY_VIOLATION, str(error))
+                    return
                 if answer is not None:
                     await connection.send(answer)
         except ConnectionClosed:
@@ -199,14 +216,16 @@ class FoxgloveBridge:
 
     def _asked(self, viewer: Viewer, text: str) -> str | None:
         try:
-            asked = json.loads(text)
+            asked = parsed(text)
             if asked["op"] == "subscribe":
                 known = {_SIGNALS_ID, *self._ports}
-                wanted = {int(one["channelId"]): int(one["id"]) for one in asked["subscriptions"]}
+                wanted = {_number(one["channelId"]): _number(one["id"]) for one in asked["subscriptions"]}
                 viewer.channels |= {channel: number for channel, number in wanted.items() if channel in known}
             elif asked["op"] == "unsubscribe":
                 gone = set(asked["subscriptionIds"])
                 viewer.channels = {channel: number for channel, number in viewer.channels.items() if number not in gone}
+        except TooDeep:
+            raise
         except (ValueError, TypeError, KeyError):
             return json.dumps({"op": "status", "level": _WARNING, "message": "not understood"})
         return None
@@ -219,16 +238,33 @@ class FoxgloveBridge:
             if (opcode, service, encoding) != (_SERVICE_REQUEST, _ORDER_SERVICE, b"cdr") or not self._token:
                 raise ValueError("no such service")
             token, text = _strings(payload)
-            command = json.loads(text)
-            if not isinstance(command, dict):
-                raise ValueError("the command is no object")
+            command = parsed(text)
+        except TooDeep:
+            raise
         except (struct.error, ValueError) as error:
             return json.dumps({"op": "status", "level": _WARNING, "message": f"service call: {error}"})
-        right = hmac.compare_digest(token.encode(), self._token.encode())
-        why = self._live.command(command) if right else "wrong token"
+        why = self._live.command(command) if is_token(token, self._token) else "wrong token"
         body = why.encode() + b"\0"
         response = _CDR_HEADER + struct.pack("<?3xI", not why, len(body)) + body
         return struct.pack("<BIII", _SERVICE_RESPONSE, service, call, 3) + b"cdr" + response
+
+
+def _number(found: Any) -> int:
+    """A number that a viewer has chosen, which goes back to it in 32 bit. Raises ValueError."""
+    if not isinstance(found, int) or not 0 <= found < 1 << 32:
+        raise ValueError("no number of 32 bit")
+    return found
+
+
+def _refused(connection: ServerConnection, request: Request) -> Response | None:
+    """Any page of the web could connect to a port of this machine: those of others are refused."""
+    for origin in request.headers.get_all("Origin"):
+        scheme, _, rest = origin.partition("://")
+        is_web = scheme in ("http", "https", "null")
+        if is_web and origin not in _VIEWERS and not _LOOPBACK.fullmatch(rest):
+            allowed = f"a viewer of this machine, or {', '.join(_VIEWERS)}"
+            return connection.respond(HTTPStatus.FORBIDDEN, f"origin: found {origin!r}, allowed {allowed}\n")
+    return None
 
 
 def _channel(number: int, topic: str, message: Message) -> dict[str, Any]:

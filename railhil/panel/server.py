@@ -6,7 +6,6 @@ A page is served what is new as long as it keeps up; to one that does not, rows 
 from __future__ import annotations
 
 import asyncio
-import hmac
 import json
 from collections.abc import Callable, Sequence
 from http import HTTPStatus
@@ -19,7 +18,7 @@ from websockets.exceptions import ConnectionClosed
 from websockets.http11 import Request, Response
 from websockets.typing import Subprotocol
 
-from railhil.panel.wire import SUBPROTOCOL
+from railhil.panel.wire import POLICY_VIOLATION, SUBPROTOCOL, TooDeep, is_token, parsed
 
 #: Batches a second at most; a look costs about the same however little has come.
 RATE_HZ = 10.0
@@ -185,7 +184,13 @@ class PanelServer:
         self._pages[connection] = page
         try:
             async for text in connection:
-                answer = self._asked(page, text)
+                try:
+                    answer = self._asked(page, parsed(text))
+                except TooDeep as error:
+                    await connection.close(POLICY_VIOLATION, str(error))
+                    return
+                except ValueError as error:
+                    answer = {"refused": str(error)}
                 if answer is not None:
                     await connection.send(json.dumps(answer))
         except ConnectionClosed:
@@ -194,13 +199,7 @@ class PanelServer:
             del self._pages[connection]
             self._watch()
 
-    def _asked(self, page: Page, text: str | bytes) -> dict[str, Any] | None:
-        try:
-            asked = json.loads(text)
-        except ValueError:
-            return {"refused": "not JSON"}
-        if not isinstance(asked, dict):
-            return {"refused": "not an object"}
+    def _asked(self, page: Page, asked: dict[str, Any]) -> dict[str, Any] | None:
         if "watch" in asked:
             page.watched = asked["watch"] if isinstance(asked["watch"], int) else None
             self._watch()
@@ -213,7 +212,7 @@ class PanelServer:
         token = asked.pop("token", None)
         if not self.token:
             return {"refused": "this page takes no commands"}
-        if not isinstance(token, str) or not hmac.compare_digest(token.encode(), self.token.encode()):
+        if not is_token(token, self.token):
             return {"refused": "wrong token: open the address that the command has printed"}
         why = self._source.command(asked)
         return {"refused": why} if why else {"done": asked.get("do", "")}

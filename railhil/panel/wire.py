@@ -6,13 +6,18 @@ columns as float32, one column after the other, little-endian.
 
 from __future__ import annotations
 
+import hmac
+import json
 import struct
+from typing import Any
 
 import numpy as np
 
 from railhil.supervisor.trace import FloatArray
 
 SUBPROTOCOL = "railhil.panel.v1"
+#: Code with which a WebSocket is closed (RFC 6455, 7.4.1).
+POLICY_VIOLATION = 1008
 #: Kinds of a batch: rows that continue those sent before, or replace them.
 APPEND, REPLACE = 1, 2
 
@@ -23,3 +28,29 @@ def batch(kind: int, run: int, rows: FloatArray) -> bytes:
     times = np.ascontiguousarray(rows[:, 0], dtype="<f8").tobytes()
     values = np.ascontiguousarray(rows[:, 1:].T, dtype="<f4").tobytes()
     return struct.pack("<4I", kind, run, count, width - 1) + times + values
+
+
+class TooDeep(ValueError):
+    """JSON that is nested so deeply that nobody who means well has written it: its sender is not talked to."""
+
+
+def parsed(text: str | bytes) -> dict[str, Any]:
+    """The object of a message.
+
+    :raises TooDeep: it cannot be read.
+    :raises ValueError: it is none, in words.
+    """
+    try:
+        found = json.loads(text)
+    except RecursionError:
+        raise TooDeep("nested too deeply") from None
+    except ValueError:
+        raise ValueError("not JSON") from None
+    if not isinstance(found, dict):
+        raise ValueError("not an object")
+    return found
+
+
+def is_token(found: Any, token: str) -> bool:
+    """Whether a message carries the token; the time that this takes says nothing of it."""
+    return isinstance(found, str) and hmac.compare_digest(found.encode(errors="replace"), token.encode())

@@ -48,7 +48,7 @@ async def visited(run: Recorded, subprotocol: str, sent: list[str | bytes], look
     server = await bridge.listen()
     told: dict[str, list[Any]] = {"json": [], "binary": []}
     address = f"ws://127.0.0.1:{bridge.port}"
-    async with websockets.connect(address, subprotocols=[subprotocol], origin="https://viewer.example") as client:
+    async with websockets.connect(address, subprotocols=[subprotocol], origin="http://localhost:8080") as client:
         for message in sent:
             await client.send(message)
         # A request that is answered: everything before it has been taken.
@@ -117,3 +117,63 @@ def test_orders_need_the_token(run):
     assert [body[4] for body in bodies] == [0, 1, 0]
     assert bodies[2].endswith(b"not that\0")
     assert any("service call" in message.get("message", "") for message in told["json"])
+
+
+async def _closed(run: Recorded, message: str | bytes) -> tuple[int, str]:
+    """Code and reason with which a viewer is sent away."""
+    live = LiveRun(Watched(run.scenario), Receiver({}, lambda config, name: ScriptedLink()))
+    bridge = FoxgloveBridge(live, TOKEN, 0)
+    server = await bridge.listen()
+    async with websockets.connect(f"ws://127.0.0.1:{bridge.port}", subprotocols=SUBPROTOCOLS) as client:
+        await client.send(message)
+        await asyncio.wait_for(client.wait_closed(), 20)
+    server.close()
+    await server.wait_closed()
+    return client.close_code, client.close_reason
+
+
+@pytest.mark.parametrize("message", ['{"op":' * 9000, order(1, TOKEN, '{"do":' * 9000)], ids=["text", "order"])
+def test_what_is_nested_too_deeply_is_refused_in_one_line_and_its_sender_too(run, message, caplog):
+    assert asyncio.run(_closed(run, message)) == (1008, "nested too deeply")
+    assert not [record for record in caplog.records if record.exc_info]
+
+
+@pytest.mark.parametrize("number", ["1e999", "4294967296", "-1", '"5"', "null"])
+def test_a_number_that_no_viewer_has_ends_nothing(run, number, caplog):
+    wanted = f'{{"op": "subscribe", "subscriptions": [{{"id": {number}, "channelId": 1}}]}}'
+    told = asyncio.run(visited(run, SUBPROTOCOLS[0], [wanted], 3))
+    assert [one["message"] for one in told["json"] if one["op"] == "status"] == ["not understood"]
+    assert not [record for record in caplog.records if record.exc_info]
+
+
+@pytest.mark.parametrize(
+    ("origin", "is_taken"),
+    [
+        (None, True),
+        ("http://localhost:8080", True),
+        ("http://[::1]:8080", True),
+        ("https://app.foxglove.dev", True),
+        ("foxglove://desktop", True),
+        ("https://viewer.example", False),
+        ("http://localhost.example", False),
+        ("https://app.foxglove.dev.example", False),
+        ("null", False),
+    ],
+)
+def test_the_page_of_anybody_else_is_refused(run, origin, is_taken):
+    async def visit() -> str:
+        live = LiveRun(Watched(run.scenario), Receiver({}, lambda config, name: ScriptedLink()))
+        bridge = FoxgloveBridge(live, "", 0)
+        server = await bridge.listen()
+        try:
+            address = f"ws://127.0.0.1:{bridge.port}"
+            async with websockets.connect(address, subprotocols=SUBPROTOCOLS, origin=origin) as client:
+                return str(json.loads(await client.recv())["op"])
+        except websockets.InvalidStatus as refused:
+            return refused.response.body.decode()
+        finally:
+            server.close()
+            await server.wait_closed()
+
+    wanted = "serverInfo" if is_taken else f"origin: found {origin!r}, allowed a viewer of this machine"
+    assert asyncio.run(visit()).startswith(wanted)

@@ -248,3 +248,17 @@ def test_a_record_is_read_only_while_there_is_a_page(monkeypatch, alone, looks):
         assert looked
 
     served(visit)
+
+
+def test_what_is_nested_too_deeply_is_refused_in_one_line_and_its_sender_too(caplog):
+    """Without a token too; nothing is raised where the server runs, and other pages stay."""
+
+    async def visit(panel: PanelServer, source: ScriptedSource) -> None:
+        async with page(panel) as other, page(panel) as connection:
+            await connection.send('{"do":' * 9000)
+            await asyncio.wait_for(connection.wait_closed(), 20)
+            assert (connection.close_code, connection.close_reason) == (1008, "nested too deeply")
+            assert "wrong token" in (await asked(other, '{"do": "stop", "token": "\\ud800"}'))["refused"]
+
+    assert served(visit).commands == []
+    assert not [record for record in caplog.records if record.exc_info]
