@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from typing import Any
 
 from rich.box import SIMPLE_HEAD
@@ -17,9 +18,9 @@ from railhil.common.streams import discard_output
 #: Width of output into a file or pipe unless COLUMNS is set.
 _FILE_COLUMNS = 100
 #: Letters of a word that a column keeps together; more are a name, which may be folded.
-_WORD_LETTERS = 10
-#: Longest word that counts as a number if it has a digit: more are a path or a hash.
-_NUMBER_LETTERS = 30
+_WORD_LETTERS = 5
+#: A word that counts as a number, with sign, brackets and unit around it; a longer one is a hash.
+_NUMBER = re.compile(r"[^\w\s]*\d\S{0,29}")
 #: Width of a console that cuts nothing.
 _UNLIMITED = 10_000
 
@@ -73,7 +74,7 @@ def _least_width(console: Console, options: ConsoleOptions, column: Column) -> i
         return max(Measurement.get(console, options.update(width=_UNLIMITED), cell).maximum for cell in cells)
     words = [word for cell in cells for word in str(cell).split()]
     least = max((min(len(word), _WORD_LETTERS) for word in words), default=1)
-    numbers = [len(word) for word in words if len(word) <= _NUMBER_LETTERS and any(map(str.isdigit, word))]
+    numbers = [len(word) for word in words if _NUMBER.fullmatch(word)]
     return max(least, *numbers, 1)
 
 
