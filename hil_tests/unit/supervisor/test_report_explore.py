@@ -21,7 +21,7 @@ from railhil.scenarios.load import load, load_any
 from railhil.supervisor.ato import JUDGING
 from railhil.supervisor.events.event import FAULT, LEVEL, LOST, RecordedEvent
 from railhil.supervisor.report import page as report_page
-from railhil.supervisor.report.distribution import shares, worst_first
+from railhil.supervisor.report.distribution import shares, spreads_of, worst_first
 from railhil.supervisor.report.explore import explored
 from railhil.supervisor.report.page import write_report
 from railhil.supervisor.report.recorded import RecordedRun
@@ -90,6 +90,28 @@ def test_a_level_keeps_every_change_and_a_gap_stays_one() -> None:
     rows, values = unpacked(packed(seen_rows(level, 50), level))
     assert np.isnan(values[rows < 50]).all()
     assert not np.isnan(values[rows >= 50]).any()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("many", [1, 14])
+def test_the_page_says_how_far_a_curve_is_from_its_line(
+    run: RecordedRun, table: dict[str, np.ndarray], many: int
+) -> None:
+    """Whatever is thinned, and on pages with so many runs that little is left of each; a notch is exact."""
+    found = json.loads(explored([run] * many))["runs"][-1]
+    thin = 0
+    for name, curve in found["signals"].items():
+        expected = table["target_speed_mps"] - table["true_speed_mps"] if name == "tracking_error" else table[name]
+        rows, values = unpacked(curve)
+        line = np.interp(table["time_s"], table["time_s"][rows], values)
+        off = float(np.nanmax(np.abs(line - expected)))
+        rounding = 1e-6 * float(np.nanmax(np.abs(expected)))
+        assert off <= curve["e"] + rounding
+        assert curve["e"] <= 1.1 * off + rounding
+        thin += curve["e"] > 2e-4 * float(np.ptp(expected[np.isfinite(expected)]))
+    # What the page had promised of every curve.
+    assert thin >= 2
+    assert found["signals"]["notch_command"]["e"] < 1e-6
 
 
 @pytest.mark.slow
@@ -212,7 +234,7 @@ def test_zoom_values_choice_and_nothing_fetched(
     page.mouse.move(box["x"] + box["width"] / 2, box["y"] + 40)
     said = page.locator("#explore .rc-chart").first.inner_text()
     time_s = float(re.search(r"time:?\s*([\d.]+) s", said)[1])
-    mark, speed_kmh = re.search(r"ipfc:?\s*(≈?) ?([\d.]+) km/h", said).groups()
+    mark, speed_kmh = re.search(r"ipfc:?\s*(≈?) ?([\d.]+)(?: ± [\d.]+)? km/h", said).groups()
     row = int(np.flatnonzero(np.isclose(table["time_s"], time_s))[0])
     # Between two points of the curve it is on the line between them, and says so.
     exact = table["true_speed_mps"][row] * 3.6
@@ -282,3 +304,20 @@ def test_narrow_dark_and_printed(opened: tuple[Any, str, list[str]]) -> None:
     assert page.locator("figure svg").first.is_visible()
     assert page.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(255, 255, 255)"
     page.close()
+
+
+def test_runs_of_a_law_with_other_parameters_or_arithmetic_are_distributions_of_their_own(run: RecordedRun) -> None:
+    tuned = {"sha256": "1a2b3c4d" + "0" * 56, "training": {"seeds": [1]}}
+    how = ({}, {"parameters": tuned}, {"arithmetic": "float64"}, {"perturbed": True})
+    runs = [
+        replace(run, certificate={**run.certificate, "seed": seed, **others}, score=with_values(run.score, itae=value))
+        for value, others in enumerate(how)
+        for seed in (1, 2)
+    ]
+    spreads, looks = spreads_of(run.scenario, JUDGING.criteria[:1], runs)
+    labels = ["ipfc iq nominal", "ipfc+1a2b3c4d tuned", "ipfc float64", "ipfc iq perturbed"]
+    assert list(spreads[0].values) == list(looks) == labels
+    assert [len(values) for values in spreads[0].values.values()] == [2, 2, 2, 2]
+    assert len(set(looks.values())) == 4
+    # Those that differ in the seed alone are one.
+    assert list(spreads_of(run.scenario, JUDGING.criteria[:1], runs[:2])[0][0].values) == ["ipfc"]

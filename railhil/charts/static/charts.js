@@ -10,9 +10,10 @@
    description: {
      title, unit,                    above the chart: "title (unit)"; both may be empty
      x: {label, unit},               of the horizontal axis
-     series: [{label, unit, colour, dash, width, step, show, names}]
+     series: [{label, unit, colour, dash, width, step, show, names, within}]
                                      colour: place in the palette or "target"; dash: in px; step: hold each value until the next;
                                      names: words for the values 0, 1, 2 ... (a level, a flag)
+                                     within: how far at most the curve is from the line between two of its points
      height,                         px of the drawing, without title and legend
      sync,                           charts with the same word share cursor and zoom
      y: [low, high],                 fixed scale: cheaper, for streams
@@ -88,7 +89,8 @@ const railhilCharts = (() => {
     if (item.names?.[value] !== undefined) return item.names[value] + unit;
     if (holds || at == null || plot.data[series][at] !== undefined) return shown(value) + unit;
     const between = onLine(plot, series, at);
-    return between == null ? "-" : `≈ ${Number(between.toPrecision(5))}${unit}`;
+    const within = item.within ? ` ± ${Number(item.within.toPrecision(2))}` : "";
+    return between == null ? "-" : `≈ ${Number(between.toPrecision(5))}${within}${unit}`;
   }
 
   function digits(plot, splits, axis, space, step) {

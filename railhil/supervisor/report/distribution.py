@@ -13,7 +13,7 @@ from railhil.common.plain_text import plain
 from railhil.supervisor.criteria import Criterion
 from railhil.supervisor.report.figures import Picture, svg
 from railhil.supervisor.report.panels import drawing
-from railhil.supervisor.report.recorded import RecordedRun
+from railhil.supervisor.report.recorded import RecordedRun, law_labels
 from railhil.supervisor.report.styles import Style, styles
 from railhil.supervisor.trace import FloatArray
 
@@ -25,7 +25,8 @@ _ACROSS = 2
 
 @dataclass(frozen=True, slots=True)
 class Spread:
-    """One criterion over the runs of each law: values with their sign where they have one, NaN for a run without.
+    """One criterion over the runs of each law and its parameters: values with their sign where they have one, NaN for
+    a run without.
 
     ``limits``: what the scenario allows, empty if it says nothing.
     """
@@ -46,18 +47,20 @@ def limits_of(scenario: Any, criterion: Criterion) -> tuple[float, ...]:
 def spreads_of(
     scenario: Any, criteria: Sequence[Criterion], runs: Sequence[RecordedRun]
 ) -> tuple[list[Spread], dict[str, Style]]:
-    """The scores of recorded runs by law, and a style for each law."""
-    laws = list(dict.fromkeys(run.controller for run in runs))
+    """The scores of recorded runs by what they are runs of (:func:`railhil.supervisor.report.recorded.law_labels`), and
+    a style for each."""
+    labels = law_labels(runs)
+    laws = {label: run.controller for label, run in zip(labels, runs, strict=True)}
 
     def values(law: str, criterion: Criterion) -> FloatArray:
-        found = [run.score.with_sign(criterion) for run in runs if run.controller == law]
+        found = [run.score.with_sign(criterion) for label, run in zip(labels, runs, strict=True) if label == law]
         return np.array([np.nan if value is None else value for value in found], dtype=np.float64)
 
     spreads = [
         Spread(criterion, limits_of(scenario, criterion), {law: values(law, criterion) for law in laws})
         for criterion in criteria
     ]
-    return spreads, dict(zip(laws, styles(laws), strict=True))
+    return spreads, dict(zip(laws, styles([*laws.values()]), strict=True))
 
 
 def worst_first(scenario: Any, criteria: Sequence[Criterion], runs: Sequence[RecordedRun]) -> list[int]:

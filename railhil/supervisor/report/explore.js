@@ -20,7 +20,7 @@
       const rows = Array.from(new kind(bytes(given.r)), step => row += step);
       const factor = columns.get(name).factor;
       const values = Array.from(new Float32Array(bytes(given.v)), value => Number.isNaN(value) ? null : value * factor);
-      unpacked.set(key, {rows, values});
+      unpacked.set(key, {rows, values, off: given.e * Math.abs(factor)});
     }
     return unpacked.get(key);
   }
@@ -65,7 +65,7 @@
       colour: target ? "target" : alone ? number % 7 : run.colour,
       dash: alone || target ? [] : run.dash.length && !number ? run.dash : DASHES[number % DASHES.length],
       width: target ? 2.5 : alone ? 1.3 : run.width,
-      step: column.kind === "state",
+      step: column.kind === "state", within: over ? null : curve(run, column.name).off,
     };
   }
 

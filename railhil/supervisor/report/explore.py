@@ -16,7 +16,8 @@ from railhil.supervisor.report.events_panel import event_rows
 from railhil.supervisor.report.recorded import RecordedRun
 from railhil.supervisor.report.styles import Style, styles
 from railhil.supervisor.report.thinned import packed, seen_rows, text
-from railhil.supervisor.shown import NOTE, SIGNAL, Shown, shown_columns
+from railhil.supervisor.shown import LEVEL as LEVEL_KIND
+from railhil.supervisor.shown import NOTE, SIGNAL, STATE, Shown, shown_columns
 from railhil.supervisor.signals import signal_table
 from railhil.supervisor.trace import FloatArray
 
@@ -126,8 +127,9 @@ def _run(run: RecordedRun, style: Style, shown: Shown, stretches: int) -> tuple[
             steady.append(column.name)
             rows = seen_rows(values, 2 * stretches, _FINE)
         else:
-            rows = seen_rows(values, stretches)
-        signals[column.name] = packed(rows, values)
+            # The value of a state or level holds until the next: every change is needed.
+            rows = seen_rows(values, len(values) if column.kind in (STATE, LEVEL_KIND) else stretches)
+        signals[column.name] = packed(rows, values, table[:, 0])
         if np.ptp(values[finite]) == 0:
             constant.add(column.name)
         if column.name in reacted:

@@ -100,21 +100,48 @@ def recorded_run(
         verdict, line = "INVALID", invalid
     line = explained(line, why(scenario, events))
     document = read_score(folder) if certificate else None
-    label = str(certificate.get("controller") or folder.name)
-    # Of a controller that has not said that it has them, nothing is known.
-    confirmed = {} if certificate.get("asked") else certificate
-    if parameters := confirmed.get("parameters"):
-        label += f"+{parameters['sha256'][:DIGEST_DIGITS]}" + (" tuned" if parameters.get("training") else "")
-    if memory := confirmed.get("memory"):
+    label = _law_label(certificate, folder.name)
+    if memory := _confirmed(certificate).get("memory"):
         label += f"@{memory['sha256'][:DIGEST_DIGITS]}"
     label += " (on this seed)" if certificate.get("seed_was_trained") else ""
     return RecordedRun(label, scenario, trace, score, verdict, line, certificate, document or {}, events)
 
 
+def _confirmed(certificate: dict[str, Any]) -> dict[str, Any]:
+    """What may be said of the law: of a controller that has not said that it has them, nothing is known."""
+    return {} if certificate.get("asked") else certificate
+
+
+def _law_label(certificate: dict[str, Any], otherwise: str) -> str:
+    """The law with its parameters, if they are not its own."""
+    label = str(certificate.get("controller") or otherwise)
+    if parameters := _confirmed(certificate).get("parameters"):
+        label += f"+{parameters['sha256'][:DIGEST_DIGITS]}" + (" tuned" if parameters.get("training") else "")
+    return label
+
+
+def law_labels(runs: Sequence[RecordedRun]) -> list[str]:
+    """For each run what it is a run of: the law with its parameters, and in which arithmetic, by which set-points and
+    of which train, as far as runs of the law differ in it. Runs that differ in the seed alone have the same."""
+    bare = [replace(run, label=_law_label(run.certificate, run.controller)) for run in runs]
+    return [run.label for run in _extended(bare, ("arithmetic", "indexing", "perturbed"))]
+
+
 def told_apart(runs: Sequence[RecordedRun]) -> list[RecordedRun]:
     """The same runs with distinct labels: equal labels are extended by what differs between the runs."""
+    found = _extended(runs, ("arithmetic", "indexing", "perturbed", "seed", "pace"))
+    labels = [run.label for run in found]
+    for label in {text for text in labels if labels.count(text) > 1}:
+        same = [index for index, text in enumerate(labels) if text == label]
+        for serial, index in enumerate(same, start=1):
+            found[index] = replace(found[index], label=f"{label} #{serial}")
+    return found
+
+
+def _extended(runs: Sequence[RecordedRun], keys: Sequence[str]) -> list[RecordedRun]:
+    """The runs with equal labels extended by what their certificates differ in, among these keys."""
     found = list(runs)
-    for key in ("arithmetic", "indexing", "perturbed", "seed", "pace"):
+    for key in keys:
         labels = [run.label for run in found]
         for label in {text for text in labels if labels.count(text) > 1}:
             same = [index for index, text in enumerate(labels) if text == label]
@@ -124,11 +151,6 @@ def told_apart(runs: Sequence[RecordedRun]) -> list[RecordedRun]:
                     word = f"seed {value}" if key == "seed" else value
                     word = ("perturbed" if value else "nominal") if key == "perturbed" else word
                     found[index] = replace(found[index], label=f"{label} {word}")
-    labels = [run.label for run in found]
-    for label in {text for text in labels if labels.count(text) > 1}:
-        same = [index for index, text in enumerate(labels) if text == label]
-        for serial, index in enumerate(same, start=1):
-            found[index] = replace(found[index], label=f"{label} #{serial}")
     return found
 
 
