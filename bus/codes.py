@@ -45,6 +45,7 @@ class CtlCause(IntEnum):
     SAFETY_CODE = 14
     INITIALISING = 15
     TWO_SOURCES = 16
+    TRACK_AGE = 17
 
 
 class WatchCause(IntEnum):

@@ -21,8 +21,8 @@ from railhil.scenarios.model import Scenario
 CUT_PERIODS: Final = 3
 
 _NEVER_NS: Final = 1 << 62
-_CUT: Final = Finding(SpeedWatchLevel.TRACTION_CUT, CtlCause.CHANNEL_MONITOR)
-_BRAKE: Final = Finding(SpeedWatchLevel.SERVICE_BRAKE, CtlCause.CHANNEL_MONITOR)
+_CUT: Final = Finding(SpeedWatchLevel.TRACTION_CUT, CtlCause.TRACK_AGE)
+_BRAKE: Final = Finding(SpeedWatchLevel.SERVICE_BRAKE, CtlCause.TRACK_AGE)
 
 
 def ages_ns(scenario: Scenario) -> tuple[int, int]:

@@ -38,12 +38,13 @@ def controller_cause(scenario: Scenario, level: str, cause: str) -> str:
         return f"TRN_SPEED older than {_age_ms(scenario, level)} ms"
     if cause == "overspeed":
         return _overspeed(scenario)
-    if cause == "channel_monitor":
+    if cause == "track_age":
         if level == "traction_cut":
             return "TRK_INFO missing for three periods"
-        return f"too many bad TRN_SPEED telegrams, or TRK_INFO older than {_age_ms(scenario, 'emergency')} ms"
+        return f"TRK_INFO older than {_age_ms(scenario, 'emergency')} ms"
     words = {
         "bad_telegrams": "bad TRN_SPEED telegrams",
+        "channel_monitor": "too many bad TRN_SPEED telegrams",
         "position_lost": "position lost",
         "clock": "time of the run not known",
     }

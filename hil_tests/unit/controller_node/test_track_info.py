@@ -38,7 +38,7 @@ def test_three_periods_cut_and_a_second_brakes(period_ms: int, cut_ms: int) -> N
 
 def test_before_the_first_telegram_it_ages_from_the_beginning() -> None:
     track = TrackInfo(SCENARIO)
-    assert track.finding(1001 * MS) == Finding(SpeedWatchLevel.SERVICE_BRAKE, CtlCause.CHANNEL_MONITOR)
+    assert track.finding(1001 * MS) == Finding(SpeedWatchLevel.SERVICE_BRAKE, CtlCause.TRACK_AGE)
     assert (track.limit_01mmps, track.grade_001permil(0)) == (None, None)
 
 

@@ -107,9 +107,9 @@ static finding_t find(const railhil_guard_t *guard, int64_t now_ns, finding_t fi
         finding = stronger(finding, RAILHIL_TRACTION_CUT, RAILHIL_CAUSE_SPEED_IMPLAUSIBLE);
     }
     if (track_older(guard, now_ns, RAILHIL_TRACK_BRAKE_NS)) {
-        finding = stronger(finding, RAILHIL_SERVICE_BRAKE, RAILHIL_CAUSE_CHANNEL_MONITOR);
+        finding = stronger(finding, RAILHIL_SERVICE_BRAKE, RAILHIL_CAUSE_TRACK_AGE);
     } else if (track_older(guard, now_ns, RAILHIL_TRACK_CUT_NS)) {
-        finding = stronger(finding, RAILHIL_TRACTION_CUT, RAILHIL_CAUSE_CHANNEL_MONITOR);
+        finding = stronger(finding, RAILHIL_TRACTION_CUT, RAILHIL_CAUSE_TRACK_AGE);
     }
     if (lost != RAILHIL_NOT_LOST) {
         finding = stronger(finding, RAILHIL_SERVICE_BRAKE,
