@@ -159,6 +159,7 @@ def test_a_change_that_is_due_at_its_edges() -> None:
     for sign in (1, -1):
         for accel, limit, stuck in ((1000, 99, True), (1000, 100, False), (999, 0, False)):
             assert two_samples(sign * accel, 0, SIMPLE._replace(stuck_01mmps=limit), held=True).is_stuck == stuck
+        assert two_samples(sign * 1001, 0, SIMPLE._replace(stuck_01mmps=100), held=True).is_stuck
     # Nothing is due at standstill, whatever was before.
     motion = two_samples(1000, 0, SIMPLE._replace(stuck_01mmps=99), held=True)
     motion.sample(250 * MS, 0, 1000, 0, 50 * MS, None)
@@ -169,13 +170,17 @@ def test_runaway_at_its_edge() -> None:
     for step_ms in (1, 100, 1000):
         assert not two_samples(0, 300, step_ms=step_ms).is_runaway
         assert two_samples(0, 301, step_ms=step_ms).is_runaway
+    # Less than 0.1 mm/s counts.
+    assert two_samples(-1, 300).is_runaway
+    assert two_samples(-1001, 1000, step_ms=1).is_runaway
     # The model begins without any force.
     held_force = SIMPLE._replace(decay_q16=0, notch_01mmps2=65_536)
     assert [two_samples(0, change, held_force, step_ms=1000).is_runaway for change in (300, 301)] == [False, True]
 
 
 def test_a_weak_brake_at_its_edge() -> None:
-    """A demand of 3001 (301 in 100 ms, rounded down), of which 1500 may be missing, and 1500 beside it."""
+    """A demand of 3001 (300.1 in 100 ms), of which 1500 may be missing, and 1500 beside it."""
+    assert [two_samples(-4000, change).weak_ms for change in (3100, 3101)] == [0, 100]
     assert two_samples(-3001, 3001 - 301).weak_ms == 100
     assert two_samples(-3001, 3000 - 301).weak_ms == 0
     assert two_samples(-3000, 9999).weak_ms == 0

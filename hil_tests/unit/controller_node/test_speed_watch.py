@@ -317,6 +317,13 @@ def test_service_brake_comes_and_goes_on_its_ramp() -> None:
     assert run_commands(back, 1500, 1)[1] == [1500]
 
 
+def test_a_ramp_goes_by_the_time_between_two_notches() -> None:
+    ladder = LADDER._replace(ramp_code_per_s=1000)
+    assert ladder.ramp_codes(5_000_000_000, 7_003_999_999) == 2003
+    assert ladder.ramp_codes(5_000_999_999, 5_001_000_000) == 1
+    assert ladder.ramp_codes(7_000_000_000, 5_000_000_000) == -2000
+
+
 def test_no_traction_in_service_brake_though_the_ladder_jumped_there() -> None:
     state = observe(LADDER, SpeedWatchState(code=7 * 256), *Seen(age_ms=300))
     assert state.level is SpeedWatchLevel.SERVICE_BRAKE
