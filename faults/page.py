@@ -80,7 +80,12 @@ with what was expected and what came.
 
 **The catalogue** (`railhil/supervisor/reactions/catalogue.toml`) has the faults with the reaction that each must lead
 to and its time. `railhil faults` runs them, one run each, and prints when each was noticed, by which cause, and the
-reaction with its bound; exit code 1 if one is not as it must be. With `--pairs N` it makes N runs with two random
+reaction with its bound; exit code 1 if one is not as it must be, 3 if nothing was run. Each entry has a level that must
+be reached (`reaction`, and `steps` on the way), a cause (`detected`), a time (`within_ms`) and what must not happen
+(`at_most`, `ends`, and in all of them a broken rule of every run); an entry without one of them is refused. What needs
+the hub's controllers, its lines or a process of its own (B1, B2, B7, N5) runs on a hub, K2 on it in real time, as long
+as the run takes. Entries whose trigger does not occur on the scenario, or that are tested elsewhere, are counted as
+entries without a run. With `--pairs N` it makes N runs with two random
 faults each and checks the rules that hold in every run. The faults of a pair begin about a second apart, those of
 telegrams while the run sends them, so that most runs have a verdict; the rules are checked in the others, too. For many
 pairs a short journey is enough (`hil_tests/data/pairs.toml`). A signal (Ctrl-C, `timeout`) ends all processes of the

@@ -13,14 +13,14 @@ from hil_tests.support.cli import Started, railhil, wait_for
 from hil_tests.support.short_runs import RUN_297M_TOML
 from railhil.cli.bus_run import run_spec
 from railhil.cli.commands import parser
-from railhil.cli.faults import entry_run
+from railhil.cli.faults import entry_run, needs_hub
 from railhil.supervisor.reactions.catalogue import Entry, catalogue
 from railhil.supervisor.start_up import StartUp
 
 pytestmark = [pytest.mark.faults, pytest.mark.slow]
 
-#: Entries that need a hub with controllers and lines, or another process, or real time.
-NOT_HERE = {"B1", "B2", "B7", "N5", "K2"}
+#: Entries that need a hub with controllers and lines, or another process; and real time, as long as the run.
+ON_A_HUB, IN_REAL_TIME = {"B1", "B2", "B7", "N5"}, {"K2"}
 #: Entries that need a longer journey.
 FARTHER = {"S3d"}
 SHIPPED = "yizhuang_05"
@@ -35,22 +35,28 @@ def journey(tmp_path_factory: pytest.TempPathFactory) -> str:
     return str(path)
 
 
-@pytest.mark.parametrize("entry", [entry for entry in catalogue() if entry.faults], ids=lambda entry: entry.id)
+HERE = [entry for entry in catalogue() if entry.faults and entry.id not in IN_REAL_TIME]
+
+
+@pytest.mark.parametrize("entry", HERE, ids=lambda entry: entry.id)
 def test_the_bench_reacts_as_the_catalogue_says(entry: Entry, journey: str, tmp_path: Path) -> None:
     given = parser(["faults"]).parse_args(["faults", SHIPPED if entry.id in FARTHER else journey])
-    row = entry_run(given, StartUp(), run_spec(given, "ipfc", None), tmp_path, entry)
-    assert bool(row.refused) is (entry.id in NOT_HERE), row.refused
+    base = run_spec(given, "ipfc", None)
+    assert needs_hub(base, entry) is (entry.id in ON_A_HUB)
+    row = entry_run(given, StartUp(), base, tmp_path, entry)
+    assert row.refused == ""
     assert row.failures == []
-    assert row.made is not bool(row.refused)
+    assert row.made
     assert not list(tmp_path.glob("*/frames.blf")), "nobody keeps this folder"
 
 
 def test_the_table_is_printed_and_kept(journey: str, tmp_path: Path) -> None:
-    """On a shipped scenario; one entry demands less than the strongest level, two have no run here."""
-    done = railhil("faults", SHIPPED, "--only", "T2a,N1,T15,B7", "--jobs", "2", "--out", tmp_path / "runs", "--quiet")
+    """On a shipped scenario; one entry demands less than the strongest level, one has no run here."""
+    done = railhil("faults", SHIPPED, "--only", "T2a,N2,T15,C3a", "--jobs", "2", "--out", tmp_path / "runs", "--quiet")
     assert done.exit_code == 0, done.err
     assert "speed_age" in done.out
-    assert "2 runs, 0 not as they must be" in done.out
+    assert "3 runs, 0 not as they must be" in done.out
+    assert "entries without a run here: T15" in done.out
     assert {"frames.log", "frames.blf", "certificate.json"} <= {
         path.name for path in (tmp_path / "runs" / "T2a").iterdir()
     }
@@ -60,6 +66,13 @@ def test_the_table_is_printed_and_kept(journey: str, tmp_path: Path) -> None:
     (first,) = railhil("faults", journey, "--only", "T2a", "--json").json
     assert first["reaction"] == "HOLD"
     assert 0 <= first["after_ms"] <= first["within_ms"] == 40
+
+
+def test_nothing_is_known_without_a_run() -> None:
+    done = railhil("faults", "hst", "--only", "H9b", "--quiet")
+    assert done.exit_code == 3
+    assert "0 runs, 0 not as they must be" in done.out
+    assert "entries without a run here: H9b" in done.out
 
 
 def test_most_random_pairs_have_a_verdict() -> None:

@@ -11,16 +11,19 @@ from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from railhil.bus.can_settings import HUB_INTERFACE
 from railhil.cli.bus_run import NeverBegan, add_arguments, law_names, run_spec, run_system
 from railhil.cli.fault_pairs import pairs, run_into
 from railhil.cli.fault_words import print_words
 from railhil.cli.pool import each, stop_code, stopped_by
 from railhil.common.command_line import whole_number
 from railhil.common.errors import InputError
-from railhil.common.exit_codes import FAIL, PASS
+from railhil.common.exit_codes import FAIL, INVALID, PASS
 from railhil.common.output import Output, table
 from railhil.common.streams import add_json_argument, print_json
 from railhil.common.whole_file import whole_file
+from railhil.faults.capability import why_not
+from railhil.faults.language import parse
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import System
 from railhil.supervisor.errors import RecordFailed
@@ -42,7 +45,8 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     """Register the subcommand."""
     parser = commands.add_parser(
         "faults",
-        description="Exit code 0 when every entry reacts as it must, or every pair keeps the rules, else 1.",
+        description="Exit code 0 when every entry reacts as it must, or every pair keeps the rules, else 1; 3 when no "
+        "entry could be run.",
     )
     add_arguments(parser)
     parser.set_defaults(bus="local")
@@ -73,12 +77,27 @@ def _entries(only: str, system: System) -> list[Entry]:
     return found
 
 
+def _can_be(entry: Entry, transport: str, pace: str) -> bool:
+    """Whether the faults of an entry can be injected there."""
+    return not any(why_not(parse(text), transport, pace) for text in entry.faults)
+
+
+def needs_hub(base: RunSpec, entry: Entry) -> bool:
+    """Whether an entry cannot be run in this process, as nobody has asked otherwise, and can be on a hub."""
+    return base.is_local and not _can_be(entry, "local", base.pace)
+
+
 def entry_run(namespace: argparse.Namespace, how: StartUp, base: RunSpec, out: Path, entry: Entry) -> Row:
     """One entry as a run, with its folder in ``out``: whole if the user keeps it (``--out``)."""
     if entry.seen_in:
         return Row(entry)
     law = replace(base.law, controller=entry.law) if entry.law else base.law
     spec = replace(base, law=law, faults=entry.faults)
+    if needs_hub(base, entry):
+        # The only transport with controllers, lines and processes of its own; what stops the wall clock, in real time.
+        namespace = argparse.Namespace(**{**vars(namespace), "interface": HUB_INTERFACE})
+        pace = "lockstep" if _can_be(entry, "hub", "lockstep") else "realtime"
+        spec = replace(spec, bus="auto", pace=pace)
     folder = out / entry.id
     try:
         scenario, run, result = run_into(folder, namespace, how, spec, keep=namespace.out is not None)
@@ -167,7 +186,13 @@ def work(namespace: argparse.Namespace) -> int:
     try:
         with ExitStack() as held:
             out = namespace.out or Path(held.enter_context(TemporaryDirectory(prefix="railhil-faults-")))
-            rows.extend(held.enter_context(each(partial(entry_run, namespace, how, base, out), entries, jobs)))
+            run = partial(entry_run, namespace, how, base, out)
+            # Those with processes of their own come last, one at a time.
+            alone = [entry for entry in entries if entry.faults and needs_hub(base, entry)]
+            beside = [entry for entry in entries if entry not in alone]
+            for some, at_once in ((beside, jobs), (alone, 1)):
+                rows.extend(held.enter_context(each(run, some, at_once)))
+            rows.sort(key=lambda row: entries.index(row.entry))
     except (KeyboardInterrupt, SystemExit) as error:
         stopped = stop_code(error)
     if namespace.out is not None and rows:
@@ -178,7 +203,11 @@ def work(namespace: argparse.Namespace) -> int:
         _print_rows(console, rows)
     wrong = [row.entry.id for row in rows if row.failures]
     made = sum(row.made for row in rows)
+    left = [row.entry.id for row in rows if not row.made]
     if stopped:
         console.say(f"{stopped_by(stopped, len(rows), len(entries))} entries")
     console.say(f"{made} runs, {len(wrong)} not as they must be{': ' + ', '.join(wrong) if wrong else ''}")
-    return stopped or (FAIL if wrong else PASS)
+    if left:
+        console.say(f"{len(left)} entries without a run here: {', '.join(left)}")
+    # Without a run nothing is known.
+    return stopped or (FAIL if wrong else PASS if made else INVALID)

@@ -8,24 +8,31 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
+from railhil.faults.model import WATCH_LEVELS
 from railhil.scenarios.schema import Table, Text
 from railhil.scenarios.system import System
 from railhil.scenarios.tomlfile import parsed_toml
 from railhil.scenarios.validation import validated
 
 CATALOGUE = Path(__file__).parent / "catalogue.toml"
+#: In ``detected``: no watch looks at it.
+NOTHING = "nothing"
 Level = Literal["NORMAL", "HOLD", "TRACTION CUT", "SERVICE BRAKE", "EMERGENCY"]
 
 
 class Entry(Table):
-    """One entry.
+    """One entry: a level, a cause, a time, and what must not happen.
 
     ``faults``: what is injected, in the fault language. ``law``: the law of the run, empty: the one asked for.
-    ``detected``: one of these must show: a cause of a watch, ``refused:CAUSE`` or ``missed_polls``. ``reaction``: the
-    weakest level that a watch must reach, ``within_ms`` from the first effect; ``at_most``: the strongest allowed.
-    ``ends``: ``resumes`` (both watches at NORMAL again, the train stops as planned), ``standstill`` (the train stands
-    at the end), ``lost`` (it does, and the controller is lost). ``verdict``: the run's, where one is expected.
-    ``limit``: what is not detected, in words. ``seen_in``: where an entry is tested that is no fault of one run.
+    ``detected``: one of these must show: a cause of a watch, ``refused:CAUSE`` or ``missed_polls``; ``nothing``: no
+    watch looks at it, and ``limit`` says why. ``reaction``: the weakest level that a watch must reach, ``within_ms``
+    from the first effect, NORMAL: none is needed; ``steps``: levels before it, each with its own time in ms.
+    ``at_most``: the strongest allowed; where that is EMERGENCY, ``ends`` says what must not follow. ``ends``:
+    ``resumes`` (both watches at NORMAL again, the train stops as planned), ``standstill`` (the train stands at the
+    end), ``lost`` (it does, and the controller is lost). ``verdict``: the run's,
+    where one is expected; for a run that is not judged (INVALID, TOOL ERROR), ``said`` is part of its line, and nothing
+    else is demanded. ``limit``: what is not detected, in words. ``idle``: why the fault may change nothing, for a
+    scenario without what it disturbs. ``seen_in``: where an entry is tested that is no fault of one run.
     """
 
     id: Annotated[str, Field(pattern=r"^[A-Z][0-9]+[a-z]?$")]
@@ -34,18 +41,54 @@ class Entry(Table):
     law: str = ""
     detected: Annotated[tuple[Text, ...], Field(strict=False)] = ()
     reaction: Level | None = None
-    at_most: Level = "EMERGENCY"
+    steps: dict[Level, Annotated[int, Field(gt=0)]] = Field(default_factory=dict)
+    at_most: Level | None = None
     within_ms: Annotated[int, Field(gt=0)] | None = None
     ends: Literal["resumes", "standstill", "lost", ""] = ""
     verdict: Literal["PASS", "FAIL", "INVALID", "TOOL ERROR", ""] = ""
+    said: str = ""
     limit: Annotated[str, Field(max_length=300)] = ""
+    idle: Annotated[str, Field(max_length=300)] = ""
     seen_in: Annotated[str, Field(max_length=300)] = ""
 
     @model_validator(mode="after")
     def _one_kind(self) -> Entry:
         if bool(self.faults) is bool(self.seen_in):
             raise ValueError(f"{self.id}: either faults or seen_in")
+        if wrong := self._lacks() if self.faults else "":
+            raise ValueError(f"{self.id}: {wrong}")
         return self
+
+    @property
+    def is_judged(self) -> bool:
+        """Whether the run has a verdict on the train: it is then held against levels, causes and times."""
+        return self.verdict not in ("INVALID", "TOOL ERROR")
+
+    @property
+    def is_undetected(self) -> bool:
+        """Whether no watch looks at the fault."""
+        return self.detected == (NOTHING,)
+
+    def _lacks(self) -> str:
+        """What an entry that injects something does not demand and should; empty: nothing."""
+        if not self.is_judged:
+            return "" if self.said else f"said: part of the line of a run that is {self.verdict}"
+        if self.reaction is None:
+            return "reaction: the weakest level that must be reached, or NORMAL"
+        if not self.detected:
+            return f"detected: the causes that may show, or {NOTHING}"
+        if self.is_undetected and (self.reaction != "NORMAL" or not self.limit):
+            return f"detected {NOTHING}: only with reaction NORMAL, and limit says why"
+        if (self.within_ms is None) is not (self.reaction == "NORMAL"):
+            return "within_ms: the time of a reaction, and none of NORMAL"
+        if self.at_most is None:
+            return "at_most: the level that must not be exceeded"
+        if self.at_most == "EMERGENCY" and self.ends not in ("standstill", "lost"):
+            return "ends: standstill or lost, where the emergency brake is allowed"
+        ranks = [WATCH_LEVELS.index(level) for level in (*self.steps, self.reaction)]
+        if ranks != sorted(set(ranks)) or ranks[-1] > WATCH_LEVELS.index(self.at_most):
+            return "steps, reaction and at_most: in the order of the ladder"
+        return ""
 
 
 class _File(Table):

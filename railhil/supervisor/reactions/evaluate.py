@@ -11,6 +11,8 @@ from railhil.faults.model import WATCH_LEVELS
 from railhil.supervisor.events.event import LEVEL, MISSED_POLL, REFUSED, RecordedEvent
 from railhil.supervisor.reactions.catalogue import Entry
 
+#: Beginning of the sentence for a broken rule of every run (:mod:`railhil.supervisor.invariants`).
+RULE = "invariant"
 #: A watch that is back at NORMAL for less than this before the end of the record has not resumed.
 RESUMED_S = 1.0
 
@@ -21,7 +23,8 @@ class Seen:
 
     ``begun_s``: the first fault became active; ``effective_s``: it first changed something; None: never. ``events``:
     those of the run. ``stands``: the train stands at the end of the record, at ``end_s``. ``ended``: the milestone that
-    ended the run. ``verdict``: PASS, FAIL, INVALID or TOOL ERROR; ``line``: its reason.
+    ended the run. ``verdict``: PASS, FAIL, INVALID or TOOL ERROR; ``line``: its reason; ``broken``: failures of
+    its score.
     """
 
     begun_s: float | None
@@ -32,6 +35,7 @@ class Seen:
     ended: str
     verdict: str
     line: str = ""
+    broken: Sequence[str] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,33 +89,51 @@ def _cause(event: RecordedEvent) -> str:
     return f"refused:{event.cause}" if event.kind == REFUSED else "missed_polls" if event.kind == MISSED_POLL else ""
 
 
+def _first(levels: Sequence[RecordedEvent], level: str) -> RecordedEvent | None:
+    """The first event at a level or above."""
+    wanted = WATCH_LEVELS.index(level)
+    return next((event for event in levels if event.rank >= wanted), None)
+
+
 def evaluated(entry: Entry, seen: Seen) -> Row:
     """The row of an entry for the run that was made for it."""
-    failures = []
+    failures = [text for text in seen.broken if text.startswith(RULE)]
     if entry.verdict and seen.verdict != entry.verdict:
         failures.append(f"verdict {seen.verdict} ({seen.line}), expected {entry.verdict}")
     if not entry.verdict and seen.verdict not in ("PASS", "FAIL"):
         failures.append(f"verdict {seen.verdict}: {seen.line}")
+    if not entry.is_judged:
+        if entry.said not in seen.line:
+            failures.append(f"{seen.line}: nothing of {entry.said!r}")
+        return Row(entry, seen.begun_s, seen.effective_s, verdict=seen.verdict, failures=failures)
+    if seen.begun_s is None:
+        return Row(entry, refused="its trigger does not occur in this run")
+    if seen.effective_s is None and entry.idle:
+        return Row(entry, seen.begun_s, refused=entry.idle)
     if seen.effective_s is None:
         return Row(entry, seen.begun_s, verdict=seen.verdict, failures=[*failures, "the fault changed nothing"])
     after = [event for event in seen.events if (event.until_s or event.time_s) >= seen.effective_s]
     levels = [event for event in after if event.kind == LEVEL and event.time_s >= seen.effective_s]
     strongest = max(levels, key=lambda event: event.rank, default=None)
-    reached = None
-    if entry.reaction is not None:
-        wanted = WATCH_LEVELS.index(entry.reaction)
-        reached = next((event for event in levels if event.rank >= wanted), None)
-        if reached is None:
-            failures.append(
-                f"reached {WATCH_LEVELS[strongest.rank] if strongest else 'NORMAL'}, expected {entry.reaction}"
-            )
-    shown = reached if entry.reaction is not None else strongest
+    # The catalogue refuses an entry without them.
+    assert entry.reaction is not None
+    assert entry.at_most is not None
+    reached = _first(levels, entry.reaction)
+    if reached is None and entry.reaction != "NORMAL":
+        failures.append(f"reached {WATCH_LEVELS[strongest.rank] if strongest else 'NORMAL'}, expected {entry.reaction}")
+    for level, within_ms in entry.steps.items():
+        step = _first(levels, level)
+        after_ms = None if step is None else (step.time_s - seen.effective_s) * 1e3
+        if after_ms is not None and after_ms > within_ms + 1e-6:
+            failures.append(f"{level} after {after_ms:.0f} ms, allowed {within_ms} ms")
+    shown = reached if entry.reaction != "NORMAL" else strongest
     if strongest is not None and strongest.rank > WATCH_LEVELS.index(entry.at_most):
         failures.append(f"reached {WATCH_LEVELS[strongest.rank]} at {strongest.time_s:.2f} s, allowed {entry.at_most}")
     causes = [(max(event.time_s, seen.effective_s), _cause(event)) for event in after]
-    of_entry = [found for found in causes if found[1] in entry.detected] if entry.detected else causes
+    # What nothing looks at may show all the same, at a level that is allowed.
+    of_entry = [(at_s, cause) for at_s, cause in causes if cause and (entry.is_undetected or cause in entry.detected)]
     detected_s, detected_by = min(of_entry, default=(None, ""))
-    if entry.detected and detected_s is None:
+    if detected_s is None and not entry.is_undetected:
         failures.append(f"not detected by {' or '.join(entry.detected)}")
     row = Row(
         entry,

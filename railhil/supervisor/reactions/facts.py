@@ -32,4 +32,5 @@ def seen_in(scenario: AnyScenario, result: RunResult, trace: Trace) -> Seen:
         ended=result.score.ended,
         verdict=VERDICTS.get(result.exit_code, f"exit code {result.exit_code}"),
         line=result.line,
+        broken=result.score.failures,
     )

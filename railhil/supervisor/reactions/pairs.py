@@ -9,14 +9,13 @@ from itertools import pairwise
 from typing import Any
 
 from railhil.faults.drawn import Sent
+from railhil.supervisor.reactions.evaluate import RULE
 from railhil.supervisor.reactions.facts import VERDICTS
 from railhil.supervisor.result import RunResult
 from railhil.supervisor.trace import Trace
 
 #: Verdicts with which a run may end.
 _ENDS = ("PASS", "FAIL", "INVALID", "TOOL ERROR")
-#: Beginning of the sentence for a broken rule (:mod:`railhil.supervisor.invariants`).
-_RULE = "invariant"
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,7 +51,7 @@ def sent_ports(trace: Trace, ports: Iterable[str]) -> dict[str, Sent]:
 def judged_pair(number: int, faults: Sequence[str], result: RunResult) -> PairRun:
     """The rules of every run, as far as one run shows them."""
     verdict = VERDICTS.get(result.exit_code, f"exit code {result.exit_code}")
-    failures = [text for text in result.score.failures if text.startswith(_RULE)]
+    failures = [text for text in result.score.failures if text.startswith(RULE)]
     if verdict not in _ENDS:
         failures.append(f"the run ended with {verdict}")
     if verdict == "TOOL ERROR":
