@@ -108,3 +108,10 @@ def test_what_is_not_in_the_catalogue_is_refused(words: list[str], said: str) ->
     done = railhil("faults", SHIPPED, *words)
     assert done.exit_code == 2
     assert said in done.err
+
+
+def test_an_entry_that_needs_a_hub_has_one() -> None:
+    """And nothing else is run beside it."""
+    done = railhil("faults", PAIRS, "--only", "B7", "--quiet")
+    assert "1 runs, " in done.out
+    assert "entries without a run" not in done.out

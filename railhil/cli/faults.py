@@ -191,7 +191,8 @@ def work(namespace: argparse.Namespace) -> int:
             alone = [entry for entry in entries if entry.faults and needs_hub(base, entry)]
             beside = [entry for entry in entries if entry not in alone]
             for some, at_once in ((beside, jobs), (alone, 1)):
-                rows.extend(held.enter_context(each(run, some, at_once)))
+                if some:
+                    rows.extend(held.enter_context(each(run, some, at_once)))
             rows.sort(key=lambda row: entries.index(row.entry))
     except (KeyboardInterrupt, SystemExit) as error:
         stopped = stop_code(error)
