@@ -14,6 +14,8 @@ from hil_tests.support.cli import complaint
 from hil_tests.support.short_runs import RUN_2M_TOML
 from railhil.supervisor.hash_list import HASH_LIST, SIGNATURE
 
+_needs_ssh_keygen = pytest.mark.skipif(shutil.which("ssh-keygen") is None, reason="MISSING CAPABILITY ssh-keygen")
+
 
 def _key(path: Path) -> Path:
     subprocess.run(["ssh-keygen", "-q", "-t", "ed25519", "-N", "", "-f", str(path)], check=True)
@@ -34,6 +36,7 @@ def _run(here: Railhil, short: Path, out: Path, *more: str | Path) -> Path:
     return out
 
 
+@_needs_ssh_keygen
 def test_a_signed_run_is_verified_with_the_key(here: Railhil, short: Path, tmp_path: Path) -> None:
     key, other = _key(tmp_path / "key"), _key(tmp_path / "other")
     run = _run(here, short, tmp_path / "run", "--sign", key)
@@ -91,6 +94,7 @@ def test_of_a_folder_without_a_list_it_is_said_what_is_checked(here: Railhil, sh
     assert here("verify", run).exit_code == 1
 
 
+@_needs_ssh_keygen
 def test_a_key_that_cannot_sign_is_refused_before_the_run(here: Railhil, short: Path, tmp_path: Path) -> None:
     (tmp_path / "none").write_text("no key")
     for key in ("none", "missing"):
@@ -100,6 +104,7 @@ def test_a_key_that_cannot_sign_is_refused_before_the_run(here: Railhil, short: 
 
 
 @pytest.mark.slow
+@_needs_ssh_keygen
 def test_comparison_and_fault_table_cover_their_run_folders(here: Railhil, short: Path, tmp_path: Path) -> None:
     key = _key(tmp_path / "key")
     words = (short, "--bus", "local", "--sign", key, "--out")
