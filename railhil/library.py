@@ -28,6 +28,7 @@ from railhil.supervisor.criteria import Criterion
 from railhil.supervisor.documents import CERTIFICATE
 from railhil.supervisor.events.event import RecordedEvent
 from railhil.supervisor.events.summary import why
+from railhil.supervisor.hash_list import check_hash_list
 from railhil.supervisor.judging import Judging
 from railhil.supervisor.record import Record, checked_record
 from railhil.supervisor.result import RunResult
@@ -246,8 +247,10 @@ class CampaignOutcome:
     @cached_property
     def _results(self) -> Any:
         from railhil.campaign.folder import RESULTS
+        from railhil.campaign.manifest import MANIFEST
         from railhil.campaign.results_table import read_results
 
+        check_hash_list(self.folder, MANIFEST, None)
         return read_results(self.folder / RESULTS, self.judging)
 
     def runs(self, law: str) -> dict[str, Any]:
