@@ -10,7 +10,8 @@ a frame received                       REC - 1, not below 0; from above 127 to 1
 TEC or REC 128 or more                 error-passive; both below 128 again: error-active
 TEC above 255                          bus-off: neither sends nor receives, until it is restarted
 held error-passive (by order)          TEC 128, or more if it is; it does not fall below that while it is held
-restarted                              after 128 times 11 recessive bits: TEC = REC = 0, error-active
+restarted                              after 128 times 11 recessive bits: TEC = REC = 0, error-active; a controller
+                                       that is held passive is at TEC 128 again
 ====================================== ================================================================================
 
 Not modelled: the REC + 8 of a receiver that sees a dominant bit after its own error flag, errors that only one receiver
@@ -98,9 +99,10 @@ class CanController:
         """Be back on the bus, after the recessive bits."""
         if not self.is_off:
             return []
-        self.tec = self.rec = self.least_tec = self._states = 0
+        self.tec, self.rec, self._states = self.least_tec, 0, 0
         self.is_off = False
-        return [errorframe.restarted(), errorframe.controller_state(0, 0, errorframe.ACTIVE)]
+        # What was ordered holds until the order ends.
+        return [errorframe.restarted(), *(self._changes() or [errorframe.controller_state(0, 0, errorframe.ACTIVE)])]
 
     def _changes(self) -> list[Frame]:
         """The error frame about limits that a counter has passed, if any."""

@@ -95,12 +95,26 @@ def test_held_error_passive_it_stays_so_until_the_traffic_decides_again() -> Non
     assert (controller.tec, controller.state) == (127, ERROR_ACTIVE)
 
 
-def test_a_controller_that_is_off_says_nothing_when_it_is_held_and_restarts_free() -> None:
-    controller = CanController()
-    controller.go_off()
-    assert controller.hold_passive(True) == []
-    controller.restart()
-    assert (controller.tec, controller.least_tec) == (0, 0)
+def test_an_ordered_error_passive_outlasts_bus_off_and_restart() -> None:
+    """Ordered before or while it is off, it holds until the order ends."""
+    for is_off_first in (False, True):
+        controller = CanController()
+        if is_off_first:
+            controller.go_off()
+            assert controller.hold_passive(True) == []
+        else:
+            controller.hold_passive(True)
+            controller.go_off()
+        told = [describe(frame) for frame in controller.restart()]
+        assert told == ["restarted", "controller problem (transmit error-passive)"]
+        assert (controller.tec, controller.rec, controller.state) == (128, 0, ERROR_PASSIVE)
+        assert controller.sent(50) == []
+        controller.hold_passive(False)
+        controller.sent(50)
+        assert (controller.tec, controller.state) == (78, ERROR_ACTIVE)
+        controller.go_off()
+        controller.restart()
+        assert controller.tec == 0
 
 
 def test_a_receiver_switches_over_once_and_respects_the_guard() -> None:
