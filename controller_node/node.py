@@ -277,8 +277,9 @@ class ControllerNode:
         return self._notch_cmd
 
     def _safe_notch(self) -> Telegram:
-        told = self._notch_cmd
-        telegram = NotchSdt(told.notch_256th, emergency=told.emergency, **safe_tick_fields(self._clock.tick))
+        told, clock, safe = self._notch_cmd, self._clock, self.guard.safe
+        tick = clock.tick if clock.is_set or safe is None else safe.told_tick
+        telegram = NotchSdt(told.notch_256th, emergency=told.emergency, **safe_tick_fields(tick))
         return NotchSdt.decode(self._safe.secured(telegram.encode()))
 
     def _status(self) -> Telegram:

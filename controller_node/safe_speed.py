@@ -6,7 +6,8 @@ that of a TRN_SPEED accepted at the same instant. Its age is the time since the 
 ``n_rxsafe`` periods that the channel tolerates; the watch takes the older of this age and that of TRN_SPEED.
 
 The time is needed because the sequence counter repeats itself every 256 telegrams: recorded telegrams that come again
-after a multiple of that would otherwise be fresh.
+after a multiple of that would otherwise be fresh. A controller that does not know the time of the run yet answers with
+that of the last confirmation: the train can accept that it brakes, and refuses a recorded time.
 """
 
 from __future__ import annotations
@@ -41,6 +42,8 @@ class SafeSpeed:
         self._late_ticks = safety.n_rxsafe * ticks
         self._cycle_ns = 0
         self._confirmed_ns = 0
+        #: Time of the train at the last confirmation, in its ticks.
+        self.told_tick = 0
 
     @property
     def counters(self) -> dict[str, int]:
@@ -69,6 +72,7 @@ class SafeSpeed:
         else:
             self._confirmed_ns = now_ns
             self.accepted += 1
+            self.told_tick = safe_tick(telegram)
 
     def age_ns(self, now_ns: int) -> int:
         """Time without confirmation, beyond what the channel tolerates."""

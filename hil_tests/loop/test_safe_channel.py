@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
+from hil_tests.support.cli import railhil
 from hil_tests.support.short_runs import RUN_72M_TOML
 from railhil.bench import direct_run, local_run
 from railhil.bus.codes import CtlCause, CtlMode, Event, WatchCause
@@ -236,6 +238,18 @@ def test_an_emergency_command_needs_no_confirmation(safe: Scenario) -> None:
 
     levels, _ = levels_of(safe, attack)
     assert levels[0] == CommandWatchLevel.EMERGENCY
+
+
+@pytest.mark.faults
+def test_a_controller_that_restarts_in_motion_brakes_and_is_believed(tmp_path: Path) -> None:
+    """It does not know the time of the run; the train accepts its brake all the same, and is no emergency."""
+    (tmp_path / "short.toml").write_text(RUN_72M_TOML)
+    given = ("--set", "safety.sdt=true", "--fault", "controller restart @6s for 100ms")
+    railhil("run", "short.toml", *given, "--bus", "local", "--no-report", "--out", "out", cwd=tmp_path)
+    watches = json.loads((tmp_path / "out/score.json").read_text())["events"]["watches"]
+    controller, train = watches["controller"]["worst"], watches["train"]["worst"]
+    assert (controller["level"], controller["cause"]) == ("service_brake", "clock")
+    assert (train["level"], train["cause"]) in (("traction_cut", "command_age"), ("service_brake", "command_age"))
 
 
 # -- where there is none ----------------------------------------------------------------------------------------------

@@ -106,7 +106,8 @@ static void answer_safe_notch(railhil_law_t *law, const railhil_clock_t *clock, 
 {
     railhil_put16(process, (uint32_t)law->safe_code);
     process[4] = (unsigned char)(law->safe_emergency << 6);
-    railhil_safe_secure(process, clock->tick, &law->safe_ssc);
+    /* Before the time of the run is known, that of the train itself. */
+    railhil_safe_secure(process, clock->is_set ? clock->tick : law->guard.safe.told_tick, &law->safe_ssc);
 }
 #endif
 

@@ -33,6 +33,7 @@ enum {
 typedef struct {
     int64_t cycle_ns;     /* time of the last telegram */
     int64_t confirmed_ns; /* time of the last one that confirmed a speed */
+    int64_t told_tick;    /* time of the train at that moment */
     unsigned char stuck[RAILHIL_SAFE_BYTES];   /* the last duplicate: it does not initialise the channel */
     unsigned char damaged[RAILHIL_SAFE_BYTES]; /* telegram with which the monitored interval began */
     int32_t monitored;                         /* telegrams left of that interval */
@@ -174,6 +175,7 @@ static inline void railhil_safe_speed(railhil_safe_t *safe, const railhil_clock_
         counts[RAILHIL_SAFE_DIFFERS]++;
     } else {
         safe->confirmed_ns = now_ns;
+        safe->told_tick = tick;
     }
 }
 
