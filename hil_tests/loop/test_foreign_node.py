@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Container, Sequence
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
+from hil_tests.support.driven import driven, short, told
 from hil_tests.support.faulty_bus import Faulty, SafeFaulty
 from hil_tests.support.foreign import (
     CNode,
@@ -22,33 +23,20 @@ from railhil.bus.frame import Frame
 from railhil.bus.ident import CtlIdent, Role
 from railhil.bus.local import LocalBus
 from railhil.bus.mvb import F_DEVICE_STATUS, TelegramSource, check_sequence, master_frame
-from railhil.bus.telegrams import BalisePassed, CtlStat, NotchCmd, TimeSync, TrkInfo, TrnPos, TrnSpeed
+from railhil.bus.telegrams import BalisePassed, NotchCmd, TrkInfo, TrnPos, TrnSpeed
 from railhil.controller_node.node import ControllerNode
 from railhil.controller_node.speed_watch import SpeedWatchLevel
 from railhil.dbc import wire_contract
 from railhil.plant_sim.node import PlantNode
 from railhil.scenarios.canonical import scenario_sha256
-from railhil.scenarios.load import load
-from railhil.scenarios.model import Safety, Scenario, TargetCurve, WatchLimits
+from railhil.scenarios.model import Safety, Scenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.scenarios.target import Target
 from railhil.supervisor.session import Session
 
 pytestmark = pytest.mark.needs_compiler
 
 LAWS = ("ipfc", "ipfc_plus", "ipfc_plus_stop", "tpfc1", "tpfc2", "tdmc", "fuzzy_pid")
 POLL = wire_contract().poll_id
-#: Off, coast, brake: short, because every frame passes two controllers.
-_SHORT = TargetCurve(((0.0, 0.0), (1.0, 1.0), (7.0, 1.0), (8.0, 0.0), (11.0, 0.0), (12.0, -1.0)))
-
-
-def short(name: str = "lvshun_tieshan") -> Scenario:
-    """A short run with another train's limits, so that every constant of the header is its own."""
-    whole = load(name)
-    target = Target(_SHORT)
-    plan = dataclasses.replace(whole.plan, distance_m=target.stop_position_m, running_time_s=target.stop_time_s)
-    watch = WatchLimits(hold_ms=30, traction_cut_ms=70, service_brake_ms=200, emergency_ms=600, overspeed_margin_mps=1)
-    return dataclasses.replace(whole, target=_SHORT, plan=plan, watch=watch)
 
 
 @pytest.fixture(scope="module")
@@ -213,49 +201,6 @@ def test_speed_is_missing_at_standstill_and_while_braking(exported) -> None:
     run = faulty_run(exported, "ipfc", Faulty(1, 0.0, {TrnSpeed.port().address: missing}))
     assert SpeedWatchLevel.HOLD in run.levels
     assert SpeedWatchLevel.EMERGENCY not in run.levels
-
-
-def told(tick: int) -> TrkInfo | None:
-    """TRK_INFO on its period."""
-    return None if tick % 16 else TrkInfo(speed_limit_4mmps=60_000, life=tick // 16 % 4)
-
-
-def driven(
-    exported,
-    speeds: Sequence[int | None],
-    unpolled: Container[int] = (),
-    track: Callable[[int], TrkInfo | None] = told,
-    tick_ns: int = 10_000_000,
-) -> tuple[list[int], bytes]:
-    """Both controllers with one speed (0.1 mm/s; None: no telegram) in each tick and their two polls in every other.
-
-    :param unpolled: ticks without polls.
-    :param track: TRK_INFO of a tick.
-    :returns: the level after each tick, and the second block of the last CTL_STAT.
-    """
-    scenario = short()
-    if tick_ns != scenario.timing.base_tick_ns:
-        periods = {TrnSpeed.PORT: tick_ns, NotchCmd.PORT: 2 * tick_ns}
-        timing = dataclasses.replace(scenario.timing, base_tick_ns=tick_ns, port_period_ns=periods)
-        scenario = dataclasses.replace(scenario, timing=timing)
-        scenario = dataclasses.replace(scenario, sha256=scenario_sha256(scenario))
-    node, c = ControllerNode(scenario, LawSpec()), CNode(exported(scenario), "ipfc")
-    source, contract = TelegramSource(TrnSpeed.port()), wire_contract()
-    polls = [master_frame(port.f_code, port.address) for port in map(contract.port, (NotchCmd.PORT, CtlStat.PORT))]
-    levels, status = [], b""
-    for tick, speed in enumerate(speeds):
-        frames = [] if speed is None else source.frames(TrnSpeed(speed, life=tick & 0xF).encode())
-        if tick == 0:
-            frames += TelegramSource(TimeSync.port()).frames(TimeSync().encode())
-        if (info := track(tick)) is not None:
-            frames += TelegramSource(TrkInfo.port()).frames(info.encode())
-        for frame in [*frames, *(polls if tick % 2 == 0 and tick not in unpolled else [])]:
-            expected = node.handle(frame)
-            assert without_telemetry(c.handle(frame)) == without_telemetry(expected), tick
-            assert c.level == node.guard.level, tick
-            status = expected[1].data if len(expected) == 3 else status
-        levels.append(c.level)
-    return levels, status
 
 
 @pytest.mark.parametrize("tick_ns", [500_000, 1_000_000, 7_000_000])
