@@ -52,7 +52,7 @@ def each(work: Callable[[T], R], items: Sequence[T], jobs: int) -> Iterator[Iter
     :param jobs: how many processes; 1: this one.
     """
     try:
-        if jobs == 1 or len(items) == 1:
+        if jobs == 1 or len(items) < 2:
             yield map(work, items)
         else:
             with _processes(min(jobs, len(items))) as pool:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from contextlib import ExitStack
 from fnmatch import fnmatchcase
 from functools import partial
@@ -13,6 +12,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
+from railhil.cli.pool import each, stop_code, stopped_by
 from railhil.common.errors import InputError
 from railhil.common.held_code import OURS, held_sha256
 from railhil.common.whole_file import whole_file
@@ -45,22 +45,29 @@ def results(
     """
     stored = set() if measured is None else {path.stem for path in measured.glob("*.json")}
     planned = [one for one in paper.planned(seeds) if only is None or fnmatchcase(one.key, only) or one.key in stored]
-    work = partial(_measured, paper, kept, measured, drawn, only)
     found: dict[str, Measured] = {}
-    with ExitStack() as held:
-        if jobs > 1 and len(planned) > 1:
-            pool = held.enter_context(ProcessPoolExecutor(min(jobs, len(planned))))
-            made = pool.map(work, planned)
-        else:
-            made = map(work, planned)
-        for one in made:
-            found[one.key] = one
-            say(f"{len(found)} of {len(planned)}: {one.key} {one.verdict}")
+    # Made here: a process that is ended removes no folder.
+    with TemporaryDirectory(prefix="railhil-reproduce-") as private:
+        work = partial(_measured, paper, kept, Path(private), measured, drawn, only)
+        try:
+            with each(work, planned, jobs) as made:
+                for one in made:
+                    found[one.key] = one
+                    say(f"{len(found)} of {len(planned)}: {one.key} {one.verdict}")
+        except (KeyboardInterrupt, SystemExit) as error:
+            say(stopped_by(stop_code(error), len(found), len(planned)))
+            raise
     return Results(tuple(seeds), found)
 
 
 def _measured(
-    paper: Paper, kept: Path | None, measured: Path | None, drawn: bool, only: str | None, planned: Planned
+    paper: Paper,
+    kept: Path | None,
+    private: Path,
+    measured: Path | None,
+    drawn: bool,
+    only: str | None,
+    planned: Planned,
 ) -> Measured:
     """One run, perhaps in a process of its own."""
     is_drawn = drawn and planned.drawn and (only is None or fnmatchcase(planned.key, only))
@@ -68,7 +75,7 @@ def _measured(
     if file is not None and not is_drawn and file.is_file():
         return _read(file, planned)
     with ExitStack() as held:
-        place = kept or Path(held.enter_context(TemporaryDirectory(prefix="railhil-reproduce-")))
+        place = kept or Path(held.enter_context(TemporaryDirectory(dir=private)))
         made = planned.how.make(planned.spec, place / planned.key)
         found = Measured(
             key=planned.key,
