@@ -73,10 +73,14 @@ def finish_undisturbed() -> None:
         signal.signal(number, signal.SIG_IGN)
 
 
+class Signalled(SystemExit):
+    """A signal ends this process in an orderly way. Code that plugs in may raise a plain SystemExit."""
+
+
 def _end(number: int, _: object) -> NoReturn:
     if number == signal.SIGHUP:
         leave_terminal()
-    sys.exit(128 + number)
+    raise Signalled(128 + number)
 
 
 def hold_back_interrupts() -> None:

@@ -4,9 +4,33 @@ from __future__ import annotations
 
 import importlib.metadata
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from functools import cache
 from typing import Any
+
+from railhil.common.exit_codes import Signalled
+
+
+class EndsInterpreter(Exception):
+    """Code that plugs in has called ``sys.exit``."""
+
+
+@contextmanager
+def plugged_in() -> Iterator[None]:
+    """While code that plugs in is imported or begins, its ``sys.exit`` is an error like any other: a command would else
+    end with its exit code, and without a word.
+
+    :raises EndsInterpreter: it called it. (``os._exit`` ends the process at once, which nobody can prevent.)
+    """
+    try:
+        yield
+    except SystemExit as end:
+        if isinstance(end, Signalled):
+            raise
+        raise EndsInterpreter(
+            f"it ends the interpreter, sys.exit({'' if end.code is None else repr(end.code)})"
+        ) from end
 
 
 def entries(group: str) -> Mapping[str, importlib.metadata.EntryPoint]:

@@ -9,6 +9,7 @@ from typing import Any, Final
 from railhil.common.choices import INDEXINGS
 from railhil.common.errors import InputError, Words
 from railhil.common.mypyc import mypyc_attr
+from railhil.common.plug_ins import plugged_in
 from railhil.controller_node.arithmetic.base import Arithmetic, Constant, T
 from railhil.controller_node.law_state import LawState
 from railhil.controller_node.laws import load
@@ -46,7 +47,8 @@ def _starting(name: str, kind: type[Law[Any, Any]], scenario: Scenario) -> Itera
     """Turn any exception raised while a law is made, or a horizon too large for the memory, into one line about the
     law."""
     try:
-        yield
+        with plugged_in():
+            yield
     except InputError:
         raise
     except Exception as error:

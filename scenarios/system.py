@@ -16,7 +16,7 @@ from typing import Any
 from railhil.common.errors import InputError, Words, did_you_mean
 from railhil.common.held_code import OURS, held_sha256
 from railhil.common.law_order import in_order
-from railhil.common.plug_ins import entries
+from railhil.common.plug_ins import entries, plugged_in
 from railhil.dbc import Contract, system_contract
 from railhil.faults.truth import Truth
 
@@ -84,7 +84,8 @@ class System:
             raise InputError(f"system {self.name}", name, Words("no such part"), "a reference, module:object")
         module, _, attribute = reference.partition(":")
         try:
-            return getattr(import_module(module), attribute)
+            with plugged_in():
+                return getattr(import_module(module), attribute)
         except Exception as error:
             # Plug-in code may raise anything.
             cause = f"{type(error).__name__}: {error}"
@@ -161,7 +162,8 @@ def system_named(name: str, file: str | Path = "scenario") -> System:
         raise InputError(file, "system", name, allowed, did_you_mean(name, found))
     entry = found[name]
     try:
-        system = entry.load()
+        with plugged_in():
+            system = entry.load()
     except Exception as error:
         # Plug-in code may raise anything.
         cause = f"{type(error).__name__}: {error}"

@@ -6,7 +6,7 @@ from typing import Any
 
 from railhil.common.errors import InputError, Words, did_you_mean
 from railhil.common.law_order import in_order
-from railhil.common.plug_ins import entries
+from railhil.common.plug_ins import entries, plugged_in
 from railhil.controller_node.laws.base import Law
 from railhil.controller_node.laws.note import slots
 
@@ -42,7 +42,8 @@ def find(name: str, group: str, base: type[Any] = object) -> Any:
         allowed = f"one of {', '.join(in_order(found))}"
         raise InputError("controller", "name", name, allowed, did_you_mean(name, found))
     try:
-        law = found[name].load()
+        with plugged_in():
+            law = found[name].load()
     except Exception as error:
         # Plug-in code may raise anything.
         cause = f"{type(error).__name__}: {error}"

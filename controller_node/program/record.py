@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, Protocol
 
+from railhil.common.plug_ins import plugged_in
 from railhil.controller_node.laws.base import NOTCH_Q, BaliseReading
 from railhil.controller_node.laws.fault import law_fault
 from railhil.controller_node.loop import NO_BALISE, ControlLoop
@@ -92,7 +93,8 @@ def recorded(
     :raises InputError: like :func:`record`.
     """
     try:
-        return _recorded(tracer, law, functions, given, told, check)
+        with plugged_in():
+            return _recorded(tracer, law, functions, given, told, check)
     except Exception as error:
         # A law is code that somebody plugs in, and may raise anything.
         program = tracer.program

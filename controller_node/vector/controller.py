@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from railhil.common.errors import InputError, Words
+from railhil.common.plug_ins import plugged_in
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import INT32_MAX, INT32_MIN, Arithmetic, Constant, Counters, T
 from railhil.controller_node.cost import cost_of
@@ -74,7 +75,8 @@ class VectorLoop(LawState[T]):
         parameters = law_parameters(law, kind, given)
         try:
             remembered = memory_arguments(law, kind, scenario, memory)
-            self.law: VectorLaw[T, Any] = kind(arithmetic, scenario, parameters, *remembered)
+            with plugged_in():
+                self.law: VectorLaw[T, Any] = kind(arithmetic, scenario, parameters, *remembered)
         except InputError:
             raise
         except Exception as error:

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from types import FrameType, TracebackType
 from typing import Any
 
-from railhil.common.exit_codes import ending_signals, leave_terminal
+from railhil.common.exit_codes import Signalled, ending_signals, leave_terminal
 
 
 class StopSignals:
@@ -60,9 +60,9 @@ class StopSignals:
         """Raise here what the signal would have raised.
 
         :raises KeyboardInterrupt: SIGINT came.
-        :raises SystemExit: SIGTERM or SIGHUP came.
+        :raises Signalled: SIGTERM or SIGHUP came.
         """
         if self.number == signal.SIGINT:
             raise KeyboardInterrupt
         if self.number:
-            raise SystemExit(128 + self.number)
+            raise Signalled(128 + self.number)

@@ -1,33 +1,51 @@
-"""Entry points are looked up once for all groups."""
+"""Code that plugs in cannot end a command without a word."""
 
 from __future__ import annotations
 
-import importlib.metadata
+import importlib
 import sys
 from pathlib import Path
 
 import pytest
 
-from railhil.common.plug_ins import entries
+from railhil.common.errors import InputError
+from railhil.common.exit_codes import Signalled
+from railhil.common.plug_ins import EndsInterpreter, plugged_in
+from railhil.library import run
 
 
-def test_one_lookup_serves_all_groups_and_another_path_has_its_own(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize("code", [None, 0, 2, "bye"])
+def test_an_exit_is_an_error(code: int | str | None) -> None:
+    with pytest.raises(EndsInterpreter, match="it ends the interpreter"), plugged_in():
+        sys.exit(code)
+
+
+def test_a_signal_is_none() -> None:
+    with pytest.raises(Signalled), plugged_in():
+        raise Signalled(143)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("import sys\nsys.exit()\n", r"found 'ending:Law', allowed an entry point that can be imported \(EndsInter"),
+        (
+            "import sys\nfrom railhil.controller_node.laws.ipfc import Ipfc\n"
+            "class Law(Ipfc):\n    def __init__(self, *given):\n        sys.exit(0)\n",
+            "found a law that fails at its start, allowed .*EndsInterpreter: it ends the interpreter",
+        ),
+    ],
+)
+def test_a_law_that_ends_the_interpreter_is_bad_input(
+    text: str, said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    found, asked = importlib.metadata.entry_points, []
-
-    def counted() -> importlib.metadata.EntryPoints:
-        asked.append(1)
-        return found()
-
-    monkeypatch.setattr(importlib.metadata, "entry_points", counted)
-    monkeypatch.setattr(sys, "path", [*sys.path, str(tmp_path)])
-    folder = tmp_path / "mine-1.dist-info"
-    folder.mkdir()
-    (folder / "METADATA").write_text("Metadata-Version: 2.1\nName: mine\nVersion: 1\n")
-    (folder / "entry_points.txt").write_text("[mine.one]\na = b:c\n[mine.two]\nd = e:f\n")
-    assert [entries("mine.one")["a"].value, entries("mine.two")["d"].value] == ["b:c", "e:f"]
-    assert "ato" in entries("railhil.systems")
-    assert len(asked) == 1
-    monkeypatch.setattr(sys, "path", sys.path[:-1])
-    assert entries("mine.one") == {}
+    about = tmp_path / "ending-1.dist-info"
+    about.mkdir()
+    (about / "METADATA").write_text("Metadata-Version: 2.1\nName: ending\nVersion: 1\n")
+    (about / "entry_points.txt").write_text("[railhil.laws]\nends = ending:Law\n")
+    (tmp_path / "ending.py").write_text(text)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    importlib.invalidate_caches()
+    sys.modules.pop("ending", None)
+    with pytest.raises(InputError, match=said):
+        run("lvshun_tieshan", controller="ends", arithmetic="float64")
