@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 import contextlib
+import errno
+import io
 import os
 import signal
 import stat
 import sys
 from collections.abc import Callable
-from typing import NoReturn
+from typing import TYPE_CHECKING, NoReturn
 
 from railhil.common.light_start import one_thread_for_matrices, without_asammdf
 from railhil.common.plain_text import plain
+
+if TYPE_CHECKING:
+    from typing_extensions import Buffer
 
 PASS = 0
 #: The run is valid, limits of the scenario are missed.
@@ -64,6 +69,29 @@ def leave_terminal() -> None:
             os.close(null)
 
 
+class _Terminal(io.FileIO):
+    """A terminal that may go away: what is written afterwards is discarded."""
+
+    def write(self, content: Buffer, /) -> int:
+        try:
+            return super().write(content)
+        except OSError as error:
+            if error.errno != errno.EIO:
+                raise
+            leave_terminal()
+            return memoryview(content).nbytes
+
+
+def outlive_terminal() -> None:
+    """For a command that ignores SIGHUP: it goes on when its terminal is gone, which no signal tells it."""
+    for name in ("stdout", "stderr"):
+        stream = getattr(sys, name)
+        if isinstance(stream, io.TextIOWrapper) and stream.isatty():
+            stream.flush()
+            raw = io.BufferedWriter(_Terminal(stream.fileno(), "wb", closefd=False))
+            setattr(sys, name, io.TextIOWrapper(raw, stream.encoding, stream.errors, line_buffering=True))
+
+
 def finish_undisturbed() -> None:
     """From here on ignore signals that would end this process, which only writes its results and ends.
 
@@ -107,6 +135,8 @@ def guarded(name: str, main: Callable[[], int]) -> int:
         provide_streams()
         for number in ending_signals()[1:]:
             signal.signal(number, _end)
+        if signal.SIGHUP not in ending_signals():
+            outlive_terminal()
         hear_interrupts()
         one_thread_for_matrices()
         with without_asammdf():

@@ -29,6 +29,10 @@ _GARBAGE = 100_000
 _SLOW_WEIGHT = 20
 
 
+def _outlives_its_terminal(number: int, frame: object) -> None:
+    """A handler, unlike SIG_IGN, is not inherited by the programs that a test starts."""
+
+
 def pytest_configure(config: pytest.Config) -> None:
     """Processes started by tests must ignore the user's python-can configuration, and must start quickly."""
     for name in ("CAN_INTERFACE", "CAN_CHANNEL", "CAN_BITRATE", "CAN_CONFIG"):
@@ -36,6 +40,9 @@ def pytest_configure(config: pytest.Config) -> None:
     # The tests start hundreds of processes: without bytecode on disk each would recompile all modules.
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
     sys.dont_write_bytecode = False
+    # As `nohup make test` has it; tests send it to what they start.
+    if signal.getsignal(signal.SIGHUP) is signal.SIG_IGN:
+        signal.signal(signal.SIGHUP, _outlives_its_terminal)
     # An example that takes long says that the machine is busy. The rest is what the user or hil_tests.mutation has set.
     settings.register_profile("untimed", settings(), deadline=None)
     settings.load_profile("untimed")

@@ -133,6 +133,24 @@ def test_run_whose_terminal_is_gone_is_recorded(tmp_path):
     assert json.loads((folder / "telemetry.json").read_text())["steps"] > 0
 
 
+@pytest.mark.slow
+@pytest.mark.loop
+def test_run_that_ignores_sighup_goes_on_without_its_terminal(tmp_path):
+    folder = tmp_path / "run"
+    (tmp_path / "short.toml").write_text(QUICK_TOML)
+    child, terminal = pty.fork()
+    if child == 0:
+        signal.signal(signal.SIGHUP, signal.SIG_IGN)
+        words = (tmp_path / "short.toml", "--pace", "realtime", "--rate", "5", "--no-report", "--out", folder)
+        os.execv(sys.executable, command("run", *words))
+    wait_for(lambda: (folder / "frames.log").is_file() and (folder / "frames.log").stat().st_size > 1000)
+    os.close(terminal)
+    _, status = os.waitpid(child, 0)
+    score = json.loads((folder / "score.json").read_text())
+    assert os.waitstatus_to_exitcode(status) in (0, 1, 3)
+    assert score["ended"] == "ended_complete"
+
+
 def on_small_disk(disk: Path, size_kib: int, *words: str | Path) -> Done:
     """A command with so much room in a folder: on a disk of its own where a user may mount one, else by a limit on the
     size of each file. What the folder holds is copied into ``kept`` beside it."""
