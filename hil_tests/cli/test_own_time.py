@@ -116,7 +116,8 @@ def test_halves_whose_stamps_were_made_to_fit_are_no_whole_run(run: Path, lines:
     log = _written(tmp_path / "seen.log", [(us, rest) for (us, _), (_, rest) in zip(lines, swapped, strict=True)])
     record = checked_record(str(log), str(run.parent / "short.toml"))
     assert record.score.verdict == "INVALID"
-    assert f"{len(lines) - half} frames before the run" in record.notes[-1]
+    # The plant tells its identity again during a run: the second half is taken from there on.
+    assert f"and {half} after it are left out" in record.notes[-1]
 
 
 def test_a_log_of_two_buses_is_refused(run: Path, lines: list[_Line], tmp_path: Path) -> None:
