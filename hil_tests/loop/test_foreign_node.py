@@ -203,15 +203,6 @@ def test_speed_is_missing_at_standstill_and_while_braking(exported) -> None:
     assert SpeedWatchLevel.EMERGENCY not in run.levels
 
 
-@pytest.mark.parametrize("tick_ns", [500_000, 1_000_000, 7_000_000])
-def test_the_ramps_lose_nothing_with_any_tick(exported, tick_ns: int) -> None:
-    """Service brake for want of a speed, and back: from a ramp of less than a code from one poll to the next on."""
-    ticks = 400_000_000 // tick_ns
-    levels, _ = driven(exported, [*[10_000] * ticks, *[None] * ticks, *[10_000] * ticks], tick_ns=tick_ns)
-    assert levels[ticks - 1] == levels[-1] == SpeedWatchLevel.NORMAL
-    assert max(levels) == SpeedWatchLevel.SERVICE_BRAKE
-
-
 @pytest.mark.parametrize(
     "how",
     [{}, {"life": 1}, {"limit_check": 0}, {"grade_check": 3}],

@@ -12,11 +12,12 @@ from railhil.bus.codes import CtlCause, CtlMode
 from railhil.bus.frame import Frame
 from railhil.bus.local import LocalBus
 from railhil.bus.mvb import TelegramSource, master_frame, parse_master_frame
-from railhil.bus.telegrams import CtlStat, NotchCmd, TimeSync, TrnPos, TrnSpeed
+from railhil.bus.telegrams import CtlStat, NotchCmd, TimeSync, TrkInfo, TrnPos, TrnSpeed
 from railhil.controller_node.node import ControllerNode
 from railhil.controller_node.speed_watch import SpeedWatchLevel
 from railhil.dbc import wire_contract
 from railhil.plant_sim.node import PlantNode
+from railhil.scenarios.canonical import scenario_sha256
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario, TargetCurve
 from railhil.scenarios.run_spec import LawSpec, RunSpec
@@ -88,6 +89,7 @@ class Twins:
 
     def __init__(self, scenario: Scenario, folder: Path, law: str) -> None:
         self.node, self.c = ControllerNode(scenario, LawSpec(law)), CNode(folder, law)
+        self._tick_ns = scenario.timing.base_tick_ns
         self._speed, self._position = TelegramSource(TrnSpeed.port()), TelegramSource(TrnPos.port())
         self._poll = master_frame(NotchCmd.port().f_code, NotchCmd.port().address)
 
@@ -97,11 +99,17 @@ class Twins:
         for tick in ticks:
             # The reading changes, as that of any train.
             self._take(self._speed.frames(TrnSpeed(10_000 + tick % 2, life=tick & 0xF).encode()))
+            if tick % 16 == 0:
+                self._take(
+                    TelegramSource(TrkInfo.port()).frames(
+                        TrkInfo(speed_limit_4mmps=60_000, life=tick // 16 % 4).encode()
+                    )
+                )
             if tick == 0:
                 self._take(TelegramSource(TimeSync.port()).frames(TimeSync().encode()))
             if tick % 2 == 0:
                 if off_mm is not None:
-                    told = TrnPos(10 * tick + off_mm, life=tick // 2 & 0xF)
+                    told = TrnPos(tick * self._tick_ns // 1_000_000 + off_mm, life=tick // 2 & 0xF)
                     self._take(self._position.frames(told.encode()))
                 self._take([self._poll])
             levels.add(self.node.guard.level)
@@ -111,6 +119,9 @@ class Twins:
         for frame in frames:
             assert without_telemetry(self.c.handle(frame)) == without_telemetry(self.node.handle(frame)), frame
             assert self.c.level == self.node.guard.level
+
+    def poll(self) -> None:
+        self._take([self._poll])
 
     def wait(self, step_ms: int) -> None:
         """Nothing arrives, and their own timers run."""
@@ -165,4 +176,22 @@ def test_a_law_without_a_position_brakes_for_positions_that_are_wrong_and_never_
     assert twins.node.guard.cause is CtlCause.POSITION_IMPLAUSIBLE
     # The port falls silent: the speed is good.
     assert twins.go(range(810, 900), off_mm=None) == {SpeedWatchLevel.NORMAL, SpeedWatchLevel.SERVICE_BRAKE}
+    assert twins.node.guard.level is SpeedWatchLevel.NORMAL
+
+
+@pytest.mark.parametrize("tick_ns", [500_000, 7_000_000])
+def test_the_ramps_lose_nothing_with_any_tick(scenario: Scenario, tmp_path: Path, tick_ns: int) -> None:
+    """Service brake for want of a speed, and back: from a ramp of less than a code from one poll to the next on."""
+    periods = {TrnSpeed.PORT: tick_ns, NotchCmd.PORT: 2 * tick_ns, TrnPos.PORT: 2 * tick_ns, TrkInfo.PORT: 16 * tick_ns}
+    timing = dataclasses.replace(scenario.timing, base_tick_ns=tick_ns, port_period_ns=periods)
+    other = dataclasses.replace(scenario, timing=timing)
+    other = dataclasses.replace(other, sha256=scenario_sha256(other))
+    export_node(other, tmp_path, law="ipfc")
+    twins, ticks = Twins(other, tmp_path, "ipfc"), 400_000_000 // tick_ns
+    assert twins.go(range(ticks)) == {SpeedWatchLevel.NORMAL}
+    for _ in range(20):
+        twins.wait(20)
+        twins.poll()
+    assert twins.node.guard.level is SpeedWatchLevel.SERVICE_BRAKE
+    twins.go(range(ticks + 400_000_000 // tick_ns, 3 * ticks))
     assert twins.node.guard.level is SpeedWatchLevel.NORMAL

@@ -11,7 +11,6 @@ from railhil.bus.mvb import TelegramSource, master_frame
 from railhil.bus.telegrams import CtlStat, NotchCmd, TimeSync, TrkInfo, TrnSpeed
 from railhil.controller_node.node import ControllerNode
 from railhil.dbc import wire_contract
-from railhil.scenarios.canonical import scenario_sha256
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario, TargetCurve, WatchLimits
 from railhil.scenarios.run_spec import LawSpec
@@ -40,7 +39,6 @@ def driven(
     speeds: Sequence[int | None],
     unpolled: Container[int] = (),
     track: Callable[[int], TrkInfo | None] = told,
-    tick_ns: int = 10_000_000,
 ) -> tuple[list[int], bytes]:
     """Both controllers with one speed (0.1 mm/s; None: no telegram) in each tick and their two polls in every other.
 
@@ -49,11 +47,6 @@ def driven(
     :returns: the level after each tick, and the second block of the last CTL_STAT.
     """
     scenario = short()
-    if tick_ns != scenario.timing.base_tick_ns:
-        periods = {TrnSpeed.PORT: tick_ns, NotchCmd.PORT: 2 * tick_ns}
-        timing = dataclasses.replace(scenario.timing, base_tick_ns=tick_ns, port_period_ns=periods)
-        scenario = dataclasses.replace(scenario, timing=timing)
-        scenario = dataclasses.replace(scenario, sha256=scenario_sha256(scenario))
     node, c = ControllerNode(scenario, LawSpec()), CNode(exported(scenario), "ipfc")
     source, contract = TelegramSource(TrnSpeed.port()), wire_contract()
     polls = [master_frame(port.f_code, port.address) for port in map(contract.port, (NotchCmd.PORT, CtlStat.PORT))]

@@ -82,11 +82,13 @@ def test_a_longer_silence_is_counted_by_time_sync(silent: int) -> None:
 @pytest.mark.parametrize("life", range(16))
 def test_one_wrong_life_sign_of_the_slow_port_changes_nothing(life: int) -> None:
     bus = Bus()
-    bus.go(range(100))
-    for frame in bus.of(PltStat(life=life)):
-        bus.node.handle(frame)
-    for tick in range(100, 400):
-        bus.go(range(tick, tick + 1))
+    bus.go(range(7 * SLOW))
+    for tick in range(7 * SLOW, 400):
+        # In the place of the right one.
+        wrong = bus.of(PltStat(life=life)) if tick == 7 * SLOW else []
+        right = [one for one in bus.frames(tick) if not wrong or one.can_id != PltStat.port().address]
+        for frame in [*right, *wrong]:
+            bus.node.handle(frame)
         assert bus.node.clock.tick == tick
 
 
