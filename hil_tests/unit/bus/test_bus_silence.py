@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from railhil.bus.clock import to_time_sync
+from railhil.bus.clock import BusClock, to_time_sync
 from railhil.bus.frame import Frame
 from railhil.bus.layout import Telegram
 from railhil.bus.mvb import TelegramSource, master_frame
@@ -121,3 +121,29 @@ def test_time_sync_takes_back_what_a_forged_slow_port_has_told() -> None:
     assert bus.node.clock.tick == at + SLOW + 3 * SLOW
     bus.go(range(at + SLOW + 1, 2 * SYNC + 1))
     assert bus.node.clock.tick == 2 * SYNC
+
+
+def test_no_estimate_without_a_silence() -> None:
+    """A time in the past is refused as ever: there is nothing to take back."""
+    bus = Bus()
+    bus.go(range(100))
+    assert not bus.node.clock.synchronise(to_time_sync(98, TICK_NS, life=1))
+    assert bus.node.clock.tick == 99
+    assert bus.node.store.counters == {"time_backward": 1}
+
+
+@pytest.mark.parametrize(
+    ("frame_ticks", "ahead", "since", "follows"),
+    [(2, 32, 16, True), (2, 16, 16, False), (2, 32, 64, True), (2, 32, 80, False), (2, 160, 64, True),
+     (1, 176, 16, True), (1, 192, 16, False), (1, 16, 48, True), (1, 16, 64, False)],
+)  # fmt: skip
+def test_where_the_clock_follows_the_slow_port(frame_ticks: int, ahead: int, since: int, follows: bool) -> None:
+    """16 ticks from one slow telegram to the next: whole turns of 16 frames, if both telegrams come within 48 ticks and
+    a turn of the last right one, and less than what is left of 256."""
+    clock = BusClock(TICK_NS, frame_ticks)
+    clock.feed(TrnSpeed(0, life=0).encode())
+    clock.slow(0, 16, 0)
+    for number in range(2):
+        at_tick = since + 16 * number
+        clock.slow((ahead + at_tick) // 16 % 16, 16, at_tick * TICK_NS)
+    assert clock.tick == (ahead if follows else 0)
