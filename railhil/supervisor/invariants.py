@@ -58,7 +58,8 @@ def broken(scenario: Scenario, trace: Trace) -> list[str]:
     A record of an earlier version, without the level of the train's watch, is checked only for the controller's. What
     a fault has put into NOTCH_CMD is not the controller's, and is not checked; with any fault of NOTCH_CMD, the order
     of the controller's levels is not. A traction drive with a fault does not obey the train's watch: its traction is
-    checked from EMERGENCY on, where the main breaker opens.
+    checked from EMERGENCY on, where the main breaker opens. With a fault of the adhesion it is not checked: the
+    force at the rail is then that of spinning wheels.
     """
     has_watch = "TRN_WATCH" in {port.name for port in trace.contract.ports}
     found = unreconciled(scenario, trace)
@@ -104,6 +105,10 @@ def _is_out_of_step(scenario: Scenario) -> bool:
 def _cut_from(scenario: Scenario) -> int:
     """The level at which no traction can be applied in this run."""
     places = [fault.place for fault in parsed(scenario.faults)]
+    if any((place.level, place.name) == ("train", "adhesion") for place in places):
+        # Wheels that spin push the train until they have slowed down, whatever the drive does; the record has no more
+        # than the force at the rail.
+        return len(LEVELS)
     drive_faulty = any(place.level == "actuator" and place.name == "traction" for place in places)
     return _EMERGENCY if drive_faulty else _TRACTION_CUT
 

@@ -98,6 +98,13 @@ def test_a_drive_that_is_stuck_on_is_cut_by_the_main_breaker(level: int, rule_ho
     assert found(story) != []
 
 
+def test_spinning_wheels_push_the_train_whatever_the_drive_does() -> None:
+    slippery = replace(SCENARIO, faults=("adhesion low 0.03 @0.1s",))
+    story = Story(train_level=lambda tick: 4 if tick >= 30 else 0, traction_20n=lambda tick: 500)
+    assert broken(slippery, story.trace()) == []
+    assert broken(replace(SCENARIO, faults=("mass scale 1.2 @0.1s",)), story.trace()) != []
+
+
 def test_a_level_of_the_same_instant_may_be_of_a_later_tick() -> None:
     """When the port that opens the ticks is lost, the record has the instants of the polls."""
     later = Story(train_level=lambda tick: 4 if tick >= 30 else 0, traction_20n=lambda tick: 500 if tick <= 30 else 0)
