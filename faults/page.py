@@ -19,7 +19,7 @@ _HEAD = """\
 
 Written by `python -m railhil.faults.page` from the tables that check the faults.
 
-```
+```sh long
 railhil run --fault "TRN_SPEED loss 30% @20s for 5s"               # may be given several times
 railhil run --bus local --fault "controller kill @1200m"
 railhil faults --list                                              # this page's words on the console

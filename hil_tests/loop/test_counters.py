@@ -19,6 +19,7 @@ from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.supervisor.counters import unchecked, unreconciled
+from railhil.supervisor.hash_list import write_hash_list
 from railhil.supervisor.invariants import broken
 from railhil.supervisor.judging import judging_of
 from railhil.supervisor.trace import Told, Trace
@@ -243,8 +244,10 @@ def test_the_folder_of_a_run_keeps_the_counters(tmp_path: Path) -> None:
     assert railhil.open_run(tmp_path / "run").reasons == made.reasons
     document["received"]["nodes"]["controller"]["ports"]["TRN_SPEED"]["accepted"] += 1
     path.write_text(json.dumps(document))
+    write_hash_list(path.parent)
     assert any("invariant 1" in said for said in railhil.open_run(tmp_path / "run").reasons)
     document["received"]["nodes"]["plant"]["frames"] = 3
     path.write_text(json.dumps(document))
+    write_hash_list(path.parent)
     with pytest.raises(InputError, match="received"):
         railhil.open_run(tmp_path / "run")
