@@ -16,6 +16,7 @@ from railhil.panel.recorded import RecordedRuns
 from railhil.scenarios.memory import load_memory
 from railhil.sequences.evidence import Made, read_evidence, sequence_sha256
 from railhil.sequences.sequence_command import main
+from railhil.supervisor.hash_list import write_hash_list
 
 pytestmark = [pytest.mark.slow, pytest.mark.loop]
 
@@ -148,5 +149,6 @@ def test_a_sequence_is_not_gone_on_with_by_other_code(sequence: Path, short: Pat
     path = sequence / "run003" / "certificate.json"
     certificate = json.loads(path.read_text("utf-8"))
     path.write_text(json.dumps(certificate | {"law_sha256": "0" * 64}), "utf-8")
+    write_hash_list(path.parent)
     with pytest.raises(InputError, match="found runs of other code: the distribution of the law has changed"):
         main(words(short, sequence, "--bus", "local"))
