@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import json
 import shutil
 from pathlib import Path
@@ -12,11 +13,11 @@ from hil_tests.support.cli import railhil
 from railhil.campaign.parts import claimed
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import FAIL, PASS
+from railhil.common.held_code import held_sha256
 from railhil.panel.recorded import RecordedRuns
 from railhil.scenarios.memory import load_memory
 from railhil.sequences.evidence import Made, read_evidence, sequence_sha256
 from railhil.sequences.sequence_command import main
-from railhil.supervisor.hash_list import write_hash_list
 
 pytestmark = [pytest.mark.slow, pytest.mark.loop]
 
@@ -145,10 +146,11 @@ def test_a_second_process_in_the_same_folder_is_refused(sequence: Path, short: P
     assert main(words(short, sequence, "--bus", "local")) == PASS
 
 
-def test_a_sequence_is_not_gone_on_with_by_other_code(sequence: Path, short: Path) -> None:
-    path = sequence / "run003" / "certificate.json"
-    certificate = json.loads(path.read_text("utf-8"))
-    path.write_text(json.dumps(certificate | {"law_sha256": "0" * 64}), "utf-8")
-    write_hash_list(path.parent)
+def test_a_sequence_is_not_gone_on_with_by_other_code(sequence: Path, short: Path, tmp_path: Path) -> None:
+    """A module more in the distribution of the law."""
+    (tmp_path / "plug" / "beside_the_law.py").write_text("x = 1\n")
+    (tmp_path / "plug" / "laws_of_a_test-1.dist-info" / "top_level.txt").write_text("beside_the_law\n")
+    importlib.invalidate_caches()
+    held_sha256.cache_clear()
     with pytest.raises(InputError, match="found runs of other code: the distribution of the law has changed"):
         main(words(short, sequence, "--bus", "local"))
