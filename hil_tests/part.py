@@ -27,6 +27,7 @@ TOOLS = {
     "compilers": debian.install_compilers,
     "browser": debian.install_browser,
     "can-utils": debian.install_can_tools,
+    "ssh": debian.install_ssh,
 }
 _CLOSING_LINE = re.compile(r"\d+ (?:passed|failed|skipped|error|deselected).* in \d+\.\d+s\b")
 _COUNT = re.compile(r"(\d+) (passed|failed|skipped|error)")

@@ -227,6 +227,15 @@ def install_browser() -> None:
         install_commands({"chromium": "chromium"}, "report")
 
 
+def install_ssh() -> None:
+    """Ensure that ssh-keygen is installed, which signs and checks lists of hashes.
+
+    Raises:
+        CapabilityError: it is missing and cannot be had.
+    """
+    _have_commands({"ssh-keygen": "openssh-client"}, "signed evidence")
+
+
 def mirrors() -> list[tuple[str, str, str]]:
     """Debian's own package sources of the host: ``(uri, release, components)``, main archive first.
 

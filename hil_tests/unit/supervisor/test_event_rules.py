@@ -235,7 +235,7 @@ def test_a_train_that_never_gets_a_command_has_not_started(scenario: Scenario) -
 def test_every_cause_of_the_controller_has_words(scenario: Scenario, cause: CtlCause) -> None:
     events = events_in(scenario, commands((CtlMode.EMERGENCY, cause)))
     assert why(scenario, events).startswith("EMERGENCY from 0.00 s (")
-    assert "_" not in events[0].detail.replace("TRN_SPEED", "")
+    assert "_" not in events[0].detail.replace("TRN_SPEED", "").replace("TRK_INFO", "")
 
 
 @pytest.mark.parametrize("cause", [*WatchCause][1:])
