@@ -21,7 +21,7 @@ import numpy as np
 import numpy.typing as npt
 
 from railhil.bus.codes import CtlMode
-from railhil.bus.telegrams import NotchCmd, SimTruth, TrnSpeed, TrnWatch
+from railhil.bus.telegrams import NotchCmd, SimTruth, TrnPos, TrnSpeed, TrnWatch
 from railhil.faults.parsed import parsed
 from railhil.scenarios.model import Scenario
 from railhil.supervisor.ato_events import received
@@ -58,8 +58,8 @@ def broken(scenario: Scenario, trace: Trace) -> list[str]:
     A record of an earlier version, without the level of the train's watch, is checked only for the controller's. What
     a fault has put into NOTCH_CMD is not the controller's, and is not checked; with any fault of NOTCH_CMD, the order
     of the controller's levels is not. A traction drive with a fault does not obey the train's watch: its traction is
-    checked from EMERGENCY on, where the main breaker opens. With a fault of the adhesion it is not checked: the
-    force at the rail is then that of spinning wheels.
+    checked from EMERGENCY on, where the main breaker opens. With a fault of the adhesion the notch in effect is checked
+    in place of the force at the rail, which is then that of spinning wheels.
     """
     has_watch = "TRN_WATCH" in {port.name for port in trace.contract.ports}
     found = unreconciled(scenario, trace)
@@ -75,20 +75,20 @@ def broken(scenario: Scenario, trace: Trace) -> list[str]:
     return found
 
 
-def _is_forged(scenario: Scenario) -> bool:
-    """Whether a fault of the run puts something else into NOTCH_CMD than its controller has.
+def _is_forged(scenario: Scenario, port: str = NotchCmd.PORT) -> bool:
+    """Whether a fault of the run puts something else into the telegrams of a port than their source has.
 
     Telegrams that are lost, late, repeated or refused are its own all the same: level and notch belong together.
     """
-    return any(map(_forges, parsed(scenario.faults)))
+    return any(_forges(fault, port) for fault in parsed(scenario.faults))
 
 
-def _forges(fault: Fault) -> bool:
+def _forges(fault: Fault, port: str) -> bool:
     place = fault.place
     if place.level == "command":
-        return True
+        return port == NotchCmd.PORT
     # Of many flipped bits, some pass the check sequence.
-    return place.name == NotchCmd.PORT and (place.part not in ("", *_OF_THE_FRAME) or fault.what == "corrupt")
+    return place.name == port and (place.part not in ("", *_OF_THE_FRAME) or fault.what == "corrupt")
 
 
 def _is_out_of_step(scenario: Scenario) -> bool:
@@ -104,13 +104,11 @@ def _is_out_of_step(scenario: Scenario) -> bool:
 
 def _cut_from(scenario: Scenario) -> int:
     """The level at which no traction can be applied in this run."""
-    places = [fault.place for fault in parsed(scenario.faults)]
-    if any((place.level, place.name) == ("train", "adhesion") for place in places):
-        # Wheels that spin push the train until they have slowed down, whatever the drive does; the record has no more
-        # than the force at the rail.
-        return len(LEVELS)
-    drive_faulty = any(place.level == "actuator" and place.name == "traction" for place in places)
-    return _EMERGENCY if drive_faulty else _TRACTION_CUT
+    return _EMERGENCY if _has_fault(scenario, "actuator", "traction") else _TRACTION_CUT
+
+
+def _has_fault(scenario: Scenario, level: str, name: str) -> bool:
+    return any((fault.place.level, fault.place.name) == (level, name) for fault in parsed(scenario.faults))
 
 
 def _told_levels(trace: Trace) -> IntArray:
@@ -144,15 +142,22 @@ def _commanded_traction(trace: Trace) -> Iterator[str]:
 
 
 def _applied_traction(scenario: Scenario, trace: Trace) -> Iterator[str]:
-    time_s, force_n = trace.times_s(SimTruth.PORT), trace.values(SimTruth.PORT, "TractionForce")
+    if _has_fault(scenario, "train", "adhesion"):
+        # Wheels that spin push the train until they have slowed down, whatever the drive does.
+        if _is_forged(scenario, TrnPos.PORT):
+            return
+        time_s, applied = trace.times_s(TrnPos.PORT), trace.values(TrnPos.PORT, "NotchActual")
+        least, what = 0.0, "has notch {:.2f} in effect"
+    else:
+        time_s, applied = trace.times_s(SimTruth.PORT), trace.values(SimTruth.PORT, "TractionForce") / 1e3
+        least, what = _FORCE_MIN_N / 1e3, "applies {:.1f} kN of traction"
     # The level before as well: when the port that opens the ticks is lost, a later tick can have the same instant.
     level = np.minimum(_level_at(trace, time_s), _level_at(trace, np.nextafter(time_s, -np.inf)))
-    wrong = np.flatnonzero((level >= _cut_from(scenario)) & (force_n > _FORCE_MIN_N))
+    wrong = np.flatnonzero((level >= _cut_from(scenario)) & (applied > least))
     if len(wrong):
         first = wrong[0]
         yield (
-            f"invariant 2: the train applies {force_n[first] / 1e3:.1f} kN of traction at {LEVELS[level[first]]}, "
-            f"at {time_s[first]:.2f} s"
+            f"invariant 2: the train {what.format(applied[first])} at {LEVELS[level[first]]}, at {time_s[first]:.2f} s"
         )
 
 

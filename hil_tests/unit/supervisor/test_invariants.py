@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 import pytest
 
 from railhil.bus.codes import CtlMode
-from railhil.bus.telegrams import NotchCmd, SimTruth, TrnSpeed, TrnWatch
+from railhil.bus.telegrams import NotchCmd, SimTruth, TrnPos, TrnSpeed, TrnWatch
 from railhil.plant_sim.command_watch import GOOD_AFTER_SERVICE_BRAKE as TRAIN_AFTER_BRAKE
 from railhil.plant_sim.command_watch import GOOD_AFTER_TRACTION_CUT as TRAIN_AFTER_CUT
 from railhil.scenarios.load import load, load_any
@@ -28,6 +28,7 @@ class Story:
     controller_level: Callable[[int], int] = lambda tick: 0
     notch_256th: Callable[[int], int] = lambda tick: 256
     traction_20n: Callable[[int], int] = lambda tick: 0
+    notch_actual_16th: Callable[[int], int] = lambda tick: 0
     speed_01mmps: Callable[[int], int] = lambda tick: 100_000
     check: Callable[[int], int] = lambda tick: 1
     without: set[int] = field(default_factory=set)
@@ -57,6 +58,7 @@ class Story:
                 truth = SimTruth(0, self.speed_01mmps(tick), life=tick // 2 & 15, traction_20n=self.traction_20n(tick))
                 if tick not in self.truth_lost:
                     made.add(SimTruth.PORT, now_ns, truth.encode())
+                made.add(TrnPos.PORT, now_ns, TrnPos(0, 0, self.notch_actual_16th(tick), life=tick // 2 & 15).encode())
                 mode = CtlMode(CtlMode.RUNNING + self.controller_level(tick))
                 if tick not in self.without:
                     command = NotchCmd(self.notch_256th(tick), mode, life=tick // 2 & 15)
@@ -99,10 +101,18 @@ def test_a_drive_that_is_stuck_on_is_cut_by_the_main_breaker(level: int, rule_ho
 
 
 def test_spinning_wheels_push_the_train_whatever_the_drive_does() -> None:
+    """What the drive does is then seen by the notch in effect."""
     slippery = replace(SCENARIO, faults=("adhesion low 0.03 @0.1s",))
     story = Story(train_level=lambda tick: 4 if tick >= 30 else 0, traction_20n=lambda tick: 500)
     assert broken(slippery, story.trace()) == []
     assert broken(replace(SCENARIO, faults=("mass scale 1.2 @0.1s",)), story.trace()) != []
+    story.notch_actual_16th = lambda tick: 40 if tick < 30 else 0
+    assert broken(slippery, story.trace()) == []
+    story.notch_actual_16th = lambda tick: 40 if tick <= 50 else 0
+    (said,) = broken(slippery, story.trace())
+    assert said == "invariant 2: the train has notch 2.50 in effect at EMERGENCY, at 0.32 s"
+    forged = replace(slippery, faults=(*slippery.faults, "TRN_POS.NotchActual value 3 @0.1s"))
+    assert broken(forged, story.trace()) == []
 
 
 def test_a_level_of_the_same_instant_may_be_of_a_later_tick() -> None:
