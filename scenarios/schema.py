@@ -24,7 +24,7 @@ RUNNING_TIME_MAX_S = 28_800.0
 #: Ports whose period a scenario may set: those that have one in the port table (a test compares the two).
 PORTS = (
     "TIME_SYNC", "SUP_CMD", "NOTCH_CMD", "TRN_SPEED", "TRN_POS", "PLT_STAT", "TRK_INFO", "CTL_STAT", "BALISE",
-    "TRN_WATCH", "SIM_TRUTH", "SPEED_SDT", "NOTCH_SDT",
+    "PLT_IDENT", "TRN_WATCH", "SIM_TRUTH", "SPEED_SDT", "NOTCH_SDT",
 )  # fmt: skip
 #: Those that are sent only with safe data transmission.
 SAFE_PORTS = ("SPEED_SDT", "NOTCH_SDT")

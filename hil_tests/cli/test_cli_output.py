@@ -6,6 +6,7 @@ import io
 import json
 import os
 import shlex
+import shutil
 import subprocess
 from contextlib import redirect_stdout
 from dataclasses import replace
@@ -16,6 +17,7 @@ import pytest
 
 from benchmarks.figures import QUICK_TOML
 from hil_tests.support.cli import command, railhil
+from hil_tests.support.recordings import certified
 from hil_tests.support.scores import made_score, with_values
 from railhil.audit import __main__ as audit
 from railhil.campaign import command as campaign
@@ -97,13 +99,12 @@ def test_a_weakened_watch_stands_in_a_comparison(tmp_path):
 def test_score_of_a_run_that_was_invalid_for_its_timing(json_run, short, tmp_path):
     """The timing does not stand in the log, so the certificate beside it has the last word on validity."""
     folder, document, _ = json_run
-    (tmp_path / "frames.log").write_bytes((folder / "frames.log").read_bytes())
-    certificate = strict_json(folder / "certificate.json") | {"verdict": "INVALID", "line": "timing: too late"}
-    (tmp_path / "certificate.json").write_text(json.dumps(certificate))
-    done = railhil("score", tmp_path, "--json")
+    copy = Path(shutil.copytree(folder, tmp_path / "copy"))
+    certified(copy, verdict="INVALID", line="timing: too late")
+    done = railhil("score", copy, "--json")
     assert (done.exit_code, done.json["verdict"], done.json["line"]) == (3, "INVALID", "timing: too late")
     assert done.json["scores"] == document["scores"]
-    assert railhil("score", tmp_path, "--scenario", short, "--json").json == done.json
+    assert railhil("score", copy, "--scenario", short, "--json").json == done.json
 
 
 @pytest.mark.loop
@@ -128,10 +129,10 @@ def test_a_log_that_was_changed_stays_invalid_when_the_scenario_is_named(json_ru
 @pytest.mark.loop
 def test_score_refuses_a_log_that_was_changed(json_run, tmp_path):
     folder, _, _ = json_run
-    (tmp_path / "certificate.json").write_bytes((folder / "certificate.json").read_bytes())
+    copy = Path(shutil.copytree(folder, tmp_path / "copy"))
     lines = (folder / "frames.log").read_text().splitlines(keepends=True)
-    (tmp_path / "frames.log").write_text("".join(lines[:-1]))
-    done = railhil("score", tmp_path)
+    (copy / "frames.log").write_text("".join(lines[:-1]))
+    done = railhil("score", copy)
     assert done.exit_code == 2
     assert "frames.log: sha256: found" in done.one_line()
 

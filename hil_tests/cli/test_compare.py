@@ -118,8 +118,8 @@ def test_every_law_runs_and_stands_in_the_table(compared: Compared) -> None:
     }
     parts = ", ".join(f"{limit} m: {count} of 3" for limit, count in within.items())
     assert f"runs that stopped within {parts}" in compared.done.out.splitlines()
-    assert runs[0]["published"]["itae"] == 262
-    assert runs[2]["published"] is None
+    # The scenario is derived, and its run is none that was published.
+    assert [run["published"] for run in runs] == [None] * 3
     # The twin is the same law, the tuned one is not.
     assert runs[0]["scores"] == runs[2]["scores"] != runs[1]["scores"]
     assert (runs[0]["parameters_sha256"], len(runs[1]["parameters_sha256"])) == (None, 64)

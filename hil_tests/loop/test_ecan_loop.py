@@ -32,7 +32,7 @@ def frames_of(telegram: Telegram) -> list[Frame]:
 
 def track(number: int) -> TrkInfo:
     """A TRK_INFO that differs in both blocks from others; its limit is above every speed here."""
-    return TrkInfo(target_mm=number, speed_limit_4mmps=10_000, target_speed_half_mps=number)
+    return TrkInfo(target_mm=number, speed_limit_4mmps=10_000, target_speed_half_mps=number, life=number % 4)
 
 
 class Feeder:
@@ -70,7 +70,8 @@ def test_speed_is_as_old_as_the_task_makes_it(lvshun, task_ms):
     """The task reads the newest speed before its instant, one tick old; until the next reading it only ages."""
     feeder = Feeder(lvshun, task_ms)
     for now_ms in range(0, 2000, 10):
-        feeder.tick()
+        # The track has an age, too.
+        feeder.tick(*([] if now_ms % 160 else [track(now_ms // 160)]))
         if now_ms % 20:
             continue
         # Polled on its period from the start: polls and clock frames are compared.
@@ -252,7 +253,7 @@ def test_can_fd_has_no_mailboxes(lvshun):
         (("run", "--attach", "--task-period-ms", "50"), "--task-period-ms: found 50, allowed 0 with --attach"),
         (("run", "--task-period-ms", "10001"), "found 10001, allowed 0..10000"),
         (("node", "controller", "--task-period-ms", "1.5"), "found 1.5, allowed 0..10000"),
-        (("node", "controller", "-b", "0"), "--bitrate: found 0, allowed above 0"),
+        (("node", "controller", "-i", "virtual", "-c", "0", "-b", "0"), "--bitrate: found 0, allowed above 0"),
     ],
 )
 def test_options_that_cannot_be_are_refused(arguments, words, tmp_path):

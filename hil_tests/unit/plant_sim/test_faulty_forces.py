@@ -280,7 +280,7 @@ def test_the_axle_slips_by_what_the_rail_does_not_carry() -> None:
     back.injections.activities[0].order(False, 0)
     back.next()
     back.forces.axle.slip_mps = 1.0
-    back.allowed()
+    assert back.allowed() == Allowed(HEALTHY, FREE, 0.0)
     back.forces.moved(motion, 0)
     assert back.forces.axle.slip_mps == 0.0
 

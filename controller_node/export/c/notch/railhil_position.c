@@ -14,7 +14,7 @@
 /* Longer pauses are limited to this, so that no product below exceeds 64 bits. */
 #define PAUSE_MAX_NS INT64_C(100000000000)
 #define PLACE_MAX INT64_C(4600000000000000000)
-/* Limits of positions for the law, and of readings, 0.1 mm: the difference of a reading and a place fits into 64 bits. */
+/* Limits of positions for the law, and of readings, 0.1 mm: the difference of a reading and a place has 64 bits. */
 #define POSITION_MAX_01MM INT64_C(2000000000)
 #define READING_MAX_01MM INT64_C(4000000000)
 
