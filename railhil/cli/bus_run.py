@@ -176,7 +176,7 @@ def recorded(
     """
     with ExitStack() as held:
         try:
-            on_progress = held.enter_context(progress(scenario, spec, folder, console, quiet))
+            on_progress = held.enter_context(progress(scenario, spec, start_up, folder, console, quiet))
             check_faults(scenario, transports_of(choice, start_up.foreign), spec.pace)
             write_inputs(folder, scenario, spec.law.parameters)
             spec = with_memory(spec, folder)

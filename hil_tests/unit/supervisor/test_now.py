@@ -25,9 +25,10 @@ from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 from railhil.supervisor.follow import Follower
-from railhil.supervisor.framelog import read_log
+from railhil.supervisor.framelog import log_line, read_log
 from railhil.supervisor.now import Instruments, LogTail, Newest
 from railhil.supervisor.signals import signal_table
+from railhil.supervisor.start_up import StartUp
 from railhil.supervisor.trace import Trace, trace_of
 
 _FAULT = "TRN_SPEED loss @2s for 1s"
@@ -160,19 +161,48 @@ def test_watch_writes_a_line_per_second_and_a_picture(recorded: Recorded) -> Non
     assert "no run on the bus yet" in screen.file.getvalue()  # type: ignore[attr-defined]
 
 
-def test_the_progress_line_shows_the_run(recorded: Recorded, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.fixture
+def terminal(monkeypatch: pytest.MonkeyPatch) -> Output:
     monkeypatch.setenv("TERM", "xterm")
     console = Output()
     console.file, console._force_terminal, console.width, console.is_interactive = io.StringIO(), True, 140, True
+    return console
+
+
+@pytest.mark.parametrize(
+    ("start_up", "law", "shown"),
+    [
+        (StartUp(foreign=True), "ipfc", "ipfc"),
+        (StartUp(foreign=True), "", "unknown"),
+        (StartUp(foreign=True, controller_name="ATO 3"), "", "ATO 3"),
+        (StartUp(), "", "ipfc"),
+    ],
+)
+def test_the_progress_line_names_no_law_that_nobody_has_confirmed(
+    recorded: Recorded, terminal: Output, tmp_path: Path, start_up: StartUp, law: str, shown: str
+) -> None:
+    """The law that was asked for is not that of somebody else's controller, which may not say what it is."""
+    own = set(recorded.trace().contract.port("CTL_IDENT").can_ids)
+    said = [(time_ns, frame) for time_ns, frame in recorded.until(3.0) if law or frame.can_id not in own]
+    (tmp_path / "frames.log").write_text("".join(log_line(time_ns, frame) for time_ns, frame in said))
     spec = RunSpec(recorded.scenario.name)
-    with progress(recorded.scenario, spec, recorded.log.parent, lambda: console, quiet=False) as on_progress:
+    with progress(recorded.scenario, spec, start_up, tmp_path, lambda: terminal, quiet=False) as on_progress:
         assert on_progress is not None
         on_progress(3.0)
-        text = console.file.getvalue()
+        text = terminal.file.getvalue()  # type: ignore[attr-defined]
+    assert [name for name in ("ipfc", "unknown", "ATO 3") if name in text] == [shown]
+
+
+def test_the_progress_line_shows_the_run(recorded: Recorded, terminal: Output) -> None:
+    console, spec = terminal, RunSpec(recorded.scenario.name)
+    with progress(recorded.scenario, spec, StartUp(), recorded.log.parent, lambda: console, quiet=False) as on_progress:
+        assert on_progress is not None
+        on_progress(3.0)
+        text = console.file.getvalue()  # type: ignore[attr-defined]
     assert "ipfc" in text
     assert "km/h (target" in text
     assert "m to go" in text
-    with progress(recorded.scenario, spec, recorded.log.parent, lambda: console, quiet=True) as on_progress:
+    with progress(recorded.scenario, spec, StartUp(), recorded.log.parent, lambda: console, quiet=True) as on_progress:
         assert on_progress is None
 
 
@@ -180,7 +210,7 @@ def test_the_progress_line_is_not_shown_where_there_is_no_terminal(recorded: Rec
     console = Output()
     console.file = io.StringIO()
     spec = RunSpec(recorded.scenario.name)
-    with progress(recorded.scenario, spec, recorded.log.parent, lambda: console, quiet=False) as on_progress:
+    with progress(recorded.scenario, spec, StartUp(), recorded.log.parent, lambda: console, quiet=False) as on_progress:
         assert on_progress is not None
         on_progress(3.0)
         on_progress(4.0)
