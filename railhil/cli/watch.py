@@ -137,6 +137,8 @@ class View:
         #: None: it is not known which system runs.
         self.follower = None if scenario is None else Follower(scenario)
         self._instruments = None if scenario is None else Instruments(scenario, self._watched.notes)
+        #: Columns that have been told; of one that has fallen silent nothing is known.
+        self._told: set[str] = set()
 
     def take(self, frames: Sequence[Frame]) -> None:
         """Frames in bus order."""
@@ -178,6 +180,13 @@ class View:
         now_s = None if self.follower is None else self.follower.now_s
         return "a time that is not known" if now_s is None else f"{now_s:.2f} s"
 
+    @property
+    def _lacks(self) -> str:
+        """Why no values are shown."""
+        if self.follower is None or self.follower.now_s is None:
+            return "the time is not known yet"
+        return f"{self.instant}: nothing is told of the train now"
+
     def values(self) -> dict[str, float]:
         """What is known now, empty while the time is not."""
         if self.follower is None or self._instruments is None or self.follower.now_s is None:
@@ -208,7 +217,7 @@ class View:
         scenario = self._watched.scenario
         title = "railhil watch" if scenario is None else scenario.title
         if follower is None or instruments is None or not values:
-            heard = "no run on the bus yet" if not self.frames else f"{self.frames} frames, the time is not known yet"
+            heard = "no run on the bus yet" if not self.frames else f"{self.frames} frames, {self._lacks}"
             return Panel(Group(*said, Text(heard)), title=title)
         assert scenario is not None
         rate = f", {follower.time.clock.rate:g} times real time" if follower.time.clock.rate else ""
@@ -217,11 +226,14 @@ class View:
         for heading in ("signal", "value", "signal", "value"):
             grid.add_column(heading, no_wrap=heading == "value")
         cells = []
+        self._told |= values.keys()
         for column in instruments.shown.columns:
-            if column.name in values:
-                value = values[column.name]
+            value = values.get(column.name)
+            if value is not None:
                 style = "bold red" if column.kind == LEVEL and value > 0 else ""
                 cells.append((Text(column.label), Text(instruments.said(column, value), style)))
+            elif column.name in self._told:
+                cells.append((Text(column.label), Text("silent")))
         half = -(-len(cells) // 2)
         for row, left in enumerate(cells[:half]):
             grid.add_row(*left, *(cells[half + row] if half + row < len(cells) else ("", "")))

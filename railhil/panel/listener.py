@@ -7,13 +7,12 @@ from collections.abc import Iterable
 
 from railhil.bus.clock import BusClock
 from railhil.bus.frame import Frame
-from railhil.bus.lifesign import MAX_STEP
 from railhil.bus.load import longest_frame_bits
 from railhil.bus.mvb import master_tail
 from railhil.bus.own_frames import OwnFrames
 from railhil.bus.store import TrafficStore
 from railhil.bus.telegrams import TimeSync
-from railhil.dbc import Contract, Port
+from railhil.dbc import Contract
 from railhil.scenarios.model import AnyScenario
 from railhil.supervisor.follow import HeardTime
 from railhil.supervisor.trace import Trace
@@ -53,10 +52,6 @@ class Listener:
         self._polls = {
             master_tail(port.f_code, port.address): port.name for port in contract.ports if port.mode == "poll"
         }
-        # The polls of the fastest port keep the time going while the clock port is missing.
-        ticks = self._time.schedule.ticks
-        periods = ((ticks(port.name), port.name) for port in contract.ports if self._is_polled(port))
-        self._pace_ticks, self._pace = min(periods, default=(MAX_STEP + 1, ""))
         #: Identifiers of which raw frames are kept: instant in s and data.
         self.watched: dict[int, deque[tuple[float | None, bytes]]] = {}
         #: Number of the run since this process began; a new handshake of the plant begins a new one.
@@ -81,10 +76,6 @@ class Listener:
         #: Share of the bus in use, in simulation time; None: not known yet.
         self.load: float | None = None
         self.trace = Trace(contract)
-
-    @staticmethod
-    def _is_polled(port: Port) -> bool:
-        return port.mode == "poll" and bool(port.period_ns)
 
     @property
     def clock(self) -> BusClock:
@@ -165,8 +156,7 @@ class Listener:
     def _polled(self, data: bytes) -> None:
         port = self._polls.get(data)
         if port is not None:
-            if port == self._pace and self._pace_ticks <= MAX_STEP:
-                self.clock.polled(self._pace_ticks)
+            self._time.polled(data)
             if data == self._time.handshake_poll:
                 self._opened()
             self.polls += 1

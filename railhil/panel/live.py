@@ -166,20 +166,23 @@ class LiveRun:
         if self._rows is None or self._events is None:
             return messages
         if now_s is None:
-            # Nothing that is not heard stands still.
-            if self._last is not None:
-                messages.append(self._drawn(self._rows.gap_after(self._last[None])))
-                self._last = None
-            return messages
+            return messages + self._gap(self._rows)
         rows = self._rows.of(trace, self._last_s, now_s)
         self.fresh_rows, self.fresh_trace = rows, trace
         if len(rows):
             drawn = self._rows.with_gaps(rows, self._last)
             self._last, self._last_s = rows[-1], float(rows[-1, 0])
             messages.append(self._drawn(drawn))
+        if self._rows.is_over(self._last_s, now_s):
+            messages += self._gap(self._rows)
         if found := self._events.of(trace):
             messages.append(json.dumps({"events": found}))
         return messages
+
+    def _gap(self, rows: Rows) -> list[str | bytes]:
+        """Nothing that is not heard stands still."""
+        last, self._last = self._last, None
+        return [] if last is None else [self._drawn(rows.gap_after(last[None]))]
 
     def _drawn(self, rows: FloatArray) -> bytes:
         self._history.add(rows)

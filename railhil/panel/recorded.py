@@ -13,7 +13,6 @@ import numpy as np
 from railhil.common.errors import InputError
 from railhil.panel.declared import Chart, Layout, layout_of
 from railhil.panel.growing import Growing
-from railhil.panel.history import is_gap
 from railhil.panel.learning import learning_charts, run_folders
 from railhil.panel.values import Rows
 from railhil.panel.wire import REPLACE, batch
@@ -112,14 +111,13 @@ def thinned(rows: FloatArray, position: int = -1) -> FloatArray:
     if len(rows) <= ROWS_MAX:
         return rows
     edges = np.linspace(0, len(rows), parts + 1).astype(int)[:-1]
-    known = np.isnan(rows)
-    lows = np.minimum.reduceat(np.where(known, np.inf, rows), edges)
-    highs = np.maximum.reduceat(np.where(known, -np.inf, rows), edges)
+    unknown = np.isnan(rows)
+    lows = np.minimum.reduceat(np.where(unknown, np.inf, rows), edges)
+    highs = np.maximum.reduceat(np.where(unknown, -np.inf, rows), edges)
     found = np.empty((2 * parts, rows.shape[1]))
     found[0::2], found[1::2] = lows, highs
     found[~np.isfinite(found)] = np.nan
-    gaps = np.logical_or.reduceat(is_gap(rows, position), edges)
-    found[1::2][gaps, 1:] = np.nan
+    found[1::2][np.logical_or.reduceat(unknown, edges)] = np.nan
     if position >= 0:
         found[1::2, 1 + position] = highs[:, 1 + position]
     return found

@@ -6,20 +6,14 @@ from typing import Any
 
 import numpy as np
 
-from railhil.bus.schedule import Schedule
 from railhil.panel.declared import ERROR, LAMP, Layout
 from railhil.panel.history import is_gap
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.system import system_named
 from railhil.supervisor.judging import judging_of
-from railhil.supervisor.sampled import Sampler
+from railhil.supervisor.sampled import Sampler, gap_after, holding_s, silences
 from railhil.supervisor.signals import table_of
 from railhil.supervisor.trace import FloatArray, Trace
-
-#: A row that comes so much later than the one before, or so many periods of the truth, comes after a gap.
-_GAP_S, _GAP_PERIODS = 0.2, 8
-#: Where the row that stands for a gap comes, after the last one before it.
-_AFTER_S = 0.001
 
 
 class Rows:
@@ -31,10 +25,8 @@ class Rows:
     def __init__(self, scenario: AnyScenario, layout: Layout, notes: Any = None) -> None:
         self._scenario, self._layout, self._notes = scenario, layout, notes
         self._judging = judging_of(scenario)
-        timing, truth = scenario.timing, self._judging.truth
-        contract = system_named(scenario.system).contract
-        schedule = Schedule.from_contract(timing.base_tick_ns, timing.port_period_ns, contract)
-        self._gap_s = max(_GAP_S, _GAP_PERIODS * schedule.ticks(truth) * schedule.base_tick_ns / 1e9)
+        self._holds_s = holding_s(scenario, system_named(scenario.system).contract)
+        self._truth_holds_s = self._holds_s.get(self._judging.truth, np.inf)
         plain = [column for column in layout.columns if column.kind != LAMP and column.name != ERROR]
         self._factors = np.array([1.0, *(column.factor for column in plain)])
         self._has_error = any(column.name == ERROR for column in layout.columns)
@@ -47,12 +39,12 @@ class Rows:
         :returns: shape (n, 1 + columns); unknown values are NaN.
         """
         layout = self._layout
-        _, table = table_of(self._judging, self._scenario, trace, self._notes)
+        _, table = table_of(self._judging, self._scenario, trace, self._notes, self._holds_s)
         table = table[(table[:, 0] > after_s) & (table[:, 0] < before_s)]
         time_s, told = table[:, 0], table.shape[1]
         rows: FloatArray = np.empty((len(table), 1 + len(layout.columns)))
         rows[:, :told] = table
-        sampler = Sampler(trace, time_s)
+        sampler = Sampler(trace, time_s, self._holds_s)
         for place, (_, port, signal) in enumerate(self._judging.shown, start=told):
             rows[:, place] = sampler.signal(port, signal)
         plain = len(self._factors)
@@ -65,11 +57,12 @@ class Rows:
 
     def gap_after(self, rows: FloatArray) -> FloatArray:
         """For each row the one that says that nothing is known from then on (:func:`railhil.panel.history.is_gap`)."""
-        gaps = np.full_like(rows, np.nan)
-        gaps[:, 0] = rows[:, 0] + _AFTER_S
-        if (position := self._layout.position) >= 0:
-            gaps[:, 1 + position] = rows[:, 1 + position]
-        return gaps
+        position = self._layout.position
+        return gap_after(rows, 1 + position if position >= 0 else -1)
+
+    def is_over(self, last_s: float, now_s: float) -> bool:
+        """Whether the row of ``last_s``, the newest one, says nothing of now any more."""
+        return bool(len(silences(np.array([last_s, now_s]), self._truth_holds_s)))
 
     def with_gaps(self, rows: FloatArray, before: FloatArray | None = None) -> FloatArray:
         """The rows, with one for each gap between them: no line is drawn over it.
@@ -77,7 +70,7 @@ class Rows:
         :param before: the row before them, shape (1 + columns,); None: there is none.
         """
         whole = rows if before is None else np.vstack((before, rows))
-        last = np.flatnonzero(np.diff(whole[:, 0]) > self._gap_s)
+        last = silences(whole[:, 0], self._truth_holds_s)
         # A gap that is known already.
         last = last[~is_gap(whole[last], self._layout.position)]
         found: FloatArray = np.insert(whole, last + 1, self.gap_after(whole[last]), axis=0)

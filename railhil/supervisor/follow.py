@@ -8,6 +8,7 @@ from collections.abc import Iterable
 from railhil.bus.clock import BusClock
 from railhil.bus.frame import Frame
 from railhil.bus.ident import CtlIdent
+from railhil.bus.lifesign import MAX_STEP
 from railhil.bus.mvb import master_tail
 from railhil.bus.own_frames import OwnFrames
 from railhil.bus.schedule import Schedule
@@ -43,6 +44,10 @@ class HeardTime:
         #: The poll with which the handshake of a run goes on: whoever has heard ticks before hears another run.
         self.handshake_poll = master_tail(asked.f_code, asked.address)
         self._ticks = self.schedule.ticks(port.name)
+        # The polls of the fastest port keep the time going while the clock port is missing.
+        polled = [one for one in contract.ports if one.mode == "poll" and one.period_ns]
+        paces = ((self.schedule.ticks(one.name), one.name, master_tail(one.f_code, one.address)) for one in polled)
+        self._pace_ticks, _, self._pace = min(paces, default=(MAX_STEP + 1, "", b""))
         # Periods that are only believed may be others: then the clock does not agree with TIME_SYNC.
         self._is_believed = isinstance(scenario, UnknownScenario)
         self.counters = counters
@@ -55,6 +60,11 @@ class HeardTime:
     def begin(self) -> None:
         """The handshake was heard: the run begins."""
         self.clock, self.is_known = self._clock(), True
+
+    def polled(self, data: bytes) -> None:
+        """Take a poll."""
+        if data == self._pace and self._pace_ticks <= MAX_STEP:
+            self.clock.polled(self._pace_ticks)
 
     def hole(self) -> None:
         """Frames were lost, nobody knows how many: the time is not known until TIME_SYNC tells it."""
@@ -108,11 +118,13 @@ class Follower:
             if frame.can_id in time.clock_ids and self.newest.accepts(frame):
                 time.clock.feed(frame.data)
             if frame.can_id == self._contract.poll_id:
-                if frame in self._own_frames and frame.data == time.handshake_poll:
-                    if time.clock.running:
-                        self._begin()
-                        time = self.time
-                    time.begin()
+                if frame in self._own_frames:
+                    time.polled(frame.data)
+                    if frame.data == time.handshake_poll:
+                        if time.clock.running:
+                            self._begin()
+                            time = self.time
+                        time.begin()
                 continue
             port = self.newest.take(time.clock.now_ns, frame)
             if port == TimeSync.PORT:

@@ -17,11 +17,13 @@ from railhil.bus.frame import Frame
 from railhil.bus.store import TrafficStore
 from railhil.dbc import Contract
 from railhil.scenarios.model import AnyScenario
+from railhil.scenarios.system import system_named
 from railhil.supervisor.events.summary import level_shown
 from railhil.supervisor.framelog import parsed_line
 from railhil.supervisor.judging import judging_of
+from railhil.supervisor.sampled import holding_s
 from railhil.supervisor.shown import ShownColumn, shown_columns
-from railhil.supervisor.signals import signal_table
+from railhil.supervisor.signals import table_of
 from railhil.supervisor.trace import Trace
 
 #: Of a log: its beginning, which has the handshake, and its end, which has every cyclic telegram several times.
@@ -37,6 +39,7 @@ class Newest:
         self._contract = contract
         self._store = TrafficStore(contract.ports)
         self._times_ns: dict[str, int] = {}
+        self._now_ns = 0
 
     @property
     def counters(self) -> Counter[str]:
@@ -45,6 +48,7 @@ class Newest:
 
     def take(self, time_ns: int, frame: Frame) -> str | None:
         """Take a frame; returns the port whose telegram it completed."""
+        self._now_ns = time_ns
         port = self._store.feed(frame, time_ns)
         if port is not None:
             self._times_ns[port] = time_ns
@@ -53,6 +57,10 @@ class Newest:
     def data(self, port: str) -> bytes:
         """Process data of the newest telegram of a port, empty if there is none."""
         return self._store.raw(port) if port in self._times_ns else b""
+
+    def silent_s(self, port: str) -> float:
+        """For how long no telegram of a port has come."""
+        return (self._now_ns - self._times_ns.get(port, 0)) / 1e9
 
     def accepts(self, frame: Frame) -> bool:
         """Whether the check of the single frame finds nothing wrong."""
@@ -109,13 +117,14 @@ class Instruments:
         self._scenario, self._notes = scenario, notes
         self._judging = judging_of(scenario)
         self.shown = shown_columns(scenario, notes=notes)
+        self._holds_s = holding_s(scenario, system_named(scenario.system).contract)
         self._ends_at_m = self._judging.ends_at_m(scenario)
 
     def values(self, newest: Newest) -> dict[str, float]:
-        """Values of the columns that are known now, in the units shown; empty before the first telegram of the
-        truth."""
-        header, rows = signal_table(self._scenario, newest.trace(self._judging.truth), self._notes)
-        if not len(rows):
+        """Values of the columns that are known now, in the units shown; empty while nothing is told of the truth."""
+        judging, truth = self._judging, self._judging.truth
+        header, rows = table_of(judging, self._scenario, newest.trace(truth), self._notes, self._holds_s)
+        if not len(rows) or newest.silent_s(truth) > self._holds_s.get(truth, np.inf):
             return {}
         row = dict(zip(header, rows[-1].tolist(), strict=True))
         found = {"time_s": row["time_s"]}

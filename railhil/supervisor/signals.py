@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -25,8 +26,13 @@ def signal_table(scenario: AnyScenario, trace: Trace, notes: Any = None) -> tupl
     return table_of(judging_of(scenario), scenario, trace, notes)
 
 
-def table_of(judging: Judging, scenario: AnyScenario, trace: Trace, notes: Any = None) -> tuple[list[str], FloatArray]:
-    """As :func:`signal_table`, with the scenario's judging: for a panel, which makes this table 10 times a second."""
+def table_of(
+    judging: Judging, scenario: AnyScenario, trace: Trace, notes: Any = None, holds_s: Mapping[str, float] | None = None
+) -> tuple[list[str], FloatArray]:
+    """As :func:`signal_table`, with the scenario's judging: for a panel, which makes this table 10 times a second.
+
+    :param holds_s: of a port that is silent for longer nothing is known; None: the last value holds.
+    """
     time_s = trace.times_s(judging.truth)
     found = [(header, port, trace.values(port, signal)) for header, port, signal in judging.columns]
     for status in judging.status.every if judging.status else ():
@@ -35,7 +41,7 @@ def table_of(judging: Judging, scenario: AnyScenario, trace: Trace, notes: Any =
     watches = _watches(judging, trace)
     found += [(f"{watch.name}_level", watch.port, ranks(trace, watch)) for watch in watches]
     found += [(header, judging.truth, values) for header, _, values in judging.reckoned(scenario, trace)]
-    sampler = Sampler(trace, time_s)
+    sampler = Sampler(trace, time_s, holds_s)
     table: FloatArray = np.empty((len(time_s), 1 + len(found)))
     table[:, 0] = time_s
     for place, (_, port, values) in enumerate(found, start=1):

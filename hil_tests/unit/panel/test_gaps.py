@@ -150,6 +150,55 @@ def test_a_truth_that_is_missing_is_a_gap_of_a_recorded_run_too(ride: Ride) -> N
     assert gaps[:, 0].tolist() == pytest.approx([10.0], abs=0.1)
 
 
+def without(ride: Ride, port: str, from_s: float, to_s: float) -> list[tuple[int, Frame]]:
+    """The record, as if nothing of this port had been heard for a while."""
+    own = set(trace_of([]).contract.port(port).can_ids)
+    heard = zip(ride.times_s, ride.frames, strict=True)
+    return [(round(at * 1e9), one) for at, one in heard if not (from_s < at < to_s and one.can_id in own)]
+
+
+@pytest.mark.parametrize(
+    ("port", "column", "period_s"),
+    [
+        ("TRN_SPEED", "measured_speed_mps", 0.01),
+        ("NOTCH_CMD", "notch_command", 0.02),
+        ("CTL_STAT", "ladder_level", 0.16),
+    ],
+)
+def test_a_column_of_a_silent_port_is_a_gap(ride: Ride, port: str, column: str, period_s: float) -> None:
+    """From three periods after the last telegram until the next one, live and in a recorded run; others go on."""
+    heard = without(ride, port, 10.0, 16.0)
+    live, rows = shown(ride, *chunks([frame for _, frame in heard], 500))
+    made = Rows(ride.scenario, live.layout)
+    recorded = made.with_gaps(made.of(trace_of(heard)))
+    place = 1 + next(at for at, one in enumerate(live.layout.columns) if one.name == column)
+    for table in (rows, recorded):
+        begun = table[table[:, 0] > 2.0]
+        silent = begun[np.isnan(begun[:, place]), 0]
+        assert silent[0] == pytest.approx(10.0 + 3 * period_s, abs=period_s + 0.021)
+        assert silent[-1] == pytest.approx(16.0, abs=period_s + 0.041)
+        assert len(silent) == pytest.approx((6.0 - 3 * period_s) / 0.02, abs=4 + period_s / 0.02)
+        assert not is_gap(begun, live.layout.position).any()
+    _, end = shown(ride, [frame for time_ns, frame in heard if time_ns < 12e9])
+    assert np.isnan(end[-1, place])
+    assert np.isfinite(end[-1, 1 + live.layout.speed])
+
+
+def test_a_truth_that_falls_silent_is_not_shown_any_more(ride: Ride) -> None:
+    heard = [frame for time_ns, frame in without(ride, "SIM_TRUTH", 10.0, 16.0) if time_ns < 12e9]
+    live, rows = shown(ride, *chunks(heard, 500))
+    assert is_gap(rows, live.layout.position)[[-2, -1]].tolist() == [False, True]
+    assert rows[-1, 0] == pytest.approx(10.0, abs=0.03)
+
+
+def test_a_gap_of_one_column_outlives_thinning() -> None:
+    rows = np.ones((200_000, 4))
+    rows[:, 0] = np.arange(len(rows))
+    rows[77_777, 2] = np.nan
+    found = thinned(rows, 2)
+    assert np.isnan(found).sum(axis=0).tolist() == [0, 0, 1, 0]
+
+
 def test_a_gap_outlives_thinning() -> None:
     rows = np.ones((200_000, 4))
     rows[:, 0] = np.arange(len(rows))

@@ -161,6 +161,32 @@ def test_watch_writes_a_line_per_second_and_a_picture(recorded: Recorded) -> Non
     assert "no run on the bus yet" in screen.file.getvalue()  # type: ignore[attr-defined]
 
 
+def test_a_silent_port_has_no_value_in_watch(recorded: Recorded) -> None:
+    """The speed is lost from 2 s to 3 s; the truth and its watch go on."""
+    view = watch.View(Watched(recorded.scenario))
+    view.take([frame for _, frame in recorded.until(2.0)])
+    assert view.values()["measured_speed_mps"] >= 0
+    speed = set(recorded.trace().contract.port("TRN_SPEED").can_ids)
+    screen = Console(file=io.StringIO(), width=100, force_terminal=False)
+    screen.print(view.picture())
+    view.take([frame for time_ns, frame in recorded.frames if 2e9 < time_ns <= 2.5e9 and frame.can_id not in speed])
+    values = view.values()
+    assert "measured_speed_mps" not in values
+    assert "true_speed_mps" in values
+    screen.print(view.picture())
+    assert screen.file.getvalue().count("silent") == 1  # type: ignore[attr-defined]
+
+
+def test_without_the_truth_watch_shows_no_values(recorded: Recorded) -> None:
+    truth = set(recorded.trace().contract.port("SIM_TRUTH").can_ids)
+    view = watch.View(Watched(recorded.scenario))
+    view.take([frame for time_ns, frame in recorded.until(2.0) if time_ns < 1e9 or frame.can_id not in truth])
+    assert view.values() == {}
+    screen = Console(file=io.StringIO(), width=100, force_terminal=False)
+    screen.print(view.picture())
+    assert "nothing is told of the train now" in screen.file.getvalue()  # type: ignore[attr-defined]
+
+
 @pytest.fixture
 def terminal(monkeypatch: pytest.MonkeyPatch) -> Output:
     monkeypatch.setenv("TERM", "xterm")

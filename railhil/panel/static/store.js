@@ -60,12 +60,11 @@ export function thinned(x, series, from, to, count) {
     const begin = from + Math.floor(part * step), end = from + Math.floor((part + 1) * step);
     found[0][2 * part] = x[begin];
     found[0][2 * part + 1] = x[end - 1];
-    let gap = false;
-    for (let row = begin; row < end && !gap; row += 1) gap = series.every((one) => Number.isNaN(one[row]));
     series.forEach((one, at) => {
-      let low = Infinity, high = -Infinity, lowAt = begin, highAt = begin;
+      let low = Infinity, high = -Infinity, lowAt = begin, highAt = begin, gap = false;
       for (let row = begin; row < end; row += 1) {
         const value = one[row];
+        gap ||= Number.isNaN(value);
         if (value < low) { low = value; lowAt = row; }
         if (value > high) { high = value; highAt = row; }
       }
