@@ -9,11 +9,12 @@ from typing import Any
 import numpy as np
 
 from railhil.scenarios.model import AnyScenario
+from railhil.scenarios.system import system_named
 from railhil.supervisor.events.declared import Watch
 from railhil.supervisor.events.levels import ranks, reports
 from railhil.supervisor.judging import Judging, judging_of
 from railhil.supervisor.notes import note_values
-from railhil.supervisor.sampled import Sampler
+from railhil.supervisor.sampled import Sampler, gap_after, holding_s, silences
 from railhil.supervisor.trace import FloatArray, Trace
 
 
@@ -47,6 +48,17 @@ def table_of(
     for place, (_, port, values) in enumerate(found, start=1):
         table[:, place] = values if port == judging.truth else sampler.of(port, values)
     return ["time_s", *(header for header, _, _ in found)], table
+
+
+def drawn_table(scenario: AnyScenario, trace: Trace, notes: Any = None) -> tuple[list[str], FloatArray]:
+    """As :func:`signal_table`, for lines: NaN where a port is silent, and a row for each gap of the truth."""
+    judging, holds_s = judging_of(scenario), holding_s(scenario, trace.contract)
+    header, rows = table_of(judging, scenario, trace, notes, holds_s)
+    truth = system_named(scenario.system).truth
+    place = (truth.port, truth.position) if truth else None
+    position = next((header.index(name) for name, *where in judging.columns if tuple(where) == place), -1)
+    after = silences(rows[:, 0], holds_s.get(judging.truth, np.inf))
+    return header, np.insert(rows, after + 1, gap_after(rows[after], position), axis=0)
 
 
 def _watches(judging: Judging, trace: Trace) -> list[Watch]:

@@ -18,7 +18,7 @@ from railhil.supervisor.report.styles import Style, styles
 from railhil.supervisor.report.thinned import packed, seen_rows, text
 from railhil.supervisor.shown import LEVEL as LEVEL_KIND
 from railhil.supervisor.shown import NOTE, SIGNAL, STATE, Shown, shown_columns
-from railhil.supervisor.signals import signal_table
+from railhil.supervisor.signals import drawn_table
 from railhil.supervisor.trace import FloatArray
 
 #: Stretches of a curve of one run, each with two points at most; of many runs together at most so many.
@@ -110,7 +110,7 @@ def _first(columns: Shown, moving: Set[str]) -> list[str]:
 def _run(run: RecordedRun, style: Style, shown: Shown, stretches: int) -> tuple[dict[str, Any], list[str], set[str]]:
     """One run for the page; its position if it never decreases, over which others can be drawn; and the columns that
     never change."""
-    header, table = signal_table(run.scenario, run.trace, run.certificate.get("notes"))
+    header, table = drawn_table(run.scenario, run.trace, run.certificate.get("notes"))
     signals: dict[str, dict[str, Any]] = {}
     steady: list[str] = []
     constant: set[str] = set()

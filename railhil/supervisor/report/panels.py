@@ -95,7 +95,10 @@ def widest_places(scenario: Scenario, runs: Sequence[Drawn]) -> list[float]:
     wanted_kmh = np.asarray(target.speed_mps(target.time_s(place_m))) * KMH
     off_kmh = np.zeros(_POINTS)
     for run in runs:
-        known = np.interp(place_m, run.curves.position_m, run.curves.speed_kmh, right=np.nan)
+        at_m = run.curves.position_m
+        # A gap begins where the train was last seen.
+        at_m = np.where(np.isnan(at_m), np.roll(at_m, 1), at_m)
+        known = np.interp(place_m, at_m, run.curves.speed_kmh, right=np.nan)
         off_kmh = np.fmax(off_kmh, np.abs(known - wanted_kmh))
     off_kmh[wanted_kmh < wanted_kmh.max() / 2] = 0.0
     half = _POINTS // 2
@@ -112,7 +115,8 @@ def speed_near(axes: Axes, scenario: Scenario, runs: Sequence[Drawn], place_m: f
     wanted_kmh = np.asarray(target.speed_mps(planned_s)) * KMH
     axes.plot(np.asarray(target.position_m(planned_s)), wanted_kmh, color="0.75", linewidth=3.5)
     for run in runs:
-        near = np.abs(run.curves.position_m - place_m) <= reach_m
+        # With the gaps.
+        near = ~(np.abs(run.curves.position_m - place_m) > reach_m)
         axes.plot(run.curves.position_m[near], run.curves.speed_kmh[near], **run.style.line)
     axes.set_xlim(place_m - reach_m, place_m + reach_m)
 
@@ -151,7 +155,8 @@ def force(axes: Axes, run: Drawn) -> None:
 
 def flag_sets(runs: Sequence[Drawn], name: str) -> list[int]:
     """Every set of flags reported by a run in the note of that name, as bit fields."""
-    return sorted({int(value) for run in runs for value in np.unique(_told(run, name)[1])})
+    told = (_told(run, name)[1] for run in runs)
+    return sorted({int(value) for values in told for value in np.unique(values[np.isfinite(values)])})
 
 
 def flags(axes: Axes, run: Drawn, name: str, used: Sequence[int]) -> None:
@@ -161,7 +166,7 @@ def flags(axes: Axes, run: Drawn, name: str, used: Sequence[int]) -> None:
     :param used: the rows of the picture, from :func:`flag_sets`.
     """
     note, values = _told(run, name)
-    row = np.searchsorted(np.asarray(used), values)
+    row = np.where(np.isnan(values), np.nan, np.searchsorted(np.asarray(used), values))
     axes.step(run.curves.status_s, row, where="post", **run.style.alone)
     axes.set_yticks(range(len(used)), [_flag_names(bits, note.bits) for bits in used], fontsize=8)
     axes.set_ylim(-0.5, len(used) - 0.5)

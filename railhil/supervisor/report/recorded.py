@@ -20,6 +20,7 @@ from railhil.supervisor.events.summary import explained, why
 from railhil.supervisor.judging import judging_of
 from railhil.supervisor.measures import KMH
 from railhil.supervisor.notes import ToldNote, note_values, notes_of
+from railhil.supervisor.sampled import gap_after, holding_s, silences
 from railhil.supervisor.score import Score
 from railhil.supervisor.trace import FloatArray, Trace
 
@@ -158,7 +159,8 @@ def _extended(runs: Sequence[RecordedRun], keys: Sequence[str]) -> list[Recorded
 class Curves:
     """The curves drawn for one run: arrays of equal length per source, in the units of their names.
 
-    ``time_s`` to ``brake_kn`` from SIM_TRUTH, ``notch*`` from NOTCH_CMD, the rest from CTL_STAT.
+    ``time_s`` to ``brake_kn`` from SIM_TRUTH, ``notch*`` from NOTCH_CMD, the rest from CTL_STAT. Where a source falls
+    silent, its arrays have an entry without values, so that no line goes over the gap.
     """
 
     time_s: FloatArray
@@ -175,7 +177,9 @@ class Curves:
 
     def told(self, *, flags: bool) -> list[tuple[ToldNote, FloatArray]]:
         """Notes that are bit fields, or the others; without those that were always 0."""
-        return [(note, values) for note, values in self.notes if bool(note.bits) == flags and np.any(values)]
+        return [
+            (note, values) for note, values in self.notes if bool(note.bits) == flags and np.nan_to_num(values).any()
+        ]
 
 
 def wanted_mps(scenario: Scenario, trace: Trace) -> FloatArray:
@@ -194,18 +198,34 @@ def curves(scenario: Scenario, trace: Trace, told: Sequence[dict[str, Any]] | No
 
     :param told: ``notes`` of its certificate.
     """
-    time_s = trace.times_s(SimTruth.PORT)
-    position_m = trace.values(SimTruth.PORT, "TruePos")
     speed_kmh = trace.values(SimTruth.PORT, "TrueSpeed") * KMH
+    holds_s = holding_s(scenario, trace.contract)
+
+    def broken(port: str, *values: FloatArray) -> FloatArray:
+        rows = np.column_stack((trace.times_s(port), *values))
+        after = silences(rows[:, 0], holds_s[port])
+        return np.insert(rows, after + 1, gap_after(rows[after]), axis=0).T.copy()
+
+    time_s, position_m, speed_kmh, error_kmh, traction_kn, brake_kn = broken(
+        SimTruth.PORT,
+        trace.values(SimTruth.PORT, "TruePos"),
+        speed_kmh,
+        wanted_mps(scenario, trace) * KMH - speed_kmh,
+        trace.values(SimTruth.PORT, "TractionForce") / 1e3,
+        trace.values(SimTruth.PORT, "BrakeForce") / 1e3,
+    )
+    notch_s, notch = broken(NotchCmd.PORT, trace.values(NotchCmd.PORT, "NotchCmd"))
+    notes = notes_of(trace, told)
+    status_s, *noted = broken(CtlStat.PORT, *(note_values(trace, note) for note in notes))
     return Curves(
         time_s=time_s,
         position_m=position_m,
         speed_kmh=speed_kmh,
-        error_kmh=wanted_mps(scenario, trace) * KMH - speed_kmh,
-        traction_kn=trace.values(SimTruth.PORT, "TractionForce") / 1e3,
-        brake_kn=trace.values(SimTruth.PORT, "BrakeForce") / 1e3,
-        notch_s=trace.times_s(NotchCmd.PORT),
-        notch=trace.values(NotchCmd.PORT, "NotchCmd"),
-        status_s=trace.times_s(CtlStat.PORT),
-        notes=tuple((note, note_values(trace, note)) for note in notes_of(trace, told)),
+        error_kmh=error_kmh,
+        traction_kn=traction_kn,
+        brake_kn=brake_kn,
+        notch_s=notch_s,
+        notch=notch,
+        status_s=status_s,
+        notes=tuple(zip(notes, noted, strict=True)),
     )

@@ -8,7 +8,7 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from railhil.supervisor.report import panels
-from railhil.supervisor.signals import signal_table, signal_units
+from railhil.supervisor.signals import drawn_table, signal_units
 from railhil.supervisor.trace import Trace
 
 _HEIGHT_IN = 2.2
@@ -16,7 +16,7 @@ _HEIGHT_IN = 2.2
 
 def draw(scenario: Any, trace: Trace, out: Path) -> None:
     """Draw the signals of ``signals.csv`` into a file whose bytes depend only on the record (fixed ids, no date)."""
-    header, rows = signal_table(scenario, trace)
+    header, rows = drawn_table(scenario, trace)
     by_unit: dict[str, list[int]] = {}
     for column, unit in enumerate(signal_units(scenario, trace).values()):
         by_unit.setdefault(unit, []).append(column)
