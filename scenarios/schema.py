@@ -206,7 +206,7 @@ class SensorsTable(Table):
 class EnergyTable(Table):
     """Coefficients of eq. (5) of the IPFC paper."""
 
-    xi_m: Positive
+    xi_m: Annotated[float, Field(gt=0, le=1)]
     xi_b: Number
     auxiliary_power_kw: NotNegative
 

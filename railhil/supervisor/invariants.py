@@ -69,7 +69,9 @@ def broken(scenario: Scenario, trace: Trace) -> list[str]:
         found += _commanded_traction(trace)
     if not _is_out_of_step(scenario):
         found += _left_early_by_controller(trace, items, unseen)
-    if has_watch and trace.count(TrnWatch.PORT):
+    if has_watch and not trace.count(TrnWatch.PORT):
+        found.append(f"{UNCLEAR}no TRN_WATCH, so the level of the train's watch is not known")
+    elif has_watch:
         found += [*_applied_traction(scenario, trace), *_overspeed(scenario, trace)]
         found += _left_early_by_train(trace, items, unseen)
     return found
