@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from hil_tests.cli.conftest import Railhil
+from hil_tests.support.cli import complaint
 from hil_tests.support.short_runs import RUN_2M_TOML
 from railhil import library
 from railhil.cli.bus_run import report_line
@@ -92,11 +93,36 @@ def test_a_list_or_certificate_that_is_gone_is_missed(copy: Path, name: str) -> 
             read(copy)
 
 
-def test_what_was_made_from_the_record_may_be_left_away(copy: Path) -> None:
-    wanted = checked_record(str(copy), None).score
-    for name in ("frames.blf", "signals.csv", "events.csv", "report.html", "telemetry.json"):
-        (copy / name).unlink()
-    assert checked_record(str(copy), None).score == wanted
+@pytest.mark.parametrize("name", sorted({*_FILES} - {HASH_LIST, "certificate.json", "frames.log"}))
+def test_a_listed_file_that_is_gone_is_missed(copy: Path, name: str) -> None:
+    (copy / name).unlink()
+    for read in _READERS.values():
+        with pytest.raises(InputError, match=f"{name}: sha256: found no such file"):
+            read(copy)
+
+
+def test_a_folder_made_before_the_lists_is_read_as_far_as_it_goes(earlier: Path) -> None:
+    wanted = checked_record(str(earlier), None).score
+    for name in ("frames.blf", "signals.csv", "events.csv", "report.html", "telemetry.json", "score.json"):
+        (earlier / name).unlink()
+    assert checked_record(str(earlier), None).score == wanted
+
+
+def test_a_certificate_removed_with_its_line_is_missed(here: Railhil, copy: Path) -> None:
+    (copy / "certificate.json").unlink()
+    write_hash_list(copy)
+    found = here("verify", copy)
+    assert found.exit_code == 1
+    assert "SHA256SUMS: no line of certificate.json" in found.out
+    assert "certificate.json: file: found no such file" in complaint(here("score", copy))
+
+
+def test_a_document_that_denies_its_list_is_refused(copy: Path) -> None:
+    _edit(copy / "certificate.json", lambda document: document.pop("hash_list"))
+    write_hash_list(copy, only=[name for name in listed_files(copy) if name != "certificate.json"])
+    for read in _READERS.values():
+        with pytest.raises(InputError, match=r"SHA256SUMS: file: found no line of certificate.json"):
+            read(copy)
 
 
 def test_a_named_scenario_does_not_hide_an_edited_file(made: Path, tmp_path: Path) -> None:
@@ -162,6 +188,7 @@ def test_a_list_of_more_than_its_folder_is_refused(copy: Path) -> None:
 
 def test_a_new_report_is_listed_and_a_signed_one_kept(here: Railhil, copy: Path) -> None:
     (copy / "report.html").unlink()
+    write_hash_list(copy)
     assert here("report", copy).exit_code == 0
     assert checked_record(str(copy), None).certificate
     (copy / SIGNATURE).write_text("a signature")

@@ -97,7 +97,9 @@ def test_another_version_and_a_changed_scenario_are_said_first(here: Railhil, co
     changed.unlink()
     assert "scenario.json is used" in here("rerun", copy).out
     (copy / "scenario.json").unlink()
-    assert "short.toml" in complaint(here("rerun", copy))
+    assert "scenario.json: sha256: found no such file" in complaint(here("rerun", copy))
+    alone = shutil.copy(copy / "certificate.json", tmp_path / "alone.json")
+    assert "short.toml" in complaint(here("rerun", alone))
 
 
 def test_without_the_log_only_the_hash_is_compared(here: Railhil, copy: Path, tmp_path: Path) -> None:

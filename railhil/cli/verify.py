@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -14,6 +14,7 @@ from railhil.common.output import Output
 from railhil.common.streams import add_json_argument, print_json
 from railhil.dbc import ContractError
 from railhil.supervisor.documents import CERTIFICATE
+from railhil.supervisor.framelog import LOG_NAME
 from railhil.supervisor.hash_list import DOCUMENTS, HASH_LIST, Changed, changed_files, listed_files, read_hash_list
 from railhil.supervisor.record import checked_record
 from railhil.supervisor.signature import KEY, Signed, signed
@@ -103,6 +104,8 @@ def _look(folder: Path, place: str, seen: _Found) -> None:
             changed = list(changed_files(folder, hashes))
             seen.problems += [f"{place}{one.sentence}" for one in changed]
             seen.files += len(hashes) - len(changed)
+            if missed := _missed_document(hashes):
+                seen.problems.append(f"{place}{missed}")
             more = [name for name in listed_files(folder) if name not in hashes]
             seen.unchecked += [f"{place}{name}: not in {HASH_LIST}" for name in more]
         if _has_certificate(folder) and not changed:
@@ -114,6 +117,12 @@ def _look(folder: Path, place: str, seen: _Found) -> None:
         if name.endswith(_END) and (folder / name).is_file():
             below = name.removesuffix(HASH_LIST)
             _look(folder / below, f"{place}{below}", seen)
+
+
+def _missed_document(hashes: Mapping[str, str]) -> str:
+    """That a list lacks the document which every folder of its kind has; empty: it has it."""
+    wanted = (CERTIFICATE,) if LOG_NAME in hashes else DOCUMENTS
+    return "" if any(name in hashes for name in wanted) else f"{HASH_LIST}: no line of {' or '.join(wanted)}"
 
 
 def _has_certificate(folder: Path) -> bool:

@@ -164,9 +164,9 @@ def check_document(folder: Path, name: str, document: Mapping[str, Any] | None) 
     """
     hashes = read_hash_list(folder)
     if hashes is None or name not in hashes:
-        if document is not None and document.get(HASH_LIST_KEY):
+        if document is not None and (hashes is not None or document.get(HASH_LIST_KEY)):
             found = Words(_MISSING if hashes is None else f"no line of {name}")
-            raise InputError(folder / HASH_LIST, "file", found, f"the list of the folder's files that {name} names")
+            raise InputError(folder / HASH_LIST, "file", found, f"the list of the folder's files, with {name}")
         return {}
     for changed in changed_files(folder, {name: hashes[name]}):
         raise changed.error(folder)
@@ -176,10 +176,7 @@ def check_document(folder: Path, name: str, document: Mapping[str, Any] | None) 
 def check_hash_list(folder: Path, name: str, document: Mapping[str, Any] | None) -> None:
     """As :func:`check_document`, for every file of the folder.
 
-    A file that is missing has not been changed: what a reader falls back on is covered by the document itself.
-
-    :raises InputError: the first file that is not as listed, or the document or the list is gone.
+    :raises InputError: the first file that is not as listed or missing, or the document or the list is gone.
     """
     for changed in changed_files(folder, check_document(folder, name, document)):
-        if not changed.is_missing:
-            raise changed.error(folder)
+        raise changed.error(folder)

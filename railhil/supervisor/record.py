@@ -130,6 +130,9 @@ def checked_record(text: str, name: str | None) -> Record:
     if own is not None:
         trace, notes, timed = trace_of(own.frames, contract), own.notes, own.frames
     if own is not None and wanted != own.sha256:
+        if name is None and wanted is None:
+            key, missing = ("frames_sha256", "no such key") if document else ("file", "no such file")
+            raise InputError(log.parent / CERTIFICATE, key, Words(missing), _BESIDE)
         if name is None:
             raise InputError(log, "sha256", found, f"{wanted} ({CERTIFICATE} beside it): a log that nobody changed")
         other = ""
