@@ -54,6 +54,19 @@ def copy(made: Path, tmp_path: Path) -> Path:
     return Path(shutil.copytree(made, tmp_path / "copy"))
 
 
+@pytest.fixture(scope="module")
+def run_of_shipped(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of a run of a shipped scenario with a fault."""
+    folder = tmp_path_factory.mktemp("shipped") / "run"
+    return library.run("lvshun_tieshan", faults=["TRN_SPEED loss 30% @0s"], out=folder).folder
+
+
+@pytest.fixture
+def shipped(run_of_shipped: Path, tmp_path: Path) -> Path:
+    """A copy of that folder."""
+    return Path(shutil.copytree(run_of_shipped, tmp_path / "shipped"))
+
+
 @pytest.fixture
 def earlier(copy: Path) -> Path:
     """The same as it was written before there were lists of hashes."""
@@ -164,6 +177,32 @@ def test_a_certificate_is_compared_with_what_lies_beside_it(
             InputError, match=r"certificate.json: handshake: found .*PLT_IDENT, CTL_IDENT and SUP_IDENT"
         ):
             checked_record(str(earlier), None)
+
+
+@pytest.mark.parametrize(
+    ("keys", "words"),
+    [
+        ({"faults": ["TRN_SPEED loss 30% @0s", "TRN_SPEED loss 100% @20s for 1s"]}, "faults: .*loss 100%"),
+        ({"settings": ["train.mass_kg=200000"]}, "scenario, settings, faults: .*train.mass_kg"),
+        ({"faults": []}, "scenario, settings, faults: "),
+        ({"scenario_sha256": "0" * 64}, "scenario_sha256: "),
+    ],
+)
+def test_what_was_run_is_derived_again(shipped: Path, keys: dict[str, object], words: str) -> None:
+    (shipped / "score.json").unlink()
+    _edit(shipped / "certificate.json", lambda document: document.update(keys))
+    write_hash_list(shipped)
+    for read in _READERS.values():
+        with pytest.raises(InputError, match=f"certificate.json: {words}.*PLT_IDENT"):
+            read(shipped)
+
+
+def test_an_edited_scenario_with_a_renewed_list_is_noticed(copy: Path) -> None:
+    _edit(copy / "scenario.json", lambda document: document.update(sha256="0" * 64))
+    write_hash_list(copy)
+    for read in _READERS.values():
+        with pytest.raises(InputError, match=r"scenario.json: sha256: "):
+            read(copy)
 
 
 def test_a_scaled_port_table_is_noticed_without_a_list(earlier: Path) -> None:

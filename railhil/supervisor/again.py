@@ -18,6 +18,7 @@ from railhil.supervisor.documents import CERTIFICATE, read_certificate
 from railhil.supervisor.folder import code_sha256
 from railhil.supervisor.framelog import BLF_SUFFIX, log_sha256
 from railhil.supervisor.hash_list import HASH_LIST
+from railhil.supervisor.record import checked_record
 
 _CERTIFICATE = "a run folder with its certificate, or certificate.json"
 
@@ -61,7 +62,9 @@ def recorded(text: str, fmu: PlantFmu | None = None) -> Recorded:
     if not wanted:
         raise InputError(path, "frames_sha256", Words("no such key"), _CERTIFICATE)
     log = next((log for log in _logs(path.parent) if log.is_file()), None)
-    if log is not None or (path.parent / HASH_LIST).is_file():
+    if log is not None:
+        checked_record(str(log), None)
+    elif (path.parent / HASH_LIST).is_file():
         # A certificate can be kept or sent alone.
         check_folder(path.parent, document)
     if log is not None and (found := log_sha256(log)) != wanted:

@@ -15,11 +15,13 @@ from typing import Any, Final
 from railhil.bus.ident import CtlIdent, Ident, PltIdent, Role, SupIdent, make_ident
 from railhil.common.errors import InputError, Words
 from railhil.dbc import PORTS, recorded_contract
+from railhil.scenarios.canonical import injected
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import DEFAULT, system_named
 from railhil.supervisor.documents import CERTIFICATE, SCORE, read_score
 from railhil.supervisor.fault_report import logged_outcomes
+from railhil.supervisor.folder import code_sha256
 from railhil.supervisor.hash_list import check_hash_list
 from railhil.supervisor.trace import Trace
 
@@ -99,6 +101,7 @@ def check_record(folder: Path, document: Mapping[str, Any], scenario: AnyScenari
     sup, plant = trace.ident(SupIdent), trace.ident(PltIdent)
     if "controller" in document and plant is not None:
         spec = RunSpec.from_json({**document, "plant_fmu": None}, path)
+        _check_described(path, document, spec, scenario)
         own = make_ident(Role.SUPERVISOR, scenario.sha256, **spec.identity, contract=trace.contract)
         said: list[str] = []
         for ident in (plant, trace.ident(CtlIdent), sup):
@@ -115,6 +118,38 @@ def check_record(folder: Path, document: Mapping[str, Any], scenario: AnyScenari
         found = next((row for row in certified if row["number"] == one.number), None)
         if found is None or {key: found[key] for key in _LOGGED} != wanted:
             raise InputError(path, f"injected {one.number}", found, f"{wanted}, as in the logs of the faults beside it")
+
+
+def _check_described(path: Path, document: Mapping[str, Any], spec: RunSpec, scenario: AnyScenario) -> None:
+    """Check what the certificate says was run against the scenario whose hash ``PLT_IDENT`` in the record has.
+
+    A scenario of the user's may have changed since or be elsewhere, and a shipped one be another in another version:
+    then only the faults, which the scenario of the record lists, can be compared.
+
+    :raises InputError: the certificate describes another scenario.
+    """
+    allowed = f"that of {PltIdent.PORT} in the record"
+    wanted = document.get("scenario_sha256")
+    if wanted is not None and wanted != scenario.sha256:
+        raise InputError(path, "scenario_sha256", wanted, f"{scenario.sha256}, {allowed}")
+    was = injected(scenario.faults)
+    for text, fault in zip(spec.faults, injected(spec.faults), strict=True):
+        if fault not in was:
+            raise InputError(path, "faults", text, f"a fault of the scenario with the hash {allowed}")
+    try:
+        derived = spec.load().sha256
+        said = f"hash {derived[:8]}"
+    except InputError as error:
+        derived, said = "", str(error)
+    if derived != scenario.sha256 and not spec.scenario.endswith(".toml") and _is_by_this_code(document, scenario):
+        found = Words(f"{' '.join(spec.scenario_words)}: {said}")
+        raise InputError(path, "scenario, settings, faults", found, f"{scenario.sha256[:8]}, {allowed}")
+
+
+def _is_by_this_code(document: Mapping[str, Any], scenario: AnyScenario) -> bool:
+    """Whether the shipped scenarios of the record are those of this installation."""
+    ours = {"code_sha256": code_sha256(), "system_sha256": system_named(scenario.system).code_sha256()}
+    return all(document.get(key) == value for key, value in ours.items())
 
 
 def _differences(ident: Ident, own: Ident) -> list[str]:

@@ -117,8 +117,8 @@ def checked_record(text: str, name: str | None) -> Record:
     :raises InputError: one line for the first inconsistency.
     """
     log = log_path(text)
-    scenario = _recorded_scenario(log, name)
     document, changed = _certificate(log, name)
+    scenario = _recorded_scenario(log, name)
     _check_judged(log, scenario, document, name)
     contract = recorded_contract(log.parent, document.get("dbc_sha256"), system_named(scenario.system).contract)
     wanted, found = document.get("frames_sha256"), log_sha256(log)
