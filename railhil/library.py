@@ -144,7 +144,7 @@ def _outcome(record: Record, found: Score, events: tuple[RecordedEvent, ...]) ->
         document["signed"],
         record.certificate,
         record.trace,
-        record.notes,
+        record.remarks(found),
         events,
     )
 

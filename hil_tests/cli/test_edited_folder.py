@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+import xml.etree.ElementTree as ET
 from collections.abc import Callable
 from pathlib import Path
 
@@ -195,6 +196,52 @@ def test_what_was_run_is_derived_again(shipped: Path, keys: dict[str, object], w
     for read in _READERS.values():
         with pytest.raises(InputError, match=f"certificate.json: {words}.*PLT_IDENT"):
             read(shipped)
+
+
+def test_another_verdict_in_the_certificate_is_said(here: Railhil, copy: Path) -> None:
+    found = checked_record(str(copy), None).score.verdict
+    other = {"PASS": "FAIL", "FAIL": "PASS"}[found]
+    for name in ("score.json", "junit.xml"):
+        (copy / name).unlink()
+    _edit(copy / "certificate.json", lambda document: document.update(verdict=other))
+    write_hash_list(copy)
+    said = f"says {other}, the record gives {found}"
+    assert said in " ".join(here("score", copy).out.split())
+    assert said in here("score", copy, "--json").json["notes"][0]
+    verified = here("verify", copy, "--json")
+    assert (verified.exit_code, len(verified.json["remarks"])) == (0, 1)
+    assert said in library.open_run(copy).notes[0]
+    assert said in RecordedRuns([str(copy)]).header()["runs"][0]["facts"]["verdict"]
+
+
+@pytest.mark.parametrize("change", ["a failure more", "another number"])
+def test_cases_that_contradict_their_junit_file_are_noticed(copy: Path, change: str) -> None:
+    path = copy / "junit.xml"
+    tree = ET.parse(path)
+    suite = tree.getroot()
+    if change == "another number":
+        suite.set("failures", str(int(suite.attrib["failures"]) + 1))
+    else:
+        ET.SubElement(suite[-1], "failure", message="invented")
+    tree.write(path, encoding="unicode", xml_declaration=True)
+    write_hash_list(copy)
+    for read in _READERS.values():
+        with pytest.raises(InputError, match=r"junit.xml: failures: "):
+            read(copy)
+
+
+def test_a_failed_case_contradicts_the_verdict_pass(copy: Path) -> None:
+    path = copy / "junit.xml"
+    tree = ET.parse(path)
+    suite = tree.getroot()
+    ET.SubElement(suite[-1], "failure", message="invented")
+    suite.set("failures", str(sum(1 for _ in suite.iter("failure"))))
+    next(one for one in suite.iter("property") if one.get("name") == "verdict").set("value", "PASS")
+    tree.write(path, encoding="unicode", xml_declaration=True)
+    write_hash_list(copy)
+    for read in _READERS.values():
+        with pytest.raises(InputError, match=r"junit.xml: failures: .*verdict PASS"):
+            read(copy)
 
 
 def test_an_edited_scenario_with_a_renewed_list_is_noticed(copy: Path) -> None:

@@ -69,6 +69,7 @@ def test_an_unsigned_run_says_so(here: Railhil, short: Path, tmp_path: Path) -> 
         "files": len((run / HASH_LIST).read_text().splitlines()),
         "problems": [],
         "not_checked": [],
+        "remarks": [],
         "signature": "unsigned",
         "signed_by": None,
     }

@@ -288,7 +288,7 @@ def test_bad_input_is_one_line(site: Path, words: tuple[str, ...], said: str, tm
 def test_a_record_whose_system_is_not_installed_is_refused(recorded: Path, tmp_path: Path) -> None:
     done = railhil(tmp_path, "score", str(recorded))
     assert done.returncode == 2
-    assert "scenario.json: system: found 'two_carts', allowed one that is installed: ato" in done.stderr
+    assert "certificate.json: system: found 'two_carts', allowed one that is installed: ato" in done.stderr
 
 
 def test_a_gain_that_could_wrap_is_refused_in_fixed_point(site: Path, tmp_path: Path) -> None:

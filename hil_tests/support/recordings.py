@@ -8,6 +8,7 @@ import xml.etree.ElementTree as ET
 from pathlib import Path
 
 from railhil.bench import local_run
+from railhil.scenarios.load import load, names
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.supervisor.documents import read_certificate
@@ -28,7 +29,7 @@ def recorded_folder(scenario: Scenario, folder: Path, *, seed: int = 0, arithmet
     """One run in this process; its folder has the same files as that of the command."""
     folder.mkdir()
     write_inputs(folder, scenario, None)
-    spec = RunSpec(scenario.name, law=LawSpec(arithmetic=arithmetic), seed=seed)
+    spec = RunSpec(_named(scenario), law=LawSpec(arithmetic=arithmetic), seed=seed)
     run = local_run(scenario, folder, spec)
     write_json(folder / "telemetry.json", run.telemetry)
     result = RunResult(
@@ -49,6 +50,12 @@ def recorded_folder(scenario: Scenario, folder: Path, *, seed: int = 0, arithmet
     write_folder(folder, scenario, spec, StartUp(), result, run.trace, [])
     certificate = read_certificate(folder) or {}
     return recorded_run(folder, certificate, scenario, run.trace, run.score, events=result.events)
+
+
+def _named(scenario: Scenario) -> str:
+    """As a command line would name it: one that is not shipped is a file of the user's."""
+    is_shipped = scenario.name in names() and load(scenario.name).sha256 == scenario.sha256
+    return scenario.name if is_shipped else f"{scenario.name}.toml"
 
 
 def tampered(folder: Path, address: int, number: int, byte: int) -> int:

@@ -51,8 +51,8 @@ def work(namespace: argparse.Namespace) -> int:
         folders += [path] if compared is None else [path / row["folder"] for row in compared["runs"]]
         notes += [] if compared is None else compared.get("notes", [])
     records = [checked_record(str(folder), namespace.scenario) for folder in folders]
-    notes += [note for record in records for note in record.notes]
     runs = [_run(record) for record in records]
+    notes += [note for record, run in zip(records, runs, strict=True) for note in record.remarks(run.score)]
     first = runs[0].scenario
     for folder, run in zip(folders, runs, strict=True):
         if any_judged_sha256(run.scenario) != any_judged_sha256(first):

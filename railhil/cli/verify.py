@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -38,11 +38,13 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 
 @dataclass
 class _Found:
-    """What was looked at: files that are as listed; what is wrong, and what could not be checked, a sentence each."""
+    """What was looked at: files that are as listed; what is wrong, what could not be checked, and what is to be known
+    of what is right, a sentence each."""
 
     files: int = 0
     problems: list[str] = field(default_factory=list)
     unchecked: list[str] = field(default_factory=list)
+    remarks: list[str] = field(default_factory=list)
 
 
 def work(namespace: argparse.Namespace) -> int:
@@ -61,7 +63,7 @@ def work(namespace: argparse.Namespace) -> int:
         print_json(_document(seen, said, signature))
         return FAIL if seen.problems else PASS
     console = Output()
-    for line in seen.unchecked:
+    for line in (*seen.unchecked, *seen.remarks):
         console.say(line, style="bold yellow")
     for line in seen.problems:
         console.say(line, style="red")
@@ -84,6 +86,7 @@ def _document(seen: _Found, said: str, signature: Signed | None) -> dict[str, An
         "files": seen.files,
         "problems": seen.problems,
         "not_checked": seen.unchecked,
+        "remarks": seen.remarks,
         "signature": said,
         "signed_by": None if signature is None or not signature.by else signature.by,
     }
@@ -109,7 +112,7 @@ def _look(folder: Path, place: str, seen: _Found) -> None:
             more = [name for name in listed_files(folder) if name not in hashes]
             seen.unchecked += [f"{place}{name}: not in {HASH_LIST}" for name in more]
         if _has_certificate(folder) and not changed:
-            seen.problems += _record(folder)
+            _look_at_record(folder, seen)
     except InputError as error:
         seen.problems.append(str(error))
         return
@@ -129,9 +132,10 @@ def _has_certificate(folder: Path) -> bool:
     return (folder / CERTIFICATE).is_file()
 
 
-def _record(folder: Path) -> Iterator[str]:
-    """Why log, certificate and what lies beside them do not belong together."""
+def _look_at_record(folder: Path, seen: _Found) -> None:
+    """Whether log, certificate and what lies beside them belong together."""
     try:
-        checked_record(str(folder), None)
+        record = checked_record(str(folder), None)
+        seen.remarks += record.remarks(record.score)
     except (InputError, ContractError) as error:
-        yield str(error)
+        seen.problems.append(str(error))

@@ -183,10 +183,11 @@ def _names(records: Sequence[Record]) -> list[str]:
 
 
 def _verdict(name: str, record: Record) -> str:
-    verdict = "INVALID" if record.invalid else record.score.verdict
+    score = record.score
+    verdict = "INVALID" if record.invalid else score.verdict
     missed = record.trace.missed_polls
     said = f"{name}: {verdict}, {missed} of {record.trace.polls} polls missed ({Path(record.log).parent.name})"
-    return "; ".join((said, *record.notes))
+    return "; ".join((said, *record.remarks(score)))
 
 
 def _event(event: RecordedEvent, run: str) -> dict[str, Any]:

@@ -48,7 +48,7 @@ def check_folder(folder: Path, document: Mapping[str, Any] | None) -> None:
     if document is None:
         return
     if (folder / PORTS).is_file():
-        system = system_named(str(document.get("system") or DEFAULT))
+        system = system_named(str(document.get("system") or DEFAULT), folder / CERTIFICATE)
         recorded_contract(folder, document.get("dbc_sha256"), system.contract)
     for other, key, found, certified in (*_score(folder, document), *_junit(folder, document)):
         if found != certified:
@@ -81,15 +81,32 @@ def _junit(folder: Path, document: Mapping[str, Any]) -> Iterator[tuple[str, str
     if not path.is_file():
         return
     try:
-        properties = {entry.get("name"): entry.get("value") for entry in ET.parse(path).iter("property")}
+        tree = ET.parse(path)
     except (ET.ParseError, OSError) as error:
         raise InputError(path, "file", Words(str(error)), "what railhil run has written") from None
+    properties = {entry.get("name"): entry.get("value") for entry in tree.iter("property")}
+    _check_cases(path, tree.getroot(), properties.get("verdict"))
     for key in _OF_JUNIT:
         if key in properties and key in document:
             yield JUNIT, key, properties[key], str(document[key])
     label, controller = properties.get("controller"), document.get("controller")
     if label is not None and controller is not None and not label.startswith(str(controller)):
         yield JUNIT, "controller", label, controller
+
+
+def _check_cases(path: Path, suite: ET.Element, verdict: str | None) -> None:
+    """Check the cases of ``junit.xml`` against their numbers and its verdict.
+
+    A run may be FAIL for a reason that is no case, such as a lost controller.
+
+    :raises InputError: they contradict each other.
+    """
+    for key in ("failures", "errors"):
+        said, found = suite.get(key), sum(1 for _ in suite.iter(key.removesuffix("s")))
+        if said is not None and said != str(found):
+            raise InputError(path, key, said, f"{found}, the cases that have one")
+        if found and verdict in (("PASS",) if key == "failures" else ("PASS", "FAIL")):
+            raise InputError(path, key, found, f"0 with the verdict {verdict}")
 
 
 def check_record(folder: Path, document: Mapping[str, Any], scenario: AnyScenario, trace: Trace) -> None:

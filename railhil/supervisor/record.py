@@ -59,6 +59,16 @@ class Record:
         injected = fault_events(self.certificate.get("injected", ()), self.trace.end_s)
         return events_of(self.scenario, self.trace, injected)
 
+    def remarks(self, found: Score) -> tuple[str, ...]:
+        """:attr:`notes`, and that the certificate has another verdict than the score of the record.
+
+        Another version may have judged otherwise, so this is no error.
+        """
+        certified = self.certificate.get("verdict")
+        if self.invalid or certified in (None, found.verdict):
+            return self.notes
+        return (*self.notes, f"{CERTIFICATE} of {self.log.parent} says {certified}, the record gives {found.verdict}")
+
     @property
     def score(self) -> Score:
         """The score of the record, with the expectations of its faults."""
