@@ -17,10 +17,9 @@ from railhil.campaign.results_table import NotThePart, column_of, numbers, read_
 from railhil.common.digits import percent
 from railhil.common.errors import InputError, Words
 from railhil.scenarios.stored import any_judged_sha256
-from railhil.supervisor.hash_list import check_hash_list, listed_file
+from railhil.supervisor.hash_list import REPORT, check_hash_list, listed_file
 from railhil.supervisor.report.assets import as_json, scripts, styles_text
 from railhil.supervisor.report.distribution import Spread, charted, limits_of, picture
-from railhil.supervisor.report.recorded import REPORT
 from railhil.supervisor.report.styles import styles
 from railhil.supervisor.report.templates import template
 

@@ -259,7 +259,7 @@ def as_recorded(folder: Path, run: Run | LocalRun, result: RunResult) -> Recorde
 def report_line(runs: Sequence[RecordedRun], folder: Path, notes: Sequence[str] = ()) -> str:
     """Write ``report.html``; returns the line that says where, or why there is none. The record is complete without
     it."""
-    from railhil.supervisor.report.recorded import REPORT
+    from railhil.supervisor.hash_list import REPORT
 
     try:
         with undocumented_matplotlib():

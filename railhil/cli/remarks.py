@@ -5,8 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 from railhil.scenarios.model import AnyScenario
+from railhil.supervisor.hash_list import REPORT
 from railhil.supervisor.judging import judging_of
-from railhil.supervisor.report.recorded import REPORT, RecordedRun
+from railhil.supervisor.report.recorded import RecordedRun
 
 
 def assumed(scenario: AnyScenario, folder: Path, verbose: bool) -> list[str]:

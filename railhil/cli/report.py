@@ -13,9 +13,9 @@ from railhil.common.output import Output
 from railhil.scenarios.stored import any_judged_sha256
 from railhil.supervisor.documents import COMPARISON, read_comparison
 from railhil.supervisor.errors import not_written
-from railhil.supervisor.hash_list import check_hash_list
+from railhil.supervisor.hash_list import REPORT, check_hash_list
 from railhil.supervisor.record import Record, checked_record
-from railhil.supervisor.report.recorded import REPORT, RecordedRun, recorded_run
+from railhil.supervisor.report.recorded import RecordedRun, recorded_run
 
 #: The file by which the folder of a campaign is known.
 _CAMPAIGN = "campaign.json"

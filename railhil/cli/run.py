@@ -207,7 +207,7 @@ def work(namespace: argparse.Namespace) -> int:
     # Loaded while the nodes ended.
     from railhil.cli.show_run import print_result
     from railhil.supervisor.folder import score_json
-    from railhil.supervisor.report.recorded import REPORT
+    from railhil.supervisor.hash_list import REPORT
 
     found = as_recorded(folder, run, result)
     report = "" if namespace.no_report else report_line([found], folder)

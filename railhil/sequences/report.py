@@ -19,10 +19,10 @@ from railhil.sequences.pictures import pictures
 from railhil.sequences.plan import Plan
 from railhil.sequences.show import converged
 from railhil.sequences.table import memories
-from railhil.supervisor.hash_list import listed_file
+from railhil.supervisor.hash_list import REPORT, listed_file
 from railhil.supervisor.report.assets import styles_text
 from railhil.supervisor.report.figures import Picture
-from railhil.supervisor.report.recorded import REPORT, RecordedRun
+from railhil.supervisor.report.recorded import RecordedRun
 from railhil.supervisor.report.templates import template
 
 

@@ -25,6 +25,8 @@ from railhil.supervisor.framelog import sha256_of
 HASH_LIST, SIGNATURE = "SHA256SUMS", "SHA256SUMS.sig"
 #: Documents that mark a folder as complete, of every kind of folder that has a list.
 DOCUMENTS: Final = ("certificate.json", "compare.json", "campaign.json", "learn.json", "sequence.json", "faults.json")
+#: The page of a folder.
+REPORT: Final = "report.html"
 #: Key of certificates and manifests: the name of the list.
 HASH_LIST_KEY: Final = "hash_list"
 _LINE = re.compile(r"([0-9a-f]{64})  ([^\n]+)\n")
@@ -179,4 +181,6 @@ def check_hash_list(folder: Path, name: str, document: Mapping[str, Any] | None)
     :raises InputError: the first file that is not as listed or missing, or the document or the list is gone.
     """
     for changed in changed_files(folder, check_document(folder, name, document)):
-        raise changed.error(folder)
+        # A page that was deleted says nothing, and is made again from the rest.
+        if not (changed.is_missing and changed.name == REPORT):
+            raise changed.error(folder)

@@ -14,7 +14,7 @@ from railhil.common.choices import USUAL_SCENARIO
 from railhil.common.errors import InputError, Words
 from railhil.run_arguments import bus_words, checked_spec, placed, spec_of
 from railhil.supervisor.documents import CERTIFICATE
-from railhil.supervisor.report.recorded import REPORT
+from railhil.supervisor.hash_list import REPORT
 from railhil.testing.live import Live
 from railhil.testing.result import Run
 from railhil.testing.settings import Settings

@@ -11,7 +11,7 @@ from urllib.parse import quote
 
 from railhil.scenarios.model import watch_sentence
 from railhil.scenarios.system import system_named
-from railhil.supervisor.hash_list import listed_file
+from railhil.supervisor.hash_list import REPORT, listed_file
 from railhil.supervisor.judging import judging_of
 from railhil.supervisor.report import jitter_panel as timing
 from railhil.supervisor.report.assets import as_json, scripts, styles_text
@@ -20,7 +20,7 @@ from railhil.supervisor.report.events_panel import event_rows, has_unusual
 from railhil.supervisor.report.explore import explored
 from railhil.supervisor.report.facts import facts, without_paths
 from railhil.supervisor.report.figures import Panel, pictures
-from railhil.supervisor.report.recorded import REPORT, RecordedRun, told_apart
+from railhil.supervisor.report.recorded import RecordedRun, told_apart
 from railhil.supervisor.report.score_table import better_sentence, rows
 from railhil.supervisor.report.templates import template
 

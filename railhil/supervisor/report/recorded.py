@@ -24,8 +24,6 @@ from railhil.supervisor.sampled import gap_after, holding_s, silences
 from railhil.supervisor.score import Score
 from railhil.supervisor.trace import FloatArray, Trace
 
-#: Name of the report in the folder of a run or of a comparison.
-REPORT = "report.html"
 #: A curve needs two points.
 _POINTS_MIN = 2
 
