@@ -21,6 +21,7 @@ import numpy as np
 import numpy.typing as npt
 
 from railhil.bus.codes import CtlMode
+from railhil.bus.ident import PltIdent
 from railhil.bus.telegrams import NotchCmd, SimTruth, TrnPos, TrnSpeed, TrnWatch
 from railhil.faults.parsed import parsed
 from railhil.scenarios.model import Scenario
@@ -69,11 +70,12 @@ def broken(scenario: Scenario, trace: Trace) -> list[str]:
         found += _commanded_traction(trace)
     if not _is_out_of_step(scenario):
         found += _left_early_by_controller(trace, items, unseen)
-    if has_watch and not trace.count(TrnWatch.PORT):
-        found.append(f"{UNCLEAR}no TRN_WATCH, so the level of the train's watch is not known")
-    elif has_watch:
+    if has_watch and trace.count(TrnWatch.PORT):
         found += [*_applied_traction(scenario, trace), *_overspeed(scenario, trace)]
         found += _left_early_by_train(trace, items, unseen)
+    elif has_watch and trace.count(PltIdent.PORT):
+        # A run without a bus has neither.
+        found.append(f"{UNCLEAR}no TRN_WATCH, so the level of the train's watch is not known")
     return found
 
 

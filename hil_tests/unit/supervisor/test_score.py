@@ -50,7 +50,6 @@ def record(
 ) -> Trace:
     """A record with a SIM_TRUTH at each moment, and perhaps another one at the same instant."""
     trace = Trace()
-    trace.add(TrnWatch.PORT, 0, TrnWatch().encode())
     for ms in moments_ms:
         values = {"position_01mm": position_01mm(ms), "speed_01mmps": speed_01mmps(ms), **truth(ms)}
         trace.add(SimTruth.PORT, ms * 1_000_000, SimTruth(**values).encode())
