@@ -125,6 +125,7 @@ class MemoryFaults:
 
 def _figures(rows: list[list[OneRun]]) -> dict[str, float | None]:
     """Figures of the runs after a fault."""
+    from railhil.batch.statistics import at_most
     from railhil.sequences.summary import runs_to_converge
 
     errors = np.array([[run.score.signed["stop_error_m"] for run in row] for row in rows], dtype=np.float64)
@@ -134,8 +135,8 @@ def _figures(rows: list[list[OneRun]]) -> dict[str, float | None]:
         ERROR: _known(np.mean(errors[:, 0])),
         WORST_AT_ONCE: _known(np.max(sizes[:, 0])),
         WORST: _known(np.max(sizes)),
-        RECOVERED: _known(np.quantile(needed, 0.5, method="higher")),
-        RECOVERED_P90: _known(np.quantile(needed, 0.9, method="higher")),
+        RECOVERED: _known(at_most(needed, 0.5)),
+        RECOVERED_P90: _known(at_most(needed, 0.9)),
         SEEN: float(np.mean([row[0].kept is not None and bool(row[0].kept.refused) for row in rows])),
     }
 

@@ -113,6 +113,7 @@ def measure(outcome: Any) -> dict[str, float | None]:
     """Figures of a set: by the number of the run, over the last third, over all; of damaged memories their own."""
     if not isinstance(outcome, MadeSequences):
         return dict(outcome)
+    from railhil.batch.statistics import at_most
     from railhil.sequences.summary import runs_to_converge, spread, tail_runs
 
     errors = errors_of(outcome.runs)
@@ -132,7 +133,7 @@ def measure(outcome: Any) -> dict[str, float | None]:
     take(errors, of_all)
     needed = runs_to_converge(np.abs(errors), _CONVERGED_M, _IN_A_ROW)
     for name, q in ((names.CONVERGED, 0.5), (names.CONVERGED_P90, 0.9)):
-        value = float(np.quantile(needed, q, method="higher"))
+        value = at_most(needed, q)
         found[name] = value if np.isfinite(value) else None
     found[names.NOT_STOPPED] = float(np.mean(np.isnan(errors)))
     held = np.where(_slides(outcome), np.nan, errors)[:, -tail_runs(runs) :]
