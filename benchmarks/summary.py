@@ -63,7 +63,12 @@ def cell(documents: Sequence[dict[str, Any]], benchmark: str, figure: str) -> st
     ]
     if len(found) != len(documents):
         raise MeasurementError(f"{benchmark} has no figure {figure!r}")
-    return f"{median(found):.3g} ({min(found):.3g} to {max(found):.3g})"
+    return f"{_text(median(found))} ({_text(min(found))} to {_text(max(found))})"
+
+
+def _text(value: float) -> str:
+    """Three digits, without an exponent."""
+    return f"{value:.3g}" if value < 1000 else f"{float(f'{value:.3g}'):,.0f}"
 
 
 def main() -> int:
@@ -78,7 +83,7 @@ def main() -> int:
         for python, done in documents.items():
             done.append(measured(python, given.quick))
     said = Output().say
-    heads = [f"CPython {done[0]['machine']['python']}" for done in documents.values()]
+    heads = [done[0]["machine"]["python"] for done in documents.values()]
     said("| " + " | ".join(["what", *heads]) + " |")
     said("|---" * (1 + len(heads)) + "|")
     for what, (benchmark, figure) in ROWS.items():
