@@ -1,10 +1,11 @@
 """Hashes of every law with the compiled build and without it: ``python -m hil_tests.compiled_build [WORD ...]``
 
-Builds the wheel with mypyc (gcc; some minutes), unpacks it beside this environment's libraries and makes the runs of
-:mod:`hil_tests.uses` and :mod:`hil_tests.hashes` with it and with these sources; a line that differs is printed and
-fails. ``RAILHIL_PURE=1`` is tried with it, a campaign in two processes, which pass compiled objects to each other, and
-whether ``railhil doctor`` and certificates say which build it is. The words are those of :mod:`hil_tests.hashes` (a
-system, ``--sample N --day DAY``); without one all runs are made, and ``uses`` alone leaves out the runs.
+Builds the wheel with mypyc (gcc; some minutes), unpacks it beside this environment's libraries, makes the runs of
+:mod:`hil_tests.hashes` with it, and those of :mod:`hil_tests.uses` with it and with these sources; a line that differs
+from the list of hashes, or from what these sources say, is printed and fails. ``RAILHIL_PURE=1`` is tried with it, a
+campaign in two processes, which pass compiled objects to each other, and whether ``railhil doctor`` and certificates
+say which build it is. The words are those of :mod:`hil_tests.hashes` (a group, ``--sample N --day DAY``); without one
+all runs are made, and ``uses`` alone leaves out the runs.
 
 Exit code: 0 if all lines are equal, 1 if not; 77 without a compiler (one line says why).
 """
@@ -22,7 +23,7 @@ from pathlib import Path
 from subprocess import PIPE, Popen
 
 from hil_tests import uses
-from hil_tests.support.same_lines import HASHES, USES, differences, wheel
+from hil_tests.support.same_lines import HASHES, USES, compare_hashes, compare_lines, wheel
 from hil_tests.support.toy_system import certificate, install_toy
 from railhil.machines import debian
 
@@ -70,9 +71,10 @@ def compared(words: list[str]) -> int:
         environment = _Environment(folder / "site", toy, law)
         wrong = int(not _tells(environment, folder)) + int(not _is_one_campaign(environment, folder))
         here = {**os.environ, "PYTHONPATH": _path(toy, law)}
-        wrong += differences(environment.start([USES], folder), "compiled", [], program=USES, environment=here)
+        ours = Popen([sys.executable, USES], env=here, stdout=PIPE, text=True)
+        wrong += compare_lines(environment.start([USES], folder), ours, "compiled")
         if words != ["uses"]:
-            wrong += differences(environment.start([HASHES, *words], folder), "compiled", words, environment=here)
+            wrong += compare_hashes(environment.start([HASHES, *words], folder), "compiled", "--sample" in words)
     return 1 if wrong else 0
 
 

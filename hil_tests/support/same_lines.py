@@ -1,12 +1,11 @@
-"""Two programs that must print the same lines."""
+"""What two builds must print alike: the hashes of their runs, and what users do."""
 
 from __future__ import annotations
 
 import sys
 import tempfile
-from collections.abc import Mapping
 from pathlib import Path
-from subprocess import PIPE, Popen
+from subprocess import Popen
 
 from hil_tests.support.paths import ROOT
 from railhil.machines import debian
@@ -15,6 +14,8 @@ from railhil.machines import debian
 HASHES = str(ROOT / "hil_tests" / "hashes.py")
 #: Prints what users do; needs the distributions that it names, too.
 USES = str(ROOT / "hil_tests" / "uses.py")
+#: What :data:`HASHES` prints, from the version that last meant to change a frame log.
+FRAMES_SHA256 = ROOT / "hil_tests" / "data" / "frames_sha256.txt"
 
 
 def wheel(folder: Path, variables: dict[str, str] | None = None) -> Path:
@@ -27,26 +28,39 @@ def wheel(folder: Path, variables: dict[str, str] | None = None) -> Path:
     return next(folder.glob("*.whl"))
 
 
-def differences(
-    there: Popen[str],
-    what: str,
-    words: list[str],
-    *,
-    program: str = HASHES,
-    environment: Mapping[str, str] | None = None,
-) -> int:
-    """Compare what the other process prints with what this Python prints for ``program``; returns the exit code.
+def known_hashes() -> dict[str, str]:
+    """SHA-256 of the frame log, or ``refused``, by the name of the run (:mod:`hil_tests.hashes`)."""
+    lines = FRAMES_SHA256.read_text(encoding="utf-8").splitlines()
+    return {name: found for name, _, found in (line.rpartition(" ") for line in lines)}
 
-    :param environment: of this Python; None: that of this process.
+
+def compare_hashes(there: Popen[str], what: str, shown: bool = False) -> int:
+    """Compare the hashes that the other process prints with those of the list; returns the exit code.
+
+    :param shown: print every line, not only those that differ.
     """
+    known = known_hashes()
     equal = different = 0
-    with there, Popen([sys.executable, program, *words], env=environment, stdout=PIPE, text=True) as here:
+    with there:
+        assert there.stdout is not None
+        for line in there.stdout:
+            name, _, found = line.rstrip("\n").rpartition(" ")
+            same = found == known.get(name)
+            equal, different = equal + same, different + (not same)
+            if shown or not same:
+                print(f"{what}: {name} {found}{'' if same else f', in the list {known.get(name)}'}", flush=True)
+    print(f"{equal} equal, {different} different: {what} and {FRAMES_SHA256.name}")
+    return 1 if different or not equal or there.returncode else 0
+
+
+def compare_lines(there: Popen[str], here: Popen[str], what: str) -> int:
+    """Compare what two processes print line by line; returns the exit code."""
+    equal = different = 0
+    with there, here:
         assert there.stdout is not None
         assert here.stdout is not None
         for ours, theirs in zip(here.stdout, there.stdout, strict=True):
             equal += ours == theirs
-            if "--sample" in words:
-                print(f"sample, here and {what}: {ours}", end="", flush=True)
             if ours != theirs:
                 different += 1
                 print(f"here  {ours}{what} {theirs}", end="", flush=True)
