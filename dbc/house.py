@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import re
 import tomllib
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
-from railhil.dbc.contract import PORTS, Contract, ContractError
+from railhil.dbc.contract import PORTS, Contract, ContractError, Port
 from railhil.dbc.read import load_contract, wire_contract
 
 #: Ports that every system has with the same layout: clock, orders, milestones and handshake of the bench itself.
@@ -25,6 +26,22 @@ def house_table() -> str:
         for text in tables
         if not text.startswith("[[port]]") or tomllib.loads(text)["port"][0]["name"] in HOUSE_PORTS
     )
+
+
+def _check_same(file: str, port: Port, house: Port) -> None:
+    """Whether a port of the bench is as in every system; what its comments say is free.
+
+    :raises ContractError: it is not.
+    """
+    for key in ("address", "f_code", "period_ns", "source", "mode", "optional"):
+        found, allowed = getattr(port, key), getattr(house, key)
+        if found != allowed:
+            if key == "period_ns":
+                key, found, allowed = "period_ms", found // 10**6, allowed // 10**6
+            raise ContractError(f"{file}: {port.name}.{key}: found {found}, allowed {allowed}, as in every system")
+    layouts = [[replace(signal, comment="") for signal in one.signals] for one in (port, house)]
+    if layouts[0] != layouts[1]:
+        raise ContractError(f"{file}: {port.name}.signals: found another layout, allowed that of every system")
 
 
 @cache
@@ -56,8 +73,7 @@ def system_contract(path: Path) -> Contract:
     for name in HOUSE_PORTS:
         if name not in names:
             raise ContractError(f"{file}: {name}: found no such port, allowed a table with the ports of every system")
-        if contract.port(name) != house.port(name):
-            raise ContractError(f"{file}: {name}: found another layout, allowed that of every system")
+        _check_same(file, contract.port(name), house.port(name))
     if not any(port.source == "plant" and port.mode == "publish" and port.period_ns for port in contract.ports):
         raise ContractError(f"{file}: port: found none that the plant publishes, allowed at least one")
     clock = contract.clock_port

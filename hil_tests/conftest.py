@@ -23,6 +23,8 @@ from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import RunSpec
 
+#: Its tests belong to distributions, and run where these are installed.
+collect_ignore = ["data"]
 #: Objects made, less those freed, between two collections.
 _GARBAGE = 100_000
 #: A slow test takes as long as so many others.

@@ -37,7 +37,12 @@ def test_railhils_own_table_is_that_of_a_system() -> None:
     ("old", "new", "said"),
     [
         ('name = "SUP_IDENT"', 'name = "SUP_OTHER"', "SUP_IDENT: found no such port"),
-        ('"SupCommand", at = "0.7:8"', '"SupCommand", at = "0.7:7"', "SUP_CMD: found another layout"),
+        ('"SupCommand", at = "0.7:8"', '"SupCommand", at = "0.7:7"', "SUP_CMD.signals: found another layout"),
+        (
+            'period_ms = 1280\nsource = "plant"\nmode = "event"',
+            'period_ms = 0\nsource = "plant"\nmode = "event"',
+            "PLT_IDENT.period_ms: found 0, allowed 1280, as in every system",
+        ),
         ("bit_rate = 500000", "bit_rate = 250000", "bus.bit_rate: found 250000, allowed 500000"),
         ("address = 0x120", "address = 0x110", "UNIT1_CMD.address: found that of UNIT1_STAT"),
         ("f_code = 1\nperiod_ms = 10\n", "f_code = 2\nperiod_ms = 10\n", "UNIT1_STAT: found F2, allowed F1"),
