@@ -28,6 +28,18 @@ def beside(value: float, limit: float, digits: int, sign: str = "", kind: str = 
     return f"{value:{sign}.{_DIGITS_MAX}g}"
 
 
+def count_of(count: int, noun: str, nouns: str = "", spec: str = "") -> str:
+    """A number of things, the noun in the singular for one of them.
+
+    >>> count_of(1, "run"), count_of(2, "entry", "entries"), count_of(1500, "run", spec=",")
+    ('1 run', '2 entries', '1,500 runs')
+
+    :param nouns: the plural, unless it is the noun with an s.
+    :param spec: format of the number.
+    """
+    return f"{count:{spec}} {noun if count == 1 else nouns or noun + 's'}"
+
+
 def percent(share: float, digits: int = 2) -> str:
     """A share of runs in per cent: 100 only for all of them, 0 only for none.
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from railhil.bus.codes import Event
+from railhil.common.digits import count_of
 from railhil.common.exit_codes import FAIL, INVALID, PASS, TOOL_ERROR, USAGE
 from railhil.common.scheduling import said_in
 from railhil.supervisor.fault_report import FaultOutcome, missed_faults
@@ -27,6 +28,7 @@ from railhil.supervisor.senders import Senders
 from railhil.supervisor.status import untold_wrap
 from railhil.supervisor.telemetry import read_origin, read_summary, shown_telemetry
 from railhil.supervisor.trace import Told
+from railhil.supervisor.unseen import UNCLEAR
 
 if TYPE_CHECKING:
     from railhil.supervisor.run import Run
@@ -65,10 +67,11 @@ def result_of(
     timing = _timing(run)
     if timing.missed_polls and counters.get("outages") and not run.spec.is_realtime:
         # The kernel may silently drop frames while an interface goes down.
-        line = line or f"record: {timing.missed_polls} polls without an answer in an outage of the bus"
+        line = line or f"record: {count_of(timing.missed_polls, 'poll')} without an answer in an outage of the bus"
     code = {"PASS": PASS, "FAIL": FAIL}.get(result.verdict, INVALID)
-    if timing.jitter is not None and not timing.jitter.valid and code in (PASS, FAIL):
-        code, line = INVALID, line or "; ".join(filter(None, (timing.jitter.sentence(), timing.pace)))
+    unclear = [said for said in result.failures if said.startswith(UNCLEAR)]
+    if timing.jitter is not None and not timing.jitter.valid and (unclear or code in (PASS, FAIL)):
+        code, line = INVALID, line or "; ".join(filter(None, (*unclear, timing.jitter.sentence(), timing.pace)))
     if code in (PASS, FAIL):
         line = line or missed_faults(faults)
     summary = read_summary(run.folder)

@@ -1,9 +1,10 @@
-"""What a record may lack: telegrams that were on the bus, and that its recorder has missed."""
+"""What a record may lack: telegrams that its recorder has missed, and in real time when a node has taken one."""
 
 from __future__ import annotations
 
 import math
 
+from railhil.bus.ident import PACES, PltIdent
 from railhil.bus.schedule import Schedule
 from railhil.scenarios.model import Scenario
 from railhil.supervisor.events.telegrams import Gap, gaps, outages
@@ -18,6 +19,10 @@ class Unseen:
 
     def __init__(self, scenario: Scenario, trace: Trace) -> None:
         timing = scenario.timing
+        watch = scenario.watch
+        self._ages_ms = (0, watch.hold_ms, watch.traction_cut_ms, watch.service_brake_ms)
+        ident = trace.ident(PltIdent)
+        self._is_realtime = ident is not None and ident.pace == PACES.index("realtime")
         self._schedule = Schedule.from_contract(timing.base_tick_ns, timing.port_period_ns, trace.contract)
         self._trace = trace
         #: Whether the record is known to have all frames.
@@ -34,6 +39,11 @@ class Unseen:
         return sum(
             gap.missing for gap in self._gaps[port] if gap.begun_ns <= until_s * 1e9 and gap.until_ns >= from_s * 1e9
         )
+
+    def lag_s(self, level: int) -> float:
+        """How long after the recorder a node may have taken a telegram, before which it came to a level: in lockstep at
+        once, in real time as late as its watch allows, for the level says that it has taken none for so long."""
+        return self._ages_ms[level] / 1e3 if self._is_realtime else 0.0
 
     def period_s(self, port: str) -> float:
         """Period of a port."""

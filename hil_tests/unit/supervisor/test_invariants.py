@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import pytest
 
@@ -40,10 +41,18 @@ class Story:
     speed_unseen: set[int] = field(default_factory=set)
     #: Whether the record is known to have every frame.
     whole: bool = True
+    pace: str = "lockstep"
+    #: Ticks whose report the record has behind the command of the tick.
+    report_late: set[int] = field(default_factory=set)
+    #: Ticks whose command the record has only with the next one, behind the speeds until then.
+    command_late: set[int] = field(default_factory=set)
 
     def trace(self) -> Trace:
         made, told, life, now_ns = Trace(), -1, 0, 0
         made.told = Told(self.whole, {})
+        if self.pace != "lockstep":
+            made.add(PltIdent.PORT, 0, make_ident(Role.PLANT, SCENARIO.sha256, pace=self.pace).encode())
+        late: list[NotchCmd] = []
         for tick in range(100):
             # Without the port that opens the ticks, the record's clock stands still.
             now_ns = now_ns if tick in self.speed_lost or not self.check(tick) else tick * TICK_NS
@@ -51,10 +60,13 @@ class Story:
                 speed = TrnSpeed(self.speed_01mmps(tick), check=self.check(tick), life=tick & 15)
                 made.add(TrnSpeed.PORT, now_ns, speed.encode())
             level = self.train_level(tick)
+            reports = []
             if level != told or tick % 16 == 0:
                 told, life = level, life + 1 & 15
-                if tick not in self.watch_lost:
-                    made.add(TrnWatch.PORT, now_ns, TrnWatch(level, life=life).encode())
+                reports = [TrnWatch(level, life=life)] * (tick not in self.watch_lost)
+            if tick not in self.report_late:
+                for report in reports:
+                    made.add(TrnWatch.PORT, now_ns, report.encode())
             if tick % 2 == 0:
                 truth = SimTruth(0, self.speed_01mmps(tick), life=tick // 2 & 15, traction_20n=self.traction_20n(tick))
                 if tick not in self.truth_lost:
@@ -62,8 +74,14 @@ class Story:
                 made.add(TrnPos.PORT, now_ns, TrnPos(0, 0, self.notch_actual_16th(tick), life=tick // 2 & 15).encode())
                 mode = CtlMode(CtlMode.RUNNING + self.controller_level(tick))
                 if tick not in self.without:
-                    command = NotchCmd(self.notch_256th(tick), mode, life=tick // 2 & 15)
-                    made.add(NotchCmd.PORT, now_ns, command.encode())
+                    late.append(NotchCmd(self.notch_256th(tick), mode, life=tick // 2 & 15))
+                if tick not in self.command_late:
+                    for command in late:
+                        made.add(NotchCmd.PORT, now_ns, command.encode())
+                    late = []
+            if tick in self.report_late:
+                for report in reports:
+                    made.add(TrnWatch.PORT, now_ns, report.encode())
         return made
 
 
@@ -261,6 +279,31 @@ def test_speeds_that_only_the_recorder_has_missed_are_no_breach(left_tick: int, 
     )
     (said,) = found(story)
     assert said.startswith("record: the controller left" if unclear else "invariant 4: the controller left")
+
+
+@pytest.mark.parametrize(
+    ("who", "port", "burst"),
+    [
+        ("train", "NOTCH_CMD", {"train_level": lambda tick: int(20 <= tick < 22), "report_late": {20}}),
+        ("controller", "TRN_SPEED", {"controller_level": lambda tick: int(tick == 20), "command_late": {18, 20}}),
+    ],
+)
+def test_after_a_burst_in_real_time_nobody_knows_what_was_taken_when(
+    who: str, port: str, burst: dict[str, Any]
+) -> None:
+    """The record has the good telegram before the level that it ends: the node has taken it later. In lockstep each
+    waits for the other, so that the record's order is theirs."""
+    (said,) = found(Story(**burst))
+    assert said.startswith(f"invariant 4: the {who} left HOLD at 0.22 s after 0 good telegrams, needed 1")
+    story = Story(**burst, pace="realtime", whole=False)
+    (said,) = found(story)
+    assert said.startswith(
+        f"record: the {who} left HOLD at 0.22 s after 0 good {port} telegrams, needed 1: in real time"
+    )
+    # Too few, in whatever order they were taken.
+    left = {"controller_level": lambda tick: 0, "train_level": lambda tick: int(20 <= tick < 22)}
+    bad = replace(story, notch_256th=lambda tick: 0x7FFF if tick >= 12 else 256, **left)
+    assert found(bad) == ["invariant 4: the train left HOLD at 0.22 s after 0 good telegrams, needed 1"]
 
 
 def test_emergency_is_never_left() -> None:
