@@ -4,6 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Final
+
+#: A record without the truth for longer than this is not accepted as a run, because the motion in the gap is unknown.
+#: A short bus failure leaves shorter gaps.
+HOLE_MAX_S: Final = 1.0
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,6 +9,7 @@ import numpy as np
 
 from railhil.common.errors import InputError, Words
 from railhil.dbc import Contract
+from railhil.faults.truth import HOLE_MAX_S
 from railhil.scenarios import model
 from railhil.scenarios.effort import force_limit_n
 from railhil.scenarios.profiles import front_speed_limit
@@ -125,6 +126,7 @@ def check_periods(
         "NOTCH_CMD": ("watch.hold_ms", watch.hold_ms * _NS_PER_MS // tick_ns * tick_ns + tick_ns),
         "TRN_POS": ("the age at which a position is lost", model.POSITION_AGE_MAX_MS * _NS_PER_MS),
         "TRK_INFO": ("watch.emergency_ms", watch.emergency_ms * _NS_PER_MS),
+        "SIM_TRUTH": ("no verdict without the truth for longer", round(HOLE_MAX_S * 1e9)),
     }
     for port, (why, most_ns) in longest_ns.items():
         if ticks(port) * tick_ns > most_ns:

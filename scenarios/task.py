@@ -23,6 +23,7 @@ from typing import Annotated, Any, ClassVar, Literal, Protocol
 from pydantic import Field, create_model
 
 from railhil.common.errors import InputError, Words
+from railhil.faults.truth import HOLE_MAX_S
 from railhil.scenarios import convert
 from railhil.scenarios.canonical import injected, text_sha256
 from railhil.scenarios.carried import Reach, check_carried
@@ -193,9 +194,16 @@ class TaskScenarios:
         return with_own_words(made, layers, self.read, lambda one: one.task.model_dump(exclude={*one.task.JUDGING}))
 
     def _check_ages(self, timing: Timing, refuse: convert.Refuse) -> None:
-        """No reading of a healthy run is older than the interface of the system's laws allows."""
-        if not timing.port_period_ns or "interface" not in self._system.own:
+        """No reading of a healthy run is older than the interface of the system's laws allows, and the truth is told as
+        often as a verdict needs it."""
+        if not timing.port_period_ns:
             # The periods of the port table fit.
+            return
+        truth = self._system.truth
+        if truth is not None and (period_ns := timing.port_period_ns.get(truth.port, 0)) > HOLE_MAX_S * 1e9:
+            allowed = f"at most {HOLE_MAX_S * 1e3:g}: no verdict without the truth for longer"
+            raise refuse(("timing", "port_period_ms", truth.port), period_ns / 1e6, allowed)
+        if "interface" not in self._system.own:
             return
         for reading in self._system.part("interface").readings:
             port = reading.telegram.PORT

@@ -12,11 +12,9 @@ import numpy as np
 from railhil.bus.codes import Event
 from railhil.bus.telegrams import STOP_LEG_MIN_M, RunEvent
 from railhil.common.digits import beside
+from railhil.faults.truth import HOLE_MAX_S
 from railhil.supervisor.trace import FloatArray, Trace
 
-#: A record without the truth for longer than this is not accepted as a run, because the motion in the gap is unknown.
-#: A short bus failure leaves shorter gaps.
-HOLE_MAX_S = 1.0
 #: A train that SIM_TRUTH shows at rest for this long has stopped. Speeds below half an LSB (0.05 mm/s) also appear as
 #: rest, but no train creeps so slowly for so long.
 STANDING_S = 0.5

@@ -147,6 +147,8 @@ PERIODS = {
     "ODO": ("yizhuang_stop", 128, 112, ()),
     "REF": ("hst_short", 800, 600, ()),
     "UNIT3_FB": ("emu3_short", 200, 160, ()),
+    "SIM_TRUTH": ("lvshun_tieshan", 1010, 1000, ()),
+    "TRUTH": ("hst_short", 1040, 1000, ()),
 }
 
 

@@ -13,6 +13,7 @@ from railhil.bus.codes import Event
 from railhil.bus.ident import Role, make_ident
 from railhil.bus.telegrams import CtlStat, RunEvent, SimTruth, TrnWatch
 from railhil.dbc import Contract, wire_contract
+from railhil.faults.truth import HOLE_MAX_S
 from railhil.scenarios.load import load
 from railhil.scenarios.model import TargetCurve
 from railhil.supervisor import witness
@@ -246,7 +247,7 @@ def test_codes_that_no_event_has_are_left_out() -> None:
 
 
 def test_a_hole_in_the_truth() -> None:
-    assert witness.HOLE_MAX_S == 1.0
+    assert HOLE_MAX_S == 1.0
     kept = [ms for ms in range(0, 4520, 20) if not 1000 < ms < 2000]
     assert score(HOP, record(moments_ms=kept)).verdict == "PASS"
     kept.remove(2000)
