@@ -96,6 +96,18 @@ def test_limits_and_units_that_act_alone_fail(run: BenchRun, scenario: Any) -> N
     assert early.score.failures == ("no emergency stop, allowed at most 4500 m",)
 
 
+@pytest.mark.parametrize("setting", ["task.duration_s=0.4", "task.duration_s=3", "task.start_s=5000"])
+def test_a_run_of_which_nothing_is_scored_is_invalid(setting: str) -> None:
+    """Too short for the target to start, or the train stands at its end all the time: no limit can be missed."""
+    done = coupled_run(load_any("emu3_short", ["task.duration_s=3", setting]), proportional, SPEC)
+    assert (done.score.verdict, done.score.failures) == (
+        "INVALID",
+        ("nothing to score: the target stays below 0.5 m/s",),
+    )
+    done = coupled_run(load_any("emu3_short", ["task.duration_s=8", "task.rmse_max_kmh=9"]), proportional, SPEC)
+    assert done.score.verdict == "PASS"
+
+
 def test_every_port_of_a_column_is_in_the_contract(run: BenchRun, scenario: Any) -> None:
     table = judging_of(scenario)
     assert all(run.trace.has(port, signal) for _, port, signal in table.columns)

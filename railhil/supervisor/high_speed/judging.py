@@ -9,10 +9,11 @@ import numpy as np
 from railhil.bus.codes import Event
 from railhil.bus.high_speed import UnitLevel, Wire, wire
 from railhil.bus.telegrams import RunEvent
+from railhil.common.digits import count_of
 from railhil.scenarios.high_speed.target import journey_curve
 from railhil.supervisor.criteria import DID_NOT_STOP, Criterion, Limit, scores, unscored
 from railhil.supervisor.events.declared import Watch
-from railhil.supervisor.high_speed.ride import Ride
+from railhil.supervisor.high_speed.ride import SCORED_FROM_MPS, Ride
 from railhil.supervisor.judging import Judging
 from railhil.supervisor.score import Score
 from railhil.supervisor.status import Status, wrap_failure
@@ -95,6 +96,10 @@ def score(scenario: Any, trace: Trace) -> Score:
         missed.append(f"no emergency stop, allowed at most {scenario.task.emergency_stop_max_m:g} m")
     missed += [text for unit in range(1, len(scenario.task.unit) + 1) if (text := _alone(trace, truth, unit))]
     missed += filter(None, [wrap_failure(trace, _STATUS), _ENDINGS[ended]])
+    if not missed and measured[RMSE.key] is None:
+        # No limit can be missed in a run of which nothing is scored.
+        never = f"nothing to score: the target stays below {SCORED_FROM_MPS:g} m/s"
+        return Score("INVALID", *unscored(criteria), (never,), ended.name.lower())
     verdict = "FAIL" if missed else "PASS"
     return Score(verdict, *scores(measured, criteria), tuple(missed), ended.name.lower())
 
@@ -129,7 +134,7 @@ def _facts(run: Any) -> list[tuple[str, str]]:
     couplers = "none" if between is None else f"{between.stiffness_kn_per_m:g} kN/m, slack {between.slack_mm:g} mm"
     units = [("Couplers", couplers)] if len(task.unit) > 1 else []
     return [
-        ("Train", f"{task.mass_t:g} t, {task.power_kw:g} kW, {len(task.unit)} power unit{'s' * (len(task.unit) > 1)}"),
+        ("Train", f"{task.mass_t:g} t, {task.power_kw:g} kW, {count_of(len(task.unit), 'power unit')}"),
         ("Delay of traction / braking", delays),
         *units,
         ("Disturbances", f"grades within {task.gradient_permil:g} permil, wind {task.wind_sigma_mps2:g} m/s2, "
