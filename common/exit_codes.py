@@ -28,6 +28,9 @@ INVALID = 3
 #: A defect of the bench itself, or the record could not be written (disk full).
 TOOL_ERROR = 4
 
+#: There is no room for a file: on the disk, for this user, or for one so large.
+_FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+
 
 def provide_streams() -> None:
     """Replace a standard stream that the caller has closed (``>&-``) by the null device.
@@ -125,6 +128,20 @@ def hear_interrupts() -> None:
     signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGINT])
 
 
+def _is_output_full(error: OSError) -> bool:
+    """Whether standard output cannot be written for this reason, which names no file: so the next line fails as well.
+
+    If it can be, the line that is tried is the last one of a command that has failed.
+    """
+    if error.filename is not None or error.errno not in _FULL:
+        return False
+    try:
+        print(flush=True)
+    except OSError as again:
+        return again.errno == error.errno
+    return False
+
+
 def guarded(name: str, main: Callable[[], int]) -> int:
     """Run a command; an exception becomes one line on stderr and its exit code.
 
@@ -164,6 +181,8 @@ def guarded(name: str, main: Callable[[], int]) -> int:
         code = exit_code_of(error)
         expected = code != TOOL_ERROR or hasattr(error, "exit_code")
         kind = "" if expected else f"{type(error).__name__}: "
+        if isinstance(error, OSError) and _is_output_full(error):
+            kind, text = "standard output: ", str(error.strerror).lower()
         # What is wrong with the command itself names it: a library that is missing.
         is_named = f"{getattr(error, 'file', '')} ".startswith(f"{name} ")
         line = text if is_named else f"{name}: {kind}{text}"

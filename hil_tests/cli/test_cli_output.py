@@ -170,7 +170,7 @@ def test_full_output_is_one_line():
     with open("/dev/full", "w") as full:
         done = subprocess.run(command("ports"), stdout=full, stderr=subprocess.PIPE, text=True, timeout=60, check=False)
     assert done.returncode == 4
-    assert done.stderr == "railhil: OSError: [Errno 28] No space left on device\n"
+    assert done.stderr == "railhil: standard output: no space left on device\n"
 
 
 def printed(arguments: list[str]) -> str:
