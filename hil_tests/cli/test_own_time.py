@@ -77,16 +77,23 @@ def test_an_exported_blf_with_absolute_times_is_the_certified_record(here: Railh
 def test_frames_around_the_run_are_left_out_by_every_reader(
     here: Railhil, run: Path, lines: list[_Line], tmp_path: Path
 ) -> None:
-    """Of the search for nodes, and of others; after the end another run begins."""
+    """Of the search for nodes, and of others; a run of which the log has not the beginning."""
     scan = log_line(0, master_frame(F_DEVICE_STATUS, 1)).split(" ", 1)[1]
     before = [(0, scan), (0, "mvb0 123#00 R\n")]
     log = _written(tmp_path / "seen.log", [*before, *lines, *lines])
     with pytest.raises(InputError, match=rf"line {len(lines) + 3}: found 0.000000 s"):
         checked_record(str(log), str(run.parent / "short.toml"))
     end_us = lines[-1][0]
-    _written(log, [*before, *lines, *((end_us + us, rest) for us, rest in lines)])
+    after = [(end_us, rest) for _, rest in before]
+    _written(log, [*before, *lines, *after])
     record = checked_record(str(log), str(run.parent / "short.toml"))
-    assert record.notes == (f"seen.log: 1 frames before the run and {len(lines)} after it are left out",)
+    assert record.notes == ("seen.log: 1 frame before the run and 2 after it are left out",)
+    other = [(us, rest) for us, rest in lines if us >= 1_300_000]
+    last_us = other[-1][0]
+    _written(log, [*other, (last_us, scan), *((last_us + us, rest) for us, rest in lines)])
+    record = checked_record(str(log), str(run.parent / "short.toml"))
+    assert record.score.as_json() == checked_record(str(run), None).score.as_json()
+    assert record.notes[-1] == f"seen.log: {len(other)} frames before the run and 0 after it are left out"
     for node in ("plant", "controller"):
         done = here("replay", log, "--node", node, "--scenario", run.parent / "short.toml", "--json")
         assert done.exit_code == 0, done.err
@@ -114,10 +121,33 @@ def test_halves_whose_stamps_were_made_to_fit_are_no_whole_run(run: Path, lines:
     half = len(lines) // 2
     swapped = [*lines[half:], *lines[:half]]
     log = _written(tmp_path / "seen.log", [(us, rest) for (us, _), (_, rest) in zip(lines, swapped, strict=True)])
-    record = checked_record(str(log), str(run.parent / "short.toml"))
-    assert record.score.verdict == "INVALID"
-    # The plant tells its identity again during a run: the second half is taken from there on.
-    assert f"and {half} after it are left out" in record.notes[-1]
+    # The plant tells its identity again during a run: that is no beginning.
+    with pytest.raises(InputError, match=r"seen.log: line \d+: found TRN_SPEED and no PLT_IDENT before it"):
+        checked_record(str(log), str(run.parent / "short.toml"))
+
+
+@pytest.mark.parametrize("parts", [1, 3])
+def test_a_log_without_the_first_ident_names_it(run: Path, lines: list[_Line], tmp_path: Path, parts: int) -> None:
+    """The first is part of the handshake, before all ticks; it is repeated after 1.28 s."""
+    first = wire_contract().port("PLT_IDENT")
+    ids = [f" {can_id:03X}#" for can_id in first.can_ids][:parts]
+    begun = next(index for index, (us, _) in enumerate(lines) if us > 0)
+    kept = [one for n, one in enumerate(lines) if n >= begun or not any(text in one[1] for text in ids)]
+    assert len(kept) == len(lines) - parts
+    log = _written(tmp_path / "seen.log", kept)
+    with pytest.raises(InputError, match=r"seen.log: line \d+: found TRN_SPEED and no PLT_IDENT before it"):
+        checked_record(str(log), str(run.parent / "short.toml"))
+
+
+def test_a_second_run_is_refused_with_the_line_at_which_it_begins(
+    here: Railhil, run: Path, lines: list[_Line], tmp_path: Path
+) -> None:
+    """A verdict on one of them would be taken for that of the log."""
+    end_us = lines[-1][0]
+    log = _written(tmp_path / "seen.log", [*lines, *((end_us + us, rest) for us, rest in lines)])
+    done = here("score", log, "--scenario", run.parent / "short.toml")
+    assert done.exit_code == 2
+    assert f"seen.log: line {len(lines) + 1}: found the beginning of a second run" in done.one_line()
 
 
 def test_a_log_of_two_buses_is_refused(run: Path, lines: list[_Line], tmp_path: Path) -> None:

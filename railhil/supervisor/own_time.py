@@ -19,8 +19,10 @@ from railhil.bus.ident import PltIdent
 from railhil.bus.layout import CHECK_CORRECT
 from railhil.bus.lifesign import MAX_STEP
 from railhil.bus.mvb import F_DEVICE_STATUS
+from railhil.bus.own_frames import OwnFrames
 from railhil.bus.schedule import Schedule
 from railhil.bus.telegrams import TimeSync
+from railhil.common.digits import count_of
 from railhil.common.errors import InputError, Words
 from railhil.dbc import Contract
 from railhil.scenarios.model import AnyScenario
@@ -72,7 +74,8 @@ def own_time(log: Path, scenario: AnyScenario, contract: Contract) -> OwnTime:
     """The frames of a run with the times that they had in it.
 
     :param contract: the one used for recording.
-    :raises InputError: as :func:`railhil.supervisor.framelog.read_log`; the order of the log is not that of the bus.
+    :raises InputError: as :func:`railhil.supervisor.framelog.read_log`; the order of the log is not that of the bus; it
+        begins during the run, or has a second one.
     """
     session = _Again(scenario, contract)
     kept = session.kept
@@ -80,17 +83,26 @@ def own_time(log: Path, scenario: AnyScenario, contract: Contract) -> OwnTime:
     order = None if touched else _Order(scenario, contract)
     before = after = moved = 0
     latest_ns, count = 0, 0
-    first, poll_id = contract.port(PltIdent.PORT), contract.poll_id
-    opening = (first.address, first.fd_id)
+    first, clock, poll_id = contract.port(PltIdent.PORT), contract.clock_port, contract.poll_id
+    opening, clock_ids, own = (first.address, first.fd_id), (clock.address, clock.fd_id), OwnFrames(contract)
+    # Where a run was heard that has begun before: its PLT_IDENT is a repetition, until nodes are searched again.
+    others_from = 0
     for number, (time_ns, frame) in enumerate(read_log(log), 1):
         if time_ns < latest_ns - _BACK_MAX_NS:
             raise _at(log, number, f"{time_ns / 1e9:.6f} s", f"{latest_ns / 1e9:.6f} s or later")
         latest_ns = max(latest_ns, time_ns)
-        if not session.recording and frame.can_id not in opening:
+        if not session.recording and (others_from or frame.can_id not in opening):
             # Of another run, or the search for nodes: the time begins with the run.
-            before += not _is_scan(frame, contract)
+            is_scan = _is_scan(frame, contract)
+            before += not is_scan
+            if is_scan:
+                others_from = 0
+            elif not others_from and frame.can_id in clock_ids and frame in own:
+                others_from = number
             continue
-        if session.ended is not None and (after or frame.can_id in (poll_id, *opening)):
+        if session.ended is not None and frame.can_id in opening and frame in own:
+            raise _at(log, number, "the beginning of a second run", "the end of the first")
+        if session.ended is not None and (after or frame.can_id == poll_id):
             # The answer to the plant's last poll is the end of the record.
             after += 1
             continue
@@ -103,17 +115,19 @@ def own_time(log: Path, scenario: AnyScenario, contract: Contract) -> OwnTime:
         del kept[count + 1 :]
         count += 1
         moved += kept[-1][0] != time_ns
+    if others_from and not session.recording:
+        raise _at(log, others_from, f"{clock.name} and no {PltIdent.PORT} before it", "the handshake first")
     return OwnTime(kept, tuple(_notes(log, moved, before, after)))
 
 
 def _notes(log: Path, moved: int, before: int, after: int) -> Iterable[str]:
     if moved:
         yield (
-            f"the stamps of {log.name} are not the times of the run ({moved} frames): times are counted from "
-            "TIME_SYNC and life signs"
+            f"the stamps of {log.name} are not the times of the run ({count_of(moved, 'frame')}): times are counted "
+            "from TIME_SYNC and life signs"
         )
     if before or after:
-        yield f"{log.name}: {before} frames before the run and {after} after it are left out"
+        yield f"{log.name}: {count_of(before, 'frame')} before the run and {after} after it are left out"
 
 
 def _at(log: Path, number: int, found: str, allowed: str) -> InputError:
