@@ -11,6 +11,7 @@ from railhil.bus.errors import BusError, PeerSilent
 from railhil.bus.ident import CtlIdent, Ident, Role, SupIdent
 from railhil.bus.store import TrafficStore
 from railhil.bus.telegrams import SupCmd
+from railhil.common.digits import count_of
 from railhil.dbc import Contract, Port
 
 #: Polls for an answer that must come.
@@ -64,7 +65,7 @@ def agree(administrator: Administrator, store: TrafficStore, own: Ident, contrac
 
 def _counted(causes: Counter[str]) -> str:
     """How often each cause was found, in words."""
-    return ", ".join(f"{count} times {cause.replace('_', ' ')}" for cause, count in sorted(causes.items()))
+    return ", ".join(f"{count_of(count, 'time')} {cause.replace('_', ' ')}" for cause, count in sorted(causes.items()))
 
 
 def _demand(administrator: Administrator, store: TrafficStore, port: Port) -> None:

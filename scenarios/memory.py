@@ -341,8 +341,3 @@ def write_memory(memory: Memory, path: Path) -> None:
     """Write the document of :meth:`Memory.as_json`, completely or not at all. Raises OSError."""
     text = json.dumps(memory.as_json(), indent=2, sort_keys=True, allow_nan=False) + "\n"
     write_synced(path, text.encode("ascii"))
-
-
-def runs_said(runs: int) -> str:
-    """``3 runs``."""
-    return "1 run" if runs == 1 else f"{runs} runs"

@@ -33,6 +33,7 @@ from railhil.bus.hub.ports import SwitchPort
 from railhil.bus.hub.portspec import PortSpec, descriptor_of, open_port, open_port_again, takes_fd
 from railhil.bus.hub.wire import pack_frames, unpack_frames
 from railhil.bus.link.batch import BatchLink
+from railhil.common.digits import count_of
 
 #: A full bus is tried again after this time (a frame takes 0.25 ms at 500 kbit/s), then after twice that, and so on.
 RETRY_NS = 500_000
@@ -142,7 +143,7 @@ class BusPort(SwitchPort):
         """See :meth:`SwitchPort.statistics`."""
         # Each is copied in one step, because the thread may be counting.
         total = self.counters + Counter(dict(self._earlier)) + Counter(dict(self._link.counters))
-        line = f"{total['received']} frames in, {total['sent']} out, {total['outages']} outages"
+        line = f"{count_of(total['received'], 'frame')} in, {total['sent']} out, {count_of(total['outages'], 'outage')}"
         others = [f"{name} {count}" for name, count in sorted(total.items()) if name not in _SHOWN_FIRST]
         waiting = [f"waiting {self._backlog.frames}"] if self._backlog else []
         return f"{self.name}: {', '.join([line, *others, *waiting])}"

@@ -21,6 +21,7 @@ from railhil.bus.hub.membership import READ, WRITE, Membership
 from railhil.bus.hub.model import WireModel
 from railhil.bus.hub.ports import PortClosed, PortFault, SwitchPort
 from railhil.bus.hub.wire import NOTICE_LENGTH_BIT, fault_of
+from railhil.common.digits import count_of
 from railhil.common.exit_codes import ending_signals
 
 #: How long a stopped hub continues to deliver packets that it has already taken.
@@ -237,5 +238,6 @@ class Switch:
         for port in self._all.members:
             if port.has_backlog:
                 self._report(f"{port.name} has not taken all packets before the stop")
-        if self._model is not None and self._model.pending_frames():
-            self._report(f"{self._model.pending_frames()} frames were still waiting for the wire at the stop")
+        if self._model is not None and (pending := self._model.pending_frames()):
+            waiting = count_of(pending, "frame was", "frames were")
+            self._report(f"{waiting} still waiting for the wire at the stop")

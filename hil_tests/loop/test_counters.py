@@ -106,7 +106,7 @@ def test_the_safe_channel_and_the_can_module_count_too(make: Make) -> None:
     most = run.trace.count(TrnSpeed.PORT) - run.faults[0].hits
     assert with_told(task, run.trace, changed(run.trace, "controller", TrnSpeed.PORT, accepted=most)) == []
     (said,) = with_told(task, run.trace, changed(run.trace, "controller", TrnSpeed.PORT, accepted=most + 1))
-    assert said.startswith("invariant 1: the controller took 1 TRN_SPEED telegrams")
+    assert said.startswith("invariant 1: the controller took 1 TRN_SPEED telegram ")
 
 
 def changed(trace: Trace, node: str, port: str, **values: Any) -> Told:
@@ -221,7 +221,7 @@ def test_a_telegram_that_only_the_recorder_has_missed_is_no_breach(make: Make) -
         fewer = trace.count(port) < run.trace.count(port)
         trace.told = Told(False, nodes)
         node = "controller" if port == TrnSpeed.PORT else "plant"
-        unclear = f"record: the {node} took 1 {port} telegrams that the record does not show"
+        unclear = f"record: the {node} took 1 {port} telegram that the record does not show"
         assert unreconciled(scenario, trace) == ([unclear] if fewer else [])
         found = judging_of(scenario).score(scenario, trace)
         assert (found.verdict == "INVALID", unclear in found.failures) == (fewer, fewer)

@@ -9,7 +9,7 @@ from typing import Any
 from railhil.audit.bounds import Bounds
 from railhil.audit.effect import Effect
 from railhil.audit.shadow import Codes, QuantityError, ShadowRun, compare_codes
-from railhil.common.digits import beside, percent
+from railhil.common.digits import beside, count_of, percent
 from railhil.controller_node.arithmetic.base import Arithmetic
 from railhil.controller_node.cost import Cost
 from railhil.scenarios.run_spec import LawSpec
@@ -86,7 +86,7 @@ def _effect_bars(over_runs: Effect) -> list[Bar]:
             else f"{beside(one.difference, one.allowed, 4, '+', 'g')} {one.unit}"
         )
         if one.missing:
-            shown += f", {one.missing} runs have it in one arithmetic only"
+            shown += f", {count_of(one.missing, 'run has', 'runs have')} it in one arithmetic only"
         found.append(Bar(f"median {one.score}", shown, f"within {one.allowed:.3g} {one.unit}", one.met))
     return found
 

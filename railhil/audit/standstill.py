@@ -14,6 +14,7 @@ from itertools import pairwise
 from typing import Any
 
 from railhil.audit.bars import CODE_DIFFERENCE_MAX, Bar, Look
+from railhil.common.digits import count_of
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Arithmetic
 from railhil.controller_node.laws.base import NOTCH_Q, SPEED_Q, BaliseReading, LawInputs, TrackInputs
@@ -92,7 +93,7 @@ def look(scenario: Scenario, law: LawSpec, fresh: Callable[[], Arithmetic[Any]])
     return Look(
         "standstill",
         f"Train held for {found.seconds:g} s with target 0",
-        f"at rest the notch changes {found.changes} times; after one reading of 1 mm/s the law swings to "
+        f"at rest the notch changes {count_of(found.changes, 'time')}; after one reading of 1 mm/s the law swings to "
         f"{found.kicked_swing}/256 notch, {found.kicked_difference}/256 from float64",
         asdict(found),
         (

@@ -17,6 +17,7 @@ from distributed.scheduler import KilledWorker
 from distributed.security import Security
 
 from railhil.campaign.work import run_task
+from railhil.common.digits import count_of
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import INVALID
 
@@ -126,7 +127,7 @@ class DaskEngine:
         if isinstance(error, KilledWorker):
             # dask's own message is about its internals.
             raise ClusterLost(
-                f"dask gave up a chunk after its workers died {error.allowed_failures + 1} times (memory?)"
+                f"dask gave up a chunk after its workers died {count_of(error.allowed_failures + 1, 'time')} (memory?)"
             )
         raise error
 

@@ -12,6 +12,7 @@ from typing import Any, Protocol
 from railhil.batch import KERNEL, say_compiling
 from railhil.campaign.extras import need
 from railhil.campaign.work import run_task
+from railhil.common.digits import count_of
 from railhil.common.errors import InputError, Words
 from railhil.common.exit_codes import INVALID
 from railhil.common.orphans import end_with_parent
@@ -75,7 +76,7 @@ def _joblib(tasks: Sequence[Task], work: Work, jobs: int, say: Say) -> Parts:
         except BrokenProcessPool as error:
             losses += 1
             if losses >= LOSSES_MAX:
-                raise WorkersLost(f"worker processes died {losses} times in a row (memory?)") from error
+                raise WorkersLost(f"worker processes died {count_of(losses, 'time')} in a row (memory?)") from error
             say(f"a worker process died: what it had is run again, {len(left)} chunks are left")
 
 

@@ -17,6 +17,7 @@ from typing import Any, Generic, Protocol, TypeVar
 import pyarrow as pa
 
 from railhil.campaign.results_table import NotThePart
+from railhil.common.digits import count_of
 from railhil.common.errors import InputError, Words
 from railhil.common.whole_file import DRAFTS, write_synced
 from railhil.supervisor.errors import RecordFailed, not_written
@@ -92,7 +93,9 @@ class PartsFolder(Generic[C]):
                 left.append(chunk)
             except NotThePart as why:
                 left.append(chunk)
-                complaints.append(f"{self.part(chunk)} is {why}: its {chunk.runs} runs are made again")
+                complaints.append(
+                    f"{self.part(chunk)} is {why}: its {count_of(chunk.runs, 'run is', 'runs are')} made again"
+                )
                 self.part(chunk).unlink()
         return left, complaints
 

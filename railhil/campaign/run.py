@@ -21,6 +21,7 @@ from railhil.campaign.plan import Plan
 from railhil.campaign.results_table import NotThePart
 from railhil.campaign.summary import summary
 from railhil.campaign.work import task_of
+from railhil.common.digits import count_of
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import TOOL_ERROR, exit_code_of
 
@@ -107,7 +108,8 @@ def completed(
                 new += runs
         if new:
             wall_s, cpu_s = monotonic() - began_s, process_time() - used_s
-            say(f"{new:,} runs in {wall_s:.1f} s; this process used {cpu_s:.1f} s of processor time for them")
+            said = count_of(new, "run", spec=",")
+            say(f"{said} in {wall_s:.1f} s; this process used {cpu_s:.1f} s of processor time for them")
         return finish()
     except KeyboardInterrupt:
         raise KeyboardInterrupt(f"stopped; {how_on()}") from None

@@ -9,7 +9,7 @@ from typing import Any
 from rich.table import Table
 
 from railhil.campaign.summary import QUANTILES, all_limits, key_of
-from railhil.common.digits import beside, percent
+from railhil.common.digits import beside, count_of, percent
 from railhil.common.output import Output, table
 from railhil.supervisor.criteria import STOP_WITHIN_M, Criterion, limit_key, limited
 from railhil.supervisor.judging import Judging
@@ -133,7 +133,7 @@ def _failures(summary: Mapping[str, Any]) -> Iterator[str]:
     for label, law in summary["laws"].items():
         if failed := summary["runs"] - law["inside"]["pass"]["runs"]:
             kinds = "; ".join(f"{kind} ({count:,})" for kind, count in law["failures"].items())
-            yield f"{label}: FAIL in {failed:,} of {summary['runs']:,} runs: {kinds}"
+            yield f"{label}: FAIL in {failed:,} of {count_of(summary['runs'], 'run', spec=',')}: {kinds}"
 
 
 def show(console: Output, summary: Mapping[str, Any], folder: Path, judging: Judging) -> None:

@@ -14,6 +14,7 @@ from railhil.batch.statistics import CONFIDENCE, Estimate, Share, differences, e
 from railhil.campaign.plan import Entry, Plan
 from railhil.campaign.results_table import numbers, rows_of
 from railhil.campaign.worst import failures_of, without_stop, worst_runs
+from railhil.common.digits import count_of
 from railhil.scenarios.model import watch_sentence
 from railhil.scenarios.stored import any_judged_sha256
 from railhil.supervisor.criteria import DID_NOT_STOP, STOP_ERROR, STOP_WITHIN_M, Criterion, limit_key, limited
@@ -138,7 +139,7 @@ def training_sentence(plan: Plan) -> str | None:
     if not any(seen.values()):
         return None
     laws = ", ".join(f"{label} on {count}" for label, count in seen.items() if count)
-    runs = f"{laws} of {plan.request.runs} runs"
+    runs = f"{laws} of {count_of(plan.request.runs, 'run')}"
     return f"NOT AN EVALUATION: parameters were tuned or chosen on seeds of this campaign ({runs})"
 
 

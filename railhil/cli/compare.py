@@ -21,6 +21,7 @@ from railhil.cli.bus_run import (
 from railhil.cli.controller_check import check_controllers
 from railhil.cli.remarks import assumed
 from railhil.cli.show import print_scores, print_verdict, print_watch
+from railhil.common.digits import count_of
 from railhil.common.errors import InputError, Words
 from railhil.common.output import Output
 from railhil.common.streams import add_json_argument, print_json
@@ -200,4 +201,4 @@ def work(namespace: argparse.Namespace) -> int:
 
 
 def _so_far(runs: Sequence[tuple[Path, RecordedRun]], plan: Sequence[RunSpec], folder: Path) -> str:
-    return f"{len(runs)} of {len(plan)} runs recorded in {folder}, no comparison written"
+    return f"{len(runs)} of {count_of(len(plan), 'run')} recorded in {folder}, no comparison written"

@@ -22,6 +22,7 @@ from railhil.bus.select import BusChoice, choose_bus, config_from_namespace, own
 from railhil.cli.bus_run import gets_pipes
 from railhil.common.build import python_build, railhil_build
 from railhil.common.choices import USUAL_SCENARIO
+from railhil.common.digits import count_of
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import PASS, USAGE
 from railhil.common.output import Output, table
@@ -106,7 +107,8 @@ def _asked_bus(namespace: argparse.Namespace, choice: BusChoice) -> Finding | No
         link.close()
     heard, garbage = link.counters["received"], link.counters["garbage"]
     # One piece of a line may have been under way.
-    found = f"{choice.transport} can be opened; in {_LISTEN_S:g} s {heard} frames, unreadable input {garbage} times"
+    came = f"{count_of(heard, 'frame')}, unreadable input {count_of(garbage, 'time')}"
+    found = f"{choice.transport} can be opened; in {_LISTEN_S:g} s {came}"
     return Finding("bus asked for", found, _SEE if garbage > heard + 1 else "")
 
 

@@ -12,6 +12,7 @@ from tempfile import TemporaryDirectory
 
 from railhil.cli.bus_run import NeverBegan, chosen_bus, recorded
 from railhil.cli.pool import each, stop_code, stopped_by
+from railhil.common.digits import count_of
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import FAIL, INVALID, PASS
 from railhil.common.output import Output
@@ -35,7 +36,7 @@ _QUIET = Output(stderr=True)
 def run_into(
     folder: Path, namespace: argparse.Namespace, how: StartUp, spec: RunSpec, *, keep: bool = True
 ) -> tuple[AnyScenario, Run | LocalRun, RunResult]:
-    """Scenario, run and result of a run into a folder.
+    """Scenario, run and result of a run into a folder; one that is made here is removed if the run never began.
 
     :param keep: whether the folder is to be complete; else it only has what the result needs.
     :raises InputError: the run cannot inject one of its faults.
@@ -44,8 +45,9 @@ def run_into(
     """
     scenario = spec.load()
     with chosen_bus(namespace, spec, scenario) as choice:
+        made = not folder.exists()
         folder.mkdir(parents=True, exist_ok=True)
-        run, result = recorded(scenario, spec, how, choice, folder, False, lambda: _QUIET, True, keep=keep)
+        run, result = recorded(scenario, spec, how, choice, folder, made, lambda: _QUIET, True, keep=keep)
     if run.stopped_exit_code:
         raise SystemExit(run.stopped_exit_code)
     return scenario, run, result
@@ -121,6 +123,7 @@ def pairs(
     if namespace.json:
         print_json({"verdicts": counts, "broken": [run.as_json() for run in broken]})
     found = ", ".join(f"{count} {verdict}" for verdict, count in sorted(counts.items())) or "none made"
-    made = stopped_by(stopped, counts.total(), len(numbers)) if stopped else str(len(numbers))
-    console.say(f"{made} pairs: {found}; {len(broken)} break a rule")
+    pairs_made = count_of(len(numbers), "pair")
+    made = f"{stopped_by(stopped, counts.total(), len(numbers))} pairs" if stopped else pairs_made
+    console.say(f"{made}: {found}; {len(broken)} break a rule")
     return stopped or (FAIL if broken else INVALID if counts["none"] else PASS)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import shutil
 from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import replace
@@ -17,6 +18,7 @@ from railhil.cli.fault_pairs import pairs, run_into
 from railhil.cli.fault_words import print_words
 from railhil.cli.pool import each, stop_code, stopped_by
 from railhil.common.command_line import whole_number
+from railhil.common.digits import count_of
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import FAIL, INVALID, PASS
 from railhil.common.output import Output, table
@@ -88,7 +90,7 @@ def needs_hub(base: RunSpec, entry: Entry) -> bool:
 
 
 def entry_run(namespace: argparse.Namespace, how: StartUp, base: RunSpec, out: Path, entry: Entry) -> Row:
-    """One entry as a run, with its folder in ``out``: whole if the user keeps it (``--out``)."""
+    """One entry as a run, with its folder in ``out``: whole if the user keeps it (``--out``), none without a run."""
     if entry.seen_in:
         return Row(entry)
     law = replace(base.law, controller=entry.law) if entry.law else base.law
@@ -105,7 +107,11 @@ def entry_run(namespace: argparse.Namespace, how: StartUp, base: RunSpec, out: P
         return Row(entry, refused=error.allowed)
     except NeverBegan as error:
         return Row(entry, verdict="none", failures=[str(error)])
-    return evaluated(entry, seen_in(scenario, result, run.trace))
+    row = evaluated(entry, seen_in(scenario, result, run.trace))
+    if not row.made:
+        # What its faults need did not happen: the table has no run of it, nor the folder.
+        shutil.rmtree(folder)
+    return row
 
 
 def _write_table(out: Path, rows: Sequence[Row], key: Path | None) -> None:
@@ -115,6 +121,8 @@ def _write_table(out: Path, rows: Sequence[Row], key: Path | None) -> None:
     """
     document = {"rows": [row.as_json() for row in rows], HASH_LIST_KEY: HASH_LIST}
     try:
+        # No entry may have had a run.
+        out.mkdir(parents=True, exist_ok=True)
         with whole_file(out / _TABLE) as draft:
             draft.write_text(json_text(document), encoding="utf-8")
             write_hash_list(out, {_TABLE: draft})
@@ -207,8 +215,8 @@ def work(namespace: argparse.Namespace) -> int:
     left = [row.entry.id for row in rows if not row.made]
     if stopped:
         console.say(f"{stopped_by(stopped, len(rows), len(entries))} entries")
-    console.say(f"{made} runs, {len(wrong)} not as they must be{': ' + ', '.join(wrong) if wrong else ''}")
+    console.say(f"{count_of(made, 'run')}, {len(wrong)} not as they must be{': ' + ', '.join(wrong) if wrong else ''}")
     if left:
-        console.say(f"{len(left)} entries without a run here: {', '.join(left)}")
+        console.say(f"{count_of(len(left), 'entry', 'entries')} without a run here: {', '.join(left)}")
     # Without a run nothing is known.
     return stopped or (FAIL if wrong else PASS if made else INVALID)

@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from railhil.common.digits import count_of
 from railhil.common.errors import InputError, Words
 from railhil.common.exit_codes import FAIL, PASS
 from railhil.common.output import Output, table
@@ -134,5 +135,5 @@ def _export(namespace: argparse.Namespace) -> int:
     if namespace.json:
         print_json({"path": str(out), "sha256": record.sha256, "record": record.document})
     else:
-        Output().say(f"record of {record.runs} runs, sha256 {record.digest}, written to {out}")
+        Output().say(f"record of {count_of(record.runs, 'run')}, sha256 {record.digest}, written to {out}")
     return PASS

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from railhil.bus.ident import PACES, PltIdent, is_perturbed
 from railhil.common.choices import ARITHMETICS
+from railhil.common.digits import count_of
 from railhil.common.errors import InputError, Words, did_you_mean
 from railhil.common.exit_codes import FAIL, PASS
 from railhil.common.output import Output
@@ -55,13 +56,13 @@ def work(namespace: argparse.Namespace) -> int:
         console.say(note)
     law = f" ({spec.law.label} {spec.law.arithmetic})" if namespace.node == "controller" else f" (seed {spec.seed})"
     console.say(
-        f"{namespace.node}{law} driven by {record.log}: {replayed.frames} frames, {replayed.sim_time_s:.2f} s in "
-        f"{replayed.wall_time_s:.2f} s = {replayed.speed_factor:.0f} times real time"
+        f"{namespace.node}{law} driven by {record.log}: {count_of(replayed.frames, 'frame')}, "
+        f"{replayed.sim_time_s:.2f} s in {replayed.wall_time_s:.2f} s = {replayed.speed_factor:.0f} times real time"
     )
     for name in ports:
         found = replayed.ports[name]
         more = f", {found.unrecorded} answers to polls without a recorded one" if found.unrecorded else ""
-        console.say(f"{name}: {found.equal} of {found.recorded} frames equal{more}")
+        console.say(f"{name}: {found.equal} of {count_of(found.recorded, 'frame')} equal{more}")
     if first is not None:
         console.say(f"first difference: {first.sentence}")
     return PASS if replayed.same(ports) else FAIL

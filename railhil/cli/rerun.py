@@ -12,6 +12,7 @@ from railhil.bus.can_settings import add_bus_arguments
 from railhil.bus.select import LOCAL, config_from_namespace
 from railhil.cli.bus_run import chosen_bus, recorded
 from railhil.common.choices import BUSES
+from railhil.common.digits import count_of
 from railhil.common.exit_codes import FAIL, PASS
 from railhil.common.output import Output
 from railhil.common.streams import add_json_argument, print_json
@@ -79,7 +80,7 @@ def work(namespace: argparse.Namespace) -> int:
             }
         )
     elif same:
-        said = f"{result.frames} frames, {run.spec.scenario}, seed {spec.seed}, on {result.transport}"
+        said = f"{count_of(result.frames, 'frame')}, {run.spec.scenario}, seed {spec.seed}, on {result.transport}"
         what = "bytes: frames.log" if equal else f"telegrams, {_others(run, result)}:"
         console.say(f"same {what} sha256 {result.frames_sha256 if equal else result.telegrams_sha256} ({said})")
     else:

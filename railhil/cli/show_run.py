@@ -8,6 +8,7 @@ from pathlib import Path
 
 from railhil.cli.remarks import assumed, next_step
 from railhil.cli.show import print_scores, print_verdict, print_watch
+from railhil.common.digits import count_of
 from railhil.common.output import Output
 from railhil.supervisor.report.facts import parameters_sentence
 from railhil.supervisor.report.jitter_panel import answers_sentence, jitter_sentence, scheduling_sentence
@@ -40,7 +41,8 @@ def print_result(
     print_watch(console, scenario)
     console.say(
         f"{result.sim_time_s:.2f} s simulated in {result.wall_time_s:.2f} s = {result.speed_factor:.0f} times "
-        f"real time, {result.frames} frames on {result.transport}, first frame after {result.first_frame_s:.2f} s"
+        f"real time, {count_of(result.frames, 'frame')} on {result.transport}, "
+        f"first frame after {result.first_frame_s:.2f} s"
     )
     if verbose:
         after_s = (time.monotonic_ns() - last_frame_ns) / 1e9
@@ -56,7 +58,7 @@ def print_result(
         console.say(f"arithmetic: {result.telemetry.sentence()}")
     console.say(f"frames.log sha256 {result.frames_sha256}")
     if result.other_frames:
-        console.say(f"without {result.other_frames} frames of others: sha256 {result.telegrams_sha256}")
+        console.say(f"without {count_of(result.other_frames, 'frame')} of others: sha256 {result.telegrams_sha256}")
     console.say(f"run folder {folder}")
     for line in notes:
         console.say(line)

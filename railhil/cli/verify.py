@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from railhil.common.digits import count_of
 from railhil.common.errors import InputError, Words
 from railhil.common.exit_codes import FAIL, PASS
 from railhil.common.output import Output
@@ -67,7 +68,7 @@ def work(namespace: argparse.Namespace) -> int:
         console.say(line, style="bold yellow")
     for line in seen.problems:
         console.say(line, style="red")
-    ending = f"{len(seen.problems)} problems" if seen.problems else f"{seen.files} files as listed"
+    ending = count_of(len(seen.problems), "problem") if seen.problems else f"{count_of(seen.files, 'file')} as listed"
     console.say(f"{folder}: {ending}; {said}")
     return FAIL if seen.problems else PASS
 

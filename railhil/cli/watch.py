@@ -20,6 +20,7 @@ from railhil.bus.link import Link, open_link
 from railhil.bus.link.passive import be_passive
 from railhil.bus.select import choose_bus
 from railhil.cli.watched import Watched, named_scenario
+from railhil.common.digits import count_of
 from railhil.common.output import Output, table
 from railhil.scenarios.settings import add_fault_argument, add_set_argument
 from railhil.supervisor.follow import Follower
@@ -72,7 +73,7 @@ def work(namespace: argparse.Namespace) -> int:
         else:
             watch(link, view, lambda: console.print("".join(view.new_lines()), end="", soft_wrap=True))
     except BusLost:
-        console.say(f"the bus has gone at {view.instant}, after {view.frames} frames")
+        console.say(f"the bus has gone at {view.instant}, after {count_of(view.frames, 'frame')}")
     finally:
         link.close()
     return 0
@@ -217,7 +218,7 @@ class View:
         scenario = self._watched.scenario
         title = "railhil watch" if scenario is None else scenario.title
         if follower is None or instruments is None or not values:
-            heard = "no run on the bus yet" if not self.frames else f"{self.frames} frames, {self._lacks}"
+            heard = "no run on the bus yet" if not self.frames else f"{count_of(self.frames, 'frame')}, {self._lacks}"
             return Panel(Group(*said, Text(heard)), title=title)
         assert scenario is not None
         rate = f", {follower.time.clock.rate:g} times real time" if follower.time.clock.rate else ""
@@ -238,7 +239,7 @@ class View:
         for row, left in enumerate(cells[:half]):
             grid.add_row(*left, *(cells[half + row] if half + row < len(cells) else ("", "")))
         lines: list[RenderableType] = [
-            Text(f"{follower.now_s:.2f}{planned} s{rate}, {self.frames} frames"),
+            Text(f"{follower.now_s:.2f}{planned} s{rate}, {count_of(self.frames, 'frame')}"),
             *said,
             Text(instruments.line(values), "bold"),
         ]

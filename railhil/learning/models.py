@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from railhil.common.digits import count_of
 from railhil.common.errors import InputError, Words
 from railhil.controller_node.laws.high_speed.model import pade_zoh
 from railhil.controller_node.laws.high_speed.modelling import HELD_OUT, PERIODS_S, ModelError, rows_of, trained
@@ -70,7 +71,7 @@ def learn(record: Record, recipe: Recipe, period_s: float) -> Learned:
 def _trained(record: Record, unit: Unit, recipe: Recipe, period_s: float, phase_s: float) -> tuple[Network, ModelError]:
     rows = unit.rows(period_s, phase_s)
     if len(rows) < 2 * HELD_OUT:
-        found = Words(f"{len(rows)} samples of {period_s:g} s")
+        found = Words(f"{count_of(len(rows), 'sample')} of {period_s:g} s")
         raise InputError(record.log, "length", found, f"at least {2 * HELD_OUT}")
     try:
         return trained(rows, recipe, period_s, unit.delay_s, unit.lag_s)

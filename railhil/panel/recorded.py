@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from railhil.common.digits import count_of
 from railhil.common.errors import InputError
 from railhil.panel.declared import Chart, Layout, layout_of
 from railhil.panel.growing import Growing
@@ -186,7 +187,9 @@ def _verdict(name: str, record: Record) -> str:
     score = record.score
     verdict = "INVALID" if record.invalid else score.verdict
     missed = record.trace.missed_polls
-    said = f"{name}: {verdict}, {missed} of {record.trace.polls} polls missed ({Path(record.log).parent.name})"
+    said = (
+        f"{name}: {verdict}, {missed} of {count_of(record.trace.polls, 'poll')} missed ({Path(record.log).parent.name})"
+    )
     return "; ".join((said, *record.remarks(score)))
 
 

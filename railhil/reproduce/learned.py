@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from railhil.campaign.extras import need
+from railhil.common.digits import count_of
 from railhil.common.errors import InputError
 from railhil.reproduce.ways import Made
 from railhil.scenarios.model import AnyScenario
@@ -66,7 +67,7 @@ def made_of(runs: Sequence[Sequence[OneRun]], outcome: Any) -> Made:
     flat = [run for sequence in runs for run in sequence]
     verdicts = ["INVALID" if run.missed else run.score.verdict for run in flat]
     counts = {verdict: verdicts.count(verdict) for verdict in ("INVALID", "FAIL") if verdict in verdicts}
-    reasons = tuple(f"{count} of {len(flat)} runs {verdict}" for verdict, count in counts.items())
+    reasons = tuple(f"{count} of {count_of(len(flat), 'run')} {verdict}" for verdict, count in counts.items())
     return Made(next(iter(counts), "PASS"), reasons, _sha256(flat), outcome)
 
 

@@ -13,6 +13,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormat
 from numpy.typing import NDArray
 
 from railhil.campaign.results_table import column_of
+from railhil.common.digits import count_of
 from railhil.sequences.plan import Plan
 from railhil.sequences.summary import tail_runs
 from railhil.sequences.table import by_run, memories
@@ -102,9 +103,9 @@ def _curve(measure: SequenceMeasure, values: Floats) -> Picture:
         _by_number(axes)
 
     caption = (
-        f"{criterion.title.capitalize()} by the number of the run, over {len(values)} sequences: mean and the band of "
-        f"90 %, mean and rms of its magnitude, share of the sequences inside. Grey: +-{measure.converged:g} "
-        f"{criterion.unit}."
+        f"{criterion.title.capitalize()} by the number of the run, over {count_of(len(values), 'sequence')}: mean "
+        "and the band of 90 %, mean and rms of its magnitude, share of the sequences inside. "
+        f"Grey: +-{measure.converged:g} {criterion.unit}."
     )
     return stacked(f"learning-{criterion.key}", f"Learning: {criterion.title}", caption, [errors, sizes, shares])
 

@@ -18,6 +18,7 @@ from railhil.cli.bus_run import add_arguments, run_spec, run_system, start_up
 from railhil.cli.panel import add_page_argument, panel_process, require_websockets
 from railhil.common.choices import BUSES
 from railhil.common.command_line import OneLineParser, parse, whole_number
+from railhil.common.digits import count_of
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import FAIL, PASS, guarded
 from railhil.common.output import Output
@@ -157,14 +158,14 @@ def _verify(namespace: argparse.Namespace) -> int:
     for problem in found:
         console.say(problem, style="red")
     said = "does not fit its files" if found else "every file fits"
-    console.say(f"sequence of {evidence.runs} runs, sha256 {evidence.sha256}: {said}")
+    console.say(f"sequence of {count_of(evidence.runs, 'run')}, sha256 {evidence.sha256}: {said}")
     return FAIL if found else PASS
 
 
 def _rerun(namespace: argparse.Namespace) -> int:
     recorded = read_evidence(namespace.sequence)
     if not recorded.complete:
-        found = f"{len(recorded.made)} of {recorded.runs} runs"
+        found = f"{len(recorded.made)} of {count_of(recorded.runs, 'run')}"
         raise InputError(namespace.sequence / SEQUENCE, "made", found, "a complete sequence (railhil sequence run)")
     bus = namespace.bus or ("auto" if config_from_namespace(namespace) else LOCAL)
     first = replace(recorded.first, bus=bus)
@@ -181,7 +182,7 @@ def _rerun(namespace: argparse.Namespace) -> int:
         print_json(document | {"first_difference": differs, "folder": None if differs is None else str(folder)})
     if differs is None:
         shutil.rmtree(folder)
-        console.say(f"same bytes: {recorded.runs} runs, sequence sha256 {made.sha256}")
+        console.say(f"same bytes: {count_of(recorded.runs, 'run')}, sequence sha256 {made.sha256}")
         return PASS
     console.say(f"other bytes: sequence sha256 {made.sha256}, recorded {recorded.sha256}")
     console.say(f"first difference: run {differs}; the repeated one is {folder / run_name(differs)}")

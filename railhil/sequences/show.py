@@ -8,7 +8,7 @@ from typing import Any
 
 from rich.table import Table
 
-from railhil.common.digits import percent
+from railhil.common.digits import count_of, percent
 from railhil.common.output import Output, table
 
 #: Runs that get a row of their own, besides the last.
@@ -40,7 +40,7 @@ def _rows(measure: Mapping[str, Any]) -> Table:
 def converged(measure: Mapping[str, Any], sequences: int) -> str:
     """How many runs the sequences need, in words."""
     found = measure["converged"]
-    inside = f"{found['in_a_row']} runs in a row within {found['limit']:g} {measure['unit']}"
+    inside = f"{count_of(found['in_a_row'], 'run')} in a row within {found['limit']:g} {measure['unit']}"
     if not found["sequences"]:
         return f"no sequence had {inside}"
     most = "more than there were" if found["p90"] is None else f"{found['p90']:.0f}"
@@ -57,23 +57,27 @@ def show(console: Output, summary: Mapping[str, Any], folder: Path, report: str)
     :param report: the line that says where the report is, or why there is none.
     """
     kind = "perturbed" if summary["perturbed"] else "nominal"
+    sequences, runs = count_of(summary["sequences"], "sequence", spec=","), count_of(summary["runs"], f"{kind} run")
     console.say(
-        f"{summary['sequences']:,} sequences of {summary['runs']} {kind} runs of {summary['scenario']}, "
+        f"{sequences} of {runs} of {summary['scenario']}, "
         f"{summary['law']}, {summary['arithmetic']}, seeds {summary['seed']} to {summary['last_seed']}"
     )
     for measure in summary["measures"].values():
         console.print(_rows(measure))
         console.say(converged(measure, summary["sequences"]))
         if missing := sum(one["runs"] - one["with_a_value"] for one in measure["by_run"]):
-            console.say(f"{missing} runs have no {measure['title']}; they count as outside every limit")
+            without = count_of(missing, "run has", "runs have")
+            console.say(f"{without} no {measure['title']}; they count as outside every limit")
     verdicts = ", ".join(f"{count:,} {name}" for name, count in summary["verdicts"].items())
     console.say(f"verdicts: {verdicts}")
     if summary["not_learned"]:
-        console.say(f"{summary['not_learned']:,} runs left no record")
+        console.say(f"{count_of(summary['not_learned'], 'run', spec=',')} left no record")
     for fault, count in summary["memory_refused"].items():
-        console.say(f"memory: slot {fault} in {count:,} runs", style="bold yellow")
+        console.say(f"memory: slot {fault} in {count_of(count, 'run', spec=',')}", style="bold yellow")
     if summary["runs_with_wraps"]:
-        console.say(f"the arithmetic wrapped in {summary['runs_with_wraps']:,} runs", style="bold red")
+        console.say(
+            f"the arithmetic wrapped in {count_of(summary['runs_with_wraps'], 'run', spec=',')}", style="bold red"
+        )
     console.say(f"folder {folder}")
     if report:
         console.say(report)

@@ -11,6 +11,7 @@ from can.io import BLFReader
 from can.io.blf import BLFParseError
 
 from railhil.bus.frame import Frame, from_message
+from railhil.common.digits import count_of
 from railhil.common.errors import InputError, Words
 
 _NS_PER_US = 1000
@@ -44,4 +45,4 @@ def read_blf(path: Path) -> Iterator[tuple[int, Frame]]:
         where = f"after frame {count}" if count else "file"
         raise InputError(path, where, Words(str(error) or type(error).__name__), "a BLF file") from error
     if count == 0 or count < announced:
-        raise InputError(path, "file", Words(f"{count} of {announced} frames"), f"{allowed}, whole")
+        raise InputError(path, "file", Words(f"{count} of {count_of(announced, 'frame')}"), f"{allowed}, whole")

@@ -19,6 +19,7 @@ from typing import Any
 
 from railhil.bus.codes import Event
 from railhil.bus.telegrams import RunEvent
+from railhil.common.digits import count_of
 from railhil.faults.parsed import parsed
 from railhil.scenarios.model import Scenario
 from railhil.supervisor.ato_events import received
@@ -83,7 +84,7 @@ def _taken(
         return
     bad += sum(one.source == port for one in trace.refused)
     if not unseen.is_whole and (surplus > bad or unseen.count(port)):
-        yield f"{UNCLEAR}the {node} took {surplus} {port} telegrams that the record does not show"
+        yield f"{UNCLEAR}the {node} took {count_of(surplus, f'{port} telegram')} that the record does not show"
     else:
         yield from _too_many(node, port, surplus)
 
@@ -96,34 +97,36 @@ def _port(
     if heard is None or not _is_the_rest(trace, port, heard[-1].after):
         kept = sum(gap["ports"][port]["count"] for gap in gaps if port in gap["ports"])
         yield (
-            f"invariant 6: {trace.count(port)} {port} telegrams in the record, the {node} received {own['committed']}"
-            + (f" and {kept} were kept from it" if kept else "")
+            f"invariant 6: {count_of(trace.count(port), f'{port} telegram')} in the record, "
+            f"the {node} received {own['committed']}" + (f" and {kept} were kept from it" if kept else "")
         )
         return
     if "accepted" not in own:
         return
     refused = own.get("refused", {})
     accounted = own["accepted"] + sum(refused.values())
+    came = count_of(own["committed"], f"{port} telegram")
     if item is None:
         # A safe channel also begins with telegrams that it neither uses nor refuses.
         if accounted > own["committed"]:
-            yield f"invariant 6: the {node} received {own['committed']} {port} telegrams and accounts for {accounted}"
+            yield f"invariant 6: the {node} received {came} and accounts for {accounted}"
         return
     causes = [cause for _, cause in judged(trace, item, heard if gaps or not _is_all(trace, port, heard) else None)]
     good = own["committed"] - len(causes)
     if own["accepted"] > good:
         yield from _too_many(node, port, own["accepted"] - good)
     for cause in _SHOWN:
-        counted, shown = refused.get(cause, 0), causes.count(cause)
-        if counted != shown:
+        told, shown = refused.get(cause, 0), causes.count(cause)
+        if told != shown:
             words = cause.replace("_", " ")
-            yield f"invariant 6: the {node} refused {counted} {port} telegrams ({words}), the record shows {shown}"
+            one = f"{port} telegram"
+            yield f"invariant 6: the {node} refused {count_of(told, one)} ({words}), the record shows {shown}"
     if accounted != own["committed"]:
-        yield f"invariant 6: the {node} received {own['committed']} {port} telegrams and accounts for {accounted}"
+        yield f"invariant 6: the {node} received {came} and accounts for {accounted}"
 
 
 def _too_many(node: str, port: str, surplus: int) -> Iterator[str]:
-    yield f"invariant 1: the {node} took {surplus} {port} telegrams that the record does not show good"
+    yield f"invariant 1: the {node} took {count_of(surplus, f'{port} telegram')} that the record does not show good"
 
 
 def _heard(committed: int, port: str, gaps: list[Mapping[str, Any]]) -> list[Stretch] | None:
@@ -165,7 +168,7 @@ def _frames(trace: Trace, node: str, counts: Mapping[str, Any]) -> Iterator[str]
     for cause in _OF_FRAMES:
         noted = (*trace.refused, *trace.no_answers)
         shown = sum(one.cause == cause and one.source in own for one in noted)
-        counted = counts["frames"].get(cause, 0)
-        if counted > shown or (counted < shown and not counts["gaps"]):
+        told = counts["frames"].get(cause, 0)
+        if told > shown or (told < shown and not counts["gaps"]):
             words = cause.replace("_", " ")
-            yield f"invariant 6: the {node} refused {counted} frames ({words}), the record shows {shown}"
+            yield f"invariant 6: the {node} refused {count_of(told, 'frame')} ({words}), the record shows {shown}"

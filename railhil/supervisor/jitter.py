@@ -18,7 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from railhil.bus.clock import RATE_MAX_10TH, RATE_MIN_10TH, rate_to_10th
-from railhil.common.digits import beside
+from railhil.common.digits import beside, count_of
 from railhil.supervisor.start_up import TIMING
 from railhil.supervisor.trace import Trace
 
@@ -58,9 +58,8 @@ class Jitter:
         """Why the timing is not good enough."""
         if self.late_share > LATE_SHARE_MAX:
             share = beside(100 * self.late_share, 100 * LATE_SHARE_MAX, 2)
-            return (
-                f"timing: {share}% of {self.cycles} cycles more than {LATE_MS:g} ms late, allowed {LATE_SHARE_MAX:.1%}"
-            )
+            cycles = count_of(self.cycles, "cycle")
+            return f"timing: {share}% of {cycles} more than {LATE_MS:g} ms late, allowed {LATE_SHARE_MAX:.1%}"
         return f"timing: a cycle {beside(self.max_ms, PAUSE_MS, 0)} ms late, allowed less than {PAUSE_MS:g} ms"
 
     def as_json(self) -> dict[str, Any]:

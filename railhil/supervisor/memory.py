@@ -11,8 +11,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from railhil.common.digits import count_of
 from railhil.common.errors import InputError
-from railhil.scenarios.memory import MEMORY_AFTER, MEMORY_BEFORE, Record, next_record, runs_said, write_memory
+from railhil.scenarios.memory import MEMORY_AFTER, MEMORY_BEFORE, Record, next_record, write_memory
 from railhil.scenarios.memory_store import MemoryStore, StoreChanged
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
@@ -108,7 +109,7 @@ def memory_lines(spec: RunSpec, result: RunResult) -> list[str]:
         lines = [f"memory: slot {slot} cannot be used: {detail}" for slot, (_, detail) in after.kept.refused.items()]
         used = None if memory is None else memory.at(after.kept.used)
         where = f" ({_place(after.kept.used)})" if used is not None else ""
-    began = "none" if used is None else f"that of {runs_said(used.runs)}{where}"
+    began = "none" if used is None else f"that of {count_of(used.runs, 'run')}{where}"
     if after is None:
         why = "the law supplied no memory" if result.trusted else "the run is INVALID"
         return [*lines, f"memory: began with {began}; nothing kept: {why}"]
@@ -117,7 +118,7 @@ def memory_lines(spec: RunSpec, result: RunResult) -> list[str]:
         why = f"run {spec.run_number} is not after run {used.last_run}, the last one learned"
         return [*lines, f"memory: began with {began}; nothing kept: {why}"]
     to = "the run folder only" if spec.memory_store is None else spec.memory_store
-    kept = f"that of {runs_said(after.record.runs)} ({after.record.digest})"
+    kept = f"that of {count_of(after.record.runs, 'run')} ({after.record.digest})"
     return [*lines, f"memory: began with {began}; kept {kept} in {to}"]
 
 

@@ -15,6 +15,7 @@ from railhil.bus.link import Link, open_link
 from railhil.bus.link.pipes import Pipes
 from railhil.bus.order import BusOrder
 from railhil.bus.select import BusChoice
+from railhil.common.digits import count_of
 from railhil.common.exit_codes import USAGE
 from railhil.faults.parsed import parsed
 from railhil.scenarios.model import AnyScenario
@@ -233,7 +234,7 @@ class Run:
     def _hole(self, counters: dict[str, int]) -> str:
         """Why the record is incomplete, if it is."""
         if lost := counters.get("rx_lost"):
-            return f"record: {lost} frames lost in the recorder's receive buffer (SO_RXQ_OVFL)"
+            return f"record: {count_of(lost, 'frame')} lost in the recorder's receive buffer (SO_RXQ_OVFL)"
         if self.session.unheard_ns and self.spec.is_realtime:
             return f"record: the recorder was off the bus for {self.session.unheard_ns / 1e9:.2f} s"
         return ""

@@ -20,6 +20,7 @@ from railhil.bus.frame import Frame
 from railhil.bus.mvb import F_DEVICE_STATUS, master_frame
 from railhil.bus.own_frames import OwnFrames
 from railhil.common.arrays import distinct
+from railhil.common.digits import count_of
 from railhil.dbc import Contract, Port
 from railhil.supervisor.log_columns import ClassicColumns
 from railhil.supervisor.sent_list import EqualFrames, Told, read_sent
@@ -54,7 +55,8 @@ class Strangers:
         """The clause of the verdict; empty: there were none."""
         if not self.count:
             return ""
-        return f"{_frames(self.count)} on {what} that the {node} did not send, first at {self.first_ns / 1e9:.2f} s"
+        frames = count_of(self.count, "frame")
+        return f"{frames} on {what} that the {node} did not send, first at {self.first_ns / 1e9:.2f} s"
 
 
 @dataclass(slots=True)
@@ -222,7 +224,9 @@ class Senders:
         missing = sum(self._streams[can_id].judge(strangers) for can_id in can_ids)
         said = [strangers.sentence(what, node)] if strangers.count else []
         if missing and self._complete:
-            said.append(f"{_frames(missing)} on {what} that the {node} sent {'is' if missing == 1 else 'are'} missing")
+            said.append(
+                f"{count_of(missing, 'frame')} on {what} that the {node} sent {'is' if missing == 1 else 'are'} missing"
+            )
         return said
 
     def _beyond_polls(self, port: Port) -> list[str]:
@@ -231,13 +235,9 @@ class Senders:
             return []
         surplus = max(self._answers[port.can_ids[-1]], self._answers[port.fd_id])
         surplus -= self._polls.sent.count(master_frame(port.f_code, port.address).data)
-        return [f"{_frames(surplus)} on {port.name} more than the plant has polled"] if surplus > 0 else []
+        return [f"{count_of(surplus, 'frame')} on {port.name} more than the plant has polled"] if surplus > 0 else []
 
 
 def _without_scan(polls: _Stream) -> _Stream:
     """The polls without those of the device status, which are not recorded."""
     return _Stream([data for data in polls.sent if not data or data[0] >> 4 != F_DEVICE_STATUS])
-
-
-def _frames(count: int) -> str:
-    return "1 frame" if count == 1 else f"{count} frames"

@@ -16,6 +16,7 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from railhil.common.command_line import parse
+from railhil.common.digits import count_of
 from railhil.common.errors import InputError, Words
 from railhil.common.exit_codes import PASS, guarded
 from railhil.common.output import Output
@@ -172,7 +173,7 @@ def _keep_the_better(judged: Evaluation, protocol: Protocol, found: Found, file:
     from railhil.tuning.evaluation import better, worse
     from railhil.tuning.search import Box
 
-    runs = f"on the {len(judged.tuned.seed)} runs of the evaluation"
+    runs = f"on the {count_of(len(judged.tuned.seed), 'run')} of the evaluation"
     box = Box.of(protocol.law.controller)
     own = dict(zip(box.names, box.default, strict=True))
     if all(math.isclose(found.values[name], own[name], rel_tol=_SAME) for name in own):

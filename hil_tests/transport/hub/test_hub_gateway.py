@@ -187,7 +187,7 @@ def test_a_bus_without_descriptor_is_read_by_a_thread() -> None:
         # Its own frame did not come back.
         assert taken(port, lambda frames: True) == []
         assert lines == []
-        assert port.statistics() == "port virtual:gateway-test: 1 frames in, 1 out, 0 outages"
+        assert port.statistics() == "port virtual:gateway-test: 1 frame in, 1 out, 0 outages"
     finally:
         port.close()
         other.shutdown()

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from railhil.common.digits import beside, percent
+from railhil.common.digits import beside, count_of, percent
 
 NUMBERS = st.floats(-1e6, 1e6, allow_nan=False)
 
@@ -47,3 +47,9 @@ def test_shares_with_two_decimals_where_they_suffice() -> None:
         "0.00%",
         "0.001%",
     ]
+
+
+def test_one_of_a_thing_is_singular() -> None:
+    assert [count_of(count, "entry", "entries") for count in (0, 1, 2)] == ["0 entries", "1 entry", "2 entries"]
+    assert count_of(1, "run") == "1 run"
+    assert count_of(12_000, "run", spec=",") == "12,000 runs"

@@ -33,6 +33,7 @@ from railhil.bus.stopping import (
     Truth,
 )
 from railhil.bus.telegrams import RunEvent
+from railhil.common.digits import count_of
 from railhil.common.output import Output
 from railhil.controller_node.arithmetic.base import DIVISION_BY_ZERO, SATURATION, WRAP
 from railhil.controller_node.laws.fault import law_fault
@@ -106,7 +107,7 @@ def run_together(
         whole = runs is not None and runs.run()
         if runs is not None and not whole:
             (say or Output(stderr=True).say)(
-                f"{specs[0].law.controller}: {len(some)} runs are made one by one: "
+                f"{specs[0].law.controller}: {count_of(len(some), 'run is', 'runs are')} made one by one: "
                 f"with their memories the law differs in its {runs.differs}"
             )
         for train, spec in enumerate(some):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from statistics import fmean
 
+from railhil.common.digits import count_of
 from railhil.reproduce.paper import Results
 
 #: The law of the paper with one unit, its comparators, the baselines that a law with a network is judged against, and
@@ -123,7 +124,7 @@ def count(results: Results, situation: str, law: str) -> str:
 
 def counted(keys: Sequence[str]) -> str:
     """The number of some runs, in words."""
-    return f"{len(keys)} run{'s' * (len(keys) != 1)}"
+    return count_of(len(keys), "run")
 
 
 def units_made(results: Results, kind: str, law: str, loop: str) -> list[str]:

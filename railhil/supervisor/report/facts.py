@@ -13,6 +13,7 @@ from pathlib import PurePosixPath
 from typing import Any
 
 from railhil.bus.limits import limits_of
+from railhil.common.digits import count_of
 from railhil.scenarios.parameters import DIGEST_DIGITS
 from railhil.supervisor.judging import judging_of
 from railhil.supervisor.report.jitter_panel import timing_rows
@@ -82,7 +83,7 @@ def parameters_sentence(run: RecordedRun) -> str:
         return f"the law's own ({own['origin'] if own else _UNKNOWN + ' where they come from'})"
     words = f"from a file, digest {given['sha256'][:DIGEST_DIGITS]}"
     if training := given.get("training"):
-        words += f", tuned on {len(training['seeds'])} runs of {training['scenario']}"
+        words += f", tuned on {count_of(len(training['seeds']), 'run')} of {training['scenario']}"
     return words
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from railhil.common.digits import count_of
 from railhil.supervisor.jitter import LATE_MS, PLANT
 from railhil.supervisor.report.recorded import RecordedRun
 
@@ -26,12 +27,12 @@ def timing_of(run: RecordedRun) -> dict[str, Any]:
 def jitter_sentence(jitter: Mapping[str, Any]) -> str:
     """Lateness of the cycles in one line."""
     text = ", ".join(f"{name} {jitter[key]:.3f} ms" for name, key in _FIGURES)
-    return f"lateness of {jitter['cycles']} cycles: {text}"
+    return f"lateness of {count_of(jitter['cycles'], 'cycle')}: {text}"
 
 
 def answers_sentence(timing: Mapping[str, Any]) -> str:
     """Missed polls, and the latency of the answers per port, in one line."""
-    text = f"{timing['missed_polls']} of {timing['polls']} polls missed"
+    text = f"{timing['missed_polls']} of {count_of(timing['polls'], 'poll')} missed"
     for item in timing["answers"]:
         figures = (f"{name} {item[key]:.3f} ms" for name, key in _FIGURES if key in item)
         text += f"; {item['port']} {', '.join(figures)}"

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from railhil.common.digits import count_of
+
 
 def memory_sentence(certificate: Mapping[str, Any]) -> str:
     """The memory of its law with which a run began and ended; empty for a run without one."""
@@ -12,7 +14,6 @@ def memory_sentence(certificate: Mapping[str, Any]) -> str:
     if not before and not after:
         return ""
     # Few records have a memory.
-    from railhil.scenarios.memory import runs_said
     from railhil.scenarios.parameters import DIGEST_DIGITS
 
     began, stored = "none yet", before["stored"] if before else []
@@ -20,7 +21,9 @@ def memory_sentence(certificate: Mapping[str, Any]) -> str:
     # Without it the run cannot be trusted: the law would have used the first.
     record = next((one["record"] for one in stored if one["record"] and used in (None, one["slot"])), None)
     if before and record:
-        began = f"that of {runs_said(record['runs'])}, key {record['key']}, sha256 {before['sha256'][:DIGEST_DIGITS]}"
+        began = (
+            f"that of {count_of(record['runs'], 'run')}, key {record['key']}, sha256 {before['sha256'][:DIGEST_DIGITS]}"
+        )
     refused = "".join(
         f"; {slot} could not be used: {detail}" for slot, (_, detail) in certificate.get("memory_refused", {}).items()
     )
