@@ -263,7 +263,7 @@ def test_a_hub_that_dies_and_comes_back_is_a_port_again() -> None:
             assert between.end() == 0
         finally:
             again.close()
-        assert between.stderr().splitlines()[-1].endswith("1 outages, dropped 1")
+        assert between.stderr().splitlines()[-1].endswith("1 outage, dropped 1")
 
 
 def _reaches(sender: HubBus, receiver: HubBus) -> bool:
@@ -288,7 +288,7 @@ def test_frames_wait_for_a_hub_that_is_away_when_none_may_be_lost() -> None:
         try:
             between.wait_for_stderr("is open again")
             # It leaves within moments of the opening; a client could not be there in time.
-            wait_for(lambda: _asked(between).endswith("0 frames in, 1 out, 1 outages"), PATIENCE_S)
+            wait_for(lambda: _asked(between).endswith("0 frames in, 1 out, 1 outage"), PATIENCE_S)
         finally:
             again.close()
         assert "dropped" not in between.stderr()
@@ -320,5 +320,5 @@ def test_a_serial_adapter_is_unplugged_and_plugged_in_again(tmp_path: Path) -> N
 
         wait_for(says_it, PATIENCE_S)
         assert between.end() == 0
-        assert "1 outages, dropped 1" in between.stderr()
+        assert "1 outage, dropped 1" in between.stderr()
     terminal.pull_out()

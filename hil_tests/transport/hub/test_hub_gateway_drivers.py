@@ -195,7 +195,7 @@ def test_a_driver_that_fails_while_sending_is_opened_again(monkeypatch: pytest.M
         message = other.recv(PATIENCE_S)
         assert message is not None
         assert message.arbitration_id == PLAIN.can_id
-        assert port.statistics().endswith("0 frames in, 1 out, 1 outages, dropped 1")
+        assert port.statistics().endswith("0 frames in, 1 out, 1 outage, dropped 1")
     finally:
         port.close()
         other.shutdown()

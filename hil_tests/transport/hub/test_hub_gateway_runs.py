@@ -107,7 +107,7 @@ def test_an_adapter_of_the_gateway_is_unplugged_in_motion(tmp_path: Path, short:
             adapter.communicate(timeout=PATIENCE_S)
     assert f"railhil hub: slcan:{port} is down" in said
     assert f"railhil hub: slcan:{port} is back after" in said
-    assert ", 1 outages" in said.splitlines()[-1]
+    assert ", 1 outage" in said.splitlines()[-1]
     trace = trace_of(read_log(folder / "frames.log"))
     assert trace.raw("RUN_EVENT", "RunEvent")[-1] in (Event.ENDED_COMPLETE, Event.ENDED_NOT_STOPPED)
     times_s = trace.times_s("NOTCH_CMD")

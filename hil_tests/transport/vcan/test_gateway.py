@@ -106,5 +106,5 @@ def test_an_interface_goes_down_and_up_and_error_frames_stay(gateway):
     first, second = gateway.end()[-2:]
     assert "vcan0: 3 frames in, 1 out, 0 outages" in first
     assert "local_error_frames 1" in first
-    assert "2 out, 1 outages" in second
+    assert "2 out, 1 outage" in second
     assert "dropped" not in first + second
