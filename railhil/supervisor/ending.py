@@ -32,6 +32,7 @@ from railhil.supervisor.unseen import UNCLEAR
 
 if TYPE_CHECKING:
     from railhil.supervisor.run import Run
+    from railhil.supervisor.score import Score
 
 
 def result_of(
@@ -69,9 +70,8 @@ def result_of(
         # The kernel may silently drop frames while an interface goes down.
         line = line or f"record: {count_of(timing.missed_polls, 'poll')} without an answer in an outage of the bus"
     code = {"PASS": PASS, "FAIL": FAIL}.get(result.verdict, INVALID)
-    unclear = [said for said in result.failures if said.startswith(UNCLEAR)]
-    if timing.jitter is not None and not timing.jitter.valid and (unclear or code in (PASS, FAIL)):
-        code, line = INVALID, line or "; ".join(filter(None, (*unclear, timing.jitter.sentence(), timing.pace)))
+    if late := late_reason(result, timing):
+        code, line = INVALID, line or late
     if code in (PASS, FAIL):
         line = line or missed_faults(faults)
     summary = read_summary(run.folder)
@@ -101,6 +101,15 @@ def result_of(
         not_witnessed=found.not_witnessed,
         faults=faults,
     )
+
+
+def late_reason(found: Score, timing: RunTiming) -> str:
+    """Why the timing of a run leaves no verdict, behind what its record does not show because of it; empty: it does
+    leave one, or there is none for another reason."""
+    unclear = [said for said in found.failures if said.startswith(UNCLEAR)]
+    if timing.jitter is None or timing.jitter.valid or (found.verdict == "INVALID" and not unclear):
+        return ""
+    return "; ".join(filter(None, (*unclear, timing.jitter.sentence(), timing.pace)))
 
 
 def _timing(run: Run) -> RunTiming:

@@ -22,6 +22,7 @@ from railhil.dbc import wire_contract
 from railhil.plant_sim.cycle_times import MISSED_NS, PlantTiming
 from railhil.scenarios.load import load
 from railhil.supervisor.documents import read_score
+from railhil.supervisor.ending import late_reason
 from railhil.supervisor.jitter import (
     EDGES_MS,
     LATE_MS,
@@ -40,6 +41,7 @@ from railhil.supervisor.jitter import (
 from railhil.supervisor.json_file import write_json
 from railhil.supervisor.report.page import page
 from railhil.supervisor.report.recorded import RecordedRun
+from railhil.supervisor.score import Score
 from railhil.supervisor.start_up import TIMING
 from railhil.supervisor.trace import Trace, trace_of
 
@@ -51,6 +53,22 @@ def late(cycles: int, count: int, by_ms: float = 6.0) -> Jitter:
     late_ms = np.full(cycles, 0.1)
     late_ms[:count] = by_ms
     return jitter_from(late_ms)
+
+
+@pytest.mark.parametrize(
+    ("verdict", "failure", "said"),
+    [
+        ("PASS", (), "timing: "),
+        ("FAIL", ("invariant 4: x",), "timing: "),
+        ("INVALID", ("record: x",), "record: x; timing: "),
+        ("INVALID", ("run record_incomplete",), ""),
+    ],
+)
+def test_a_late_run_says_so_beside_what_its_record_does_not_show(verdict: str, failure: tuple[str], said: str) -> None:
+    found = Score(verdict, {}, {}, failure, "ended_complete")
+    words = late_reason(found, RunTiming(PLANT, 1, 0, late(1000, 500)))
+    assert words.startswith(said) if said else words == ""
+    assert late_reason(found, RunTiming(PLANT, 1, 0, late(1000, 0))) == ""
 
 
 def plant_table(folder: Path, jitter_ms: float, cycles: int = 100) -> None:
