@@ -13,6 +13,7 @@ from railhil.scenarios.system import system_named
 from railhil.supervisor.errors import not_written
 from railhil.supervisor.judging import judging_of
 from railhil.supervisor.record import checked_record
+from railhil.supervisor.sampled import drawn_trace
 
 _SUFFIXES = (".svg", ".png", ".pdf")
 #: A curve needs two points.
@@ -36,7 +37,9 @@ def work(namespace: argparse.Namespace) -> int:
         raise missing("railhil plot", error, "report") from None
     record = checked_record(namespace.log, namespace.scenario)
     system, truth = system_named(record.scenario.system), judging_of(record.scenario).truth
-    draw = system.part("picture") if "picture" in system.own else draw_signals
+    draw, trace = draw_signals, record.trace
+    if "picture" in system.own:
+        draw, trace = system.part("picture"), drawn_trace(record.scenario, trace)
     points = record.trace.count(truth)
     if points < _POINTS_MIN:
         raise InputError(record.log, truth, points, f"at least {_POINTS_MIN} telegrams to draw")
@@ -45,7 +48,7 @@ def work(namespace: argparse.Namespace) -> int:
         raise InputError("command line", "--out", str(out), f"a name that ends in {', '.join(_SUFFIXES)}")
     try:
         with whole_file(out) as draft:
-            draw(record.scenario, record.trace, draft)
+            draw(record.scenario, trace, draft)
     except OSError as error:
         raise not_written("--out", out, "file", error) from None
     for note in record.notes:

@@ -21,7 +21,7 @@ from railhil.sequences.show import converged
 from railhil.sequences.table import memories
 from railhil.supervisor.hash_list import REPORT, listed_file
 from railhil.supervisor.report.assets import styles_text
-from railhil.supervisor.report.figures import Picture
+from railhil.supervisor.report.figures import Picture, system_pictures
 from railhil.supervisor.report.recorded import RecordedRun
 from railhil.supervisor.report.templates import template
 
@@ -63,8 +63,7 @@ def _examples(plan: Plan, table: pa.Table) -> list[Picture]:
     kept = memories(table, plan.request.runs)[0]
     numbers = [1, plan.request.runs] if plan.request.runs > 1 else [1]
     runs = [_example(plan, table, number, kept[number - 2] if number > 1 else None) for number in numbers]
-    found: list[Picture] = system_named(plan.scenario.system).part("pictures")(plan.scenario, runs)
-    return found
+    return system_pictures(plan.scenario, runs)
 
 
 def _example(plan: Plan, table: pa.Table, number: int, values: Mapping[str, Any] | None) -> RecordedRun:

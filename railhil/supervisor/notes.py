@@ -87,4 +87,4 @@ def note_values(trace: Trace, note: ToldNote, port: str = CtlStat.PORT) -> Float
     raw = trace.raw(port, note.signal)
     if note.signed:
         raw = (raw + _HALF) % _WHOLE - _HALF
-    return np.asarray(raw * note.scale, dtype=np.float64)
+    return np.asarray(np.ma.filled(raw * note.scale, np.nan), dtype=np.float64)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from array import array
 from collections.abc import Mapping
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 import numpy.typing as npt
 
+from railhil.bus.ident import Ident
 from railhil.bus.schedule import Schedule
 from railhil.dbc import Contract
 from railhil.scenarios.model import AnyScenario
@@ -46,6 +48,81 @@ def gap_after(rows: FloatArray, position: int = -1) -> FloatArray:
     if position >= 0:
         gaps[:, position] = rows[:, position]
     return gaps
+
+
+class DrawnTrace(Trace):
+    """A record as figures get it, so that no line goes over what the record does not have.
+
+    A port that is silent for longer than its values hold has one more row there, just after the last telegram before
+    the silence. Nothing is known in it: :meth:`values` has NaN, and :meth:`raw` is masked. All else is the record's.
+    """
+
+    def __init__(self, trace: Trace, holds_s: Mapping[str, float]) -> None:
+        super().__init__(trace.contract)
+        self.idents, self.foreign, self.polls = trace.idents, trace.foreign, trace.polls
+        self.refused, self.no_answers, self._missed = trace.refused, trace.no_answers, trace._missed
+        self.told, self.end_ns, self._awaited = trace.told, trace.end_ns, trace._awaited
+        self._record = trace
+        self._holds_s = holds_s
+        #: Places of the rows without values, by port.
+        self._unknown: dict[str, npt.NDArray[np.int64]] = {}
+
+    def unknown(self, port: str) -> npt.NDArray[np.int64]:
+        """Places of the rows without values, shape (k,)."""
+        if port not in self._unknown:
+            time_s = self._record.times_s(port)
+            ended_s = [self.end_s] if len(time_s) else []
+            after = silences(np.append(time_s, ended_s), self._holds_s.get(port, np.inf))
+            self._unknown[port] = after + 1 + np.arange(len(after))
+        return self._unknown[port]
+
+    def count(self, port: str) -> int:
+        """Number of rows of a port."""
+        return self._record.count(port) + len(self.unknown(port))
+
+    def times_ns(self, port: str) -> array[int]:
+        """Simulation time of each row of a port in ns, shape (n,)."""
+        unknown = self.unknown(port)
+        if not len(unknown):
+            return self._record.times_ns(port)
+        times_ns = self._rows(port, np.array(self._record.times_ns(port), dtype=np.int64))
+        times_ns[unknown] += round(_AFTER_S * 1e9)
+        return array("q", times_ns.tobytes())
+
+    def order(self, port: str) -> npt.NDArray[np.int64]:
+        """Place of each row of a port among all telegrams of the record, shape (n,)."""
+        found: npt.NDArray[np.int64] = self._rows(port, self._record.order(port))
+        return found
+
+    def raw(self, port: str, signal: str) -> npt.NDArray[np.int64]:
+        """Raw values of a signal, shape (n,), masked where nothing is known."""
+        unknown, found = self.unknown(port), self._record.raw(port, signal)
+        if not len(unknown):
+            return found
+        masked = np.ma.MaskedArray(self._rows(port, found))
+        masked[unknown] = np.ma.masked
+        return masked
+
+    def values(self, port: str, signal: str) -> FloatArray:
+        """Physical values of a signal, shape (n,), NaN where nothing is known."""
+        found: FloatArray = self._rows(port, self._record.values(port, signal))
+        found[self.unknown(port)] = np.nan
+        return found
+
+    def ident(self, telegram: type[Ident]) -> Ident | None:
+        """First handshake telegram of a node."""
+        return self._record.ident(telegram)
+
+    def _rows(self, port: str, found: Any) -> Any:
+        """With the row before once more where nothing is known."""
+        unknown = self.unknown(port)
+        before = unknown - 1 - np.arange(len(unknown))
+        return np.insert(found, before + 1, found[before])
+
+
+def drawn_trace(scenario: AnyScenario, trace: Trace) -> Trace:
+    """The record as figures get it."""
+    return trace if isinstance(trace, DrawnTrace) else DrawnTrace(trace, holding_s(scenario, trace.contract))
 
 
 class Sampler:

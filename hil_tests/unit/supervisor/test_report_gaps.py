@@ -10,20 +10,27 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from hil_tests.support.fault_runs import fast
+from hil_tests.support.stops import SHORT
 from railhil.bench import local_run
+from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario
+from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.supervisor.framelog import read_log
 from railhil.supervisor.notes import ToldNote
 from railhil.supervisor.report import events_panel, panels, signals_picture
 from railhil.supervisor.report.explore import explored
-from railhil.supervisor.report.figures import pictures
+from railhil.supervisor.report.figures import pictures, system_pictures
 from railhil.supervisor.report.panels import Drawn
 from railhil.supervisor.report.recorded import RecordedRun, curves, recorded_run
+from railhil.supervisor.report.stacked import line
 from railhil.supervisor.report.styles import Style
+from railhil.supervisor.sampled import drawn_trace, holding_s
 from railhil.supervisor.score import score
 from railhil.supervisor.trace import Trace, trace_of
 
@@ -59,11 +66,13 @@ def gappy(tmp_path_factory: pytest.TempPathFactory) -> Gappy:
     return Gappy(tmp_path_factory.mktemp("gappy"))
 
 
-def bridges(time_s: Any, values: Any) -> bool:
+#: The middle of the gap, between two ticks.
+_MIDDLE_S = (_FROM_S + _TO_S) / 2 + 0.003
+
+
+def bridges(time_s: Any, values: Any, middle: float = _MIDDLE_S) -> bool:
     """Whether a line goes over the middle of the gap."""
     x, known = np.asarray(time_s, dtype=float), np.isfinite(np.asarray(values, dtype=float))
-    # Between two ticks.
-    middle = (_FROM_S + _TO_S) / 2 + 0.003
     return bool(np.any(known[:-1] & known[1:] & (x[:-1] < middle) & (x[1:] > middle)))
 
 
@@ -102,8 +111,8 @@ def test_no_line_over_distance_goes_over_a_gap(gappy: Gappy) -> None:
     axes = Figure().subplots()
     panels.speed_near(axes, scenario, [run], (before_m + after_m) / 2)
     panels.speed_over_distance(axes, scenario, [run])
-    for line in axes.get_lines():
-        x, y = (np.asarray(one, dtype=float) for one in (line.get_xdata(), line.get_ydata()))
+    for one in axes.get_lines():
+        x, y = (np.asarray(each, dtype=float) for each in (one.get_xdata(), one.get_ydata()))
         assert not np.any((x[:-1] == before_m) & (x[1:] == after_m))
         assert np.isfinite(y).any() or len(y) < 3
     assert np.isfinite(panels.widest_places(scenario, [run])).all()
@@ -164,3 +173,95 @@ def test_the_picture_of_signals_has_no_line_over_a_gap(
     signals_picture.draw(gappy.scenario, gappy.trace("SIM_TRUTH"), tmp_path / "run.svg")
     assert len(lines) > 10
     assert not any(bridges(x, y) for x, y in lines[1:])
+
+
+#: Short runs of the systems with figures of their own: scenario, law, settings.
+_OTHERS = {
+    "hst1": ("hst_short", "elm_ngpc", ("task.duration_s=9",)),
+    "emu3": ("emu3_short", "pid", ("task.duration_s=9",)),
+    "stop": ("yizhuang_stop", "one_shot", SHORT),
+}
+_OTHER_FROM_S, _OTHER_TO_S = 4.0, 6.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("system", _OTHERS)
+def test_no_figure_of_another_system_has_a_line_over_a_gap(
+    system: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    name, law, settings = _OTHERS[system]
+    scenario = load_any(name, settings)
+    made = local_run(scenario, tmp_path, RunSpec(law=LawSpec(law, arithmetic="float64")))
+    contract = made.trace.contract
+    cyclic = {can_id for port in holding_s(scenario, contract) for can_id in contract.port(port).can_ids}
+    frames = list(read_log(tmp_path / "frames.log"))
+    gappy = trace_of(
+        (
+            (time_ns, frame)
+            for time_ns, frame in frames
+            if not (_OTHER_FROM_S < time_ns / 1e9 < _OTHER_TO_S and frame.can_id in cyclic)
+        ),
+        contract,
+    )
+    middle_s = (_OTHER_FROM_S + _OTHER_TO_S) / 2 + 0.001
+    place_m = np.interp(middle_s, made.trace.times_s("TRUTH"), made.trace.values("TRUTH", "TruePos"))
+    stop_m = scenario.task.stop_m if system == "stop" else 0.0
+    middles = {
+        "time (s)": middle_s,
+        "position (km)": place_m / 1e3,
+        "position less stopping point (m)": place_m - stop_m,
+    }
+    lines: list[tuple[Axes, Any, Any]] = []
+    plot = Axes.plot
+    monkeypatch.setattr(
+        Axes, "plot", lambda axes, x, y, **look: (lines.append((axes, x, y)), plot(axes, x, y, **look))[1]
+    )
+    for trace, expected in ((made.trace, True), (gappy, False)):
+        lines.clear()
+        assert system_pictures(scenario, [recorded_run(tmp_path, {}, scenario, trace, made.score)])
+        over = [bridges(x, y, middles[axes.figure.axes[-1].get_xlabel()]) for axes, x, y in lines]
+        assert len(over) >= 4
+        # Those of the last metres and of a margin may begin later.
+        assert sum(over) >= 3 if expected else not any(over)
+        assert any(
+            np.isfinite(y[np.asarray(x) > middles[axes.figure.axes[-1].get_xlabel()]]).any() for axes, x, y in lines
+        )
+
+
+def test_a_record_as_figures_get_it_has_one_row_more_for_each_silence(gappy: Gappy) -> None:
+    for silent, more in (((), 0), (("SIM_TRUTH",), 1)):
+        trace = gappy.trace(*silent)
+        drawn = drawn_trace(gappy.scenario, trace)
+        assert drawn_trace(gappy.scenario, drawn) is drawn
+        assert (drawn.count("SIM_TRUTH"), drawn.count("TRN_SPEED")) == (
+            trace.count("SIM_TRUTH") + more, trace.count("TRN_SPEED"),
+        )  # fmt: skip
+        time_s, speed, raw = (
+            drawn.times_s("SIM_TRUTH"), drawn.values("SIM_TRUTH", "TrueSpeed"), drawn.raw("SIM_TRUTH", "TrueSpeed"),
+        )  # fmt: skip
+        unknown = np.isnan(speed)
+        assert len(time_s) == len(speed) == len(raw) == len(drawn.order("SIM_TRUTH"))
+        assert (np.diff(time_s) > 0).all()
+        assert np.ma.getmaskarray(raw).tolist() == unknown.tolist()
+        assert unknown.sum() == more
+        assert time_s[unknown] == pytest.approx([_FROM_S + 0.001] * more)
+        assert speed[~unknown].tolist() == trace.values("SIM_TRUTH", "TrueSpeed").tolist()
+        assert drawn.missed_polls == trace.missed_polls
+        assert drawn.refused is trace.refused
+
+
+@given(st.lists(st.tuples(st.integers(1, 900), st.integers(1, 30)), min_size=1, max_size=6), st.booleans())
+def test_a_line_has_the_extremes_of_each_part_and_goes_over_no_gap(parts: list[tuple[int, int]], by_mask: bool) -> None:
+    shown = np.concatenate([[True] * known + [False] * unknown for known, unknown in parts])
+    x = np.arange(len(shown), dtype=float)
+    y = np.sin(x / 7.0) * x
+    axes = Figure().subplots()
+    line(axes, x, y, shown) if by_mask else line(axes, x, np.where(shown, y, np.nan))
+    (drawn,) = axes.get_lines()
+    at, values = (np.asarray(one, dtype=float) for one in (drawn.get_xdata(), drawn.get_ydata()))
+    known = np.isfinite(values)
+    assert shown[at[known].astype(int)].all()
+    for begin, end in zip(at[:-1][known[:-1] & known[1:]], at[1:][known[:-1] & known[1:]], strict=True):
+        assert shown[int(begin) : int(end) + 1].all()
+    assert np.nanmax(values) == pytest.approx(np.max(y[shown]), rel=0.05, abs=1.0)
+    assert len(at) <= 1700

@@ -63,8 +63,7 @@ def _speed(runs: Sequence[_Run]) -> Picture:
 
     def error(axes: Axes) -> None:
         for run in runs:
-            scored = run.ride.scored
-            line(axes, run.ride.position_m[scored] / 1000.0, run.ride.error_kmh[scored], **run.style.alone)
+            line(axes, run.ride.position_m / 1000.0, run.ride.error_kmh, run.ride.scored, **run.style.alone)
         axes.set(ylabel="error (km/h)", xlabel="position (km)")
 
     caption = "Speed and target speed, and the error (speed less target), over distance; true values."
@@ -76,9 +75,9 @@ def _units(runs: Sequence[_Run]) -> Picture:
         def draw(axes: Axes) -> None:
             ride = run.ride
             for unit, speed_mps in enumerate(ride.unit_mps):
-                error_kmh = (speed_mps - ride.target_mps)[ride.scored] * _KMH
+                error_kmh = (speed_mps - ride.target_mps) * _KMH
                 label = f"unit {unit + 1}" if run is runs[0] else None
-                line(axes, ride.position_m[ride.scored] / 1000.0, error_kmh, color=_UNIT_COLOURS[unit], linewidth=0.9,
+                line(axes, ride.position_m / 1000.0, error_kmh, ride.scored, color=_UNIT_COLOURS[unit], linewidth=0.9,
                       label=label)  # fmt: skip
             axes.set(ylabel=f"{run.label}\n(km/h)", xlabel="position (km)")
 

@@ -35,12 +35,12 @@ class _Run(NamedTuple):
         return np.asarray(values[rows], dtype=np.float64)
 
     def error_mmps(self, port: str, signal: str) -> tuple[FloatArray, FloatArray]:
-        """A speed less the true one at the instants of its telegrams while the train moves: times (s), mm/s."""
+        """A speed less the true one at the instants of its telegrams, NaN unless the train moves: times (s), mm/s."""
         time_s = self.trace.times_s(port)
         rows = np.searchsorted(self.approach.time_s, time_s + 1e-9, side="right") - 1
         true_mps = self.approach.speed_mps[rows]
         moving = (true_mps > 0.0) & (rows >= 0)
-        return time_s[moving], ((self.trace.values(port, signal) - true_mps) * 1000.0)[moving]
+        return time_s, np.where(moving, (self.trace.values(port, signal) - true_mps) * 1000.0, np.nan)
 
 
 def pictures(scenario: Any, runs: Sequence[Any]) -> list[Picture]:
@@ -64,8 +64,7 @@ def _approach(runs: Sequence[_Run]) -> Picture:
         for run in runs:
             stages = run.at(AtoState.PORT, "AtoStage")
             shown = (stages != Stage.IDLE) & (stages != Stage.STANDSTILL) & (stages != Stage.LEARN)
-            shown &= ~np.isnan(stages)
-            line(axes, run.approach.error_m[shown], run.at(AtoState.PORT, "AtoMargin")[shown], **run.style.alone)
+            line(axes, run.approach.error_m, run.at(AtoState.PORT, "AtoMargin"), shown, **run.style.alone)
         axes.set(ylabel="margin (m)", ylim=(-_MARGIN_MAX_M / 4, _MARGIN_MAX_M))
 
     def command(axes: Axes) -> None:
@@ -89,7 +88,7 @@ def _last(runs: Sequence[_Run]) -> Picture:
     def speed(axes: Axes) -> None:
         for run in runs:
             near = run.approach.error_m >= -_LAST_M
-            line(axes, run.approach.error_m[near], run.approach.speed_mps[near], label=run.label, **run.style.line)
+            line(axes, run.approach.error_m, run.approach.speed_mps, near, label=run.label, **run.style.line)
         limit_m = runs[0].approach.scenario.task.stop_error_max_m
         axes.axvspan(-limit_m, limit_m, color="0.9")
         axes.set(ylabel="speed (m/s)", ylim=(0, None), xlabel="position less stopping point (m)")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
@@ -16,7 +16,8 @@ from matplotlib.backends import backend_svg as backend_svg
 from matplotlib.figure import Figure
 
 from railhil.common.shared_out import shared_out
-from railhil.scenarios.model import Scenario
+from railhil.scenarios.model import AnyScenario, Scenario
+from railhil.scenarios.system import system_named
 from railhil.supervisor.jitter import LATE_MS, LATE_SHARE_MAX
 from railhil.supervisor.report import events_panel, panels
 from railhil.supervisor.report.histogram import Lateness, lateness
@@ -24,6 +25,7 @@ from railhil.supervisor.report.jitter_panel import timing_of
 from railhil.supervisor.report.panels import Drawn
 from railhil.supervisor.report.recorded import RecordedRun, curves
 from railhil.supervisor.report.styles import styles
+from railhil.supervisor.sampled import drawn_trace
 
 _WIDTH_IN = 8.5
 _LEFT_IN, _RIGHT_IN, _BOTTOM_IN = 0.9, 0.15, 0.5
@@ -65,6 +67,14 @@ class Panel:
 
     name: str
     draw: Callable[[Record], list[Picture]]
+
+
+def system_pictures(scenario: AnyScenario, runs: Sequence[RecordedRun]) -> list[Picture]:
+    """The figures of the scenario's system, which gets the records with their gaps
+    (:class:`railhil.supervisor.sampled.DrawnTrace`)."""
+    drawn = [replace(run, trace=drawn_trace(run.scenario, run.trace)) for run in runs]
+    found: list[Picture] = system_named(scenario.system).part("pictures")(scenario, drawn)
+    return found
 
 
 def pictures(scenario: Scenario, runs: Sequence[RecordedRun], shown: Sequence[Panel] | None = None) -> list[Picture]:

@@ -10,7 +10,6 @@ from typing import Final
 from urllib.parse import quote
 
 from railhil.scenarios.model import watch_sentence
-from railhil.scenarios.system import system_named
 from railhil.supervisor.hash_list import REPORT, listed_file
 from railhil.supervisor.judging import judging_of
 from railhil.supervisor.report import jitter_panel as timing
@@ -19,7 +18,7 @@ from railhil.supervisor.report.distribution import charted, picture, spreads_of,
 from railhil.supervisor.report.events_panel import event_rows, has_unusual
 from railhil.supervisor.report.explore import explored
 from railhil.supervisor.report.facts import facts, without_paths
-from railhil.supervisor.report.figures import Panel, pictures
+from railhil.supervisor.report.figures import Panel, pictures, system_pictures
 from railhil.supervisor.report.recorded import RecordedRun, told_apart
 from railhil.supervisor.report.score_table import better_sentence, rows
 from railhil.supervisor.report.templates import template
@@ -46,7 +45,7 @@ def page(
     """
     runs = [replace(run, line=without_paths(run.line)) for run in told_apart(runs)]
     scenario = runs[0].scenario
-    judging, system = judging_of(scenario), system_named(scenario.system)
+    judging = judging_of(scenario)
     criteria = judging.criteria
     many = len(runs) > RUNS_MAX
     worst = worst_first(scenario, criteria, runs)[:_WORST] if many else []
@@ -74,7 +73,7 @@ def page(
         facts=facts(runs),
         timing=timing.table(runs),
         timing_headings=timing.HEADINGS,
-        pictures=system.part("pictures")(scenario, shown) if panels is None else pictures(scenario, shown, panels),
+        pictures=system_pictures(scenario, shown) if panels is None else pictures(scenario, shown, panels),
         explored=explored(shown),
         spread_picture=picture(spreads, looks) if many else None,
         spread_data=as_json(charted(spreads, looks)),

@@ -20,7 +20,7 @@ from railhil.supervisor.events.summary import explained, why
 from railhil.supervisor.judging import judging_of
 from railhil.supervisor.measures import KMH
 from railhil.supervisor.notes import ToldNote, note_values, notes_of
-from railhil.supervisor.sampled import gap_after, holding_s, silences
+from railhil.supervisor.sampled import drawn_trace
 from railhil.supervisor.score import Score
 from railhil.supervisor.trace import FloatArray, Trace
 
@@ -196,34 +196,17 @@ def curves(scenario: Scenario, trace: Trace, told: Sequence[dict[str, Any]] | No
 
     :param told: ``notes`` of its certificate.
     """
+    trace = drawn_trace(scenario, trace)
     speed_kmh = trace.values(SimTruth.PORT, "TrueSpeed") * KMH
-    holds_s = holding_s(scenario, trace.contract)
-
-    def broken(port: str, *values: FloatArray) -> FloatArray:
-        rows = np.column_stack((trace.times_s(port), *values))
-        after = silences(rows[:, 0], holds_s[port])
-        return np.insert(rows, after + 1, gap_after(rows[after]), axis=0).T.copy()
-
-    time_s, position_m, speed_kmh, error_kmh, traction_kn, brake_kn = broken(
-        SimTruth.PORT,
-        trace.values(SimTruth.PORT, "TruePos"),
-        speed_kmh,
-        wanted_mps(scenario, trace) * KMH - speed_kmh,
-        trace.values(SimTruth.PORT, "TractionForce") / 1e3,
-        trace.values(SimTruth.PORT, "BrakeForce") / 1e3,
-    )
-    notch_s, notch = broken(NotchCmd.PORT, trace.values(NotchCmd.PORT, "NotchCmd"))
-    notes = notes_of(trace, told)
-    status_s, *noted = broken(CtlStat.PORT, *(note_values(trace, note) for note in notes))
     return Curves(
-        time_s=time_s,
-        position_m=position_m,
+        time_s=trace.times_s(SimTruth.PORT),
+        position_m=trace.values(SimTruth.PORT, "TruePos"),
         speed_kmh=speed_kmh,
-        error_kmh=error_kmh,
-        traction_kn=traction_kn,
-        brake_kn=brake_kn,
-        notch_s=notch_s,
-        notch=notch,
-        status_s=status_s,
-        notes=tuple(zip(notes, noted, strict=True)),
+        error_kmh=wanted_mps(scenario, trace) * KMH - speed_kmh,
+        traction_kn=trace.values(SimTruth.PORT, "TractionForce") / 1e3,
+        brake_kn=trace.values(SimTruth.PORT, "BrakeForce") / 1e3,
+        notch_s=trace.times_s(NotchCmd.PORT),
+        notch=trace.values(NotchCmd.PORT, "NotchCmd"),
+        status_s=trace.times_s(CtlStat.PORT),
+        notes=tuple((note, note_values(trace, note)) for note in notes_of(trace, told)),
     )

@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -42,14 +43,29 @@ def stacked(name: str, title: str, caption: str, rows: Sequence[Callable[[Axes],
         return Picture(name, title, caption, svg(figure, name, title))
 
 
-def line(axes: Axes, x: FloatArray, y: FloatArray, **style: Any) -> None:
-    """A line with as many points as can be seen: the extremes of each stretch."""
-    size = len(x) // _STRETCHES
+def line(axes: Axes, x: FloatArray, y: FloatArray, where: npt.NDArray[np.bool_] | None = None, **style: Any) -> None:
+    """A line with as many points as can be seen: the extremes of each stretch. It is broken at a NaN.
+
+    :param where: points of the line, shape (n,); it is broken at the others. None: all.
+    """
+    known = np.isfinite(x) & np.isfinite(y)
+    if where is not None:
+        known &= where
+    y = np.where(known, y, np.nan)
+    size = int(np.count_nonzero(known)) // _STRETCHES
     if size > 2:
-        whole = len(x) // size * size
-        rows = y[:whole].reshape(-1, size)
-        starts = np.arange(0, whole, size)
-        picked = np.sort(np.stack((starts + rows.argmin(axis=1), starts + rows.argmax(axis=1))), axis=0).T.ravel()
-        picked = np.append(picked, len(x) - 1)
+        ends = np.flatnonzero(np.diff(known, prepend=False, append=False)).reshape(-1, 2).tolist()
+        picked = np.concatenate([rows for begin, end in ends for rows in (_seen(y, begin, end, size), [end])])
+        picked = picked[picked < len(y)].astype(np.int64)
         x, y = x[picked], y[picked]
     axes.plot(x, y, **style)
+
+
+def _seen(y: FloatArray, begin: int, end: int, size: int) -> npt.NDArray[np.int64]:
+    """The places of the extremes of each stretch of a part without gaps, and the part's last one."""
+    size = min(size, end - begin)
+    whole = (end - begin) // size * size
+    rows = y[begin : begin + whole].reshape(-1, size)
+    starts = np.arange(begin, begin + whole, size)
+    picked = np.sort(np.stack((starts + rows.argmin(axis=1), starts + rows.argmax(axis=1))), axis=0).T.ravel()
+    return np.append(picked, end - 1)
