@@ -18,7 +18,7 @@ import hashlib
 import json
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -64,7 +64,7 @@ class ParameterSet:
     """Parameters of one law, from a file.
 
     ``training_seeds`` are the seeds of the perturbed runs on ``training_scenario`` that a search used: the parameters
-    must not be evaluated on them.
+    must not be evaluated on them. ``notes`` of the search about itself are no part of the set.
     """
 
     law: str
@@ -72,6 +72,7 @@ class ParameterSet:
     source: Path
     training_scenario: str = ""
     training_seeds: frozenset[int] = frozenset()
+    notes: Mapping[str, Any] = field(default_factory=dict, compare=False)
 
     @property
     def sha256(self) -> str:
@@ -137,19 +138,16 @@ def parameters_from_json(document: Mapping[str, Any], source: Path) -> Parameter
     :raises InputError: it is not such a document, or its values do not match its hash.
     """
     file = validated(_Stored, dict(document), lambda keys: source)
-    training = file.training
-    found = _finite(
-        ParameterSet(
-            file.law,
-            file.values,
-            source,
-            training.scenario if training else "",
-            frozenset(training.seeds) if training else frozenset(),
-        )
-    )
+    found = _finite(_parameter_set(file.law, file.values, source, file.training))
     if file.sha256 != found.sha256:
         raise InputError(source, "parameters.sha256", file.sha256, f"{found.sha256}: values that nobody changed")
     return found
+
+
+def _parameter_set(law: str, values: Mapping[str, Any], source: Path, training: _Training | None) -> ParameterSet:
+    if training is None:
+        return ParameterSet(law, values, source)
+    return ParameterSet(law, values, source, training.scenario, frozenset(training.seeds), training.notes)
 
 
 def _finite(given: ParameterSet) -> ParameterSet:
@@ -188,13 +186,4 @@ def load_parameters(path: Path) -> ParameterSet:
         # Not text, or not usable TOML.
         raise InputError(path, "", Words(str(error)), "a parameter file (TOML)") from error
     file = validated(_File, content, lambda keys: path)
-    training = file.training
-    return _finite(
-        ParameterSet(
-            file.law,
-            file.parameters,
-            path,
-            training.scenario if training else "",
-            frozenset(training.seeds) if training else frozenset(),
-        )
-    )
+    return _finite(_parameter_set(file.law, file.parameters, path, file.training))

@@ -90,7 +90,7 @@ def test_another_version_and_a_changed_scenario_are_said_first(here: Railhil, co
     done = here("rerun", copy)
     notes, said = done.out.splitlines()[:-1], done.out.splitlines()[-1]
     assert [note.split(" ")[0] for note in notes] == ["note:"] * 3
-    assert notes[0].startswith("note: recorded by railhil 0.0.9, this is ")
+    assert notes[0].startswith("note: the record was made by railhil 0.0.9, this is ")
     assert "the code of the bench has changed" in notes[1]
     assert "short.toml has changed since the record: scenario.json beside the certificate is used" in notes[2]
     assert (done.exit_code, said.split(":")[0]) == (0, "same bytes")

@@ -12,7 +12,8 @@ import pytest
 from hil_tests.cli.conftest import Railhil
 from hil_tests.support.cli import complaint
 from hil_tests.support.short_runs import RUN_2M_TOML
-from railhil.supervisor.hash_list import HASH_LIST, SIGNATURE
+from railhil.supervisor.hash_list import HASH_LIST, SIGNATURE, write_hash_list
+from railhil.supervisor.signature import sign_list
 
 _needs_ssh_keygen = pytest.mark.skipif(shutil.which("ssh-keygen") is None, reason="MISSING CAPABILITY ssh-keygen")
 
@@ -104,6 +105,23 @@ def test_a_key_that_cannot_sign_is_refused_before_the_run(here: Railhil, short: 
     assert "nothing to verify" in complaint(here("verify", tmp_path))
 
 
+def _check_code_of_the_table(here: Railhil, folder: Path, key: Path) -> None:
+    """The table has the hashes of a certificate, and of other code it is said that it is."""
+    table, certificate = (json.loads((folder / name).read_text()) for name in ("faults.json", "T1b/certificate.json"))
+    for name in ("railhil", "code_sha256", "system_sha256", "law_sha256", "system", "controller"):
+        assert table[name] == certificate[name], name
+    assert here("verify", folder, "--json").json["remarks"] == []
+    content = (folder / "faults.json").read_text()
+    (folder / "faults.json").write_text(json.dumps(table | {"code_sha256": "0" * 64}))
+    write_hash_list(folder)
+    found = here("verify", folder, "--json")
+    assert (found.exit_code, found.json["problems"]) == (0, [])
+    assert found.json["remarks"] == ["faults.json: the code of the bench has changed since the table (code_sha256)"]
+    (folder / "faults.json").write_text(content)
+    write_hash_list(folder)
+    sign_list(folder, key)
+
+
 @pytest.mark.slow
 @_needs_ssh_keygen
 def test_comparison_and_fault_table_cover_their_run_folders(here: Railhil, short: Path, tmp_path: Path) -> None:
@@ -111,6 +129,7 @@ def test_comparison_and_fault_table_cover_their_run_folders(here: Railhil, short
     words = (short, "--bus", "local", "--sign", key, "--out")
     assert here("compare", "--laws", "ipfc,tpfc2", "--no-report", *words, tmp_path / "compared").exit_code in (0, 1)
     assert here("faults", "--only", "T1b", *words, tmp_path / "table").exit_code in (0, 1)
+    _check_code_of_the_table(here, tmp_path / "table", key)
     for folder, below in ((tmp_path / "compared", "ipfc"), (tmp_path / "table", "T1b")):
         assert here("verify", folder, "--key", key.with_suffix(".pub")).exit_code == 0
         # The hash of the changed file is entered in the list of its own folder.

@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
-import railhil
 from railhil.batch.nodes import batch_of
 from railhil.common.choices import USUAL_SCENARIO
 from railhil.common.command_line import SEED_MAX
@@ -97,14 +96,8 @@ class Chunk:
 
 @lru_cache(maxsize=1)
 def batch_sha256() -> str:
-    """Hash over the code, beyond the bench's own, on which the figures depend (paths and contents, in path order)."""
-    root = Path(railhil.__file__).parent
-    digest = hashlib.sha256()
-    for name in _OWN_CODE:
-        place = root / name
-        for path in sorted(place.rglob("*.py")) if place.is_dir() else [place]:
-            digest.update(str(path.relative_to(root)).encode() + b"\0" + path.read_bytes() + b"\0")
-    return digest.hexdigest()
+    """Hash over the code, beyond the bench's own, on which the figures depend."""
+    return code_sha256(_OWN_CODE)
 
 
 @lru_cache(maxsize=1)

@@ -28,7 +28,9 @@ from railhil.faults.capability import why_not
 from railhil.faults.language import parse
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import System
+from railhil.supervisor.documents import FAULT_TABLE
 from railhil.supervisor.errors import RecordFailed
+from railhil.supervisor.folder import code_sha256, made_by
 from railhil.supervisor.hash_list import HASH_LIST, HASH_LIST_KEY, write_hash_list
 from railhil.supervisor.json_file import json_text
 from railhil.supervisor.reactions.catalogue import Entry, catalogue_of
@@ -37,7 +39,6 @@ from railhil.supervisor.reactions.facts import seen_in
 from railhil.supervisor.signature import add_sign_argument, check_key, sign_list
 from railhil.supervisor.start_up import StartUp
 
-_TABLE = "faults.json"
 _PAIRS_MAX = 1_000_000
 _COLUMNS = ("id", "fault", "begun s", "effective s", "detected by", "ms", "reaction", "ms", "bound", "margin", "")
 _NUMBERS = ("begun s", "effective s", "ms", "bound", "margin")
@@ -114,20 +115,29 @@ def entry_run(namespace: argparse.Namespace, how: StartUp, base: RunSpec, out: P
     return row
 
 
-def _write_table(out: Path, rows: Sequence[Row], key: Path | None) -> None:
+def _write_table(out: Path, base: RunSpec, system: System, rows: Sequence[Row], key: Path | None) -> None:
     """Write the table beside the run folders, with the list of hashes over all of them, and sign it.
 
     :raises RecordFailed: it cannot be written.
     """
-    document = {"rows": [row.as_json() for row in rows], HASH_LIST_KEY: HASH_LIST}
+    document = {
+        "scenario": base.scenario,
+        "system": system.name,
+        # Of an entry with a law of its own, its run folder says it.
+        "controller": base.law.controller,
+        **made_by(system.name, base.law.controller, code_sha256()),
+        "rows": [row.as_json() for row in rows],
+        HASH_LIST_KEY: HASH_LIST,
+    }
+    path = out / FAULT_TABLE
     try:
         # No entry may have had a run.
         out.mkdir(parents=True, exist_ok=True)
-        with whole_file(out / _TABLE) as draft:
+        with whole_file(path) as draft:
             draft.write_text(json_text(document), encoding="utf-8")
-            write_hash_list(out, {_TABLE: draft})
+            write_hash_list(out, {FAULT_TABLE: draft})
     except OSError as error:
-        raise RecordFailed(f"{out / _TABLE} cannot be written: {(error.strerror or str(error)).lower()}") from error
+        raise RecordFailed(f"{path} cannot be written: {(error.strerror or str(error)).lower()}") from error
     sign_list(out, key)
 
 
@@ -205,7 +215,7 @@ def work(namespace: argparse.Namespace) -> int:
     except (KeyboardInterrupt, SystemExit) as error:
         stopped = stop_code(error)
     if namespace.out is not None and rows:
-        _write_table(namespace.out, rows, namespace.sign)
+        _write_table(namespace.out, base, system, rows, namespace.sign)
     if namespace.json:
         print_json([row.as_json() for row in rows])
     else:

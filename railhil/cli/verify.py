@@ -14,7 +14,8 @@ from railhil.common.exit_codes import FAIL, PASS
 from railhil.common.output import Output
 from railhil.common.streams import add_json_argument, print_json
 from railhil.dbc import ContractError
-from railhil.supervisor.documents import CERTIFICATE
+from railhil.supervisor.again import document_changes
+from railhil.supervisor.documents import CERTIFICATE, FAULT_TABLE, read_fault_table
 from railhil.supervisor.framelog import LOG_NAME
 from railhil.supervisor.hash_list import DOCUMENTS, HASH_LIST, Changed, changed_files, listed_files, read_hash_list
 from railhil.supervisor.record import checked_record
@@ -114,6 +115,8 @@ def _look(folder: Path, place: str, seen: _Found) -> None:
             seen.unchecked += [f"{place}{name}: not in {HASH_LIST}" for name in more]
         if _has_certificate(folder) and not changed:
             _look_at_record(folder, seen)
+        if (table := read_fault_table(folder)) is not None:
+            seen.remarks += [f"{place}{FAULT_TABLE}: {said}" for said in document_changes(table, "the table")]
     except InputError as error:
         seen.problems.append(str(error))
         return

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +15,7 @@ from railhil.scenarios.stored import SCENARIO, read_scenario
 from railhil.scenarios.system import DEFAULT, system_named
 from railhil.supervisor.cross_check import check_folder
 from railhil.supervisor.documents import CERTIFICATE, read_certificate
-from railhil.supervisor.folder import code_sha256
+from railhil.supervisor.folder import code_sha256, made_by
 from railhil.supervisor.framelog import BLF_SUFFIX, log_sha256
 from railhil.supervisor.hash_list import HASH_LIST
 from railhil.supervisor.record import checked_record
@@ -112,24 +112,35 @@ def scenario_now(run: Recorded, stored: bool) -> tuple[AnyScenario, str]:
 
 def changes(run: Recorded) -> list[str]:
     """One sentence for each part of the bench that is not that of the record; a cause of other bytes."""
-    then, system = run.certificate, system_named(str(run.certificate.get("system") or DEFAULT))
-    now = {
-        "railhil": version("railhil"),
-        "code_sha256": code_sha256(),
-        "system_sha256": system.code_sha256(),
-        "law_sha256": system.law_sha256(str(run.certificate.get("controller"))),
-        "dbc_sha256": system.contract.sha256,
-    }
+    return document_changes(run.certificate, "the record")
+
+
+def document_changes(document: Mapping[str, Any], since: str) -> list[str]:
+    """:func:`code_changes` of a document that names its system and its law."""
+    system = str(document.get("system") or DEFAULT)
+    now = made_by(system, str(document.get("controller")), code_sha256())
+    return code_changes(document, now | {"dbc_sha256": system_named(system).contract.sha256}, since)
+
+
+def code_changes(then: Mapping[str, Any], now: Mapping[str, str | None], since: str) -> list[str]:
+    """One sentence for each part of the code that is not that by which a document was made.
+
+    :param then: the document; a key that it has not is not compared.
+    :param now: :func:`railhil.supervisor.folder.made_by`, and further hashes.
+    :param since: what was made then.
+    """
     differ = {key for key, value in now.items() if then.get(key) not in (None, value)}
     found = []
     if "railhil" in differ:
-        found.append(f"recorded by railhil {then['railhil']}, this is {now['railhil']}")
+        found.append(f"{since} was made by railhil {then['railhil']}, this is {now['railhil']}")
     if "dbc_sha256" in differ:
-        found.append("recorded with another wire contract (dbc_sha256): frames differ from the handshake on")
+        found.append(f"{since} has another wire contract (dbc_sha256): frames differ from the handshake on")
     if "code_sha256" in differ:
-        found.append("the code of the bench has changed since the record (code_sha256)")
+        found.append(f"the code of the bench has changed since {since} (code_sha256)")
     if "system_sha256" in differ and "code_sha256" not in differ:
-        found.append(f"the code of system {system.name} has changed since the record (system_sha256)")
+        found.append(f"the code of its system has changed since {since} (system_sha256)")
     if "law_sha256" in differ:
-        found.append("the distribution of the law has changed since the record (law_sha256)")
+        found.append(f"the distribution of the law has changed since {since} (law_sha256)")
+    if "tuning_sha256" in differ:
+        found.append(f"the code of the search has changed since {since} (tuning_sha256)")
     return found

@@ -1,4 +1,4 @@
-"""Reads ``certificate.json``, ``score.json`` and ``compare.json``; they are checked only here."""
+"""Reads ``certificate.json``, ``score.json``, ``compare.json`` and ``faults.json``; they are checked only here."""
 
 from __future__ import annotations
 
@@ -17,6 +17,8 @@ from railhil.scenarios.validation import validated
 CERTIFICATE, SCORE = "certificate.json", "score.json"
 #: Name in the folder of a comparison.
 COMPARISON = "compare.json"
+#: Name in the folder of ``railhil faults --out``.
+FAULT_TABLE = "faults.json"
 _WRITTEN = "what railhil run has written"
 
 
@@ -105,13 +107,27 @@ class _Received(_Part):
     nodes: dict[str, _Reception]
 
 
-class _Certificate(_Part):
+class _MadeBy(_Part):
+    """:func:`railhil.supervisor.folder.made_by`, with its arguments."""
+
+    system: str | None = None
+    controller: str | None = None
+    railhil: str | None = None
+    code_sha256: str | None = None
+    system_sha256: str | None = None
+    law_sha256: str | None = None
+
+
+class _FaultTable(_MadeBy):
+    rows: list[dict[str, Any]]
+
+
+class _Certificate(_MadeBy):
     scenario: str | None = None
     scenario_sha256: str | None = None
     judged_sha256: str | None = None
     settings: list[str] = []
     faults: list[str] = []
-    controller: str | None = None
     asked: dict[str, str] | None = None
     parameters: _Parameters | None = None
     own_parameters: _OwnParameters | None = None
@@ -120,8 +136,6 @@ class _Certificate(_Part):
     memory_refused: dict[str, list[str]] = {}
     memory_after_sha256: str | None = None
     notes: list[_Note] | None = None
-    system: str | None = None
-    system_sha256: str | None = None
     seed_was_trained: bool | None = None
     arithmetic: str | None = None
     arithmetic_profile: str | None = None
@@ -149,9 +163,6 @@ class _Certificate(_Part):
     command: str | None = None
     command_needs: str | None = None
     dbc_sha256: str | None = None
-    code_sha256: str | None = None
-    law_sha256: str | None = None
-    railhil: str | None = None
     hash_list: str | None = None
 
 
@@ -302,3 +313,11 @@ def read_comparison(folder: Path) -> dict[str, Any] | None:
     :raises InputError: as :func:`read_certificate`.
     """
     return _read(folder / COMPARISON, _Comparison, "what railhil compare has written")
+
+
+def read_fault_table(folder: Path) -> dict[str, Any] | None:
+    """``faults.json`` in a folder; None if there is none.
+
+    :raises InputError: as :func:`read_certificate`.
+    """
+    return _read(folder / FAULT_TABLE, _FaultTable, "what railhil faults has written")

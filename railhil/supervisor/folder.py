@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import shlex
 import xml.etree.ElementTree as ET
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack
 from functools import partial
 from importlib.metadata import version
@@ -48,22 +48,39 @@ _CODE = (
 _DERIVED = ("signals.csv", EVENTS, "frames.blf", SCORE, "junit.xml", MEMORY_AFTER, HASH_LIST, CERTIFICATE)
 
 
-def code_files() -> Iterator[tuple[str, Path]]:
-    """Source files of the bench and its tables: names below the package, and the files."""
+def code_files(names: Sequence[str] = _CODE) -> Iterator[tuple[str, Path]]:
+    """Source files and tables of folders and modules of the package, by default of the bench: names below the package,
+    and the files."""
     root = Path(railhil.__file__).parent
-    for name in _CODE:
+    for name in names:
         place = root / name
         for path in sorted(place.rglob("*")) if place.is_dir() else [place]:
             if path.suffix in (".py", ".toml", ".dbc", ".csv"):
                 yield str(path.relative_to(root)), path
 
 
-def code_sha256() -> str:
-    """Hash over the source of the bench and its tables (paths and contents, in path order)."""
+def code_sha256(names: Sequence[str] = _CODE) -> str:
+    """Hash over :func:`code_files` (paths and contents, in path order)."""
     digest = hashlib.sha256()
-    for name, path in code_files():
+    for name, path in code_files(names):
         digest.update(name.encode() + b"\0" + path.read_bytes() + b"\0")
     return digest.hexdigest()
+
+
+def made_by(system: str, law: str, code: str) -> dict[str, str | None]:
+    """By which code a document was made, as every document says it; :func:`railhil.supervisor.again.code_changes`
+    compares.
+
+    :param system: its name; ``law``: that of the law; ``code``: :func:`code_sha256`.
+    """
+    return {
+        "railhil": version("railhil"),
+        "code_sha256": code,
+        # Of the package that provides the system, which need not be railhil.
+        "system_sha256": system_named(system).code_sha256(),
+        # Of the distribution that provides the law; None: railhil.
+        "law_sha256": system_named(system).law_sha256(law),
+    }
 
 
 def run_command(spec: RunSpec, start_up: StartUp, bus_arguments: list[str]) -> str:
@@ -136,7 +153,7 @@ def certificate(
     :param code: :func:`code_sha256`.
     """
     return {
-        "railhil": version("railhil"),
+        **made_by(scenario.system, spec.law.controller, code),
         **_described(spec, result),
         # Of memory.json in the same folder; the initial memory is memory_before.json.
         **(NOTHING_LEARNED if result.memory is None else result.memory.as_json()),
@@ -144,12 +161,7 @@ def certificate(
         # Includes the limits and factors by which the record is judged.
         "judged_sha256": any_judged_sha256(scenario),
         "system": scenario.system,
-        # Of the package that provides the system, which need not be railhil.
-        "system_sha256": system_named(scenario.system).code_sha256(),
         "dbc_sha256": system_named(scenario.system).contract.sha256,
-        "code_sha256": code,
-        # Of the distribution that provides the law; None: railhil.
-        "law_sha256": system_named(scenario.system).law_sha256(spec.law.controller),
         "own_parameters": None if result.origin is None else {"origin": result.origin.text},
         # What the law has declared about its notes in CTL_STAT; None: the controller has not reported it.
         "notes": _notes(result),

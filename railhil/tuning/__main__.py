@@ -72,12 +72,15 @@ def _scenario(namespace: argparse.Namespace, otherwise: str = "") -> Scenario:
 
 def _evaluate(namespace: argparse.Namespace, file: Path, console: Output) -> Evaluation:
     from railhil.batch import Case, say_compiling
+    from railhil.tuning.document import changes
     from railhil.tuning.evaluation import evaluate, show
 
     given = load_parameters(file)
     if namespace.law not in (None, given.law):
         raise InputError(file, "law", given.law, f"{namespace.law}, the law asked for")
     scenario = _scenario(namespace, given.training_scenario)
+    for change in changes(given, scenario.system):
+        console.say(f"note: {change}")
     case = Case(scenario, LawSpec(given.law, namespace.arithmetic, namespace.indexing))
     say_compiling(Output(stderr=True).say)
     found = evaluate(case, given, _seeds(namespace), namespace.allow_training_seeds)

@@ -5,23 +5,41 @@ from __future__ import annotations
 from importlib.metadata import version
 from typing import Any
 
+from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.tomlfile import toml_table, toml_value
+from railhil.supervisor.again import code_changes
+from railhil.supervisor.folder import code_sha256, made_by
 from railhil.tuning import objective
 from railhil.tuning.search import Box, Found, Protocol
 from railhil.tuning.trials import REFERENCE
 
 _HEAD = "# Written by railhil tune. Parameters of the law that are not named here keep their defaults.\n"
 _DIGITS = 6
+#: Code on which the search depends, in addition to that of the bench.
+_OWN_CODE = ("batch", "bench.py", "tuning")
 
 
 def _rounded(value: float) -> float:
     return float(f"{value:.{_DIGITS}g}")
 
 
+def _made_by(system: str, law: str) -> dict[str, str | None]:
+    """:func:`railhil.supervisor.folder.made_by`, and the hash of the search's own code."""
+    return made_by(system, law, code_sha256()) | {"tuning_sha256": code_sha256(_OWN_CODE)}
+
+
+def changes(given: ParameterSet, system: str) -> list[str]:
+    """One sentence for each part of the code that is not that by which a file was made; none for a file by hand."""
+    return code_changes(given.notes, _made_by(system, given.law), "the search") if given.notes else []
+
+
 def notes(protocol: Protocol, found: Found) -> dict[str, Any]:
     """Notes of the search about itself; without date or paths, so that the same search writes the same bytes."""
+    own = _made_by(protocol.scenario.system, protocol.law.controller)
     return {
         "scenario_sha256": protocol.scenario.sha256,
+        # TOML has no word for none.
+        **{key: value for key, value in own.items() if value is not None},
         **protocol.law.how,
         "method": f"differential evolution of scipy {version('scipy')}",
         "search_seed": protocol.search_seed,

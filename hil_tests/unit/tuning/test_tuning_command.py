@@ -22,6 +22,7 @@ from railhil.scenarios.model import Scenario
 from railhil.scenarios.parameters import ParameterSet, load_parameters
 from railhil.scenarios.run_spec import LawSpec
 from railhil.supervisor.criteria import ATO_CRITERIA, STOP_ERROR
+from railhil.supervisor.folder import code_sha256
 from railhil.tuning import __main__ as tool
 from railhil.tuning.command import seed_list
 from railhil.tuning.evaluation import Evaluation, better, evaluate, quantiles, worse
@@ -173,6 +174,15 @@ def test_tune_as_a_user_runs_it(
     with pytest.raises(InputError, match="seed 3, on which these parameters were tuned"):
         evaluated("--first-seed", "2")
     assert "THESE ARE TRAINING RUNS: 2 of the seeds" in evaluated("--first-seed", "2", "--allow-training-seeds")
+
+    # Of other code it says so first.
+    notes = tomllib.loads(file.read_text(encoding="utf-8"))["training"]["notes"]
+    assert notes["code_sha256"] == code_sha256()
+    text = file.read_text(encoding="utf-8")
+    for key, words in (("code_sha256", "the code of the bench has"), ("tuning_sha256", "the code of the search has")):
+        file.write_text(text.replace(notes[key], "0" * 64), encoding="utf-8")
+        said = [line for line in evaluated().splitlines() if line.startswith("note: ")]
+        assert said == [f"note: {words} changed since the search ({key})"]
 
 
 def test_ctrl_c_writes_the_best_so_far(
