@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+import subprocess
 import xml.etree.ElementTree as ET
 from collections.abc import Callable
 from pathlib import Path
@@ -22,7 +23,9 @@ from railhil.supervisor import again
 from railhil.supervisor.hash_list import HASH_LIST, SIGNATURE, listed_files, write_hash_list
 from railhil.supervisor.record import checked_record
 from railhil.supervisor.report.recorded import recorded_run
+from railhil.supervisor.signature import sign_list
 
+_needs_ssh_keygen = pytest.mark.skipif(shutil.which("ssh-keygen") is None, reason="MISSING CAPABILITY ssh-keygen")
 _READERS: dict[str, Callable[[Path], object]] = {
     "score, report, replay, plot, export": lambda folder: checked_record(str(folder), None),
     "open_run": library.open_run,
@@ -272,12 +275,59 @@ def test_a_list_of_more_than_its_folder_is_refused(copy: Path) -> None:
         write_hash_list(copy)
 
 
-def test_a_new_report_is_listed_and_a_signed_one_kept(here: Railhil, copy: Path) -> None:
+@_needs_ssh_keygen
+def test_a_new_report_is_listed_and_a_signed_one_kept(here: Railhil, copy: Path, tmp_path: Path) -> None:
     (copy / "report.html").unlink()
     assert here("report", copy).exit_code == 0
     assert checked_record(str(copy), None).certificate
-    (copy / SIGNATURE).write_text("a signature")
+    _sign(copy, tmp_path)
     done = here("report", copy)
     assert done.exit_code == 2
     assert "report.html: file: found a file of a signed folder" in done.err
     assert here("report", copy, "--out", copy.parent / "elsewhere.html").exit_code == 0
+
+
+def _sign(folder: Path, tmp_path: Path) -> None:
+    key = tmp_path / "key"
+    subprocess.run(["ssh-keygen", "-q", "-t", "ed25519", "-N", "", "-f", str(key)], check=True)
+    sign_list(folder, key)
+
+
+@pytest.fixture
+def signed(copy: Path, tmp_path: Path) -> Path:
+    """The folder, signed."""
+    _sign(copy, tmp_path)
+    for read in _READERS.values():
+        read(copy)
+    return copy
+
+
+@_needs_ssh_keygen
+@pytest.mark.parametrize("broken", ["file and its line", "signature", "list and its key"])
+def test_a_signature_of_another_list_is_refused_by_every_reader(here: Railhil, signed: Path, broken: str) -> None:
+    signature = (signed / SIGNATURE).read_bytes()
+    if broken == "file and its line":
+        (signed / "events.csv").write_text("")
+        write_hash_list(signed)
+        (signed / SIGNATURE).write_bytes(signature)
+    elif broken == "signature":
+        (signed / SIGNATURE).write_text("none")
+    else:
+        (signed / HASH_LIST).unlink()
+        _edit(signed / "certificate.json", lambda document: document.pop("hash_list"))
+    for read in _READERS.values():
+        with pytest.raises(InputError, match=SIGNATURE) as refused:
+            read(signed)
+        assert "\n" not in str(refused.value)
+    assert SIGNATURE in complaint(here("score", signed))
+    assert here("verify", signed).exit_code == 1
+
+
+@_needs_ssh_keygen
+def test_without_openssh_a_line_says_that_the_signature_is_not_checked(
+    signed: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("PATH", str(tmp_path))
+    for read in _READERS.values():
+        read(signed)
+    assert capsys.readouterr().err == f"{signed / SIGNATURE} is not checked: no ssh-keygen\n"

@@ -78,6 +78,8 @@ def _signature(found: Signed | None, key: Path | None) -> tuple[str, bool]:
     """The sentence on the signature, and whether it is as asked for."""
     if found is None:
         return "unsigned", key is None
+    if not found.is_checked:
+        return f"the signature is not checked: {found.said}", True
     if not found.by or found.is_good is False:
         return f"the signature is not good: {found.said}", False
     return f"signed with {found.by}" + (f" ({KEY} FILE says whose it is)" if found.is_good is None else ""), True

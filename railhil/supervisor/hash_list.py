@@ -20,9 +20,10 @@ from typing import Any, Final, NamedTuple
 from railhil.common.errors import InputError, Words
 from railhil.common.whole_file import DRAFTS, whole_file, write_synced
 from railhil.supervisor.framelog import sha256_of
+from railhil.supervisor.signature import HASH_LIST as HASH_LIST
+from railhil.supervisor.signature import SIGNATURE as SIGNATURE
+from railhil.supervisor.signature import check_signature
 
-#: Names in a folder.
-HASH_LIST, SIGNATURE = "SHA256SUMS", "SHA256SUMS.sig"
 #: Documents that mark a folder as complete, of every kind of folder that has a list.
 DOCUMENTS: Final = ("certificate.json", "compare.json", "campaign.json", "learn.json", "sequence.json", "faults.json")
 #: The page of a folder.
@@ -157,14 +158,19 @@ def changed_files(folder: Path, hashes: Mapping[str, str]) -> Iterator[Changed]:
 
 
 def check_document(folder: Path, name: str, document: Mapping[str, Any] | None) -> dict[str, str]:
-    """Refuse a folder whose complete document has been changed since its list was written.
+    """Refuse a folder whose complete document has been changed since its list was written, or whose signature is not
+    one of its list.
 
     :param name: of the document that marks the folder as complete; ``document``: its content, None if the folder has
         none.
     :returns: the list; empty if the folder never had one.
-    :raises InputError: the document is not as listed or gone, or the list is gone.
+    :raises InputError: the document is not as listed or gone, the list is gone, or the signature is of another one.
     """
     hashes = read_hash_list(folder)
+    if hashes is not None:
+        check_signature(folder)
+    elif (folder / SIGNATURE).is_file():
+        raise InputError(folder / HASH_LIST, "file", Words(_MISSING), f"the list that {SIGNATURE} beside it is of")
     if hashes is None or name not in hashes:
         if document is not None and (hashes is not None or document.get(HASH_LIST_KEY)):
             found = Words(_MISSING if hashes is None else f"no line of {name}")
@@ -178,7 +184,7 @@ def check_document(folder: Path, name: str, document: Mapping[str, Any] | None) 
 def check_hash_list(folder: Path, name: str, document: Mapping[str, Any] | None) -> None:
     """As :func:`check_document`, for every file of the folder.
 
-    :raises InputError: the first file that is not as listed or missing, or the document or the list is gone.
+    :raises InputError: as :func:`check_document`, and the first file that is not as listed or missing.
     """
     for changed in changed_files(folder, check_document(folder, name, document)):
         # A page that was deleted says nothing, and is made again from the rest.

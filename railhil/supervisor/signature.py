@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import argparse
 import re
+import shutil
 import subprocess
 import tempfile
+from functools import cache
 from pathlib import Path
 from typing import Final, NamedTuple
 
 from railhil.common.errors import InputError, Words
-from railhil.supervisor.hash_list import HASH_LIST, SIGNATURE
+from railhil.common.streams import say
 
+#: Names in a folder: the list, and its signature, which OpenSSH names so.
+HASH_LIST, SIGNATURE = "SHA256SUMS", "SHA256SUMS.sig"
 NAMESPACE: Final = "railhil"
 OPTION, KEY = "--sign", "--key"
 _PROGRAM: Final = "ssh-keygen"
@@ -57,23 +61,27 @@ class Signed(NamedTuple):
     """What is known of a signature.
 
     ``by``: fingerprint of the key that has made it, empty if it is not one of this list. ``is_good``: whether it was
-    made with the key that was given; None: none was given. ``said``: what OpenSSH says of one that is not good.
+    made with the key that was given; None: none was given. ``said``: what OpenSSH says of one that is not good, or why
+    it was not checked. ``is_checked``: False without OpenSSH.
     """
 
     by: str
     is_good: bool | None
     said: str = ""
+    is_checked: bool = True
 
 
 def signed(folder: Path, key: Path | None) -> Signed | None:
     """Check the signature of a folder's list; None: there is none.
 
     :param key: public key, or a file of allowed signers.
-    :raises InputError: the key is none, or OpenSSH is missing.
+    :raises InputError: the key is none, or OpenSSH, which a key needs, is missing.
     """
     signature = folder / SIGNATURE
     if not signature.is_file():
         return None
+    if key is None and shutil.which(_PROGRAM) is None:
+        return Signed("", None, f"no {_PROGRAM}", False)
     content = (folder / HASH_LIST).read_bytes()
     alone = _ssh_keygen("check-novalidate", "-s", str(signature), given=content)
     if alone.returncode:
@@ -91,6 +99,25 @@ def signed(folder: Path, key: Path | None) -> Signed | None:
             if not _ssh_keygen("verify", *whose, "-s", str(signature), given=content).returncode:
                 return Signed(by, True)
     return Signed(by, False, f"it is of {by}")
+
+
+def check_signature(folder: Path) -> None:
+    """Refuse a signature that is not one of the folder's list, whoever has made it. Without OpenSSH that is not known,
+    and a line says so.
+
+    :raises InputError: it is of another list, or of none.
+    """
+    found = signed(folder, None)
+    if found is None or found.by:
+        return
+    if found.is_checked:
+        raise InputError(folder / SIGNATURE, "file", Words(found.said), f"a signature of {HASH_LIST} beside it")
+    _say_once(f"{folder / SIGNATURE} is not checked: {found.said}")
+
+
+@cache
+def _say_once(line: str) -> None:
+    say(line, stderr=True)
 
 
 def _allowed_signers(key: Path) -> str:
