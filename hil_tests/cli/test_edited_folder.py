@@ -9,6 +9,7 @@ import xml.etree.ElementTree as ET
 from collections.abc import Callable
 from pathlib import Path
 
+import can
 import pytest
 
 from hil_tests.cli.conftest import Railhil
@@ -20,6 +21,7 @@ from railhil.common.errors import InputError
 from railhil.dbc import ContractError
 from railhil.panel.recorded import RecordedRuns
 from railhil.supervisor import again
+from railhil.supervisor.blf_writer import write_blf
 from railhil.supervisor.hash_list import HASH_LIST, SIGNATURE, listed_files, write_hash_list
 from railhil.supervisor.record import checked_record
 from railhil.supervisor.report.recorded import recorded_run
@@ -331,3 +333,59 @@ def test_without_openssh_a_line_says_that_the_signature_is_not_checked(
     for read in _READERS.values():
         read(signed)
     assert capsys.readouterr().err == f"{signed / SIGNATURE} is not checked: no ssh-keygen\n"
+
+
+def _verified(here: Railhil, folder: Path) -> dict[str, list[str]]:
+    """Problems and what was not checked, after the list of hashes was written again."""
+    write_hash_list(folder)
+    found = here("verify", folder, "--json")
+    assert found.exit_code == (1 if found.json["problems"] else 0)
+    return {key: found.json[key] for key in ("problems", "not_checked")}
+
+
+def test_verify_compares_the_frames_of_the_blf_with_the_log(here: Railhil, copy: Path, tmp_path: Path) -> None:
+    lines = (copy / "frames.log").read_text().splitlines(keepends=True)
+    at = next(place for place, line in enumerate(lines) if place > 100 and line.endswith("00 R\n"))
+    edits = {
+        "data": [*lines[:at], lines[at].replace("00 R", "01 R"), *lines[at + 1 :]],
+        "order": [*lines[:at], lines[at + 1], lines[at], *lines[at + 2 :]],
+        "one frame less": lines[:-1],
+    }
+    whole = (copy / "frames.blf").read_bytes()
+    for edit, text in edits.items():
+        (tmp_path / "other.log").write_text("".join(text))
+        write_blf(tmp_path / "other.log", copy / "frames.blf")
+        (problem,) = _verified(here, copy)["problems"]
+        line = len(lines) if edit == "one frame less" else at + 1
+        assert problem.startswith(f"frames.blf: other frames than frames.log: line {line}, "), edit
+    (copy / "frames.blf").write_bytes(whole[:1000])
+    assert "frames.blf" in _verified(here, copy)["problems"][0]
+    # The same frames in other bytes.
+    (copy / "frames.blf").write_bytes(whole)
+    with can.BLFReader(copy / "frames.blf") as reader:
+        messages = list(reader)
+    with can.BLFWriter(copy / "frames.blf", compression_level=1) as writer:
+        for message in messages:
+            writer.on_message_received(message)
+    assert (copy / "frames.blf").read_bytes() != whole
+    assert _verified(here, copy) == {"problems": [], "not_checked": []}
+
+
+def test_verify_derives_the_signals_from_the_log_again(here: Railhil, copy: Path) -> None:
+    path = copy / "signals.csv"
+    header, *rows = path.read_text().splitlines()
+    column = header.split(",").index("true_speed_mps")
+    cells = rows[50].split(",")
+    cells[column] = f"{float(cells[column]) + 0.001:.10g}"
+    path.write_text("\n".join([header, *rows[:50], ",".join(cells), *rows[51:], ""]))
+    (problem,) = _verified(here, copy)["problems"]
+    assert problem.startswith(f"signals.csv: line 52, true_speed_mps: {cells[column]}, ")
+    path.write_text("\n".join([header, *rows[:-1], ""]))
+    assert _verified(here, copy)["problems"][0].startswith(f"signals.csv: line {len(rows) + 1}: ")
+    # Other code may make something else of the same log.
+    _edit(copy / "certificate.json", lambda document: document.update(code_sha256="0" * 64))
+    found = _verified(here, copy)
+    assert found["problems"] == []
+    assert found["not_checked"] == [
+        "signals.csv: not compared with the log: the code of the bench has changed since the record (code_sha256)"
+    ]

@@ -15,6 +15,7 @@ from railhil.common.output import Output
 from railhil.common.streams import add_json_argument, print_json
 from railhil.dbc import ContractError
 from railhil.supervisor.again import document_changes
+from railhil.supervisor.derived import SIGNALS, blf_difference, signals_difference
 from railhil.supervisor.documents import CERTIFICATE, FAULT_TABLE, read_fault_table
 from railhil.supervisor.framelog import LOG_NAME
 from railhil.supervisor.hash_list import DOCUMENTS, HASH_LIST, Changed, changed_files, listed_files, read_hash_list
@@ -116,7 +117,7 @@ def _look(folder: Path, place: str, seen: _Found) -> None:
             more = [name for name in listed_files(folder) if name not in hashes]
             seen.unchecked += [f"{place}{name}: not in {HASH_LIST}" for name in more]
         if _has_certificate(folder) and not changed:
-            _look_at_record(folder, seen)
+            _look_at_record(folder, place, seen)
         if (table := read_fault_table(folder)) is not None:
             seen.remarks += [f"{place}{FAULT_TABLE}: {said}" for said in document_changes(table, "the table")]
     except InputError as error:
@@ -138,10 +139,17 @@ def _has_certificate(folder: Path) -> bool:
     return (folder / CERTIFICATE).is_file()
 
 
-def _look_at_record(folder: Path, seen: _Found) -> None:
-    """Whether log, certificate and what lies beside them belong together."""
+def _look_at_record(folder: Path, place: str, seen: _Found) -> None:
+    """Whether log, certificate and what lies beside them belong together, and what was derived from the log is so."""
     try:
         record = checked_record(str(folder), None)
         seen.remarks += record.remarks(record.score)
+        found = [blf_difference(record)]
+        changes = document_changes(record.certificate, "the record")
+        if changes and (folder / SIGNALS).is_file():
+            seen.unchecked.append(f"{place}{SIGNALS}: not compared with the log: {changes[0]}")
+        else:
+            found.append(signals_difference(record))
+        seen.problems += [f"{place}{difference}" for difference in found if difference]
     except (InputError, ContractError) as error:
         seen.problems.append(str(error))

@@ -94,6 +94,11 @@ def _start_s(time_ns: int) -> float:
     return int(time_ns / 1e9 * 1000) / 1000
 
 
+def start_ns(time_ns: int) -> int:
+    """The instant from which the file counts, for a log whose first frame is at ``time_ns``."""
+    return round(_start_s(time_ns) * 1e9)
+
+
 def _packed_columns(columns: ClassicColumns, start_s: float) -> bytes:
     """As :func:`_packed` for each of the frames."""
     objects = np.zeros(len(columns.times_ns), _CLASSIC_FIELDS)
