@@ -170,12 +170,10 @@ bench: $(VENV)/.installed-dev
 
 dbc: $(VENV)/.installed
 	$(BIN)/python -m railhil.dbc.generate
-	$(BIN)/python -m railhil.bus.generate_codecs
 
-# Constant tables of the control laws, and the laws written out as functions.
+# Constant tables of the control laws.
 tables: $(VENV)/.installed
 	$(BIN)/python -m railhil.controller_node.laws.generate
-	$(BIN)/python -m railhil.controller_node.written.generate
 
 # Parameters of every law by the same protocol (docs/tuning.md); takes minutes each.
 tuned: $(TUNED_LAWS:%=tuned-%)

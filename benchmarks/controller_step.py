@@ -10,12 +10,12 @@ import numpy as np
 from benchmarks.figures import Figure, MeasurementError, Setting, median, p99
 from benchmarks.recording import Recording, record
 from railhil.controller_node.arithmetic import make
+from railhil.controller_node.compiled_law import compile_law
 from railhil.controller_node.controller import BatchController, Controller
 from railhil.controller_node.laws.base import NOTCH_Q
 from railhil.controller_node.loop import ControlLoop
 from railhil.controller_node.program.cycles import CPU_MHZ
 from railhil.controller_node.program.ranges import analyse_law
-from railhil.controller_node.straight import straight
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec
 
@@ -46,7 +46,7 @@ def _scalar_us(
         number = make(arithmetic)
         loop: ControlLoop[Any] = ControlLoop(scenario, LawSpec(), number)
         ranges = None if number.wide else analyse_law(controller.program, loop.law.state_bounds())
-        loop.straight = straight(controller.program, loop.law, number, ranges)
+        loop.compiled = compile_law(controller.program, loop.law, number, ranges)
         interpreted: ControlLoop[Any] = ControlLoop(scenario, LawSpec(), make(arithmetic))
         for k, (speed, position) in enumerate(zip(recording.speeds_01mmps, recording.positions_01mm, strict=True)):
             start_ns = time.perf_counter_ns()

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Iterator
-from types import FunctionType
+from collections.abc import Iterator
 from typing import Any, ClassVar, Self
 
-from railhil.bus.codecs import CODECS
+from railhil.bus.codec import codec_text
+from railhil.common.generated_source import compile_source
 from railhil.dbc import Port, Signal, wire_contract
 
 #: Code points of a 2-bit check variable.
@@ -32,8 +32,8 @@ class Telegram:
     Subclasses are dataclasses of raw integers; their ``PORT`` names the port whose signals they carry. Values that do
     not fit a signal are a programming error: ``encode`` raises OverflowError, it never wraps silently.
 
-    The generic loops over the signals here are unrolled in :mod:`railhil.bus.codecs`: a class that is listed there
-    takes its ``encode`` and ``decode`` from there.
+    Each class gets an ``encode`` and a ``decode`` of its own (:meth:`make_codec`) when one of them is used, or when a
+    node expects its telegrams.
     """
 
     PORT: ClassVar[str]
@@ -43,10 +43,20 @@ class Telegram:
     _signals: ClassVar[tuple[tuple[str, Signal], ...]] = ()
 
     def __init_subclass__(cls) -> None:
-        codec = CODECS.get(codec_key(cls))
-        if codec is not None:
-            cls.encode = _method(codec[0])  # type: ignore[assignment, method-assign]
-            cls.decode = classmethod(codec[1])  # type: ignore[assignment, method-assign]
+        # Not those of its base, whose port may have other signals.
+        for name in ("encode", "decode"):
+            setattr(cls, name, vars(Telegram)[name])
+
+    @classmethod
+    def make_codec(cls) -> None:
+        """Give the class its own ``encode`` and ``decode``, made from the signals of its port.
+
+        :raises TypeError: its fields do not match the port table.
+        """
+        text = codec_text(cls.signals(), cls.port().data_bytes)
+        made = compile_source(f"telegram {cls.PORT}", text)
+        cls.encode = made["encode"]  # type: ignore[method-assign]
+        cls.decode = classmethod(made["decode"])  # type: ignore[assignment, method-assign]
 
     @classmethod
     def port(cls) -> Port:
@@ -60,8 +70,6 @@ class Telegram:
         :raises TypeError: the fields are not the signals of the port.
         """
         members = {"PORT": port.name, "_port": port, "__slots__": (), "__doc__": cls.__doc__}
-        # The generated codecs are for the port that the class itself names.
-        members |= {"encode": Telegram.encode, "decode": classmethod(vars(Telegram)["decode"].__func__)}
         made: type[Self] = type(f"{cls.__name__}_{port.name}", (cls,), members)
         made.signals()
         return made
@@ -96,13 +104,8 @@ class Telegram:
 
         :raises OverflowError: when a value does not fit its signal.
         """
-        word, bits = 0, self.port().data_bytes * 8
-        for name, entry in self.signals():
-            value, (lowest, highest) = getattr(self, name), entry.raw_range
-            if not lowest <= value <= highest:
-                raise self.misfit()
-            word |= value % (1 << entry.length) << bits - entry.first_bit - entry.length
-        return word.to_bytes(bits // 8)
+        self.make_codec()
+        return self.encode()
 
     def misfit(self) -> OverflowError:
         """The error that names the first value that does not fit."""
@@ -115,25 +118,10 @@ class Telegram:
     @classmethod
     def decode(cls, data: bytes) -> Self:
         """Telegram of process data of the right length (the traffic store has checked it)."""
-        word, bits = int.from_bytes(data), len(data) * 8
-        values = []
-        for _, entry in cls.signals():
-            value = (word >> bits - entry.first_bit - entry.length) % (1 << entry.length)
-            # Two's complement.
-            values.append(value - (1 << entry.length) if value > entry.raw_range[1] else value)
-        return cls(*values)
+        cls.make_codec()
+        return cls.decode(data)
 
     def items(self) -> Iterator[tuple[str, int]]:
         """``(field name, raw value)`` of every field."""
         for name, _ in self.signals():
             yield name, getattr(self, name)
-
-
-def _method(function: Callable[[Any], bytes]) -> Callable[[Telegram], bytes]:
-    """A function that a class can hold as a method: a compiled one is not bound to an object."""
-    return function if isinstance(function, FunctionType) else lambda telegram: function(telegram)
-
-
-def codec_key(kind: type[Telegram]) -> str:
-    """Name of a telegram class in :data:`railhil.bus.codecs.CODECS`."""
-    return f"{kind.__module__}.{kind.__qualname__}"

@@ -151,6 +151,7 @@ class Responder:
         name = port or telegram.PORT
         if name not in self.store.ports:
             raise KeyError(name)
+        telegram.make_codec()
         self._handlers.setdefault(name, []).append((telegram.decode, handler))
 
     def handle(self, frame: Frame) -> list[Frame]:

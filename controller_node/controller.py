@@ -13,6 +13,7 @@ from railhil.common.errors import InputError
 from railhil.common.mypyc import mypyc_attr
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Arithmetic, Counters
+from railhil.controller_node.compiled_law import compile_law
 from railhil.controller_node.cost import Cost, cost_of
 from railhil.controller_node.law_controller import CommandCode
 from railhil.controller_node.laws.base import NOTCH_Q, SPEED_Q, BaliseReading
@@ -22,7 +23,6 @@ from railhil.controller_node.loop import NO_BALISE, ControlLoop
 from railhil.controller_node.program.model import LawProgram
 from railhil.controller_node.program.ranges import WIRE, Interval, refuse_wraps
 from railhil.controller_node.program.record import record
-from railhil.controller_node.straight import straight
 from railhil.controller_node.telemetry import Telemetry
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec
@@ -70,7 +70,7 @@ def _watched(
     if not arithmetic.wide and not may_wrap:
         period_s, notch_max = scenario.timing.control_period_ns / 1e9, scenario.train.notch_max
         ranges = refuse_wraps(program, loop.law, f"at {period_s:g} s and {notch_max:g} notches")
-    loop.straight = straight(program, loop.law, arithmetic, ranges)
+    loop.compiled = compile_law(program, loop.law, arithmetic, ranges)
     # Start here, because the constants of the law have been made by now.
     arithmetic.noted = []
     price = cost_of(program, arithmetic, scenario.timing.control_period_ns)

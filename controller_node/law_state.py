@@ -1,4 +1,4 @@
-"""State of a law from one control period to the next, computed by the law or by its written-out functions."""
+"""State of a law from one control period to the next, computed by the law or by its compiled functions."""
 
 from __future__ import annotations
 
@@ -6,9 +6,8 @@ from typing import Any, Generic
 
 from railhil.common.mypyc import mypyc_attr
 from railhil.controller_node.arithmetic.base import Arithmetic, T
+from railhil.controller_node.compiled_law import CompiledLaw, Values
 from railhil.controller_node.program.leaves import leaves, like
-from railhil.controller_node.straight import Straight
-from railhil.controller_node.written.parts import Values
 
 
 @mypyc_attr(allow_interpreted_subclasses=True)
@@ -18,10 +17,10 @@ class LawState(Generic[T]):
     def __init__(self, arithmetic: Arithmetic[T]) -> None:
         self.arithmetic = arithmetic
         self._state: Any = None
-        # Leaves of the state after a written-out step, which is newer than the state above.
+        # Leaves of the state after a compiled step, which is newer than the state above.
         self._leaves: Values | None = None
-        #: The written-out functions of the law, used where they are given.
-        self.straight: Straight | None = None
+        #: The compiled functions of the law, used where they are given.
+        self.compiled: CompiledLaw | None = None
 
     @property
     def state(self) -> Any:
@@ -36,17 +35,17 @@ class LawState(Generic[T]):
     def state(self, state: Any) -> None:
         self._state, self._leaves = state, None
 
-    def written_out(self, wire: Values) -> tuple[Values, Values] | None:
+    def step_compiled(self, wire: Values) -> tuple[Values, Values] | None:
         """One control period without the law, from its wire values as operands: leaves of inputs and of outputs.
 
         None in the first period and where only the law can compute it; nothing has changed then.
         """
-        if self.straight is None or self._state is None:
+        if self.compiled is None or self._state is None:
             return None
         before = self._leaves
         if before is None:
             before = tuple([value for _, value in leaves(self._state)])
-        done = self.straight.period(before, wire)
+        done = self.compiled.step(before, wire)
         if done is None:
             return None
         inputs, self._leaves, outputs, noted = done

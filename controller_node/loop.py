@@ -11,6 +11,7 @@ from railhil.common.errors import InputError, Words
 from railhil.common.mypyc import mypyc_attr
 from railhil.common.plug_ins import plugged_in
 from railhil.controller_node.arithmetic.base import Arithmetic, Constant, T
+from railhil.controller_node.compiled_law import Values
 from railhil.controller_node.law_state import LawState
 from railhil.controller_node.laws import load
 from railhil.controller_node.laws.base import SPEED_Q, BaliseReading, Law, LawInputs, LawOutputs, TrackInputs
@@ -18,7 +19,6 @@ from railhil.controller_node.laws.fault import place
 from railhil.controller_node.laws.memory import kept, memory_arguments
 from railhil.controller_node.laws.parameters import law_parameters
 from railhil.controller_node.setpoint import SetPoints
-from railhil.controller_node.written.parts import Values
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec
 
@@ -114,8 +114,8 @@ class ControlLoop(LawState[T]):
         self, k: Any, speed_01mmps: Any, position_01mm: Any, balise: BaliseReading[Any] = NO_BALISE
     ) -> tuple[LawInputs[T], LawOutputs[T]]:
         """One control period; the first one also makes the law's state."""
-        if self.straight is not None:
-            done = self._straight_step(k, speed_01mmps, position_01mm, balise)
+        if self.compiled is not None:
+            done = self._compiled_step(k, speed_01mmps, position_01mm, balise)
             if done is not None:
                 return done
         inputs = self.inputs(k, speed_01mmps, position_01mm, balise)
@@ -124,7 +124,7 @@ class ControlLoop(LawState[T]):
         self.state, outputs = self.law.step(self.state, inputs)
         return inputs, outputs
 
-    def _straight_step(
+    def _compiled_step(
         self, k: Any, speed_01mmps: Any, position_01mm: Any, balise: BaliseReading[Any]
     ) -> tuple[LawInputs[T], LawOutputs[T]] | None:
         ar = self.arithmetic
@@ -134,7 +134,7 @@ class ControlLoop(LawState[T]):
         if self.law.track:
             reading = BaliseReading(*[ar.from_raw(value, 0) for value in balise])
             wire, track = (*wire, *reading), TrackInputs(k, position, reading)
-        done = self.written_out(wire)
+        done = self.step_compiled(wire)
         if done is None:
             return None
         given, (notch_raw, notch, *notes) = done

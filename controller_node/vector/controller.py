@@ -10,6 +10,7 @@ from railhil.common.errors import InputError, Words
 from railhil.common.plug_ins import plugged_in
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import INT32_MAX, INT32_MIN, Arithmetic, Constant, Counters, T
+from railhil.controller_node.compiled_law import compile_law
 from railhil.controller_node.cost import cost_of
 from railhil.controller_node.law_controller import CommandCode
 from railhil.controller_node.law_state import LawState
@@ -21,7 +22,6 @@ from railhil.controller_node.program.model import LawProgram, Value
 from railhil.controller_node.program.ranges import refuse_wraps
 from railhil.controller_node.program.record import recorded
 from railhil.controller_node.program.tracer import Tracer
-from railhil.controller_node.straight import straight
 from railhil.controller_node.telemetry import Telemetry
 from railhil.controller_node.vector.law import Answer, Interface, VectorLaw, raw_range
 from railhil.scenarios.memory import Memory
@@ -101,8 +101,8 @@ class VectorLoop(LawState[T]):
 
     def step(self, raws: Sequence[Any]) -> tuple[tuple[T, ...], Answer[T]]:
         """One control period; the first one also makes the law's state. Returns the law's inputs and its answer."""
-        if self.straight is not None:
-            done = self._straight_step(raws)
+        if self.compiled is not None:
+            done = self._compiled_step(raws)
             if done is not None:
                 return done
         inputs = self.inputs(raws)
@@ -111,10 +111,10 @@ class VectorLoop(LawState[T]):
         self.state, answer = self.answered(self.state, inputs)
         return inputs, answer
 
-    def _straight_step(self, raws: Sequence[Any]) -> tuple[tuple[T, ...], Answer[T]] | None:
+    def _compiled_step(self, raws: Sequence[Any]) -> tuple[tuple[T, ...], Answer[T]] | None:
         ar = self.arithmetic
         wire = tuple([ar.from_raw(raw, item.q) for item, raw in zip(self.interface.readings, raws, strict=True)])
-        done = self.written_out(wire)
+        done = self.step_compiled(wire)
         if done is None:
             return None
         inputs, answer = done
@@ -223,7 +223,7 @@ class VectorController:
         if not number.wide and not may_wrap:
             period_s = scenario.timing.control_period_ns / 1e9
             ranges = refuse_wraps(program, self.law, f"at {period_s:g} s on {scenario.name}", self.wire)
-        self._loop.straight = straight(program, self.law, number, ranges)
+        self._loop.compiled = compile_law(program, self.law, number, ranges)
         # Telemetry starts here, after the law's constants have been made.
         number.noted = []
         self.telemetry = Telemetry(program.quantities)

@@ -19,11 +19,11 @@ from railhil.batch.lanes import LANES
 from railhil.batch.orders import Assembly, NotInOrdersError, Orders
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import DIVISION_BY_ZERO, SATURATION, WRAP
+from railhil.controller_node.compiled_law import is_shipped
 from railhil.controller_node.laws import load
 from railhil.controller_node.laws.base import BaliseReading
 from railhil.controller_node.loop import NO_BALISE, ControlLoop
 from railhil.controller_node.program.record import record
-from railhil.controller_node.straight import is_shipped
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec
 

@@ -18,12 +18,12 @@ from railhil.controller_node.laws.base import BaliseReading
 from railhil.controller_node.loop import ControlLoop
 from railhil.controller_node.program.model import LawProgram, Program
 from railhil.controller_node.program.tracer import Tracer
-from railhil.controller_node.written.generate import LAWS
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec
+from railhil.scenarios.system import system_named
 
 SCENARIO = load("lvshun_tieshan")
-CASES = [(law, indexing) for law in LAWS for indexing in load_law(law).indexings]
+CASES = [(law, indexing) for law in system_named("ato").law_names() for indexing in load_law(law).indexings]
 KINDS = (WRAP, SATURATION, DIVISION_BY_ZERO)
 #: More than one block, the last of them not full.
 TRAINS = 70

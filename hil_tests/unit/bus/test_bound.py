@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import pytest
 
@@ -48,8 +48,14 @@ def test_a_layout_is_refused_at_a_port_with_other_signals() -> None:
         UnitStat.bound(CONTRACT.port("UNIT1_CMD"))
 
 
-def test_the_written_codec_of_the_trains_own_port_is_not_that_of_another() -> None:
-    """TRN_SPEED has its codec written in the tree; at another port the signals may lie elsewhere."""
-    moved = TrnSpeed.bound(TrnSpeed.port())
-    assert moved.decode is not TrnSpeed.decode
-    assert moved(-3, life=9).encode() == TrnSpeed(-3, life=9).encode()
+def test_a_class_at_another_port_is_packed_by_the_signals_of_that_port() -> None:
+    """TRN_SPEED has been packed before; at another port its signals lie elsewhere."""
+    assert TrnSpeed(-3, life=9).encode() == b"\xff\xff\xfd\x49"
+    port = TrnSpeed.port()
+    place = {"TrainSpeed": 1, "SpeedChk": 0, "SpeedSpare": 0, "SpeedLife": 0}
+    signals = tuple(replace(item, byte=place[item.name]) for item in port.signals)
+    moved = TrnSpeed.bound(replace(port, name="MOVED", signals=signals))
+    data = moved(-3, life=9).encode()
+    assert data == b"\x49\xff\xff\xfd"
+    assert moved.decode(data) == moved(-3, life=9)
+    assert TrnSpeed.decode(b"\xff\xff\xfd\x49") == TrnSpeed(-3, life=9)

@@ -25,11 +25,6 @@ PACKAGES = (
     "benchmarks",
 )
 MODULES = sorted(path for package in PACKAGES for path in (ROOT / package).rglob("*.py"))
-#: Written by a program; read where it is called.
-WRITTEN = {
-    "bus/codecs.py",
-    *(f"controller_node/written/{path.name}" for path in (ROOT / "controller_node/written").glob("*_f*.py")),
-}
 
 
 def test_import_contracts_of_the_project_file() -> None:
@@ -50,7 +45,7 @@ def test_import_contracts_of_the_project_file() -> None:
 def test_no_module_is_longer_than_one_sitting() -> None:
     lengths = {str(path.relative_to(ROOT)): len(path.read_text(encoding="utf-8").splitlines()) for path in MODULES}
     assert len(lengths) > 100
-    assert {name: length for name, length in lengths.items() if length > 400 and name not in WRITTEN} == {}
+    assert {name: length for name, length in lengths.items() if length > 400} == {}
 
 
 def test_no_exception_is_swallowed_in_silence() -> None:

@@ -1,12 +1,13 @@
-"""The laws written out as straight-line functions: they are in the tree as generated, and compute what the laws do."""
+"""Laws compiled when a run binds them: they compute what the laws do, and a debugger finds their text."""
 
 from __future__ import annotations
 
-import runpy
-from array import array
+import io
+import linecache
+import pdb
+import traceback
 from functools import cache
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
 import pytest
@@ -14,30 +15,28 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 import railhil
-from hil_tests.support.paths import ROOT
+from railhil.common.generated_source import compile_source
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Constant
 from railhil.controller_node.arithmetic.float32 import FLT_MAX, FLT_MIN
+from railhil.controller_node.compiled_law import compile_law
 from railhil.controller_node.controller import Controller
 from railhil.controller_node.laws import load as load_law
 from railhil.controller_node.laws.base import BaliseReading
 from railhil.controller_node.laws.ipfc import Ipfc
+from railhil.controller_node.program.emit_python import FIXED, FLOAT32, FLOAT64, emit_python
 from railhil.controller_node.program.leaves import leaves
-from railhil.controller_node.program.model import Program, Value
+from railhil.controller_node.program.model import Value
 from railhil.controller_node.program.ranges import analyse_law
 from railhil.controller_node.program.record import record
-from railhil.controller_node.program.shape import shape_of
 from railhil.controller_node.program.tracer import Tracer
-from railhil.controller_node.program.writer import FIXED, FLOAT32, FLOAT64, written
-from railhil.controller_node.straight import straight
 from railhil.controller_node.vector.controller import VectorController, VectorLoop
-from railhil.controller_node.written.generate import LAWS, STOP_LAW, texts
-from railhil.controller_node.written.parts import Parts
 from railhil.scenarios.load import load, load_any
 from railhil.scenarios.run_spec import LawSpec
+from railhil.scenarios.system import system_named
 
 SCENARIO = load("lvshun_tieshan")
-CASES = [(law, indexing) for law in LAWS for indexing in load_law(law).indexings]
+CASES = [(law, indexing) for law in system_named("ato").law_names() for indexing in load_law(law).indexings]
 ARITHMETICS = ["iq", "iq-portable", "float64", "float32"]
 #: Control period, speed in 0.1 mm/s, odometer in 0.1 mm; the speeds go beyond what a wire can bring.
 STEP = st.tuples(st.integers(0, 420), st.integers(-10, 1_500_000), st.integers(-(2**31), 2**31 - 1))
@@ -45,22 +44,12 @@ STEP = st.tuples(st.integers(0, 420), st.integers(-10, 1_500_000), st.integers(-
 SENT = st.one_of(st.none(), st.integers(-1792, 1792))
 
 
-@pytest.mark.slow
-def test_written_functions_are_what_the_laws_compute() -> None:
-    """Else: make tables."""
-    folder = ROOT / "controller_node" / "written"
-    found = dict(texts())
-    assert {path.name for path in folder.glob("*.py")} == {*found, "__init__.py", "generate.py", "parts.py"}
-    for name, text in found.items():
-        assert (folder / name).read_text(encoding="utf-8") == text, name
-
-
 @cache
 def _pair(law: str, indexing: str, arithmetic: str) -> tuple[Controller, Controller]:
     """A controller as the node has it, and one that always computes the law itself."""
     controllers = [Controller(SCENARIO, LawSpec(law, arithmetic, indexing)) for _ in range(2)]
-    assert controllers[0]._loop.straight is not None
-    controllers[1]._loop.straight = None
+    assert controllers[0]._loop.compiled is not None
+    controllers[1]._loop.compiled = None
     return controllers[0], controllers[1]
 
 
@@ -89,21 +78,31 @@ def test_outputs_state_telemetry_and_counters_are_those_of_the_law(
     assert fast.counters == slow.counters
 
 
+#: Laws of several readings: scenario, law, arithmetic.
+OTHERS = [
+    *(("yizhuang_stop_closed", "ilc_stop", arithmetic) for arithmetic in ARITHMETICS),
+    ("yizhuang_stop", "reaim", "iq"),
+    ("hst_short", "mm_gpc", "float32"),
+    ("emu3_short", "os_elm_ngpc", "float64"),
+]
+
+
 @cache
-def _stopping(arithmetic: str) -> tuple[VectorController, VectorController]:
-    """As :func:`_pair`, for the law of the system ``stop`` that learns."""
-    scenario = load_any("yizhuang_stop_closed")
-    controllers = [VectorController(scenario, LawSpec(STOP_LAW, arithmetic)) for _ in range(2)]
-    assert controllers[0]._loop.straight is not None
-    controllers[1]._loop.straight = None
+def _pair_of(scenario: str, law: str, arithmetic: str) -> tuple[VectorController, VectorController]:
+    """As :func:`_pair`."""
+    controllers = [VectorController(load_any(scenario), LawSpec(law, arithmetic)) for _ in range(2)]
+    assert controllers[0]._loop.compiled is not None
+    controllers[1]._loop.compiled = None
     return controllers[0], controllers[1]
 
 
-@pytest.mark.parametrize("arithmetic", ARITHMETICS)
-@settings(max_examples=25, deadline=None)
+@pytest.mark.parametrize(("scenario", "law", "arithmetic"), OTHERS)
+@settings(max_examples=15, deadline=None)
 @given(data=st.data())
-def test_a_law_of_several_readings_gives_what_it_computes_itself(arithmetic: str, data: st.DataObject) -> None:
-    fast, slow = _stopping(arithmetic)
+def test_a_law_of_several_readings_gives_what_it_computes_itself(
+    scenario: str, law: str, arithmetic: str, data: st.DataObject
+) -> None:
+    fast, slow = _pair_of(scenario, law, arithmetic)
     for controller in (fast, slow):
         controller._loop.state = None
     ranges = list(fast.wire.values())
@@ -124,13 +123,17 @@ def test_a_law_of_several_readings_gives_what_it_computes_itself(arithmetic: str
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("arithmetic", ["iq", "float64", "float32"])
-def test_a_whole_stop_is_computed_by_the_functions(
-    arithmetic: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(
+    ("scenario", "law", "arithmetic"),
+    [("yizhuang_stop_closed", "ilc_stop", "iq"), ("yizhuang_stop_closed", "ilc_stop", "float32"),
+     ("hst_short", "os_elm_ngpc", "float64")],
+)  # fmt: skip
+def test_a_whole_run_is_computed_by_the_functions(
+    scenario: str, law: str, arithmetic: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Not only that they are bound: nearly every period is theirs, and the record is that of the law."""
     taken: list[bool] = []
-    original = VectorLoop.written_out
+    original = VectorLoop.step_compiled
 
     def counted(loop: VectorLoop[Any], wire: Any) -> Any:
         done = original(loop, wire)
@@ -138,16 +141,14 @@ def test_a_whole_stop_is_computed_by_the_functions(
         return done
 
     def run(folder: str) -> str:
-        outcome = railhil.run(
-            "yizhuang_stop_closed", controller=STOP_LAW, arithmetic=arithmetic, bus="local", out=tmp_path / folder
-        )
+        outcome = railhil.run(scenario, controller=law, arithmetic=arithmetic, bus="local", out=tmp_path / folder)
         return outcome.frames_sha256
 
-    monkeypatch.setattr(VectorLoop, "written_out", counted)
+    monkeypatch.setattr(VectorLoop, "step_compiled", counted)
     fast = run("fast")
-    assert len(taken) > 1000
+    assert len(taken) > 100
     assert sum(taken) > 0.99 * len(taken)
-    monkeypatch.setattr("railhil.controller_node.vector.controller.straight", lambda *_: None)
+    monkeypatch.setattr("railhil.controller_node.vector.controller.compile_law", lambda *_: None)
     assert run("slow") == fast
 
 
@@ -167,38 +168,30 @@ def test_a_step_with_an_event_is_computed_by_the_law(arithmetic: str) -> None:
     assert fast.telemetry.rows == slow.telemetry.rows
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("law", LAWS)
-@pytest.mark.parametrize("arithmetic", ["iq", "float64", "float32"])
-def test_a_law_has_its_function_on_other_lines(law: str, arithmetic: str) -> None:
-    for name in ("yizhuang_01_songjiazhuang_xiaocun", "yizhuang_11_jinghai_lu_ciqu_nan", "lvshun_tieshan_worn_wheels"):
-        assert Controller(load(name), LawSpec(law, arithmetic))._loop.straight is not None, name
-
-
 class Careful(Ipfc[Any]):
     """A law of somebody else, with the operations of ours."""
 
     name = "careful"
 
 
-def _straight(law: Any, arithmetic: str) -> Any:
+def _compiled(law: Any, arithmetic: str) -> Any:
     number = make(arithmetic)
     program = record(SCENARIO, LawSpec(), wide=number.wide)
     ranges = None if number.wide else analyse_law(program, law.state_bounds())
-    return straight(program, law, number, ranges)
+    return compile_law(program, law, number, ranges)
 
 
-def test_only_shipped_laws_have_functions_and_not_where_single_precision_truncates() -> None:
+def test_only_shipped_laws_are_compiled_and_not_where_single_precision_truncates() -> None:
     number = make("float64")
-    assert _straight(Ipfc(number, SCENARIO), "float64") is not None
-    assert _straight(Careful(number, SCENARIO), "float64") is None
-    assert _straight(Ipfc(number, SCENARIO), "float32") is not None
-    assert _straight(Ipfc(number, SCENARIO), "float32-truncated") is None
+    assert _compiled(Ipfc(number, SCENARIO), "float64") is not None
+    assert _compiled(Careful(number, SCENARIO), "float64") is None
+    assert _compiled(Ipfc(number, SCENARIO), "float32") is not None
+    assert _compiled(Ipfc(number, SCENARIO), "float32-truncated") is None
 
 
 @cache
 def _single_precision() -> Any:
-    """A written function of every operation that single precision rounds: two operands to their results."""
+    """A function of every operation that single precision rounds: two operands to their results."""
     tracer = Tracer(wide=True)
     program = tracer.begin("part")
     x, y = tracer.input("x", None), tracer.input("y", None)
@@ -208,12 +201,8 @@ def _single_precision() -> Any:
         tracer.minimum(x, y), tracer.maximum(x, y), tracer.clip(x, y, x), tracer.div(x, y, 0),
     ]  # fmt: skip
     program.outputs = [(f"out{number}", result) for number, result in enumerate(results)]
-    _, text = written(program, FLOAT32, "part")
-    with TemporaryDirectory() as folder:
-        module = Path(folder, "part.py")
-        module.write_text(f"from __future__ import annotations\n{text}", encoding="utf-8")
-        names = runpy.run_path(str(module), {"FLT_MIN": FLT_MIN, "FLT_MAX": FLT_MAX, "array": array})
-    return names["part"](Parts(make("float32"), (), (), (), (), ()))
+    text, names = emit_python(program, FLOAT32, make("float32"), None)
+    return compile_source("single precision of a test", text, names)["part"]
 
 
 def _of_single_precision(x: float, y: float) -> list[float]:
@@ -253,32 +242,68 @@ def test_usual_numbers_are_not_left_to_the_law() -> None:
 def test_fixed_point_needs_the_proof_that_nothing_wraps() -> None:
     number = make("iq")
     program = record(SCENARIO, LawSpec())
-    assert straight(program, Ipfc(number, SCENARIO), number, None) is None
-    assert Controller(SCENARIO, LawSpec(), may_wrap=True)._loop.straight is None
+    assert compile_law(program, Ipfc(number, SCENARIO), number, None) is None
+    assert Controller(SCENARIO, LawSpec(), may_wrap=True)._loop.compiled is None
 
 
-def _program(constants: list[Constant]) -> Program:
+@pytest.mark.parametrize(("upper", "lower", "limited"), [(2.0, 1.0, True), (1.0, 2.0, False)])
+def test_a_step_with_swapped_limits_is_left_to_the_law(upper: float, lower: float, limited: bool) -> None:
+    """The profiles of fixed point differ there."""
     tracer = Tracer()
     program = tracer.begin("part")
     x = tracer.input("x", 20)
-    limited = tracer.clip(x, *(tracer.const(constant) for constant in constants))
-    program.outputs = [("out", tracer.rmpy(limited, tracer.const(constants[0]), 4))]
-    return program
+    limits = [tracer.const(Constant(name, value, 20)) for name, value in (("upper", upper), ("lower", lower))]
+    program.outputs = [("out", tracer.clip(x, *limits))]
+    text, names = emit_python(program, FIXED, make("iq"), None)
+    found = compile_source("limits of a test", text, names)["part"]((), (0,))
+    assert found == (((), (1 << 20,), ()) if limited else None)
 
 
-def test_numbers_are_not_in_the_shape() -> None:
-    one, other = Constant("high", 2.0, 20), Constant("low", 1.0, 20)
-    shape = shape_of(_program([one, other]), FIXED, formats=True)
-    assert shape.constants == [one, other]
-    more = shape_of(_program([Constant("high", 7.0, 20), Constant("low", 7.0, 20)]), FIXED, formats=True)
-    assert shape.digest == more.digest
-    assert shape.digest != shape_of(_program([one, other]), FLOAT64, formats=True).digest
+def test_a_quantity_may_have_any_name() -> None:
+    tracer = Tracer(wide=True)
+    program = tracer.begin("part")
+    x = tracer.input("given", None)
+    for name in ("state", "lambda", "min", "2nd", "-x", "x_2", "x '"):
+        x = tracer.note(name, tracer.minimum(x, tracer.const(Constant("max", 3.0, 20))), 20)
+    program.outputs = [("out", x)]
+    text, names = emit_python(program, FLOAT64, make("float64"), None)
+    assert compile_source("names of a test", text, names)["part"]((), (5.0,))[1] == (3.0,)
 
 
-def test_an_operation_of_a_library_is_not_written_out() -> None:
+def test_an_operation_that_is_not_known_is_not_emitted() -> None:
     tracer = Tracer(wide=True)
     program = tracer.begin("part")
     root: Value = tracer._emit("unheard", [tracer.input("x", None)], None)
     program.outputs = [("out", root)]
     with pytest.raises(KeyError, match="unheard"):
-        written(program, FLOAT64, "part")
+        emit_python(program, FLOAT64, make("float64"), None)
+
+
+def test_a_law_that_a_library_solves_runs_as_it_is() -> None:
+    assert VectorController(load_any("hst_short"), LawSpec("delay_qp", "float64"))._loop.compiled is None
+
+
+def test_a_traceback_through_a_law_shows_its_line() -> None:
+    compiled = Controller(SCENARIO, LawSpec())._loop.compiled
+    assert compiled is not None
+    with pytest.raises(TypeError) as error:
+        compiled.step((), (0, "fast", 0))
+    text = "".join(traceback.format_exception(error.value))
+    assert '"<railhil law ipfc iq inputs' in text
+    assert "if not low_speed_01mmps <= speed_01mmps <= high_speed_01mmps:" in text
+
+
+def test_a_debugger_stops_in_a_law_and_shows_its_line() -> None:
+    controller = Controller(SCENARIO, LawSpec())
+    controller.step(0, 0, 0)
+    compiled = controller._loop.compiled
+    assert compiled is not None
+    code = compiled._inputs.__code__  # type: ignore[attr-defined]
+    out = io.StringIO()
+    debugger = pdb.Pdb(stdin=io.StringIO("c\np speed_01mmps\nn\np speed\nc\n"), stdout=out, nosigint=True, readrc=False)
+    debugger.use_rawinput = False
+    (line,) = [number for number, text in enumerate(linecache.getlines(code.co_filename), 1) if " speed = " in text]
+    assert debugger.set_break(code.co_filename, line, temporary=True) is None
+    debugger.runcall(controller.step, 1, 2000, 0)
+    assert "-> speed = speed_01mmps * c_kmh_per_01mmps >> 20" in out.getvalue()
+    assert "\n(Pdb) 2000\n" in out.getvalue()

@@ -1,10 +1,10 @@
-"""Writes a recorded program out as one straight-line Python function, which takes a third of the time of the law.
+"""Emits a recorded program as one straight-line Python function, which takes a third of the time of the law.
 
-A law calls a method of its arithmetic for every operation. In the written function each operation is one line of
+A law calls a method of its arithmetic for every operation. In the emitted function each operation is one line of
 Python, named after its quantity where it has a name. It computes what the law computes as long as nothing is to be
 counted: a value that would saturate, be divided by zero or leave the range for which the interval analysis has shown
 that nothing wraps (:mod:`railhil.controller_node.program.ranges`) makes it return None, and the law itself computes
-that step (:mod:`railhil.controller_node.straight`).
+that step (:mod:`railhil.controller_node.compiled_law`).
 
 ``fixed`` serves both profiles of fixed point, ``float64`` double precision, ``float32`` single precision rounded to
 nearest: there a result is stored in the one place of an array of singles and read back, and what is neither normal nor
@@ -14,16 +14,24 @@ zero is left to the law.
 from __future__ import annotations
 
 import re
+from array import array
+from bisect import bisect_right
 from collections.abc import Callable, Sequence
+from keyword import iskeyword
+from typing import TYPE_CHECKING, Any
 
-from railhil.controller_node.arithmetic.base import INT32_MAX, INT32_MIN
-from railhil.controller_node.arithmetic.float32 import LAST_CELL
+from railhil.controller_node.arithmetic.base import INT32_MAX, INT32_MIN, Arithmetic, Curve
+from railhil.controller_node.arithmetic.float32 import FLT_MAX, FLT_MIN, LAST_CELL
 from railhil.controller_node.program.model import Kind, Operation, Program, Value
-from railhil.controller_node.program.shape import Shape, shape_of
+
+if TYPE_CHECKING:
+    from railhil.controller_node.program.ranges import Ranges
 
 FIXED, FLOAT64, FLOAT32 = "fixed", "float64", "float32"
 #: Operations that the functions leave to the arithmetic, because they are rare or differ between the profiles.
 _CALLED = {FIXED: ("div", "sqrt"), **dict.fromkeys((FLOAT64, FLOAT32), ("div", "sqrt", "quantise"))}
+#: Built-in names, arguments and local variables of a function, besides those of the program.
+_OWN = ("abs", "cell", "given", "int", "len", "max", "min", "product", "scaled", "state", "value")
 _STATE = "state"
 
 
@@ -32,76 +40,71 @@ def is_state(name: str) -> bool:
     return name.partition(".")[0].partition("[")[0] == _STATE
 
 
-def checked_inputs(program: Program) -> list[tuple[str, Value]]:
+def checked_inputs(program: Program) -> list[Value]:
     """Inputs whose range a function of fixed point checks: the state, or the wire values if the program has no state.
 
     The other inputs are results of another program, whose ranges follow.
     """
-    states = [(name, value) for name, value in program.inputs if is_state(name)]
-    return [(name, value) for name, value in states or program.inputs if value.kind is Kind.NUMBER]
+    states = [value for name, value in program.inputs if is_state(name)]
+    return [value for value in states or [value for _, value in program.inputs] if value.kind is Kind.NUMBER]
 
 
-def are_constant(operation: Operation) -> bool:
-    """True for an operation whose limits are both constants: nothing checks then that they are not swapped."""
-    return all(limit.constant is not None for limit in operation.arguments[1:])
+class _Emitter:
+    """One program in one family of arithmetics, line by line, and the numbers that it names."""
 
-
-class _Writer:
-    """One program in one family of arithmetics, line by line."""
-
-    def __init__(self, program: Program, family: str) -> None:
-        self.shape: Shape = shape_of(program, family, formats=family == FIXED)
+    def __init__(self, program: Program, family: str, number: Arithmetic[Any]) -> None:
         self._program = program
         self._fixed = family == FIXED
         self._single = family == FLOAT32
         self._called = _CALLED[family]
-        self._taken: set[str] = {"single", "value", "product", "scaled", "cell"}
-        self._index = 0
+        self._number = number
         self._lines: list[str] = []
-        self._curves = [self._free(f"f_{_word(curve.name)}") for curve in self.shape.curves]
-        self._tables = [self._free(f"t_{_word(table.name)}") for table in self.shape.tables]
-        self._constants = [self._free(f"c_{_word(constant.name)}") for constant in self.shape.constants]
-        self._lasts = [self._free(f"last_{number}") for number in range(len(self.shape.lasts))]
+        #: Global names of the function.
+        self.names: dict[str, Any] = {
+            "bisect_right": bisect_right,
+            "FLT_MAX": FLT_MAX,
+            "FLT_MIN": FLT_MIN,
+            "single": array("f", [0.0]),
+            **{op: getattr(number, op) for op in self._called},
+        }
+        self._taken = {*_OWN, *self.names}
+        # Name of each constant, table and curve by its identity: equal ones keep their own names.
+        self._named: dict[int, str] = {}
         self._values = {value.number: self._free(_word(name)) for name, value in program.inputs}
         noted = {quantity.value.number: quantity.name for quantity in program.quantities}
         for operation in program.operations:
-            number = operation.result.number
-            self._values[number] = self._free(_word(noted[number]) if number in noted else f"{operation.op}_{number}")
+            result = operation.result.number
+            self._values[result] = self._free(_word(noted[result]) if result in noted else f"{operation.op}_{result}")
 
     def _free(self, wanted: str) -> str:
         """A name that nothing else has."""
-        name, number = wanted, 1
-        while name in self._taken:
-            number += 1
-            name = f"{wanted}_{number}"
+        name, count = wanted, 1
+        while name in self._taken or iskeyword(name) or not name.isidentifier():
+            count += 1
+            name = f"{wanted if wanted.isidentifier() else 'x'}_{count}"
         self._taken.add(name)
         return name
 
-    def text(self, function: str) -> str:
-        """The factory of the function."""
+    def _name(self, prefix: str, part: Any, as_used: Callable[[], Any]) -> str:
+        """Global name of a constant, table or curve."""
+        name = self._named.get(id(part))
+        if name is None:
+            name = self._named[id(part)] = self._free(f"{prefix}_{_word(part.name)}")
+            self.names[name] = as_used()
+        return name
+
+    def text(self, ranges: Ranges | None) -> str:
+        """The function; ``names`` is complete then."""
         for operation in self._program.operations:
             self._operation(operation)
-        states = [(name, value) for name, value in self._program.inputs if is_state(name)]
+        states = [value for name, value in self._program.inputs if is_state(name)]
         given = [value for name, value in self._program.inputs if not is_state(name)]
-        checked = [self._values[value.number] for _, value in checked_inputs(self._program)]
-        head = [f"def {function}(parts: Parts) -> Step:"]
-        if self._single and any("single[0]" in line for line in self._lines):
-            head += ['    single = array("f", [0.0])']
-        for names, field in (
-            (self._constants, "constants"),
-            (self._tables, "tables"),
-            (self._curves, "curves"),
-            (self._lasts, "lasts"),
-        ):
-            head += _unpacked(names, f"parts.{field}")
-        head += [f"    {name} = parts.number.{name}" for name in self._called if self._uses(name)]
-        if self._fixed and checked:
-            bounds = [bound for name in checked for bound in _bounds(name)]
-            head += _unpacked(bounds, "parts.bounds")
         body: list[str] = []
-        if self._fixed:
-            for name in checked:
-                low, high = _bounds(name)
+        if ranges is not None:
+            for value in checked_inputs(self._program):
+                name = self._values[value.number]
+                low, high = (self._free(f"{end}_{name.removeprefix(f'{_STATE}_')}") for end in ("low", "high"))
+                self.names[low], self.names[high] = ranges.of(value)
                 body += [f"    if not {low} <= {name} <= {high}:", "        return None"]
         body += self._lines
         after = [self._read(value) for name, value in self._program.outputs if is_state(name)]
@@ -111,25 +114,31 @@ class _Writer:
         for words in (after, answer, noted):
             body += [f"    {line}" for line in _tuple(words)]
         body += ["    )"]
-        used = set(re.findall(r"\w+", " ".join(body)))
-        begin = _unpacked([_marked(self._values[value.number], used) for _, value in states], "state")
-        begin += _unpacked([_marked(self._values[value.number], used) for value in given], "given")
-        inner = [
-            "",
-            "    def period(state: Values, given: Values) -> tuple[Values, Values, Values] | None:",
-            *(f"    {line}" for line in (*begin, *body)),
-            "",
-            "    return period",
-        ]
-        return "\n".join([*head, *inner]) + "\n"
-
-    def _uses(self, op: str) -> bool:
-        return any(operation.op == op for operation in self._program.operations)
+        head = [f"def {self._program.name}(state, given):"]
+        head += _unpacked([self._values[value.number] for value in states], "state")
+        head += _unpacked([self._values[value.number] for value in given], "given")
+        return "\n".join([*head, *body]) + "\n"
 
     def _read(self, value: Value) -> str:
-        if value.constant is not None:
-            return self._constants[self.shape.constant(value.constant)]
+        constant = value.constant
+        if constant is not None:
+            return self._name("c", constant, lambda: self._number.const(constant))
         return self._values[value.number]
+
+    def _table(self, operation: Operation) -> str:
+        table = operation.table
+        assert table is not None
+        return self._name("t", table, lambda: self._number.table(table.name, table.constants))
+
+    def _curve(self, curve: Curve) -> str:
+        """The samples of a curve, or in float64 its function."""
+
+        def as_used() -> Any:
+            if self._fixed:
+                return tuple(sample.raw for sample in curve.samples)
+            return self._number.load(curve.samples) if self._single else curve.function
+
+        return self._name("f", curve, as_used)
 
     def _say(self, *lines: str) -> None:
         self._lines += [f"    {line}" for line in lines]
@@ -225,7 +234,7 @@ class _Writer:
     def _write_clip(self, operation: Operation, to: str, words: Sequence[str]) -> None:
         a, upper, lower = words
         if self._fixed:
-            if not are_constant(operation):
+            if not _is_ordered(operation):
                 # The profiles differ if the limits are swapped.
                 self._say(f"if {lower} > {upper}:", "    return None")
             self._say(f"{to} = {a} if {a} < {upper} else {upper}", f"if {to} < {lower}:", f"    {to} = {lower}")
@@ -248,7 +257,7 @@ class _Writer:
 
     def _write_curve(self, operation: Operation, to: str, words: Sequence[str]) -> None:
         assert operation.curve is not None
-        curve, a = self._curves[self.shape.curve(operation.curve)], words[0]
+        curve, a = self._curve(operation.curve), words[0]
         if self._single:
             self._say(f"scaled = {a} * 256.0", f"cell = int(min(scaled, {LAST_CELL}))")
             self._rounded("product", f"{curve}[cell + 1] - {curve}[cell]")
@@ -266,18 +275,21 @@ class _Writer:
         )
 
     def _write_at(self, operation: Operation, to: str, words: Sequence[str]) -> None:
-        assert operation.table is not None
-        table, offset = self._tables[self.shape.table(operation.table)], operation.parameters[0]
-        self._say(f"{to} = {table}[{words[0]}{f' + {offset}' if offset else ''}]")
+        offset = operation.parameters[0]
+        self._say(f"{to} = {self._table(operation)}[{words[0]}{f' + {offset}' if offset else ''}]")
 
     def _write_index(self, operation: Operation, to: str, words: Sequence[str]) -> None:
-        self._say(f"{to} = min(max({words[0]}, 0), {self._lasts[self._index]})")
-        self._index += 1
+        self._say(f"{to} = min(max({words[0]}, 0), {operation.parameters[0]})")
 
     def _write_locate(self, operation: Operation, to: str, words: Sequence[str]) -> None:
-        assert operation.table is not None
-        table = self._tables[self.shape.table(operation.table)]
+        table = self._table(operation)
         self._say(f"{to} = min(max(bisect_right({table}, {words[0]}) - 1, 0), len({table}) - 2)")
+
+
+def _is_ordered(operation: Operation) -> bool:
+    """True for constant limits that are not swapped."""
+    upper, lower = (limit.constant for limit in operation.arguments[1:])
+    return upper is not None and lower is not None and lower.raw <= upper.raw
 
 
 def _word(name: str) -> str:
@@ -289,27 +301,21 @@ def _tuple(words: Sequence[str]) -> list[str]:
     return ["    (", *(f"        {word}," for word in words), "    ),"] if words else ["    (),"]
 
 
-def _bounds(name: str) -> tuple[str, str]:
-    """Names of the bounds of an input."""
-    word = name.removeprefix(f"{_STATE}_")
-    return f"low_{word}", f"high_{word}"
-
-
-def _marked(name: str, used: set[str]) -> str:
-    """A name as it is unpacked: with an underscore if nothing uses it."""
-    return name if name in used else f"_{name}"
-
-
 def _unpacked(names: Sequence[str], of: str) -> list[str]:
     if len(names) < 2:
         return [f"    ({name},) = {of}" for name in names]
     return ["    (", *(f"        {name}," for name in names), f"    ) = {of}"]
 
 
-def written(program: Program, family: str, function: str) -> tuple[str, str]:
-    """Digest of a program's shape, and the text of the factory of its function.
+def emit_python(
+    program: Program, family: str, number: Arithmetic[Any], ranges: Ranges | None
+) -> tuple[str, dict[str, Any]]:
+    """Text of a function of state and other inputs, named as the program, and the global names that it uses.
 
+    :param number: arithmetic of the family: it makes the constants and does the operations that are called.
+    :param ranges: of the program in fixed point: for inputs outside them the function returns None.
     :raises KeyError: an operation that only a law can do, such as the solution of a problem.
     """
-    writer = _Writer(program, family)
-    return writer.shape.digest, writer.text(function)
+    emitter = _Emitter(program, family, number)
+    text = emitter.text(ranges)
+    return text, emitter.names
