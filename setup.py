@@ -83,7 +83,6 @@ MODULES = [
     "railhil/controller_node/plausibility.py",
     "railhil/controller_node/serve.py",
     "railhil/controller_node/speed_watch.py",
-    "railhil/controller_node/compiled_law.py",
     "railhil/controller_node/telemetry.py",
     "railhil/plant_sim/command_watch.py",
     "railhil/plant_sim/cycle.py",

@@ -42,5 +42,5 @@ def test_a_traceback_through_a_codec_shows_its_line() -> None:
     # As a traceback does: what has changed on disk is dropped.
     linecache.checkcache()
     text = "".join(traceback.format_exception(error.value))
-    assert 'File "<railhil telegram TRN_SPEED>"' in text
+    assert 'File "<railhil telegram TRN_SPEED' in text
     assert "\n    raise telegram.misfit()\n" in text

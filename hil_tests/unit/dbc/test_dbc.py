@@ -80,18 +80,20 @@ def test_a_telegram_class_that_lacks_signals_of_its_port_is_refused():
 
 
 def test_a_telegram_of_somebody_else_is_packed_alike():
+    """Its fields may have the names that the codec uses for other things."""
+
     @dataclasses.dataclass(slots=True)
     class Theirs(Telegram):
         PORT: ClassVar[str] = "TRN_SPEED"
-        speed_01mmps: int = signal("TrainSpeed")
-        check: int = signal("SpeedChk")
-        spare: int = signal("SpeedSpare")
-        life: int = signal("SpeedLife")
+        word: int = signal("TrainSpeed")
+        kind: int = signal("SpeedChk")
+        telegram: int = signal("SpeedSpare")
+        data: int = signal("SpeedLife")
 
     telegram = Theirs(-70_000, 1, 2, 3)
     assert telegram.encode() == (-70_000).to_bytes(3, signed=True) + bytes([0b01_10_0011])
     assert Theirs.decode(telegram.encode()) == telegram
-    with pytest.raises(OverflowError, match=r"TRN_SPEED\.speed_01mmps: found 8388608"):
+    with pytest.raises(OverflowError, match=r"TRN_SPEED\.word: found 8388608"):
         Theirs(1 << 23).encode()
 
 
