@@ -13,7 +13,7 @@ import sys
 from setuptools import setup
 
 #: Packages whose files lie in a folder of the checkout, which ``railhil/`` links to.
-LINKED = ("bus", "common", "controller_node", "dbc", "faults", "plant_sim", "scenarios")
+LINKED = ("bus", "controller_node", "dbc", "plant_sim")
 MODULES = [
     "railhil/bus/acceptance.py",
     "railhil/bus/administrator.py",

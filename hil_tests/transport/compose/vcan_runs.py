@@ -34,7 +34,6 @@ _PROJECT = (
     "docker-compose.hardware.yml",
     "docker-compose.realtime.yml",
     "Dockerfile",
-    "scenarios",
 )
 _TIMEOUT_S = 2400.0
 #: Where it runs in the virtual machine: in a folder of the host, all files would belong to one user.
@@ -52,15 +51,13 @@ LONG_CASES = ("published", "hardware", "foreign")
 
 
 def _copy(project: Path) -> None:
-    """What compose needs of the project, with the short scenario among the mounted ones."""
+    """What compose needs of the project, with the short scenario in the mounted folder."""
     project.mkdir()
     for name in _PROJECT:
-        if (ROOT / name).is_dir():
-            shutil.copytree(ROOT / name, project / name, ignore=shutil.ignore_patterns("__pycache__"))
-        else:
-            shutil.copy(ROOT / name, project / name)
+        shutil.copy(ROOT / name, project / name)
+    for name in ("scenarios", "runs"):
+        (project / name).mkdir()
     shutil.copy(_SHORT, project / "scenarios")
-    (project / "runs").mkdir()
 
 
 def _is_up(interface: str) -> bool | None:

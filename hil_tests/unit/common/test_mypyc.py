@@ -25,7 +25,7 @@ def _name(path: str) -> str:
 
 
 def _product() -> list[Path]:
-    folders = ("bus", "common", "controller_node", "faults", "plant_sim", "railhil", "scenarios")
+    folders = ("bus", "controller_node", "plant_sim", "railhil")
     return [path for folder in folders for path in sorted((ROOT / folder).rglob("*.py"))]
 
 

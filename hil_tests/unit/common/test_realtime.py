@@ -19,6 +19,7 @@ from types import SimpleNamespace
 
 import pytest
 
+from hil_tests.support.paths import ROOT
 from railhil.bus.local import LocalBus
 from railhil.common import scheduling as realtime
 from railhil.common.scheduling import HUB_PRIORITY, NODE_PRIORITY, RECORDER_PRIORITY, cycle, permitted_priority, said_in
@@ -28,7 +29,6 @@ from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.supervisor.session import Session
 
-ROOT = Path(realtime.__file__).resolve().parent.parent
 PERMITTED = permitted_priority()[0] == NODE_PRIORITY
 GET_TIMERSLACK = 30
 
@@ -248,13 +248,13 @@ def wall_clock_uses(path: Path) -> set[str]:
 @pytest.mark.slow
 def test_no_process_of_a_run_looks_at_the_wall_clock() -> None:
     packages = (
-        "common",
-        "faults",
         "dbc",
         "bus",
-        "scenarios",
         "plant_sim",
         "controller_node",
+        "railhil/common",
+        "railhil/faults",
+        "railhil/scenarios",
         "railhil/supervisor",
         "railhil/cli",
     )

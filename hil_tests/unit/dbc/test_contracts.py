@@ -15,11 +15,8 @@ from railhil.bus.layout import Telegram
 PACKAGES = (
     "dbc",
     "bus",
-    "scenarios",
     "plant_sim",
     "controller_node",
-    "common",
-    "faults",
     "railhil",
     "hil_tests",
     "benchmarks",

@@ -16,7 +16,7 @@ from pydantic import BaseModel
 from railhil.scenarios.keys import MEANING
 from railhil.scenarios.schema import ScenarioFile
 
-PAGE = Path(__file__).resolve().parents[1] / "docs" / "scenario_keys.md"
+PAGE = Path(__file__).resolve().parents[2] / "docs" / "scenario_keys.md"
 _HEAD = """\
 # Every key of a scenario file
 

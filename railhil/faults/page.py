@@ -13,7 +13,7 @@ from railhil.faults.capability import PACES, REFUSALS, TRANSPORTS, Refusal
 from railhil.faults.quantities import allowed_text, number_text
 from railhil.faults.words import CLEAR, PLACES, WORDS, Parameter, Word, levels_of
 
-PAGE = Path(__file__).resolve().parents[1] / "docs" / "faults.md"
+PAGE = Path(__file__).resolve().parents[2] / "docs" / "faults.md"
 _HEAD = """\
 # Faults
 
