@@ -31,7 +31,7 @@ VCAN_FIRST   = test_faults or test_can_utils or test_outage or test_benchmark_pa
 # Files of tests that keep real time: collecting all the others takes as long as some of these tests.
 REAL_TIME    = $$(grep -rlw --include='test_*.py' wall_clock hil_tests)
 
-.PHONY: run test test-all test-fast test-here test-side-by-side test-long test-long-side-by-side test-real-time test-vcan test-vcan-first test-vcan-second test-compose test-docker test-docker-vcan test-wheel test-arm64 test-arm64-ipfc test-image-arm64 test-compiled test-builds wheels mutants lint lint-types lint-imports prepared-batches prepared-bytecode bench docs-update papers $(PAPERS:%=paper-%) dbc tables tuned $(TUNED_LAWS:%=tuned-%) install locks locked clean
+.PHONY: run test test-all test-fast test-here test-side-by-side test-long test-long-side-by-side test-real-time test-vcan test-vcan-first test-vcan-second test-compose test-docker test-docker-vcan test-wheel test-arm64 test-arm64-ipfc test-image-arm64 test-compiled test-builds wheels mutants lint lint-types lint-imports tree prepared-batches prepared-bytecode bench docs-update papers $(PAPERS:%=paper-%) dbc tables tuned $(TUNED_LAWS:%=tuned-%) install locks locked clean
 
 # A run that misses the limits of its scenario (exit code 1) is a result, not an error of make.
 run: $(VENV)/.installed
@@ -140,11 +140,15 @@ lint: $(VENV)/.installed-dev
 	$(BIN)/ruff format --check .
 	@$(MAKE) --no-print-directory -j$$(($$(nproc) + 1)) -Otarget $(BESIDE) lint-types lint-imports
 
-lint-types: $(VENV)/.installed-dev
+lint-types: tree
 	$(BIN)/mypy
 
-lint-imports: $(VENV)/.installed-dev
-	$(BIN)/lint-imports
+lint-imports: tree
+	cd build/tree && $(abspath $(BIN))/lint-imports ../../pyproject.toml --cache-dir ../../.import_linter_cache
+
+# Links to the packages as they lie in a wheel, for mypy, import-linter and pyright.
+tree: $(VENV)/.installed-dev
+	@$(BIN)/python setup.py -q tree
 
 # What each worker of the tests would compile for itself. `make test` does it beside mypy.
 prepared-batches prepared-bytecode: prepared-%: $(VENV)/.installed-dev

@@ -1,19 +1,27 @@
-"""The compiled build, which nobody needs: ``RAILHIL_COMPILED=1 pip install .`` compiles the modules below by mypyc.
+"""The packages of railhil, some of which lie beside ``railhil/``, and the compiled build, which nobody needs.
 
-Without that variable this file does nothing, and pyproject.toml describes everything. Sources are installed in any
-case: ``RAILHIL_PURE=1`` runs them. Not compiled, although each frame passes them: classes made from the port table
+``[tool.setuptools.package-dir]`` in pyproject.toml says in which folder a package lies. ``python setup.py tree`` puts
+links to them into one folder, ``build/tree``, for mypy, pyright and import-linter, which do not read that table.
+
+``RAILHIL_COMPILED=1 pip install .`` compiles the modules below by mypyc. Sources are installed in any case:
+``RAILHIL_PURE=1`` runs them. Not compiled, although each frame passes them: classes made from the port table
 (telegrams, identities), enumerations with a constructor, subclasses of built-in exceptions, and what python-can
 subclasses. Functions that the batch has numba compile (:mod:`railhil.common.compilable`) it reads from their source. A
 class that interpreted code subclasses says so (:mod:`railhil.common.mypyc`).
 """
 
 import os
+import shutil
 import sys
+import tomllib
+from pathlib import Path
+from typing import ClassVar
 
-from setuptools import setup
+from setuptools import Command, find_packages, setup
 
-#: Packages whose files lie in a folder of the checkout, which ``railhil/`` links to.
-LINKED = ("bus", "controller_node", "dbc", "plant_sim")
+#: Package -> its folder.
+FOLDERS = tomllib.loads(Path("pyproject.toml").read_text(encoding="utf-8"))["tool"]["setuptools"]["package-dir"]
+TREE = "build/tree"
 MODULES = [
     "railhil/bus/acceptance.py",
     "railhil/bus/administrator.py",
@@ -109,12 +117,45 @@ MODULES = [
 #: A build environment has no libraries, and no configuration is read: what is compiled depends on the sources only.
 OPTIONS = ["--config-file=", "--follow-imports=silent", "--ignore-missing-imports"]
 
-# Archives of hosting sites, and checkouts on some systems, have a text file in the place of each link, or nothing. What
-# is built from these can import nothing.
-if lost := [name for name in LINKED if not os.path.isfile(f"railhil/{name}/__init__.py")]:
+
+def packages_of(name: str, folder: str) -> list[str]:
+    """The package in a folder and those below it."""
+    return [name, *(f"{name}.{below}" for below in find_packages(folder))]
+
+
+def lay_out(tree: str) -> None:
+    """Make links to the packages below ``tree``, where they lie as in a wheel. What was there is replaced."""
+    shutil.rmtree(tree, ignore_errors=True)
+    for name, folder in sorted(FOLDERS.items()):
+        place = Path(tree, *name.split("."))
+        if "." in name:
+            place.symlink_to(Path(folder).resolve())
+        else:
+            place.mkdir(parents=True)
+            for path in Path(folder).iterdir():
+                (place / path.name).symlink_to(path.resolve())
+
+
+class Tree(Command):
+    """``python setup.py tree [--to FOLDER]``: :func:`lay_out`."""
+
+    description = "links to all packages in one folder, for tools that read no package-dir"
+    user_options: ClassVar = [("to=", None, f"the folder, which is replaced (default {TREE})")]
+
+    def initialize_options(self) -> None:
+        self.to = TREE
+
+    def finalize_options(self) -> None:
+        pass
+
+    def run(self) -> None:
+        lay_out(self.to)
+
+
+if lost := [folder for folder in FOLDERS.values() if not Path(folder, "__init__.py").is_file()]:
     raise SystemExit(
-        f"railhil cannot be built: {', '.join(f'railhil/{name}' for name in lost)} must be a link to the folder of its "
-        "name; clone with git (where needed with -c core.symlinks=true), or take the source archive of a release"
+        f"railhil cannot be built: found no package in {', '.join(lost)}, which must be folders with an __init__.py; "
+        "clone the repository again, or take the source archive of a release"
     )
 extensions = []
 compiled = os.environ.get("RAILHIL_COMPILED", "0") not in ("", "0")
@@ -126,9 +167,16 @@ if compiled:
         if "egg_info" not in sys.argv:
             raise
     else:
-        extensions = mypycify([*OPTIONS, *MODULES], opt_level="3", multi_file=True)
+        # mypyc takes the name of a module from the folders in which it lies.
+        lay_out(TREE)
+        extensions = mypycify([*OPTIONS, *(f"{TREE}/{path}" for path in MODULES)], opt_level="3", multi_file=True)
         for extension in extensions:
             # On processors with fused products gcc would use them, and their last bit differs from Python's.
             extension.extra_compile_args = [*extension.extra_compile_args, "-ffp-contract=off"]
 
-setup(ext_modules=extensions, setup_requires=["mypy>=1.11"] if compiled else [])
+setup(
+    packages=[package for name, folder in FOLDERS.items() for package in packages_of(name, folder)],
+    ext_modules=extensions,
+    setup_requires=["mypy>=1.11"] if compiled else [],
+    cmdclass={"tree": Tree},
+)

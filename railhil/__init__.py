@@ -15,6 +15,13 @@ if TYPE_CHECKING:
     from railhil.scenarios.load import load as load_scenario
     from railhil.scenarios.run_spec import LawSpec, RunSpec
 
+#: Packages that lie beside this one in a checkout, where users find them, and in this one in a wheel (pyproject.toml,
+#: package-dir).
+AT_TOP = ("bus", "controller_node", "dbc", "plant_sim")
+_TOP = os.path.dirname(__path__[0])
+if os.path.isfile(os.path.join(_TOP, "pyproject.toml")):
+    __path__.append(_TOP)
+
 if os.environ.get("RAILHIL_PURE", "0") not in ("", "0"):
     import_module("railhil.pure").use_sources()
 

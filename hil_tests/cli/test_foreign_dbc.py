@@ -9,6 +9,7 @@ import pytest
 
 from hil_tests.support.cli import complaint, railhil
 from hil_tests.support.paths import ROOT
+from railhil import AT_TOP
 
 DBC = ROOT / "dbc" / "railhil.dbc"
 
@@ -40,7 +41,8 @@ def test_dbc_files(here):
 
 @pytest.mark.slow
 def test_replaced_dbc_of_the_installation_is_noticed_by_every_command(tmp_path):
-    shutil.copytree(ROOT / "railhil", tmp_path / "railhil", ignore=shutil.ignore_patterns("__pycache__"))
+    for folder, place in (("railhil", ""), *((name, name) for name in AT_TOP)):
+        shutil.copytree(ROOT / folder, tmp_path / "railhil" / place, ignore=shutil.ignore_patterns("__pycache__"))
     path = tmp_path / "railhil" / "dbc" / "railhil.dbc"
     path.write_text(path.read_text().replace("SpeedLife", "Speedlife"))
     for name in (["run"], ["scenarios"], ["node", "plant"]):

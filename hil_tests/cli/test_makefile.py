@@ -73,12 +73,9 @@ def test_a_failed_installation_is_none(tmp_path: Path) -> None:
 def _setup(folder: Path, hook: str) -> subprocess.CompletedProcess[str]:
     """A hook of pip's for the compiled build, in an environment without mypyc."""
     shutil.copy(ROOT / "setup.py", folder)
-    if not (folder / "railhil").exists():
-        (folder / "railhil").mkdir()
-        for path in (ROOT / "railhil").iterdir():
-            if path.is_symlink():
-                (folder / "railhil" / path.name).symlink_to(path.resolve())
-    project = '[project]\nname = "railhil"\nversion = "0"\n[tool.setuptools]\npackages = []\n'
+    (folder / "railhil").mkdir(exist_ok=True)
+    (folder / "railhil" / "__init__.py").touch()
+    project = '[project]\nname = "railhil"\nversion = "0"\n[tool.setuptools.package-dir]\nrailhil = "railhil"\n'
     (folder / "pyproject.toml").write_text(project)
     program = f"import sys; sys.modules['mypyc'] = None; from setuptools import build_meta; print(build_meta.{hook})"
     variables = {**os.environ, "RAILHIL_COMPILED": "1"}

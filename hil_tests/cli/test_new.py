@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 
 from hil_tests.support.cli import complaint
-from hil_tests.support.paths import ROOT
+from hil_tests.support.paths import ROOT, make_tree
 from hil_tests.support.toy_system import install, railhil
 from hil_tests.support.warm import run_module
 from railhil import cli
@@ -33,10 +33,10 @@ def uncommented(text: str) -> str:
     return re.sub(r"^#(?=\w)", "", text, flags=re.MULTILINE)
 
 
-def run(*words: str | Path, cwd: Path, site: Path | None = None) -> None:
+def run(*words: str | Path, cwd: Path, site: Path | None = None, **variables: str) -> None:
     """A module that must end well."""
     paths = os.pathsep.join(map(str, (*([site] if site else []), ROOT)))
-    environment = {**os.environ, "PYTHONPATH": paths, "MYPYPATH": str(ROOT)}
+    environment = {**os.environ, "PYTHONPATH": paths, **variables}
     module, *arguments = map(str, words)
     done = run_module(module, arguments, environment=environment, cwd=cwd)
     assert done.returncode == 0, done.stdout + done.stderr
@@ -253,10 +253,11 @@ def test_what_is_written_is_linted_and_formatted(here, tmp_path, name):
 
 @pytest.mark.slow
 def test_what_is_written_is_typed(made: Path, tmp_path: Path) -> None:
+    make_tree(tmp_path / "tree")
     for kind in ("law", "system"):
         # What railhil imports is not installed with types in it: its own errors are its own matter.
-        words = ("--strict", "--follow-imports", "silent", "--cache-dir", tmp_path)
-        run("mypy", *words, ".", cwd=made / f"my{kind}")
+        words = ("--strict", "--follow-imports", "silent", "--cache-dir", tmp_path / "cache")
+        run("mypy", *words, ".", cwd=made / f"my{kind}", MYPYPATH=str(tmp_path / "tree"))
 
 
 @pytest.mark.slow

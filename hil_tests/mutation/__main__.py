@@ -6,9 +6,11 @@ import argparse
 import os
 import signal
 import sys
+from pathlib import Path
 
+from hil_tests.mutation.install import path_of
 from hil_tests.mutation.run import Result, containing, prepare, sample, try_decisions, try_module
-from hil_tests.mutation.targets import explained, modules, source_of, tests_of
+from hil_tests.mutation.targets import explained, modules, tests_of
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -25,7 +27,7 @@ def main(arguments: list[str] | None = None) -> int:
     prepare()
     good, count = True, 0
     for module in given.module or modules():
-        path, tests = source_of(module), given.tests or tests_of(module)
+        path, tests = Path(path_of(module)), given.tests or tests_of(module)
         if given.branches:
             result = try_decisions(module, path, tests)
             print(f"{module}: {result.count} decisions, {len(result.unseen)} outcomes not seen")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 import tomllib
 from pathlib import Path
 
@@ -35,15 +34,6 @@ def explained(module: str) -> dict[Key, str]:
         for entry in _table("survivors.toml").get("survivor", [])
         if entry["module"] == module
     }
-
-
-def source_of(module: str) -> Path:
-    """Source file of a module, which is not imported."""
-    for folder in (ROOT, *map(Path, sys.path)):
-        path = folder / (module.replace(".", "/") + ".py")
-        if path.is_file():
-            return path
-    raise ModuleNotFoundError(f"{module}: no such module with a source file")
 
 
 def _table(name: str) -> dict[str, dict]:  # type: ignore[type-arg]

@@ -133,14 +133,15 @@ class Environment:
         subprocess.run([python, "-m", "venv", "--without-pip", str(folder / "venv")], check=True, timeout=_TIMEOUT_S)
         environment = cls(folder / "venv" / "bin", folder / "empty")
         environment.folder.mkdir()
-        _pip("install", "--no-deps", "--no-index", *wheels, python=environment.bin / "python")
+        if wheels:
+            _pip("install", "--no-deps", "--no-index", *wheels, python=environment.bin / "python")
         (environment.site_packages / "libraries.pth").write_text(f"import sys; sys.path.append({str(libraries)!r})\n")
         return environment
 
-    def install_editable(self, source: Path) -> None:
-        """``pip install -e`` of a folder, without a package index: setuptools is that of the libraries."""
+    def install_source(self, source: Path, *options: str) -> None:
+        """``pip install`` of a folder, without a package index: setuptools is that of the libraries."""
         pip = [sys.executable, "-m", "pip", "--python", self.bin / "python", "--disable-pip-version-check", "install"]
-        words = ["--no-deps", "--no-index", "--no-build-isolation", "-e", source]
+        words = ["--no-deps", "--no-index", "--no-build-isolation", *options, source]
         done = subprocess.run([*pip, *words], capture_output=True, text=True, timeout=_TIMEOUT_S, check=False)
         assert done.returncode == 0, done.stdout + done.stderr
 
@@ -151,13 +152,19 @@ class Environment:
         return found
 
     def run(
-        self, command: str, *arguments: str | Path, exit_code: int = 0, variables: Mapping[str, str] | None = None
+        self,
+        command: str,
+        *arguments: str | Path,
+        exit_code: int = 0,
+        variables: Mapping[str, str] | None = None,
+        cwd: Path | None = None,
     ) -> str:
         """Standard output of a command of this environment, which ends with ``exit_code``.
 
         :param variables: of its environment, beside those of this process.
+        :param cwd: where it runs; None: in the empty folder.
         """
-        done = self._done(command, *arguments, more=variables)
+        done = self._done(command, *arguments, more=variables, cwd=cwd)
         assert done.returncode == exit_code, done.stdout + done.stderr
         return done.stdout
 
@@ -168,13 +175,13 @@ class Environment:
         return done.stderr
 
     def _done(
-        self, command: str, *arguments: str | Path, more: Mapping[str, str] | None = None
+        self, command: str, *arguments: str | Path, more: Mapping[str, str] | None = None, cwd: Path | None = None
     ) -> subprocess.CompletedProcess[str]:
         hidden = {"PYTHONPATH", "PYTHONHOME", "VIRTUAL_ENV"}
         variables = {name: value for name, value in os.environ.items() if name not in hidden} | dict(more or {})
         return subprocess.run(
-            [self.bin / command, *arguments], cwd=self.folder, capture_output=True, text=True, timeout=300, check=False,
-            env={**variables, "PATH": f"{self.bin}:{variables.get('PATH', '')}"},
+            [self.bin / command, *arguments], cwd=cwd or self.folder, capture_output=True, text=True, timeout=300,
+            check=False, env={**variables, "PATH": f"{self.bin}:{variables.get('PATH', '')}"},
         )  # fmt: skip
 
 

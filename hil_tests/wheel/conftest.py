@@ -1,10 +1,11 @@
-"""The wheel and the source archive, built once."""
+"""A zip of the tree, and wheel and source archive built of it once."""
 
 from __future__ import annotations
 
 import shutil
 import subprocess
 import sys
+import zipfile
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -55,18 +56,26 @@ def _build(source: Path, kind: str, folder: Path) -> Path:
 
 
 @pytest.fixture(scope="session")
-def built(tmp_path_factory: pytest.TempPathFactory) -> Built:
-    """Built from what git would check out, as after a clone: other files in the work tree must not matter."""
-    folder = tmp_path_factory.mktemp("build")
+def archive(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A zip of what git would check out: other files in the work tree must not matter."""
     listed = subprocess.run(
         ["git", "ls-files", "--cached", "--others", "--exclude-standard"], cwd=ROOT, capture_output=True, text=True,
         check=True,
     )  # fmt: skip
+    path = tmp_path_factory.mktemp("zip") / "railhil.zip"
+    with zipfile.ZipFile(path, "w") as archive:
+        for name in listed.stdout.splitlines():
+            if (ROOT / name).exists():
+                archive.write(ROOT / name, name)
+    return path
+
+
+@pytest.fixture(scope="session")
+def built(archive: Path, tmp_path_factory: pytest.TempPathFactory) -> Built:
+    """Wheel and source archive, built in an unpacked zip of the tree."""
+    folder = tmp_path_factory.mktemp("build")
     source = folder / "source"
-    for name in listed.stdout.splitlines():
-        if (ROOT / name).exists():
-            (source / name).parent.mkdir(parents=True, exist_ok=True)
-            shutil.copy(ROOT / name, source / name, follow_symlinks=False)
+    shutil.unpack_archive(archive, source)
     wheel, sdist = _build(source, "wheel", folder / "wheel"), _build(source, "sdist", folder / "sdist")
     # The filters of shutil and tarfile are not in every Python 3.11.
     subprocess.run(["tar", "-xf", sdist, "-C", folder], check=True)

@@ -14,12 +14,13 @@ from benchmarks.figures import QUICK_TOML
 from hil_tests.support.paths import ROOT
 from hil_tests.support.venvs import RUNNING, Environment, base_python, downloaded, libraries_of, project
 from hil_tests.wheel.conftest import Built
+from railhil import AT_TOP
 from railhil.bench import BenchRun
 
 #: Of our top folders, supervisor, scenarios and dbc are names of other people's distributions.
 NEIGHBOURS = ("supervisor==4.3.0", "scenarios==0.0.2", "dbc==0.3.1")
 #: What a checkout has at its top and nobody may get by installing the bench.
-OURS_ALONE = ("bus", "plant_sim", "controller_node", "hil_tests", "benchmarks", "docker", "docs")
+OURS_ALONE = (*sorted({*AT_TOP} - {"dbc"}), "hil_tests", "benchmarks", "docker", "docs")
 SUBCOMMANDS = (
     "run",
     "rerun",
@@ -85,12 +86,10 @@ def test_wheel_holds_one_package_and_no_tests(built: Built) -> None:
 
 def test_wheel_holds_every_tracked_file_of_the_package(built: Built) -> None:
     """Data files too: a pattern that is missing in pyproject.toml is seen by nobody who works in a checkout."""
-    folders = ("bus", "controller_node", "dbc", "plant_sim")
-    ours = [path for folder in folders for path in (ROOT / folder).rglob("*")]
-    ours += [path for path in (ROOT / "railhil").rglob("*") if not path.is_symlink()]
     wanted = {
-        str(path.relative_to(ROOT / "railhil" if path.is_relative_to(ROOT / "railhil") else ROOT))
-        for path in ours
+        str(path.relative_to(top))
+        for top, below in ((ROOT / "railhil", ""), *((ROOT, name) for name in AT_TOP))
+        for path in (top / below).rglob("*")
         if path.is_file() and "__pycache__" not in path.parts
     }
     found = {name.removeprefix("railhil/") for name in content(built.wheel) if name.startswith("railhil/")}
@@ -153,7 +152,7 @@ def test_what_railhil_new_writes_is_installed_as_it_says(installed: Environment)
     for kind in ("law", "scenario", "system"):
         assert installed.run("railhil", "new", kind, f"my{kind}").startswith(f"wrote my{kind}")
     for kind in ("law", "system"):
-        installed.install_editable(installed.folder / f"my{kind}")
+        installed.install_source(installed.folder / f"my{kind}", "-e")
     installed.run("railhil", "run", "myscenario.toml", "--controller", "mylaw", "--no-report", "--out", "my_run")
     installed.run("railhil", "run", "mysystem/mysystem.toml", "--no-report", "--out", "my_system_run")
 

@@ -10,9 +10,23 @@ from functools import cache
 from importlib.metadata import Distribution
 from pathlib import Path
 
+import railhil
+
 #: The package whose builds (compiled, sources) give the same results: of it only sources and tables count.
 OURS = __name__.partition(".")[0]
 _SOURCES = (".py", ".toml", ".dbc", ".csv")
+
+
+def place_of(name: str) -> Path:
+    """A file or folder of railhil by its name below the package.
+
+    :raises FileNotFoundError: there is none.
+    """
+    for folder in railhil.__path__:
+        place = Path(folder, name)
+        if place.exists():
+            return place
+    raise FileNotFoundError(f"{OURS}/{name}")
 
 
 @cache
@@ -41,7 +55,13 @@ def held_sha256(module: str, distribution: Distribution | None = None) -> str:
 
 
 def _files_of(top: str) -> dict[str, Path]:
-    """The files of a top-level package or module by their names below the folder that it is in."""
+    """The files of a top-level package or module by their names below the folder that it is in.
+
+    Those of railhil have the names that they have in a wheel.
+    """
+    if top == OURS:
+        roots = {top: Path(railhil.__path__[0]), **{f"{top}/{name}": place_of(name) for name in railhil.AT_TOP}}
+        return {f"{folder}/{name}": path for folder, root in roots.items() for name, path in _below(root)}
     spec = importlib.util.find_spec(top)
     if spec is None:
         return {}

@@ -12,9 +12,9 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-import railhil
 from railhil.bus.ident import PROFILES
 from railhil.common.build import machine
+from railhil.common.held_code import place_of
 from railhil.common.plain_text import plain
 from railhil.common.shared_out import shared_out
 from railhil.common.whole_file import whole_file, write_synced
@@ -51,12 +51,11 @@ _DERIVED = ("signals.csv", EVENTS, "frames.blf", SCORE, "junit.xml", MEMORY_AFTE
 def code_files(names: Sequence[str] = _CODE) -> Iterator[tuple[str, Path]]:
     """Source files and tables of folders and modules of the package, by default of the bench: names below the package,
     and the files."""
-    root = Path(railhil.__file__).parent
     for name in names:
-        place = root / name
+        place = place_of(name)
         for path in sorted(place.rglob("*")) if place.is_dir() else [place]:
             if path.suffix in (".py", ".toml", ".dbc", ".csv"):
-                yield str(path.relative_to(root)), path
+                yield str(Path(name, path.relative_to(place))), path
 
 
 def code_sha256(names: Sequence[str] = _CODE) -> str:

@@ -40,7 +40,7 @@ pytestmark = [pytest.mark.needs_docker, pytest.mark.timeout(900)]
 
 _NEEDED = ("dbc", "bus", "plant_sim", "controller_node", "railhil", "docker")
 _FILES = ("Dockerfile", ".dockerignore", "docker-compose.yml", "docker-compose.hardware.yml",
-          "docker-compose.panel.yml", "pyproject.toml", "README.md", "LICENSE")  # fmt: skip
+          "docker-compose.panel.yml", "pyproject.toml", "setup.py", "README.md", "LICENSE")  # fmt: skip
 _SEED = 3
 #: The image is Python with NumPy, SciPy and Matplotlib, and for the batch numba (LLVM) and Arrow: 769 MB, of which the
 #: batch
@@ -53,7 +53,7 @@ def project(tmp_path_factory) -> Iterator[Path]:
     """A fresh copy of the project, as after a clone: without ``./runs``; its image is built."""
     folder = tmp_path_factory.mktemp("compose") / "project"
     for name in _NEEDED:
-        shutil.copytree(ROOT / name, folder / name, symlinks=True, ignore=shutil.ignore_patterns("__pycache__"))
+        shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("__pycache__"))
     for name in _FILES:
         shutil.copy(ROOT / name, folder / name)
     (folder / "scenarios").mkdir()

@@ -12,6 +12,7 @@ import pytest
 
 from hil_tests.support.paths import ROOT
 from railhil.common import compilable
+from railhil.common.held_code import place_of
 from railhil.plant_sim import dynamics, forces
 
 _SETUP = (ROOT / "setup.py").read_text(encoding="utf-8")
@@ -20,8 +21,8 @@ MODULES = re.findall(r'"(railhil/[\w/]+\.py)"', _SETUP)
 _MARK = "mypyc_attr(allow_interpreted_subclasses=True)"
 
 
-def _name(path: str) -> str:
-    return path.removesuffix(".py").replace("/", ".")
+def _source(path: str) -> Path:
+    return place_of(path.removeprefix("railhil/"))
 
 
 def _product() -> list[Path]:
@@ -31,7 +32,7 @@ def _product() -> list[Path]:
 
 def test_the_compiled_modules_are_there_each_once_and_in_order() -> None:
     assert sorted(set(MODULES)) == MODULES
-    assert [path for path in MODULES if not (ROOT / path).is_file()] == []
+    assert all(_source(path).is_file() for path in MODULES)
 
 
 def _classes(path: Path) -> dict[str, tuple[str, set[str], set[str]]]:
@@ -47,10 +48,10 @@ def _classes(path: Path) -> dict[str, tuple[str, set[str], set[str]]]:
 
 def test_what_interpreted_code_extends_is_marked_for_it_and_keeps_its_attributes() -> None:
     """mypyc refuses an unmarked class only when one is made, and does not see an attribute that a body replaces."""
-    compiled = {(ROOT / path).resolve() for path in MODULES}
+    compiled = set(map(_source, MODULES))
     defined = {name: of for path in compiled for name, of in _classes(path).items()}
     wrong, extended = [], set()
-    for path in {path.resolve() for path in _product()} - compiled:
+    for path in set(_product()) - compiled:
         for name, (_, bases, attributes) in _classes(path).items():
             for base in bases & defined.keys():
                 extended.add(base)
@@ -62,7 +63,7 @@ def test_what_interpreted_code_extends_is_marked_for_it_and_keeps_its_attributes
 
 def test_no_compiled_function_is_decorated_as_compilable() -> None:
     """mypyc calls a decorated function as an object, and the batch could not read its source."""
-    found = {path for path in MODULES if re.search(r"^@compilable", (ROOT / path).read_text(encoding="utf-8"), re.M)}
+    found = {path for path in MODULES if re.search(r"^@compilable", _source(path).read_text("utf-8"), re.M)}
     assert found == set()
 
 

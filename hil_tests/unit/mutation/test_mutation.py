@@ -14,8 +14,9 @@ from pathlib import Path
 import pytest
 
 from hil_tests.mutation import targets
+from hil_tests.mutation.install import path_of
 from hil_tests.mutation.operators import mutants
-from hil_tests.mutation.targets import ROOT, explained, modules, source_of
+from hil_tests.mutation.targets import ROOT, explained, modules
 
 SUBJECT = '''\
 """A module with every kind of place."""
@@ -153,14 +154,14 @@ def test_nothing_outlives_the_command(subject: Path, number: signal.Signals) -> 
 
 def test_every_target_exists() -> None:
     for module in modules():
-        assert source_of(module).is_file()
+        assert Path(path_of(module)).is_file()
         assert all((ROOT / name).is_file() for name in targets.tests_of(module)), module
 
 
 @pytest.mark.parametrize("module", modules())
 def test_every_explained_survivor_is_a_mutant(module: str) -> None:
     known = explained(module)
-    keys = Counter(mutant.key for mutant in mutants(source_of(module).read_text("utf-8"))) if known else Counter()
+    keys = Counter(mutant.key for mutant in mutants(Path(path_of(module)).read_text("utf-8"))) if known else Counter()
     assert [key for key in known if keys[key] != 1] == []
     assert all(why.strip() for why in known.values())
 
