@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import shutil
 import subprocess
 import sys
@@ -84,6 +85,15 @@ def test_an_editable_installation_has_new_folders_and_runs_the_tests(environment
     assert " passed" in environment.run("python", *words, cwd=tree)
 
 
+def test_a_tree_on_the_path_takes_no_package_from_an_installed_railhil(tree: Path, tmp_path: Path) -> None:
+    look = "import importlib, sys; print(*(importlib.import_module(name).__file__ for name in sys.argv[1:]))"
+    words = [sys.executable, "-c", look, *(f"{OURS}.{name}" for name in ("common", *AT_TOP))]
+    variables = {**os.environ, "PYTHONPATH": str(tree)}
+    done = subprocess.run(words, cwd=tmp_path, env=variables, capture_output=True, text=True, timeout=100, check=True)
+    places = [tree / OURS / "common", *(tree / name for name in AT_TOP)]
+    assert done.stdout.split() == [str(place / "__init__.py") for place in places]
+
+
 def _with_annex(tree: Path) -> str:
     """Add a module with an error to the tree, and make ``build/tree``; returns the module's file."""
     (tree / "bus" / "annex").mkdir()
@@ -105,14 +115,20 @@ def test_mypy_sees_all_packages(tree: Path) -> None:
     assert "[assignment]" in found[0]
 
 
+@pytest.fixture
+def pyright(tmp_path: Path) -> Path:
+    """The program, from npm's registry."""
+    words = ["npm", "install", "--ignore-scripts", "--no-audit", "--no-fund", "--prefix", tmp_path, PYRIGHT]
+    done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, timeout=300, check=False)
+    if done.returncode:
+        raise MissingCapabilityError(f"MISSING CAPABILITY npm's registry: {done.stderr[-200:]}")
+    return tmp_path / "node_modules" / ".bin" / "pyright"
+
+
 @pytest.mark.needs_node
-def test_pyright_sees_all_packages(tree: Path, tmp_path: Path) -> None:
+def test_pyright_sees_all_packages(tree: Path, pyright: Path) -> None:
     file = _with_annex(tree)
-    npm = ["npm", "install", "--ignore-scripts", "--no-audit", "--no-fund", "--prefix", tmp_path, PYRIGHT]
-    fetched = subprocess.run(npm, cwd=tmp_path, capture_output=True, text=True, timeout=300, check=False)
-    if fetched.returncode:
-        raise MissingCapabilityError(f"MISSING CAPABILITY npm's registry: {fetched.stderr[-200:]}")
-    words = [tmp_path / "node_modules" / ".bin" / "pyright", "--outputjson", "--pythonpath", sys.executable, file]
+    words = [pyright, "--outputjson", "--pythonpath", sys.executable, file]
     done = subprocess.run(words, cwd=tree, capture_output=True, text=True, timeout=300, check=False)
     found = json.loads(done.stdout)["generalDiagnostics"]
     assert [(one["range"]["start"]["line"], one["rule"]) for one in found] == [(4, "reportAssignmentType")], found
