@@ -17,7 +17,7 @@ import tomllib
 from pathlib import Path
 from typing import ClassVar
 
-from setuptools import Command, find_packages, setup
+from setuptools import Command, find_namespace_packages, setup
 
 #: Package -> its folder.
 FOLDERS = tomllib.loads(Path("pyproject.toml").read_text(encoding="utf-8"))["tool"]["setuptools"]["package-dir"]
@@ -119,8 +119,8 @@ OPTIONS = ["--config-file=", "--follow-imports=silent", "--ignore-missing-import
 
 
 def packages_of(name: str, folder: str) -> list[str]:
-    """The package in a folder and those below it."""
-    return [name, *(f"{name}.{below}" for below in find_packages(folder))]
+    """The package in a folder and those below it, with the folders that hold only data."""
+    return [name, *(f"{name}.{below}" for below in find_namespace_packages(folder))]
 
 
 def lay_out(tree: str) -> None:

@@ -52,6 +52,8 @@ def _build(source: Path, kind: str, folder: Path) -> Path:
         check=False,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
+    # What setuptools says of a folder that will not be a package one day.
+    assert "Package would be ignored" not in done.stderr
     return folder / done.stdout.splitlines()[-1]
 
 
