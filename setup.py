@@ -124,8 +124,9 @@ def packages_of(name: str, folder: str) -> list[str]:
 
 
 def lay_out(tree: str) -> None:
-    """Make links to the packages below ``tree``, where they lie as in a wheel. What was there is replaced."""
-    shutil.rmtree(tree, ignore_errors=True)
+    """Make links to the packages in the folder ``tree``, where they lie as in a wheel; those in ``build/tree`` anew."""
+    if tree == TREE:
+        shutil.rmtree(tree, ignore_errors=True)
     for name, folder in sorted(FOLDERS.items()):
         place = Path(tree, *name.split("."))
         if "." in name:
@@ -140,7 +141,7 @@ class Tree(Command):
     """``python setup.py tree [--to FOLDER]``: :func:`lay_out`."""
 
     description = "links to all packages in one folder, for tools that read no package-dir"
-    user_options: ClassVar = [("to=", None, f"the folder, which is replaced (default {TREE})")]
+    user_options: ClassVar = [("to=", None, f"a folder without them (default {TREE}, made anew)")]
 
     def initialize_options(self) -> None:
         self.to = TREE
