@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import railhil
+from hil_tests.support.paths import ROOT
 from railhil.batch import Case, run_batch
 from railhil.scenarios.model import Scenario
 from railhil.supervisor.criteria import (
@@ -54,7 +55,7 @@ def test_documented_keys() -> None:
 
 
 def test_no_other_module_knows_a_score_by_its_name() -> None:
-    root = Path(railhil.__file__).parent
+    roots = [Path(railhil.__file__).parent, *(ROOT / name for name in railhil.AT_TOP)]
     # The batch measures in its compiled loop; the schema says what a published row may hold; a paper names its own.
     known = {
         "supervisor/criteria.py",
@@ -67,6 +68,7 @@ def test_no_other_module_knows_a_score_by_its_name() -> None:
     name = re.compile(r"[\"'.](itae|energy_kj|punctuality_s|comfort)(?![\w(])")
     found = {
         str(path.relative_to(root))
+        for root in roots
         for path in root.rglob("*.py")
         if name.search(re.sub(r'""".*?"""', "", path.read_text(encoding="utf-8"), flags=re.DOTALL))
     }
