@@ -22,19 +22,31 @@ def codec_text(fields: Sequence[tuple[str, Signal]], data_bytes: int) -> str:
 
 def _encode_text(fields: Sequence[tuple[str, Signal]], bits: int) -> str:
     """A value fits if, after shifting into the unsigned range, no bits remain above its signal's length."""
-    lines = ["def encode(telegram):"]
-    lines += [f"    raw_{name} = telegram.{name}" for name, _ in fields]
-    lines += ["    misfit = word = 0"]
-    for name, entry in fields:
-        moved = f"raw_{name} + 0x{1 << entry.length - 1:X}" if entry.signed else f"raw_{name}"
-        lines.append(f"    misfit |= {moved} >> {entry.length}")
-    lines += ["    if misfit:", "        raise telegram.misfit()"]
+    too_large, shifted = [], []
     for name, entry in fields:
         shift = bits - entry.first_bit - entry.length
+        moved = f"raw_{name} + 0x{1 << entry.length - 1:X}" if entry.signed else f"raw_{name}"
+        too_large.append(f"{moved} >> {entry.length}")
         value = f"(raw_{name} & 0x{(1 << entry.length) - 1:X})" if entry.signed else f"raw_{name}"
-        lines.append(f"    word |= {value} << {shift}" if shift else f"    word |= {value}")
-    lines.append(f"    return word.to_bytes({bits // 8})")
+        shifted.append(f"{value} << {shift}" if shift else value)
+    lines = [
+        "def encode(telegram):",
+        *(f"    raw_{name} = telegram.{name}" for name, _ in fields),
+        "    if (",
+        *_joined("or", too_large),
+        "    ):",
+        "        raise telegram.misfit()",
+        "    word = (",
+        *_joined("|", shifted),
+        "    )",
+        f"    return word.to_bytes({bits // 8})",
+    ]
     return "\n".join(lines) + "\n"
+
+
+def _joined(operator: str, words: Sequence[str]) -> list[str]:
+    """An expression, a line for each operand; 0 without one."""
+    return [f"        {f'{operator} ' if index else ''}{word}" for index, word in enumerate(words or ["0"])]
 
 
 def _decode_text(fields: Sequence[tuple[str, Signal]], bits: int) -> str:

@@ -59,3 +59,13 @@ def test_a_class_at_another_port_is_packed_by_the_signals_of_that_port() -> None
     assert data == b"\x49\xff\xff\xfd"
     assert moved.decode(data) == moved(-3, life=9)
     assert TrnSpeed.decode(b"\xff\xff\xfd\x49") == TrnSpeed(-3, life=9)
+
+
+def test_a_port_without_signals_is_packed_as_zeros() -> None:
+    @dataclass(slots=True)
+    class Empty(Telegram):
+        PORT = "EMPTY"
+
+    bound = Empty.bound(replace(TrnSpeed.port(), name="EMPTY", signals=()))
+    assert bound().encode() == bytes(4)
+    assert bound.decode(bytes(4)) == bound()
