@@ -148,7 +148,7 @@ lint-imports: tree
 
 # Links to the packages as they lie in a wheel, for mypy, import-linter and pyright.
 tree: $(VENV)/.installed-dev
-	@$(BIN)/python setup.py -q tree
+	@$(BIN)/python setup.py tree
 
 # What each worker of the tests would compile for itself. `make test` does it beside mypy.
 prepared-batches prepared-bytecode: prepared-%: $(VENV)/.installed-dev

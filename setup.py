@@ -1,7 +1,7 @@
 """The packages of railhil, some of which lie beside ``railhil/``, and the compiled build, which nobody needs.
 
-``[tool.setuptools.package-dir]`` in pyproject.toml says in which folder a package lies. ``python setup.py tree`` puts
-links to them into one folder, ``build/tree``, for mypy, pyright and import-linter, which do not read that table.
+``[tool.setuptools.package-dir]`` in pyproject.toml says in which folder a package lies. ``python setup.py tree`` makes
+links to them in one folder, ``build/tree``, for mypy, pyright and import-linter, which do not read that table.
 
 ``RAILHIL_COMPILED=1 pip install .`` compiles the modules below by mypyc. Sources are installed in any case:
 ``RAILHIL_PURE=1`` runs them. Not compiled, although each frame passes them: classes made from the port table
@@ -15,9 +15,8 @@ import shutil
 import sys
 import tomllib
 from pathlib import Path
-from typing import ClassVar
 
-from setuptools import Command, find_namespace_packages, setup
+from setuptools import find_namespace_packages, setup
 
 #: Package -> its folder.
 FOLDERS = tomllib.loads(Path("pyproject.toml").read_text(encoding="utf-8"))["tool"]["setuptools"]["package-dir"]
@@ -123,7 +122,7 @@ def packages_of(name: str, folder: str) -> list[str]:
     return [name, *(f"{name}.{below}" for below in find_namespace_packages(folder))]
 
 
-def lay_out(tree: str) -> None:
+def lay_out(tree: str = TREE) -> None:
     """Make links to the packages in the folder ``tree``, where they lie as in a wheel; those in ``build/tree`` anew."""
     if tree == TREE:
         shutil.rmtree(tree, ignore_errors=True)
@@ -137,27 +136,14 @@ def lay_out(tree: str) -> None:
                 (place / path.name).symlink_to(path.resolve())
 
 
-class Tree(Command):
-    """``python setup.py tree [--to FOLDER]``: :func:`lay_out`."""
-
-    description = "links to all packages in one folder, for tools that read no package-dir"
-    user_options: ClassVar = [("to=", None, f"a folder without them (default {TREE}, made anew)")]
-
-    def initialize_options(self) -> None:
-        self.to = TREE
-
-    def finalize_options(self) -> None:
-        pass
-
-    def run(self) -> None:
-        lay_out(self.to)
-
-
 if lost := [folder for folder in FOLDERS.values() if not Path(folder, "__init__.py").is_file()]:
     raise SystemExit(
         f"railhil cannot be built: found no package in {', '.join(lost)}, which must be folders with an __init__.py; "
         "clone the repository again, or take the source archive of a release"
     )
+if sys.argv[1:2] == ["tree"]:
+    lay_out(*sys.argv[2:])
+    raise SystemExit
 extensions = []
 compiled = os.environ.get("RAILHIL_COMPILED", "0") not in ("", "0")
 if compiled:
@@ -169,7 +155,7 @@ if compiled:
             raise
     else:
         # mypyc takes the name of a module from the folders in which it lies.
-        lay_out(TREE)
+        lay_out()
         extensions = mypycify([*OPTIONS, *(f"{TREE}/{path}" for path in MODULES)], opt_level="3", multi_file=True)
         for extension in extensions:
             # On processors with fused products gcc would use them, and their last bit differs from Python's.
@@ -179,5 +165,4 @@ setup(
     packages=[package for name, folder in FOLDERS.items() for package in packages_of(name, folder)],
     ext_modules=extensions,
     setup_requires=["mypy>=1.11"] if compiled else [],
-    cmdclass={"tree": Tree},
 )

@@ -13,4 +13,4 @@ TEST_DATA = ROOT / "hil_tests" / "data"
 
 def make_tree(folder: Path, root: Path = ROOT) -> None:
     """Make links to all packages of the checkout ``root`` in ``folder``, for tools that read no package-dir."""
-    subprocess.run([sys.executable, "setup.py", "-q", "tree", "--to", folder], cwd=root, check=True, timeout=100)
+    subprocess.run([sys.executable, "setup.py", "tree", folder], cwd=root, check=True, timeout=100)
