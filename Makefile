@@ -4,8 +4,6 @@ PYTHON ?= python3
 VENV   ?= .venv
 BIN    := $(VENV)/bin
 COMMA  := ,
-# The Pythons of hosted CI, for `make locks`.
-LOCK_PYTHONS ?= python3.11 python3.12 python3.13
 # What `make run` passes on, e.g. make run ARGS="yizhuang_01_songjiazhuang_xiaocun --seed 7"
 ARGS   ?=
 # As in every railhil command (railhil/common/light_start.py): the tests start hundreds of processes.
@@ -19,6 +17,7 @@ PAPERS     ?= ipfc ngpc ilc
 # Laws whose parameters `make tuned` searches.
 TUNED_LAWS ?= ipfc ipfc_plus ipfc_plus_stop tpfc1 tpfc2 tdmc fuzzy_pid
 
+UV_EXPORT    = $(BIN)/uv export -q --frozen --no-emit-project --no-annotate
 PART         = $(BIN)/python -m hil_tests.part
 COUNTS       = build/test_counts
 COUNTED      = $(PART) --counts $(COUNTS)
@@ -31,7 +30,7 @@ VCAN_FIRST   = test_faults or test_can_utils or test_outage or test_benchmark_pa
 # Files of tests that keep real time: collecting all the others takes as long as some of these tests.
 REAL_TIME    = $$(grep -rlw --include='test_*.py' wall_clock hil_tests)
 
-.PHONY: run test test-all test-fast test-here test-side-by-side test-long test-long-side-by-side test-real-time test-vcan test-vcan-first test-vcan-second test-compose test-docker test-docker-vcan test-wheel test-arm64 test-arm64-ipfc test-image-arm64 test-compiled test-builds wheels mutants lint lint-types lint-imports tree prepared-batches prepared-bytecode bench docs-update papers $(PAPERS:%=paper-%) dbc tables tuned $(TUNED_LAWS:%=tuned-%) install locks locked clean
+.PHONY: run test test-all test-fast test-here test-side-by-side test-long test-long-side-by-side test-real-time test-vcan test-vcan-first test-vcan-second test-compose test-docker test-docker-vcan test-wheel test-arm64 test-arm64-ipfc test-image-arm64 test-compiled test-builds wheels mutants lint lint-types lint-imports tree prepared-batches prepared-bytecode bench docs-update papers $(PAPERS:%=paper-%) dbc tables tuned $(TUNED_LAWS:%=tuned-%) install lock locked clean
 
 # A run that misses the limits of its scenario (exit code 1) is a result, not an error of make.
 run: $(VENV)/.installed
@@ -213,13 +212,18 @@ $(VENV)/.installed-dev: pyproject.toml | $(VENV)/bin/pip
 	@$(call pip-install,-e '.[dev$(COMMA)report$(COMMA)campaign$(COMMA)dask]')
 	@touch $@ $(VENV)/.installed
 
-# The lock files of hosted CI anew: the newest versions that pyproject.toml permits, with the hash of every file.
-locks:
-	@for python in $(LOCK_PYTHONS); do $$python hil_tests/locks.py || exit 1; done
+# The locks of hosted CI anew: the newest versions that pyproject.toml permits, one file for all Pythons, every wheel with
+# its hash. requirements/bench.txt is the part that a run with its report needs.
+lock: | $(VENV)/bin/pip
+	@$(BIN)/pip install -q uv
+	@rm -f uv.lock && $(BIN)/uv lock -q --python $(BIN)/python
+	@$(UV_EXPORT) --all-extras -o requirements/ci.txt
+	@$(UV_EXPORT) --extra report --group build -o requirements/bench.txt
+	@rm uv.lock
 
-# Installs what the lock file of this Python names, as hosted CI does before any other target; then railhil itself.
+# Installs what the lock names, as hosted CI does before any other target; then railhil itself.
 locked: | $(VENV)/bin/pip
-	@$(call pip-install,--require-hashes --only-binary=:all: -r requirements/ci-$$($(BIN)/python -c 'import sys; print("%d.%d" % sys.version_info[:2])').txt)
+	@$(call pip-install,--require-hashes --only-binary=:all: -r requirements/ci.txt)
 	@$(call pip-install,--no-deps --no-build-isolation -e .)
 	@touch $(VENV)/.installed-dev $(VENV)/.installed
 

@@ -18,7 +18,6 @@ from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 from packaging.version import Version
 
-from hil_tests import locks
 from hil_tests.support.paths import ROOT
 
 _FOLDER = ROOT / ".github" / "workflows"
@@ -126,38 +125,45 @@ def test_bench_step_fails_when_the_run_does(tmp_path, name, value):
 # -- what pip installs there -------------------------------------------------------------------------------------------
 
 
-def locked_packages(path: Path) -> dict[str, Version]:
-    """Package -> version of a lock file; every entry must be one version with one hash."""
-    text = "".join(line for line in path.read_text().splitlines(keepends=True) if not line.startswith("#"))
-    entries = re.findall(r"^(\S+)==(\S+) \\\n    --hash=sha256:[0-9a-f]{64}\n", text, re.M)
-    assert len(entries) == text.count("\n") / 2, path
-    return {canonicalize_name(name): Version(version) for name, version in entries}
+_PYTHONS = ("3.11", "3.12", "3.13")
 
 
-@pytest.mark.parametrize(("name", "version"), [(name, v) for name, (_, found) in locks.LOCKS.items() for v in found])
-def test_a_lock_file_names_all_that_the_project_needs(name: str, version: str) -> None:
-    """pip refuses with --require-hashes what is not in it: `make locks` after a change of pyproject.toml."""
-    found = locked_packages(locks.FOLDER / f"{name}-{version}.txt")
-    for line in locks.requirements(locks.LOCKS[name][0]):
-        wanted = Requirement(line)
-        assert found[canonicalize_name(wanted.name)] in wanted.specifier, line
+def locked_packages(name: str, python: str) -> dict[str, Version]:
+    """Package -> version that a lock file has for a Python; every entry must be one version with hashes."""
+    text = re.sub(r"^#.*\n", "", (ROOT / "requirements" / name).read_text(), flags=re.M)
+    entries = re.findall(r"^(\S.*?) \\\n((?:    --hash=sha256:[0-9a-f]{64}(?: \\)?\n)+)", text, re.M)
+    assert "".join(f"{line} \\\n{hashes}" for line, hashes in entries) == text
+    machine = {"python_version": python, "python_full_version": f"{python}.0", "sys_platform": "linux"}
+    machine |= {"platform_machine": "x86_64", "implementation_name": "cpython"}
+    found = [
+        one for one in (Requirement(line) for line, _ in entries) if not one.marker or one.marker.evaluate(machine)
+    ]
+    assert len({one.name for one in found}) == len(found)
+    return {canonicalize_name(one.name): Version(str(one.specifier).removeprefix("==")) for one in found}
 
 
-def test_no_extra_needs_what_no_lock_file_has() -> None:
-    """Also those extras that no workflow installs by their name: their libraries are needed by the tests."""
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    lines = [line for extra in project["optional-dependencies"].values() for line in extra]
-    for version in locks.LOCKS["ci"][1]:
-        found = locked_packages(locks.FOLDER / f"ci-{version}.txt")
-        for wanted in map(Requirement, lines):
-            assert found[canonicalize_name(wanted.name)] in wanted.specifier, (version, str(wanted))
+@pytest.mark.parametrize("python", _PYTHONS)
+@pytest.mark.parametrize("name", ["ci.txt", "bench.txt"])
+def test_the_lock_names_all_that_the_project_needs(name: str, python: str) -> None:
+    """pip refuses with --require-hashes what is not in it: `make lock` after a change of pyproject.toml.
+
+    Also those extras that no workflow installs by their name: their libraries are needed by the tests."""
+    document = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    extras = document["project"]["optional-dependencies"]
+    wanted = [*document["build-system"]["requires"], *document["project"]["dependencies"]]
+    wanted += [line for extra in (extras if name == "ci.txt" else ["report"]) for line in extras[extra]]
+    found = locked_packages(name, python)
+    for one in map(Requirement, wanted):
+        assert found[canonicalize_name(one.name)] in one.specifier, str(one)
 
 
-def test_there_is_a_lock_file_for_each_python_and_no_other() -> None:
-    matrix = workflow("ci.yml")["jobs"]["tests"]["strategy"]["matrix"]["python"]
-    assert tuple(matrix) == locks.LOCKS["ci"][1]
-    names = {f"{name}-{version}.txt" for name, (_, versions) in locks.LOCKS.items() for version in versions}
-    assert {path.name for path in locks.FOLDER.iterdir()} == names
+def test_the_smaller_lock_is_a_part_of_the_other() -> None:
+    for python in _PYTHONS:
+        assert locked_packages("bench.txt", python).items() <= locked_packages("ci.txt", python).items()
+
+
+def test_the_lock_serves_the_pythons_of_the_workflow() -> None:
+    assert tuple(workflow("ci.yml")["jobs"]["tests"]["strategy"]["matrix"]["python"]) == _PYTHONS
 
 
 def test_the_workflows_install_nothing_without_a_hash() -> None:
@@ -171,21 +177,3 @@ def test_the_workflows_install_nothing_without_a_hash() -> None:
     assert ["--require-hashes" in line or "--no-deps" in line or '"$INSTALL"' in line for line in lines] == [True] * 3
     done = subprocess.run(["make", "-n", "locked"], cwd=ROOT, capture_output=True, text=True, timeout=30, check=True)
     assert "--require-hashes" in done.stdout
-
-
-def test_a_lock_file_is_made_of_pips_report() -> None:
-    report = {
-        "environment": {"python_version": "3.11", "sys_platform": "linux", "platform_machine": "x86_64"},
-        "install": [
-            {
-                "metadata": {"name": name, "version": "1.2"},
-                "download_info": {"archive_info": {"hashes": {"sha256": digit * 64}}},
-            }
-            for name, digit in (("zope", "a"), ("Attrs", "b"))
-        ],
-    }
-    lines = locks.lock_text(report).splitlines()
-    assert lines[0] == "# Made by `make locks` for Python 3.11 on linux x86_64:"
-    assert lines[2:] == [
-        "Attrs==1.2 \\", f"    --hash=sha256:{'b' * 64}", "zope==1.2 \\", f"    --hash=sha256:{'a' * 64}",
-    ]  # fmt: skip
