@@ -153,7 +153,7 @@ tree: $(VENV)/.installed-dev
 prepared-batches prepared-bytecode: prepared-%: $(VENV)/.installed-dev
 	@$(BIN)/python -m hil_tests.prepared $*
 
-# Every mutant of what judges, moves and protects (hil_tests/mutation/targets.toml); takes minutes.
+# Every mutant of what judges, moves and protects (hil_tests/mutation/targets.toml), before a release.
 mutants: $(VENV)/.installed-dev
 	$(BIN)/python -m hil_tests.mutation
 

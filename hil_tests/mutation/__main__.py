@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 
 from hil_tests.mutation.install import path_of
-from hil_tests.mutation.run import Result, containing, prepare, sample, try_decisions, try_module
+from hil_tests.mutation.run import Result, containing, prepare, sample, try_module
 from hil_tests.mutation.targets import explained, modules, tests_of
 
 
@@ -21,34 +21,25 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1)
     parser.add_argument("--sample", type=int, metavar="N", help="only N mutants of each module, drawn with --seed")
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--only", metavar="TEXT", help="only mutants with this text in function, line or change")
-    parser.add_argument("--branches", action="store_true", help="decisions whose outcomes are not both seen, instead")
+    parser.add_argument("--only", metavar="TEXT", help="only mutants with this text in function or statement")
     given = parser.parse_args(arguments)
     prepare()
     good, count = True, 0
     for module in given.module or modules():
         path, tests = Path(path_of(module)), given.tests or tests_of(module)
-        if given.branches:
-            result = try_decisions(module, path, tests)
-            print(f"{module}: {result.count} decisions, {len(result.unseen)} outcomes not seen")
-        else:
-            chosen = sample(given.sample, given.seed) if given.sample else list
-            if given.only:
-                chosen = containing(given.only)
-            result = try_module(module, path, tests, jobs=given.jobs, chosen=chosen)
+        chosen = containing(given.only) if given.only else sample(given.sample, given.seed) if given.sample else list
+        result = try_module(module, path, tests, jobs=given.jobs, chosen=chosen)
         count += result.count
-        for line in (*(f"fails without any change: {name}" for name in result.failed), *result.unseen):
-            print(f"  {line}", flush=True)
-        good &= not (result.failed or result.unseen)
-        if not (result.failed or given.branches):
-            good &= _told(result, whole=not (given.sample or given.only))
+        for name in result.failed:
+            print(f"  fails without any change: {name}", flush=True)
+        good &= not result.failed and _print(result, whole=not (given.sample or given.only))
     if good and given.only and not count:
         print(f"no mutant contains {given.only!r}")
         good = False
     return 0 if good else 1
 
 
-def _told(result: Result, whole: bool) -> bool:
+def _print(result: Result, whole: bool) -> bool:
     """Print the mutants that survived in one module; True if all are explained."""
     known = explained(result.module)
     new = [mutant for mutant in result.alive if mutant.key not in known]
@@ -60,9 +51,9 @@ def _told(result: Result, whole: bool) -> bool:
         flush=True,
     )
     for mutant in new:
-        print(f"  {mutant.line}: {mutant.scope}: {mutant.code}\n      {mutant.text}", flush=True)
+        print(f"  line {mutant.line}: {mutant.before}\n      {mutant.key}", flush=True)
     for key in stale:
-        print(f"  explained in survivors.toml, but noticed or gone: {': '.join(key)}", flush=True)
+        print(f"  explained in survivors.toml, but noticed or gone: {key}", flush=True)
     return not new and not stale
 
 

@@ -18,7 +18,7 @@ def load(mutant: Mutant, original: ModuleType) -> ModuleType:
 
 
 def survivors(
-    original: ModuleType, checks: Sequence[Callable[[ModuleType], None]], unseen: Collection[tuple[str, str, str]] = ()
+    original: ModuleType, checks: Sequence[Callable[[ModuleType], None]], unseen: Collection[str] = ()
 ) -> tuple[int, list[Mutant]]:
     """Number of mutants of a module, and those that no check detects.
 
@@ -39,7 +39,7 @@ def survivors(
         except Exception as error:
             # Detected: by a failed check, or because the module does not even load.
             if mutant.key in unseen:
-                raise AssertionError(f"line {mutant.line}: {mutant.text}: noticed, though it is explained") from error
+                raise AssertionError(f"line {mutant.line}: {mutant.key}: noticed, though it is explained") from error
             continue
         alive.append(mutant)
     return count, alive

@@ -7,7 +7,7 @@ import importlib.abc
 import importlib.machinery
 import importlib.util
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from types import CodeType, FunctionType, ModuleType
 from typing import Any
 
@@ -89,52 +89,3 @@ def import_changed(name: str, path: str, tree: ast.Module) -> None:
     if name in sys.modules:
         raise RuntimeError(f"{name} is imported already")
     sys.meta_path.insert(0, _Finder(name, path, tree))
-
-
-class Decisions:
-    """A module that notes the outcome of each decision: conditions of ``if``, ``while``, ``... if ... else ...`` and
-    comprehensions, and each operand of ``and`` and ``or`` that may end it early."""
-
-    def __init__(self, source: str) -> None:
-        self.tree = ast.parse(source)
-        self.places: list[tuple[int, str]] = []
-        self.seen: set[tuple[int, bool]] = set()
-        _Note(self._watched).visit(self.tree)
-        ast.fix_missing_locations(self.tree)
-
-    def _watched(self, test: ast.expr) -> ast.expr:
-        if isinstance(test, ast.Constant):
-            return test
-        self.places.append((test.lineno, ast.unparse(test)))
-        call = ast.Call(ast.Name("_decision", ast.Load()), [ast.Constant(len(self.places) - 1), test], [])
-        return ast.copy_location(call, test)
-
-    def note(self, number: int, value: Any) -> Any:
-        """Called by the module in place of each decision."""
-        # An array has no truth of its own: what is done with it decides.
-        if not hasattr(value, "shape") or value.shape == ():
-            self.seen.add((number, bool(value)))
-        return value
-
-    def unseen(self) -> list[str]:
-        """The outcomes that did not occur, by line."""
-        return [
-            f"line {line}: {text} was never {outcome}"
-            for number, (line, text) in enumerate(self.places)
-            for outcome in (True, False)
-            if (number, outcome) not in self.seen
-        ]
-
-
-class _Note(ast.NodeTransformer):
-    def __init__(self, watched: Callable[[ast.expr], ast.expr]) -> None:
-        self._watched = watched
-
-    def generic_visit(self, node: ast.AST) -> ast.AST:
-        if isinstance(node, (ast.If, ast.While, ast.IfExp)):
-            node.test = self._watched(node.test)
-        elif isinstance(node, ast.BoolOp):
-            node.values[:-1] = map(self._watched, node.values[:-1])
-        elif isinstance(node, ast.comprehension):
-            node.ifs = [self._watched(test) for test in node.ifs]
-        return super().generic_visit(node)

@@ -51,25 +51,25 @@ Change = Callable[[ast.AST], ast.AST]
 
 @dataclass(frozen=True, slots=True)
 class Mutant:
-    """One change of a module: ``before -> after`` in source form at ``line``, inside the function ``scope`` (dotted;
-    empty at the level of the module). ``in_body``: inside the body of a function, hence of no effect at import;
-    ``statement``: the lines of its statement, without those of a body.
+    """One change of a module: the statement ``before`` at ``line`` becomes ``after``, both in source form without their
+    bodies, inside the function ``scope`` (dotted; empty at the level of the module). ``in_body``: inside the body of a
+    function, hence of no effect at import; ``lines``: of the statement, without those of a body.
     """
 
     scope: str
     in_body: bool
     line: int
-    statement: range
-    code: str
-    text: str
+    lines: range
+    before: str
+    after: str
     _source: str
     _number: int
     _change: Change
 
     @property
-    def key(self) -> tuple[str, str, str]:
-        """Function, source line and change: what stays when lines elsewhere are added."""
-        return self.scope, self.code, self.text
+    def key(self) -> str:
+        """Function and changed statement: what stays when the file is laid out anew, or gets other lines."""
+        return f"{self.scope}: {self.after}" if self.scope else self.after
 
     def tree(self) -> ast.Module:
         """The changed module."""
@@ -181,12 +181,21 @@ def _inert(tree: ast.Module) -> set[int]:
 
 @dataclass(frozen=True, slots=True)
 class _Place:
-    """Where a node stands: the dotted name of its outermost function, and the result of its innermost."""
+    """Where a node stands: the dotted name of its outermost function, the result of its innermost, its statement."""
 
     scope: str = ""
     returns: str = ""
     in_body: bool = False
-    statement: range = range(0)
+    statement: ast.stmt | None = None
+
+    @property
+    def lines(self) -> range:
+        """Lines of the statement, without those of a body."""
+        if (node := self.statement) is None:
+            return range(0)
+        body = getattr(node, "body", None)
+        end = body[0].lineno if body else (node.end_lineno or node.lineno) + 1
+        return range(node.lineno, max(end, node.lineno + 1))
 
 
 def _places(tree: ast.Module) -> dict[int, _Place]:
@@ -194,9 +203,7 @@ def _places(tree: ast.Module) -> dict[int, _Place]:
 
     def visit(node: ast.AST, place: _Place, classes: tuple[str, ...]) -> None:
         if isinstance(node, ast.stmt):
-            body = getattr(node, "body", None)
-            end = body[0].lineno if body else (node.end_lineno or node.lineno) + 1
-            place = replace(place, statement=range(node.lineno, max(end, node.lineno + 1)))
+            place = replace(place, statement=node)
         found[id(node)] = place
         for field, value in ast.iter_fields(node):
             for child in value if isinstance(value, list) else [value]:
@@ -217,23 +224,36 @@ def _places(tree: ast.Module) -> dict[int, _Place]:
 def mutants(source: str) -> Iterator[Mutant]:
     """Every mutant of a module's source, in the order of its syntax tree. Texts are left as they are."""
     tree = ast.parse(source)
-    inert, places, lines = _inert(tree), _places(tree), source.splitlines()
-    times: Counter[tuple[str, str, str]] = Counter()
+    inert, places = _inert(tree), _places(tree)
+    times: Counter[str] = Counter()
     for number, node in enumerate(ast.walk(tree)):
         place = places[id(node)]
         if id(node) in inert or (isinstance(node, (ast.Expr, ast.Assign)) and not place.in_body):
             # Without its statements outside functions a module cannot even be imported.
             continue
         for change in _changes(node, place.returns):
-            before = _short(ast.unparse(node))
-            after = _short(ast.unparse(ast.fix_missing_locations(change(copy.deepcopy(node)))))
+            assert place.statement is not None
+            before, after = _texts(place.statement, node, change)
             line = getattr(node, "lineno", 0)
-            key = (place.scope, lines[line - 1].strip(), f"{before} -> {after}")
-            times[key] += 1
-            text = key[2] if times[key] == 1 else f"{key[2]} (no. {times[key]})"
-            yield Mutant(place.scope, place.in_body, line, place.statement, key[1], text, source, number, change)
+            mutant = Mutant(place.scope, place.in_body, line, place.lines, before, after, source, number, change)
+            times[mutant.key] += 1
+            if times[mutant.key] > 1:
+                mutant = replace(mutant, after=f"{after} (no. {times[mutant.key]})")
+            yield mutant
 
 
-def _short(text: str) -> str:
-    """The first line: enough to recognise a condition by."""
-    return text.splitlines()[0]
+def _texts(statement: ast.stmt, node: ast.AST, change: Change) -> tuple[str, str]:
+    """A statement without its body in source form, before and after the change of one of its nodes."""
+    head = copy.copy(statement)
+    if hasattr(head, "body"):
+        head.body = []
+    for field in ("orelse", "handlers", "finalbody"):
+        if hasattr(head, field):
+            setattr(head, field, [])
+    place = next(place for place, item in enumerate(ast.walk(head)) if item is (head if node is statement else node))
+    changed = copy.deepcopy(head)
+    target = next(item for number, item in enumerate(ast.walk(changed)) if number == place)
+    before = ast.unparse(head)
+    changed = ast.fix_missing_locations(_Apply(target, change).visit(changed))
+    after = ast.unparse(changed)
+    return before, f"without {before}" if isinstance(changed, ast.Pass) else after

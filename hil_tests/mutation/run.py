@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from hil_tests.mutation.install import Decisions, import_changed
+from hil_tests.mutation.install import import_changed
 from hil_tests.mutation.operators import Mutant, mutants
 from hil_tests.mutation.session import ColdSession, WarmSession, collected, forked, limit_process, side_by_side
 
@@ -30,8 +30,6 @@ class Result:
     alive: list[Mutant] = field(default_factory=list)
     #: Tests that fail on the unchanged module.
     failed: list[str] = field(default_factory=list)
-    #: Outcomes of decisions that no test sees.
-    unseen: list[str] = field(default_factory=list)
 
 
 def prepare() -> None:
@@ -99,28 +97,14 @@ def try_module(
     return Result(module, len(tried), [tried[place] for place in alive])
 
 
-def try_decisions(module: str, path: Path, tests: Sequence[str]) -> Result:
-    """Which outcomes of the decisions of a module its tests do not see."""
-    decisions = Decisions(path.read_text("utf-8"))
-
-    def work() -> Any:
-        session = WarmSession(module, [], 1, decisions)
-        _quietly(lambda: _pytest(tests, session))
-        return session.baseline
-
-    baseline = collected(*forked(work))
-    failed = ["no session"] if baseline is None else baseline.failed
-    return Result(module, len(decisions.places), failed=failed, unseen=[] if baseline is None else baseline.unseen)
-
-
 def sample(count: int, seed: int) -> Callable[[Sequence[Mutant]], Sequence[Mutant]]:
     """Some mutants, drawn with a seed."""
     return lambda items: random.Random(seed).sample(items, min(count, len(items)))
 
 
 def containing(text: str) -> Callable[[Sequence[Mutant]], Sequence[Mutant]]:
-    """Mutants with a text in function, line or change."""
-    return lambda items: [item for item in items if text in " ".join(item.key)]
+    """Mutants with a text in function or statement, before or after the change."""
+    return lambda items: [item for item in items if text in item.key or text in item.before]
 
 
 def _quietly(work: Callable[[], Any]) -> None:

@@ -25,7 +25,7 @@ from typing import Any
 
 import pytest
 
-from hil_tests.mutation.install import Decisions, replace_code
+from hil_tests.mutation.install import replace_code
 from hil_tests.mutation.operators import Mutant
 from railhil.common.orphans import end_with_parent
 
@@ -40,7 +40,6 @@ class Baseline:
     failed: list[str] = field(default_factory=list)
     seconds: dict[str, float] = field(default_factory=dict)
     lines: dict[str, set[int]] = field(default_factory=dict)
-    unseen: list[str] = field(default_factory=list)
 
 
 def forked(work: Callable[[], Any]) -> tuple[int, int]:
@@ -137,8 +136,8 @@ class WarmSession:
     the ones that no test noticed here: the function may have been called at the import, by the tests too.
     """
 
-    def __init__(self, module: str, mutants: Sequence[Mutant], jobs: int, decisions: Decisions | None = None) -> None:
-        self._module, self._mutants, self._jobs, self._decisions = module, mutants, jobs, decisions
+    def __init__(self, module: str, mutants: Sequence[Mutant], jobs: int) -> None:
+        self._module, self._mutants, self._jobs = module, mutants, jobs
         self.baseline = Baseline()
         self.cold: list[int] = []
 
@@ -152,12 +151,12 @@ class WarmSession:
         if baseline is None:
             raise pytest.UsageError(f"{self._module}: the tests of the unchanged module ended their process")
         self.baseline = baseline
-        if baseline.failed or self._decisions is not None:
+        if baseline.failed:
             return True
         by_duration = sorted(items, key=lambda item: baseline.seconds[item.nodeid])
 
         def trial(mutant: Mutant) -> Callable[[], Any]:
-            chosen = [item for item in by_duration if not baseline.lines[item.nodeid].isdisjoint(mutant.statement)]
+            chosen = [item for item in by_duration if not baseline.lines[item.nodeid].isdisjoint(mutant.lines)]
             return lambda: self._trial(mutant, chosen, sum(baseline.seconds[item.nodeid] for item in chosen))
 
         warm = [place for place, mutant in enumerate(self._mutants) if mutant.in_body]
@@ -170,13 +169,6 @@ class WarmSession:
 
     def _baseline(self, items: Sequence[pytest.Item]) -> Baseline:
         found = Baseline()
-        if self._decisions is not None:
-            module = sys.modules[self._module]
-            vars(module)["_decision"] = self._decisions.note
-            replace_code(module, self._decisions.tree)
-            found.failed = run_items(items, stop=False).failed
-            found.unseen = self._decisions.unseen()
-            return found
         path = sys.modules[self._module].__file__
         lines: set[int] = set()
 

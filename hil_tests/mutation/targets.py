@@ -7,8 +7,6 @@ from pathlib import Path
 
 HERE = Path(__file__).parent
 ROOT = HERE.parent.parent
-#: Module, function, source line, change: see :attr:`hil_tests.mutation.operators.Mutant.key`.
-Key = tuple[str, str, str]
 
 
 def modules() -> list[str]:
@@ -27,13 +25,10 @@ def tests_of(module: str) -> list[str]:
     return [str(path.relative_to(ROOT)) for path in files if any(word in path.read_text("utf-8") for word in words)]
 
 
-def explained(module: str) -> dict[Key, str]:
-    """The survivors of a module that no test can notice, and why."""
-    return {
-        (entry["function"], entry["code"], entry["change"]): entry["why"]
-        for entry in _table("survivors.toml").get("survivor", [])
-        if entry["module"] == module
-    }
+def explained(module: str) -> dict[str, str]:
+    """The survivors of a module that no test can notice (:attr:`hil_tests.mutation.operators.Mutant.key`), and why."""
+    found: dict[str, list[str]] = _table("survivors.toml").get(module, {})
+    return {key: why for why, keys in found.items() for key in keys}
 
 
 def _table(name: str) -> dict[str, dict]:  # type: ignore[type-arg]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
 import random
 from types import ModuleType
 from typing import Any
@@ -193,20 +192,18 @@ def test_sweep(subject: ModuleType, sweep: Any) -> None:
     sweep(subject)
 
 
-#: Mutants whose change nobody can see: (source line, change).
+#: Mutants whose change nobody can see.
 EQUIVALENT = {
     # Within the first bit time the count is 0, whether it is taken from here or computed.
-    module: {("self._now_ns, self._now_bits = 0, 0", "0 -> 1"), ("self._now_ns, self._now_bits = 0, 0", "0 -> -1")},
+    module: {f"Ecan.__init__: self._now_ns, self._now_bits = ({now_ns}, 0)" for now_ns in (1, -1)},
     timestamp: set(),
 }
 
 
 @pytest.mark.parametrize(("subject", "sweep"), [(module, sweep_module), (timestamp, sweep_timestamp)])
 def test_every_mutant_is_noticed(subject: ModuleType, sweep: Any) -> None:
-    lines = inspect.getsource(subject).splitlines()
     count, alive = survivors(subject, [sweep])
-    found = [(lines[mutant.line - 1].strip(), mutant.text) for mutant in alive]
-    assert sorted(found) == sorted(EQUIVALENT[subject])
+    assert {mutant.key for mutant in alive} == EQUIVALENT[subject]
     assert count >= 15
 
 

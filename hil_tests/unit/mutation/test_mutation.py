@@ -81,18 +81,11 @@ def command(folder: Path, *arguments: str) -> tuple[int, list[str]]:
 @pytest.mark.long
 @pytest.mark.slow
 def test_what_no_test_notices_is_named(subject: Path) -> None:
-    """Inside functions and outside."""
-    for only, count, alive in (
-        ("LIMIT", 5, ["value > LIMIT -> value >= LIMIT"]),
-        ("SPARE", 2, ["7 -> 8", "7 -> 6"]),
-        ("Box.double", 4, []),
-        # An endless loop.
-        ("count -= 1 -> pass", 1, []),
-    ):
-        code, said = command(subject, "subject", "--tests", "test_subject.py", "--jobs", "1", "--only", only)
-        assert code == bool(alive)
-        assert said[0] == f"subject: {count} mutants, {count - len(alive)} noticed, 0 explained, {len(alive)} not"
-        assert [line.strip() for line in said[2::2]] == alive
+    """Inside functions and outside. An endless loop is noticed."""
+    code, said = command(subject, "subject", "--tests", "test_subject.py", "--jobs", "2")
+    assert (code, said[0]) == (1, "subject: 27 mutants, 22 noticed, 0 explained, 5 not")
+    alive = {"SPARE = 8", "SPARE = 6", "clipped: if value >= LIMIT:", "forever: return 0", "forever: return count"}
+    assert {line.strip() for line in said[2::2]} == alive
 
 
 @pytest.mark.long
@@ -103,21 +96,6 @@ def test_a_text_that_no_mutant_contains_is_an_error(subject: Path) -> None:
 
 
 @pytest.mark.long
-def test_decisions_not_seen_both_ways_are_named(subject: Path) -> None:
-    assert command(subject, "subject", "--tests", "test_subject.py", "--branches") == (
-        0, ["subject: 2 decisions, 0 outcomes not seen"],
-    )  # fmt: skip
-    only = "test_subject.py::test_forever"
-    assert command(subject, "subject", "--tests", only, "--branches") == (
-        1,
-        [
-            "subject: 2 decisions, 2 outcomes not seen",
-            "  line 16: value > LIMIT was never True",
-            "  line 16: value > LIMIT was never False",
-        ],
-    )
-
-
 @pytest.mark.slow
 def test_tests_that_fail_without_a_mutant_judge_nothing(subject: Path) -> None:
     (subject / "test_subject.py").write_text("def test_wrong():\n    assert False\n", encoding="utf-8")
@@ -125,6 +103,7 @@ def test_tests_that_fail_without_a_mutant_judge_nothing(subject: Path) -> None:
     assert (code, said) == (1, ["  fails without any change: test_subject.py::test_wrong"])
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
 def test_nothing_outlives_the_command(subject: Path, number: signal.Signals) -> None:
@@ -180,5 +159,5 @@ def test_some_mutants_of_the_bench() -> None:
 @pytest.mark.slow
 def test_a_changed_constant_of_the_bench_is_seen() -> None:
     """Its modules must come from the changed tree although they belong to a plugin of pytest."""
-    code, said = command(ROOT, "railhil.controller_node.channel", "--only", "WINDOW_MS: Final = 10_000", "--jobs", "2")
+    code, said = command(ROOT, "railhil.controller_node.channel", "--only", "WINDOW_MS: Final = 10000", "--jobs", "2")
     assert (code, said) == (0, ["railhil.controller_node.channel: 2 mutants, 2 noticed, 0 explained, 0 not"])
