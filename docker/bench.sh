@@ -8,7 +8,7 @@
 #   results   written by `results` when ./runs can be written to
 #   problem   in place of either: the line that says why not
 #   verdict   exit code of the supervisor; every role ends when it appears
-# The names in capitals come from docker-compose.yml, docker-compose.hardware.yml and docker-compose.panel.yml.
+# The names in capitals come from docker-compose.yml and docker-compose.hardware.yml.
 set -eu
 role=${1:?role: bus, adapter, plant, controller, supervisor, results, panel or door}
 # linux/if_arp.h and linux/if.h
@@ -23,6 +23,12 @@ only() { say "$1: found $2, allowed $3"; exit 2; }
 case ${START_TIMEOUT:-60} in *[!0-9]*) only START_TIMEOUT "$START_TIMEOUT" "whole seconds" ;; esac
 case ${WAIT:-1} in 1) ;; *) only WAIT "$WAIT" "1, or nothing" ;; esac
 case ${CATALOGUE:-1} in 1) ;; *) only CATALOGUE "$CATALOGUE" "1, or nothing" ;; esac
+# Whether the panel is one of the containers.
+case ,${PROFILES:-}, in *,panel,*) paged=1 ;; *) paged= ;; esac
+if [ -z "$paged" ]; then
+    case $role in panel | door) only COMPOSE_PROFILES "${PROFILES:-nothing}" "panel, as a variable: all roles read it" ;; esac
+    [ -z "${WAIT:-}${CATALOGUE:-}" ] || only "WAIT, CATALOGUE" "${WAIT:-}${CATALOGUE:-}" "nothing without COMPOSE_PROFILES=panel"
+fi
 
 # Wait until a file of the volume is there; not zero when there is a problem in its place.
 await() {
@@ -119,7 +125,7 @@ why_not() {
 # Faults that the page injects, one a line: the nodes run before the supervisor, and all three are given the same ones.
 # Nothing without a panel, or in lockstep without WAIT, which is over before a button is pressed.
 prepared() {
-    if [ -z "${PREPARED:-}" ] || { [ "$PACE" != realtime ] && [ -z "${WAIT:-}" ]; }; then return; fi
+    if [ -z "$paged" ] || { [ "$PACE" != realtime ] && [ -z "${WAIT:-}" ]; }; then return; fi
     python3 -c 'import sys
 from railhil.cli.panel import prepared_faults
 print(*prepared_faults(sys.argv[1], bool(sys.argv[2])), sep="\n")' "$SCENARIO" "${CATALOGUE:-}" 2>/dev/null ||
@@ -194,7 +200,7 @@ supervisor)
     run railhil run "$SCENARIO" --attach ${CONTROLLER:+--controller "$CONTROLLER"} \
         ${ARITHMETIC:+--arithmetic "$ARITHMETIC"} --seed "$SEED" $(pacing) --appear-timeout "$START_TIMEOUT" \
         --patience "$PATIENCE" --rerun-command "$(again)" --quiet \
-        ${OPERATOR:+--operator "$OPERATOR"} ${WAIT:+--wait} "$@" -i "$interface" -c "$channel"
+        ${paged:+--operator /bus/operator.sock} ${WAIT:+--wait} "$@" -i "$interface" -c "$channel"
     echo $code | leave verdict
     exit $code
     ;;

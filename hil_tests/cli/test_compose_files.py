@@ -41,7 +41,6 @@ def test_no_list_is_empty(name: str) -> None:
 
 def test_one_service_alone_has_a_capability_and_goes_without_no_new_privileges() -> None:
     services = compose_file("docker-compose.yml")["services"]
-    services |= {name: compose_file("docker-compose.panel.yml")["services"][name] for name in ("panel", "door")}
     capable = {name for name, service in services.items() if "cap_add" in service}
     assert capable == {name for name, service in services.items() if "security_opt" not in service} == {"bus"}
 
@@ -68,13 +67,9 @@ def test_the_image_can_be_built_compiled() -> None:
 
 def test_law_and_arithmetic_are_left_to_the_system_unless_they_are_chosen() -> None:
     """Not every system has the fixed point, and each has laws of its own."""
-    for name in ("docker-compose.yml", "docker-compose.panel.yml"):
-        file = compose_file(name)
-        for service in [file["x-bench"], *file["services"].values()]:
-            said = service.get("environment", {})
-            assert {said.get(key, f"${{{key}:-}}") for key in ("CONTROLLER", "ARITHMETIC")} == {
-                "${CONTROLLER:-}", "${ARITHMETIC:-}",
-            }  # fmt: skip
+    for service in compose_file("docker-compose.yml")["services"].values():
+        said = service["environment"]
+        assert (said["CONTROLLER"], said["ARITHMETIC"]) == ("${CONTROLLER:-}", "${ARITHMETIC:-}")
 
 
 def role_words(role: str, folder: Path, scenario: str, **chosen: str) -> list[str]:
@@ -94,7 +89,8 @@ def role_words(role: str, folder: Path, scenario: str, **chosen: str) -> list[st
     text = (ROOT / "docker" / "bench.sh").read_text().replace("/bus/", f"{folder}/").replace("    cd /\n", "")
     environment = {
         "SCENARIO": scenario, "CONTROLLER": "", "ARITHMETIC": "", "SEED": "0", "PACE": "lockstep", "RATE": "1",
-        "START_TIMEOUT": "1", "PATIENCE": "60", "PANEL_PORT": "8765", "PYTHONPATH": str(ROOT), **chosen,
+        "START_TIMEOUT": "1", "PATIENCE": "60", "PANEL_PORT": "8765", "PROFILES": "panel" if role == "panel" else "",
+        "PYTHONPATH": str(ROOT), **chosen,
     }  # fmt: skip
     done = subprocess.run(
         ["sh", "-s", role], input=text, capture_output=True, text=True, timeout=60, check=False, cwd=folder,
@@ -128,7 +124,8 @@ def test_the_volume_between_the_containers_knows_no_user() -> None:
 
 
 def test_the_page_is_published_on_loopback_alone_and_its_bench_has_no_network() -> None:
-    services = compose_file("docker-compose.panel.yml")["services"]
+    services = compose_file("docker-compose.yml")["services"]
+    assert {name for name, service in services.items() if "profiles" in service} == {"panel", "door"}
     published = {name: service["ports"] for name, service in services.items() if "ports" in service}
     assert published == {"door": ["127.0.0.1:${PANEL_PORT:-8765}:8765"]}
     assert services["panel"]["network_mode"] == "service:bus"
@@ -136,14 +133,13 @@ def test_the_page_is_published_on_loopback_alone_and_its_bench_has_no_network() 
     assert all(f"\n{role})\n" in roles for role in ("panel", "door"))
 
 
-@pytest.mark.parametrize("name", ["docker-compose.yml", "docker-compose.hardware.yml", "docker-compose.panel.yml"])
+@pytest.mark.parametrize("name", ["docker-compose.yml", "docker-compose.hardware.yml"])
 def test_every_container_is_limited(name: str) -> None:
     """A run that goes wild must not take the machine with it: processes, memory, files in memory."""
     made = {role: service for role, service in compose_file(name)["services"].items() if "image" in service}
     expected = {
-        "docker-compose.yml": {"bus", "results", "plant", "controller", "supervisor"},
+        "docker-compose.yml": {"bus", "results", "plant", "controller", "supervisor", "panel", "door"},
         "docker-compose.hardware.yml": {"adapter"},
-        "docker-compose.panel.yml": {"panel", "door"},
     }
     assert set(made) == expected[name]
     for service in made.values():

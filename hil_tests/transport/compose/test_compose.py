@@ -39,8 +39,8 @@ from railhil.supervisor.framelog import sha256_of
 pytestmark = [pytest.mark.needs_docker, pytest.mark.timeout(900)]
 
 _NEEDED = ("dbc", "bus", "plant_sim", "controller_node", "railhil", "docker")
-_FILES = ("Dockerfile", ".dockerignore", "docker-compose.yml", "docker-compose.hardware.yml",
-          "docker-compose.panel.yml", "pyproject.toml", "setup.py", "README.md", "LICENSE")  # fmt: skip
+_FILES = ("Dockerfile", ".dockerignore", "docker-compose.yml", "docker-compose.hardware.yml", "pyproject.toml",
+          "setup.py", "README.md", "LICENSE")  # fmt: skip
 _SEED = 3
 #: The image is Python with NumPy, SciPy and Matplotlib, and for the batch numba (LLVM) and Arrow: 769 MB, of which the
 #: batch
@@ -148,9 +148,10 @@ def test_the_page_starts_the_run_through_the_published_port(project, tmp_path):
     """The bytes are those of a run with the prepared fault; the port is the one way in, on loopback only."""
     shutil.copy(Path(__file__).with_name("short_move.toml"), project / "scenarios")
     earlier = {path.name for path in (project / "runs").iterdir()}
-    given = {"SCENARIO": "/scenarios/short_move.toml", "WAIT": "1", "PANEL_PORT": str(_free_port())}
+    given = {"COMPOSE_PROFILES": "panel", "SCENARIO": "/scenarios/short_move.toml", "WAIT": "1"}
+    given |= {"PANEL_PORT": str(_free_port())}
     with ThreadPoolExecutor(1) as beside:
-        running = beside.submit(up, project, "docker-compose.panel.yml", **given)
+        running = beside.submit(up, project, **given)
         try:
             page, token = _address_in_logs(running).split("#token=")
             assert page == f"http://127.0.0.1:{given['PANEL_PORT']}/"

@@ -29,12 +29,7 @@ _SCRIPT = Path(__file__).with_name("on_vcan.sh")
 _TESTS = Path(__file__).with_name("on_vcan.py")
 _SHORT = Path(__file__).with_name("short_move.toml")
 #: What compose reads; the image is built before.
-_PROJECT = (
-    "docker-compose.yml",
-    "docker-compose.hardware.yml",
-    "docker-compose.realtime.yml",
-    "Dockerfile",
-)
+_PROJECT = ("docker-compose.yml", "docker-compose.hardware.yml", "Dockerfile")
 _TIMEOUT_S = 2400.0
 #: Where it runs in the virtual machine: in a folder of the host, all files would belong to one user.
 _INSIDE = "/var/tmp/railhil-vcan-inside"

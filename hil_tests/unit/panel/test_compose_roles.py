@@ -42,7 +42,12 @@ def option(words: list[str], name: str) -> str:
 
 @pytest.mark.parametrize(
     ("names", "seconds"),
-    [({}, "60"), ({"WAIT": ""}, "60"), ({"WAIT": "1"}, "300"), ({"WAIT": "1", "START_TIMEOUT": "900"}, "900")],
+    [
+        ({}, "60"),
+        ({"WAIT": ""}, "60"),
+        ({"PROFILES": "panel", "WAIT": "1"}, "300"),
+        ({"PROFILES": "panel", "WAIT": "1", "START_TIMEOUT": "900"}, "900"),
+    ],
 )
 def test_the_plant_waits_for_the_start_button(names: dict[str, str], seconds: str, tmp_path: Path) -> None:
     assert option(words_of("plant", tmp_path, **names), "--appear-timeout") == seconds
@@ -51,29 +56,29 @@ def test_the_plant_waits_for_the_start_button(names: dict[str, str], seconds: st
 def test_the_supervisor_takes_orders_and_the_panel_gives_them_at_one_socket(tmp_path: Path) -> None:
     for role in ("supervisor", "panel"):
         (tmp_path / role).mkdir()
-    supervisor = words_of("supervisor", tmp_path / "supervisor", OPERATOR="/bus/operator.sock", WAIT="1")
+    supervisor = words_of("supervisor", tmp_path / "supervisor", PROFILES="panel", WAIT="1")
     assert "--wait" in supervisor
-    assert option(supervisor, "--operator") == "/bus/operator.sock"
-    panel = words_of("panel", tmp_path / "panel", PANEL_PORT="8770")
+    assert option(supervisor, "--operator").endswith("/operator.sock")
+    panel = words_of("panel", tmp_path / "panel", PROFILES="panel", PANEL_PORT="8770")
     assert option(panel, "--public-port") == "8770"
     assert option(panel, "--operator").endswith("/operator.sock")
 
 
-def test_the_compose_file_tells_the_plant_of_the_wait() -> None:
-    services = (ROOT / "docker-compose.panel.yml").read_text().partition("\nservices:")[2]
-    plant = services.partition("\n  plant:")[2].partition("\n  supervisor:")[0]
-    assert "<<: *prepared" in plant
-    assert "WAIT: ${WAIT:-}" in (ROOT / "docker-compose.panel.yml").read_text().partition("\nservices:")[0]
+def test_the_compose_file_tells_all_roles_of_the_panel() -> None:
+    text = (ROOT / "docker-compose.yml").read_text().partition("\nservices:")[0]
+    assert "PROFILES: ${COMPOSE_PROFILES:-}" in text
+    assert "WAIT: ${WAIT:-}" in text
+    assert "CATALOGUE: ${CATALOGUE:-}" in text
 
 
 @pytest.mark.parametrize(
     ("role", "names", "logs"),
     [
-        ("plant", {"PREPARED": "1", "WAIT": "1"}, "--fault-log"),
-        ("controller", {"PREPARED": "1", "PACE": "realtime"}, "--fault-log"),
-        ("supervisor", {"PREPARED": "1", "PACE": "realtime", "OPERATOR": "/bus/operator.sock"}, "--fault-logs"),
-        ("supervisor", {"PREPARED": "1"}, ""),
-        ("supervisor", {"PACE": "realtime", "CATALOGUE": "1"}, ""),
+        ("plant", {"PROFILES": "panel", "WAIT": "1"}, "--fault-log"),
+        ("controller", {"PROFILES": "panel", "PACE": "realtime"}, "--fault-log"),
+        ("supervisor", {"PROFILES": "panel", "PACE": "realtime"}, "--fault-logs"),
+        ("supervisor", {"PROFILES": "panel"}, ""),
+        ("supervisor", {"PACE": "realtime"}, ""),
     ],
 )
 def test_the_nodes_and_the_supervisor_prepare_the_same_faults(
@@ -90,6 +95,15 @@ def test_the_catalogue_is_prepared_too() -> None:
     found = prepared_faults("lvshun_tieshan", True)
     assert found[0] == EMERGENCY
     assert len(found) > 40
+
+
+@pytest.mark.parametrize(("role", "name"), [("plant", "WAIT"), ("supervisor", "CATALOGUE"), ("panel", "PORT")])
+def test_what_belongs_to_the_panel_is_refused_without_its_profile(role: str, name: str) -> None:
+    words = ["sh", str(ROOT / "docker/bench.sh"), role]
+    variables = {**NAMES, name: "1", "PATH": os.environ["PATH"]}
+    done = subprocess.run(words, env=variables, capture_output=True, text=True, check=False, timeout=30)
+    assert (done.returncode, done.stderr.count("\n")) == (2, 1)
+    assert "COMPOSE_PROFILES" in done.stderr
 
 
 @pytest.mark.parametrize(("name", "value"), [("START_TIMEOUT", "60s"), ("WAIT", "0"), ("CATALOGUE", "false")])
