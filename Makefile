@@ -12,11 +12,6 @@ export OPENBLAS_NUM_THREADS ?= 1
 SAMPLE ?=
 DAY    ?= $(shell date -u +%F)
 SAMPLED = $(if $(SAMPLE),--sample $(SAMPLE) --day $(DAY))
-# Papers whose pages `make papers` writes.
-PAPERS     ?= ipfc ngpc ilc
-# Laws whose parameters `make tuned` searches.
-TUNED_LAWS ?= ipfc ipfc_plus ipfc_plus_stop tpfc1 tpfc2 tdmc fuzzy_pid
-
 UV_EXPORT    = $(BIN)/uv export -q --frozen --no-emit-project --no-annotate
 PART         = $(BIN)/python -m hil_tests.part
 COUNTS       = build/test_counts
@@ -30,7 +25,7 @@ VCAN_FIRST   = test_faults or test_can_utils or test_outage or test_benchmark_pa
 # Files of tests that keep real time: collecting all the others takes as long as some of these tests.
 REAL_TIME    = $$(grep -rlw --include='test_*.py' wall_clock hil_tests)
 
-.PHONY: run test test-all test-fast test-here test-side-by-side test-long test-long-side-by-side test-real-time test-vcan test-vcan-first test-vcan-second test-compose test-docker test-docker-vcan test-wheel test-arm64 test-arm64-ipfc test-image-arm64 test-compiled test-builds wheels mutants lint lint-types lint-imports tree prepared-batches prepared-bytecode bench docs-update papers $(PAPERS:%=paper-%) dbc tables tuned $(TUNED_LAWS:%=tuned-%) install lock locked clean
+.PHONY: run test test-fast test-here test-long test-builds test-side-by-side test-long-side-by-side test-real-time test-vcan test-vcan-first test-vcan-second test-docker test-docker-vcan test-compiled test-arm64 lint docs release mutants dbc tables install lock locked clean
 
 # A run that misses the limits of its scenario (exit code 1) is a result, not an error of make.
 run: $(VENV)/.installed
@@ -45,18 +40,14 @@ run: $(VENV)/.installed
 test: | $(VENV)/bin/pip
 	@mkdir -p build && rm -f $(COUNTS)
 	@$(BIN)/python -m hil_tests.prepared machines & \
-	  $(MAKE) --no-print-directory BESIDE="prepared-batches prepared-bytecode" lint && \
+	  $(MAKE) --no-print-directory $(VENV)/.installed-dev && \
+	  { $(BIN)/python -m hil_tests.prepared batches bytecode & prepared=$$!; \
+	    $(MAKE) --no-print-directory lint && wait $$prepared; } && \
 	  $(MAKE) --no-print-directory PART="$(COUNTED)" DOCKER_OUT=">build/docker.txt 2>&1" -j2 test-side-by-side test-docker; \
 	  code=$$?; wait; exit $$code
 	@cat build/docker.txt
 	@$(MAKE) --no-print-directory PART="$(COUNTED)" BEHIND=--behind -j3 -Otarget test-vcan-first test-vcan-second test-real-time
 	@$(PART) --counts $(COUNTS) --total 5
-
-# Everything, before a release: an hour.
-test-all:
-	@$(MAKE) --no-print-directory test
-	@$(MAKE) --no-print-directory test-long
-	@$(MAKE) --no-print-directory test-builds
 
 # What takes minutes together and seldom fails: benchmarks, long comparisons of batch, bench and exported C, search and
 # training, and containers on a kernel with CAN. `.ci/run` does a sample of it after `make test`.
@@ -103,73 +94,41 @@ test-docker: $(VENV)/.installed-dev
 test-docker-vcan: $(VENV)/.installed-dev
 	@$(PART) $(BEHIND) "Docker on kernel CAN" $(BIN)/python -m hil_tests.transport.compose.vcan_runs
 
-test-compose: test-docker test-docker-vcan
-
-# The wheel, installed beside other distributions and with every Python that is there (part of test-here).
-test-wheel: $(VENV)/.installed-dev
-	$(BIN)/pytest -q hil_tests/wheel
-
 # The hashes of every law and every fault of the catalogue with the compiled build and without it: ten minutes.
 test-compiled: $(VENV)/.installed-dev
 	@$(BIN)/python -m hil_tests.compiled_build $(SAMPLED) $(ARGS)
 
-# The hashes of every law on aarch64, emulated, and here; half an hour. ARGS=--compiled: compiled for aarch64, too.
+# The hashes of ipfc in every arithmetic on aarch64, emulated and cross-compiled; of every law: python -m hil_tests.arm64.
 test-arm64: $(VENV)/.installed-dev
-	@$(BIN)/python -m hil_tests.arm64 $(ARGS)
-
-test-arm64-ipfc: $(VENV)/.installed-dev
 	@$(BIN)/python -m hil_tests.arm64 --compiled --law ipfc $(SAMPLED)
 
-# The container image for aarch64, built and run here by an emulator; ARGS=lvshun_tieshan: with the published run.
-test-image-arm64: $(VENV)/.installed-dev
-	@$(BIN)/python -m hil_tests.image_arm64 $(ARGS)
-
-# One hash for each seed with every build, here and on aarch64 (there ipfc, in every arithmetic). `.ci/run` does a
-# sample of it last.
+# One hash for each seed with every build, here and on aarch64. `.ci/run` does a sample of it last.
 test-builds: $(VENV)/.installed-dev
-	@$(MAKE) --no-print-directory -j2 -Otarget test-compiled test-arm64-ipfc
+	@$(MAKE) --no-print-directory -j2 -Otarget test-compiled test-arm64
 
-# The wheels of a release into dist/: the pure one, with ARGS=--compiled also that of this processor, with --aarch64 that
-# of a Raspberry Pi (docs/release.md).
-wheels: $(VENV)/.installed-dev
-	@$(BIN)/python -m hil_tests.wheels $(ARGS)
-
+# mypy and import-linter see the packages as they lie in a wheel, by links in build/tree.
 lint: $(VENV)/.installed-dev
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
-	@$(MAKE) --no-print-directory -j$$(($$(nproc) + 1)) -Otarget $(BESIDE) lint-types lint-imports
-
-lint-types: tree
-	$(BIN)/mypy
-
-lint-imports: tree
-	cd build/tree && $(abspath $(BIN))/lint-imports ../../pyproject.toml --cache-dir ../../.import_linter_cache
-
-# Links to the packages as they lie in a wheel, for mypy, import-linter and pyright.
-tree: $(VENV)/.installed-dev
 	@$(BIN)/python setup.py tree
-
-# What each worker of the tests would compile for itself. `make test` does it beside mypy.
-prepared-batches prepared-bytecode: prepared-%: $(VENV)/.installed-dev
-	@$(BIN)/python -m hil_tests.prepared $*
+	$(BIN)/mypy
+	cd build/tree && $(abspath $(BIN))/lint-imports ../../pyproject.toml --cache-dir ../../.import_linter_cache
 
 # Every mutant of what judges, moves and protects (hil_tests/mutation/targets.toml), before a release.
 mutants: $(VENV)/.installed-dev
 	$(BIN)/python -m hil_tests.mutation
 
+# Everything that a release needs (docs/release.md), then its pure wheel; hours.
+release: test
+	@$(MAKE) --no-print-directory test-long
+	@$(MAKE) --no-print-directory test-builds
+	@$(MAKE) --no-print-directory mutants
+	@$(BIN)/python -m hil_tests.wheels
+
 # What commands print, and the figures in tables and text, into README.md and docs/*.md (hil_tests/documents); long.
 # ARGS="docs/laws.md", ARGS=--quick: a page, or without what `make test-long` checks.
-docs-update: $(VENV)/.installed-dev
+docs: $(VENV)/.installed-dev
 	@$(BIN)/python -m hil_tests.documents $(ARGS)
-
-# The pages of docs/reproduce, from the runs of their papers; an hour.
-papers: $(PAPERS:%=paper-%)
-
-$(PAPERS:%=paper-%): paper-%: $(VENV)/.installed-dev
-	$(BIN)/railhil reproduce $* --out docs/reproduce/$*
-
-bench: $(VENV)/.installed-dev
-	$(BIN)/python -m benchmarks
 
 dbc: $(VENV)/.installed
 	$(BIN)/python -m railhil.dbc.generate
@@ -177,12 +136,6 @@ dbc: $(VENV)/.installed
 # Constant tables of the control laws.
 tables: $(VENV)/.installed
 	$(BIN)/python -m railhil.controller_node.laws.generate
-
-# Parameters of every law by the same protocol (docs/tuning.md); takes minutes each.
-tuned: $(TUNED_LAWS:%=tuned-%)
-
-$(TUNED_LAWS:%=tuned-%): tuned-%: $(VENV)/.installed-dev
-	$(BIN)/railhil tune $* lvshun_tieshan --out controller_node/laws/tuned/lvshun_tieshan/$*.toml
 
 install: $(VENV)/.installed
 

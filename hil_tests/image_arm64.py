@@ -1,6 +1,6 @@
 """The image for a Raspberry Pi's processor, built and run here: ``python -m hil_tests.image_arm64 [SCENARIO]``
 
-The Dockerfile, as it is, is built with ``--platform linux/arm64``, emulated (``make test-image-arm64``). A container of
+The Dockerfile, as it is, is built with ``--platform linux/arm64``, emulated. A container of
 the image makes a run in one process and one in three; this machine makes the same run without containers. Without a
 scenario it is a short one. The image is removed; a private engine keeps the layers of the build in its cache.
 

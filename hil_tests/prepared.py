@@ -1,5 +1,5 @@
 """Prepares once, and beside other work, what later parts of ``make test`` would each wait for:
-``python -m hil_tests.prepared WHAT``
+``python -m hil_tests.prepared WHAT...``
 
 ``bytecode``: that of railhil, its libraries and its tests. ``batches``: the machine code of the batches of trains.
 ``machines``: Debian's packages, the kernel with CAN and the container image; needs no library. What fails here is tried
@@ -68,8 +68,9 @@ WHAT: dict[str, Callable[[], None]] = {"bytecode": bytecode, "batches": batches,
 def main() -> None:
     """Command line; see the module's docstring."""
     parser = argparse.ArgumentParser(prog="python -m hil_tests.prepared")
-    parser.add_argument("what", choices=WHAT)
-    WHAT[parser.parse_args().what]()
+    parser.add_argument("what", choices=WHAT, nargs="+")
+    for what in parser.parse_args().what:
+        WHAT[what]()
 
 
 if __name__ == "__main__":

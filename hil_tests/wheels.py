@@ -1,4 +1,4 @@
-"""The wheels of a release: ``python -m hil_tests.wheels [--compiled] [--aarch64] [--out FOLDER]`` (``make wheels``).
+"""The wheels of a release: ``python -m hil_tests.wheels [--compiled] [--aarch64] [--out FOLDER]``.
 
 Of what is committed: the pure wheel, which runs everywhere; with ``--compiled`` also the one that mypyc and gcc make
 for this machine's processor and Python, with ``--aarch64`` the one that a cross compiler makes for a Raspberry Pi (some

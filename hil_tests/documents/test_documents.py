@@ -26,7 +26,7 @@ _WRITTEN = ("docs/scenario_keys.md", "docs/faults.md")
 def test_the_pages_say_what_is(group: Group) -> None:
     changes = group.changes()
     assert not changes, "\n".join(
-        [f"{group.page}: `make docs-update` writes", *(f"{one.number + 1}: {one.line}" for one in changes)]
+        [f"{group.page}: `make docs` writes", *(f"{one.number + 1}: {one.line}" for one in changes)]
     )
 
 

@@ -249,7 +249,7 @@ def test_bad_input_is_one_line(
 @pytest.mark.long
 @pytest.mark.slow
 def test_shipped_files_are_of_every_law_and_of_this_code() -> None:
-    """Made by ``make tuned``; after a change of a law, the plant or the protocol they are to be made again.
+    """After a change of a law, the plant or the protocol the files are to be made again.
 
     What a file claims is claimed under the limits that its scale holds: the stop's was 0.2 m then.
     """
