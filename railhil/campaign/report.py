@@ -18,8 +18,8 @@ from railhil.common.digits import percent
 from railhil.common.errors import InputError, Words
 from railhil.scenarios.stored import any_judged_sha256
 from railhil.supervisor.hash_list import REPORT, check_hash_list, listed_file
-from railhil.supervisor.report.assets import as_json, scripts, styles_text
-from railhil.supervisor.report.distribution import Spread, charted, limits_of, picture
+from railhil.supervisor.report.assets import script, styles_text
+from railhil.supervisor.report.distribution import Spread, limits_of, picture
 from railhil.supervisor.report.styles import styles
 from railhil.supervisor.report.templates import template
 
@@ -52,8 +52,7 @@ def page(plan: Plan, summary: Mapping[str, Any], table: pa.Table, folder: Path) 
         rows=[_row(plan, label, law) for label, law in summary["laws"].items()],
         worst=[_worst(label, run, folder) for label, law in summary["laws"].items() for run in law["worst"]],
         spread_picture=picture(spreads, looks),
-        spread_data=as_json(charted(spreads, looks)),
-        chart_scripts=scripts("distribution.js"),
+        chart_scripts=script(),
         chart_styles=styles_text(),
     )
 

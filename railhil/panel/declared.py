@@ -13,16 +13,12 @@ from typing import Any
 from railhil.dbc import Contract
 from railhil.scenarios.model import AnyScenario
 from railhil.supervisor.judging import Judging, judging_of
-from railhil.supervisor.shown import LEVEL, NOTE, SIGNAL, STATE, ShownColumn, shown_columns
+from railhil.supervisor.shown import ERROR, LEVEL, NOTE, SIGNAL, STATE, ShownColumn, grouped, shown_columns
 
-#: Title of the chart of a unit; others have the unit.
-_TITLES = {"km/h": "speed", "notch": "command", "m/s²": "acceleration", "kN": "force", "m": "position", "‰": "grade"}
 _SPEED = "km/h"
 _MPS = "m/s"
 #: Kind of a column with the raw values of a lamp.
 LAMP = "lamp"
-#: Target less speed, as a column of its own.
-ERROR = "tracking_error_kmh"
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,28 +106,14 @@ def _unit(contract: Contract, port: str, signal: str) -> str:
 
 
 def _charts(columns: Sequence[ShownColumn], command: int) -> tuple[Chart, ...]:
-    """Curves of one unit share a chart; the law's notes have one for each unit, and the tracking error its own."""
-    groups: dict[tuple[str, str], list[int]] = {}
-    for at, column in enumerate(columns):
-        if column.kind not in (SIGNAL, NOTE):
-            continue
-        title = _TITLES.get(column.unit, column.unit or "numbers")
-        if column.kind == NOTE:
-            title = "law"
-        elif column.name == ERROR:
-            title = "tracking error"
-        groups.setdefault((title, column.unit), []).append(at)
-    first = ["speed", "tracking error", "command", "acceleration", "force", "law"]
-    found = [Chart(title, unit, tuple(places)) for (title, unit), places in groups.items() if title != "position"]
+    """Curves of signals and notes; the position is that of the train in the page's own picture."""
+    places = {column.name: at for at, column in enumerate(columns)}
+    curves = [column for column in columns if column.kind in (SIGNAL, NOTE)]
+    groups = grouped(curves, columns[command].name if command >= 0 else "")
     return tuple(
-        sorted(
-            found,
-            key=lambda chart: (
-                0 if chart.title == "speed" else 1 if chart.title == "tracking error" else 2,
-                command not in chart.columns,
-                first.index(chart.title) if chart.title in first else len(first),
-            ),
-        )
+        Chart(group.title, group.unit, tuple(places[column.name] for column in group.columns))
+        for group in groups
+        if group.title != "position"
     )
 
 

@@ -15,7 +15,7 @@ ATO = System(
     laws="railhil.laws",
     law="ipfc",
     judging="railhil.supervisor.ato:JUDGING",
-    pictures="railhil.supervisor.report.figures:pictures",
+    pictures="railhil.supervisor.ato_panels:pictures",
     own={
         "batch": "railhil.batch:run_batch",
         "kernel": "railhil.batch.kernel",

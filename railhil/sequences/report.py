@@ -21,7 +21,7 @@ from railhil.sequences.show import converged
 from railhil.sequences.table import memories
 from railhil.supervisor.hash_list import REPORT, listed_file
 from railhil.supervisor.report.assets import styles_text
-from railhil.supervisor.report.figures import Picture, system_pictures
+from railhil.supervisor.report.over_time import system_pictures
 from railhil.supervisor.report.recorded import RecordedRun
 from railhil.supervisor.report.templates import template
 
@@ -58,7 +58,7 @@ def _facts(plan: Plan, summary: Mapping[str, Any]) -> list[tuple[str, str]]:
     ]
 
 
-def _examples(plan: Plan, table: pa.Table) -> list[Picture]:
+def _examples(plan: Plan, table: pa.Table) -> list[Any]:
     """The system's own figures of the first and the last run of the first sequence."""
     kept = memories(table, plan.request.runs)[0]
     numbers = [1, plan.request.runs] if plan.request.runs > 1 else [1]

@@ -1,12 +1,13 @@
-"""How the columns of ``signals.csv`` are shown to readers: names, units, words; which are speed, target and command.
+"""How the columns of ``signals.csv`` are shown to readers: names, units, words; which are speed, target and command;
+which share a chart. The page of a run, the panel and ``railhil plot`` take it from here.
 
 Everything comes from what the system declares; nothing here knows a system.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from railhil.dbc import Contract, Signal
@@ -22,6 +23,13 @@ _DISPLAYED = {"m/s": ("km/h", 3.6), "N": ("kN", 0.001), "permil": ("‰", 1.0), 
 #: Endings of column names that only state the unit.
 _ENDINGS = ("_mps2", "_mps", "_kmh", "_permil", "_kn", "_n", "_m", "_s", "_1")
 SIGNAL, NOTE, LEVEL, STATE = "signal", "note", "level", "state"
+#: Target less speed, as a column of its own: two lines of a speed lie too close to be told apart.
+ERROR = "tracking_error"
+_SPEED, _ERROR, _LAW, _LEVELS = "speed", "tracking error", "law", "reactions"
+#: Title of the chart of a unit; others have the unit.
+_TITLES = {"km/h": _SPEED, "notch": "command", "m/s²": "acceleration", "kN": "force", "m": "position", "‰": "grade"}
+#: Charts in this order, that of the command after the second; others follow.
+_ORDER = (_SPEED, _ERROR, "acceleration", "force", _LAW)
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,6 +65,49 @@ class Shown:
     def named(self, name: str) -> ShownColumn | None:
         """The column of that name."""
         return next((column for column in self.columns if column.name == name), None)
+
+
+@dataclass(frozen=True, slots=True)
+class ColumnGroup:
+    """Columns that share a chart."""
+
+    title: str
+    unit: str
+    columns: tuple[ShownColumn, ...]
+
+
+def grouped(columns: Iterable[ShownColumn], command: str = "") -> list[ColumnGroup]:
+    """Columns of one unit share a chart; the notes of a law have their own, so have the tracking error, the levels of
+    the watches, and each column whose values have words.
+
+    :param command: name of the column of the command.
+    """
+    groups: dict[tuple[str, str], list[ShownColumn]] = {}
+    for column in columns:
+        title = _TITLES.get(column.unit, column.unit or "numbers")
+        if column.kind == LEVEL:
+            title = _LEVELS
+        elif column.name == ERROR:
+            title = _ERROR
+        elif column.words:
+            title = column.label
+        elif column.kind == NOTE:
+            title = _LAW
+        groups.setdefault((title, column.unit), []).append(column)
+
+    def rank(group: ColumnGroup) -> tuple[int, bool, int]:
+        place = _ORDER.index(group.title) if group.title in _ORDER else len(_ORDER)
+        return min(place, 2), command not in {one.name for one in group.columns}, place
+
+    return sorted((ColumnGroup(*key, tuple(found)) for key, found in groups.items()), key=rank)
+
+
+def with_error(shown: Shown) -> Shown:
+    """The columns, and the tracking error if there are speed and target."""
+    speed = shown.named(shown.speed)
+    if speed is None or not shown.target:
+        return shown
+    return replace(shown, columns=(*shown.columns, replace(speed, name=ERROR, label="target less speed")))
 
 
 def shown_columns(scenario: AnyScenario, contract: Contract | None = None, notes: Any = None) -> Shown:

@@ -119,8 +119,8 @@ def test_the_figures_show_speed_units_couplers_and_estimates(run: BenchRun, scen
     )
     found = panels.pictures(scenario, [shown])
     assert [one.name for one in found] == ["speed", "units", "couplers", "estimates1", "estimates2", "estimates3"]
-    assert "gain" in found[3].svg
-    assert "true value" in found[3].svg
+    assert "gain" in [chart.y_label for chart in found[3].charts]
+    assert "true value" in {curve.label for chart in found[3].charts for curve in chart.curves}
     # Lines have as many points as can be seen.
     assert max(len(one.svg) for one in found) < 250_000
     assert panels.pictures(scenario, [SimpleNamespace(label="p", controller="pid", can_be_drawn=False)]) == []

@@ -1,9 +1,9 @@
-"""The report draws no line over what the record does not have, in its figures and in Explore."""
+"""The report draws no line over what the record does not have."""
 
 from __future__ import annotations
 
-import base64
-import json
+import re
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -12,23 +12,22 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from hil_tests.support.fault_runs import fast
 from hil_tests.support.stops import SHORT
+from hil_tests.support.svg_paths import path_points
 from railhil.bench import local_run
+from railhil.charts.figure import TIME, Chart, Curve, Figure
+from railhil.charts.svg import markup
 from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.supervisor import ato_panels
+from railhil.supervisor.ato_panels import Drawn
 from railhil.supervisor.framelog import read_log
 from railhil.supervisor.notes import ToldNote
-from railhil.supervisor.report import events_panel, panels, signals_picture
-from railhil.supervisor.report.explore import explored
-from railhil.supervisor.report.figures import pictures, system_pictures
-from railhil.supervisor.report.panels import Drawn
+from railhil.supervisor.report.over_time import columns_of, signal_charts, signals, system_pictures
 from railhil.supervisor.report.recorded import RecordedRun, curves, recorded_run
-from railhil.supervisor.report.stacked import line
 from railhil.supervisor.report.styles import Style
 from railhil.supervisor.sampled import drawn_trace, holding_s
 from railhil.supervisor.score import score
@@ -76,30 +75,27 @@ def bridges(time_s: Any, values: Any, middle: float = _MIDDLE_S) -> bool:
     return bool(np.any(known[:-1] & known[1:] & (x[:-1] < middle) & (x[1:] > middle)))
 
 
-def drawn_over_time(gappy: Gappy, trace: Trace) -> dict[str, Axes]:
-    """The axes over time, by what they show."""
-    scenario: Any = gappy.scenario
-    run = Drawn("ipfc", Style(), curves(scenario, trace, [_NOTE.as_json()]), score(scenario, trace))
-    axes = {name: Figure().subplots() for name in ("error", "force", "notch", "flags", "speed", "distance")}
-    panels.speed_error(axes["error"], run)
-    panels.force(axes["force"], run)
-    panels.notch(axes["notch"], run)
-    panels.flags(axes["flags"], run, _NOTE.name, panels.flag_sets([run], _NOTE.name))
-    events_panel.speed_over_time(axes["speed"], run)
-    panels.distance_over_time(axes["distance"], scenario, [replace(run, label="train")])
-    return axes
+def drawn_over_time(figures: Sequence[Figure]) -> Iterator[tuple[str, Curve]]:
+    """The curves of the run over time, each with the name of its figure."""
+    for figure in figures:
+        for chart in figure.charts:
+            for curve in chart.curves if chart.x_label == TIME or chart.sync == TIME else ():
+                if curve.run >= 0 and len(curve.x) > 2 and curve.x[0] < _FROM_S:
+                    yield f"{figure.name} {curve.label}", curve
 
 
-def test_no_figure_has_a_line_over_a_gap(gappy: Gappy) -> None:
-    planned = ("target", "target stop")
-    for silent, expected in ((_SILENT, False), ((), True)):
-        for name, axes in drawn_over_time(gappy, gappy.trace(*silent)).items():
-            curved = [one for one in axes.get_lines() if name == "speed" or one.get_label() not in planned]
-            curved = [one for one in curved if len(one.get_xdata()) > 2]
-            assert curved, name
-            for one in curved:
-                assert bridges(one.get_xdata(), one.get_ydata()) == expected, (name, silent)
-    assert len(pictures(gappy.scenario, [gappy.run(gappy.trace(*_SILENT))])) >= 6
+@pytest.mark.parametrize(("silent", "is_bridged"), [(_SILENT, False), ((), True)])
+def test_no_figure_has_a_line_over_a_gap(gappy: Gappy, silent: tuple[str, ...], is_bridged: bool) -> None:
+    run = replace(gappy.run(gappy.trace(*silent)), certificate={"notes": [_NOTE.as_json()]})
+    found = dict(drawn_over_time(ato_panels.pictures(run.scenario, [run])))
+    assert {name.split()[0] for name in found} >= {"error", "stop", "notch", "force", _NOTE.name}
+    for name, curve in found.items():
+        assert bridges(curve.x, curve.y) == is_bridged, name
+        # The path in the page is broken there, too.
+        chart = Chart([curve], TIME, "")
+        x, y = path_points(re.search(r'class="curve"[^>]* d="([^"]*)"/></g>', markup(Figure("f", "", "", [chart])))[1])
+        if not curve.is_step:
+            assert bridges(x, y) == is_bridged, name
 
 
 def test_no_line_over_distance_goes_over_a_gap(gappy: Gappy) -> None:
@@ -108,23 +104,15 @@ def test_no_line_over_distance_goes_over_a_gap(gappy: Gappy) -> None:
     run = Drawn("ipfc", Style(), curves(scenario, trace), score(scenario, trace))
     last = int(np.flatnonzero(np.isnan(run.curves.speed_kmh))[0]) - 1
     before_m, after_m = run.curves.position_m[last], run.curves.position_m[last + 2]
-    axes = Figure().subplots()
-    panels.speed_near(axes, scenario, [run], (before_m + after_m) / 2)
-    panels.speed_over_distance(axes, scenario, [run])
-    for one in axes.get_lines():
-        x, y = (np.asarray(each, dtype=float) for each in (one.get_xdata(), one.get_ydata()))
-        assert not np.any((x[:-1] == before_m) & (x[1:] == after_m))
+    charts = [
+        ato_panels.speed_near(scenario, [run], (before_m + after_m) / 2),
+        ato_panels.speed_over_distance(scenario, [run]),
+    ]
+    for curve in [curve for chart in charts for curve in chart.curves]:
+        x, y = curve.x, curve.y
+        assert not np.any((x[:-1] == before_m) & (x[1:] == after_m) & np.isfinite(y[:-1]) & np.isfinite(y[1:]))
         assert np.isfinite(y).any() or len(y) < 3
-    assert np.isfinite(panels.widest_places(scenario, [run])).all()
-
-
-def unpacked(run: dict[str, Any], name: str) -> tuple[Any, Any]:
-    """Instants and values of a curve, as explore.js reads them."""
-    given, time = run["signals"][name], run["time"]
-    rows = np.cumsum(np.frombuffer(base64.b64decode(given["r"]), dtype=f"<u{given['w'] // 8}").astype(int))
-    if "t" in time:
-        return np.frombuffer(base64.b64decode(time["t"]))[rows], np.frombuffer(base64.b64decode(given["v"]), "<f4")
-    return time["start"] + time["step"] * rows, np.frombuffer(base64.b64decode(given["v"]), "<f4")
+    assert np.isfinite(ato_panels.widest_places(scenario, [run])).all()
 
 
 @pytest.mark.parametrize(
@@ -146,9 +134,8 @@ def unpacked(run: dict[str, Any], name: str) -> tuple[Any, Any]:
         (("CTL_STAT",), ("ladder_level",)),
     ],
 )
-def test_explore_has_no_line_over_a_gap(gappy: Gappy, silent: tuple[str, ...], gaps: tuple[str, ...]) -> None:
-    document = json.loads(explored([gappy.run(gappy.trace(*silent))]))
-    run = document["runs"][0]
+def test_no_signal_has_a_line_over_a_gap(gappy: Gappy, silent: tuple[str, ...], gaps: tuple[str, ...]) -> None:
+    run = columns_of(gappy.run(gappy.trace(*silent)), 0, Style())
     names = {
         "true_speed_mps",
         "target_speed_mps",
@@ -157,22 +144,19 @@ def test_explore_has_no_line_over_a_gap(gappy: Gappy, silent: tuple[str, ...], g
         "controller_mode",
         "ladder_level",
     }
-    assert {name for name in names if not bridges(*unpacked(run, name))} == set(gaps)
-    if not silent:
-        assert "t" not in run["time"]
+    figures = [figure for part in signals([run], []) for figure in part]
+    drawn = {curve.column: curve for figure in figures for chart in figure.charts for curve in chart.curves}
+    assert {name for name in names if not bridges(drawn[name].x, drawn[name].y)} == set(gaps)
     # The page goes on being drawn over the position.
-    assert "true_position_m" in document["over"]
+    assert np.isfinite(run.values["true_position_m"]).all()
 
 
-def test_the_picture_of_signals_has_no_line_over_a_gap(
-    gappy: Gappy, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    lines: list[tuple[Any, Any]] = []
-    plot = Axes.plot
-    monkeypatch.setattr(Axes, "plot", lambda axes, x, y, **look: (lines.append((x, y)), plot(axes, x, y, **look))[1])
-    signals_picture.draw(gappy.scenario, gappy.trace("SIM_TRUTH"), tmp_path / "run.svg")
-    assert len(lines) > 10
-    assert not any(bridges(x, y) for x, y in lines[1:])
+def test_the_picture_of_signals_has_no_line_over_a_gap(gappy: Gappy) -> None:
+    charts = signal_charts(gappy.scenario, gappy.trace("SIM_TRUTH"))
+    places = ("true_position_m", "odometer_m")
+    curves = [curve for chart in charts for curve in chart.curves if curve.column not in places]
+    assert len(curves) > 8
+    assert not any(bridges(curve.x, curve.y) for curve in curves)
 
 
 #: Short runs of the systems with figures of their own: scenario, law, settings.
@@ -187,7 +171,7 @@ _OTHER_FROM_S, _OTHER_TO_S = 4.0, 6.0
 @pytest.mark.slow
 @pytest.mark.parametrize("system", _OTHERS)
 def test_no_figure_of_another_system_has_a_line_over_a_gap(
-    system: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    system: str, tmp_path: Path
 ) -> None:
     name, law, settings = _OTHERS[system]
     scenario = load_any(name, settings)
@@ -211,21 +195,20 @@ def test_no_figure_of_another_system_has_a_line_over_a_gap(
         "position (km)": place_m / 1e3,
         "position less stopping point (m)": place_m - stop_m,
     }
-    lines: list[tuple[Axes, Any, Any]] = []
-    plot = Axes.plot
-    monkeypatch.setattr(
-        Axes, "plot", lambda axes, x, y, **look: (lines.append((axes, x, y)), plot(axes, x, y, **look))[1]
-    )
     for trace, expected in ((made.trace, True), (gappy, False)):
-        lines.clear()
-        assert system_pictures(scenario, [recorded_run(tmp_path, {}, scenario, trace, made.score)])
-        over = [bridges(x, y, middles[axes.figure.axes[-1].get_xlabel()]) for axes, x, y in lines]
+        figures = system_pictures(scenario, [recorded_run(tmp_path, {}, scenario, trace, made.score)])
+        # The charts above have the axis of the last one.
+        curves = [
+            (middles[figure.charts[-1].x_label], path_points(d))
+            for figure in figures
+            for d in re.findall(r'<path class="curve"[^>]* d="(M[^"]*)"/>', figure.svg)
+            if not d.endswith("H30")
+        ]
+        over = [bridges(x, y, middle) for middle, (x, y) in curves]
         assert len(over) >= 4
         # Those of the last metres and of a margin may begin later.
         assert sum(over) >= 3 if expected else not any(over)
-        assert any(
-            np.isfinite(y[np.asarray(x) > middles[axes.figure.axes[-1].get_xlabel()]]).any() for axes, x, y in lines
-        )
+        assert any(np.isfinite(y[x > middle]).any() for middle, (x, y) in curves)
 
 
 def test_a_record_as_figures_get_it_has_one_row_more_for_each_silence(gappy: Gappy) -> None:
@@ -250,18 +233,17 @@ def test_a_record_as_figures_get_it_has_one_row_more_for_each_silence(gappy: Gap
         assert drawn.refused is trace.refused
 
 
-@given(st.lists(st.tuples(st.integers(1, 900), st.integers(1, 30)), min_size=1, max_size=6), st.booleans())
-def test_a_line_has_the_extremes_of_each_part_and_goes_over_no_gap(parts: list[tuple[int, int]], by_mask: bool) -> None:
+@given(st.lists(st.tuples(st.integers(1, 900), st.integers(1, 30)), min_size=1, max_size=6))
+def test_a_path_has_the_extremes_and_goes_over_no_gap(parts: list[tuple[int, int]]) -> None:
     shown = np.concatenate([[True] * known + [False] * unknown for known, unknown in parts])
     x = np.arange(len(shown), dtype=float)
-    y = np.sin(x / 7.0) * x
-    axes = Figure().subplots()
-    line(axes, x, y, shown) if by_mask else line(axes, x, np.where(shown, y, np.nan))
-    (drawn,) = axes.get_lines()
-    at, values = (np.asarray(one, dtype=float) for one in (drawn.get_xdata(), drawn.get_ydata()))
+    y = np.where(shown, np.sin(x / 7.0) * x, np.nan)
+    text = markup(Figure("f", "", "", [Chart([Curve("c", x, y)], "x")]))
+    (d,) = re.findall(r'<path class="curve"[^>]* d="(M[^"]*)"/></g>', text)
+    at, values = path_points(d)
     known = np.isfinite(values)
     assert shown[at[known].astype(int)].all()
     for begin, end in zip(at[:-1][known[:-1] & known[1:]], at[1:][known[:-1] & known[1:]], strict=True):
         assert shown[int(begin) : int(end) + 1].all()
-    assert np.nanmax(values) == pytest.approx(np.max(y[shown]), rel=0.05, abs=1.0)
-    assert len(at) <= 1700
+    np.testing.assert_allclose(values[known], y[at[known].astype(int)], rtol=1e-6)
+    assert np.nanmax(values) == pytest.approx(np.nanmax(y), rel=0.05, abs=1.0)

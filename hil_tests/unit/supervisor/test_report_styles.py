@@ -10,8 +10,7 @@ from railhil.supervisor.report.styles import Style, styles
 
 def look(style: Style) -> tuple[object, ...]:
     """What a grey print keeps of a style."""
-    line, marker = style.line, style.marker
-    return str(line["linestyle"]), line["linewidth"], marker["marker"], marker["fillstyle"]
+    return style.look.dashes, style.look.width, style.look.marker, style.look.is_full
 
 
 def test_runs_differ_also_in_grey() -> None:

@@ -11,7 +11,6 @@ from hil_tests.support.recordings import recorded_folder
 from railhil.bus.telegrams import CtlStat
 from railhil.scenarios.model import Scenario
 from railhil.supervisor.notes import note_values, notes_of, told_notes
-from railhil.supervisor.report.figures import ATO_PANELS, Panel, Picture
 from railhil.supervisor.report.page import page
 from railhil.supervisor.report.recorded import RecordedRun
 from railhil.supervisor.signals import signal_table
@@ -69,11 +68,3 @@ def test_a_signed_note_with_its_own_scale() -> None:
 def test_what_is_no_note_is_refused(key: str, value: str) -> None:
     with pytest.raises(ValueError, match=value):
         told_notes([{**TURN, key: value}])
-
-
-def test_the_page_walks_the_panels_that_it_is_given(run: RecordedRun) -> None:
-    own = Panel("own", lambda of: [Picture("own", "Runs", "How many.", f"<svg>{len(of.runs)}</svg>")])
-    text = page([run], panels=[own])
-    assert '<figure id="own">' in text
-    assert text.count("<figure ") == 1
-    assert [panel.name for panel in ATO_PANELS][:4] == ["speed", "reactions", "error", "stop"]

@@ -3,23 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from matplotlib.figure import Figure
 
-from railhil.common.plain_text import plain
+from railhil.charts.figure import Area, Chart, Curve, Figure
 from railhil.supervisor.criteria import Criterion
-from railhil.supervisor.report.figures import Picture, svg
-from railhil.supervisor.report.panels import drawing
 from railhil.supervisor.report.recorded import RecordedRun, law_labels
 from railhil.supervisor.report.styles import Style, styles
 from railhil.supervisor.trace import FloatArray
 
 #: Points of one curve in the page.
 _POINTS = 300
-_WIDTH_IN, _ROW_IN, _TOP_IN = 8.5, 2.3, 0.4
+#: Charts beside each other.
 _ACROSS = 2
 
 
@@ -99,37 +96,6 @@ def shares(values: FloatArray, points: int = _POINTS) -> tuple[FloatArray, Float
     return known, below
 
 
-def charted(spreads: Sequence[Spread], looks: Mapping[str, Style]) -> dict[str, Any]:
-    """The same as data for ``distribution.js``."""
-    found = []
-    for spread in spreads:
-        laws = []
-        for label, values in spread.values.items():
-            style = looks[label]
-            at, below = shares(values)
-            laws.append(
-                {
-                    "label": plain(label),
-                    "colour": style.law,
-                    "dash": style.dashes,
-                    "width": style.width,
-                    "x": [float(f"{value:.6g}") for value in at.tolist()],
-                    "y": [float(f"{value:.6g}") for value in below.tolist()],
-                }
-            )
-        criterion = spread.criterion
-        found.append(
-            {
-                "title": criterion.title,
-                "unit": criterion.unit_typeset,
-                "limits": spread.limits,
-                "allowed": _allowed(spread),
-                "laws": laws,
-            }
-        )
-    return {"spreads": found}
-
-
 def _allowed(spread: Spread) -> str:
     """The limits in words, empty if there are none."""
     if len(spread.limits) > 1:
@@ -138,25 +104,22 @@ def _allowed(spread: Spread) -> str:
     return "".join(f"{bound} {limit:g}" for limit in spread.limits)
 
 
-def picture(spreads: Sequence[Spread], looks: Mapping[str, Style]) -> Picture:
-    """The distributions as one static figure, for paper and for browsers without scripts."""
-    title = "Distributions of the scores"
-    rows = -(-len(spreads) // _ACROSS)
-    with drawing("none"):
-        figure = Figure(figsize=(_WIDTH_IN, rows * _ROW_IN + _TOP_IN), layout="constrained")
-        axes = figure.subplots(rows, _ACROSS, squeeze=False).ravel()
-        for each, spread in zip(axes, spreads, strict=False):
-            for label, values in spread.values.items():
-                at, below = shares(values)
-                style = {key: looks[label].line[key] for key in ("linestyle", "linewidth", "color")}
-                each.step(at, below, where="post", label=label, **style)
-            for limit in spread.limits:
-                each.axvline(limit, color="0.3", linestyle=":", linewidth=1.4)
-            each.set(xlabel=f"{spread.criterion.title} ({spread.criterion.unit_typeset})", ylabel="runs (%)")
-            each.set_ylim(0, 102)
-        for each in axes[len(spreads) :]:
-            each.set_axis_off()
-        handles, labels = axes[0].get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside upper left", ncols=4, frameon=False)
-        caption = "Share of the runs whose score is at most the value; dotted: what the scenario allows."
-        return Picture("distributions", title, caption, svg(figure, "distributions", title))
+def picture(spreads: Sequence[Spread], looks: Mapping[str, Style]) -> Figure:
+    """The distributions, a chart for each score."""
+    caption = "Share of the runs whose score is at most the value; dotted: what the scenario allows."
+    charts = [_chart(spread, looks) for spread in spreads]
+    return Figure("distributions", "Distributions of the scores", caption, charts)
+
+
+def _chart(spread: Spread, looks: Mapping[str, Style]) -> Chart:
+    criterion = spread.criterion
+    curves = []
+    for label, values in spread.values.items():
+        at, below = shares(values)
+        if len(at):
+            curves.append(Curve(label, at, below, replace(looks[label].look, marker=""), "%", is_step=True))
+    allowed = f"allowed {_allowed(spread)} {criterion.unit}"
+    limits = [Area((limit, limit), None, "line", allowed) for limit in spread.limits]
+    label = f"{criterion.title} ({criterion.unit_typeset})"
+    title = f"runs (%){f', {allowed}' if limits else ''}"
+    return Chart(curves, label, title, y_bounds=(0.0, 102.0), areas=limits, height_px=150, share=1 / _ACROSS)

@@ -1,42 +1,48 @@
-"""The timing picture of a real-time run: histogram of the cycles' lateness."""
+"""The timing figure of real-time runs: histogram of the cycles' lateness."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
-from matplotlib.axes import Axes
-from matplotlib.ticker import FuncFormatter, NullFormatter
+import numpy as np
 
-from railhil.supervisor.jitter import LATE_MS
-from railhil.supervisor.report.styles import Style
+from railhil.charts.figure import Area, Chart, Curve, Figure
+from railhil.supervisor.jitter import LATE_MS, LATE_SHARE_MAX
+from railhil.supervisor.report.jitter_panel import timing_of
+from railhil.supervisor.report.recorded import RecordedRun
+from railhil.supervisor.report.styles import styles
 
-
-@dataclass(frozen=True, slots=True)
-class Lateness:
-    """Histogram of one run ready to be drawn."""
-
-    label: str
-    style: Style
-    edges_ms: Sequence[float]
-    counts: Sequence[int]
+#: Labels of the horizontal axis, ms.
+_DURATIONS_MS = (0.001, 0.01, 0.1, 1.0, 10.0, 100.0, 1000.0)
 
 
-def lateness(axes: Axes, runs: Sequence[Lateness]) -> None:
-    """Number of cycles over lateness, both logarithmic, with the limit that counts against the run."""
-    for run in runs:
-        if len(runs) == 1:
-            axes.stairs(run.counts, run.edges_ms, fill=True, color=run.style.colour, alpha=0.6)
-        line = {key: run.style.line[key] for key in ("linestyle", "linewidth")}
-        axes.stairs(run.counts, run.edges_ms, color=run.style.colour, label=run.label, **line)
-    axes.axvline(LATE_MS, color="0.3", linestyle=":", linewidth=1.4, label=f"{LATE_MS:g} ms")
-    axes.set(xscale="log", yscale="log", xlabel="lateness", ylabel="cycles", ylim=(0.7, None))
-    axes.set_xlim(min(run.edges_ms[0] for run in runs), max(run.edges_ms[-1] for run in runs))
-    # Plain numbers: mathematical text is disabled in these pictures.
-    axes.xaxis.set_major_formatter(FuncFormatter(lambda late_ms, _: _duration(late_ms)))
-    axes.yaxis.set_major_formatter(FuncFormatter(lambda count, _: f"{count:g}"))
-    for axis in (axes.xaxis, axes.yaxis):
-        axis.set_minor_formatter(NullFormatter())
+def lateness(runs: Sequence[RecordedRun]) -> list[Figure]:
+    """Number of cycles over lateness with the limit that counts against the run; empty if no run has kept time."""
+    curves = []
+    for number, (run, style) in enumerate(zip(runs, styles([run.controller for run in runs]), strict=True)):
+        if found := timing_of(run).get("histogram"):
+            edges_ms, counts = np.array(found["edges_ms"]), np.array(found["counts"], dtype=np.float64)
+            stairs = np.append(counts, counts[-1])
+            curves.append((edges_ms, Curve(run.label, edges_ms, stairs, style.look, "", True, True, number)))
+    if not curves:
+        return []
+    caption = (
+        "How long after its absolute deadline each cycle began, in wall time; both axes are logarithmic. The dotted "
+        f"line is {LATE_MS:g} ms: a run with more than {LATE_SHARE_MAX:.1%} of its cycles beyond it is INVALID."
+    )
+    bounds = min(float(edges[0]) for edges, _ in curves), max(float(edges[-1]) for edges, _ in curves)
+    chart = Chart(
+        [curve for _, curve in curves],
+        "lateness",
+        "cycles",
+        bounds,
+        (0.7, None),
+        [Area((LATE_MS, LATE_MS), None, "line", f"{LATE_MS:g} ms")],
+        x_names={late_ms: _duration(late_ms) for late_ms in _DURATIONS_MS},
+        is_log=True,
+        height_px=220,
+    )
+    return [Figure("lateness", "Lateness of the cycles", caption, [chart])]
 
 
 def _duration(late_ms: float) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 from collections.abc import Sequence
 from dataclasses import replace
@@ -9,19 +10,24 @@ from pathlib import Path
 from typing import Final
 from urllib.parse import quote
 
+import numpy as np
+
+from railhil.charts.figure import Figure
 from railhil.scenarios.model import watch_sentence
 from railhil.supervisor.hash_list import REPORT, listed_file
 from railhil.supervisor.judging import judging_of
 from railhil.supervisor.report import jitter_panel as timing
-from railhil.supervisor.report.assets import as_json, scripts, styles_text
-from railhil.supervisor.report.distribution import charted, picture, spreads_of, worst_first
+from railhil.supervisor.report.assets import script, styles_text
+from railhil.supervisor.report.distribution import picture, spreads_of, worst_first
 from railhil.supervisor.report.events_panel import event_rows, has_unusual
-from railhil.supervisor.report.explore import explored
 from railhil.supervisor.report.facts import facts, without_paths
-from railhil.supervisor.report.figures import Panel, pictures, system_pictures
+from railhil.supervisor.report.histogram import lateness
+from railhil.supervisor.report.over_time import RunColumns, columns_of, reactions, signals, system_pictures
 from railhil.supervisor.report.recorded import RecordedRun, told_apart
 from railhil.supervisor.report.score_table import better_sentence, rows
+from railhil.supervisor.report.styles import styles
 from railhil.supervisor.report.templates import template
+from railhil.supervisor.shown import ShownColumn
 
 #: Above so many runs the page shows distributions, and figures and charts of the worst runs only.
 RUNS_MAX, _WORST = 20, 6
@@ -29,18 +35,12 @@ RUNS_MAX, _WORST = 20, 6
 TEMPLATE: Final = "report.html.j2"
 
 
-def page(
-    runs: Sequence[RecordedRun],
-    notes: Sequence[str] = (),
-    panels: Sequence[Panel] | None = None,
-    links: Sequence[str] = (),
-) -> str:
+def page(runs: Sequence[RecordedRun], notes: Sequence[str] = (), links: Sequence[str] = ()) -> str:
     """The report of one run or of several of one scenario, as one HTML document without external references.
 
     The same records give the same bytes: no date, no path, and no wall-clock figure of a lockstep run.
 
     :param notes: sentences on the comparison as a whole.
-    :param panels: figures in reading order; None: those of a train that drives automatically to a stop.
     :param links: of the runs, shown for the worst ones of more than :data:`RUNS_MAX`.
     """
     runs = [replace(run, line=without_paths(run.line)) for run in told_apart(runs)]
@@ -51,6 +51,14 @@ def page(
     worst = worst_first(scenario, criteria, runs)[:_WORST] if many else []
     shown = [runs[place] for place in worst] if many else runs
     spreads, looks = spreads_of(scenario, criteria, runs) if many else ([], {})
+    columns = [
+        columns_of(run, number, style)
+        for number, (run, style) in enumerate(zip(shown, styles([run.controller for run in shown]), strict=True))
+        if run.can_be_drawn
+    ]
+    own = [*system_pictures(scenario, shown), *lateness(shown)]
+    pictures = [*own[:1], *reactions(columns), *own[1:]]
+    opened, further = signals(columns, [one for one in pictures if isinstance(one, Figure)])
     known = judging.deviations if scenario.published else None
     source, deviating = known() if known else ("", ())
     return template(TEMPLATE).render(
@@ -73,15 +81,29 @@ def page(
         facts=facts(runs),
         timing=timing.table(runs),
         timing_headings=timing.HEADINGS,
-        pictures=system_pictures(scenario, shown) if panels is None else pictures(scenario, shown, panels),
-        explored=explored(shown),
+        pictures=pictures,
+        opened=opened,
+        further=further,
+        run_names=json.dumps([run.label for run in shown]),
+        over=_over(columns),
         spread_picture=picture(spreads, looks) if many else None,
-        spread_data=as_json(charted(spreads, looks)),
-        chart_scripts=scripts("explore.js", *(["distribution.js"] if many else [])),
+        chart_scripts=script(),
         chart_styles=styles_text(),
         source=source,
         deviations=deviating,
     )
+
+
+def _over(runs: Sequence[RunColumns]) -> ShownColumn | None:
+    """The position, if it never decreases in any run: then everything over time can be drawn over it."""
+    if not runs:
+        return None
+    name = runs[0].shown.position
+    places = [run.values.get(name) for run in runs]
+    steady = all(
+        one is not None and np.isfinite(one).all() and np.all(np.diff(one) >= 0) and np.ptp(one) > 0 for one in places
+    )
+    return runs[0].shown.named(name) if steady else None
 
 
 def write_report(

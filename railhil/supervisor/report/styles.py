@@ -7,12 +7,12 @@ parameters) has a thinner line and a filled marker. Dashes, widths and markers s
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
 
+from railhil.charts.figure import Look
 from railhil.common.law_order import LAW_ORDER
 
-#: Colours of Okabe and Ito (distinguishable with colour blindness), dashes in points, markers. The first ones belong to
+#: Colours of Okabe and Ito (distinguishable with colour blindness), dashes in px, markers. The first ones belong to
 #: the laws of LAW_ORDER, the rest to others.
 _LAWS: tuple[tuple[str, tuple[float, ...], str], ...] = (
     ("#0072b2", (), "o"),
@@ -23,11 +23,13 @@ _LAWS: tuple[tuple[str, tuple[float, ...], str], ...] = (
     ("#e69f00", (3.5, 3.5), "P"),
     ("#56b4e9", (14, 4), "X"),
 )
-#: Line width in points and fill of the marker: for a law's first run, its second, and further ones.
-_VARIANTS = ((1.5, "none"), (0.7, "full"), (2.3, "left"), (1.1, "bottom"))
+#: Width of the line in px and fill of the marker: for a law's first run, its second, and further ones.
+_VARIANTS = ((1.5, "none"), (0.7, "full"), (2.3, "full"), (1.1, "full"))
 #: Number of runs of one law that keep its colour; further ones use styles not taken by other laws.
 _OF_ONE_LAW = 2
-_MARKER_POINTS = 7.0
+_MARKER_PX = 8.0
+#: Of further columns of a run.
+_DASHES = ((), (7.0, 3.0), (2.0, 2.0), (10.0, 3.0, 2.0, 3.0), (4.0, 4.0))
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,39 +46,31 @@ class Style:
 
     @property
     def dashes(self) -> tuple[float, ...]:
-        """Dash pattern in points; empty for a continuous line."""
+        """Dash pattern in px; empty for a continuous line."""
         return _LAWS[self.law][1]
 
     @property
     def width(self) -> float:
-        """Width of the line in points."""
+        """Width of the line in px."""
         return _VARIANTS[self.variant][0]
 
     @property
-    def line(self) -> dict[str, Any]:
-        """Line in shared axes, for matplotlib; the marker appears only in the legend."""
-        # matplotlib measures dashes in units of the line width.
-        dashes = tuple(points / self.width for points in self.dashes)
-        return {"linestyle": (0, dashes) if dashes else "-", "linewidth": self.width, "markevery": [], **self.marker}
-
-    @property
-    def alone(self) -> dict[str, Any]:
-        """Line in separate axes, where the colour is sufficient."""
-        return {"color": self.colour, "linewidth": 0.9}
-
-    @property
-    def marker(self) -> dict[str, Any]:
-        """Marker of a single point; a filled one is small, so that a hollow one at the same place stays visible."""
-        filling = _VARIANTS[self.variant][1]
+    def look(self) -> Look:
+        """In shared charts; the marker appears only in the legend, and where a point is marked. A filled one is small,
+        so that a hollow one at the same place stays visible."""
+        is_full = _VARIANTS[self.variant][1] != "none"
         # Points of several laws may coincide: three sizes keep them visible.
-        points = _MARKER_POINTS + 2.0 * (self.law % 3) if filling == "none" else 0.75 * _MARKER_POINTS
-        return {
-            "color": self.colour,
-            "marker": _LAWS[self.law][2],
-            "fillstyle": filling,
-            "markersize": points,
-            "markeredgewidth": 1.3,
-        }
+        marker_px = 0.75 * _MARKER_PX if is_full else _MARKER_PX + 2.0 * (self.law % 3)
+        return Look(str(self.law), self.width, self.dashes, _LAWS[self.law][2], is_full, marker_px)
+
+    @property
+    def alone(self) -> Look:
+        """In charts of one run, where the colour is sufficient."""
+        return Look(str(self.law))
+
+    def dashed(self, number: int) -> Look:
+        """Of one of several columns in a shared chart, counted from 0."""
+        return replace(self.look, dashes=self.dashes if number == 0 else _DASHES[number % len(_DASHES)], marker="")
 
 
 def styles(laws: Sequence[str]) -> list[Style]:

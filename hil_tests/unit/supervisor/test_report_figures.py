@@ -1,10 +1,8 @@
-"""The part of report.html that is explored: its data, and what it does in a browser."""
+"""The figures of report.html: their data, and what they do in a browser."""
 
 from __future__ import annotations
 
-import base64
 import csv
-import json
 import re
 from collections.abc import Iterator
 from dataclasses import replace
@@ -17,15 +15,15 @@ import pytest
 from hil_tests.support.browser import browser
 from hil_tests.support.recordings import recorded_folder
 from hil_tests.support.scores import with_values
+from hil_tests.support.svg_paths import path_points
+from railhil.charts.thinned import seen_rows
 from railhil.scenarios.load import load, load_any
 from railhil.supervisor.ato import JUDGING
 from railhil.supervisor.events.event import FAULT, LEVEL, LOST, RecordedEvent
 from railhil.supervisor.report import page as report_page
 from railhil.supervisor.report.distribution import shares, spreads_of, worst_first
-from railhil.supervisor.report.explore import explored
-from railhil.supervisor.report.page import write_report
+from railhil.supervisor.report.page import page, write_report
 from railhil.supervisor.report.recorded import RecordedRun
-from railhil.supervisor.report.thinned import packed, seen_rows
 from railhil.supervisor.shown import shown_columns
 from railhil.supervisor.signals import write_signals
 
@@ -52,10 +50,12 @@ def table(run: RecordedRun, tmp_path_factory: pytest.TempPathFactory) -> dict[st
     return dict(zip(header, np.array(rows, dtype=np.float64).T, strict=True))
 
 
-def unpacked(curve: dict[str, Any]) -> tuple[np.ndarray, np.ndarray]:
-    """Rows and values of a curve of the page."""
-    steps = np.frombuffer(base64.b64decode(curve["r"]), f"<u{curve['w'] // 8}")
-    return np.cumsum(steps.astype(np.int64)), np.frombuffer(base64.b64decode(curve["v"]), "<f4")
+def chart_of(text: str, column: str) -> tuple[np.ndarray, np.ndarray, dict[str, str]]:
+    """Points of the path of a column in a page, and its other attributes."""
+    found = re.findall(rf'<path class="curve[^>]*data-column="{column}"[^>]*>', text)
+    assert len(found) == 1, column
+    given = dict(re.findall(r'([a-z-]+)="([^"]*)"', found[0]))
+    return *path_points(given["d"]), given | {"step": "data-step" in found[0]}
 
 
 def test_a_thinned_curve_is_the_same_line() -> None:
@@ -80,63 +80,67 @@ def test_a_level_keeps_every_change_and_a_gap_stays_one() -> None:
     np.testing.assert_array_equal(np.interp(np.arange(5_000), rows, level[rows]), level)
     wave = np.sin(np.arange(5_000) / 50.0)
     wave[2_000:2_500] = np.nan
-    rows, values = unpacked(packed(seen_rows(wave, 100), wave))
+    rows = seen_rows(wave, 100)
     gap = (rows >= 2_000) & (rows < 2_500)
     assert gap.any()
-    assert np.isnan(values[gap]).all()
-    assert not np.isnan(values[~gap]).any()
+    assert np.isnan(wave[rows[gap]]).all()
+    assert not np.isnan(wave[rows[~gap]]).any()
     assert rows[~gap][rows[~gap] < 2_000].max() > 1_940
     level[:50] = np.nan
-    rows, values = unpacked(packed(seen_rows(level, 50), level))
-    assert np.isnan(values[rows < 50]).all()
-    assert not np.isnan(values[rows >= 50]).any()
+    rows = seen_rows(level, 50)
+    assert np.isnan(level[rows[rows < 50]]).all()
+    assert not np.isnan(level[rows[rows >= 50]]).any()
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("many", [1, 14])
-def test_the_page_says_how_far_a_curve_is_from_its_line(
-    run: RecordedRun, table: dict[str, np.ndarray], many: int
+def test_each_curve_is_drawn_once_with_the_values_of_signals_csv(
+    run: RecordedRun, table: dict[str, np.ndarray]
 ) -> None:
-    """Whatever is thinned, and on pages with so many runs that little is left of each; a notch is exact."""
-    found = json.loads(explored([run] * many))["runs"][-1]
-    thin = 0
-    for name, curve in found["signals"].items():
-        expected = table["target_speed_mps"] - table["true_speed_mps"] if name == "tracking_error" else table[name]
-        rows, values = unpacked(curve)
-        line = np.interp(table["time_s"], table["time_s"][rows], values)
-        off = float(np.nanmax(np.abs(line - expected)))
-        rounding = 1e-6 * float(np.nanmax(np.abs(expected)))
-        assert off <= curve["e"] + rounding
-        assert curve["e"] <= 1.1 * off + rounding
-        thin += curve["e"] > 2e-4 * float(np.ptp(expected[np.isfinite(expected)]))
-    # What the page had promised of every curve.
-    assert thin >= 2
-    assert found["signals"]["notch_command"]["e"] < 1e-6
+    """The points of a path are rows of the table; what lies between two is as far from the line as the path says."""
+    text = page([run])
+    assert text == page([run])
+    shown = shown_columns(run.scenario, run.trace.contract, run.certificate.get("notes"))
+    thinned = 0
+    for column in shown.columns:
+        if not np.nan_to_num(table[column.name]).any() and column.kind == "note":
+            continue
+        expected = table[column.name] * column.factor
+        if column.name == "brake_n":
+            expected = -expected
+        if column.kind == "level":
+            continue
+        if column.name == "basis_in_use":
+            expected = np.searchsorted(np.unique(expected[np.isfinite(expected)]), expected).astype(float)
+        x, y, given = chart_of(text, column.name)
+        known = np.isfinite(y)
+        at = np.interp(x[known], table["time_s"], np.arange(len(expected)))
+        on_row = np.abs(at - at.round()) < 1e-3
+        if not given["step"]:
+            assert on_row.all(), column.name
+            np.testing.assert_allclose(y[known], expected[at.round().astype(int)], rtol=1e-6, atol=1e-6)
+            off = np.nanmax(np.abs(np.interp(table["time_s"], x[known], y[known]) - expected))
+            assert off <= float(given.get("data-within", 0)) * 1.1 + 1e-5 * np.nanmax(np.abs(expected)) + 1e-6
+            thinned += len(x) < len(expected) / 4
+    assert thinned >= 3
+    assert {"data-over", "data-label"} <= set(re.findall(r"data-[a-z]+", text))
 
 
 @pytest.mark.slow
-def test_the_page_has_the_values_of_signals_csv(run: RecordedRun, table: dict[str, np.ndarray]) -> None:
-    text = explored([run])
-    document = json.loads(text)
-    assert len(text) < 45_000
-    assert text == explored([run])
-    assert "<" not in text
-    (found,) = document["runs"]
-    assert found["time"] == {"start": 0.0, "step": 0.02, "n": len(table["time_s"])}
-    assert {"true_speed_mps", "notch_command", "controller_level", "tracking_error"} <= set(found["signals"])
-    for name, curve in found["signals"].items():
-        expected = table["target_speed_mps"] - table["true_speed_mps"] if name == "tracking_error" else table[name]
-        rows, values = unpacked(curve)
-        np.testing.assert_allclose(values, expected[rows], rtol=1e-6, atol=1e-8)
-    assert document["over"] == ["true_position_m"]
-    assert document["first"][:4] == ["true_speed_mps", "target_speed_mps", "tracking_error", "notch_command"]
-    assert "grade_permil" in document["first"]
-    # Events that differ only in their instants are one mark.
-    marks = [mark for mark in found["events"] if "gap" in mark[2]]
-    assert [(mark[0], mark[1]) for mark in marks] == [(20.0, 24.9)]
-    assert [mark[3] for mark in found["events"] if mark[2].startswith("fault 1")] == [True]
-    assert found["signals"]["controller_level"].get("used")
-    assert not found["signals"]["train_level"].get("used")
+def test_faults_and_events_are_marks_and_levels_have_words(run: RecordedRun) -> None:
+    text = page([run])
+    figure = text[text.index('<figure id="reactions">') :]
+    figure = figure[: figure.index("</figure>")]
+    faults = re.findall(r'<path class="fault"[^>]*>(?:<title>(.*?)</title>)?', figure)
+    # A band over the speed, and a bar in the row of the faults.
+    assert len(faults) == 2
+    assert all("TRN_SPEED loss &lt;/script&gt;&lt;b&gt;" in said for said in faults)
+    assert figure.count('<path class="event"') >= 50
+    assert ">normal</text>" in figure
+    # A reader who does not see the chart is told what it shows, and from where to where.
+    labels = re.findall(r'role="img" aria-label="([^"]*)"', text)
+    assert len(labels) == text.count('<div class="chart"')
+    assert any("Speed over distance" in said and "limit, target, ipfc" in said and "distance (m) 0 to" in said
+               for said in labels) or any("speed (km/h)" in said for said in labels)  # fmt: skip
 
 
 def test_columns_have_names_units_and_words(run: RecordedRun) -> None:
@@ -176,15 +180,15 @@ def test_above_twenty_runs_the_page_shows_distributions_and_links_the_worst(
     (folders[2] / "report.html").touch()
     write_report(runs, tmp_path / "report.html", (), folders)
     text = (tmp_path / "report.html").read_text(encoding="utf-8")
-    data = json.loads(re.search(r'id="distribution-data">(.*?)</script>', text)[1])
-    stop = next(spread for spread in data["spreads"] if spread["title"] == "stop error")
-    assert (stop["allowed"], stop["limits"]) == ("-0.3 to 0.3", [-0.3, 0.3])
+    figure = text[text.index('<figure id="distributions">') :]
+    stop = next(part for part in figure.split('<div class="chart"') if ">stop error (m)<" in part)
+    assert "allowed -0.3 to 0.3 m" in stop
+    assert stop.count('<path class="line"') == 2
     # The run that did not stop is at or below no value.
-    (law,) = stop["laws"]
-    assert law["y"][-1] == 75.0
+    _, below = path_points(re.search(r'<path class="curve"[^>]* data-step="" d="([^"]*)"', stop)[1])
+    assert np.nanmax(below) == 75.0
     assert re.findall(r'<a href="([^"]*)">ipfc seed 2</a>', text) == ["run%202/report.html"]
-    explored_runs = json.loads(re.search(r'id="explore-data">(.*?)</script>', text)[1])["runs"]
-    assert [found["label"] for found in explored_runs] == ["ipfc seed 2"]
+    assert re.search(r'data-runs="([^"]*)"', text)[1] == "[&#34;ipfc seed 2&#34;]"
     assert worst_first(run.scenario, JUDGING.criteria, runs) == [2, 1, 3, 0]
 
 
@@ -225,60 +229,68 @@ def test_zoom_values_choice_and_nothing_fetched(
     opened: tuple[Any, str, list[str]], table: dict[str, np.ndarray]
 ) -> None:
     page = page_of(opened, 1000)
-    charts = page.evaluate("railhilReport.charts.map(chart => [chart.range(), chart.zoomed()])")
-    assert all(chart == [[0, table["time_s"][-1]], False] for chart in charts)
-    first = page.locator("#explore .u-over").first
-    first.scroll_into_view_if_needed()
-    box = first.bounding_box()
-    # Hover: the value of signals.csv at the instant that the legend says.
-    page.mouse.move(box["x"] + box["width"] / 2, box["y"] + 40)
-    said = page.locator("#explore .rc-chart").first.inner_text()
-    time_s = float(re.search(r"time:?\s*([\d.]+) s", said)[1])
-    mark, speed_kmh = re.search(r"ipfc:?\s*(≈?) ?([\d.]+)(?: ± [\d.]+)? km/h", said).groups()
-    row = int(np.flatnonzero(np.isclose(table["time_s"], time_s))[0])
-    # Between two points of the curve it is on the line between them, and says so.
-    exact = table["true_speed_mps"][row] * 3.6
+    times = "railhilFigures.charts.filter(chart => chart.sync === 'time (s)')"
+    assert not any(page.evaluate(f"{times}.map(chart => chart.zoomed)"))
+    chart = page.locator("#reactions-1 .chart").first
+    plot = chart.locator(".plot")
+    plot.scroll_into_view_if_needed()
+    box = chart.locator(".axes").bounding_box()
+    middle = (box["x"] + box["width"] / 2, box["y"] + 60)
+    # Hover: the values of signals.csv at the instant that the chart says, in every chart over time.
+    page.mouse.move(*middle)
+    said = chart.inner_text()
+    at_s = float(re.search(r"at ([\d.]+)", said)[1])
+    mark, speed_kmh = re.search(r"ipfc\s*(≈?) ?([\d.]+)", said).groups()
+    exact = np.interp(at_s, table["time_s"], table["true_speed_mps"]) * 3.6
     assert float(speed_kmh) == pytest.approx(exact, rel=5e-4 if mark else 1e-6)
-    at = page.evaluate("(() => { const {rows, values} = railhilReport.curve(railhilReport.data.runs[0],"
-                              " 'true_speed_mps'); return rows[9]; })()")  # fmt: skip
-    page.evaluate("time => railhilReport.charts[0].cursor(time)", table["time_s"][at])
-    said = page.locator("#explore .rc-chart").first.inner_text()
-    assert re.search(r"ipfc:?\s*([\d.]+) km/h", said)[1] == f"{table['true_speed_mps'][at] * 3.6:.7g}"
-    page.mouse.move(box["x"] + box["width"] / 2, box["y"] + 40)
+    assert "at " in page.locator("#error .chart").first.inner_text()
     # Zoom by dragging: all charts together; double click shows everything.
     page.mouse.down()
-    page.mouse.move(box["x"] + box["width"] * 0.75, box["y"] + 40, steps=3)
+    page.mouse.move(middle[0] + box["width"] / 5, middle[1], steps=3)
     page.mouse.up()
-    end_s = table["time_s"][-1]
-    for low, high in page.evaluate("railhilReport.charts.map(chart => chart.range())"):
-        assert (low, high) == (pytest.approx(0.5 * end_s, rel=0.02), pytest.approx(0.75 * end_s, rel=0.02))
-    page.mouse.dblclick(box["x"] + 100, box["y"] + 40)
-    assert not any(page.evaluate("railhilReport.charts.map(chart => chart.zoomed())"))
-    # New values leave a zoom of the reader alone, and are shown whole where there is none.
-    stream = """([low, high]) => { const chart = railhilReport.charts[1];
-      if (low < high) chart.zoom(low, high);
-      chart.setData([[0, 50, 100, 150], [0, 1, NaN, 2]].concat(chart.plot.data.slice(2).map(() => [1, 1, 1, 1])));
-      return chart.range(); }"""
-    assert page.evaluate(stream, [10, 20]) == [10, 20]
-    page.evaluate("railhilReport.charts[1].zoom()")
-    assert page.evaluate(stream, [0, 0]) == [0, 150]
-    page.reload()
+    ranges = page.evaluate(f"{times}.map(chart => chart.x)")
+    low, high = ranges[0]
+    assert 0 < low < high < table["time_s"][-1]
+    assert all(one == [pytest.approx(low), pytest.approx(high)] for one in ranges)
+    page.mouse.dblclick(*middle)
+    assert not any(page.evaluate(f"{times}.map(chart => chart.zoomed)"))
+    # Keys, and the buttons.
+    chart.focus()
+    page.keyboard.press("ArrowRight")
+    page.keyboard.press("+")
+    assert all(page.evaluate(f"{times}.map(chart => chart.zoomed)"))
+    page.get_by_role("button", name="everything").click()
+    assert not any(page.evaluate("railhilFigures.charts.map(chart => chart.zoomed)"))
     # The mark of the fault says what it is, as text.
-    left = page.evaluate("railhilReport.charts[0].plot.valToPos(20, 'x')")
-    page.mouse.move(box["x"] + left, box["y"] + 40)
-    assert "fault 1: TRN_SPEED loss </script><b>" in page.locator("#explore .rc-tip").first.inner_text()
-    # Another signal, one run less, over distance.
-    before = page.locator("#explore .rc-chart").count()
-    page.locator("#explore summary").click()
-    page.get_by_label("basis functions", exact=True).check()
-    assert page.locator("#explore .rc-chart").count() == before + 1
+    assert "fault 1: TRN_SPEED loss </script><b>" in page.locator("#reactions-1 .fault title").first.text_content()
+    # A curve, a run less; over distance, and back.
+    key = chart.locator(".key").first
+    key.click()
+    assert chart.locator("path.curve.off").count() >= 1
+    key.click()
     page.get_by_label("other", exact=True).uncheck()
-    assert "other" not in page.locator("#explore .charts").inner_text()
-    page.locator("#explore-over").select_option("true_position_m")
-    low, high = page.evaluate("railhilReport.charts[0].range()")
+    assert page.locator('.plot .curve[data-run="1"]:visible').count() == 0
+    before = page.evaluate(f"{times}[0].curves[0].path.getAttribute('d')")
+    page.locator("#over").select_option("true_position_m")
+    low, high = page.evaluate(f"{times}[0].x")
     assert (low, high) == (0, pytest.approx(table["true_position_m"][-1], rel=1e-6))
+    page.locator("#over").select_option("")
+    assert page.evaluate(f"{times}[0].curves[0].path.getAttribute('d')") == before
     page.close()
     assert opened[2] == [opened[1]] * len(opened[2])
+
+
+@pytest.mark.slow
+@pytest.mark.needs_browser
+def test_without_scripts_the_curves_are_there(opened: tuple[Any, str, list[str]]) -> None:
+    program, address, _ = opened
+    context = program.new_context(java_script_enabled=False)
+    page = context.new_page()
+    page.goto(address)
+    assert page.locator("#speed .plot .curve").nth(1).is_visible()
+    assert not page.locator("#figures .bar").is_visible()
+    assert "Scripts are off" in page.locator("#figures").inner_text()
+    context.close()
 
 
 @pytest.mark.slow
@@ -287,9 +299,10 @@ def test_narrow_dark_and_printed(opened: tuple[Any, str, list[str]]) -> None:
     page = page_of(opened, 400, color_scheme="dark")
     found = page.evaluate("""(() => {
       const smallest = Math.min(...[...document.querySelectorAll("body *")].filter(one => one.checkVisibility()
-        && [...one.childNodes].some(node => node.nodeType === 3 && node.data.trim()) && one.tagName !== "SCRIPT")
-        .map(one => one.closest("svg") ? parseFloat(getComputedStyle(one).fontSize) * one.closest("svg").clientWidth
-          / one.closest("svg").viewBox.baseVal.width : parseFloat(getComputedStyle(one).fontSize)));
+        && [...one.childNodes].some(node => node.nodeType === 3 && node.data.trim()) && one.tagName !== "SCRIPT"
+        && one.tagName !== "title").map(one => one.closest(".chart > svg")
+          ? parseFloat(getComputedStyle(one).fontSize) * one.closest(".chart > svg").getBoundingClientRect().width
+          / one.closest(".chart > svg").viewBox.baseVal.width : parseFloat(getComputedStyle(one).fontSize)));
       const missed = document.querySelector("td.missed").getBoundingClientRect();
       return {beyond: document.documentElement.scrollWidth - innerWidth, smallest, missed: missed.right,
               paper: getComputedStyle(document.body).backgroundColor};
@@ -298,10 +311,12 @@ def test_narrow_dark_and_printed(opened: tuple[Any, str, list[str]]) -> None:
     assert found["smallest"] >= 11
     assert found["missed"] <= 400
     assert found["paper"] == "rgb(22, 24, 28)"
-    assert page.locator("#explore .rc-chart").first.is_visible()
+    stroke = "getComputedStyle(document.querySelector('#error .plot .curve')).stroke"
+    assert page.evaluate(stroke) == "rgb(79, 176, 236)"
     page.emulate_media(media="print")
-    assert not page.locator("#explore").is_visible()
-    assert page.locator("figure svg").first.is_visible()
+    assert not page.locator("#figures .bar").is_visible()
+    assert page.locator("#speed .plot .curve").nth(1).is_visible()
+    assert page.evaluate(stroke) == "rgb(0, 114, 178)"
     assert page.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(255, 255, 255)"
     page.close()
 

@@ -1,18 +1,17 @@
-"""Curves of a page in few bytes: the points that can be seen, as base64 of little-endian numbers."""
+"""Curves of a page in few bytes: the points that can be seen."""
 
 from __future__ import annotations
 
-import base64
 from typing import Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
-from railhil.supervisor.trace import FloatArray
+from railhil.charts.figure import FloatArray
 
 Rows: TypeAlias = npt.NDArray[np.int64]
 #: Deviation between the line and one of the extremes that is left out, as a share of the curve's range. How far the
-#: rows between the extremes are from the line, :func:`packed` says of each curve.
+#: rows between the extremes are from the line, :func:`off_line` says of each curve.
 TOLERANCE = 2e-4
 #: A curve that keeps its value most of the time keeps so many changes at least.
 _CHANGES = 600
@@ -81,22 +80,6 @@ def _bent(rows: Rows, values: FloatArray, allowed: float) -> Rows:
     return rows[np.unique(kept)]
 
 
-def packed(rows: Rows, values: FloatArray, time_s: FloatArray | None = None) -> dict[str, Any]:
-    """A curve for the page: rows as differences (``r``, 8 or 16 or 32 bits each), values as 32-bit floats (``v``), and
-    how far at most a row is from the line between two of them (``e``, rounded up to two digits).
-
-    :param time_s: instants of all rows, over which the line is drawn; None: they are evenly spaced.
-    """
-    steps = np.diff(rows, prepend=0)
-    width = next(bits for bits in (8, 16, 32) if steps.max(initial=0) < 2**bits)
-    return {
-        "w": width,
-        "r": text(steps.astype(f"<u{width // 8}")),
-        "v": text(values[rows].astype("<f4")),
-        "e": off_line(rows, values, np.arange(len(values)) if time_s is None else time_s),
-    }
-
-
 def off_line(rows: Rows, values: FloatArray, time_s: npt.NDArray[Any]) -> float:
     """The largest distance of a value from the line between the kept rows, rounded up to two digits; 0: there is none.
 
@@ -107,8 +90,3 @@ def off_line(rows: Rows, values: FloatArray, time_s: npt.NDArray[Any]) -> float:
     most = float(np.max(off, where=np.isfinite(off), initial=0.0))
     digit = 10.0 ** (np.floor(np.log10(most)) - 1) if most else 1.0
     return float(f"{np.ceil(most / digit * (1 - 1e-12)) * digit:.6g}")
-
-
-def text(numbers: npt.NDArray[Any]) -> str:
-    """The bytes of an array as base64."""
-    return base64.b64encode(np.ascontiguousarray(numbers).tobytes()).decode("ascii")
