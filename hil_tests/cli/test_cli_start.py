@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import gc
 import subprocess
 import sys
 
 import pytest
 
-from railhil.cli import commands, main
+from railhil.cli import main
 from railhil.cli.commands import parser
 from railhil.common.exit_codes import USAGE
 
@@ -148,18 +147,3 @@ def test_a_run_without_faults_loads_nothing_of_them(module):
         "railhil.faults.parsed",
         "railhil.bus.injector.processes",
     }
-
-
-def test_cycles_are_looked_for_rarely_during_a_command_only(monkeypatch):
-    during = []
-    monkeypatch.setattr(commands, "work", lambda given: during.append(gc.get_threshold()[0]) or 0)
-    of_the_tests = gc.get_threshold()
-    # Python's own.
-    before = (700, 10, 10)
-    gc.set_threshold(*before)
-    try:
-        assert main(["score"]) == 0
-        assert during[0] > before[0]
-        assert gc.get_threshold() == before
-    finally:
-        gc.set_threshold(*of_the_tests)

@@ -236,7 +236,7 @@ def test_the_figures_are_drawn(both: Both) -> None:
     found = panels.pictures(scenario, [run])
     assert [picture.name for picture in found] == ["approach", "last_metres", "speed_estimate"]
     assert all("<svg" in picture.svg for picture in found)
-    times_s, error_mmps = panels._Run("one", None, Approach.of(scenario, both.local.trace), run.trace).error_mmps(
+    times_s, error_mmps = panels._Run("one", None, Approach.of(scenario, both.local.trace), run.trace, 0).error_mmps(
         "ATO_STATE", "AtoSpeed"
     )
     # The first telegram comes before the law's first step in a run over the bus; later ones tell the measured speed.

@@ -237,7 +237,7 @@ def test_plot_draws_the_signals_of_the_system(site: Path, recorded: Path, tmp_pa
     assert png.startswith(b"\x89PNG")
     # One panel for quantities in metres, one for those in newtons.
     assert first.count(b'<g id="axes_') == 2
-    assert {f"<!-- {name} -->".encode() in first for name in ("true_position2_m", "force1_n", "stretch_m")} == {True}
+    assert {f"<!-- {name} -->".encode() in first for name in ("true position2", "force1", "stretch")} == {True}
 
 
 def test_export_writes_the_ports_and_signals_of_the_system(site: Path, recorded: Path, tmp_path: Path) -> None:

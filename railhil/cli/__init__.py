@@ -6,11 +6,6 @@ import sys
 from collections.abc import Sequence
 
 from railhil.common.exit_codes import guarded
-from railhil.common.leaving import leave
-from railhil.common.light_start import rare_collection
-
-#: Commands that have closed all that they have opened.
-_LEFT_AT_ONCE = (["run"], ["score"])
 
 
 def main(words: Sequence[str] | None = None) -> int:
@@ -27,14 +22,8 @@ def main(words: Sequence[str] | None = None) -> int:
         from railhil.cli import programs as outside
 
         outside.become_program(given)
-        from railhil.common.quick_dataclasses import quick_dataclasses
+        from railhil.cli import commands
 
-        with rare_collection(), quick_dataclasses():
-            from railhil.cli import commands
+        return commands.work(given)
 
-            return commands.work(given)
-
-    code = guarded("railhil", work)
-    if words is None and given[:1] in _LEFT_AT_ONCE:
-        leave(code)
-    return code
+    return guarded("railhil", work)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import errno
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
@@ -19,7 +19,6 @@ from railhil.common.command_line import add_law_arguments, add_run_arguments
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import FAIL, INVALID, USAGE
 from railhil.common.extras import install_command
-from railhil.common.light_start import undocumented_matplotlib
 from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.parameters import ParameterSet
@@ -162,14 +161,12 @@ def recorded(
     *,
     keep: bool = True,
     panel: PanelSocket | None = None,
-    meanwhile: Callable[[], object] | None = None,
 ) -> tuple[Run | LocalRun, RunResult]:
     """Run one law and write its folder; a signal that arrives while results are written waits until they are complete.
 
     :param made: whether the folder was made for the run; it is then removed if the run never began.
     :param keep: whether the folder is kept; else only what the result needs is written.
     :param panel: where a person gives orders.
-    :param meanwhile: done beside the largest files.
     :returns: the run, whose ``spec`` has the memory that it began with, and its result.
     :raises NeverBegan: no frame came, or the run was refused; the folder is left as it was.
     :raises RecordFailed: folder or memory cannot be written.
@@ -202,7 +199,7 @@ def recorded(
         complete(scenario, result, run.trace)
         if keep:
             arguments = [] if choice.is_private else choice.arguments
-            write_results(folder, scenario, spec, start_up, result, run.trace, arguments, meanwhile)
+            write_results(folder, scenario, spec, start_up, result, run.trace, arguments)
     if run.stop.number:
         run.stopped_exit_code = 128 + run.stop.number
     return run, result
@@ -230,18 +227,16 @@ def write_results(
     result: RunResult,
     trace: Trace,
     bus_arguments: list[str],
-    meanwhile: Callable[[], object] | None = None,
 ) -> None:
     """Complete a result with the law's memory, and write folder and memory.
 
     :param result: of :func:`complete`.
-    :param meanwhile: as in :func:`railhil.supervisor.folder.write_folder`.
     :raises RecordFailed: they cannot be written.
     """
     from railhil.supervisor.folder import write_folder
 
     result.memory = learned(scenario, spec, folder, result)
-    write_folder(folder, scenario, spec, start_up, result, trace, bus_arguments, meanwhile)
+    write_folder(folder, scenario, spec, start_up, result, trace, bus_arguments)
     if result.memory is not None:
         keep_memory(spec, folder, result.memory)
 
@@ -262,8 +257,7 @@ def report_line(runs: Sequence[RecordedRun], folder: Path, notes: Sequence[str] 
     from railhil.supervisor.hash_list import REPORT
 
     try:
-        with undocumented_matplotlib():
-            from railhil.supervisor.report.page import write_report
+        from railhil.supervisor.report.page import write_report
     except ImportError as error:
         return f"no report: {error.name} is not installed ({install_command('report')})"
     path = folder / REPORT
@@ -272,15 +266,6 @@ def report_line(runs: Sequence[RecordedRun], folder: Path, notes: Sequence[str] 
     except OSError as error:
         return f"no report: {path} cannot be written ({(error.strerror or str(error)).lower()})"
     return f"report {path}"
-
-
-def load_for_the_report() -> None:
-    """Load and prepare what :func:`report_line` needs, which says what cannot be loaded."""
-    with suppress(Exception), undocumented_matplotlib():
-        from railhil.supervisor.report.page import TEMPLATE
-        from railhil.supervisor.report.templates import template
-
-        template(TEMPLATE)
 
 
 def load_for_the_end() -> None:

@@ -10,8 +10,8 @@ from typing import NamedTuple
 
 from railhil.common.errors import InputError, Words
 from railhil.common.extras import missing
-from railhil.common.light_start import allow_asammdf
 from railhil.common.output import Output
+from railhil.common.python_can import allow_asammdf
 from railhil.common.whole_file import whole_file
 from railhil.supervisor.errors import not_written
 from railhil.supervisor.files.content import Content, parsed_start

@@ -8,7 +8,6 @@ from pathlib import Path
 
 from railhil.common.errors import InputError, Words
 from railhil.common.extras import missing
-from railhil.common.light_start import undocumented_matplotlib
 from railhil.common.output import Output
 from railhil.scenarios.stored import any_judged_sha256
 from railhil.supervisor.documents import COMPARISON, read_comparison
@@ -35,8 +34,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 def work(namespace: argparse.Namespace) -> int:
     """Write the report and print its path."""
     try:
-        with undocumented_matplotlib():
-            from railhil.supervisor.report.page import write_report
+        from railhil.supervisor.report.page import write_report
     except ImportError as error:
         raise missing("railhil report", error, "report") from None
     given = [Path(text) for text in namespace.folder]

@@ -16,7 +16,6 @@ from railhil.cli.bus_run import (
     as_recorded,
     chosen_bus,
     law_names,
-    load_for_the_report,
     recorded,
     report_line,
     start_up,
@@ -198,10 +197,7 @@ def work(namespace: argparse.Namespace) -> int:
         with panel_beside(namespace, spec, choice, folder) as panel:
             if panel is not None and namespace.wait:
                 spec, scenario = wait_for_start(panel, spec, scenario, transports_of(choice, how.foreign), how.attach)
-            meanwhile = None if namespace.no_report else load_for_the_report
-            run, result = recorded(
-                scenario, spec, how, choice, folder, made, console, quiet, panel=panel, meanwhile=meanwhile
-            )
+            run, result = recorded(scenario, spec, how, choice, folder, made, console, quiet, panel=panel)
             if panel is not None:
                 panel.tell({"phase": "ended", "exit_code": result.exit_code, "line": result.line})
     # Loaded while the nodes ended.

@@ -12,8 +12,8 @@ import sys
 from collections.abc import Callable
 from typing import TYPE_CHECKING, NoReturn
 
-from railhil.common.light_start import one_thread_for_matrices, without_asammdf
 from railhil.common.plain_text import plain
+from railhil.common.python_can import without_asammdf
 
 if TYPE_CHECKING:
     from typing_extensions import Buffer
@@ -142,6 +142,15 @@ def _is_output_full(error: OSError) -> bool:
     return False
 
 
+def _multiply_in_one_thread() -> None:
+    """Numpy, if it is loaded from here on, multiplies matrices in one thread, in this process and in those it starts.
+
+    All matrices here are small; threads for them would cost every process 40 ms at its start, and sums could depend on
+    the number of processors. What the user has set stays.
+    """
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+
 def guarded(name: str, main: Callable[[], int]) -> int:
     """Run a command; an exception becomes one line on stderr and its exit code.
 
@@ -155,7 +164,7 @@ def guarded(name: str, main: Callable[[], int]) -> int:
         if signal.SIGHUP not in ending_signals():
             outlive_terminal()
         hear_interrupts()
-        one_thread_for_matrices()
+        _multiply_in_one_thread()
         with without_asammdf():
             return main()
     except KeyboardInterrupt as stop:

@@ -5,9 +5,8 @@ from __future__ import annotations
 import hashlib
 import shlex
 import xml.etree.ElementTree as ET
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack
-from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -16,7 +15,6 @@ from railhil.bus.ident import PROFILES
 from railhil.common.build import machine
 from railhil.common.held_code import place_of
 from railhil.common.plain_text import plain
-from railhil.common.shared_out import shared_out
 from railhil.common.whole_file import whole_file, write_synced
 from railhil.scenarios.memory import MEMORY_AFTER
 from railhil.scenarios.model import AnyScenario
@@ -258,22 +256,19 @@ def write_folder(
     result: RunResult,
     trace: Trace,
     bus_arguments: list[str],
-    meanwhile: Callable[[], object] | None = None,
 ) -> None:
     """Write all results of a finished record; the certificate comes last and marks the folder as complete.
 
-    :param meanwhile: done beside the files that take longest (:func:`shared_out`).
     :raises RecordFailed: the folder cannot be written; it then holds what was recorded (the log, and the output and
         measurements of the nodes) and nothing that looks like a result.
     """
     try:
         with ExitStack() as drafts:
             blf = drafts.enter_context(whole_file(folder / "frames.blf"))
-            pieces: list[Callable[[], Any]] = [code_sha256, partial(write_blf, folder / "frames.log", blf)]
+            write_blf(folder / "frames.log", blf)
             if trace.count(judging_of(scenario).truth):
                 signals = drafts.enter_context(whole_file(folder / "signals.csv"))
-                pieces.append(partial(write_signals, scenario, trace, signals, _notes(result)))
-            code, *_ = shared_out(pieces, meanwhile)
+                write_signals(scenario, trace, signals, _notes(result))
         with whole_file(folder / EVENTS) as draft:
             write_events(result.events, draft)
         write_json(folder / SCORE, score_json(scenario, result, spec))
@@ -281,7 +276,7 @@ def write_folder(
             junit(scenario, spec, result).write(draft, encoding="unicode", xml_declaration=True)
         if result.memory is not None and result.memory.record is not None:
             write_synced(folder / MEMORY_AFTER, result.memory.record.content)
-        document = certificate(scenario, spec, start_up, result, bus_arguments, code)
+        document = certificate(scenario, spec, start_up, result, bus_arguments, code_sha256())
         document["received"] = None if trace.told is None else trace.told.as_json()
         with whole_file(folder / CERTIFICATE) as draft:
             draft.write_text(json_text(document | {HASH_LIST_KEY: HASH_LIST}), encoding="utf-8")

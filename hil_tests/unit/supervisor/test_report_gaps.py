@@ -170,9 +170,7 @@ _OTHER_FROM_S, _OTHER_TO_S = 4.0, 6.0
 
 @pytest.mark.slow
 @pytest.mark.parametrize("system", _OTHERS)
-def test_no_figure_of_another_system_has_a_line_over_a_gap(
-    system: str, tmp_path: Path
-) -> None:
+def test_no_figure_of_another_system_has_a_line_over_a_gap(system: str, tmp_path: Path) -> None:
     name, law, settings = _OTHERS[system]
     scenario = load_any(name, settings)
     made = local_run(scenario, tmp_path, RunSpec(law=LawSpec(law, arithmetic="float64")))
