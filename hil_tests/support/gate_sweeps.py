@@ -58,8 +58,27 @@ def sweep_gate(module: ModuleType) -> None:
                     assert again == (bool(wrong) and (step == -1 or 1 <= step <= 7))
     _sweep_steps(module)
     _sweep_order(module)
+    _sweep_counts(module)
     _sweep_bad(module)
     assert [module.CommandGate.emergency(NotchCmd(emergency=code)) for code in range(4)] == [True, False, True, True]
+
+
+def _sweep_counts(module: ModuleType) -> None:
+    """Each cause counts on: three commands of one kind after a good one."""
+    commands = {
+        "duplicate": [NotchCmd(0, life=9)] * 3,
+        "out_of_order": [NotchCmd(0, life=8)] * 3,
+        "check_variable": [NotchCmd(0, check=0, life=10)] * 3,
+        "out_of_range": [NotchCmd(1793, life=10)] * 3,
+        "gap": [NotchCmd(0, life=life) for life in (11, 13, 15)],
+        "notch_step": [NotchCmd(notch, life=life) for notch, life in ((1000, 10), (0, 11), (1000, 12))],
+    }
+    for cause, given in commands.items():
+        subject = module.CommandGate(1792, 500, 6)
+        for command in (NotchCmd(0, life=9), *given):
+            subject.accept(command)
+        accepted = 4 if cause in ("gap", "notch_step") else 1
+        assert subject.counters == {"accepted": accepted, cause: 3}, cause
 
 
 def _sweep_steps(module: ModuleType) -> None:
