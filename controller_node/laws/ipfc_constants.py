@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Annotated
 
 from pydantic import Field
@@ -118,15 +118,16 @@ class IpfcConstants(PfcConstants):
     softening: Row = field(metadata=held(SOFTENING_Q, "eq. (27) at mu = i/256"))
 
 
+def _softening(largest: float, exponent: float, slope: float, mu: float) -> float:
+    return largest * math.exp(mu**exponent * slope)
+
+
 @lru_cache(maxsize=8)
 def softening_function(parameters: IpfcParameters) -> Callable[[float], float]:
     """Eq. (27): alpha over the satisfaction mu."""
     slope = math.log(parameters.softening_min / parameters.softening_max)
-
-    def alpha(mu: float) -> float:
-        return parameters.softening_max * math.exp(mu**parameters.softening_exponent * slope)
-
-    return alpha
+    # The batch compiles the function apart from its numbers.
+    return partial(_softening, parameters.softening_max, parameters.softening_exponent, slope)
 
 
 def softening_curve(parameters: IpfcParameters, table: IpfcConstants) -> Curve:

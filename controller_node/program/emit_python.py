@@ -49,8 +49,11 @@ def checked_inputs(program: Program) -> list[Value]:
     return [value for value in states or [value for _, value in program.inputs] if value.kind is Kind.NUMBER]
 
 
-class _Emitter:
-    """One program in one family of arithmetics, line by line, and the numbers that it names."""
+class Emitter:
+    """One program in one family of arithmetics, line by line, and the numbers that it names.
+
+    :mod:`.emit_numba` emits the same operations for many trains.
+    """
 
     def __init__(self, program: Program, family: str, number: Arithmetic[Any]) -> None:
         self._program = program
@@ -95,18 +98,10 @@ class _Emitter:
 
     def text(self, ranges: Ranges | None) -> str:
         """The function; ``names`` is complete then."""
-        for operation in self._program.operations:
-            self._operation(operation)
+        self._write(ranges)
         states = [value for name, value in self._program.inputs if is_state(name)]
         given = [value for name, value in self._program.inputs if not is_state(name)]
-        body: list[str] = []
-        if ranges is not None:
-            for value in checked_inputs(self._program):
-                name = self._values[value.number]
-                low, high = (self._free(f"{end}_{name.removeprefix(f'{_STATE}_')}") for end in ("low", "high"))
-                self.names[low], self.names[high] = ranges.of(value)
-                body += [f"    if not {low} <= {name} <= {high}:", "        return None"]
-        body += self._lines
+        body = list(self._lines)
         after = [self._read(value) for name, value in self._program.outputs if is_state(name)]
         answer = [self._read(value) for name, value in self._program.outputs if not is_state(name)]
         noted = [self._read(quantity.value) for quantity in self._program.quantities]
@@ -118,6 +113,17 @@ class _Emitter:
         head += _unpacked([self._values[value.number] for value in states], "state")
         head += _unpacked([self._values[value.number] for value in given], "given")
         return "\n".join([*head, *body]) + "\n"
+
+    def _write(self, ranges: Ranges | None) -> None:
+        """The lines of the checked inputs and of all operations."""
+        if ranges is not None:
+            for value in checked_inputs(self._program):
+                name = self._values[value.number]
+                low, high = (self._free(f"{end}_{name.removeprefix(f'{_STATE}_')}") for end in ("low", "high"))
+                self.names[low], self.names[high] = ranges.of(value)
+                self._leave_if(f"not {low} <= {name} <= {high}")
+        for operation in self._program.operations:
+            self._operation(operation)
 
     def _read(self, value: Value) -> str:
         constant = value.constant
@@ -147,25 +153,29 @@ class _Emitter:
         to = self._values[operation.result.number]
         words = [self._read(value) for value in operation.arguments]
         if operation.op in self._called:
-            self._say(f"{to} = {operation.op}({', '.join([*words, *map(str, operation.parameters)])})")
+            self._call(operation, to, ", ".join([*words, *map(str, operation.parameters)]))
             return
         write: Callable[[Operation, str, Sequence[str]], None] | None = getattr(self, f"_write_{operation.op}", None)
         if write is None:
             raise KeyError(operation.op)
         write(operation, to, words)
 
+    def _call(self, operation: Operation, to: str, arguments: str) -> None:
+        """An operation that the arithmetic computes."""
+        self._say(f"{to} = {operation.op}({arguments})")
+
+    def _leave_if(self, condition: str) -> None:
+        """Leave the step to the law itself."""
+        self._say(f"if {condition}:", "    return None")
+
     def _rounded(self, to: str, expression: str) -> None:
         """A sum or product, rounded by single precision, which has neither denormals nor -0."""
         if not self._single:
             self._say(f"{to} = {expression}")
             return
-        self._say(
-            f"single[0] = {expression}",
-            # + 0.0: -0 is +0.
-            f"{to} = value = single[0] + 0.0",
-            "if not (FLT_MIN <= value <= FLT_MAX or -FLT_MAX <= value <= -FLT_MIN) and value:",
-            "    return None",
-        )
+        # + 0.0: -0 is +0.
+        self._say(f"single[0] = {expression}", f"{to} = value = single[0] + 0.0")
+        self._leave_if("not (FLT_MIN <= value <= FLT_MAX or -FLT_MAX <= value <= -FLT_MIN) and value")
 
     # -- one method for each operation ---------------------------------------------------------------------------------
 
@@ -195,7 +205,7 @@ class _Emitter:
     def _write_rsmpy(self, operation: Operation, to: str, words: Sequence[str]) -> None:
         self._write_rmpy(operation, to, words)
         if self._fixed:
-            self._say(f"if not {INT32_MIN} <= {to} <= {INT32_MAX}:", "    return None")
+            self._leave_if(f"not {INT32_MIN} <= {to} <= {INT32_MAX}")
 
     def _write_mpy_iqx(self, operation: Operation, to: str, words: Sequence[str]) -> None:
         q_a, q_b, q = operation.parameters
@@ -229,14 +239,15 @@ class _Emitter:
         if not self._fixed:
             self._write_clip(operation, to, words)
             return
-        self._say(f"if not {lower} <= {a} <= {upper}:", "    return None", f"{to} = {a}")
+        self._leave_if(f"not {lower} <= {a} <= {upper}")
+        self._say(f"{to} = {a}")
 
     def _write_clip(self, operation: Operation, to: str, words: Sequence[str]) -> None:
         a, upper, lower = words
         if self._fixed:
             if not _is_ordered(operation):
                 # The profiles differ if the limits are swapped.
-                self._say(f"if {lower} > {upper}:", "    return None")
+                self._leave_if(f"{lower} > {upper}")
             self._say(f"{to} = {a} if {a} < {upper} else {upper}", f"if {to} < {lower}:", f"    {to} = {lower}")
         else:
             self._say(f"{to} = {lower} if {lower} > {a} else {a}", f"if {upper} < {to}:", f"    {to} = {upper}")
@@ -316,6 +327,6 @@ def emit_python(
     :param ranges: of the program in fixed point: for inputs outside them the function returns None.
     :raises KeyError: an operation that only a law can do, such as the solution of a problem.
     """
-    emitter = _Emitter(program, family, number)
+    emitter = Emitter(program, family, number)
     text = emitter.text(ranges)
     return text, emitter.names

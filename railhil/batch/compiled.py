@@ -11,11 +11,14 @@ import hashlib
 import os
 import pickle
 import shutil
+import tempfile
 from bisect import bisect_right
 from collections.abc import Callable
 from dataclasses import dataclass
+from math import nan
 from pathlib import Path
-from typing import Any
+from types import FunctionType
+from typing import Any, get_type_hints
 
 import numpy as np
 
@@ -64,6 +67,40 @@ for _functions, _options in ((compilable.INLINE, _INLINE), (compilable.ASIDE, _A
         overload(_function, jit_options=_options, strict=False)(_as_marked(_function))
 
 
+def straight(function: Any) -> Callable[..., Any]:
+    """A marked function, compiled for loops over lanes: those that it seldom needs answer NaN instead, and its tables
+    have one row, in which each value lies.
+
+    Such a loop is computed side by side, because it has no calls and no loops; a result that is not a number has to be
+    computed by the whole function.
+    """
+    return side_by_side_part(_without_seldom(function))
+
+
+def _without_seldom(function: Callable[..., Any]) -> FunctionType:
+    source = interpreted(function)
+    names = dict(source.__globals__)
+    for name in source.__code__.co_names:
+        called = names.get(name)
+        if any(called is seldom for seldom in compilable.ASIDE):
+            names[name] = side_by_side_part(_never(get_type_hints(called)["return"]))
+        elif any(called is other for other in compilable.INLINE):
+            names[name] = straight(called)
+        elif called is bisect_right:
+            names[name] = side_by_side_part(lambda values, value: 1)
+    return FunctionType(source.__code__, names, source.__name__)
+
+
+def _never(kind: Any) -> Callable[..., Any]:
+    """A function that answers NaN: a float, or a named tuple of floats."""
+    answer = _not_a_number(kind)
+    return lambda *given: answer
+
+
+def _not_a_number(kind: Any) -> Any:
+    return nan if kind is float else kind(*map(_not_a_number, get_type_hints(kind).values()))
+
+
 def _bisect_right(values: Any, value: Any) -> Callable[..., int]:
     def by_steps_of_one(values: Any, value: Any) -> int:
         # A linear search is enough: the tables have few rows.
@@ -106,13 +143,11 @@ class Kept:
 FUNCTIONS: list[Kept] = []
 
 
-def cached(*sources: str) -> Callable[[Callable[..., Any]], Any]:
-    """Decorator: compile a function and cache the machine code on disk between processes.
+def _folder(*sources: str) -> tuple[Path, bool]:
+    """The folder with the machine code of functions, and whether it can be written.
 
-    numba checks only the file of the function itself; here the folder is named after the contents of every file whose
+    numba checks only the file of the function itself; this folder is named after the contents of every file whose
     functions may be compiled into it (``NUMBA_CACHE_DIR``, else ``XDG_CACHE_HOME``, else ``~/.cache``).
-
-    :param sources: further files.
     """
     # numba's own subfolder is named after the path of the source.
     digest = hashlib.sha256(f"{np.__version__} {__file__}".encode())
@@ -140,8 +175,13 @@ def cached(*sources: str) -> Callable[[Callable[..., Any]], Any]:
     except OSError:
         # Otherwise each process compiles anew: numba's default folder would not detect a change of the plant.
         kept = False
+    return folder, kept
 
-    def made(function: Callable[..., Any], kept: bool) -> Any:
+
+def _kept(function: Callable[..., Any], folder: Path, kept: bool) -> Callable[..., Any]:
+    """A function whose machine code is in a folder, if it is ``kept``."""
+
+    def made(kept: bool) -> Any:
         before = numba.config.CACHE_DIR
         numba.config.CACHE_DIR = str(folder)
         try:
@@ -149,22 +189,50 @@ def cached(*sources: str) -> Callable[[Callable[..., Any]], Any]:
         finally:
             numba.config.CACHE_DIR = before
 
+    kernel, loaded = made(kept), False
+
+    def call(*given: Any) -> Any:
+        nonlocal kernel, loaded
+        if not loaded:
+            loaded = True
+            try:
+                return kernel(*given)
+            except _DAMAGED:
+                # A cache file was truncated; this shows before anything is computed.
+                shutil.rmtree(folder, ignore_errors=True)
+                kernel = made(False)
+        return kernel(*given)
+
+    return call
+
+
+def cached(*sources: str) -> Callable[[Callable[..., Any]], Any]:
+    """Decorator: compile a function and cache the machine code on disk between processes.
+
+    :param sources: files beside those of the plant whose functions may be compiled into it.
+    """
+    folder, kept = _folder(*sources)
+
     def decorate(function: Callable[..., Any]) -> Callable[..., Any]:
         FUNCTIONS.append(Kept(function.__name__, folder, kept))
-        kernel, loaded = made(function, kept), False
-
-        def call(*given: Any) -> Any:
-            nonlocal kernel, loaded
-            if not loaded:
-                loaded = True
-                try:
-                    return kernel(*given)
-                except _DAMAGED:
-                    # A cache file was truncated; this shows before anything is computed.
-                    shutil.rmtree(folder, ignore_errors=True)
-                    kernel = made(function, False)
-            return kernel(*given)
-
-        return call
+        return _kept(function, folder, kept)
 
     return decorate
+
+
+def cached_text(text: str, name: str, *sources: str) -> Callable[..., Any]:
+    """The function of an emitted text; the text is kept beside its machine code, so a traceback shows it.
+
+    :param name: of the function.
+    :param sources: as for :func:`cached`.
+    """
+    folder, kept = _folder(*sources)
+    file = folder / f"{name}_{hashlib.sha256(text.encode()).hexdigest()[:16]}.py"
+    if kept and not file.exists():
+        # Several processes may write it; numba looks at the file's time.
+        with tempfile.NamedTemporaryFile("w", dir=folder, delete=False, encoding="utf-8") as written:
+            written.write(text)
+        Path(written.name).rename(file)
+    names: dict[str, Any] = {"__name__": file.stem, "__file__": str(file)}
+    exec(compile(text, str(file), "exec"), names)  # noqa: S102
+    return _kept(names[name], folder, kept)

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railhil.batch.case import Case
+from railhil.batch.emitted_law import loop_of
 from railhil.batch.kernel import run_period, stand_to_the_end
 from railhil.batch.layout import READ_ENDED
 from railhil.batch.noise import standard_noise
-from railhil.batch.ordered import loop_of
 from railhil.batch.setup import Times, Trains, common, status_tick, trains
 from railhil.bus.codes import Event
 from railhil.bus.telegrams import SimTruth
