@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.figures import Figure, MeasurementError, Setting
-from railhil.batch import CHUNK, Case, run_batch
+from railhil.batch import CHUNK, Case, lanes, run_batch
 from railhil.batch.engine import Engine
 from railhil.batch.kernel import run_period
 from railhil.batch.noise import standard_noise
@@ -52,9 +52,9 @@ def _parts_s(setting: Setting, runs: int) -> dict[str, float]:
 
     def plant(number: int) -> None:
         fleet = fleets[number]
-        run_period(engine.common, fleet.tables, fleet.records, codes[0], noise[0], -1, 0)
+        run_period(engine.common, fleet.tables, codes[0], noise[0], -1, 0)
         for i, (tick, end) in enumerate(periods):
-            run_period(engine.common, fleet.tables, fleet.records, codes[i], noise[i], tick, end)
+            run_period(engine.common, fleet.tables, codes[i], noise[i], tick, end)
 
     def draws(number: int) -> None:
         standard_noise([(number + 1) * 1_000_000 + seed for seed in seeds], times.steps)
@@ -68,8 +68,8 @@ def _parts_s(setting: Setting, runs: int) -> dict[str, float]:
     }
     scores = [chunk.scores[place] for place in fleets[0].tables.order]
     stops = [score.signed["stop_error_m"] for score in scores if score.signed["stop_error_m"] is not None]
-    records = fleets[0].records
-    found = records["stop_01mm"][records["stop_tick"] >= 0] * 0.0001 - setting.scenario.plan.distance_m
+    stop_01mm, stop_tick = fleets[0].column(lanes.STOP_01MM), fleets[0].column(lanes.STOP_TICK)
+    found = stop_01mm[stop_tick >= 0] * 0.0001 - setting.scenario.plan.distance_m
     if stops != found.tolist():
         raise MeasurementError("batch: the plant alone does not stop where it has stopped")
     return {name: taken_s / runs for name, taken_s in parts.items()}

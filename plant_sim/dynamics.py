@@ -100,6 +100,11 @@ def clipped_mean_n(first_n: float, last_n: float, mean_n: float, low_n: float, h
         return high_n
     if first_n <= low_n and last_n <= low_n:
         return low_n
+    return _crossing_mean_n(first_n, last_n, low_n, high_n)
+
+
+def _crossing_mean_n(first_n: float, last_n: float, low_n: float, high_n: float) -> float:
+    """Mean of a force, linear in time, that crosses a bound."""
     mean_n = (first_n + last_n) / 2
     span_n = abs(last_n - first_n)
     over_n = larger(first_n, last_n) - high_n
@@ -233,5 +238,5 @@ def _from_rest(
     return Step(Motion(position_m + speed_mps * 0.5 * moving_s, speed_mps, next_n, accel_mps2), waiting_s, step_s)
 
 
-compilable_functions(force_bounds_n, applied_n, acceleration_mps2, step, _mean_acceleration)
-compilable_functions(lag, clipped_mean_n, _to_rest, _waiting_s, _from_rest, aside=True)
+compilable_functions(force_bounds_n, clipped_mean_n, applied_n, acceleration_mps2, step, _mean_acceleration)
+compilable_functions(lag, _crossing_mean_n, _to_rest, _waiting_s, _from_rest, aside=True)

@@ -190,5 +190,4 @@ class OwnChecks:
         return _NOTHING
 
 
-compilable_functions(is_beyond_authority, is_running, is_weak)
-compilable_functions(forces_step, aside=True)
+compilable_functions(is_beyond_authority, is_running, is_weak, forces_step)

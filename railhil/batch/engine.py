@@ -9,6 +9,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from railhil.batch import lanes
 from railhil.batch.case import Case
 from railhil.batch.emitted_law import loop_of
 from railhil.batch.kernel import run_period, stand_to_the_end
@@ -70,24 +71,24 @@ class Engine:
         """
         times, case = self.times, self._case
         fleet = trains(case.scenario, seeds, case.perturbed, times, len(self.grid.counts))
-        records, ended = fleet.records, fleet.tables.readings[READ_ENDED]
+        ended = fleet.tables.readings[READ_ENDED]
         noise = standard_noise(seeds, times.steps)
         watch = _Watch(self._number, len(seeds))
         codes = np.zeros((times.steps.size, len(seeds)), dtype=np.int16)
         self._loop.state = None
         code = np.zeros(len(seeds), dtype=np.int64)
-        run_period(self.common, fleet.tables, records, code, noise[0], -1, 0)
+        run_period(self.common, fleet.tables, code, noise[0], -1, 0)
         for i, tick in enumerate(times.steps.tolist()):
             code = self._step(int(times.periods[i]), fleet)
             codes[i] = code
             watch.take(i, ended == 0)
             after = noise[min(i + 1, len(noise) - 1)]
-            run_period(self.common, fleet.tables, records, code, after, tick, int(times.ends[i]))
+            run_period(self.common, fleet.tables, code, after, tick, int(times.ends[i]))
             if ended.all():
                 break
         # Not needed any more, and as large as what the scores need.
         self._loop.state = None
-        finite = np.isfinite(records["position_m"] + records["speed_mps"] + records["actuator_n"])
+        finite = np.isfinite(sum(map(fleet.column, (lanes.POSITION, lanes.SPEED, lanes.ACTUATOR))))
         if not finite.all():
             raise PlantError(f"plant state is not finite with seed {seeds[fleet.tables.order[np.argmin(finite)]]}")
         low, high = SimTruth.port().signal("TrueAccel").raw_range
@@ -95,7 +96,7 @@ class Engine:
         if (beyond := held.any(axis=1)).any():
             seed = seeds[fleet.tables.order[np.argmax(beyond)]]
             raise PlantError(f"SIM_TRUTH.TrueAccel: the wire cannot carry it, with seed {seed}")
-        steps = np.searchsorted(times.steps, records["end_tick"][np.argsort(fleet.tables.order)], side="right")
+        steps = np.searchsorted(times.steps, fleet.column(lanes.END_TICK)[np.argsort(fleet.tables.order)], side="right")
         return BatchRuns(self._scores(fleet, watch), codes, steps, watch.counts)
 
     def _step(self, k: int, fleet: Trains) -> Ints:
@@ -115,27 +116,31 @@ class Engine:
 
     def _scores(self, fleet: Trains, watch: _Watch) -> list[Score]:
         """Score of each run, from the sums computed in the compiled loop."""
-        scenario, times, records = self._case.scenario, self.times, fleet.records
-        stand_to_the_end(self.common, fleet.tables, records)
+        scenario, times = self._case.scenario, self.times
+        stand_to_the_end(self.common, fleet.tables)
         itae = measures.itae_kmh_s2(
             fleet.tables.error_sums_kmh.T, self.grid.counts, self.grid.period_s, self.grid.shares
         )
-        last_s = times.truth_s[records["samples"] - 1]
+        last_s = times.truth_s[fleet.column(lanes.SAMPLES).astype(np.int64) - 1]
         ticks = (last_s / (scenario.timing.control_period_ns / 1e9)).astype(np.int64)
         column = times.control_columns[np.minimum(np.arange(ticks.max() + 1), ticks[:, None])]
         accel = np.take_along_axis(fleet.tables.control_accel_raw, column, axis=1) * _LSB
         comfort = measures.comfort_mps2_per_km(accel, scenario.plan.distance_m)
         # From here on in the order of the seeds.
         place = np.argsort(fleet.tables.order)
-        records, itae, comfort, last_s = records[place], itae[place], comfort[place], last_s[place]
-        stopped = records["stop_tick"] >= 0
-        stop_s = records["stop_01ms"] * _LSB
+
+        def of(quantity: int) -> Any:
+            return fleet.column(quantity)[place]
+
+        itae, comfort, last_s = itae[place], comfort[place], last_s[place]
+        stopped, stop_s = of(lanes.STOP_TICK) >= 0, of(lanes.STOP_01MS) * _LSB
         energy = measures.energy_kj(
-            scenario.energy, records["traction_j"], records["brake_j"], np.where(stopped, stop_s, last_s)
+            scenario.energy, of(lanes.TRACTION_J), of(lanes.BRAKE_J), np.where(stopped, stop_s, last_s)
         )
-        stop_m = records["stop_01mm"] * _LSB
-        columns = (itae, energy, comfort, stopped, stop_s, stop_m, records["ended"], records["overspeed_mps"],
-                   records["emergency_01ms"], records["emergency_01ms"] * _LSB, records["end_tick"])  # fmt: skip
+        ended, end_tick = (of(quantity).astype(np.int64) for quantity in (lanes.ENDED, lanes.END_TICK))
+        emergency = of(lanes.EMERGENCY_01MS)
+        columns = (itae, energy, comfort, stopped, stop_s, of(lanes.STOP_01MM) * _LSB, ended, of(lanes.OVERSPEED),
+                   emergency, emergency * _LSB, end_tick)  # fmt: skip
 
         def one(i: int, row: Sequence[Any]) -> Score:
             itae, energy, comfort, stopped, stop_s, stop_m, ended, overspeed_mps, emergency, emergency_s, end_tick = row

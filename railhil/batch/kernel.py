@@ -2,194 +2,222 @@
 
 It repeats the order defined in :mod:`railhil.plant_sim.cycle`, and ``Plant.advance``: each pass of the loop handles the
 end of the run at a tick, watch and motion, then, at the next tick, the readings that are due. The law is computed
-before the pass that begins a control period. The bus is healthy: every command is accepted. Trains whose run is steady
-are computed side by side (:mod:`railhil.batch.steady`), every other one on its record (:mod:`railhil.batch.alone`); the
-tests of the batch compare both with ``coupled_run`` and the nodes.
+before the pass that begins a control period. The bus is healthy: every command is accepted. Trains to which nothing but
+motion happens are computed side by side (:mod:`railhil.batch.side_by_side`), every other one by itself
+(:mod:`railhil.batch.train`); the tests of the batch compare both with ``coupled_run`` and the nodes.
 """
 
 from __future__ import annotations
 
+from math import inf
 from typing import Any
 
-from railhil.batch import alone, calm, compiled, curve, lanes, layout, steady, window
-from railhil.batch.lanes import (
-    CALM,
-    ERROR,
-    JOINS,
-    LANES,
-    LOOK_LEFT,
-    NOW,
-    POSITION,
-    SAMPLE_LEFT,
-    STEADY_RUN,
-    STEP_LEFT,
-    WANTED,
-    load,
-    store,
-)
+from railhil.batch import compiled, curve, lanes, layout, rows, side_by_side, train
+from railhil.batch import lanes as at
+from railhil.batch.lanes import LANES
 from railhil.common.compilable import larger, smaller
 from railhil.plant_sim import events, plant
+from railhil.plant_sim.command_watch import (
+    GOOD_AFTER_SERVICE_BRAKE,
+    CommandWatchLevel,
+    CommandWatchState,
+    watch_step,
+)
+from railhil.plant_sim.dynamics import lag
+from railhil.plant_sim.plant import SLIVER_TICKS
 from railhil.supervisor.measures import error_kmh
 
 #: Sources of the machine code, in addition to the functions shared with the bench.
 _SOURCES = (
     __file__,
-    *(str(module.__file__) for module in (alone, calm, curve, lanes, layout, steady, window, events, plant)),
+    *(str(module.__file__) for module in (curve, lanes, layout, rows, side_by_side, train, events, plant)),
 )
 
-
-@compiled.part
-def _is_not_calm(s: Any, lane: int, tick: int) -> bool:
-    return bool(s[CALM + lane] == 0.0 and tick >= s[JOINS + lane])
-
-
-@compiled.aside
-def _step_alone(common: Any, tables: Any, index: int, train: Any, s: Any, lane: int, tick: int, look_due: bool) -> None:
-    """A tick of a train on its record; from the next one on it is in its lane again, if its run is steady."""
-    if s[STEADY_RUN + lane] > 0.0:
-        store(common.truth_ticks, common.notch_ticks, train, s, lane, tick)
-    if train.ended != 0:
-        return
-    grades = alone.grades(common, tables, index, train)
-    alone.end(common, train, tick)
-    if train.ended == 0:
-        alone.advance(common, tables, index, grades, train, tick, tick % common.notch_ticks == 0, look_due)
-        if train.speed_mps > 0.0:
-            load(common, tables, index, train, s, lane, tick + 1)
-
-
-@compiled.aside
-def _sample_alone(common: Any, tables: Any, index: int, train: Any, s: Any, lane: int, tick: int, sample: int) -> None:
-    """A sample of a train on its record."""
-    if s[STEADY_RUN + lane] > 0.0:
-        store(common.truth_ticks, common.notch_ticks, train, s, lane, tick)
-    if train.ended == 0:
-        alone.truth(common, tables, index, alone.grades(common, tables, index, train), train, sample)
-        if train.speed_mps > 0.0:
-            load(common, tables, index, train, s, lane, tick)
+#: Compiled, a level is a number.
+_NORMAL: Any = int(CommandWatchLevel.NORMAL)
 
 
 @compiled.part
-def _sample_all(common: Any, tables: Any, trains: Any, first: int, count: int, tick: int, sample: int) -> None:
-    """A SIM_TRUTH of every train of a block, before ``tick``."""
-    s = tables.lanes[first // LANES]
-    judged = sample < common.cycle.size and common.cycle[sample] >= 0
-    if judged and common.by_distance:
-        for lane in range(count):
-            if s[STEADY_RUN + lane] > 0.0:
-                s[WANTED + lane] = curve.passing_mps(common.target, round(s[POSITION + lane] * 1e4) * alone.TRUTH_LSB)
-    elif judged:
-        for lane in range(LANES):
-            s[WANTED + lane] = common.wanted_mps[sample]
-    seconds = common.truth_s[sample] - common.truth_s[sample - 1] if sample > 0 else 0.0
-    marked = steady.sample(common, s, seconds, judged and sample > 0)
+def _set_part(s: Any, i: int, part_at: int) -> None:
+    """The part of a tick that is computed next; ``part_at``: the first of its three quantities."""
+    s[at.PART_S + i], s[at.PART_DECAY + i] = s[part_at + i], s[part_at + LANES + i]
+    s[at.PART_MEAN + i] = s[part_at + 2 * LANES + i]
+
+
+@compiled.part
+def _divide(s: Any, i: int, part_at: int, ticks: float, step_s: float) -> None:
+    """The factors of a part of a tick; they are those of the period before, as a rule."""
+    part_s = ticks * step_s if ticks > SLIVER_TICKS else 0.0
+    if ticks == 1.0:
+        s[part_at + LANES + i], s[part_at + 2 * LANES + i] = s[at.LAG_DECAY + i], s[at.LAG_MEAN + i]
+    elif part_s > 0.0 and part_s != s[part_at + i]:
+        found = lag(s[at.POLE + i], part_s)
+        s[part_at + LANES + i], s[part_at + 2 * LANES + i] = found.decay, found.mean
+    s[part_at + i] = part_s
+
+
+@compiled.aside
+def _whole_ticks(step_s: float, s: Any) -> None:
+    for i in range(LANES):
+        s[at.PART_S + i], s[at.PART_DECAY + i] = step_s, s[at.LAG_DECAY + i]
+        s[at.PART_MEAN + i] = s[at.LAG_MEAN + i]
+
+
+@compiled.aside
+def _begin_split(step_s: float, s: Any, count: int, tick: int) -> None:
+    """The first parts of a tick in which the notches of some trains begin to act."""
+    for i in range(count):
+        due = s[at.DUE + i]
+        if due <= tick + 1 and s[at.ORDINARY + i] > 0.0:
+            ticks = larger(due - tick, 0.0)
+            _divide(s, i, at.FIRST_S, ticks, step_s)
+            s[at.SECOND_TICKS + i] = tick + 1 - due if ticks > SLIVER_TICKS else 1.0
+            _divide(s, i, at.SECOND_S, s[at.SECOND_TICKS + i], step_s)
+            _set_part(s, i, at.FIRST_S)
+
+
+@compiled.part
+def _end_split(common: Any, tables: Any, numbers: Any, s: Any, first: int, count: int, tick: int) -> None:
+    """The second parts, with the notches that act."""
+    for i in range(LANES):
+        s[at.PART_S + i] = 0.0
+    for i in range(count):
+        # A train that was computed by itself has taken its notch already.
+        if s[at.ORDINARY + i] > 0.0 and s[at.TICK_LEFT + i] == 0.0 and s[at.DUE + i] <= tick + 1:
+            train.take_notch(tables, first + i, s, i)
+            _set_part(s, i, at.SECOND_S)
+    if side_by_side.move(numbers, s) > 0:
+        for i in range(count):
+            if s[at.TICK_LEFT + i] > 0.0:
+                ticks = s[at.SECOND_TICKS + i]
+                train.move(common, tables, first + i, s, i, tick, tick + 1 - ticks, ticks)
+                rows.look_up(common, tables, first + i, s, i)
+
+
+@compiled.side_by_side
+def _next_due(s: Any) -> float:
+    """The instant in ticks at which the next notch of a running train of a block begins to act; infinite: none."""
+    found = inf
+    for i in range(LANES):
+        due = s[at.DUE + i]
+        found = due if (due < found) & (s[at.ENDED + i] == 0.0) else found
+    return found
+
+
+@compiled.part
+def _tick(common: Any, tables: Any, numbers: Any, s: Any, first: int, count: int, tick: int, due: float) -> float:
+    """A tick of a block; the instant at which the next notch begins to act.
+
+    :param due: the instant of the next one before it.
+    """
+    polled, look_due = tick % common.notch_ticks == 0, tick % common.checks.look_ticks == 0
+    # The watch of a train that moves as it should. Every train gets every command, so they all have its age.
+    state = CommandWatchState(_NORMAL, int(s[at.BLOCK_AGE]), GOOD_AFTER_SERVICE_BRAKE)
+    watch = watch_step(common.limits, state, polled, _NORMAL, True, True, False)
+    if watch.level != _NORMAL:
+        for i in range(count):
+            if s[at.ORDINARY + i] > 0.0:
+                s[at.AGE + i], s[at.ORDINARY + i] = s[at.BLOCK_AGE], 0.0
+    if look_due:
+        side_by_side.look(numbers, s)
+    if due <= tick + 1:
+        _begin_split(common.step_s, s, count, tick)
+    if side_by_side.advance(numbers, s, look_due) > 0:
+        for i in range(count):
+            if s[at.TICK_LEFT + i] > 0.0:
+                if s[at.ORDINARY + i] > 0.0:
+                    s[at.AGE + i] = s[at.BLOCK_AGE]
+                looks = look_due and s[at.LOOK_LEFT + i] > 0.0
+                train.advance(common, tables, first + i, s, i, tick, polled, looks)
+                rows.look_up(common, tables, first + i, s, i)
+    if due <= tick + 1:
+        _end_split(common, tables, numbers, s, first, count, tick)
+        _whole_ticks(common.step_s, s)
+        due = _next_due(s)
+    s[at.BLOCK_AGE] = watch.age_ticks
+    return due
+
+
+@compiled.part
+def _sample(common: Any, tables: Any, numbers: Any, s: Any, first: int, count: int, number: int) -> None:
+    """A SIM_TRUTH of every train of a block."""
+    judged = 0 < number < common.cycle.size and common.cycle[number] >= 0
     if judged:
-        sums_kmh = tables.error_sums_kmh[common.cycle[sample]]
-        for lane in range(count):
-            sums_kmh[first + lane] += s[ERROR + lane]
-    column = common.control_sample[sample]
+        for i in range(LANES):
+            s[at.WANTED + i] = common.wanted_mps[number]
+        if common.by_distance:
+            for i in range(count):
+                if s[at.ENDED + i] == 0.0:
+                    s[at.WANTED + i] = train.wanted_mps(common, s, i)
+    seconds = common.truth_s[number] - common.truth_s[number - 1] if number > 0 else 0.0
+    column = common.control_sample[number]
     if column >= 0:
-        for lane in range(count):
-            if s[SAMPLE_LEFT + lane] == 0.0:
-                now = round(s[NOW + lane] * 1e4)
-                tables.control_accel_raw[first + lane, column] = smaller(larger(now, -0x8000), 0x7FFF)
-    if marked > 0:
-        for lane in range(count):
-            if s[SAMPLE_LEFT + lane] > 0.0 and _is_not_calm(s, lane, tick - 1):
-                index = first + lane
-                _sample_alone(common, tables, index, trains[index], s, lane, tick, sample)
-
-
-@compiled.part
-def _block(common: Any, tables: Any, trains: Any, s: Any, first: int, count: int, from_tick: int, to_tick: int) -> None:
-    """:func:`run_period` of the trains of a block that are not calm."""
-    for lane in range(LANES):
-        s[STEADY_RUN + lane] = 0.0
-    if from_tick >= 0:
-        for lane in range(count):
-            if _is_not_calm(s, lane, from_tick):
-                index = first + lane
-                load(common, tables, index, trains[index], s, lane, from_tick)
-    odometer_tick = to_tick // common.position_ticks * common.position_ticks
-    for tick in range(from_tick, to_tick):
-        look_due = tick % common.checks.look_ticks == 0
-        if tick > common.last_tick:
-            for lane in range(count):
-                if s[STEADY_RUN + lane] > 0.0:
-                    store(common.truth_ticks, common.notch_ticks, trains[first + lane], s, lane, tick)
-        if tick >= 0:
-            if look_due:
-                steady.look_at_forces(common, s)
-            if steady.advance(common, s, tick, look_due) > 0:
-                for lane in range(count):
-                    if s[STEP_LEFT + lane] > 0.0 and _is_not_calm(s, lane, tick):
-                        index = first + lane
-                        look = look_due and (s[LOOK_LEFT + lane] > 0.0 or s[STEADY_RUN + lane] == 0.0)
-                        _step_alone(common, tables, index, trains[index], s, lane, tick, look)
-        if (tick + 1) % common.truth_ticks == 0:
-            sample = (tick + 1) // common.truth_ticks
-            _sample_all(common, tables, trains, first, count, tick + 1, sample)
-        if tick + 1 == odometer_tick:
-            for lane in range(count):
-                index = first + lane
-                position_m = s[POSITION + lane] if s[STEADY_RUN + lane] > 0.0 else trains[index].position_m
-                if trains[index].ended == 0 and _is_not_calm(s, lane, tick):
-                    alone.show(common, tables, index, trains[index], position_m)
-    for lane in range(count):
-        if s[STEADY_RUN + lane] > 0.0:
-            store(common.truth_ticks, common.notch_ticks, trains[first + lane], s, lane, to_tick)
+        side_by_side.accelerate(numbers, s)
+    if side_by_side.sample(numbers, s, seconds, number, judged) > 0:
+        for i in range(count):
+            if s[at.TICK_LEFT + i] > 0.0:
+                train.sample(common, s, i, number, judged)
+                if column >= 0:
+                    s[at.NOW + i] = train.acceleration_mps2_of(common, tables, first + i, s, i)
+    if judged:
+        sums_kmh = tables.error_sums_kmh[common.cycle[number]]
+        for i in range(count):
+            sums_kmh[first + i] += s[at.ERROR + i]
+    if column >= 0:
+        for i in range(count):
+            if s[at.ENDED + i] == 0.0:
+                now = smaller(larger(round(s[at.NOW + i] * 1e4), -0x8000), 0x7FFF)
+                tables.control_accel_raw[first + i, column] = now
 
 
 @compiled.cached(*_SOURCES)
-def run_period(
-    common: Any, tables: Any, trains: Any, notch_codes: Any, noise: Any, from_tick: int, to_tick: int
-) -> None:
+def run_period(common: Any, tables: Any, notch_codes: Any, noise: Any, from_tick: int, to_tick: int) -> None:
     """Advance every running train from the poll at ``from_tick`` to just before that at ``to_tick``.
-
-    Trains are computed in blocks: those of which nothing else can happen in the period by :mod:`railhil.batch.window`,
-    and stay in their lanes; the others side by side as far as their runs are steady (:mod:`railhil.batch.steady`).
 
     :param notch_codes: notches of the law at ``from_tick``, shape (N,). With ``from_tick`` -1 there are none: the train
         stands at tick 0.
     :param noise: standard normal numbers of the speed sensor at ``to_tick``, shape (N,).
     """
-    for first in range(0, trains.size, LANES):
-        count = smaller(LANES, trains.size - first)
-        s = tables.lanes[first // LANES]
-        running = 0
-        for lane in range(LANES):
-            s[JOINS + lane] = from_tick
-        for lane in range(count):
-            index = first + lane
-            if trains[index].ended == 0:
-                running += 1
-                if from_tick >= 0:
-                    alone.command(common, tables, index, trains[index], notch_codes[tables.order[index]], from_tick)
-        if running > 0 and from_tick >= 0:
-            found, fast = window.enter(common, tables, trains, s, first, count, from_tick, to_tick)
-            running -= found
-            if found > 0:
-                running += window.run(common, tables, trains, s, first, count, from_tick, to_tick, fast)
-        if running > 0:
-            _block(common, tables, trains, s, first, count, from_tick, to_tick)
-        window.read(common, tables, trains, s, first, count, noise)
-        for lane in range(count):
-            index = first + lane
-            train = trains[index]
-            if train.ended == 0 and s[CALM + lane] == 0.0:
-                alone.read(common, tables, index, train, noise[tables.order[index]])
-            tables.readings[layout.READ_ENDED, tables.order[index]] = train.ended
+    trains, numbers = tables.order.size, side_by_side.numbers_of(common)
+    odometer_tick = to_tick // common.position_ticks * common.position_ticks
+    for first in range(0, trains, LANES):
+        count = smaller(LANES, trains - first)
+        s = tables.blocks[first // LANES]
+        if from_tick >= 0:
+            for i in range(count):
+                index = first + i
+                if s[at.ENDED + i] == 0.0:
+                    train.command(common, tables, index, s, i, notch_codes[tables.order[index]], from_tick)
+        _whole_ticks(common.step_s, s)
+        due = _next_due(s)
+        for tick in range(from_tick, to_tick):
+            if tick == common.last_tick + 1:
+                for i in range(LANES):
+                    s[at.ORDINARY + i] = 0.0
+            if tick >= 0:
+                due = _tick(common, tables, numbers, s, first, count, tick, due)
+            if (tick + 1) % common.truth_ticks == 0:
+                _sample(common, tables, numbers, s, first, count, (tick + 1) // common.truth_ticks)
+            if tick + 1 == odometer_tick:
+                for i in range(count):
+                    if s[at.ENDED + i] == 0.0:
+                        s[at.SHOWN + i] = s[at.POSITION + i]
+        for i in range(count):
+            index = first + i
+            if s[at.ENDED + i] == 0.0:
+                train.read(common, tables, index, s, i, noise[tables.order[index]])
+            tables.readings[layout.READ_ENDED, tables.order[index]] = s[at.ENDED + i]
 
 
 @compiled.cached(*_SOURCES)
-def stand_to_the_end(common: Any, tables: Any, trains: Any) -> None:
+def stand_to_the_end(common: Any, tables: Any) -> None:
     """Add the rest of the timetable after the end of each run to the sums: the train stands."""
-    for index in range(trains.size):
-        train = trains[index]
-        for sample in range(train.samples, common.cycle.size):
-            if common.cycle[sample] >= 0:
-                position_m = train.true_position_01mm * alone.TRUTH_LSB
+    for index in range(tables.order.size):
+        s, i = tables.blocks[index // LANES], index % LANES
+        for number in range(int(s[at.SAMPLES + i]), common.cycle.size):
+            if common.cycle[number] >= 0:
+                position_m = s[at.TRUE_POSITION + i] * train.TRUTH_LSB
                 wanted = (
-                    curve.passing_mps(common.target, position_m) if common.by_distance else common.wanted_mps[sample]
+                    curve.passing_mps(common.target, position_m) if common.by_distance else common.wanted_mps[number]
                 )
-                tables.error_sums_kmh[common.cycle[sample], index] += error_kmh(wanted, 0.0)
+                tables.error_sums_kmh[common.cycle[number], index] += error_kmh(wanted, 0.0)

@@ -1,10 +1,8 @@
-"""Data of the compiled loop: the constants common to all trains of a batch, and one record for each train."""
+"""Data of the compiled loop: the constants common to all trains of a batch, and tables with a row for each train."""
 
 from __future__ import annotations
 
 from typing import Any, NamedTuple
-
-import numpy as np
 
 
 class Common(NamedTuple):
@@ -13,7 +11,8 @@ class Common(NamedTuple):
     ``traction`` and ``brake`` are effort tables, ``limits`` and ``checks`` the watch's. ``front_limit_from_m`` and
     ``front_limit_mps`` are the limit used by the train's watch, ``line_limits`` (rows, 2) that of the score. For each
     truth sample: ``truth_s`` its time, ``wanted_mps`` the set-point by time, ``cycle`` the column of the ITAE sums (-1:
-    none), ``control_sample`` the column of the kept accelerations (-1: none).
+    none), ``control_sample`` the column of the kept accelerations (-1: none). ``side_by_side``: False computes each
+    train by itself, with the same results.
     """
 
     step_s: float
@@ -42,6 +41,7 @@ class Common(NamedTuple):
     cycle: Any
     control_sample: Any
     target: Any
+    side_by_side: bool
 
 
 #: Rows of ``readings``.
@@ -51,8 +51,8 @@ READ_SPEED, READ_ODOMETER, READ_BALISES, READ_ENDED = range(4)
 class PerTrain(NamedTuple):
     """Tables with one row for each train: mean grade, balises in the order of passing, delayed notches.
 
-    ``error_sums_kmh`` (cycles, N) and ``control_accel_raw`` (N, control ticks; 0.1 mm/s2) are for the score. ``lanes``
-    are the blocks, (blocks, :data:`railhil.batch.lanes.SIZE`). Trains are in the order of their lanes here;
+    ``error_sums_kmh`` (cycles, N) and ``control_accel_raw`` (N, control ticks; 0.1 mm/s2) are for the score. ``blocks``
+    are the numbers of the trains, (blocks, :data:`railhil.batch.lanes.SIZE`). Trains are in the order of their lanes;
     ``order`` (N,) is the place of each in the order of the seeds, which is that of ``readings`` (4, N), what the law
     reads at a poll: speed (0.1 mm/s), odometer (0.1 mm) and balises passed; and how the run has ended (0: it has not).
     """
@@ -65,70 +65,5 @@ class PerTrain(NamedTuple):
     error_sums_kmh: Any
     control_accel_raw: Any
     order: Any
-    lanes: Any
+    blocks: Any
     readings: Any
-
-
-#: What each control period of each train needs lies together.
-_HOT_FLOATS = ("wheel_factor", "noise_sigma_mps", "delay_ticks", "force_per_notch_n", "pole_per_s")
-_HOT_INTS = (
-    "ended",
-    "staged_last",
-    "staged_first",
-    "staged_count",
-    "acting_code",
-    "grade_row",
-)
-_FIELDS = [(name, np.float64) for name in _HOT_FLOATS] + [(name, np.int64) for name in _HOT_INTS]
-_FIELDS += [
-    (name, np.float64)
-    for name in (
-        "mass_kg",
-        "resistance_a_n",
-        "resistance_b_n_per_mps",
-        "resistance_c_n_per_mps2",
-        "grade_n_per_permil",
-        "lag_decay",
-        "lag_mean",
-        # Motion, and the forces allowed by the train's protection.
-        "position_m",
-        "speed_mps",
-        "actuator_n",
-        "accel_mps2",
-        "brake_min_n",
-        "slow_decay",
-        "left_n",
-        "floor_n",
-        "watch_brake_mps2",
-        "limit_mps",
-        "limit_to_m",
-        "leg_from_m",
-        # Sums for the score.
-        "traction_j",
-        "brake_j",
-        "traction_w",
-        "brake_w",
-        "overspeed_mps",
-    )
-] + [
-    (name, np.int64)
-    for name in (
-        "traction",
-        "level",
-        "age_ticks",
-        "good",
-        "running_looks",
-        "weak_looks",
-        # Truth samples so far, and the position in the last of them.
-        "samples",
-        "true_position_01mm",
-        # Events: -1 until they occur.
-        "stop_tick",
-        "stop_01ms",
-        "stop_01mm",
-        "emergency_01ms",
-        "end_tick",
-    )
-]
-#: Constants and state of one train: a record whose fields are attributes in the interpreter as well.
-TRAIN = np.dtype((np.record, _FIELDS))

@@ -10,8 +10,8 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from railhil.batch import lanes
-from railhil.batch.layout import TRAIN, Common, PerTrain
+from railhil.batch import lanes as at
+from railhil.batch.layout import Common, PerTrain
 from railhil.bench import coupled_schedule
 from railhil.bus.schedule import Schedule
 from railhil.bus.telegrams import CtlStat, NotchCmd, SimTruth, TrnPos
@@ -140,6 +140,7 @@ def common(scenario: Scenario, by_distance: bool, times: Times) -> Common:
             target.stop_position_m,
             int(np.count_nonzero(target._time < target.stop_time_s)),
         ),
+        side_by_side=True,
     )
 
 
@@ -161,9 +162,13 @@ class BalisePasses:
 class Trains:
     """N trains at rest at tick 0, in the order of their lanes; balises in the order of the seeds."""
 
-    records: NDArray[Any]
     tables: PerTrain
     balises: BalisePasses
+
+    def column(self, quantity: int) -> NDArray[np.float64]:
+        """A quantity of :mod:`railhil.batch.lanes` of all trains, shape (N,)."""
+        count = self.tables.order.size
+        return np.array(self.tables.blocks[:, quantity : quantity + at.LANES].reshape(-1)[:count])
 
 
 def trains(scenario: Scenario, seeds: Sequence[int], drawn: bool, times: Times, cycles: int) -> Trains:
@@ -175,33 +180,42 @@ def trains(scenario: Scenario, seeds: Sequence[int], drawn: bool, times: Times, 
     if scenario.faults:
         actual = Mismatch.over(constant_mismatches(scenario, seeds)).applied(actual)
     train, sensors = actual.train, actual.sensors
-    records = np.zeros(count, dtype=TRAIN)
     constants = force_tables.train_constants(train)
-    for name in ("mass_kg", "resistance_a_n", "resistance_b_n_per_mps", "resistance_c_n_per_mps2"):
-        records[name] = getattr(constants, name)
-    records["grade_n_per_permil"], records["pole_per_s"] = constants.grade_n_per_permil, constants.pole_per_s
-    full = [lag(pole, timing.base_tick_ns * 1e-9) for pole in records["pole_per_s"].tolist()]
-    records["lag_decay"], records["lag_mean"] = [one.decay for one in full], [one.mean for one in full]
-    step_s = timing.base_tick_ns * 1e-9
-    checks = train_checks(scenario)
-    records["slow_decay"] = [slow_decay(checks, pole, step_s) for pole in records["pole_per_s"].tolist()]
-    records["left_n"] = inf
-    records["force_per_notch_n"] = train.force_per_notch_n
-    records["wheel_factor"], records["noise_sigma_mps"] = sensors.wheel_factor, sensors.speed_noise_sigma_mps
-    records["delay_ticks"] = actual.timing.loop_delay_s * 1e9 / timing.base_tick_ns
-    records["watch_brake_mps2"] = train.service_braking_mps2
-    records["brake_min_n"] = records["watch_brake_mps2"] * records["mass_kg"]
-    # The limit is looked up in the first tick.
-    records["limit_to_m"] = -inf
-    records["level"] = INITIAL.level
-    for name in ("stop_tick", "emergency_01ms"):
-        records[name] = -1
+    step_s, checks = timing.base_tick_ns * 1e-9, train_checks(scenario)
+    poles = np.broadcast_to(constants.pole_per_s, count).tolist()
+    full = [lag(pole, step_s) for pole in poles]
+    delay_ticks = np.broadcast_to(actual.timing.loop_delay_s * 1e9 / timing.base_tick_ns, count)
+    wheel_factor = np.broadcast_to(np.asarray(sensors.wheel_factor, dtype=np.float64), count)
+    numbers = {
+        at.MASS: constants.mass_kg,
+        at.RESISTANCE_A: constants.resistance_a_n,
+        at.RESISTANCE_B: constants.resistance_b_n_per_mps,
+        at.RESISTANCE_C: constants.resistance_c_n_per_mps2,
+        at.GRADE_N: constants.grade_n_per_permil,
+        at.POLE: poles,
+        at.LAG_DECAY: [one.decay for one in full],
+        at.LAG_MEAN: [one.mean for one in full],
+        at.SLOW_DECAY: [slow_decay(checks, pole, step_s) for pole in poles],
+        at.FORCE_PER_NOTCH: train.force_per_notch_n,
+        at.WHEEL: wheel_factor,
+        at.NOISE: sensors.speed_noise_sigma_mps,
+        at.DELAY_TICKS: delay_ticks,
+        at.LEVEL: INITIAL.level,
+        at.WATCH_BRAKE: train.service_braking_mps2,
+        at.BRAKE_MIN: train.service_braking_mps2 * constants.mass_kg,
+        at.LEFT: inf,
+        # The limit is looked up in the first tick.
+        at.LIMIT_TO: -inf,
+        at.DUE: inf,
+        at.STOP_TICK: -1,
+        at.EMERGENCY_01MS: -1,
+    }
     _, permil, permil_per_m = force_tables.grade_rows(actual.line.grade_permil, train.length_m)
     # A notch is delayed by at most the loop delay, and there is one new notch per control period.
-    slots = ceil(records["delay_ticks"].max() * timing.base_tick_ns / timing.control_period_ns) + 2
-    balises = _balises(actual, records["wheel_factor"])
+    slots = ceil(delay_ticks.max() * timing.base_tick_ns / timing.control_period_ns) + 2
+    balises = _balises(actual, wheel_factor)
     # In a block of similar delays, notches begin to act in the same ticks.
-    order = np.argsort(records["delay_ticks"], kind="stable")
+    order = np.argsort(delay_ticks, kind="stable")
     tables = PerTrain(
         np.broadcast_to(permil, (count, permil.shape[-1]))[order],
         np.broadcast_to(permil_per_m, (count, permil.shape[-1]))[order],
@@ -211,16 +225,23 @@ def trains(scenario: Scenario, seeds: Sequence[int], drawn: bool, times: Times, 
         np.zeros((cycles, count)),
         np.zeros((count, int(times.control_columns.max()) + 1), dtype=np.int64),
         order,
-        _empty_lanes(count),
+        _blocks({place: np.broadcast_to(values, count)[order] for place, values in numbers.items()}, count),
         np.zeros((4, count), dtype=np.int64),
     )
-    return Trains(records[order], tables, balises)
+    return Trains(tables, balises)
 
 
-def _empty_lanes(count: int) -> NDArray[np.float64]:
-    """Blocks without trains: numbers with which a lane can be computed, and nothing comes of it."""
-    blocks = np.ones((-(-count // lanes.LANES), lanes.SIZE))
-    blocks[:, lanes.CALM : lanes.CALM + lanes.LANES] = 0.0
+def _blocks(numbers: dict[int, NDArray[Any]], count: int) -> NDArray[np.float64]:
+    """The numbers of all trains, zero where none is given. A lane without a train has ended."""
+    blocks = np.zeros((-(-count // at.LANES), at.SIZE))
+    blocks[:, at.ENDED : at.ENDED + at.LANES] = 1.0
+    # A divisor, and ends of a row.
+    for place in (at.MASS, at.TRACTION_TO, at.BRAKE_TO):
+        blocks[:, place : place + at.LANES] = 1.0
+    for place, values in {**numbers, at.ENDED: np.zeros(count)}.items():
+        for block, first in enumerate(range(0, count, at.LANES)):
+            part = values[first : first + at.LANES]
+            blocks[block, place : place + part.size] = part
     return blocks
 
 

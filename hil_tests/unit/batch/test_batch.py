@@ -18,13 +18,8 @@ from hil_tests.support.plug import plug_in
 from railhil.batch import Case, kernel, run_batch, say_compiling, trace_digest
 from railhil.batch.compiled import FUNCTIONS, Kept
 from railhil.batch.engine import Engine
-from railhil.batch.kernel import run_period
-from railhil.batch.lanes import LANES, POSITION, STEADY_RUN, STEP_LEFT, store
-from railhil.batch.lanes import load as into_lane
+from railhil.batch.lanes import LANES
 from railhil.batch.noise import standard_noise
-from railhil.batch.setup import trains
-from railhil.batch.steady import advance
-from railhil.batch.window import leave
 from railhil.bench import coupled_run, direct_run, local_run
 from railhil.common.errors import InputError
 from railhil.controller_node.arithmetic import make
@@ -206,28 +201,6 @@ def test_trains_of_two_blocks_are_what_they_are_alone(short):
     for seed in (0, LANES - 1, LANES, LANES + 1):
         single = run_batch(case, [seed])
         assert (single.scores[0], single.notch_digest[0]) == (whole.scores[seed], whole.notch_digest[seed])
-
-
-@pytest.mark.long
-def test_a_train_is_in_its_lane_while_it_runs(short):
-    """Else the batch would be as slow as trains one by one, with the same results."""
-    engine = Engine(Case(short))
-    fleet = trains(short, [1], True, engine.times, len(engine.grid.counts))
-    code, noise = np.full(1, 1024, dtype=np.int64), np.zeros(1)
-    run_period(engine.common, fleet.tables, fleet.records, code, noise, -1, 0)
-    run_period(engine.common, fleet.tables, fleet.records, code, noise, 0, 100)
-    lane, record = fleet.tables.lanes[0], fleet.records[0]
-    leave(2, 2, record, lane, 0, 100)
-    into_lane(engine.common, fleet.tables, 0, record, lane, 0, 100)
-    assert lane[STEADY_RUN] == 1.0
-    advance(engine.common, lane, 100, False)
-    assert lane[STEP_LEFT] == 0.0
-    assert lane[POSITION] > record.position_m
-    store(2, 2, record, lane, 0, 101)
-    assert (lane[STEADY_RUN], record.position_m) == (0.0, lane[POSITION])
-    record.speed_mps = 0.0
-    into_lane(engine.common, fleet.tables, 0, record, lane, 0, 101)
-    assert lane[STEADY_RUN] == 0.0
 
 
 def test_no_seeds_give_an_empty_result(short):

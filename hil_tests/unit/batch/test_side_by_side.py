@@ -1,18 +1,17 @@
-"""Calm trains are what each is alone on its record, with the functions of the bench, to the last bit."""
+"""Trains side by side are what each is by itself, with the whole functions of the bench, to the last bit."""
 
 from __future__ import annotations
 
 from dataclasses import replace
-from math import inf
 from typing import Any
 
 import numpy as np
 import pytest
 
-from railhil.batch import Case
+from railhil.batch import Case, lanes
 from railhil.batch.engine import Engine
 from railhil.batch.kernel import run_period, stand_to_the_end
-from railhil.batch.lanes import CALM, LANES, SPLIT, STEADY_RUN
+from railhil.batch.lanes import LANES
 from railhil.batch.layout import READ_ENDED, Common
 from railhil.batch.setup import Trains, trains
 from railhil.scenarios.load import load
@@ -27,11 +26,13 @@ LIMITED = "yizhuang_02_xiaocun_xiaohongmen"
 def _fleet(scenario: Scenario, engine: Engine) -> Trains:
     """Trains with delays of all kinds: whole ticks, none, parts of a tick, and more than a control period."""
     fleet = trains(scenario, range(COUNT), True, engine.times, len(engine.grid.counts))
-    delays = fleet.records["delay_ticks"]
+    delays = fleet.column(lanes.DELAY_TICKS)
     delays[::7] = np.rint(delays[::7])
     delays[1::11] = 0.0
     delays[2::13] = 61.3
     delays[3::17] = 50.0
+    for index, delay in enumerate(delays):
+        fleet.tables.blocks[index // LANES, lanes.DELAY_TICKS + index % LANES] = delay
     return fleet
 
 
@@ -46,22 +47,19 @@ def _codes(engine: Engine, seed: int) -> Any:
     return codes
 
 
-def _driven(engine: Engine, common: Common, fleet: Trains, codes: Any) -> tuple[int, int, int]:
-    """Make the runs; control periods of calm trains, of others, and how often one was calm no longer."""
+def _driven(engine: Engine, common: Common, fleet: Trains, codes: Any) -> tuple[int, int]:
+    """Make the runs; the trains that were side by side and those that were not, at the end of each control period."""
     noise = np.random.Generator(np.random.PCG64(9)).normal(size=(engine.times.steps.size, COUNT))
-    calm, other, left = 0, 0, 0
-    run_period(common, fleet.tables, fleet.records, codes[0], noise[0], -1, 0)
-    before = np.zeros(COUNT, dtype=bool)
+    together, alone = 0, 0
+    run_period(common, fleet.tables, codes[0], noise[0], -1, 0)
     for i, (tick, end) in enumerate(zip(engine.times.steps.tolist(), engine.times.ends.tolist(), strict=True)):
-        running = fleet.records["ended"] == 0
-        run_period(common, fleet.tables, fleet.records, codes[i], noise[i], tick, end)
-        now = (fleet.tables.lanes[:, CALM : CALM + LANES].reshape(-1) > 0.0)[:COUNT]
-        calm, other, left = calm + now.sum(), other + (running & ~now).sum(), left + (before & ~now).sum()
-        before = now
+        run_period(common, fleet.tables, codes[i], noise[i], tick, end)
+        ordinary, running = fleet.column(lanes.ORDINARY) > 0.0, fleet.column(lanes.ENDED) == 0.0
+        together, alone = together + int((running & ordinary).sum()), alone + int((running & ~ordinary).sum())
         if fleet.tables.readings[READ_ENDED].all():
             break
-    stand_to_the_end(common, fleet.tables, fleet.records)
-    return int(calm), int(other), int(left)
+    stand_to_the_end(common, fleet.tables)
+    return together, alone
 
 
 def _with_curves(common: Common) -> Common:
@@ -96,45 +94,37 @@ WAYS = {
 
 @pytest.mark.parametrize("way", WAYS)
 @pytest.mark.parametrize("by_distance", [False, True])
-def test_calm_trains_are_what_they_are_alone(way: str, by_distance: bool) -> None:
+def test_trains_side_by_side_are_what_they_are_alone(way: str, by_distance: bool) -> None:
     name, changed = WAYS[way]
     scenario = load(name)
     scenario = replace(scenario, timing=replace(scenario.timing, loop_delay_s=0.4))
     engine = Engine(Case(scenario))
     common = changed(engine.common)._replace(by_distance=by_distance)
-    together, apart, alone = _fleet(scenario, engine), _fleet(scenario, engine), common
-    if common.checks.end_m == inf:
-        # Infinite times 0 is not a number, which is less than none: each train is computed on its record.
-        alone = common._replace(checks=common.checks._replace(end_braking_mps2=0.0))
-    else:
-        # A grade without an end is too steep for a calm train, and too gentle to change a bit.
-        apart.tables.permil_per_m[:, -1] = 1e-300
+    together, apart = _fleet(scenario, engine), _fleet(scenario, engine)
     codes = _codes(engine, list(WAYS).index(way))
-    calm, _, left = _driven(engine, common, together, codes)
-    assert calm > 5 * COUNT
-    assert left > COUNT / 4
-    assert _driven(engine, alone, apart, codes)[0] == 0
-    for field in together.records.dtype.names:
-        found, wanted = together.records[field], apart.records[field]
-        assert np.array_equal(found, wanted), (field, int((found != wanted).sum()))
+    assert _driven(engine, common, together, codes)[0] > 5 * COUNT
+    assert _driven(engine, common._replace(side_by_side=False), apart, codes)[0] == 0
+    for quantity in range(0, lanes.ORDINARY, lanes.LANES):
+        if quantity not in (lanes.AGE, lanes.WANTED, lanes.ERROR):
+            found, wanted = together.column(quantity), apart.column(quantity)
+            assert np.array_equal(found, wanted), (quantity // lanes.LANES, int((found != wanted).sum()))
     for part in ("error_sums_kmh", "control_accel_raw", "readings"):
         assert np.array_equal(getattr(together.tables, part), getattr(apart.tables, part)), part
 
 
-def test_nearly_all_of_a_run_is_calm() -> None:
-    """Else the batch would be as slow as before, with the same results."""
+def test_nearly_all_of_a_run_is_side_by_side() -> None:
+    """Else the batch would be slow, with the same results."""
     engine = Engine(Case(load(DRIVEN)))
     fleet = trains(load(DRIVEN), range(COUNT), True, engine.times, len(engine.grid.counts))
     chunk = engine.run(range(COUNT))
-    calm, other, _ = _driven(engine, engine.common, fleet, chunk.codes[:, fleet.tables.order].astype(np.int64))
-    assert calm > 20 * other
+    codes = np.ascontiguousarray(chunk.codes[:, fleet.tables.order], dtype=np.int64)
+    together, alone = _driven(engine, engine.common, fleet, codes)
+    assert together > 20 * alone
 
 
 def test_trains_of_a_block_have_similar_delays() -> None:
     scenario = load(DRIVEN)
     engine = Engine(Case(scenario))
     fleet = trains(scenario, range(COUNT), True, engine.times, len(engine.grid.counts))
-    assert (np.diff(fleet.records["delay_ticks"]) >= 0.0).all()
+    assert (np.diff(fleet.column(lanes.DELAY_TICKS)) >= 0.0).all()
     assert sorted(fleet.tables.order.tolist()) == list(range(COUNT))
-    assert not fleet.tables.lanes[:, CALM : CALM + LANES].any()
-    assert (SPLIT % LANES, STEADY_RUN % LANES) == (0, 0)
