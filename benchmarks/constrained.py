@@ -22,6 +22,7 @@ from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
+from railhil.bench import direct_run
 from railhil.common.command_line import SEED_MAX, OneLineParser, parse, whole_number
 from railhil.common.exit_codes import guarded
 from railhil.controller_node.vector.controller import VectorController
@@ -30,7 +31,6 @@ from railhil.scenarios.load import load_any
 from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.supervisor.high_speed.ride import Ride
-from railhil.vector_bench import direct_run
 
 #: Of the law with constraints.
 _QP = "delay_qp"

@@ -11,7 +11,7 @@ import numpy as np
 from casadi import DM
 
 from benchmarks.figures import Figure, MeasurementError, Setting, median, p99
-from railhil.bench import BenchRun, coupled_run
+from railhil.bench import Result, coupled_run
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.laws.ipfc_constants import IpfcParameters, internal_model
 from railhil.controller_node.laws.pfc_model import polynomial_fit
@@ -102,7 +102,7 @@ class _DoMpc:
         return self._sent
 
 
-def _driven(scenario: Scenario, peer: bool) -> tuple[BenchRun, list[float]]:
+def _driven(scenario: Scenario, peer: bool) -> tuple[Result, list[float]]:
     """A complete run, and the time of each step in us."""
     number = make("float64")
     loop: ControlLoop[float] = ControlLoop(scenario, LawSpec(), number)

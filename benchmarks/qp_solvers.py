@@ -25,6 +25,7 @@ from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
+from railhil.bench import direct_run
 from railhil.common.command_line import OneLineParser, parse, whole_number
 from railhil.common.exit_codes import guarded
 from railhil.controller_node.laws.high_speed import delay_qp
@@ -32,7 +33,6 @@ from railhil.controller_node.laws.high_speed.qp_solver import daqp_solver
 from railhil.scenarios.load import load_any
 from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.vector_bench import direct_run
 
 LAW = "delay_qp"
 #: Programs: title, scenario, parameters of the law, where the first command of a program is: p less n.

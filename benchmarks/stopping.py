@@ -27,10 +27,10 @@ from railhil.controller_node.arithmetic import names as arithmetics
 from railhil.controller_node.laws.ipfc_plus_stop_constants import IpfcPlusStopParameters
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario
+from railhil.scenarios.options import add_option
 from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.perturb import perturbed
 from railhil.scenarios.run_spec import LawSpec
-from railhil.scenarios.settings import add_set_argument
 
 LAW = "ipfc_plus_stop"
 #: What is switched off, and the parameters that do it.
@@ -111,7 +111,7 @@ def main() -> int:
     parser.add_argument("--first-seed", type=whole_number(0, SEED_MAX - 100_000), default=1000, help="(default 1000)")
     parser.add_argument("--arithmetic", choices=arithmetics(), default="float64", help="(default float64)")
     parser.add_argument("--elements", action="store_true", help="also with one element off at a time")
-    add_set_argument(parser)
+    add_option(parser, "--set")
     namespace = parse(parser)
     scenario = load(namespace.scenario, namespace.set)
     seeds = range(namespace.first_seed, namespace.first_seed + namespace.runs)

@@ -71,6 +71,12 @@ class _BusKwargs(_ByPythonCan):
     name = "_BusKwargsAction"
 
 
+def named_bus(namespace: argparse.Namespace) -> dict[str, Any]:
+    """Keyword arguments of ``can.Bus`` that a command line with these options has named."""
+    keys = ("interface", "channel", "bitrate", "fd", "data_bitrate", "timing")
+    return {key: getattr(namespace, key) for key in keys if key in namespace} | getattr(namespace, "bus_kwargs", {})
+
+
 def add_bus_arguments(parser: argparse.ArgumentParser) -> None:
     """The options of ``can.cli.add_bus_arguments``."""
     group = parser.add_argument_group("bus arguments")

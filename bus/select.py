@@ -6,8 +6,8 @@ files, without additions.
 
 from __future__ import annotations
 
-import argparse
 import socket
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -65,17 +65,7 @@ def vcan_available(channel: str = _DEFAULT_VCAN) -> bool:
     return True
 
 
-def config_from_namespace(namespace: argparse.Namespace) -> dict[str, Any]:
-    """Keyword arguments of ``can.Bus`` from the flags of ``can.cli.add_bus_arguments`` (only those given)."""
-    config: dict[str, Any] = {}
-    for key in ("interface", "channel", "bitrate", "fd", "data_bitrate", "timing"):
-        if key in namespace:
-            config[key] = getattr(namespace, key)
-    config.update(getattr(namespace, "bus_kwargs", {}))
-    return config
-
-
-def arguments_from_config(config: dict[str, Any]) -> list[str]:
+def arguments_from_config(config: Mapping[str, Any]) -> list[str]:
     """Command-line flags that select the same bus for another process (except timing objects)."""
     flags = {"interface": "-i", "channel": "-c", "bitrate": "-b", "data_bitrate": "--data-bitrate"}
     arguments: list[str] = []
@@ -90,15 +80,16 @@ def arguments_from_config(config: dict[str, Any]) -> list[str]:
     return arguments + (["--bus-kwargs", *extra] if extra else [])
 
 
-def choose_bus(namespace: argparse.Namespace, private_hub: Path | None = None, vcan: bool | None = None) -> BusChoice:
+def choose_bus(given: Mapping[str, Any], private_hub: Path | None = None, vcan: bool | None = None) -> BusChoice:
     """Select the bus for a command.
 
+    :param given: keyword arguments of ``can.Bus`` that the user has named.
     :param private_hub: socket path where the caller can start its own hub; without it the default hub is used.
     :param vcan: whether the kernel has vcan0; None: determined if nothing else selects a bus.
     :raises InputError: python-can's configuration is wrong, or a channel or bit rate is given and nothing names an
         interface.
     """
-    given = config_from_namespace(namespace)
+    given = dict(given)
     reason = "given on the command line"
     config = _configured(given)
     if given and "interface" not in given:
@@ -124,13 +115,14 @@ def choose_bus(namespace: argparse.Namespace, private_hub: Path | None = None, v
     return BusChoice(config, reason, arguments=arguments_from_config(config))
 
 
-def no_bus(namespace: argparse.Namespace, pace: str) -> BusChoice:
+def no_bus(given: Mapping[str, Any], pace: str) -> BusChoice:
     """The choice for a run without a bus.
 
+    :param given: keyword arguments of ``can.Bus`` that the user has named.
     :param pace: of the run.
     :raises InputError: the command line also selects a bus, or real-time pacing.
     """
-    if given := config_from_namespace(namespace):
+    if given:
         found = Words(" ".join(arguments_from_config(given)) or "a timing")
         raise InputError("command line", "--bus local", found, "no other option of a bus beside it")
     if pace != "lockstep":
@@ -144,7 +136,7 @@ def own_pipes() -> BusChoice:
     return BusChoice(config, "lockstep on this machine, nobody else on the bus: no hub needed", needs_pipes=True)
 
 
-def _configured(given: dict[str, Any]) -> dict[str, Any]:
+def _configured(given: Mapping[str, Any]) -> dict[str, Any]:
     """The bus of ``given`` and python-can's configuration; empty if neither says anything.
 
     :raises InputError: the configuration is wrong.
@@ -157,7 +149,7 @@ def _configured(given: dict[str, Any]) -> dict[str, Any]:
     return {key: found[key] for key in ("interface", "channel", "bitrate", "fd") if found.get(key) is not None}
 
 
-def _own_hub(path: Path, reason: str, given: dict[str, Any]) -> BusChoice:
+def _own_hub(path: Path, reason: str, given: Mapping[str, Any]) -> BusChoice:
     """The hub that the caller starts with the nodes; they wait for it for the requested time, or almost for ever."""
     config = {"connect_timeout": OWN_HUB_START_S, **given, "interface": HUB_INTERFACE, "channel": str(path)}
     return BusChoice(config, reason, True, arguments_from_config(config))

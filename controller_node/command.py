@@ -8,63 +8,42 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from railhil.bus.can_settings import add_bus_arguments
+from railhil.bus.can_settings import add_bus_arguments, named_bus
 from railhil.bus.injector.processes import kill_this_process, stop_this_process
 from railhil.bus.link import open_link
 from railhil.bus.select import choose_bus
 from railhil.bus.sent import SentFrames
-from railhil.common.command_line import (
-    SEED_MAX,
-    OneLineParser,
-    add_law_arguments,
-    add_patience_argument,
-    add_priority_argument,
-    add_sent_argument,
-    parse,
-    seconds,
-    whole_number,
-)
+from railhil.common.command_line import OneLineParser, add_priority_argument, parse
 from railhil.common.exit_codes import finish_undisturbed
 from railhil.common.scheduling import cycle
 from railhil.controller_node.faulty import controller_of, write_fault_log
 from railhil.controller_node.laws import find
 from railhil.controller_node.serve import FIRST_FRAME_S, run_controller
 from railhil.controller_node.telemetry_file import check_writable, law_document, write_telemetry
-from railhil.scenarios.handed import add_handed_argument, taken
+from railhil.scenarios.handed import HANDED, taken
 from railhil.scenarios.model import AnyScenario
+from railhil.scenarios.options import add_law_options, add_option, add_options, law_spec, patience_help
 from railhil.scenarios.run_spec import LawSpec
-from railhil.scenarios.settings import add_fault_argument, add_fault_log_argument, add_set_argument
 from railhil.scenarios.system import System, system_named
 
 
 def arguments() -> argparse.ArgumentParser:
     """Command line of the controller node."""
     parser = OneLineParser(prog="railhil node controller", description="Train speed controller on the bus.")
-    parser.add_argument("scenario", nargs="?", default="lvshun_tieshan", help="shipped name or TOML file")
-    parser.add_argument("--controller", help="control law (default: that of the system)")
-    add_law_arguments(parser)
-    parser.add_argument("--parameters", type=Path, metavar="FILE", help="parameters of the law (default: its own)")
-    parser.add_argument("--memory-from", type=Path, metavar="FILE", help="what the law has kept of its last runs")
+    add_options(parser, "scenario", "--controller")
+    add_law_options(parser)
+    add_option(parser, "--parameters")
+    add_option(parser, "--memory-from", help="what the law has kept of its last runs")
     parser.add_argument("--telemetry", type=Path, metavar="FILE", help="write the telemetry of the arithmetic there")
     parser.add_argument(
         "--check", action="store_true", help="only make the controller and say what the law says of itself (JSON)"
     )
-    add_set_argument(parser)
-    add_fault_argument(parser)
-    add_fault_log_argument(parser)
-    parser.add_argument(
-        "--seed", type=whole_number(0, SEED_MAX), default=0, help="seed of the run, which only faults use here"
-    )
-    parser.add_argument(
-        "--appear-timeout",
-        type=seconds,
-        default=FIRST_FRAME_S,
-        metavar="S",
-        help=f"wall time for the first frame of the bench (default {FIRST_FRAME_S:g} s)",
-    )
-    add_sent_argument(parser)
-    add_handed_argument(parser)
-    add_patience_argument(parser, "the bus administrator, which may wait for another node,")
+    add_options(parser, "--set", "--fault", "--fault-log")
+    add_option(parser, "--seed", help="seed of the run, which only faults use here")
+    said = f"wall time for the first frame of the bench (default {FIRST_FRAME_S:g} s)"
+    add_option(parser, "--appear-timeout", default=FIRST_FRAME_S, help=said)
+    add_options(parser, "--sent-file", HANDED)
+    add_option(parser, "--patience", help=patience_help("the bus administrator, which may wait for another node,"))
     add_priority_argument(parser, 0, "default 0")
     add_bus_arguments(parser)
     return parser
@@ -89,7 +68,7 @@ def _law(namespace: argparse.Namespace, system: System) -> LawSpec:
         from railhil.scenarios.memory_store import memory_at
 
         memory = memory_at(namespace.memory_from)
-    return LawSpec.from_namespace(namespace, system, namespace.controller, parameters, memory)
+    return law_spec(namespace, system, namespace.controller, parameters, memory)
 
 
 def main(words: Sequence[str] | None = None) -> int:
@@ -105,7 +84,7 @@ def main(words: Sequence[str] | None = None) -> int:
         return 0
     if namespace.telemetry is not None:
         check_writable(namespace.telemetry)
-    choice = choose_bus(namespace)
+    choice = choose_bus(named_bus(namespace))
     print(f"controller: {choice.transport} ({choice.reason})", file=sys.stderr)
     node = controller_of(
         scenario,

@@ -17,7 +17,7 @@ from hypothesis import settings
 
 from hil_tests.hashes import choose
 from hil_tests.support.browser import browser
-from railhil.bench import BenchRun, local_run
+from railhil.bench import Result, local_run
 from railhil.bus.select import vcan_available
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario
@@ -120,7 +120,7 @@ def lvshun() -> Scenario:
 
 
 @pytest.fixture(scope="session")
-def nominal(lvshun: Scenario, tmp_path_factory: pytest.TempPathFactory) -> BenchRun:
+def nominal(lvshun: Scenario, tmp_path_factory: pytest.TempPathFactory) -> Result:
     """A run of the published scenario without sockets, seed 2; read-only."""
     return local_run(lvshun, tmp_path_factory.mktemp("nominal"), RunSpec(seed=2))
 

@@ -8,45 +8,33 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from railhil.bus.can_settings import add_bus_arguments
+from railhil.bus.can_settings import add_bus_arguments, named_bus
 from railhil.bus.errors import BusUnavailable
 from railhil.bus.link import open_link
 from railhil.bus.select import choose_bus
 from railhil.bus.sent import SentFrames
-from railhil.common.command_line import (
-    OneLineParser,
-    add_lifeline_argument,
-    add_priority_argument,
-    add_run_arguments,
-    add_sent_argument,
-    parse,
-)
+from railhil.common.command_line import OneLineParser, add_priority_argument, parse
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import finish_undisturbed
 from railhil.common.patience import Lifelines
 from railhil.common.scheduling import NODE_PRIORITY, cycle
 from railhil.common.whole_file import check_writable
 from railhil.plant_sim.node import PlantNode
-from railhil.scenarios.handed import add_handed_argument, taken
-from railhil.scenarios.plant_fmu import add_fmu_arguments, fmu_of
-from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.scenarios.settings import add_fault_argument, add_fault_log_argument, add_set_argument
+from railhil.scenarios.handed import HANDED, taken
+from railhil.scenarios.options import add_fmu_options, add_options, add_run_options, named_fmu, run_spec
+from railhil.scenarios.run_spec import LawSpec
 
 
 def arguments() -> argparse.ArgumentParser:
     """Command line of the plant node."""
     parser = OneLineParser(prog="railhil node plant", description="Train simulator and bus administrator.")
-    add_run_arguments(parser)
-    add_set_argument(parser)
-    add_fault_argument(parser)
-    add_fmu_arguments(parser)
+    add_run_options(parser)
+    add_options(parser, "--set", "--fault")
+    add_fmu_options(parser)
     parser.add_argument(
         "--timing-file", type=Path, metavar="FILE", help="realtime: write lateness and latencies there at the end"
     )
-    add_fault_log_argument(parser)
-    add_lifeline_argument(parser)
-    add_sent_argument(parser)
-    add_handed_argument(parser)
+    add_options(parser, "--fault-log", "--lifeline", "--sent-file", HANDED)
     add_priority_argument(parser, None, f"default {NODE_PRIORITY} with --pace realtime, else 0")
     add_bus_arguments(parser)
     return parser
@@ -97,9 +85,9 @@ def main(words: Sequence[str] | None = None) -> int:
     if namespace.timing_file is not None:
         _check_timing_file(namespace.timing_file, namespace.pace)
     # The plant does not depend on the law.
-    run = replace(RunSpec.from_namespace(namespace, LawSpec()), plant_fmu=fmu_of(namespace))
+    run = replace(run_spec(namespace, LawSpec()), plant_fmu=named_fmu(namespace))
     scenario = run.load() if namespace.handed_scenario is None else taken(namespace.handed_scenario)
-    choice = choose_bus(namespace)
+    choice = choose_bus(named_bus(namespace))
     print(f"plant: {choice.transport} ({choice.reason})", file=sys.stderr)
     priority = namespace.realtime_priority
     if priority is None:

@@ -9,8 +9,8 @@ At the instant of each tick
 4. the run ends if its end condition is met (:class:`railhil.plant_sim.any_plant.Ending`);
 5. otherwise the train advances to the next tick.
 
-The plant process (:mod:`railhil.plant_sim.node`) uses it on a bus, ``coupled_run`` (:mod:`railhil.bench`) with only a
-law. The batch (:mod:`railhil.batch.kernel`) has a compiled copy; tests check that it gives the same runs.
+The plant process (:mod:`railhil.plant_sim.node`) uses it on a bus, ``coupled_run`` (:mod:`railhil.run.coupled`) with
+only a law. The batch (:mod:`railhil.batch.kernel`) has a compiled copy; tests check that it gives the same runs.
 """
 
 from __future__ import annotations

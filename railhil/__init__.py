@@ -25,7 +25,7 @@ if os.path.isfile(os.path.join(_TOP, "pyproject.toml")):
 if os.environ.get("RAILHIL_PURE", "0") not in ("", "0"):
     import_module("railhil.pure").use_sources()
 
-#: Name -> module and name there. ``campaign`` is the package of that name, which can be called.
+#: Name -> module and name there. ``campaign`` and ``run`` are packages of these names, which can be called.
 _PLACES = {
     "CampaignOutcome": ("railhil.library", "CampaignOutcome"),
     "InputError": ("railhil.common.errors", "InputError"),
@@ -36,7 +36,6 @@ _PLACES = {
     "Signals": ("railhil.library", "Signals"),
     "load_scenario": ("railhil.scenarios.load", "load"),
     "open_run": ("railhil.library", "open_run"),
-    "run": ("railhil.library", "run"),
 }
 __all__ = [
     "CampaignOutcome",
@@ -54,8 +53,8 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    if name == "campaign":
-        return import_module("railhil.campaign")
+    if name in ("campaign", "run"):
+        return import_module(f"railhil.{name}")
     if name not in _PLACES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     module, there = _PLACES[name]

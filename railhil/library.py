@@ -8,22 +8,22 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property, partial
+from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from rich.console import Console
 
-from railhil.cli.bus_run import NeverBegan, as_recorded, chosen_bus, recorded
 from railhil.common.choices import USUAL_LAW, USUAL_SCENARIO
 from railhil.common.command_line import RATE
 from railhil.common.errors import InputError, Words
-from railhil.common.output import Output
-from railhil.run_arguments import Parameters, Settings, bus_words, checked_spec, placed, settings_of, spec_of
+from railhil.run.make import NeverBegan, record_run
+from railhil.run.report import as_recorded
+from railhil.run.spec import Parameters, Settings, bus_of, checked_spec, settings_of, spec_of
 from railhil.scenarios.load import stable_name
 from railhil.scenarios.model import AnyScenario
-from railhil.scenarios.run_spec import RunSpec
+from railhil.scenarios.run_spec import RunSpec, StartUp
 from railhil.supervisor.criteria import Criterion
 from railhil.supervisor.documents import CERTIFICATE
 from railhil.supervisor.events.event import RecordedEvent
@@ -31,16 +31,10 @@ from railhil.supervisor.events.summary import why
 from railhil.supervisor.hash_list import check_hash_list
 from railhil.supervisor.judging import Judging
 from railhil.supervisor.record import Record, checked_record
-from railhil.supervisor.result import RunResult
-from railhil.supervisor.run import Run
-from railhil.supervisor.run_folder import run_folder
+from railhil.supervisor.result import Result
 from railhil.supervisor.score import Score
 from railhil.supervisor.signals import signal_table, signal_units
-from railhil.supervisor.start_up import StartUp
 from railhil.supervisor.trace import FloatArray, Trace
-
-if TYPE_CHECKING:
-    from railhil.local_run import LocalRun
 
 __all__ = ["CampaignOutcome", "NeverBegan", "Outcome", "RecordedEvent", "Signals", "campaign", "open_run", "run"]
 
@@ -184,7 +178,7 @@ def run(
     :raises InputError: anything that is not allowed, in one line.
     :raises NeverBegan: the nodes refused the run, or no frame came.
     """
-    kind, namespace = bus_words(bus, "railhil.run")
+    kind, can = bus_of(bus, "railhil.run")
     if isinstance(scenario, RunSpec):
         spec = scenario if kind == bus else replace(scenario, bus=kind)
     else:
@@ -196,22 +190,17 @@ def run(
     spec, loaded = checked_spec(spec)
     if no_controller and spec.is_local:
         raise InputError("railhil.run", "no_controller", Words("a run in this process"), "a bus beside it")
-    with chosen_bus(namespace, spec, loaded, no_controller) as choice:
-        how = StartUp(foreign=no_controller)
-        name = how.folder_name(spec.law.controller)
-        folder, made = run_folder(None if out is None else str(out), loaded.name, name)
-        spec = placed(spec, folder)
-        done, result = recorded(loaded, spec, how, choice, folder, made, partial(Output, stderr=True), quiet=True)
-    if done.stopped_exit_code:
+    spec = replace(spec, can=can, start_up=StartUp(foreign=no_controller), out=out)
+    result = record_run(spec, scenario=loaded)
+    if result.stopped_exit_code:
         raise KeyboardInterrupt(result.line)
-    return outcome_of(folder, loaded, done, result)
+    return outcome_of(result)
 
 
-def outcome_of(folder: Path, scenario: AnyScenario, done: Run | LocalRun, result: RunResult) -> Outcome:
+def outcome_of(result: Result) -> Outcome:
     """A run that has just been written into its folder."""
-    row = as_recorded(folder, done, result)
-    invalid = "" if result.trusted else result.line or "no reason given"
-    record = Record(folder / "frames.log", scenario, done.trace, invalid, row.certificate)
+    row = as_recorded(result)
+    record = Record(result.log, result.scenario, result.trace, result.invalid, row.certificate)
     return _outcome(record, result.score, result.events)
 
 

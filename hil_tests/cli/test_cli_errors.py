@@ -27,12 +27,11 @@ from railhil.dbc import wire_contract
 from railhil.plant_sim.handshake import Refused
 from railhil.plant_sim.node import PlantNode
 from railhil.scenarios.load import load
-from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.scenarios.run_spec import LawSpec, RunSpec, StartUp
+from railhil.supervisor.bus_run import BusRun
 from railhil.supervisor.framelog import log_line, sha256_of
-from railhil.supervisor.run import Run
 from railhil.supervisor.run_folder import run_folder
 from railhil.supervisor.session import Session
-from railhil.supervisor.start_up import StartUp
 
 Railhil = Callable[..., Done]
 
@@ -203,7 +202,7 @@ def test_bus_that_cannot_be_opened(here, tmp_path, socket_folder):
 def test_interface_without_its_driver(tmp_path):
     """python-can's plugins raise anything when the vendor's library is missing; kvaser a NameError."""
     choice = BusChoice({"interface": "kvaser", "channel": "0"}, "test")
-    run = Run(load("lvshun_tieshan"), RunSpec(), StartUp(attach=True), choice, tmp_path)
+    run = BusRun(load("lvshun_tieshan"), RunSpec(start_up=StartUp(attach=True)), choice, tmp_path)
     with pytest.raises(BusUnavailable, match=r"^bus kvaser:0 cannot be opened: ."):
         run.execute()
 
@@ -222,8 +221,8 @@ def test_attach_with_nobody_there(tmp_path):
             return [Frame(0x7FF, b"\0")]
 
     choice = BusChoice({"interface": "socketcan", "channel": "can0"}, "test")
-    how = StartUp(attach=True, appear_s=0.3)
-    run = Run(load("lvshun_tieshan"), RunSpec(), how, choice, tmp_path, open_bus=lambda _config, _name: Chatter())
+    spec = RunSpec(start_up=StartUp(attach=True, appear_s=0.3))
+    run = BusRun(load("lvshun_tieshan"), spec, choice, tmp_path, open_bus=lambda _config, _name: Chatter())
     result = run.execute()
     assert (result.exit_code, result.frames) == (3, 0)
     assert result.line == "no plant on socketcan:can0 within 0.3 s"

@@ -16,9 +16,9 @@ import pytest
 
 from benchmarks.figures import QUICK_TOML
 from hil_tests.support.cli import Done, Started, railhil, wait_for
-from railhil.cli.bus_run import NeverBegan
 from railhil.cli.compare import _checked
 from railhil.common.extras import install_command
+from railhil.run.make import NeverBegan
 from railhil.scenarios.parameters import load_parameters
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 

@@ -16,10 +16,10 @@ from hil_tests.cli.conftest import Railhil
 from hil_tests.support.cli import complaint
 from hil_tests.support.short_runs import RUN_2M_TOML
 from railhil import library
-from railhil.cli.bus_run import report_line
 from railhil.common.errors import InputError
 from railhil.dbc import ContractError
 from railhil.panel.recorded import RecordedRuns
+from railhil.run.report import report_line
 from railhil.supervisor import again
 from railhil.supervisor.blf_writer import write_blf
 from railhil.supervisor.hash_list import HASH_LIST, SIGNATURE, listed_files, write_hash_list

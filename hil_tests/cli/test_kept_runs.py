@@ -23,11 +23,10 @@ from railhil.bus.select import BusChoice
 from railhil.bus.telegrams import SimTruth
 from railhil.dbc import wire_contract
 from railhil.scenarios.run_spec import RunSpec
+from railhil.supervisor.bus_run import BusRun
 from railhil.supervisor.ending import result_of
 from railhil.supervisor.folder import RecordFailed, write_folder
 from railhil.supervisor.framelog import FrameLog, log_line, read_log
-from railhil.supervisor.run import Run
-from railhil.supervisor.start_up import StartUp
 from railhil.supervisor.trace import Trace
 
 
@@ -201,15 +200,15 @@ def test_disk_without_room_for_a_run(tmp_path, size_kib):
 
 def test_folder_that_is_full_after_the_run_holds_the_log_alone(monkeypatch, tmp_path, lvshun):
     choice = BusChoice({"interface": "railhil", "channel": "c"}, "test")
-    run = Run(lvshun, RunSpec(), StartUp(), choice, tmp_path)
+    run = BusRun(lvshun, RunSpec(), choice, tmp_path)
     log = FrameLog(tmp_path)
     ident = make_ident(Role.PLANT, lvshun.sha256)
     for frame in TelegramSource(wire_contract().port(ident.PORT), False).frames(ident.encode()):
         log.write(log_line(0, frame))
-    result = result_of(run, 0, log.close(), {}, "a reason", False, [])
-    trace = Trace()
-    trace.add(SimTruth.PORT, 0, SimTruth().encode())
-    write_folder(tmp_path, lvshun, run.spec, run.start_up, result, trace, [])
+    result = result_of(run, log.close(), {}, "a reason", False, [])
+    result.trace = Trace()
+    result.trace.add(SimTruth.PORT, 0, SimTruth().encode())
+    write_folder(result)
     kept = sorted(path.name for path in tmp_path.iterdir())
     results = ["frames.blf", "frames.log", "junit.xml", "score.json", "signals.csv"]
     assert kept == ["SHA256SUMS", "certificate.json", "events.csv", *results]
@@ -220,6 +219,6 @@ def test_folder_that_is_full_after_the_run_holds_the_log_alone(monkeypatch, tmp_
     (tmp_path / "telemetry.json").touch()
     monkeypatch.setattr("railhil.supervisor.folder.certificate", full)
     with pytest.raises(RecordFailed, match="cannot be written: no space left on device") as caught:
-        write_folder(tmp_path, lvshun, run.spec, run.start_up, result, trace, [])
+        write_folder(result)
     assert caught.value.exit_code == 4
     assert sorted(path.name for path in tmp_path.iterdir()) == ["frames.log", "telemetry.json"]

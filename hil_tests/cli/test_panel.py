@@ -19,7 +19,7 @@ from railhil.bus.codes import FaultOrder, SupCommand
 from railhil.bus.telegrams import SupCmd
 from railhil.faults.language import parse
 from railhil.faults.ordered import octets_of
-from railhil.local_run import LocalRun
+from railhil.run.local import LocalRun
 from railhil.scenarios.run_spec import RunSpec
 from railhil.supervisor.framelog import read_log
 from railhil.supervisor.trace import trace_of

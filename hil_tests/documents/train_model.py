@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 from hil_tests.documents.figures import row, tuning_notes
 from hil_tests.support.paths import ROOT
+from railhil.bench import direct_run
 from railhil.scenarios.load import load_any
 from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.vector_bench import direct_run
 
 _SEEDS = range(201, 206)
 

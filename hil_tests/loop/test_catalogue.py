@@ -11,11 +11,10 @@ import pytest
 
 from hil_tests.support.cli import Started, railhil, wait_for
 from hil_tests.support.short_runs import RUN_297M_TOML
-from railhil.cli.bus_run import run_spec
 from railhil.cli.commands import parser
 from railhil.cli.faults import entry_run, needs_hub
+from railhil.cli.run_options import run_spec
 from railhil.supervisor.reactions.catalogue import Entry, catalogue
-from railhil.supervisor.start_up import StartUp
 
 pytestmark = [pytest.mark.faults, pytest.mark.slow]
 
@@ -43,7 +42,7 @@ def test_the_bench_reacts_as_the_catalogue_says(entry: Entry, journey: str, tmp_
     given = parser(["faults"]).parse_args(["faults", SHIPPED if entry.id in FARTHER else journey])
     base = run_spec(given, "ipfc", None)
     assert needs_hub(base, entry) is (entry.id in ON_A_HUB)
-    row = entry_run(given, StartUp(), base, tmp_path, entry)
+    row = entry_run(base, tmp_path, False, entry)
     assert row.refused == ""
     assert row.failures == []
     assert row.made

@@ -12,7 +12,7 @@ import pytest
 
 import railhil
 from hil_tests.support.short_runs import RUN_2M_TOML
-from railhil.bench import BenchRun, local_run
+from railhil.bench import Result, local_run
 from railhil.bus.telegrams import NotchCmd, TrnSpeed
 from railhil.common.errors import InputError
 from railhil.scenarios.load import load
@@ -26,7 +26,7 @@ from railhil.supervisor.trace import Told, Trace
 
 pytestmark = pytest.mark.faults
 
-Make = Callable[..., tuple[Scenario, BenchRun]]
+Make = Callable[..., tuple[Scenario, Result]]
 #: Faults that the receivers refuse for different causes, and those that keep frames from a receiver.
 DISTURBED = (
     "TRN_SPEED duplicate 50% copies 2 @500ms for 300ms",
@@ -45,7 +45,7 @@ def make(tmp_path_factory: pytest.TempPathFactory) -> Make:
     folder = tmp_path_factory.mktemp("counters")
     (folder / "short.toml").write_text(RUN_2M_TOML)
 
-    def made(*faults: str, settings: tuple[str, ...] = (), **law: Any) -> tuple[Scenario, BenchRun]:
+    def made(*faults: str, settings: tuple[str, ...] = (), **law: Any) -> tuple[Scenario, Result]:
         scenario = load(folder / "short.toml", settings, faults)
         spec = RunSpec(str(folder / "short.toml"), law=LawSpec(**law))
         return scenario, local_run(scenario, tmp_path_factory.mktemp("run"), spec)
@@ -54,16 +54,16 @@ def make(tmp_path_factory: pytest.TempPathFactory) -> Make:
 
 
 @pytest.fixture(scope="module")
-def disturbed(make: Make) -> tuple[Scenario, BenchRun]:
+def disturbed(make: Make) -> tuple[Scenario, Result]:
     return make(*DISTURBED)
 
 
-def counts(run: BenchRun, node: str, port: str) -> dict[str, Any]:
+def counts(run: Result, node: str, port: str) -> dict[str, Any]:
     assert run.trace.told is not None
     return dict(run.trace.told.nodes[node]["ports"][port])
 
 
-def test_the_nodes_count_what_the_record_shows(disturbed: tuple[Scenario, BenchRun]) -> None:
+def test_the_nodes_count_what_the_record_shows(disturbed: tuple[Scenario, Result]) -> None:
     scenario, run = disturbed
     assert all(one.hits for one in run.faults)
     assert unreconciled(scenario, run.trace) == []
@@ -125,7 +125,7 @@ def with_told(scenario: Scenario, trace: Trace, told: Told | None) -> list[str]:
         trace.told = kept
 
 
-def test_a_controller_that_took_more_than_is_good_is_found(disturbed: tuple[Scenario, BenchRun]) -> None:
+def test_a_controller_that_took_more_than_is_good_is_found(disturbed: tuple[Scenario, Result]) -> None:
     scenario, run = disturbed
     accepted = counts(run, "controller", TrnSpeed.PORT)["accepted"]
     told = changed(run.trace, "controller", TrnSpeed.PORT, accepted=accepted + 12)
@@ -142,16 +142,14 @@ def test_a_controller_that_took_more_than_is_good_is_found(disturbed: tuple[Scen
 )
 @pytest.mark.parametrize("key", ["accepted", "committed", "refused"])
 @pytest.mark.parametrize("by", [-1, 1])
-def test_every_counter_is_compared(
-    disturbed: tuple[Scenario, BenchRun], node: str, port: str, key: str, by: int
-) -> None:
+def test_every_counter_is_compared(disturbed: tuple[Scenario, Result], node: str, port: str, key: str, by: int) -> None:
     scenario, run = disturbed
     own = counts(run, node, port)
     value = own[key] + by if key != "refused" else own[key] | {"duplicate": own[key].get("duplicate", 0) + by}
     assert with_told(scenario, run.trace, changed(run.trace, node, port, **{key: value}))
 
 
-def test_every_gap_is_compared(disturbed: tuple[Scenario, BenchRun]) -> None:
+def test_every_gap_is_compared(disturbed: tuple[Scenario, Result]) -> None:
     scenario, run = disturbed
     for key in ("first", "count"):
         told = copy.deepcopy(run.trace.told)
@@ -186,13 +184,13 @@ def records(trace: Trace) -> Iterator[tuple[str, Trace]]:
             yield port, other
 
 
-def test_a_changed_record_is_found(disturbed: tuple[Scenario, BenchRun]) -> None:
+def test_a_changed_record_is_found(disturbed: tuple[Scenario, Result]) -> None:
     scenario, run = disturbed
     for port, trace in records(run.trace):
         assert any(port in said for said in unreconciled(scenario, trace)), port
 
 
-def test_a_node_that_does_not_report_is_not_checked(disturbed: tuple[Scenario, BenchRun]) -> None:
+def test_a_node_that_does_not_report_is_not_checked(disturbed: tuple[Scenario, Result]) -> None:
     scenario, run = disturbed
     assert run.trace.told is not None
     alone = Told(True, {"plant": run.trace.told.nodes["plant"]})
@@ -204,7 +202,7 @@ def test_a_node_that_does_not_report_is_not_checked(disturbed: tuple[Scenario, B
     run.trace.told = kept
 
 
-def test_where_frames_can_be_lost_only_too_many_are_found(disturbed: tuple[Scenario, BenchRun]) -> None:
+def test_where_frames_can_be_lost_only_too_many_are_found(disturbed: tuple[Scenario, Result]) -> None:
     scenario, run = disturbed
     assert run.trace.told is not None
     loose = Told(False, changed(run.trace, "controller", TrnSpeed.PORT, committed=3, accepted=2).nodes)

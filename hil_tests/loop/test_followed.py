@@ -18,8 +18,8 @@ from railhil.bus.codes import SupCommand
 from railhil.bus.frame import Frame
 from railhil.bus.telegrams import SupCmd
 from railhil.common.exit_codes import FAIL, PASS
-from railhil.local_run import LocalRun
 from railhil.panel.following import FollowedRun
+from railhil.run.local import LocalRun
 from railhil.scenarios.run_spec import RunSpec
 from railhil.supervisor.framelog import read_log
 from railhil.supervisor.trace import trace_of

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from railhil.bench import BenchRun, local_run
+from railhil.bench import Result, local_run
 from railhil.bus.codes import CtlMode, Event
 from railhil.bus.frame import ERROR, EXTENDED, FD, REMOTE, Frame
 from railhil.bus.mvb import TelegramSource
@@ -29,17 +29,17 @@ Wire = Callable[[Frame], list[Frame]]
 
 
 @pytest.fixture(scope="module")
-def clean(short: Scenario, tmp_path_factory: pytest.TempPathFactory) -> BenchRun:
+def clean(short: Scenario, tmp_path_factory: pytest.TempPathFactory) -> Result:
     return local_run(short, tmp_path_factory.mktemp("clean"))
 
 
-def notch_table(run: BenchRun) -> tuple[Any, Any, Any]:
+def notch_table(run: Result) -> tuple[Any, Any, Any]:
     """Times in s, modes and notch codes of all NOTCH_CMD telegrams."""
     raw = run.trace.raw
     return run.trace.times_s(NotchCmd.PORT), raw(NotchCmd.PORT, "CtlMode"), raw(NotchCmd.PORT, "NotchCmd")
 
 
-def assert_no_traction_when_cut(run: BenchRun, train: list[tuple[CommandWatchLevel, float]] | None = None) -> None:
+def assert_no_traction_when_cut(run: Result, train: list[tuple[CommandWatchLevel, float]] | None = None) -> None:
     """Neither watch lets traction through at TRACTION_CUT and above."""
     _, modes, codes = notch_table(run)
     cut = (modes >= CtlMode.TRACTION_CUT) & (modes <= CtlMode.EMERGENCY)
@@ -85,7 +85,7 @@ def lose(count: int) -> Callable[[int, Frame], list[Frame]]:
     ],
 )
 def test_burst_loss_of_speed(
-    short: Scenario, clean: BenchRun, tmp_path: Path, count: int, first: int, worst: CtlMode
+    short: Scenario, clean: Result, tmp_path: Path, count: int, first: int, worst: CtlMode
 ) -> None:
     wire = SpeedFault(lose(count), first)
     run = local_run(short, tmp_path, wire=wire)
@@ -151,7 +151,7 @@ def test_stuck_sender_is_like_loss(
 
 
 @pytest.mark.faults
-def test_duplicates_change_nothing(short: Scenario, clean: BenchRun, tmp_path: Path) -> None:
+def test_duplicates_change_nothing(short: Scenario, clean: Result, tmp_path: Path) -> None:
     wire = SpeedFault(lambda since, frame: [frame] * (1 + since % 3), first=0)
     run = local_run(short, tmp_path, wire=wire)
     assert run.frames_sha256 == clean.frames_sha256
@@ -160,7 +160,7 @@ def test_duplicates_change_nothing(short: Scenario, clean: BenchRun, tmp_path: P
 
 @pytest.mark.faults
 def test_exchanged_neighbours_are_counted_and_the_old_one_is_not_used(
-    short: Scenario, clean: BenchRun, tmp_path: Path
+    short: Scenario, clean: Result, tmp_path: Path
 ) -> None:
     """Every fiftieth telegram comes after its successor: one gap and one old telegram each."""
     held: list[Frame] = []
@@ -181,7 +181,7 @@ def test_exchanged_neighbours_are_counted_and_the_old_one_is_not_used(
 
 
 @pytest.mark.faults
-def test_flipped_bits_are_refused_and_the_run_stays_healthy(short: Scenario, clean: BenchRun, tmp_path: Path) -> None:
+def test_flipped_bits_are_refused_and_the_run_stays_healthy(short: Scenario, clean: Result, tmp_path: Path) -> None:
     """One to three bits in 1 % of all frames to the controller, polls excepted (without its poll nobody answers)."""
     draw = random.Random(11)
     flipped: Counter[int] = Counter()
@@ -213,9 +213,7 @@ def test_flipped_bits_are_refused_and_the_run_stays_healthy(short: Scenario, cle
 
 
 @pytest.mark.faults
-def test_a_right_telegram_under_a_wrong_identifier_is_not_used(
-    short: Scenario, clean: BenchRun, tmp_path: Path
-) -> None:
+def test_a_right_telegram_under_a_wrong_identifier_is_not_used(short: Scenario, clean: Result, tmp_path: Path) -> None:
     """NOTCH_CMD telegrams, right to the last bit, beside each TRN_SPEED under its identifier, and beyond the range."""
     source = TelegramSource(NotchCmd.port())
     life = 0
@@ -240,7 +238,7 @@ def random_frame(draw: random.Random, ids: list[int]) -> Frame:
 
 @pytest.mark.long
 @pytest.mark.faults
-def test_a_hundred_thousand_random_frames_change_nothing(short: Scenario, clean: BenchRun, tmp_path: Path) -> None:
+def test_a_hundred_thousand_random_frames_change_nothing(short: Scenario, clean: Result, tmp_path: Path) -> None:
     """Every kind of frame on every identifier of the bench, between the right ones, except inside a telegram."""
     draw = random.Random(5)
     own = [can_id for port in wire_contract().ports for can_id in (*port.can_ids, port.fd_id)]

@@ -11,7 +11,8 @@ import pytest
 
 from hil_tests.support import health
 from hil_tests.support.health import disturbed_runs
-from railhil.bench import BenchRun
+from railhil.bench import Result
+from railhil.scenarios.run_spec import RunSpec
 from railhil.supervisor.events.event import RecordedEvent
 from railhil.testing.health import disturbed_events
 
@@ -63,7 +64,7 @@ def test_a_run_that_is_looked_at_is_not_kept() -> None:
 
     trace: Any = Trace()
     kept = weakref.ref(trace)
-    run = BenchRun(trace, trace)
+    run = Result(trace, RunSpec(), trace, trace)
     del run, trace
     assert kept() is None
 
@@ -71,5 +72,5 @@ def test_a_run_that_is_looked_at_is_not_kept() -> None:
 @pytest.mark.faults
 def test_what_a_run_has_refused_is_noted() -> None:
     trace: Any = None
-    BenchRun(trace, trace, counters={"plant": {"gap": 2, "polls": 7}})
+    Result(trace, RunSpec(), trace, trace, counters={"plant": {"gap": 2, "polls": 7}})
     assert health._REFUSED == [{"plant.gap": 2}]

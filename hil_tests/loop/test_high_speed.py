@@ -8,7 +8,7 @@ from typing import NamedTuple
 import pytest
 
 from hil_tests.support.cli import railhil
-from railhil.bench import BenchRun, local_run
+from railhil.bench import Result, direct_run, local_run
 from railhil.bus.codes import Event
 from railhil.controller_node.vector.node import ports_of
 from railhil.scenarios.fault_list import fault_texts
@@ -18,7 +18,6 @@ from railhil.scenarios.system import system_named
 from railhil.supervisor.events.derive import events_of
 from railhil.supervisor.events.event import LEVEL
 from railhil.supervisor.reactions.catalogue import catalogue, catalogue_of
-from railhil.vector_bench import direct_run
 
 #: Ports of the bench's own nodes, which a run without a bus has not; it leaves open where the run ended.
 NOT_COUPLED = ("SUP_CMD", "PLT_IDENT", "SUP_IDENT", "RUN_EVENT")
@@ -26,8 +25,8 @@ SPEC = RunSpec(law=LawSpec("pid", arithmetic="float64"), seed=3)
 
 
 class Both(NamedTuple):
-    local: BenchRun
-    direct: BenchRun
+    local: Result
+    direct: Result
 
 
 @pytest.fixture(scope="module", params=["hst_short", "emu3_short"])

@@ -11,7 +11,7 @@ import pytest
 
 from hil_tests.support.injected import NOTCH, SPEED, Runs, frames, hits, log, runs_with_faults
 from hil_tests.support.short_runs import RUN_2M_TOML
-from railhil.bench import BenchRun, plant_beside, write_fault_logs
+from railhil.bench import Result
 from railhil.bus.codes import CtlMode, FaultOrder
 from railhil.bus.injector.controller_side import FaultyController
 from railhil.bus.mvb import TelegramSource
@@ -20,11 +20,11 @@ from railhil.common.errors import InputError
 from railhil.controller_node.faulty import controller_of
 from railhil.controller_node.node import ControllerNode
 from railhil.dbc import wire_contract
+from railhil.run.local import LocalRun
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.supervisor.fault_report import fault_outcomes, missed_faults
-from railhil.supervisor.framelog import FrameLog, read_log
-from railhil.supervisor.session import Session
+from railhil.supervisor.framelog import read_log
 
 pytestmark = pytest.mark.faults
 
@@ -287,7 +287,6 @@ def test_an_order_by_hand_becomes_a_fault_with_its_instant(runs: Runs, tmp_path:
     texts = ("TRN_SPEED loss 50% @manual", "NOTCH_CMD loss @manual for 100ms", "CTL_STAT loss @manual")
     scenario = load(path, (), texts)
     spec = RunSpec(str(path))
-    record = FrameLog(tmp_path)
 
     def on_progress(time_s: float) -> None:
         for at_s, number, order in (
@@ -296,14 +295,10 @@ def test_an_order_by_hand_becomes_a_fault_with_its_instant(runs: Runs, tmp_path:
             (1.6, 2, FaultOrder.INJECT),
         ):
             if abs(time_s - at_s) < 1e-6:
-                session.order(number, order)
+                run.session.order(number, order)
 
-    session = Session(scenario, record.write, spec, on_progress=on_progress)
-    node = controller_of(scenario, spec.law, spec.seed, folder=tmp_path)
-    plant = plant_beside(scenario, spec, node, session, folder=tmp_path)
-    plant.run()
-    record.close()
-    write_fault_logs(plant, node)
+    run = LocalRun(scenario, spec, tmp_path, on_progress)
+    run.play()
     first, second, third = fault_outcomes(tmp_path, scenario, spec.seed)
     assert first.text == "TRN_SPEED loss 50% @810ms for 320ms"
     assert second.text == "NOTCH_CMD loss @1.62s for 100ms"
@@ -317,7 +312,7 @@ def test_an_order_by_hand_becomes_a_fault_with_its_instant(runs: Runs, tmp_path:
     ours |= {can_id for name in ("PLT_IDENT", "CTL_IDENT", "SUP_IDENT") for can_id in contract.port(name).can_ids}
     frames_of = [
         [(time_ns, frame) for time_ns, frame in read_log(log) if frame.can_id not in ours]
-        for log in (record.path, again.log)
+        for log in (run.log.path, again.log)
     ]
     assert frames_of[0] == frames_of[1]
 
@@ -365,7 +360,7 @@ def test_every_sent_telegram_is_accepted_refused_or_lost(runs: Runs) -> None:
     assert math.isfinite(run.score.values["itae"])
 
 
-def _lost_after_corruption(run: BenchRun) -> int:
+def _lost_after_corruption(run: Result) -> int:
     corrupted = {(row[0], row[3]) for row in hits(run) if row[1] == "corrupt"}
     return sum((row[0], row[2]) in corrupted for row in hits(run) if row[1] == "loss")
 

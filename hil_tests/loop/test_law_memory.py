@@ -17,15 +17,15 @@ from hil_tests.support.cli import Done, Started, railhil, wait_for
 from hil_tests.support.paths import ROOT
 from hil_tests.support.plug import plug_in
 from hil_tests.support.remembering import Learning
-from railhil.cli import bus_run
 from railhil.common.exit_codes import FAIL, INVALID, PASS, TOOL_ERROR, USAGE
 from railhil.controller_node.laws.ipfc import Ipfc
+from railhil.run import make
 from railhil.scenarios.load import load
 from railhil.scenarios.memory import Record, load_memory, read_record
 from railhil.scenarios.memory_store import MemoryStore
 from railhil.scenarios.run_spec import RunSpec
 from railhil.supervisor.memory import learned
-from railhil.supervisor.result import RunResult
+from railhil.supervisor.result import Result
 
 pytestmark = [pytest.mark.loop, pytest.mark.slow]
 
@@ -286,11 +286,11 @@ def test_a_memory_that_changed_meanwhile_stays(short: Path, tmp_path: Path, monk
     spec = RunSpec.from_file(_toml(tmp_path, 'controller = "learning"\nbus = "local"\nmemory_store = "memory"\n'))
     assert spec.memory_store == str(path)
 
-    def late(scenario: Any, spec: RunSpec, folder: Path, result: RunResult) -> Any:
+    def late(result: Result) -> Any:
         put(path, "A", Record("learning", "x", 1, 1, {}))
-        return learned(scenario, spec, folder, result)
+        return learned(result)
 
-    monkeypatch.setattr(bus_run, "learned", late)
+    monkeypatch.setattr(make, "learned", late)
     with pytest.raises(Exception, match=r"memory was changed during the run") as failed:
         library.run(spec, out=tmp_path / "run")
     assert failed.value.exit_code == TOOL_ERROR  # type: ignore[attr-defined]

@@ -24,7 +24,7 @@ from railhil.controller_node.laws.base import LawInputs, LawOutputs
 from railhil.controller_node.laws.ipfc import Ipfc, IpfcState
 from railhil.controller_node.program.tracer import Tracer
 from railhil.dbc import wire_contract
-from railhil.local_run import LocalRun
+from railhil.run.local import LocalRun
 from railhil.scenarios.load import load, load_any
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.supervisor.folder import code_files
@@ -137,7 +137,13 @@ def test_what_needs_a_bus_is_refused(short: Path, tmp_path: Path, words: tuple[s
 
 def test_the_hash_of_the_code_covers_what_such_a_run_is_made_by() -> None:
     names = {name for name, _ in code_files()}
-    assert {"local_run.py", "bench.py", "supervisor/session.py", "scenarios/run_spec.py", "dbc/ports.toml"} <= names
+    assert {
+        "run/local.py",
+        "run/coupled.py",
+        "supervisor/session.py",
+        "scenarios/run_spec.py",
+        "dbc/ports.toml",
+    } <= names
 
 
 def test_what_it_does_not_model_is_said() -> None:
@@ -178,7 +184,7 @@ def test_a_run_that_is_stopped_at_any_poll_has_lost_nothing(short: Path, tmp_pat
         run = LocalRun(load(short), RunSpec(), folder, StopsAfter(polls))
         result = run.execute()
         assert (result.exit_code, run.stopped_exit_code) == (INVALID, 128 + signal.SIGINT)
-        assert disturbed(result.counters) == {}, polls
+        assert disturbed(result.recorder_counters) == {}, polls
 
 
 class Stumbling(Ipfc[Any]):

@@ -6,7 +6,7 @@ import pytest
 
 from benchmarks.figures import QUICK_TOML
 from hil_tests.support.short_runs import RUN_72M_TOML
-from railhil.bench import BenchRun, direct_run, local_run
+from railhil.bench import Result, direct_run, local_run
 from railhil.bus.codes import Event
 from railhil.bus.frame import Frame
 from railhil.bus.telegrams import CtlStat, NotchCmd, SimTruth, TrnSpeed
@@ -26,7 +26,7 @@ def brief(tmp_path_factory: pytest.TempPathFactory) -> Scenario:
 
 
 @pytest.fixture(scope="module")
-def brief_run(brief: Scenario, tmp_path_factory: pytest.TempPathFactory) -> BenchRun:
+def brief_run(brief: Scenario, tmp_path_factory: pytest.TempPathFactory) -> Result:
     """It without sockets, seed 1; read-only."""
     return local_run(brief, tmp_path_factory.mktemp("run"), RunSpec(seed=1))
 

@@ -10,7 +10,7 @@ import pytest
 from hil_tests.support.short_runs import RUN_2M_TOML
 from railhil.bus.codes import FaultOrder, SupCommand
 from railhil.bus.telegrams import SupCmd
-from railhil.local_run import LocalRun
+from railhil.run.local import LocalRun
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.supervisor.desk import Desk
 from railhil.supervisor.events.derive import events_of
@@ -18,7 +18,6 @@ from railhil.supervisor.events.event import LEVEL
 from railhil.supervisor.fault_report import fault_outcomes
 from railhil.supervisor.framelog import read_log
 from railhil.supervisor.reactions.by_hand import faults_by_hand
-from railhil.supervisor.session import Session
 from railhil.supervisor.trace import trace_of
 
 
@@ -46,13 +45,12 @@ def spec(tmp_path: Path) -> RunSpec:
 
 def made(spec: RunSpec, folder: Path, desk: Desk | None = None) -> LocalRun:
     folder.mkdir()
-    run = LocalRun(spec.load(), spec, folder)
-    if desk is not None:
-        run.session = Session(run.scenario, run.log.write, spec, desk=desk)
+    run = LocalRun(spec.load(), spec, folder, desk=desk)
     run.execute()
     return run
 
 
+@pytest.mark.faults
 def test_what_was_ordered_by_hand_makes_the_same_run_again(spec, tmp_path):
     presses = {
         3: [{"do": "inject", "fault": 1}],
@@ -79,6 +77,7 @@ def test_what_was_ordered_by_hand_makes_the_same_run_again(spec, tmp_path):
     assert times_ns[paused + 1] == times_ns[paused]
 
 
+@pytest.mark.faults
 def test_a_fault_of_the_catalogue_that_is_typed_during_a_run_makes_the_same_run_again(spec, tmp_path):
     spec = replace(spec, faults=())
     faults = faults_by_hand(spec.load())
@@ -103,6 +102,7 @@ def test_a_fault_of_the_catalogue_that_is_typed_during_a_run_makes_the_same_run_
     assert again.log.path.read_bytes() == by_hand.log.path.read_bytes()
 
 
+@pytest.mark.faults
 def test_faults_with_values_of_the_operator_make_the_same_run_again(spec, tmp_path):
     """At a telegram of the plant, inside the plant and at the controller; the report names the values."""
     prepared = ("TRN_SPEED loss 5% @manual", "speed delayed @manual combine", "NOTCH_CMD.NotchCmd offset 9 @manual")

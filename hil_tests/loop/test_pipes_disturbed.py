@@ -19,7 +19,7 @@ from hil_tests.support.cli import Started, wait_for
 from hil_tests.support.operator import pressed
 from hil_tests.support.short_runs import RUN_72M_TOML
 from railhil.common.exit_codes import FAIL, INVALID, PASS, TOOL_ERROR
-from railhil.local_run import LocalRun
+from railhil.run.local import LocalRun
 from railhil.scenarios.run_spec import RunSpec
 from railhil.supervisor.framelog import read_log
 

@@ -9,7 +9,7 @@ import pytest
 
 from hil_tests.support.cli import railhil
 from hil_tests.support.short_runs import RUN_72M_TOML
-from railhil.bench import BenchRun, local_run
+from railhil.bench import Result, local_run
 from railhil.bus.codes import CtlMode, FaultOrder
 from railhil.bus.frame import Frame
 from railhil.bus.layout import CHECK_ERRONEOUS
@@ -34,13 +34,13 @@ def short(tmp_path_factory: pytest.TempPathFactory) -> str:
     return str(path)
 
 
-def run(short: str, folder: Path, *faults: str, seed: int = 0, law: str = "ipfc") -> BenchRun:
+def run(short: str, folder: Path, *faults: str, seed: int = 0, law: str = "ipfc") -> Result:
     folder.mkdir(exist_ok=True)
     scenario = load_any(short, (), faults)
     return local_run(scenario, folder, RunSpec(short, law=LawSpec(law, "float64"), seed=seed, faults=faults))
 
 
-def first_s(made: BenchRun, port: str, signal: str, least: int) -> float | None:
+def first_s(made: Result, port: str, signal: str, least: int) -> float | None:
     """Simulation time at which a signal first has at least this raw value."""
     found = made.trace.times_s(port)[made.trace.raw(port, signal) >= least]
     return float(found[0]) if found.size else None

@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 from hil_tests.support.paths import ROOT
-from railhil.bench import BenchRun, direct_run, local_run
+from railhil.bench import Result, direct_run, local_run
 from railhil.bus.codes import CtlCause, CtlMode, Event
 from railhil.bus.frame import Frame
 from railhil.bus.layout import CHECK_CORRECT, Telegram
@@ -83,14 +83,14 @@ def late(by_s: float) -> Fault:
     return fault
 
 
-def run_with(folder: Path, kind: type[Telegram], fault: Fault, scenario: Scenario = SHORT, **options: Any) -> BenchRun:
+def run_with(folder: Path, kind: type[Telegram], fault: Fault, scenario: Scenario = SHORT, **options: Any) -> Result:
     folder.mkdir(exist_ok=True)
     seed, drawn = options.pop("seed", SEED), options.pop("drawn", True)
     law = LawSpec(**{"controller": "ipfc_plus", **options})
     return local_run(scenario, folder, RunSpec(law=law, seed=seed, perturbed=drawn), wire=Wire(kind, fault))
 
 
-def assert_braked(run: BenchRun, begin_s: float) -> None:
+def assert_braked(run: Result, begin_s: float) -> None:
     """Service brake 1 s after the last good position, to the end, as CTL_STAT says too; short of the stopping point."""
     times_s, modes = run.trace.times_s(NotchCmd.PORT), run.trace.raw(NotchCmd.PORT, "CtlMode")
     entered_s = times_s[modes == CtlMode.SERVICE_BRAKE][0]

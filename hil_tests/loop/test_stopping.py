@@ -16,14 +16,14 @@ from hil_tests.support.cli import railhil
 from hil_tests.support.foreign import PORTABLE_INTERFACE, CNode
 from hil_tests.support.stops import SHORT, stop_scenario
 from railhil import library
-from railhil.bench import BenchRun, local_run
+from railhil.bench import Result, direct_run, local_run
 from railhil.bus.codes import Event
 from railhil.bus.frame import Frame
 from railhil.bus.local import LocalBus
 from railhil.bus.stopping import Stage
-from railhil.cli.bus_run import run_spec
 from railhil.cli.commands import parser
 from railhil.cli.faults import entry_run
+from railhil.cli.run_options import run_spec
 from railhil.common.errors import InputError
 from railhil.controller_node.vector.node import VectorNode, ports_of
 from railhil.plant_sim.node import PlantNode
@@ -37,8 +37,6 @@ from railhil.supervisor.precise_stopping.approach import Approach
 from railhil.supervisor.reactions.catalogue import Entry, catalogue_of
 from railhil.supervisor.session import Session
 from railhil.supervisor.signals import signal_table
-from railhil.supervisor.start_up import StartUp
-from railhil.vector_bench import direct_run
 
 #: Ports of the bench's own nodes, which a run without a bus has not; it leaves open where the run ended.
 NOT_COUPLED = ("SUP_CMD", "PLT_IDENT", "SUP_IDENT", "RUN_EVENT")
@@ -47,8 +45,8 @@ SPEC = RunSpec(law=LAW, seed=3, run_number=2)
 
 
 class Both(NamedTuple):
-    local: BenchRun
-    direct: BenchRun
+    local: Result
+    direct: Result
 
 
 @pytest.fixture(scope="module")
@@ -132,7 +130,7 @@ def test_the_train_reacts_as_the_catalogue_says(entry: Entry, tmp_path: Path) ->
     """The rest of the catalogue: ``railhil faults yizhuang_stop_closed``."""
     words = ["faults", "yizhuang_stop_closed", "--set", "task.stop_error_max_m=30"]
     given = parser(words).parse_args(words)
-    row = entry_run(given, StartUp(), run_spec(given, "one_shot", None), tmp_path, entry)
+    row = entry_run(run_spec(given, "one_shot", None), tmp_path, False, entry)
     assert row.failures == []
 
 

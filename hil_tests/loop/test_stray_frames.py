@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from benchmarks.figures import QUICK_TOML
-from railhil.bench import BenchRun, local_run
+from railhil.bench import Result, local_run
 from railhil.bus.codes import Event
 from railhil.bus.frame import Frame
 from railhil.bus.mvb import TelegramSource
@@ -48,22 +48,22 @@ def silence(from_ms: int, to_ms: int) -> Callable[[Frame], list[Frame]]:
 
 
 @pytest.fixture(scope="module")
-def passed(short: Scenario, tmp_path_factory: pytest.TempPathFactory) -> BenchRun:
+def passed(short: Scenario, tmp_path_factory: pytest.TempPathFactory) -> Result:
     return local_run(short, tmp_path_factory.mktemp("passed"))
 
 
 @pytest.fixture(scope="module")
-def braked(short: Scenario, tmp_path_factory: pytest.TempPathFactory) -> BenchRun:
+def braked(short: Scenario, tmp_path_factory: pytest.TempPathFactory) -> Result:
     return local_run(short, tmp_path_factory.mktemp("braked"), wire=silence(3000, 4500))
 
 
 @pytest.fixture(params=["passed", "braked"])
-def run(request: pytest.FixtureRequest) -> BenchRun:
-    found: BenchRun = request.getfixturevalue(request.param)
+def run(request: pytest.FixtureRequest) -> Result:
+    found: Result = request.getfixturevalue(request.param)
     return found
 
 
-def record_of(run: BenchRun) -> Record:
+def record_of(run: Result) -> Record:
     assert run.log is not None
     return list(read_log(run.log))
 
@@ -73,7 +73,7 @@ def milestones(record: Record) -> list[int]:
     return [place for place, (_, frame) in enumerate(record) if frame.can_id in BLOCKS_AND_TRAILER]
 
 
-def same_or_invalid(scenario: Scenario, run: BenchRun, record: Record) -> Score:
+def same_or_invalid(scenario: Scenario, run: Result, record: Record) -> Score:
     found = score(scenario, trace_of(record))
     assert found.verdict in (run.score.verdict, "INVALID")
     if found.verdict == "INVALID":
@@ -84,7 +84,7 @@ def same_or_invalid(scenario: Scenario, run: BenchRun, record: Record) -> Score:
     return found
 
 
-def test_the_runs_are_what_they_are_to_be(passed: BenchRun, braked: BenchRun) -> None:
+def test_the_runs_are_what_they_are_to_be(passed: Result, braked: Result) -> None:
     assert (passed.score.verdict, passed.score.failures) == ("PASS", ())
     assert braked.score.verdict == "FAIL"
     (failure,) = braked.score.failures
@@ -94,7 +94,7 @@ def test_the_runs_are_what_they_are_to_be(passed: BenchRun, braked: BenchRun) ->
         assert codes == [name for name in (*events.split(), "ended_complete") for _ in range(EVENT_COPIES)]
 
 
-def test_one_frame_lost(short: Scenario, run: BenchRun) -> None:
+def test_one_frame_lost(short: Scenario, run: Result) -> None:
     record = record_of(run)
     for place in milestones(record):
         assert same_or_invalid(short, run, record[:place] + record[place + 1 :]).verdict == run.score.verdict
@@ -103,7 +103,7 @@ def test_one_frame_lost(short: Scenario, run: BenchRun) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("data", [bytes(8), b"\xff" * 8], ids=["zeros", "ones"])
 @pytest.mark.parametrize("after", [0, 1], ids=["before", "after"])
-def test_one_stray_frame_beside_a_frame_of_a_milestone(short: Scenario, run: BenchRun, data: bytes, after: int) -> None:
+def test_one_stray_frame_beside_a_frame_of_a_milestone(short: Scenario, run: Result, data: bytes, after: int) -> None:
     record = record_of(run)
     for place in milestones(record):
         for can_id in BLOCKS_AND_TRAILER:
@@ -113,7 +113,7 @@ def test_one_stray_frame_beside_a_frame_of_a_milestone(short: Scenario, run: Ben
 
 
 @pytest.mark.slow
-def test_one_stray_frame_at_any_time(short: Scenario, run: BenchRun) -> None:
+def test_one_stray_frame_at_any_time(short: Scenario, run: Result) -> None:
     """The stray block waits for the next milestone, seconds later."""
     record = record_of(run)
     for place in range(0, len(record), 97):
@@ -123,7 +123,7 @@ def test_one_stray_frame_at_any_time(short: Scenario, run: BenchRun) -> None:
 
 
 @pytest.mark.slow
-def test_one_frame_repeated_at_once_and_later(short: Scenario, run: BenchRun) -> None:
+def test_one_frame_repeated_at_once_and_later(short: Scenario, run: Result) -> None:
     record = record_of(run)
     for place in milestones(record):
         for later in (1, 2, 3, 50, 700):
@@ -140,7 +140,7 @@ def telegrams(record: Record) -> Iterator[list[int]]:
         yield places[first : first + size]
 
 
-def test_a_milestone_that_is_lost_with_all_its_repetitions_is_missed(short: Scenario, run: BenchRun) -> None:
+def test_a_milestone_that_is_lost_with_all_its_repetitions_is_missed(short: Scenario, run: Result) -> None:
     record = record_of(run)
     whole = list(telegrams(record))
     for number, places in enumerate(whole, start=1):
@@ -152,7 +152,7 @@ def test_a_milestone_that_is_lost_with_all_its_repetitions_is_missed(short: Scen
             assert found.ended == "record_incomplete"
 
 
-def test_one_repetition_is_enough(short: Scenario, run: BenchRun) -> None:
+def test_one_repetition_is_enough(short: Scenario, run: Result) -> None:
     record = record_of(run)
     size = len(BLOCKS_AND_TRAILER)
     for places in telegrams(record):
@@ -165,7 +165,7 @@ def test_one_repetition_is_enough(short: Scenario, run: BenchRun) -> None:
 # -- STOPPED and the truth --------------------------------------------------------------------------------------------
 
 
-def truth_of(run: BenchRun, events: list[RunEvent]) -> Trace:
+def truth_of(run: Result, events: list[RunEvent]) -> Trace:
     """The record's truth beside other milestones."""
     trace = Trace()
     for time_s, position, speed in zip(
@@ -181,7 +181,7 @@ def truth_of(run: BenchRun, events: list[RunEvent]) -> Trace:
     return trace
 
 
-def test_a_stop_that_the_truth_does_not_show_is_no_stop(short: Scenario, passed: BenchRun) -> None:
+def test_a_stop_that_the_truth_does_not_show_is_no_stop(short: Scenario, passed: Result) -> None:
     place = int(passed.trace.raw(RunEvent.PORT, "EventPos")[EVENT_COPIES])
     instant = int(passed.trace.raw(RunEvent.PORT, "EventTime")[EVENT_COPIES])
     for at, where, words in (
@@ -215,7 +215,7 @@ def test_a_stop_in_full_motion_is_none(short: Scenario, speed_mps: float, verdic
         assert found.failures == (words,)
 
 
-def test_a_standstill_without_a_stop_is_no_run(short: Scenario, passed: BenchRun) -> None:
+def test_a_standstill_without_a_stop_is_no_run(short: Scenario, passed: Result) -> None:
     last = RunEvent(Event.ENDED_NOT_STOPPED, 90_000, 0)
     found = score(short, truth_of(passed, [last]))
     stands_s = passed.trace.times_s(SimTruth.PORT)[np.flatnonzero(passed.trace.raw(SimTruth.PORT, "TrueSpeed") == 0)]

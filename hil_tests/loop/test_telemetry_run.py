@@ -15,7 +15,7 @@ import pytest
 from hil_tests.support.cli import Started, railhil, wait_for
 from hil_tests.support.plug import plug_in
 from hil_tests.support.short_runs import RUN_72M_TOML
-from railhil.bench import BenchRun, local_run
+from railhil.bench import local_run
 from railhil.bus.codes import ControllerFlag
 from railhil.bus.mvb import master_frame
 from railhil.bus.telegrams import CtlStat, NotchCmd, SimTruth
@@ -29,11 +29,10 @@ from railhil.controller_node.program.tracer import Tracer
 from railhil.controller_node.telemetry_file import write_telemetry
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario
-from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.scenarios.run_spec import LawSpec, RunSpec, StartUp
 from railhil.supervisor.folder import junit, rerun_needs, run_command, score_json
-from railhil.supervisor.result import RunResult
-from railhil.supervisor.score import STATUS, Score
-from railhil.supervisor.start_up import StartUp
+from railhil.supervisor.result import Result
+from railhil.supervisor.score import STATUS
 from railhil.supervisor.telemetry import Headroom, read_summary, shown_telemetry
 from railhil.supervisor.trace import Trace
 
@@ -63,13 +62,13 @@ def short(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def short_run(short: Path, tmp_path_factory: pytest.TempPathFactory) -> BenchRun:
+def short_run(short: Path, tmp_path_factory: pytest.TempPathFactory) -> Result:
     """Its run without sockets, seed 1."""
     return local_run(load(short), tmp_path_factory.mktemp("short"), RunSpec(seed=1))
 
 
 @pytest.fixture(scope="module")
-def wrapped(lvshun: Scenario, tmp_path_factory: pytest.TempPathFactory) -> BenchRun:
+def wrapped(lvshun: Scenario, tmp_path_factory: pytest.TempPathFactory) -> Result:
     """A run of :class:`Squared`."""
     with pytest.MonkeyPatch.context() as patch:
         folder = tmp_path_factory.mktemp("wrapped")
@@ -79,7 +78,7 @@ def wrapped(lvshun: Scenario, tmp_path_factory: pytest.TempPathFactory) -> Bench
 
 @pytest.mark.slow
 @pytest.mark.faults
-def test_a_lost_message_is_told(lvshun: Scenario, nominal: BenchRun, tmp_path: Path) -> None:
+def test_a_lost_message_is_told(lvshun: Scenario, nominal: Result, tmp_path: Path) -> None:
     slow = local_run(lvshun, tmp_path, RunSpec(law=LawSpec(task_period_ms=50), seed=2))
     for run, lost in ((nominal, False), (slow, True)):
         flags = run.trace.raw(CtlStat.PORT, "OverflowFlags")
@@ -93,7 +92,7 @@ def test_a_lost_message_is_told(lvshun: Scenario, nominal: BenchRun, tmp_path: P
 
 
 @pytest.mark.slow
-def test_a_wrap_fails_the_run(nominal: BenchRun, wrapped: BenchRun) -> None:
+def test_a_wrap_fails_the_run(nominal: Result, wrapped: Result) -> None:
     (failure,) = set(wrapped.score.failures) - set(nominal.score.failures)
     assert wrapped.score.verdict == "FAIL"
     times_s = wrapped.trace.times_s(SimTruth.PORT)
@@ -108,7 +107,7 @@ def test_a_wrap_fails_the_run(nominal: BenchRun, wrapped: BenchRun) -> None:
 
 
 @pytest.mark.slow
-def test_the_wrap_is_attributed(wrapped: BenchRun) -> None:
+def test_the_wrap_is_attributed(wrapped: Result) -> None:
     named = {row["name"]: row["wraps"] for row in wrapped.telemetry["quantities"] if row["wraps"]}
     assert set(named) == {"squared"}
     assert named["squared"] == wrapped.telemetry["totals"]["wraps"] > 100
@@ -149,36 +148,37 @@ def test_a_wrap_in_the_last_step_fails_the_run(
     assert "fixed-point wrap in the controller, reported at 0.53 s" in done.json["failures"]
 
 
-def result_of(score: Score) -> RunResult:
-    return RunResult(score, FAIL, "", 1, "", 1.0, 1.0, 1.0, "local", None)
+def result_of(scenario: Scenario, run: Result, spec: RunSpec | None = None) -> Result:
+    """A run without the telemetry of its controller."""
+    return Result(scenario, spec or RunSpec(), run.trace, run.score, exit_code=FAIL, frames=1)
 
 
-def test_the_wrap_stands_in_the_log_and_in_junit(wrapped: BenchRun, nominal: BenchRun, lvshun: Scenario) -> None:
+def test_the_wrap_stands_in_the_log_and_in_junit(wrapped: Result, nominal: Result, lvshun: Scenario) -> None:
     assert wrapped.log is not None
     done = railhil("score", wrapped.log, "--scenario", "lvshun_tieshan", "--json")
     assert done.exit_code == FAIL
     assert done.json["failures"] == list(wrapped.score.failures)
     for run, fails in ((wrapped, True), (nominal, False)):
-        root = junit(lvshun, RunSpec(), result_of(run.score)).getroot()
+        root = junit(result_of(lvshun, run)).getroot()
         case = next(case for case in root.iter("testcase") if case.get("name") == "no_wrap")
         failure = case.find("failure")
         assert (failure is not None) is fails
         assert failure is None or "fixed-point wrap in the controller" in failure.get("message", "")
 
 
-def test_a_run_without_telemetry_says_so(lvshun: Scenario, nominal: BenchRun) -> None:
+def test_a_run_without_telemetry_says_so(lvshun: Scenario, nominal: Result) -> None:
     """A controller that never made a step, and left no file."""
     assert shown_telemetry(Trace(), STATUS) is None
     trace = Trace()
     trace.add(CtlStat.PORT, 0, CtlStat().encode())
     assert shown_telemetry(trace, STATUS) is None
-    document = score_json(lvshun, result_of(nominal.score), RunSpec(perturbed=True))
+    document = score_json(result_of(lvshun, nominal, RunSpec(perturbed=True)))
     assert document["telemetry"] is None
     # Nor on which runs its own parameters were chosen.
     assert document["run"]["seed_was_trained"] is None
 
 
-def test_the_record_gives_the_telemetry_of_a_controller_without_file(nominal: BenchRun, wrapped: BenchRun) -> None:
+def test_the_record_gives_the_telemetry_of_a_controller_without_file(nominal: Result, wrapped: Result) -> None:
     found, other = shown_telemetry(nominal.trace, STATUS), shown_telemetry(wrapped.trace, STATUS)
     assert found is not None
     assert other is not None
@@ -194,7 +194,7 @@ def test_the_record_gives_the_telemetry_of_a_controller_without_file(nominal: Be
 
 @pytest.mark.slow
 @pytest.mark.loop
-def test_process_leaves_the_telemetry_in_the_folder(short: Path, short_run: BenchRun, tmp_path: Path) -> None:
+def test_process_leaves_the_telemetry_in_the_folder(short: Path, short_run: Result, tmp_path: Path) -> None:
     folder = tmp_path / "run"
     done = railhil("run", short, "--seed", "1", "-i", "railhil", "--out", folder, "--quiet", "--no-report")
     document = json.loads((folder / "telemetry.json").read_text(encoding="utf-8"))
@@ -222,7 +222,7 @@ def test_process_leaves_the_telemetry_in_the_folder(short: Path, short_run: Benc
 @pytest.mark.slow
 @pytest.mark.loop
 def test_attached_run_takes_the_telemetry_from_the_record(
-    short: Path, short_run: BenchRun, tmp_path: Path, socket_folder: Path
+    short: Path, short_run: Result, tmp_path: Path, socket_folder: Path
 ) -> None:
     bus = ("-i", "railhil", "-c", str(socket_folder / "hub.sock"))
     started = [Started("bus", "hub", *bus[2:])]
@@ -254,9 +254,9 @@ def test_attached_run_takes_the_telemetry_from_the_record(
 
 def test_whoever_starts_the_nodes_says_how_it_is_done_again() -> None:
     attached = StartUp(attach=True, rerun_command="SEED=0 docker compose up")
-    assert (run_command(RunSpec(), attached, []), rerun_needs(attached)) == ("SEED=0 docker compose up", None)
+    assert (run_command(RunSpec(start_up=attached), []), rerun_needs(attached)) == ("SEED=0 docker compose up", None)
     foreign = StartUp(foreign=True)
-    assert run_command(RunSpec(), foreign, ["-i", "socketcan", "-c", "can0"]).endswith(
+    assert run_command(RunSpec(start_up=foreign), ["-i", "socketcan", "-c", "can0"]).endswith(
         "--no-controller -i socketcan -c can0"
     )
     assert "board" in str(rerun_needs(foreign))
@@ -292,7 +292,7 @@ def test_telemetry_survives_the_end_of_the_plant(tmp_path: Path) -> None:
         lambda text: text.replace('"quantities": [', '"quantities": [7, '),
     ],
 )
-def test_a_broken_file_counts_as_missing(nominal: BenchRun, tmp_path: Path, change: Any) -> None:
+def test_a_broken_file_counts_as_missing(nominal: Result, tmp_path: Path, change: Any) -> None:
     whole = json.dumps(nominal.telemetry)
     path = tmp_path / "telemetry.json"
     if change is not None:

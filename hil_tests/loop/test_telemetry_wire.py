@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from hil_tests.support.paths import ROOT
-from railhil.bench import BenchRun
+from railhil.bench import Result
 from railhil.bus.frame import Frame
 from railhil.bus.mvb import TelegramSource, master_frame
 from railhil.bus.store import TrafficStore
@@ -36,7 +36,7 @@ def answer(node: ControllerNode, telegram: type[Any]) -> Any:
     return store.read(telegram, 0)[0]
 
 
-def running_node(scenario: Scenario, run: BenchRun, arithmetic: str = "iq") -> ControllerNode:
+def running_node(scenario: Scenario, run: Result, arithmetic: str = "iq") -> ControllerNode:
     """A controller that has heard the first seconds of a recorded run."""
     node = ControllerNode(scenario, LawSpec(arithmetic=arithmetic))
     assert run.log is not None
@@ -54,7 +54,7 @@ def decoded(extreme: int, headroom_bits: int) -> tuple[int, int]:
 
 
 @pytest.mark.slow
-def test_each_quantity_is_shown_twice_in_a_row(nominal: BenchRun) -> None:
+def test_each_quantity_is_shown_twice_in_a_row(nominal: Result) -> None:
     shown, maximum, extreme, headroom = (
         nominal.trace.raw(CtlStat.PORT, f"Telemetry{name}") for name in ("Index", "Maximum", "Extreme", "Headroom")
     )
@@ -76,7 +76,7 @@ def test_each_quantity_is_shown_twice_in_a_row(nominal: BenchRun) -> None:
                 assert value + below >= quantity[key], quantity["name"]
 
 
-def test_status_telegram_is_the_telemetry_of_the_moment(lvshun: Scenario, nominal: BenchRun) -> None:
+def test_status_telegram_is_the_telemetry_of_the_moment(lvshun: Scenario, nominal: Result) -> None:
     node = running_node(lvshun, nominal)
     telemetry = node.controller.telemetry
     for kind in (SATURATION, WRAP, DIVISION_BY_ZERO):
@@ -102,7 +102,7 @@ def test_status_telegram_is_the_telemetry_of_the_moment(lvshun: Scenario, nomina
     assert [row.wraps for row in telemetry.rows] == [0] * (len(telemetry.quantities) - 1) + [1]
 
 
-def test_floats_have_no_headroom_on_the_wire(lvshun: Scenario, nominal: BenchRun) -> None:
+def test_floats_have_no_headroom_on_the_wire(lvshun: Scenario, nominal: Result) -> None:
     node = running_node(lvshun, nominal, "float64")
     assert any(row.minimum for row in node.controller.telemetry.rows)
     for _ in range(2 * len(node.controller.telemetry.quantities)):
@@ -113,7 +113,7 @@ def test_floats_have_no_headroom_on_the_wire(lvshun: Scenario, nominal: BenchRun
     assert (fresh.telemetry_index, fresh.telemetry_headroom_bits) == (NO_QUANTITY, HEADROOM_UNUSED)
 
 
-def test_extremes_of_every_size_and_the_first_127_quantities(lvshun: Scenario, nominal: BenchRun) -> None:
+def test_extremes_of_every_size_and_the_first_127_quantities(lvshun: Scenario, nominal: Result) -> None:
     """The larger extreme is sent with 15 bits beside its sign, the other one cut off at the same place."""
     sizes = [0, 1, 2, 0x7FFF, 0x8000, 0xFFFF, 0x10000, 0x12345, 0x7FFF_FFFE, 0x7FFF_FFFF]
     values = [*sizes, *(-size for size in sizes[1:]), -(2**31)]
@@ -140,7 +140,7 @@ def test_extremes_of_every_size_and_the_first_127_quantities(lvshun: Scenario, n
 
 
 @pytest.mark.parametrize(("cycles", "sent"), [(65_534, 65_534), (65_535, 65_535), (65_536, 65_535), (9**9, 65_535)])
-def test_cycles_saturate_on_the_wire_only(lvshun: Scenario, nominal: BenchRun, cycles: int, sent: int) -> None:
+def test_cycles_saturate_on_the_wire_only(lvshun: Scenario, nominal: Result, cycles: int, sent: int) -> None:
     node = ControllerNode(lvshun, LawSpec())
     node.controller.cost = dataclasses.replace(node.controller.cost, cycles=cycles)
     assert nominal.log is not None

@@ -11,13 +11,13 @@ import pytest
 
 from hil_tests.support.cli import railhil
 from hil_tests.support.short_runs import RUN_2M_TOML
-from railhil.bench import BenchRun, local_run
+from railhil.bench import local_run
 from railhil.bus.frame import Frame
 from railhil.bus.ident import CtlIdent
 from railhil.dbc import wire_contract
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario
-from railhil.scenarios.run_spec import RunSpec
+from railhil.scenarios.run_spec import RunSpec, StartUp
 from railhil.supervisor.documents import read_certificate
 from railhil.supervisor.folder import write_folder
 from railhil.supervisor.framelog import log_line
@@ -25,8 +25,7 @@ from railhil.supervisor.inputs import write_inputs
 from railhil.supervisor.report.facts import facts_of
 from railhil.supervisor.report.recorded import recorded_run
 from railhil.supervisor.reported import reported
-from railhil.supervisor.result import RunResult
-from railhil.supervisor.start_up import StartUp
+from railhil.supervisor.result import Result
 from railhil.supervisor.trace import Trace
 
 
@@ -38,11 +37,11 @@ def scenario(tmp_path_factory: pytest.TempPathFactory) -> Scenario:
 
 
 @pytest.fixture(scope="module")
-def run(scenario: Scenario, tmp_path_factory: pytest.TempPathFactory) -> BenchRun:
+def run(scenario: Scenario, tmp_path_factory: pytest.TempPathFactory) -> Result:
     return local_run(scenario, tmp_path_factory.mktemp("run"))
 
 
-def saying(run: BenchRun, **values: int) -> Trace:
+def saying(run: Result, **values: int) -> Trace:
     """The record with another CTL_IDENT."""
     said, trace = run.trace.ident(CtlIdent), Trace(wire_contract())
     assert said is not None
@@ -67,7 +66,7 @@ UNKNOWN = dict.fromkeys(("controller", "arithmetic", "indexing"), "unknown")
     ],
 )
 def test_what_is_not_confirmed_is_unknown(
-    run: BenchRun, how: StartUp, said: dict[str, int], expected: dict[str, str]
+    run: Result, how: StartUp, said: dict[str, int], expected: dict[str, str]
 ) -> None:
     assert reported(how, saying(run, **said)) == expected
 
@@ -78,17 +77,17 @@ def test_a_controller_that_was_never_heard_is_unknown() -> None:
 
 @pytest.mark.parametrize("name", ["", "ATO 3"])
 def test_it_stands_in_certificate_score_junit_report_and_table(
-    scenario: Scenario, run: BenchRun, tmp_path: Path, name: str
+    scenario: Scenario, run: Result, tmp_path: Path, name: str
 ) -> None:
     how = StartUp(foreign=True, controller_name=name)
     write_inputs(tmp_path, scenario, None)
     (tmp_path / "frames.log").write_text(log_line(0, Frame(0x7E0, b"")))
-    result = RunResult(
-        score=run.score, exit_code=1, line="", frames=1, frames_sha256=run.frames_sha256, wall_time_s=1.0,
-        sim_time_s=9.0, first_frame_s=0.5, transport="railhil:hub", reported=reported(how, saying(run, **ZEROS)),
+    spec = RunSpec(str(scenario.name), start_up=how)
+    result = Result(
+        scenario, spec, run.trace, run.score, exit_code=1, frames=1, frames_sha256=run.frames_sha256, first_frame_s=0.5,
+        transport="railhil:hub", reported=reported(how, saying(run, **ZEROS)), folder=tmp_path,
     )  # fmt: skip
-    spec = RunSpec(str(scenario.name))
-    write_folder(tmp_path, scenario, spec, how, result, run.trace, [])
+    write_folder(result)
     shown = name or "unknown"
     document = json.loads((tmp_path / "certificate.json").read_text())
     score = json.loads((tmp_path / "score.json").read_text())["run"]
@@ -118,5 +117,5 @@ def test_a_name_is_only_for_a_controller_of_somebody_else(tmp_path: Path) -> Non
 
 @pytest.mark.parametrize(("name", "folder"), [("", "other"), ("ATO 3/b", "ATO_3_b")])
 def test_a_run_folder_has_a_name_that_is_no_law(name: str, folder: str) -> None:
-    assert StartUp(foreign=True, controller_name=name).folder_name("ipfc") == folder
-    assert StartUp().folder_name("ipfc") == "ipfc"
+    assert RunSpec(start_up=StartUp(foreign=True, controller_name=name)).folder_controller == folder
+    assert RunSpec().folder_controller == "ipfc"

@@ -14,7 +14,7 @@ from railhil.scenarios.model import AnyScenario
 from railhil.supervisor.events.derive import events_of
 from railhil.supervisor.events.event import LEVEL, RecordedEvent
 from railhil.supervisor.framelog import read_log
-from railhil.supervisor.result import RunResult
+from railhil.supervisor.result import Result
 from railhil.supervisor.trace import trace_of
 
 #: 590 m in 49 s, up to 75 km/h: the train passes 60 km/h at 20.3 s.
@@ -55,7 +55,7 @@ class Made(NamedTuple):
     frames_sha256: str
 
     @classmethod
-    def of(cls, folder: Path, result: RunResult) -> Made:
+    def of(cls, folder: Path, result: Result) -> Made:
         """A run made in this process."""
         return cls(folder, result.exit_code, result.line, result.frames_sha256)
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from railhil.bench import BenchRun
+from railhil.bench import Result
 from railhil.testing.health import disturbed_run
 
 
@@ -32,18 +32,18 @@ def pytest_runtest_setup() -> None:
 @pytest.fixture(scope="session", autouse=True)
 def noted_runs() -> Iterator[None]:
     """Record what every run of this process has refused when it is created."""
-    make = BenchRun.__init__
+    make = Result.__init__
     if make.__name__ == "noted":
         # Another folder's conftest.py has brought it already.
         yield
         return
 
-    def noted(run: BenchRun, *given: object, **named: object) -> None:
+    def noted(run: Result, *given: object, **named: object) -> None:
         make(run, *given, **named)  # type: ignore[arg-type]
         _REFUSED.append(run.refused)
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(BenchRun, "__init__", noted)
+        patch.setattr(Result, "__init__", noted)
         yield
 
 

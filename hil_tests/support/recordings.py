@@ -5,24 +5,20 @@ from __future__ import annotations
 import hashlib
 import json
 import xml.etree.ElementTree as ET
+from dataclasses import replace
 from pathlib import Path
 
 from railhil.bench import local_run
+from railhil.run.report import as_recorded
 from railhil.scenarios.load import load, names
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.supervisor.documents import read_certificate
 from railhil.supervisor.events.derive import events_of
 from railhil.supervisor.folder import write_folder
 from railhil.supervisor.framelog import log_line, read_log
 from railhil.supervisor.hash_list import write_hash_list
 from railhil.supervisor.inputs import write_inputs
-from railhil.supervisor.jitter import lockstep_timing
-from railhil.supervisor.json_file import write_json
-from railhil.supervisor.report.recorded import RecordedRun, recorded_run
-from railhil.supervisor.result import RunResult
-from railhil.supervisor.start_up import StartUp
-from railhil.supervisor.telemetry import read_origin, read_summary
+from railhil.supervisor.report.recorded import RecordedRun
 
 
 def recorded_folder(scenario: Scenario, folder: Path, *, seed: int = 0, arithmetic: str = "iq") -> RecordedRun:
@@ -31,25 +27,17 @@ def recorded_folder(scenario: Scenario, folder: Path, *, seed: int = 0, arithmet
     write_inputs(folder, scenario, None)
     spec = RunSpec(_named(scenario), law=LawSpec(arithmetic=arithmetic), seed=seed)
     run = local_run(scenario, folder, spec)
-    write_json(folder / "telemetry.json", run.telemetry)
-    result = RunResult(
-        score=run.score,
-        exit_code={"PASS": 0, "FAIL": 1}[run.score.verdict],
-        line="; ".join(run.score.failures),
+    result = replace(
+        run,
         frames=1,
-        frames_sha256=run.frames_sha256,
         wall_time_s=float(seed) + 1.25,
         sim_time_s=9.0,
         first_frame_s=0.5,
         transport=f"railhil:{folder}/hub.sock",
-        telemetry=read_summary(folder),
-        origin=read_origin(folder),
-        timing=lockstep_timing(run.trace),
         events=events_of(scenario, run.trace),
     )
-    write_folder(folder, scenario, spec, StartUp(), result, run.trace, [])
-    certificate = read_certificate(folder) or {}
-    return recorded_run(folder, certificate, scenario, run.trace, run.score, events=result.events)
+    write_folder(result)
+    return as_recorded(result)
 
 
 def _named(scenario: Scenario) -> str:

@@ -15,7 +15,7 @@ from hil_tests.support.paths import ROOT
 from hil_tests.support.venvs import RUNNING, Environment, base_python, downloaded, libraries_of, project
 from hil_tests.wheel.conftest import Built
 from railhil import AT_TOP
-from railhil.bench import BenchRun
+from railhil.bench import Result
 
 #: Of our top folders, supervisor, scenarios and dbc are names of other people's distributions.
 NEIGHBOURS = ("supervisor==4.3.0", "scenarios==0.0.2", "dbc==0.3.1")
@@ -126,12 +126,12 @@ def test_neighbours_still_work(installed: Environment) -> None:
     assert "[supervisord]" in installed.run("echo_supervisord_conf")
 
 
-def test_run_gives_the_bytes_of_the_checkout(run_folder: Path, nominal: BenchRun) -> None:
+def test_run_gives_the_bytes_of_the_checkout(run_folder: Path, nominal: Result) -> None:
     certificate = json.loads((run_folder / "certificate.json").read_text())
     assert certificate["frames_sha256"] == nominal.frames_sha256
 
 
-def test_its_log_is_scored(installed: Environment, run_folder: Path, nominal: BenchRun) -> None:
+def test_its_log_is_scored(installed: Environment, run_folder: Path, nominal: Result) -> None:
     document = json.loads(installed.run("railhil", "score", run_folder / "frames.log", "--json"))
     assert document["scores"]["itae"] == nominal.score.values["itae"]
 

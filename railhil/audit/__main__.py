@@ -12,7 +12,7 @@ from railhil.audit.tables import show
 from railhil.batch import say_compiling
 from railhil.batch.nodes import batch_of, kernel_of, one_by_one
 from railhil.batch.perturbed_runs import FIRST_SEED
-from railhil.common.command_line import SEED_MAX, OneLineParser, add_indexing_argument, parse, whole_number
+from railhil.common.command_line import OneLineParser, parse, whole_number
 from railhil.common.exit_codes import FAIL, PASS, guarded
 from railhil.common.output import Output
 from railhil.common.streams import accept_any_text, add_json_argument, print_json
@@ -21,9 +21,9 @@ from railhil.controller_node.laws import find
 from railhil.controller_node.laws import names as laws
 from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario
+from railhil.scenarios.options import add_option, add_options
 from railhil.scenarios.perturb import require_perturbations
 from railhil.scenarios.run_spec import LawSpec
-from railhil.scenarios.settings import add_set_argument
 from railhil.scenarios.system import system_named
 
 _RUNS_MAX = 100_000
@@ -44,18 +44,12 @@ def arguments() -> argparse.ArgumentParser:
         description="Ranges, quantisation against float64, floor against rounding, effect on the scores, cycles.",
         epilog=_EXIT_CODES,
     )
-    parser.add_argument("scenario", nargs="?", default="lvshun_tieshan", help="shipped name or TOML file")
-    add_set_argument(parser)
-    parser.add_argument(
-        "--controller", metavar="LAW", help=f"one of {', '.join(laws())}; for another system, one of its laws"
-    )
-    parser.add_argument(
-        "--arithmetic", choices=[name for name in arithmetics() if name != "float64"], default="iq", help="(default iq)"
-    )
-    add_indexing_argument(parser)
-    parser.add_argument(
-        "--seed", type=whole_number(0, SEED_MAX), default=0, help="seed of the run with the shadows (default 0)"
-    )
+    add_options(parser, "scenario", "--set")
+    add_option(parser, "--controller", help=f"one of {', '.join(laws())}; for another system, one of its laws")
+    others = [name for name in arithmetics() if name != "float64"]
+    add_option(parser, "--arithmetic", choices=others, default="iq", help="(default iq)")
+    add_option(parser, "--indexing")
+    add_option(parser, "--seed", help="seed of the run with the shadows (default 0)")
     parser.add_argument(
         "--runs",
         type=whole_number(0, _RUNS_MAX),

@@ -18,16 +18,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from railhil.bench import BenchRun, unrecorded_run
 from railhil.common.errors import InputError, Words
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Arithmetic
 from railhil.controller_node.law_controller import CommandCode, Computed, LawController, maker_of
 from railhil.controller_node.program.model import Quantity
 from railhil.controller_node.telemetry import VALUE_BITS
+from railhil.run.local import unrecorded_run
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.system import system_named
+from railhil.supervisor.result import Result
 
 
 class Watched:
@@ -110,7 +111,7 @@ class ShadowRun:
     ``twin``: the controller in the audited arithmetic that is compared with the reference.
     """
 
-    run: BenchRun
+    run: Result
     audited: Watched
     twin: Watched
     reference: Watched
@@ -122,13 +123,13 @@ class ShadowRun:
         return self.audited.quantities
 
 
-def run_under(scenario: AnyScenario, law: LawSpec, controller: Watched, seed: int = 0) -> BenchRun:
+def run_under(scenario: AnyScenario, law: LawSpec, controller: Watched, seed: int = 0) -> Result:
     """The nominal run with a given controller: by the system's part ``direct`` (no bus), else through the nodes.
 
     :raises InputError: the law raises, or no control period was computed.
     """
     system = system_named(scenario.system)
-    run: Callable[..., BenchRun] = system.part("direct") if "direct" in system.own else unrecorded_run
+    run: Callable[..., Result] = system.part("direct") if "direct" in system.own else unrecorded_run
     done = run(scenario, RunSpec(law=law, seed=seed), controller)
     if not controller.codes:
         found = Words("no control period: the readings never came")

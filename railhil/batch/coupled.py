@@ -14,11 +14,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from railhil.batch.case import BatchResult, Case, result_of
 from railhil.batch.nodes import DIGITS
-from railhil.bench import BenchRun
 from railhil.controller_node.vector.law import Interface
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.system import system_named
 from railhil.supervisor.judging import judging_of
+from railhil.supervisor.result import Result
 from railhil.supervisor.trace import Trace
 
 
@@ -28,7 +28,7 @@ def run_coupled(case: Case, seeds: Sequence[int]) -> BatchResult:
     :raises InputError: law, arithmetic or parameters do not fit, or a fault needs the nodes.
     """
     direct = system_named(case.scenario.system).part("direct")
-    runs: list[BenchRun] = [direct(case.scenario, case.run(int(seed))) for seed in seeds]
+    runs: list[Result] = [direct(case.scenario, case.run(int(seed))) for seed in seeds]
     counters = [run.arithmetic for run in runs]
     return result_of(
         judging_of(case.scenario),

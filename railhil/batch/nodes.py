@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from railhil.batch.case import BatchResult, Case, result_of
-from railhil.bench import unrecorded_run
 from railhil.plant_sim.faults.plants import needs_nodes
+from railhil.run.local import unrecorded_run
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.system import system_named
 from railhil.supervisor.fault_report import missed_faults

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railhil.batch.case import Case, control_codes
-from railhil.bench import unrecorded_run
 from railhil.controller_node.arithmetic.base import DIVISION_BY_ZERO, SATURATION, WRAP
+from railhil.run.local import unrecorded_run
 from railhil.supervisor.score import Score
 
 

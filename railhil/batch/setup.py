@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from railhil.batch import lanes as at
 from railhil.batch.layout import Common, PerTrain
-from railhil.bench import coupled_schedule
 from railhil.bus.schedule import Schedule
 from railhil.bus.telegrams import CtlStat, NotchCmd, SimTruth, TrnPos
 from railhil.controller_node.loop import POSITION_MAX_01MM, limited_01mm
@@ -25,6 +24,7 @@ from railhil.plant_sim.forces import EffortLimit
 from railhil.plant_sim.plant import NOTCH_LSB_PER_NOTCH
 from railhil.plant_sim.run_end import RunEnd
 from railhil.plant_sim.train_checks import slow_decay, train_checks
+from railhil.run.coupled import coupled_schedule
 from railhil.scenarios.model import Effort, Scenario
 from railhil.scenarios.perturb import unit_draws, with_draws
 from railhil.scenarios.profiles import front_speed_limit

@@ -4,21 +4,17 @@ from __future__ import annotations
 
 import argparse
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 from railhil.campaign.plan import ALL_LAWS, CHUNK_MAX, RUNS_MAX, Request
-from railhil.common.choices import INDEXINGS
 from railhil.common.command_line import SEED_MAX, OneLineParser, whole_number
 from railhil.common.errors import InputError
 from railhil.common.streams import add_json_argument
-from railhil.controller_node.arithmetic import names as arithmetics
 from railhil.controller_node.laws import names as laws
 from railhil.scenarios.load import stable_name
-from railhil.scenarios.settings import add_set_argument
+from railhil.scenarios.options import add_option, add_options
 from railhil.supervisor.signature import add_sign_argument
 
-_JOBS_MAX = 1024
 ENGINES = ("batch", "joblib", "dask")
 _EXIT_CODES = """\
 exit codes:
@@ -44,8 +40,8 @@ def arguments() -> argparse.ArgumentParser:
         description="Thousands of perturbed runs of one or several laws on the same seeds: statistics and worst runs.",
         epilog=_EXIT_CODES,
     )
-    parser.add_argument("scenario", nargs="?", help=f"shipped name or TOML file (default {usual.scenario})")
-    add_set_argument(parser)
+    add_option(parser, "scenario", default=None, help=f"shipped name or TOML file (default {usual.scenario})")
+    add_options(parser, "--set")
     parser.add_argument(
         "--runs",
         type=whole_number(1, RUNS_MAX),
@@ -61,21 +57,14 @@ def arguments() -> argparse.ArgumentParser:
     parser.add_argument(
         "--laws", type=_law_list, metavar="A,B,...", help=f"{ALL_LAWS}, or some of {', '.join(laws())} (default ipfc)"
     )
-    parser.add_argument("--arithmetic", choices=arithmetics(), help=f"(default {usual.arithmetic})")
-    parser.add_argument("--indexing", choices=INDEXINGS, help=f"set-point indexing (default {usual.indexing})")
-    parser.add_argument(
-        "--parameters", action="append", metavar="FILE", help="parameters of one law; may be given again"
-    )
-    parser.add_argument("--both", action="store_true", help="laws with a parameter file also with their own parameters")
-    parser.add_argument(
-        "--allow-training-seeds",
-        action="store_true",
-        help="also seeds on which parameters were tuned or chosen; every table then says so",
-    )
+    add_option(parser, "--arithmetic", help=f"(default {usual.arithmetic})")
+    add_option(parser, "--indexing", default=None)
+    add_option(parser, "--parameters", action="append", help="parameters of one law; may be given again")
+    add_option(parser, "--both")
+    said = "also seeds on which parameters were tuned or chosen; every table then says so"
+    add_option(parser, "--allow-training-seeds", help=said)
     parser.add_argument("--engine", choices=ENGINES, default="batch", help="this process, cores, machines")
-    parser.add_argument(
-        "--jobs", type=whole_number(1, _JOBS_MAX), metavar="N", help="joblib: processes (default: one per core)"
-    )
+    add_option(parser, "--jobs", help="joblib: processes (default: one per core)")
     parser.add_argument("--scheduler", metavar="ADDRESS", help="dask: tcp://HOST:PORT of the scheduler")
     parser.add_argument(
         "--chunk", type=whole_number(1, CHUNK_MAX), metavar="N", help=f"runs per part (default {usual.chunk})"
@@ -112,10 +101,6 @@ def _option(name: str) -> str:
     return name if name == "scenario" else f"--{name.replace('_', '-')}"
 
 
-def _absolute(name: str) -> str:
-    return str(Path(name).resolve())
-
-
 def request_from(namespace: argparse.Namespace, begun: Request) -> Request:
     """The request: options from the command line, all others from ``begun`` (an existing campaign, or the defaults)."""
     said: dict[str, Any] = {name: getattr(namespace, name) for name in _REQUEST if getattr(namespace, name) is not None}
@@ -124,7 +109,7 @@ def request_from(namespace: argparse.Namespace, begun: Request) -> Request:
     if namespace.set:
         said["settings"] = tuple(namespace.set)
     if "parameters" in said:
-        said["parameters"] = tuple(_absolute(name) for name in said["parameters"])
+        said["parameters"] = tuple(str(path.resolve()) for path in said["parameters"])
     return replace(
         begun,
         **said,

@@ -35,7 +35,7 @@ ALL_LAWS = "all"
 RUNS_MAX = 10_000_000
 CHUNK_MAX = 10_000
 #: Code on which a campaign's figures depend, in addition to that of the bench (``certificate.json``).
-_OWN_CODE = ("batch", "bench.py", "campaign/results_table.py", "campaign/work.py")
+_OWN_CODE = ("batch", "campaign/results_table.py", "campaign/work.py")
 
 
 @dataclass(frozen=True, slots=True)

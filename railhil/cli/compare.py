@@ -5,27 +5,23 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import replace
 from pathlib import Path
 
-from railhil.cli.bus_run import (
-    add_arguments,
-    as_recorded,
-    chosen_bus,
-    law_names,
-    recorded,
-    report_line,
-    run_spec,
-    run_system,
-    start_up,
-)
 from railhil.cli.controller_check import check_controllers
+from railhil.cli.progress import Progress
 from railhil.cli.remarks import assumed
+from railhil.cli.run_options import add_arguments, law_names, run_spec, run_system
 from railhil.cli.show import print_scores, print_verdict, print_watch
 from railhil.common.digits import count_of
 from railhil.common.errors import InputError, Words
 from railhil.common.output import Output
 from railhil.common.streams import add_json_argument, print_json
+from railhil.run.make import Observer, Plan, record_run
+from railhil.run.report import as_recorded, report_line
 from railhil.scenarios.model import AnyScenario
+from railhil.scenarios.options import add_option
 from railhil.scenarios.parameters import ParameterSet, load_parameters
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import System
@@ -49,13 +45,9 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     )
     add_arguments(parser)
     parser.add_argument("--laws", default=_ALL, metavar="A,B,...", help=f"of {', '.join(law_names())} (default {_ALL})")
-    parser.add_argument(
-        "--parameters", type=Path, action="append", default=[], metavar="FILE", help="parameters of the law it names"
-    )
-    parser.add_argument("--both", action="store_true", help="laws with a parameter file also with their own parameters")
-    parser.add_argument(
-        "--allow-training-seeds", action="store_true", help="judge parameters on runs on which they were tuned"
-    )
+    add_option(parser, "--parameters", action="append", default=[], help="parameters of the law it names")
+    add_option(parser, "--both")
+    add_option(parser, "--allow-training-seeds")
     add_sign_argument(parser)
     add_json_argument(parser)
     parser.add_argument("--out", metavar="DIR", help="folder (default runs/<utc>-<scenario>-compare)")
@@ -133,6 +125,19 @@ def _checked(
     return plan, [*notes, *(f"Left out. {checked.line}" for checked in refused)]
 
 
+class _BusLine(Observer):
+    """Says once which bus the runs have."""
+
+    def __init__(self, console: Output) -> None:
+        self._console: Output | None = console
+
+    def beside(self, plan: Plan) -> AbstractContextManager[Plan]:
+        if self._console is not None:
+            self._console.say(f"bus: {plan.choice.transport} ({plan.choice.reason})")
+            self._console = None
+        return nullcontext(plan)
+
+
 def work(namespace: argparse.Namespace) -> int:
     """Run all, write the comparison, print; no comparison is written before all laws have run.
 
@@ -142,33 +147,30 @@ def work(namespace: argparse.Namespace) -> int:
     check_key(namespace.sign)
     scenario = wanted[0].load()
     plan, notes = _checked(namespace, scenario, wanted)
-    how = start_up(namespace)
     console = Output(stderr=namespace.json)
     for sentence in notes:
         console.say(sentence)
+    observers: list[Observer] = [_BusLine(console)]
+    observers += [] if namespace.quiet or namespace.json else [Progress(lambda: console)]
     folder: Path | None = None
     made = False
     runs: list[tuple[Path, RecordedRun]] = []
     codes: list[int] = []
     try:
         for spec in plan:
-            with chosen_bus(namespace, spec, scenario) as choice:
-                if folder is None:
-                    folder, made = run_folder(namespace.out, scenario.name, "compare")
-                    console.say(f"bus: {choice.transport} ({choice.reason})")
-                own = folder / spec.law.label
-                own.mkdir()
-                quiet = namespace.quiet or namespace.json
-                try:
-                    done, result = recorded(scenario, spec, how, choice, own, True, lambda: console, quiet)
-                finally:
-                    if made and not any(folder.iterdir()):
-                        folder.rmdir()
-            runs.append((own, as_recorded(own, done, result)))
+            if folder is None:
+                folder, made = run_folder(namespace.out, scenario.name, "compare")
+            own = folder / spec.law.label
+            try:
+                result = record_run(replace(spec, out=own), *observers, scenario=scenario)
+            finally:
+                if made and not any(folder.iterdir()):
+                    folder.rmdir()
+            runs.append((own, as_recorded(result)))
             codes.append(result.exit_code)
-            if done.stopped_exit_code:
+            if result.stopped_exit_code:
                 print_verdict(console, "INVALID", f"{result.line or 'stopped'}; {_so_far(runs, plan, folder)}")
-                return done.stopped_exit_code
+                return result.stopped_exit_code
     except BaseException:
         # After Ctrl-C, too: recorded runs are kept, and the message says so.
         if runs and folder is not None:

@@ -9,8 +9,8 @@ from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 
-from railhil.cli.bus_run import NeverBegan
 from railhil.common.errors import InputError
+from railhil.run.make import NeverBegan
 from railhil.scenarios.run_spec import RunSpec
 from railhil.supervisor.telemetry import LawOrigin, law_origin
 

@@ -6,20 +6,21 @@ import argparse
 import platform
 import sys
 import time
+from collections.abc import Mapping
 from dataclasses import asdict
 from importlib.metadata import version
 from pathlib import Path
+from typing import Any
 
 import can
 
-from railhil.bus.can_settings import add_bus_arguments
+from railhil.bus.can_settings import add_bus_arguments, named_bus
 from railhil.bus.configured import configured
 from railhil.bus.errors import BusLost, BusUnavailable
 from railhil.bus.hub.modelled import HUB
 from railhil.bus.limits import LIMITS
 from railhil.bus.link import open_link
-from railhil.bus.select import BusChoice, choose_bus, config_from_namespace, own_pipes
-from railhil.cli.bus_run import gets_pipes
+from railhil.bus.select import BusChoice, choose_bus, own_pipes
 from railhil.common.build import python_build, railhil_build
 from railhil.common.choices import USUAL_SCENARIO
 from railhil.common.digits import count_of
@@ -28,6 +29,7 @@ from railhil.common.exit_codes import PASS, USAGE
 from railhil.common.output import Output, table
 from railhil.common.streams import add_json_argument, print_json
 from railhil.dbc import wire_contract
+from railhil.run.transports import gets_pipes
 from railhil.scenarios.plant_fmu import PlantFmu
 from railhil.scenarios.run_spec import RunSpec
 from railhil.supervisor.doctor.finding import Finding
@@ -58,23 +60,23 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser.set_defaults(work=work)
 
 
-def _bus_sentence(namespace: argparse.Namespace, choice: BusChoice) -> str:
+def _bus_sentence(given: Mapping[str, Any], choice: BusChoice) -> str:
     """The bus of a run with these options: one in lockstep that would get a hub unasked gets pipes instead."""
     named = f"{choice.transport} ({choice.reason})"
-    if not gets_pipes(namespace, choose_bus(namespace, Path("a hub of the run's own"))):
+    if not gets_pipes(given, choose_bus(given, Path("a hub of the run's own"))):
         return named
     pipes = own_pipes()
     return f"{pipes.transport} ({pipes.reason}); with faults of the bus, in real time or with other clients {named}"
 
 
-def facts(namespace: argparse.Namespace, choice: BusChoice) -> dict[str, str]:
+def facts(given: Mapping[str, Any], choice: BusChoice) -> dict[str, str]:
     """Versions, and the bus that a command would choose."""
     return {
         "railhil": f"{version('railhil')}, {railhil_build()}",
         "python": f"{platform.python_version()}, {python_build()} ({sys.executable})",
         "python-can": version("python-can"),
         "system": f"{platform.system()} {platform.release()} {platform.machine()}",
-        "bus": _bus_sentence(namespace, choice),
+        "bus": _bus_sentence(given, choice),
         "DBC sha256": wire_contract().sha256,
     }
 
@@ -89,9 +91,9 @@ def findings(quick: bool) -> list[Finding]:
     return found
 
 
-def _asked_bus(namespace: argparse.Namespace, choice: BusChoice) -> Finding | None:
+def _asked_bus(given: Mapping[str, Any], choice: BusChoice) -> Finding | None:
     """Whether the bus named by the user, or by python-can's configuration, can be opened; None if none is named."""
-    if not config_from_namespace(namespace) and not configured({}):
+    if not given and not configured({}):
         return None
     try:
         link = open_link(choice.config)
@@ -139,18 +141,17 @@ def work(namespace: argparse.Namespace) -> int:
     """Print facts, findings and limits; exit code 2 if the requested bus cannot be opened."""
     if any(value is not None for value in (namespace.fmu, namespace.fmu_map, namespace.fmu_scenario)):
         return _fmu(namespace)
-    choice = choose_bus(namespace)
-    asked = _asked_bus(namespace, choice)
+    given = named_bus(namespace)
+    choice = choose_bus(given)
+    asked = _asked_bus(given, choice)
     found = findings(namespace.quick) + ([asked] if asked else [])
     code = USAGE if asked and asked.advice else PASS
     if namespace.json:
         hub = [row._asdict() for row in HUB]
-        print_json(
-            {**facts(namespace, choice), "findings": [asdict(item) for item in found], "limits": LIMITS, "hub": hub}
-        )
+        print_json({**facts(given, choice), "findings": [asdict(item) for item in found], "limits": LIMITS, "hub": hub})
         return code
     console = Output()
-    for key, value in facts(namespace, choice).items():
+    for key, value in facts(given, choice).items():
         console.say(f"{key:18} {value}")
     for item in found:
         console.say(f"{item.subject:18} {item.found}")

@@ -15,7 +15,7 @@ from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
-from railhil.common.command_line import OneLineParser, add_indexing_argument, parse
+from railhil.common.command_line import OneLineParser, parse
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import guarded
 from railhil.controller_node.export.bundle import Bundle, make_bundle, write_bundle
@@ -24,9 +24,9 @@ from railhil.controller_node.laws import is_floating, names
 from railhil.controller_node.vector.node import refuse_indexing
 from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario
+from railhil.scenarios.options import add_option, add_options
 from railhil.scenarios.parameters import load_parameters
 from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.scenarios.settings import add_set_argument
 from railhil.scenarios.system import System, system_named
 
 _FILE_COLUMNS = 100
@@ -37,13 +37,12 @@ def arguments() -> argparse.ArgumentParser:
     parser = OneLineParser(prog="railhil export-c", description="Write a control law as C99 for the target.")
     own = f"control law: {', '.join(names())}; for another system, one of its laws"
     parser.add_argument("law", metavar="LAW", help=own)
-    parser.add_argument("scenario", nargs="?", default="lvshun_tieshan", help="shipped name or TOML file: set-points")
-    add_set_argument(parser)
+    add_option(parser, "scenario", help="shipped name or TOML file: set-points")
+    add_option(parser, "--set")
     parser.add_argument("--out", required=True, type=Path, metavar="DIR", help="new or empty folder for the files")
-    add_indexing_argument(parser)
-    parser.add_argument("--parameters", type=Path, metavar="FILE", help="parameters of the law (default: its own)")
+    add_options(parser, "--indexing", "--parameters")
     number = "iq (fixed point, default where the law has it) or float32 (laws of systems with an Interface)"
-    parser.add_argument("--arithmetic", choices=("iq", "float32"), help=number)
+    add_option(parser, "--arithmetic", choices=("iq", "float32"), help=number)
     parser.add_argument(
         "--fmu",
         action="store_true",
@@ -57,9 +56,9 @@ def arguments() -> argparse.ArgumentParser:
 def _run(scenario: AnyScenario, law: LawSpec, controller: Any) -> None:
     """A run of the bench in this process, of which only the control periods are used."""
     # Plant and supervisor are needed only for a log that contains such a run.
-    from railhil.bench import local_run
     from railhil.bus.errors import BusError
     from railhil.plant_sim.any_plant import PlantError
+    from railhil.run.local import local_run
 
     # The inputs that the law received before an error are a log too.
     with TemporaryDirectory() as folder, contextlib.suppress(BusError, PlantError):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import replace
@@ -10,7 +9,6 @@ from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from railhil.cli.bus_run import NeverBegan, chosen_bus, recorded
 from railhil.cli.pool import each, stop_code, stopped_by
 from railhil.common.digits import count_of
 from railhil.common.errors import InputError
@@ -20,52 +18,40 @@ from railhil.common.streams import print_json
 from railhil.faults.capability import why_not
 from railhil.faults.drawn import Sent, random_pair
 from railhil.faults.language import parse
-from railhil.local_run import LocalRun
+from railhil.run.make import NeverBegan, record_run
 from railhil.scenarios.fault_list import disturbed_signals, fault_texts
-from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import System, system_named
 from railhil.supervisor.reactions.pairs import PairRun, judged_pair, sent_ports
-from railhil.supervisor.result import RunResult
-from railhil.supervisor.run import Run
-from railhil.supervisor.start_up import StartUp
-
-_QUIET = Output(stderr=True)
+from railhil.supervisor.result import Result
 
 
-def run_into(
-    folder: Path, namespace: argparse.Namespace, how: StartUp, spec: RunSpec, *, keep: bool = True
-) -> tuple[AnyScenario, Run | LocalRun, RunResult]:
-    """Scenario, run and result of a run into a folder; one that is made here is removed if the run never began.
+def run_into(folder: Path, spec: RunSpec, *, keep: bool = True) -> Result:
+    """The result of a run into a folder; one that is made here is removed if the run never began.
 
     :param keep: whether the folder is to be complete; else it only has what the result needs.
     :raises InputError: the run cannot inject one of its faults.
     :raises NeverBegan: no frame came.
     :raises SystemExit: a signal has ended the run.
     """
-    scenario = spec.load()
-    with chosen_bus(namespace, spec, scenario) as choice:
-        made = not folder.exists()
-        folder.mkdir(parents=True, exist_ok=True)
-        run, result = recorded(scenario, spec, how, choice, folder, made, lambda: _QUIET, True, keep=keep)
-    if run.stopped_exit_code:
-        raise SystemExit(run.stopped_exit_code)
-    return scenario, run, result
+    result = record_run(replace(spec, out=folder), keep=keep)
+    if result.stopped_exit_code:
+        raise SystemExit(result.stopped_exit_code)
+    return result
 
 
-def calm_run(namespace: argparse.Namespace, how: StartUp, base: RunSpec, out: Path) -> tuple[float, dict[str, Sent]]:
+def calm_run(base: RunSpec, out: Path) -> tuple[float, dict[str, Sent]]:
     """Duration of the timetable in s, and what the run without faults sends, and when.
 
     :raises InputError, NeverBegan: as :func:`run_into`.
     """
     with TemporaryDirectory(dir=out) as folder:
-        scenario, run, _ = run_into(Path(folder), namespace, how, replace(base, faults=()), keep=False)
-    return scenario.planned_s, sent_ports(run.trace, disturbed_signals(system_named(scenario.system)))
+        result = run_into(Path(folder), replace(base, faults=()), keep=False)
+    scenario = result.scenario
+    return scenario.planned_s, sent_ports(result.trace, disturbed_signals(system_named(scenario.system)))
 
 
 def pair_run(
-    namespace: argparse.Namespace,
-    how: StartUp,
     base: RunSpec,
     system: System,
     calm: tuple[float, Mapping[str, Sent]],
@@ -89,7 +75,7 @@ def pair_run(
     spec = replace(base, faults=pair, seed=number)
     with TemporaryDirectory(dir=out) as folder:
         try:
-            _, _, result = run_into(Path(folder), namespace, how, spec, keep=False)
+            result = run_into(Path(folder), spec, keep=False)
         except InputError as error:
             return PairRun(number, pair, "refused", [error.allowed])
         except NeverBegan as error:
@@ -98,29 +84,33 @@ def pair_run(
 
 
 def pairs(
-    namespace: argparse.Namespace, how: StartUp, base: RunSpec, system: System, jobs: int, console: Output
+    base: RunSpec, system: System, count: int, jobs: int, console: Output, *, controller: str | None, as_json: bool
 ) -> int:
-    """Random pairs: number n is always the same pair. Stopped by a signal, it says how far it came."""
-    numbers = range(base.seed, base.seed + namespace.pairs)
+    """Random pairs: number n is always the same pair. Stopped by a signal, it says how far it came.
+
+    :param controller: the law that the user has named.
+    :param as_json: print the verdicts as JSON.
+    """
+    numbers = range(base.seed, base.seed + count)
     counts: Counter[str] = Counter()
     broken: list[PairRun] = []
     stopped = 0
     try:
         with TemporaryDirectory(prefix="railhil-faults-") as out:
-            calm = calm_run(namespace, how, base, Path(out))
-            work = partial(pair_run, namespace, how, base, system, calm, Path(out))
+            calm = calm_run(base, Path(out))
+            work = partial(pair_run, base, system, calm, Path(out))
             with each(work, numbers, jobs) as runs:
                 for run in runs:
                     counts[run.verdict] += 1
                     if run.failures:
                         broken.append(run)
                         console.say(f"pair {run.number}: {'; '.join(run.failures)}")
-                        law = f" --controller {namespace.controller}" if namespace.controller else ""
+                        law = f" --controller {controller}" if controller else ""
                         console.say(f"  railhil run {base.scenario} --seed {run.number}{law} {run.words}")
                         console.file.flush()
     except (KeyboardInterrupt, SystemExit) as error:
         stopped = stop_code(error)
-    if namespace.json:
+    if as_json:
         print_json({"verdicts": counts, "broken": [run.as_json() for run in broken]})
     found = ", ".join(f"{count} {verdict}" for verdict, count in sorted(counts.items())) or "none made"
     pairs_made = count_of(len(numbers), "pair")

@@ -13,10 +13,10 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from railhil.bus.can_settings import HUB_INTERFACE
-from railhil.cli.bus_run import NeverBegan, add_arguments, law_names, run_spec, run_system
 from railhil.cli.fault_pairs import pairs, run_into
 from railhil.cli.fault_words import print_words
 from railhil.cli.pool import each, stop_code, stopped_by
+from railhil.cli.run_options import add_arguments, law_names, run_spec, run_system
 from railhil.common.command_line import whole_number
 from railhil.common.digits import count_of
 from railhil.common.errors import InputError
@@ -26,6 +26,8 @@ from railhil.common.streams import add_json_argument, print_json
 from railhil.common.whole_file import whole_file
 from railhil.faults.capability import why_not
 from railhil.faults.language import parse
+from railhil.run.make import NeverBegan
+from railhil.scenarios.options import add_option
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import System
 from railhil.supervisor.documents import FAULT_TABLE
@@ -37,7 +39,6 @@ from railhil.supervisor.reactions.catalogue import Entry, catalogue_of
 from railhil.supervisor.reactions.evaluate import Row, evaluated
 from railhil.supervisor.reactions.facts import seen_in
 from railhil.supervisor.signature import add_sign_argument, check_key, sign_list
-from railhil.supervisor.start_up import StartUp
 
 _PAIRS_MAX = 1_000_000
 _COLUMNS = ("id", "fault", "begun s", "effective s", "detected by", "ms", "reaction", "ms", "bound", "margin", "")
@@ -51,20 +52,15 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         description="Exit code 0 when every entry reacts as it must, or every pair keeps the rules, else 1; 3 when no "
         "entry could be run.",
     )
-    add_arguments(parser)
-    parser.set_defaults(bus="local")
-    parser.add_argument(
-        "--controller", metavar="LAW", help=f"of {', '.join(law_names())} (default: the system's usual)"
-    )
+    add_arguments(parser, bus="local")
+    add_option(parser, "--controller", help=f"of {', '.join(law_names())} (default: the system's usual)")
     parser.add_argument("--list", action="store_true", help="only list what can be injected, word by word")
     parser.add_argument("--only", default="", metavar="T1,S,...", help="entries by id, or by its beginning")
     parser.add_argument(
         "--pairs", type=whole_number(1, _PAIRS_MAX), metavar="N", help="N random pairs of faults instead"
     )
-    parser.add_argument(
-        "--jobs", type=whole_number(1, 1024), default=len(os.sched_getaffinity(0)), metavar="N",
-        help="runs at a time with --bus local (default: one for each processor)",
-    )  # fmt: skip
+    said = "runs at a time with --bus local (default: one for each processor)"
+    add_option(parser, "--jobs", default=len(os.sched_getaffinity(0)), help=said)
     parser.add_argument("--out", type=Path, metavar="DIR", help="keep the run folders there, one for each entry")
     add_sign_argument(parser)
     add_json_argument(parser)
@@ -80,6 +76,13 @@ def _entries(only: str, system: System) -> list[Entry]:
     return found
 
 
+def _check_out(out: Path | None, entries: Sequence[Entry]) -> None:
+    """Nothing that is recorded is overwritten. Raises InputError."""
+    for folder in () if out is None else (out / entry.id for entry in entries):
+        if folder.is_dir() and any(folder.iterdir()):
+            raise InputError("command line", "--out", str(folder), "an empty or new folder for each entry")
+
+
 def _can_be(entry: Entry, transport: str, pace: str) -> bool:
     """Whether the faults of an entry can be injected there."""
     return not any(why_not(parse(text), transport, pace) for text in entry.faults)
@@ -90,28 +93,29 @@ def needs_hub(base: RunSpec, entry: Entry) -> bool:
     return base.is_local and not _can_be(entry, "local", base.pace)
 
 
-def entry_run(namespace: argparse.Namespace, how: StartUp, base: RunSpec, out: Path, entry: Entry) -> Row:
-    """One entry as a run, with its folder in ``out``: whole if the user keeps it (``--out``), none without a run."""
+def entry_run(base: RunSpec, out: Path, keep: bool, entry: Entry) -> Row:
+    """One entry as a run, with its folder in ``out``; none without a run.
+
+    :param keep: whether the folder is to be complete.
+    """
     if entry.seen_in:
         return Row(entry)
     law = replace(base.law, controller=entry.law) if entry.law else base.law
     spec = replace(base, law=law, faults=entry.faults)
     if needs_hub(base, entry):
         # The only transport with controllers, lines and processes of its own; what stops the wall clock, in real time.
-        namespace = argparse.Namespace(**{**vars(namespace), "interface": HUB_INTERFACE})
         pace = "lockstep" if _can_be(entry, "hub", "lockstep") else "realtime"
-        spec = replace(spec, bus="auto", pace=pace)
-    folder = out / entry.id
+        spec = replace(spec, bus="auto", pace=pace, can={**spec.can, "interface": HUB_INTERFACE})
     try:
-        scenario, run, result = run_into(folder, namespace, how, spec, keep=namespace.out is not None)
+        result = run_into(out / entry.id, spec, keep=keep)
     except InputError as error:
         return Row(entry, refused=error.allowed)
     except NeverBegan as error:
         return Row(entry, verdict="none", failures=[str(error)])
-    row = evaluated(entry, seen_in(scenario, result, run.trace))
+    row = evaluated(entry, seen_in(result))
     if not row.made:
         # What its faults need did not happen: the table has no run of it, nor the folder.
-        shutil.rmtree(folder)
+        shutil.rmtree(out / entry.id)
     return row
 
 
@@ -192,19 +196,20 @@ def work(namespace: argparse.Namespace) -> int:
     if namespace.controller:
         system.check_law(namespace.controller, "command line", "--controller")
     base = run_spec(namespace, namespace.controller, None)
-    how = StartUp(ask_for_fifo=not namespace.no_rt, appear_s=namespace.appear_timeout)
     jobs = namespace.jobs if base.is_local else 1
     console = Output(stderr=namespace.json)
     if namespace.pairs is not None:
-        return pairs(namespace, how, base, system, jobs, console)
+        named, as_json = namespace.controller, namespace.json
+        return pairs(base, system, namespace.pairs, jobs, console, controller=named, as_json=as_json)
     check_key(namespace.sign)
     entries = _entries(namespace.only, system)
+    _check_out(namespace.out, entries)
     rows: list[Row] = []
     stopped = 0
     try:
         with ExitStack() as held:
             out = namespace.out or Path(held.enter_context(TemporaryDirectory(prefix="railhil-faults-")))
-            run = partial(entry_run, namespace, how, base, out)
+            run = partial(entry_run, base, out, namespace.out is not None)
             # Those with processes of their own come last, one at a time.
             alone = [entry for entry in entries if entry.faults and needs_hub(base, entry)]
             beside = [entry for entry in entries if entry not in alone]

@@ -17,7 +17,7 @@ from railhil.common.whole_file import write_synced
 from railhil.scenarios.load import load_any
 from railhil.scenarios.memory import Memory, Record, Stored
 from railhil.scenarios.memory_store import SLOT_FILES, MemoryStore, memory_at
-from railhil.scenarios.settings import add_set_argument
+from railhil.scenarios.options import add_option
 from railhil.scenarios.system import system_named
 from railhil.supervisor.errors import not_written
 
@@ -31,7 +31,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     show = verbs.add_parser("show", help="print every record")
     verify = verbs.add_parser("verify", help="exit code 1 if a record cannot be used")
     verify.add_argument("--scenario", metavar="SCENARIO", help="also check key and values with the law on this one")
-    add_set_argument(verify)
+    add_option(verify, "--set")
     export = verbs.add_parser("export", help="write the record that a run would begin with, as one file")
     export.add_argument("--slot", choices=sorted(SLOT_FILES), help="this one instead")
     export.add_argument("--out", type=Path, required=True, metavar="FILE", help="the file to write")

@@ -13,18 +13,20 @@ from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
 
-from railhil.bus.select import BusChoice
 from railhil.common.command_line import whole_number
 from railhil.common.errors import InputError, Words
 from railhil.common.extras import install_command
+from railhil.run.make import Observer, Plan
 from railhil.scenarios.model import AnyScenario
+from railhil.scenarios.options import add_option
 from railhil.scenarios.orders import ORDER
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.settings import canonical_fault
 from railhil.scenarios.system import system_named
-from railhil.supervisor.fault_report import check_faults
+from railhil.supervisor.fault_report import check_faults, transports_of
 from railhil.supervisor.panel_socket import PanelSocket
 from railhil.supervisor.processes import nodes_processor
+from railhil.supervisor.result import Result
 from railhil.supervisor.sockets import private_socket
 
 _PORT_MAX = 65535
@@ -72,13 +74,7 @@ def add_panel_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="SOCKET",
         help="take the orders of railhil panel --operator at this Unix socket",
     )
-    parser.add_argument(
-        ORDER,
-        action="append",
-        default=[],
-        metavar="TEXT",
-        help='an order of an operator, as certificates have them ("75 inject 1"); may be given again',
-    )
+    add_option(parser, ORDER)
 
 
 def check_panel(namespace: argparse.Namespace, spec: RunSpec) -> None:
@@ -113,12 +109,11 @@ def require_websockets() -> None:
         raise InputError("command line", "--panel", found, install_command("panel"), "the extra [panel]") from None
 
 
-def with_emergency(namespace: argparse.Namespace, spec: RunSpec) -> RunSpec:
-    """The run with the fault of the emergency button, where there is time to press it and the train has such a loop."""
-    is_watched = namespace.panel is not None or namespace.operator is not None
+def with_emergency(spec: RunSpec) -> RunSpec:
+    """A run that is watched, with the fault of the emergency button, where there is time to press it and the train has
+    such a loop."""
     # Nodes that are running already have their faults.
-    is_ours = not (namespace.attach or namespace.no_controller)
-    if not is_watched or not is_ours or not (spec.is_realtime or namespace.wait):
+    if spec.start_up.joins or not (spec.is_realtime or spec.start_up.waits):
         return spec
     return replace(spec, faults=(*spec.faults, *_emergency_of(spec.load())))
 
@@ -139,47 +134,57 @@ def prepared_faults(scenario: str, catalogue: bool) -> tuple[str, ...]:
     """
     spec = RunSpec(scenario)
     spec = replace(spec, faults=_emergency_of(spec.load()))
-    return with_catalogue(argparse.Namespace(catalogue=catalogue), spec).faults
+    return (with_catalogue(spec) if catalogue else spec).faults
 
 
-def with_catalogue(namespace: argparse.Namespace, spec: RunSpec) -> RunSpec:
-    """The run with the system's fault catalogue prepared, if that is asked for.
+def with_catalogue(spec: RunSpec) -> RunSpec:
+    """The run with the system's fault catalogue prepared.
 
     :raises InputError: the run would have too many faults.
     """
-    if not namespace.catalogue:
-        return spec
     from railhil.supervisor.reactions.by_hand import faults_by_hand
 
     return replace(spec, faults=(*spec.faults, *faults_by_hand(spec.load())))
 
 
-@contextmanager
-def panel_beside(
-    namespace: argparse.Namespace, spec: RunSpec, choice: BusChoice, folder: Path
-) -> Iterator[PanelSocket | None]:
-    """The panel's process while a run is made, and the socket of its orders; None without a panel.
+class PanelBeside(Observer):
+    """The panel's process while a run is made, and the socket of its orders.
 
-    :param folder: of the run; the panel follows its record where there is no bus to listen to.
+    :param port: of the page; None: there is none.
+    :param foxglove: port for other viewers; None: there is none.
+    :param operator: socket of the orders; None: one of its own.
     """
-    if namespace.panel is None and namespace.operator is None:
-        yield None
-        return
-    with ExitStack() as held:
-        path = namespace.operator or held.enter_context(private_socket())
-        socket = held.enter_context(PanelSocket(path))
-        if namespace.panel is not None:
-            words = [*spec.scenario_words, "--port", str(namespace.panel), "--controller", spec.law.controller]
-            words += ["--operator", str(path), "--child"]
-            words += ["--foxglove", str(namespace.foxglove)] if namespace.foxglove is not None else []
-            bus = ["--follow", str(folder)] if choice.needs_pipes else choice.arguments
-            apart = set() if spec.is_realtime else nodes_processor()[1]
-            process = held.enter_context(panel_process([*words, *bus], apart))
-            _wait_until_shown(process, socket)
-        yield socket
-        if namespace.panel is not None:
-            # Time to show the end.
-            time.sleep(_SHOWN_S)
+
+    def __init__(self, port: int | None, foxglove: int | None, operator: Path | None) -> None:
+        self._port, self._foxglove, self._operator = port, foxglove, operator
+        self._socket: PanelSocket | None = None
+
+    @contextmanager
+    def beside(self, plan: Plan) -> Iterator[Plan]:
+        with ExitStack() as held:
+            path = self._operator or held.enter_context(private_socket())
+            socket = self._socket = held.enter_context(PanelSocket(path))
+            if self._port is not None:
+                apart = set() if plan.spec.is_realtime else nodes_processor()[1]
+                process = held.enter_context(panel_process(self._words(plan, path), apart))
+                _wait_until_shown(process, socket)
+            plan = replace(plan, panel=socket)
+            yield _wait_for_start(socket, plan) if plan.spec.start_up.waits else plan
+            if self._port is not None:
+                # Time to show the end.
+                time.sleep(_SHOWN_S)
+
+    def _words(self, plan: Plan, path: Path) -> list[str]:
+        spec = plan.spec
+        words = [*spec.scenario_words, "--port", str(self._port), "--controller", spec.law.controller]
+        words += ["--operator", str(path), "--child"]
+        words += ["--foxglove", str(self._foxglove)] if self._foxglove is not None else []
+        # Where there is no bus to listen to, the panel follows the record.
+        return words + (["--follow", str(plan.folder)] if plan.choice.needs_pipes else plan.choice.arguments)
+
+    def on_result(self, result: Result) -> None:
+        assert self._socket is not None
+        self._socket.tell({"phase": "ended", "exit_code": result.exit_code, "line": result.line})
 
 
 def _wait_until_shown(process: subprocess.Popen[bytes], socket: PanelSocket) -> None:
@@ -215,35 +220,29 @@ def panel_process(words: Sequence[str], apart: Collection[int] = ()) -> Iterator
             process.wait()
 
 
-def wait_for_start(
-    panel: PanelSocket, spec: RunSpec, scenario: AnyScenario, transports: Sequence[str], attach: bool
-) -> tuple[RunSpec, AnyScenario]:
-    """Wait until Start is pressed; faults that are typed meanwhile become faults of the run.
-
-    :param transports: what the run is injected on (:func:`railhil.supervisor.fault_report.transports_of`).
-    :param attach: the nodes are running already, with their faults.
-    :returns: the run with these faults, and its scenario.
-    """
+def _wait_for_start(panel: PanelSocket, plan: Plan) -> Plan:
+    """Wait until Start is pressed; returns the run with the faults that were typed meanwhile."""
+    lockstep = not plan.spec.is_realtime
     while True:
-        panel.tell({"phase": "waiting", "faults": list(scenario.faults), "lockstep": not spec.is_realtime})
+        panel.tell({"phase": "waiting", "faults": list(plan.scenario.faults), "lockstep": lockstep})
         for command in panel.take(_LOOK_S):
             if command.get("do") == "start":
                 panel.tell({"answer": command.get("id"), "refused": ""})
-                panel.tell({"phase": "starting", "faults": list(scenario.faults), "lockstep": not spec.is_realtime})
-                return spec, scenario
+                panel.tell({"phase": "starting", "faults": list(plan.scenario.faults), "lockstep": lockstep})
+                return plan
             why = "press Start first"
-            if command.get("do") == "fault" and attach:
+            if command.get("do") == "fault" and plan.spec.start_up.attach:
                 why = "the nodes are running already: give them and railhil run --fault"
             elif command.get("do") == "fault":
                 try:
-                    spec, scenario = _with_fault(spec, str(command.get("text", "")), transports)
+                    plan = _with_fault(plan, str(command.get("text", "")))
                     why = ""
                 except InputError as error:
                     why = str(error)
             panel.tell({"answer": command.get("id"), "refused": why})
 
 
-def _with_fault(spec: RunSpec, text: str, transports: Sequence[str]) -> tuple[RunSpec, AnyScenario]:
+def _with_fault(plan: Plan, text: str) -> Plan:
     """The run with one more fault, by hand unless it says when.
 
     :raises InputError: it is none, or cannot be injected.
@@ -251,10 +250,11 @@ def _with_fault(spec: RunSpec, text: str, transports: Sequence[str]) -> tuple[Ru
     # Loading the language takes a tenth of the start of a command.
     from railhil.faults.language import fault_text, parse, with_hand
 
+    spec = plan.spec
     fault = parse(canonical_fault(with_hand(text)))
     # Those of a catalogue say that others may act at their place; one that is typed beside them says it too.
     beside = any(other.combine and other.id and other.place == fault.place for other in map(parse, spec.faults))
     found = replace(spec, faults=(*spec.faults, fault_text(replace(fault, combine=fault.combine or beside))))
     scenario = found.load()
-    check_faults(scenario, transports, spec.pace)
-    return found, scenario
+    check_faults(scenario, transports_of(plan.choice, spec.start_up.foreign), spec.pace)
+    return replace(plan, spec=found, scenario=scenario)

@@ -5,21 +5,19 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
-from pathlib import Path
+from importlib import import_module
 from typing import TYPE_CHECKING
 
 from railhil.bus.ident import CtlIdent
-from railhil.scenarios.model import AnyScenario
-from railhil.scenarios.run_spec import RunSpec
+from railhil.run.make import Observer, Plan
 from railhil.scenarios.system import system_named
 from railhil.supervisor.framelog import LOG_NAME
-from railhil.supervisor.start_up import StartUp
 
 if TYPE_CHECKING:
     from railhil.common.output import Output
 
 #: What the line needs. It is loaded while the nodes start, or with the first redraw.
-LOADED_LATER = ("railhil.common.output", "rich.progress", "railhil.supervisor.now")
+_LOADED_LATER = ("railhil.common.output", "rich.progress", "railhil.supervisor.now")
 
 #: Wall time between two redraws, in s. A redraw costs about five milliseconds.
 _REDRAW_S = 0.4
@@ -27,51 +25,46 @@ _REDRAW_S = 0.4
 _NARROW, _BAR, _BAR_NARROW = 120, 30, 8
 
 
-@contextmanager
-def progress(
-    scenario: AnyScenario, spec: RunSpec, start_up: StartUp, folder: Path, console: Callable[[], Output], quiet: bool
-) -> Iterator[Callable[[float], None] | None]:
-    """Progress callback of the run, taking the simulation time in s; None when nothing is to be shown.
+class Progress(Observer):
+    """Shows the line while a run is made, if its console is a terminal.
 
-    :param folder: of the run, whose log is read while it is written.
-    :param console: where the line is shown, if it is a terminal: asked for at the first call.
+    :param console: asked for at the first redraw.
     """
-    if quiet:
-        yield None
-        return
-    with ExitStack() as held:
-        redraw: Callable[[float], object] | None = None
-        shown_s = -_REDRAW_S
 
-        def on_progress(sim_time_s: float) -> None:
-            nonlocal redraw, shown_s
-            now_s = time.monotonic()
-            if now_s - shown_s >= _REDRAW_S:
-                shown_s = now_s
-                if redraw is None:
-                    redraw = held.enter_context(_shown(scenario, spec, start_up, folder, console()))
-                redraw(sim_time_s)
+    def __init__(self, console: Callable[[], Output]) -> None:
+        self._console = console
+        self._held = ExitStack()
+        self._plan: Plan | None = None
+        self._redraw: Callable[[float], object] | None = None
+        self._shown_s = -_REDRAW_S
 
-        yield on_progress
+    @contextmanager
+    def beside(self, plan: Plan) -> Iterator[Plan]:
+        with ExitStack() as self._held:
+            self._plan = plan
+            yield plan
+
+    def on_started(self) -> None:
+        for name in _LOADED_LATER:
+            import_module(name)
+
+    def on_progress(self, sim_time_s: float) -> None:
+        now_s = time.monotonic()
+        if now_s - self._shown_s < _REDRAW_S or self._plan is None:
+            return
+        self._shown_s = now_s
+        if self._redraw is None:
+            console = self._console()
+            self._redraw = (
+                self._held.enter_context(_line(self._plan, console)) if console.is_terminal else lambda _: None
+            )
+        self._redraw(sim_time_s)
 
 
 @contextmanager
-def _shown(
-    scenario: AnyScenario, spec: RunSpec, start_up: StartUp, folder: Path, console: Output
-) -> Iterator[Callable[[float], object]]:
-    """What redraws the line; nothing, if there is no terminal."""
-    if not console.is_terminal:
-        yield lambda _: None
-        return
-    with _line(scenario, spec, start_up, folder, console) as redraw:
-        yield redraw
-
-
-@contextmanager
-def _line(
-    scenario: AnyScenario, spec: RunSpec, start_up: StartUp, folder: Path, console: Output
-) -> Iterator[Callable[[float], None]]:
+def _line(plan: Plan, console: Output) -> Iterator[Callable[[float], None]]:
     """The line on the terminal; what redraws it."""
+    scenario, spec = plan.scenario, plan.spec
     from rich.progress import BarColumn, Progress, ProgressColumn, TextColumn
 
     from railhil.supervisor.now import Instruments, LogTail
@@ -84,14 +77,14 @@ def _line(
         TextColumn("{task.fields[now]}"),
     )
     instruments = Instruments(scenario)
-    tail = LogTail(folder / LOG_NAME, system_named(scenario.system).contract)
+    tail = LogTail(plan.folder / LOG_NAME, system_named(scenario.system).contract)
     with Progress(*columns, console=console, auto_refresh=False, transient=True) as shown:
         task = shown.add_task("", total=scenario.planned_s, now="")
 
         def redraw(sim_time_s: float) -> None:
             newest = tail.look()
             now = instruments.line(instruments.values(newest))
-            law = reported(start_up, newest.trace(CtlIdent.PORT)).get("controller", spec.law.controller)
+            law = reported(spec.start_up, newest.trace(CtlIdent.PORT)).get("controller", spec.law.controller)
             shown.update(task, description=law, completed=sim_time_s, now=now, refresh=True)
 
         yield redraw

@@ -7,15 +7,14 @@ from dataclasses import replace
 from pathlib import Path
 
 from railhil.bus.ident import PACES, PltIdent, is_perturbed
-from railhil.common.choices import ARITHMETICS
 from railhil.common.digits import count_of
 from railhil.common.errors import InputError, Words, did_you_mean
 from railhil.common.exit_codes import FAIL, PASS
 from railhil.common.output import Output
 from railhil.common.streams import add_json_argument, print_json
+from railhil.scenarios.options import add_fmu_options, add_option, named_fmu
 from railhil.scenarios.plant_fmu import KEY as FMU_KEY
 from railhil.scenarios.plant_fmu import OPTION as FMU_OPTION
-from railhil.scenarios.plant_fmu import add_fmu_arguments, fmu_of
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.system import system_named
 from railhil.supervisor.record import Record, checked_record
@@ -27,12 +26,12 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser.add_argument("log", help="frames.log, frames.blf, or the run folder that holds them")
     parser.add_argument("--node", choices=("controller", "plant"), required=True, help="the node that is driven")
     parser.add_argument("--scenario", help="shipped name or TOML file (default: that of the run folder)")
-    parser.add_argument("--controller", metavar="LAW", help="law of the controller (default: that of the certificate)")
-    parser.add_argument("--arithmetic", choices=ARITHMETICS, help="its arithmetic (default: that of the certificate)")
+    add_option(parser, "--controller", help="law of the controller (default: that of the certificate)")
+    add_option(parser, "--arithmetic", help="its arithmetic (default: that of the certificate)")
     parser.add_argument(
         "--port", action="append", default=[], metavar="PORT", help="compare only this port (default: all of the node)"
     )
-    add_fmu_arguments(parser)
+    add_fmu_options(parser)
     add_json_argument(parser)
     parser.set_defaults(work=work)
 
@@ -73,7 +72,7 @@ def _spec(record: Record, namespace: argparse.Namespace) -> RunSpec:
 
     :raises InputError: no such law; for the plant, another FMU than that of the run.
     """
-    controller, arithmetic, fmu = namespace.controller, namespace.arithmetic, fmu_of(namespace)
+    controller, arithmetic, fmu = namespace.controller, namespace.arithmetic, named_fmu(namespace)
     system = system_named(record.scenario.system)
     if namespace.node == "controller" and fmu is not None:
         raise InputError("command line", FMU_OPTION, fmu.file, "only with --node plant")

@@ -8,34 +8,30 @@ import tempfile
 from dataclasses import replace
 from pathlib import Path
 
-from railhil.bus.can_settings import add_bus_arguments
-from railhil.bus.select import LOCAL, config_from_namespace
-from railhil.cli.bus_run import chosen_bus, recorded
-from railhil.common.choices import BUSES
+from railhil.bus.can_settings import add_bus_arguments, named_bus
+from railhil.bus.select import LOCAL
 from railhil.common.digits import count_of
 from railhil.common.exit_codes import FAIL, PASS
 from railhil.common.output import Output
 from railhil.common.streams import add_json_argument, print_json
 from railhil.dbc import recorded_contract
-from railhil.scenarios.plant_fmu import add_fmu_arguments, fmu_of
+from railhil.run.make import record_run
+from railhil.scenarios.options import add_fmu_options, add_option, named_fmu
 from railhil.scenarios.system import system_named
 from railhil.supervisor import again
 from railhil.supervisor.difference import Difference, first_difference
 from railhil.supervisor.framelog import read_log
-from railhil.supervisor.result import RunResult
-from railhil.supervisor.run_folder import run_folder
-from railhil.supervisor.start_up import StartUp
+from railhil.supervisor.result import Result
 
 
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Register the subcommand."""
     parser = commands.add_parser("rerun")
     parser.add_argument("run", help="run folder, or its certificate.json")
-    parser.add_argument(
-        "--bus", choices=BUSES, help="auto: over a bus, as railhil run (default: local, without -i and the like)"
-    )
+    said = "auto: over a bus, as railhil run (default: local, without -i and the like)"
+    add_option(parser, "--bus", default=None, help=said)
     parser.add_argument("--out", metavar="DIR", help="folder of the repeated run (default: kept only if it differs)")
-    add_fmu_arguments(parser)
+    add_fmu_options(parser)
     add_json_argument(parser)
     add_bus_arguments(parser)
     parser.set_defaults(work=work)
@@ -43,23 +39,28 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 
 def work(namespace: argparse.Namespace) -> int:
     """Repeat, compare, print; exit code 0 for the same bytes (of the contract, on a shared bus), 1 for others."""
-    run = again.recorded(namespace.run, fmu_of(namespace))
+    run = again.recorded(namespace.run, named_fmu(namespace))
     again.repeatable(run)
     console = Output(stderr=namespace.json)
-    spec = replace(run.spec, bus=namespace.bus or ("auto" if config_from_namespace(namespace) else LOCAL))
+    given = named_bus(namespace)
+    spec = replace(run.spec, bus=namespace.bus or ("auto" if given else LOCAL), can=given)
     notes = again.changes(run)
     scenario, changed = again.scenario_now(run, spec.is_local)
     notes += [changed] if changed else []
     for note in notes:
         console.say(f"note: {note}")
-    with chosen_bus(namespace, spec, scenario) as choice:
-        kept = namespace.out is not None
-        place = namespace.out if kept else tempfile.mkdtemp(prefix="railhil-rerun-")
-        folder, made = run_folder(place, scenario.name, spec.law.controller)
-        done, result = recorded(scenario, spec, StartUp(), choice, folder, made or not kept, lambda: console, True)
-    if done.stopped_exit_code:
+    kept = namespace.out is not None
+    place = namespace.out if kept else tempfile.mkdtemp(prefix="railhil-rerun-")
+    try:
+        result = record_run(replace(spec, out=place), scenario=scenario)
+    finally:
+        if not kept and not any(Path(place).iterdir()):
+            # The run never began.
+            Path(place).rmdir()
+    folder = result.place
+    if result.stopped_exit_code:
         console.say(f"not compared: {result.line}; the repeated run is in {folder}")
-        return done.stopped_exit_code
+        return result.stopped_exit_code
     equal = result.frames_sha256 == run.sha256
     # On a shared bus one of the two has frames of others, too.
     shared = bool(run.certificate.get("other_frames") or result.other_frames)
@@ -91,7 +92,7 @@ def work(namespace: argparse.Namespace) -> int:
     return PASS if same else FAIL
 
 
-def _others(run: again.Recorded, result: RunResult) -> str:
+def _others(run: again.Recorded, result: Result) -> str:
     """How many frames of others each record has."""
     recorded = run.certificate.get("other_frames")
     return f"beside {recorded} recorded frames of others and {result.other_frames} now"

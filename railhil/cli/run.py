@@ -6,47 +6,34 @@ import argparse
 import json
 import os
 from collections.abc import Mapping
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from railhil.cli.bus_run import (
-    add_arguments,
-    as_recorded,
-    chosen_bus,
-    law_names,
-    recorded,
-    report_line,
-    start_up,
-)
+from railhil.bus.can_settings import named_bus
 from railhil.cli.dbcfile import check_foreign_dbc
-from railhil.cli.panel import (
-    add_panel_arguments,
-    check_panel,
-    panel_beside,
-    wait_for_start,
-    with_catalogue,
-    with_emergency,
-)
+from railhil.cli.panel import PanelBeside, add_panel_arguments, check_panel, with_catalogue, with_emergency
+from railhil.cli.progress import Progress
+from railhil.cli.run_options import add_arguments, law_names, start_up
 from railhil.common.errors import Faults, InputError, Words
 from railhil.common.given_file import given_text
 from railhil.common.streams import add_json_argument, print_json, say
+from railhil.run.make import Observer, Plan, record_run
+from railhil.run.report import as_recorded, report_line
 from railhil.scenarios.model import AnyScenario
+from railhil.scenarios.options import add_fmu_options, add_option, add_options, named_fmu
 from railhil.scenarios.plant_fmu import OPTION as FMU_OPTION
-from railhil.scenarios.plant_fmu import add_fmu_arguments, fmu_of
 from railhil.scenarios.run_document import OPTIONS, Layer, environment_layer, file_layer
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import system_named
-from railhil.supervisor.fault_report import transports_of
 from railhil.supervisor.memory import memory_lines
-from railhil.supervisor.run_folder import run_folder
 from railhil.supervisor.signature import add_sign_argument, check_key, sign_list
-from railhil.supervisor.start_up import StartUp
 
 if TYPE_CHECKING:
     from railhil.common.output import Output
-    from railhil.supervisor.result import RunResult
+    from railhil.supervisor.result import Result
 
 #: Key of a run -> name in the parsed command line.
 _DESTINATIONS: Mapping[str, str] = {key: option.lstrip("-").replace("-", "_") for key, option in OPTIONS.items()}
@@ -56,17 +43,13 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     """Register the subcommand."""
     parser = commands.add_parser("run")
     add_arguments(parser)
-    parser.add_argument(
-        "--controller", metavar="LAW", help=f"one of {', '.join(law_names())}; for another system, one of its laws"
-    )
-    parser.add_argument("--parameters", type=Path, metavar="FILE", help="parameters of the law (default: its own)")
-    parser.add_argument("--memory", metavar="DIR", help="the law's memory: read before and updated after the run")
-    parser.add_argument("--memory-from", type=Path, metavar="FILE", help="begin with this memory, do not update it")
+    add_option(parser, "--controller", help=f"one of {', '.join(law_names())}; for another system, one of its laws")
+    add_options(parser, "--parameters", "--memory", "--memory-from")
     parser.add_argument("--spec", type=Path, metavar="FILE", help="the run: TOML, or an earlier certificate.json")
     parser.add_argument(
         "--no-perturbed", dest="perturbed", action="store_false", help="a nominal run, whatever --spec says"
     )
-    add_fmu_arguments(parser)
+    add_fmu_options(parser)
     parser.add_argument("--out", metavar="DIR", help="run folder (default runs/<utc>-<scenario>-<controller>)")
     parser.add_argument("--attach", action="store_true", help="plant and controller are running already")
     parser.add_argument(
@@ -100,7 +83,7 @@ def spec_of(namespace: argparse.Namespace, environment: Mapping[str, str]) -> Ru
     :raises InputError: all errors together.
     """
     faults = Faults()
-    fmu = fmu_of(namespace)
+    fmu = named_fmu(namespace)
     layers = [] if namespace.spec is None else [file_layer(namespace.spec, faults, fmu)]
     layers.append(environment_layer(environment, faults))
     words = {key: getattr(namespace, dest) for key, dest in _DESTINATIONS.items() if dest in namespace}
@@ -108,7 +91,8 @@ def spec_of(namespace: argparse.Namespace, environment: Mapping[str, str]) -> Ru
     return replace(RunSpec.from_layers(layers, faults), plant_fmu=fmu)
 
 
-def _asked(namespace: argparse.Namespace) -> tuple[RunSpec, StartUp]:
+def _asked(namespace: argparse.Namespace) -> RunSpec:
+    """The run, with where and how it is made. Raises InputError for options that do not go together."""
     spec = spec_of(namespace, os.environ)
     given = [flag for flag, on in (("--attach", namespace.attach), ("--no-controller", namespace.no_controller)) if on]
     given += ["--bus local"] * spec.is_local
@@ -136,8 +120,9 @@ def _asked(namespace: argparse.Namespace) -> tuple[RunSpec, StartUp]:
         controller_name=namespace.controller_name,
         rerun_command=namespace.rerun_command,
         fault_logs=namespace.fault_logs,
+        waits=namespace.wait,
     )
-    return spec, how
+    return replace(spec, can=named_bus(namespace), start_up=how, out=namespace.out)
 
 
 def _looked_at(spec: RunSpec, scenario: AnyScenario, stderr: bool) -> RunSpec:
@@ -158,7 +143,7 @@ def _looked_at(spec: RunSpec, scenario: AnyScenario, stderr: bool) -> RunSpec:
     return replace(spec, plant_fmu=replace(spec.plant_fmu, same_twice=same, why=why))
 
 
-def made_again(path: Path, spec: RunSpec, result: RunResult) -> str:
+def made_again(path: Path, spec: RunSpec, result: Result) -> str:
     """Whether a run repeated from a certificate has the same bytes; empty for another file, a run in real time and a
     changed run."""
     if path.suffix != ".json" or spec.is_realtime or spec != RunSpec.from_file(path, spec.plant_fmu):
@@ -172,12 +157,28 @@ def made_again(path: Path, spec: RunSpec, result: RunResult) -> str:
     return f"frames.log has other bytes than in {path}: {then}, with railhil {document.get('railhil')}"
 
 
+class _Command(Observer):
+    """Says which bus the run has, and loads what the end of the command needs while others work."""
+
+    def __init__(self, to_stderr: bool) -> None:
+        self._to_stderr = to_stderr
+
+    def beside(self, plan: Plan) -> AbstractContextManager[Plan]:
+        say(f"bus: {plan.choice.transport} ({plan.choice.reason})", self._to_stderr)
+        return nullcontext(plan)
+
+    def on_ended(self) -> None:
+        import railhil.cli.show_run  # noqa: F401
+
+
 def work(namespace: argparse.Namespace) -> int:
     """Run, write the run folder, print; the exit code is the verdict."""
-    spec, how = _asked(namespace)
+    spec = _asked(namespace)
     check_key(namespace.sign)
     check_panel(namespace, spec)
-    spec = with_catalogue(namespace, with_emergency(namespace, spec))
+    is_watched = namespace.panel is not None or namespace.operator is not None
+    spec = with_emergency(spec) if is_watched else spec
+    spec = with_catalogue(spec) if namespace.catalogue else spec
     scenario = spec.load()
     if namespace.dbc is not None:
         check_foreign_dbc(namespace.dbc, system_named(scenario.system).contract)
@@ -190,34 +191,30 @@ def work(namespace: argparse.Namespace) -> int:
 
         return Output(stderr=namespace.json)
 
-    with chosen_bus(namespace, spec, scenario, how.attach or how.foreign) as choice:
-        folder, made = run_folder(namespace.out, scenario.name, how.folder_name(spec.law.controller))
-        say(f"bus: {choice.transport} ({choice.reason})", namespace.json)
-        quiet = namespace.quiet or namespace.json
-        with panel_beside(namespace, spec, choice, folder) as panel:
-            if panel is not None and namespace.wait:
-                spec, scenario = wait_for_start(panel, spec, scenario, transports_of(choice, how.foreign), how.attach)
-            run, result = recorded(scenario, spec, how, choice, folder, made, console, quiet, panel=panel)
-            if panel is not None:
-                panel.tell({"phase": "ended", "exit_code": result.exit_code, "line": result.line})
+    observers: list[Observer] = [_Command(namespace.json)]
+    observers += [PanelBeside(namespace.panel, namespace.foxglove, namespace.operator)] if is_watched else []
+    observers += [] if namespace.quiet or namespace.json else [Progress(console)]
+    result = record_run(spec, *observers, scenario=scenario)
     # Loaded while the nodes ended.
     from railhil.cli.show_run import print_result
     from railhil.supervisor.folder import score_json
     from railhil.supervisor.hash_list import REPORT
 
-    found = as_recorded(folder, run, result)
+    folder, found = result.place, as_recorded(result)
     report = "" if namespace.no_report else report_line([found], folder)
     sign_list(folder, namespace.sign)
+    # Faults may have been typed while the run waited for its start.
+    spec = replace(spec, faults=result.spec.faults)
     again = "" if namespace.spec is None else made_again(namespace.spec, spec, result)
     # What was prepared for a hand that never came is not worth a line each.
     notes = [one.line for one in result.faults if one.begun_s is not None or not namespace.catalogue]
-    notes += [*memory_lines(run.spec, result), *([again] if again else [])]
+    notes += [*memory_lines(result), *([again] if again else [])]
     if namespace.json:
         if report and not (folder / REPORT).is_file():
             notes.append(report)
         for line in notes:
             console().say(line)
-        print_json(score_json(scenario, result, run.spec))
+        print_json(score_json(result))
     else:
-        print_result(console(), found, result, folder, notes, report, namespace.verbose, run.session.heard_ns)
-    return run.stopped_exit_code or result.exit_code
+        print_result(console(), found, result, notes, report, namespace.verbose)
+    return result.stopped_exit_code or result.exit_code

@@ -10,7 +10,7 @@ from railhil.common.output import Output, table
 from railhil.common.streams import add_json_argument, print_json
 from railhil.scenarios.load import load_any, names, short_names
 from railhil.scenarios.model import AnyScenario
-from railhil.scenarios.settings import add_set_argument
+from railhil.scenarios.options import add_option
 
 #: Terminal width from which the longest short name leaves room for the other columns.
 _NAMES_COLUMNS = 80
@@ -20,7 +20,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     """Register the subcommand."""
     parser = commands.add_parser("scenarios")
     parser.add_argument("scenario", nargs="?", help="shipped name or TOML file to check and describe")
-    add_set_argument(parser)
+    add_option(parser, "--set")
     add_json_argument(parser)
     parser.set_defaults(work=work)
 

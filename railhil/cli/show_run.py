@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from pathlib import Path
 
 from railhil.cli.remarks import assumed, next_step
 from railhil.cli.show import print_scores, print_verdict, print_watch
@@ -13,27 +12,24 @@ from railhil.common.output import Output
 from railhil.supervisor.report.facts import parameters_sentence
 from railhil.supervisor.report.jitter_panel import answers_sentence, jitter_sentence, scheduling_sentence
 from railhil.supervisor.report.recorded import RecordedRun
-from railhil.supervisor.result import RunResult
+from railhil.supervisor.result import Result
 
 
 def print_result(
     console: Output,
     run: RecordedRun,
-    result: RunResult,
-    folder: Path,
+    result: Result,
     notes: Sequence[str],
     report: str,
     verbose: bool,
-    last_frame_ns: int,
 ) -> None:
     """Table, facts of the run, verdict and, after a FAIL, what to try.
 
     :param notes: lines on what else has come of the run.
     :param verbose: print all that the scenario assumes, and how long the command took after the last frame.
     :param report: the line about ``report.html``, empty if none was requested.
-    :param last_frame_ns: monotonic time of the last frame.
     """
-    scenario = run.scenario
+    scenario, folder = run.scenario, result.place
     print_scores(console, scenario, [(f"{run.label} {run.certificate['arithmetic']} (measured)", result.score)])
     console.say(f"parameters: {parameters_sentence(run)}", style="dim")
     for line in assumed(scenario, folder, verbose):
@@ -45,7 +41,7 @@ def print_result(
         f"first frame after {result.first_frame_s:.2f} s"
     )
     if verbose:
-        after_s = (time.monotonic_ns() - last_frame_ns) / 1e9
+        after_s = (time.monotonic_ns() - result.last_frame_ns) / 1e9
         console.say(f"all files written {after_s:.2f} s after the last frame")
     if result.timing is not None and result.timing.jitter is not None:
         timing = result.timing.as_json()
@@ -54,8 +50,8 @@ def print_result(
         console.say(f"{jitter_sentence(timing['lateness'])} (measured by the {timing['source']})")
         console.say(f"answers: {answers_sentence(timing)}")
         console.say(f"scheduling: {scheduling_sentence(timing)}")
-    if result.telemetry is not None:
-        console.say(f"arithmetic: {result.telemetry.sentence()}")
+    if result.summary is not None:
+        console.say(f"arithmetic: {result.summary.sentence()}")
     console.say(f"frames.log sha256 {result.frames_sha256}")
     if result.other_frames:
         console.say(f"without {count_of(result.other_frames, 'frame')} of others: sha256 {result.telegrams_sha256}")

@@ -13,7 +13,7 @@ from rich.live import Live
 from rich.panel import Panel
 from rich.text import Text
 
-from railhil.bus.can_settings import HUB_INTERFACE, add_bus_arguments
+from railhil.bus.can_settings import HUB_INTERFACE, add_bus_arguments, named_bus
 from railhil.bus.errors import BusLost
 from railhil.bus.frame import Frame
 from railhil.bus.link import Link, open_link
@@ -22,7 +22,7 @@ from railhil.bus.select import choose_bus
 from railhil.cli.watched import Watched, named_scenario
 from railhil.common.digits import count_of
 from railhil.common.output import Output, table
-from railhil.scenarios.settings import add_fault_argument, add_set_argument
+from railhil.scenarios.options import add_option, add_options
 from railhil.supervisor.follow import Follower
 from railhil.supervisor.now import Instruments
 from railhil.supervisor.shown import LEVEL
@@ -47,9 +47,8 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         nargs="?",
         help="what runs there, if it is no shipped one (default: as the plant tells)",
     )
-    parser.add_argument("--controller", metavar="LAW", help="the law that runs, whose notes are then named")
-    add_set_argument(parser)
-    add_fault_argument(parser)
+    add_option(parser, "--controller", help="the law that runs, whose notes are then named")
+    add_options(parser, "--set", "--fault")
     add_bus_arguments(parser)
     parser.set_defaults(work=work)
 
@@ -61,7 +60,7 @@ def work(namespace: argparse.Namespace) -> int:
     :raises BusUnavailable: the bus cannot be opened.
     """
     watched = Watched(named_scenario(namespace.scenario, namespace.set, namespace.fault), namespace.controller)
-    choice = choose_bus(namespace)
+    choice = choose_bus(named_bus(namespace))
     console = Output()
     link = listening(choice.config)
     console.say(f"bus: {choice.transport} ({choice.reason}), listening only")

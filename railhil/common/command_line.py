@@ -6,14 +6,10 @@ import argparse
 import contextlib
 import difflib
 import io
-import os
 import sys
 from collections.abc import Callable, Sequence
-from pathlib import Path
 from typing import Any, NoReturn
 
-from railhil.common.choices import ARITHMETICS, INDEXINGS, PACES
-from railhil.common.patience import APPEAR_S, PATIENCE_S
 from railhil.common.plain_text import plain
 from railhil.common.scheduling import PRIORITY_MAX
 
@@ -101,14 +97,15 @@ def whole_number(low: int, high: int) -> Callable[[str], int]:
     return number
 
 
-def _rate(text: str) -> float:
+def rate(text: str) -> float:
+    """An option's type: simulated seconds per second."""
     try:
-        rate = float(text)
+        found = float(text)
     except ValueError:
-        rate = float("nan")
-    if not RATE_MIN <= rate <= RATE_MAX:
+        found = float("nan")
+    if not RATE_MIN <= found <= RATE_MAX:
         raise argparse.ArgumentTypeError(f"found {text}, allowed {RATE_MIN:g} to {RATE_MAX:g}")
-    return rate
+    return found
 
 
 def seconds(text: str) -> float:
@@ -120,57 +117,6 @@ def seconds(text: str) -> float:
     if not 0 < found <= APPEAR_MAX_S:
         raise argparse.ArgumentTypeError(f"found {text}, allowed above 0, at most {APPEAR_MAX_S:g} s")
     return found
-
-
-def add_patience_argument(parser: argparse.ArgumentParser, awaited: str) -> None:
-    """Option of every node that waits for another in lockstep.
-
-    :param awaited: what the node waits for, for the help text.
-    """
-    parser.add_argument(
-        "--patience",
-        type=seconds,
-        default=PATIENCE_S,
-        metavar="S",
-        help=f"lockstep: wall time for {awaited} when nobody says that its node has ended (default {PATIENCE_S:g} s)",
-    )
-
-
-def add_lifeline_argument(parser: argparse.ArgumentParser) -> None:
-    """Option of the plant, for the command that starts all nodes: see :class:`railhil.common.patience.Lifelines`."""
-    parser.add_argument("--lifeline", type=_lifeline, action="append", default=[], help=argparse.SUPPRESS)
-
-
-def add_sent_argument(parser: argparse.ArgumentParser) -> None:
-    """Option of plant and controller, for the command that starts all nodes: where to write what the node has sent."""
-    parser.add_argument("--sent-file", type=Path, help=argparse.SUPPRESS)
-
-
-def _lifeline(text: str) -> tuple[str, int]:
-    node, _, descriptor = text.partition("=")
-    try:
-        os.fstat(int(descriptor))
-    except (ValueError, OverflowError, OSError):
-        raise argparse.ArgumentTypeError(f"found {text}, allowed NODE=DESCRIPTOR of an open file") from None
-    return node, int(descriptor)
-
-
-def add_law_arguments(parser: argparse.ArgumentParser) -> None:
-    """Options that say how a law is run: the same for the controller node and for the command that starts it."""
-    parser.add_argument("--arithmetic", choices=sorted(ARITHMETICS), help="(default: that of the scenario's system)")
-    add_indexing_argument(parser)
-    parser.add_argument(
-        "--task-period-ms",
-        type=whole_number(0, TASK_PERIOD_MAX_MS),
-        default=0,
-        metavar="N",
-        help="the controller reads its mailboxes every N ms of simulation time only (default 0: each frame at once)",
-    )
-
-
-def add_indexing_argument(parser: argparse.ArgumentParser) -> None:
-    """Option of every command that makes a law."""
-    parser.add_argument("--indexing", choices=INDEXINGS, default="time", help="set-point indexing (default time)")
 
 
 def add_priority_argument(parser: argparse.ArgumentParser, default: int | None, said: str) -> None:
@@ -185,32 +131,3 @@ def add_priority_argument(parser: argparse.ArgumentParser, default: int | None, 
         metavar="N",
         help=f"SCHED_FIFO priority and locked memory, if permitted; 0: normal scheduling ({said})",
     )
-
-
-def add_run_arguments(parser: argparse.ArgumentParser) -> None:
-    """Options that identify the run: the same for the plant node and for the supervisor."""
-    parser.add_argument("scenario", nargs="?", default="lvshun_tieshan", help="shipped name or TOML file")
-    parser.add_argument("--seed", type=whole_number(0, SEED_MAX), default=0, help="random seed of the run (default 0)")
-    parser.add_argument("--perturbed", action="store_true", help="draw parameters from the scenario's distributions")
-    parser.add_argument(
-        "--run-number",
-        type=whole_number(1, RUN_NUMBER_MAX),
-        default=1,
-        metavar="N",
-        help="number of the run in the sequence of its seed, for systems that learn from run to run (default 1)",
-    )
-    parser.add_argument(
-        "--pace",
-        choices=PACES,
-        default="lockstep",
-        help="as fast as the nodes answer, or by the clock (default lockstep)",
-    )
-    parser.add_argument(
-        "--appear-timeout",
-        type=seconds,
-        default=APPEAR_S,
-        metavar="S",
-        help=f"wall time for the other nodes to appear (default {APPEAR_S:g} s)",
-    )
-    add_patience_argument(parser, "an answer")
-    parser.add_argument("--rate", type=_rate, help=f"realtime: simulated seconds per second (default {RATE:g})")

@@ -6,7 +6,7 @@ import argparse
 
 from railhil.bus.can_settings import add_bus_arguments
 from railhil.common.command_line import OneLineParser, whole_number
-from railhil.scenarios.settings import add_fault_argument, add_set_argument
+from railhil.scenarios.options import add_option, add_options
 
 #: Port of the page unless one is given.
 PORT = 8765
@@ -46,7 +46,7 @@ def arguments() -> argparse.ArgumentParser:
         metavar="PORT",
         help="serve Lichtblick, PlotJuggler and Foxglove too, at ws://127.0.0.1:PORT",
     )
-    parser.add_argument("--controller", metavar="LAW", help="the law that runs, whose notes are then named")
+    add_option(parser, "--controller", help="the law that runs, whose notes are then named")
     parser.add_argument("--socket", metavar="PATH", help="listen at this Unix socket instead, for containers")
     parser.add_argument(
         "--public-port",
@@ -63,7 +63,6 @@ def arguments() -> argparse.ArgumentParser:
         help="instead of a bus: the run that is being made in this folder, in lockstep without a hub",
     )
     parser.add_argument("--child", action="store_true", help=argparse.SUPPRESS)
-    add_set_argument(parser)
-    add_fault_argument(parser)
+    add_options(parser, "--set", "--fault")
     add_bus_arguments(parser)
     return parser

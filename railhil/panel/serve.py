@@ -5,10 +5,12 @@ from __future__ import annotations
 import argparse
 import asyncio
 import secrets
+from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from railhil.bus.select import arguments_from_config, choose_bus, config_from_namespace
+from railhil.bus.can_settings import named_bus
+from railhil.bus.select import arguments_from_config, choose_bus
 from railhil.cli.watched import Watched, named_scenario
 from railhil.common.errors import InputError, Words
 from railhil.common.exit_codes import ending_signals
@@ -44,7 +46,7 @@ def serve_panel(namespace: argparse.Namespace) -> int:
         raise InputError("command line", "SCENARIO", Words(" ".join(namespace.what)), "one scenario, or run folders")
     named = named_scenario(next(iter(namespace.what), None), namespace.set, namespace.fault)
     operator = Operator(namespace.operator) if namespace.operator else None
-    source = LiveRun(Watched(named, namespace.controller), _receiver(namespace), operator)
+    source = LiveRun(Watched(named, namespace.controller), _receiver(named_bus(namespace), namespace.follow), operator)
     token = secrets.token_urlsafe(16) if operator else ""
     port = namespace.public_port if namespace.socket and namespace.public_port else namespace.port
     bridge: FoxgloveBridge | None = None
@@ -58,13 +60,13 @@ def serve_panel(namespace: argparse.Namespace) -> int:
     return asyncio.run(_serve(panel, Output(stderr=True), bridge, operator))
 
 
-def _receiver(namespace: argparse.Namespace) -> Receiver:
-    if namespace.follow is None:
-        return Receiver(choose_bus(namespace).config)
-    if given := config_from_namespace(namespace):
+def _receiver(given: Mapping[str, Any], follow: str | None) -> Receiver:
+    if follow is None:
+        return Receiver(choose_bus(given).config)
+    if given:
         found = Words(" ".join(arguments_from_config(given)) or "a timing")
         raise InputError("command line", "--follow", found, "no option of a bus beside it")
-    folder = Path(namespace.follow)
+    folder = Path(follow)
     return Receiver({}, lambda config, name: FollowedRun(folder), waits=True)
 
 

@@ -9,8 +9,8 @@ from typing import Any, Protocol
 from railhil import library
 from railhil.controller_node.vector.controller import VectorController
 from railhil.library import Outcome
+from railhil.run.coupled import coupled_run
 from railhil.scenarios.run_spec import RunSpec
-from railhil.vector_bench import coupled_run
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +56,7 @@ class Recorded:
 
 @dataclass(frozen=True, slots=True)
 class Coupled:
-    """One run without a bus (:mod:`railhil.vector_bench`); it has neither folder nor certificate.
+    """One run without a bus (:mod:`railhil.run.coupled`); it has neither folder nor certificate.
 
     ``ports``: those that the plant publishes beside the readings of the law.
     """

@@ -22,7 +22,7 @@ ATO = System(
         "faulty_plant": "railhil.plant_sim.faults.train:FaultyTrain",
         "fmu_plant": "railhil.plant_sim.fmu.train:FmuTrain",
         "digest": "railhil.batch:trace_digest",
-        "direct": "railhil.bench:direct_run",
+        "direct": "railhil.run.coupled:direct_run",
         "audit": "railhil.audit.standstill:look",
         "export": "railhil.controller_node.export.notch:NotchControl",
         "picture": "railhil.supervisor.report.picture:draw",

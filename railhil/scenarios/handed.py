@@ -6,7 +6,6 @@ of it remains. A node that is given none reads the files itself.
 
 from __future__ import annotations
 
-import argparse
 import os
 import pickle
 from collections.abc import Iterator
@@ -14,12 +13,8 @@ from contextlib import contextmanager
 
 from railhil.scenarios.model import AnyScenario
 
-_OPTION = "--handed-scenario"
-
-
-def add_handed_argument(parser: argparse.ArgumentParser) -> None:
-    """Option of plant and controller, for the command that starts all nodes."""
-    parser.add_argument(_OPTION, type=int, metavar="DESCRIPTOR", help=argparse.SUPPRESS)
+#: Option of plant and controller, for the command that starts all nodes.
+HANDED = "--handed-scenario"
 
 
 @contextmanager
@@ -37,7 +32,7 @@ def handed(scenario: AnyScenario) -> Iterator[tuple[list[str], list[int]]]:
     try:
         with open(descriptor, "wb", closefd=False) as stream:
             stream.write(document)
-        yield [_OPTION, str(descriptor)], [descriptor]
+        yield [HANDED, str(descriptor)], [descriptor]
     finally:
         os.close(descriptor)
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -53,31 +52,6 @@ class PlantFmu:
             "deterministic": self.same_twice,
             **({"deterministic_why": self.why} if self.why else {}),
         }
-
-
-def add_fmu_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options that name the FMU."""
-    parser.add_argument(
-        OPTION, metavar="FILE", help="simulate the train by this FMU, native code (needs the extra [fmi])"
-    )
-    parser.add_argument(
-        MAP_OPTION, metavar="FILE", help=f"names and units of its variables (default: FILE of {OPTION} with .toml)"
-    )
-
-
-def fmu_of(namespace: argparse.Namespace) -> PlantFmu | None:
-    """The FMU that a command line names.
-
-    :raises InputError: a map without an FMU, or a file that cannot be read.
-    """
-    if namespace.plant_fmu is None:
-        if namespace.fmu_map is not None:
-            raise InputError("command line", MAP_OPTION, namespace.fmu_map, f"only with {OPTION}")
-        return None
-    file = Path(namespace.plant_fmu)
-    found = PlantFmu(str(file), namespace.fmu_map or str(file.with_suffix(".toml")))
-    found.as_json()
-    return found
 
 
 def fmu_again(document: Mapping[str, Any], file: str | Path, given: PlantFmu | None = None) -> PlantFmu | None:

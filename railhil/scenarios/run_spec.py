@@ -1,14 +1,14 @@
 """The specification of a run: scenario, law, seed and pace, defined once and passed on as a whole.
 
-It is made from a command line (:meth:`RunSpec.from_namespace`), in Python, from a file (:meth:`RunSpec.from_file`:
-TOML, or the certificate of an earlier run), or from several of these and the environment, later ones overriding earlier
-ones (:meth:`RunSpec.from_layers`). Every file that describes a run uses the keys of :meth:`RunSpec.as_json`, or some of
+It is made in Python, from a file (:meth:`RunSpec.from_file`: TOML, or the certificate of an earlier run), or from
+several sources, such as a file, the environment and a command line, later ones overriding earlier ones
+(:meth:`RunSpec.from_layers`). Every file that describes a run uses the keys of :meth:`RunSpec.as_json`, or some of
 them.
 """
 
 from __future__ import annotations
 
-import argparse
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -17,13 +17,13 @@ from typing import TYPE_CHECKING, Any
 from railhil.common.choices import USUAL_LAW, USUAL_SCENARIO
 from railhil.common.command_line import RATE
 from railhil.common.errors import Faults, InputError
-from railhil.common.patience import PATIENCE_S
+from railhil.common.patience import APPEAR_S, PATIENCE_S
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.orders import ORDER, orders_of
 from railhil.scenarios.plant_fmu import KEY as FMU_KEY
 from railhil.scenarios.plant_fmu import PlantFmu, fmu_again
 from railhil.scenarios.settings import fault_words, set_words
-from railhil.scenarios.system import System, system_named
+from railhil.scenarios.system import system_named
 
 # What reads and checks files is loaded where it is used: a node that is handed its scenario needs none of it.
 if TYPE_CHECKING:
@@ -50,23 +50,6 @@ class LawSpec:
     parameters: ParameterSet | None = None
     task_period_ms: int = 0
     memory: Memory | None = None
-
-    @classmethod
-    def from_namespace(
-        cls,
-        namespace: argparse.Namespace,
-        system: System,
-        controller: str | None,
-        parameters: ParameterSet | None,
-        memory: Memory | None = None,
-    ) -> LawSpec:
-        """A law from the options of :func:`railhil.common.command_line.add_law_arguments`.
-
-        :param system: of the scenario: its law and its arithmetic are those that are not asked for.
-        """
-        arithmetic = namespace.arithmetic or system.arithmetic
-        law = controller or system.law
-        return cls(law, arithmetic, namespace.indexing, parameters, namespace.task_period_ms, memory)
 
     @property
     def label(self) -> str:
@@ -120,9 +103,42 @@ class LawSpec:
         }
 
 
+@dataclass(frozen=True, slots=True)
+class StartUp:
+    """Which nodes of a run are started, and how.
+
+    :param ask_for_fifo: real time: request SCHED_FIFO and locked memory.
+    :param attach: attach to running nodes instead of starting them.
+    :param foreign: the controller is a board or another program: all nodes except it are started.
+    :param controller_name: what to call that controller; empty: as it reports itself.
+    :param rerun_command: the command that the certificate names for repeating an attached run; empty: a run that starts
+        its own nodes.
+    :param fault_logs: folder in which running nodes leave the logs of their faults; None: the run folder.
+    :param appear_s: wall time for all nodes to appear.
+    :param waits: faults may be added before the run begins.
+    """
+
+    ask_for_fifo: bool = True
+    attach: bool = False
+    foreign: bool = False
+    controller_name: str = ""
+    rerun_command: str = ""
+    fault_logs: Path | None = None
+    appear_s: float = APPEAR_S
+    waits: bool = False
+
+    @property
+    def joins(self) -> bool:
+        """True if a node of the run is started by somebody else: the bus is then theirs, too."""
+        return self.attach or self.foreign
+
+
 @dataclass(frozen=True)
 class RunSpec:
     """One law on one scenario.
+
+    The last three fields say where and how it is made. They are not part of what is run: they are not compared, and no
+    file has them.
 
     :param scenario: shipped name, or path of a TOML file.
     :param settings: keys that override those of its files, ``KEY=VALUE`` (:mod:`railhil.scenarios.settings`).
@@ -137,6 +153,8 @@ class RunSpec:
         and after a good run the memory that the law wants to keep is written to it. A repeated run does not write it:
         command line and certificate give only the memory with which the run began.
     :param orders: of an operator, to be given again (:mod:`railhil.scenarios.orders`).
+    :param can: arguments of ``can.Bus`` that the user has named; without any, the bus is chosen.
+    :param out: the run folder; None: ``runs/<utc>-<scenario>-<controller>``.
     """
 
     scenario: str = USUAL_SCENARIO
@@ -153,34 +171,9 @@ class RunSpec:
     run_number: int = 1
     orders: tuple[str, ...] = ()
     plant_fmu: PlantFmu | None = None
-
-    @classmethod
-    def from_namespace(cls, namespace: argparse.Namespace, law: LawSpec) -> RunSpec:
-        """A run from the options of :func:`railhil.common.command_line.add_run_arguments` and ``--set``.
-
-        :raises InputError: there is no such scenario.
-        """
-        if getattr(namespace, "handed_scenario", None) is None:
-            from railhil.scenarios.load import stable_name
-
-            name = stable_name(namespace.scenario)
-        else:
-            # By the command that starts the node, which has found it.
-            name = namespace.scenario
-        return cls(
-            scenario=name,
-            settings=tuple(namespace.set),
-            law=law,
-            seed=namespace.seed,
-            perturbed=namespace.perturbed,
-            pace=namespace.pace,
-            rate=namespace.rate or RATE,
-            patience_s=namespace.patience,
-            # Only the commands that make complete runs have it.
-            bus=getattr(namespace, "bus", "auto"),
-            faults=tuple(getattr(namespace, "fault", ())),
-            run_number=namespace.run_number,
-        )
+    can: Mapping[str, Any] = field(default_factory=dict, compare=False)
+    start_up: StartUp = field(default_factory=StartUp, compare=False)
+    out: str | Path | None = field(default=None, compare=False)
 
     @classmethod
     def from_json(cls, document: Mapping[str, Any], file: Path, fmu: PlantFmu | None = None) -> RunSpec:
@@ -252,6 +245,18 @@ class RunSpec:
     def is_realtime(self) -> bool:
         """True if the run follows the wall clock, or a multiple of it."""
         return self.pace == "realtime"
+
+    @property
+    def asks_for_fifo(self) -> bool:
+        """True if the processes of this run should request SCHED_FIFO and locked memory."""
+        return self.is_realtime and self.start_up.ask_for_fifo
+
+    @property
+    def folder_controller(self) -> str:
+        """The controller in the name of a run folder."""
+        if not self.start_up.foreign:
+            return self.law.controller
+        return re.sub(r"[^A-Za-z0-9_.+-]+", "_", self.start_up.controller_name) or "other"
 
     @property
     def wall_rate(self) -> float:

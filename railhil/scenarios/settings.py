@@ -7,7 +7,6 @@ in certificate and command of a run, and covered by the scenario's SHA-256.
 
 from __future__ import annotations
 
-import argparse
 import json
 import re
 from collections.abc import Sequence
@@ -40,40 +39,9 @@ def setting(text: str, folder: Path = Path()) -> str:
     return text
 
 
-def add_set_argument(parser: argparse.ArgumentParser) -> None:
-    """Option of every command that loads a scenario; its value is a list of texts, empty when not given."""
-    parser.add_argument(
-        "--set",
-        type=setting,
-        action="append",
-        default=[],
-        metavar="KEY=VALUE",
-        help="change one key of the scenario (plan.stop_error_max_m=0.3); may be given again",
-    )
-
-
 def set_words(settings: Sequence[str]) -> list[str]:
     """The settings as words of a command line."""
     return [word for text in settings for word in (str(SET), text)]
-
-
-def add_fault_argument(parser: argparse.ArgumentParser) -> None:
-    """Option of every command that makes a run or is a node of one; its value is a list of texts."""
-    parser.add_argument(
-        "--fault",
-        type=canonical_fault,
-        action="append",
-        default=[],
-        metavar="TEXT",
-        help='inject a fault ("TRN_SPEED loss 30%% @20s for 5s"); may be given again',
-    )
-
-
-def add_fault_log_argument(parser: argparse.ArgumentParser) -> None:
-    """Option of every node that injects faults."""
-    parser.add_argument(
-        "--fault-log", type=Path, metavar="FOLDER", help="write there what the faults did (the run folder)"
-    )
 
 
 def canonical_fault(text: str, source: str | Path = FAULT) -> str:

@@ -43,7 +43,7 @@ class System:
     modules only: ``task``, ``interface``, ``batch``
     (:func:`railhil.batch.run_batch`) with ``digest`` and, if it has compiled loops, ``kernel``, the name of their
     module, and ``one_by_one`` (why its batch makes each run of a scenario by itself; empty: it makes many at once),
-    and ``direct`` (:func:`railhil.bench.direct_run`; without them campaign and audit run the nodes),
+    and ``direct`` (:func:`railhil.run.coupled.direct_run`; without them campaign and audit run the nodes),
     ``together`` (makes runs of one scenario and law together that differ in seed, number and memory:
     :func:`railhil.batch.stopping.runs.run_together`; for sequences of runs), ``audit``
     (:data:`railhil.audit.bars.OwnLook`), ``export`` (:class:`railhil.controller_node.export.control.Control`; without

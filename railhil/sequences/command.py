@@ -4,20 +4,17 @@ from __future__ import annotations
 
 import argparse
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
-from railhil.common.choices import INDEXINGS, USUAL_SCENARIO
+from railhil.common.choices import USUAL_SCENARIO
 from railhil.common.command_line import SEED_MAX, OneLineParser, whole_number
 from railhil.common.errors import InputError
 from railhil.common.streams import add_json_argument
-from railhil.controller_node.arithmetic import names as arithmetics
 from railhil.scenarios.load import stable_name
-from railhil.scenarios.settings import add_fault_argument, add_set_argument
+from railhil.scenarios.options import add_option, add_options
 from railhil.sequences.plan import CHUNK_MAX, RUNS_MAX, SEQUENCES_MAX, Request
 from railhil.supervisor.signature import add_sign_argument
 
-_JOBS_MAX = 1024
 _EXIT_CODES = """\
 exit codes:
   0    every run was made (whatever its verdict); --verify: the bench gives the same results
@@ -38,9 +35,8 @@ def arguments() -> argparse.ArgumentParser:
         description="Sequences of runs of a law that learns from run to run: how its errors become smaller.",
         epilog=_EXIT_CODES,
     )
-    parser.add_argument("scenario", nargs="?", help=f"shipped name or TOML file (default {USUAL_SCENARIO})")
-    add_set_argument(parser)
-    add_fault_argument(parser)
+    add_option(parser, "scenario", default=None, help=f"shipped name or TOML file (default {USUAL_SCENARIO})")
+    add_options(parser, "--set", "--fault")
     parser.add_argument(
         "--runs", type=whole_number(1, RUNS_MAX), metavar="N", help=f"runs of each sequence (default {usual.runs})"
     )
@@ -50,13 +46,12 @@ def arguments() -> argparse.ArgumentParser:
         metavar="N",
         help=f"sequences (default {usual.sequences}); --verify: 1",
     )
-    parser.add_argument(
-        "--seed", type=whole_number(0, SEED_MAX), metavar="N", help=f"of the first sequence (default {usual.seed})"
-    )
-    parser.add_argument("--controller", metavar="LAW", help="a law with a memory (default: that of the system)")
-    parser.add_argument("--arithmetic", choices=arithmetics(), help=f"(default {usual.arithmetic})")
-    parser.add_argument("--indexing", choices=INDEXINGS, help=f"set-point indexing (default {usual.indexing})")
-    parser.add_argument("--parameters", metavar="FILE", help="parameters of the law (default: its own)")
+    said = f"of the first sequence (default {usual.seed})"
+    add_option(parser, "--seed", default=None, metavar="N", help=said)
+    add_option(parser, "--controller", help="a law with a memory (default: that of the system)")
+    add_option(parser, "--arithmetic", help=f"(default {usual.arithmetic})")
+    add_option(parser, "--indexing", default=None)
+    add_option(parser, "--parameters")
     parser.add_argument("--nominal", action="store_true", help="draw nothing but the noise of the sensors")
     parser.add_argument(
         "--chunk",
@@ -64,15 +59,13 @@ def arguments() -> argparse.ArgumentParser:
         metavar="N",
         help="sequences per part (default: as suits the system)",
     )
-    parser.add_argument(
-        "--jobs", type=whole_number(1, _JOBS_MAX), metavar="N", help="processes (default: one per core)"
-    )
+    add_option(parser, "--jobs")
     parser.add_argument(
         "--scheduler", metavar="ADDRESS", help="workers of the dask scheduler at tcp://HOST:PORT instead"
     )
     parser.add_argument("--out", metavar="DIR", help="folder (default runs/<utc>-<scenario>-learn); resumes there")
     parser.add_argument("--resume", metavar="DIR", help="go on in this folder")
-    parser.add_argument("--no-report", action="store_true", help="write no report.html")
+    add_option(parser, "--no-report")
     add_sign_argument(parser)
     add_json_argument(parser)
     parser.add_argument("--verify", metavar="DIR", help="run some sequences again through the nodes of the bench")
@@ -105,7 +98,7 @@ def request_from(namespace: argparse.Namespace, begun: Request) -> Request:
     if "scenario" in said:
         said["scenario"] = stable_name(said["scenario"])
     if "parameters" in said:
-        said["parameters"] = str(Path(said["parameters"]).resolve())
+        said["parameters"] = str(said["parameters"].resolve())
     if namespace.set:
         said["settings"] = tuple(namespace.set)
     if namespace.fault:

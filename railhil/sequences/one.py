@@ -9,10 +9,10 @@ from typing import Any
 
 from railhil.batch.coupled import command_digest
 from railhil.batch.nodes import DIGITS
-from railhil.bench import BenchRun, unrecorded_run
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.law_controller import maker_of
 from railhil.plant_sim.faults.plants import needs_nodes
+from railhil.run.local import unrecorded_run
 from railhil.scenarios.memory import Memory, Record, next_record, no_memory
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
@@ -20,6 +20,7 @@ from railhil.scenarios.system import System, system_named
 from railhil.supervisor.fault_report import missed_faults
 from railhil.supervisor.learned import Kept, kept_of
 from railhil.supervisor.memory import number_of
+from railhil.supervisor.result import Result
 from railhil.supervisor.score import Score
 from railhil.supervisor.trace import Trace
 
@@ -136,7 +137,7 @@ def sequence(
 def _direct(scenario: AnyScenario, spec: RunSpec) -> OneRun:
     system = system_named(scenario.system)
     controller: Any = maker_of(system, scenario)(scenario, spec.law, make(spec.law.arithmetic))
-    run: BenchRun = system.part("direct")(scenario, spec, controller=controller)
+    run: Result = system.part("direct")(scenario, spec, controller=controller)
     counts = {name: int(getattr(controller.counters, name)) for name in COUNTS}
     found = controller.kept()
     kept = None if found is None else kept_of(found)
@@ -153,7 +154,7 @@ def through_nodes(scenario: AnyScenario, spec: RunSpec) -> OneRun:
     return OneRun(scenario, spec, run.score, counts, missed, _digest(system, scenario, run), kept, run.trace)
 
 
-def _digest(system: System, scenario: AnyScenario, run: BenchRun) -> str:
+def _digest(system: System, scenario: AnyScenario, run: Result) -> str:
     if "digest" in system.own:
         return str(system.part("digest")(scenario, run.trace))
     if "interface" in system.own:

@@ -76,7 +76,7 @@ def learning_sha256() -> str:
     """Hash over the code of this package and of what a campaign's figures depend on (paths and contents)."""
     root = Path(railhil.__file__).parent
     digest = hashlib.sha256(batch_sha256().encode())
-    for path in [*sorted((root / "sequences").glob("*.py")), root / "vector_bench.py"]:
+    for path in sorted((root / "sequences").glob("*.py")):
         digest.update(path.name.encode() + b"\0" + path.read_bytes() + b"\0")
     return digest.hexdigest()
 

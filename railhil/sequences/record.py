@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import shutil
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -10,10 +9,9 @@ from dataclasses import replace
 from pathlib import Path
 
 from railhil.campaign.parts import claimed
-from railhil.cli.bus_run import chosen_bus, recorded
 from railhil.common.errors import InputError, Words
 from railhil.common.exit_codes import INVALID
-from railhil.common.output import Output
+from railhil.run.make import record_run
 from railhil.scenarios.memory import Memory
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
@@ -31,12 +29,11 @@ from railhil.sequences.plan import run_specs
 from railhil.supervisor.again import changes
 from railhil.supervisor.again import recorded as recorded_run
 from railhil.supervisor.errors import not_written
-from railhil.supervisor.result import RunResult
+from railhil.supervisor.result import Result
 from railhil.supervisor.run_folder import run_folder
-from railhil.supervisor.start_up import StartUp
 
 #: Called with the number of a run and its result.
-Told = Callable[[int, RunResult], None]
+Told = Callable[[int, Result], None]
 
 
 class Broken(Exception):
@@ -82,18 +79,10 @@ def _check_same(evidence: Evidence, first: RunSpec, runs: int, folder: Path) -> 
         raise InputError(folder / SEQUENCE, "", found, "that code to go on, or another --out")
 
 
-def record(
-    folder: Path,
-    evidence: Evidence,
-    scenario: AnyScenario,
-    how: StartUp,
-    bus: argparse.Namespace,
-    console: Output,
-    told: Told,
-) -> Evidence:
+def record(folder: Path, evidence: Evidence, scenario: AnyScenario, first: RunSpec, told: Told) -> Evidence:
     """Make the runs that are missing.
 
-    :param bus: python-can's options.
+    :param first: that of the evidence, with where and how the runs are made.
     :raises Broken: a run is not trustworthy, or was stopped.
     :raises NeverBegan: a run was refused.
     :raises RecordFailed: the folder cannot be written.
@@ -101,12 +90,12 @@ def record(
     memory = evidence.began
     for one in evidence.made:
         memory, _ = left(folder / run_name(one.run), memory)
-    specs = run_specs(evidence.first, scenario, evidence.first.seed, evidence.runs)
+    specs = run_specs(first, scenario, first.seed, evidence.runs)
     for number, spec in enumerate(specs[len(evidence.made) :], len(evidence.made) + 1):
         place = folder / run_name(number)
         # A run that was broken off before it was entered is made again.
         shutil.rmtree(place, ignore_errors=True)
-        made, result = _one(spec, memory, number, place, scenario, how, bus, console)
+        made, result = _one(spec, memory, number, place, scenario)
         memory, _ = left(place, memory)
         evidence = replace(evidence, made=(*evidence.made, made))
         write_evidence(evidence, folder)
@@ -114,24 +103,13 @@ def record(
     return evidence
 
 
-def _one(
-    spec: RunSpec,
-    memory: Memory,
-    number: int,
-    place: Path,
-    scenario: AnyScenario,
-    how: StartUp,
-    bus: argparse.Namespace,
-    console: Output,
-) -> tuple[Made, RunResult]:
+def _one(spec: RunSpec, memory: Memory, number: int, place: Path, scenario: AnyScenario) -> tuple[Made, Result]:
     """:raises Broken: the run is not trustworthy, or was stopped."""
-    spec = replace(spec, law=replace(spec.law, memory=memory))
-    with chosen_bus(bus, spec, scenario) as choice:
-        run_folder(str(place), scenario.name, spec.law.controller)
-        done, result = recorded(scenario, spec, how, choice, place, True, lambda: console, True)
-    if done.stopped_exit_code or not result.trusted:
+    spec = replace(spec, law=replace(spec.law, memory=memory), out=place)
+    result = record_run(spec, scenario=scenario)
+    if result.stopped_exit_code or not result.trusted:
         why = f"run {number} is not part of the sequence: {result.line or 'stopped'}; it goes on with the same command"
-        raise Broken(why, done.stopped_exit_code or result.exit_code)
+        raise Broken(why, result.stopped_exit_code or result.exit_code)
     kept = None if result.memory is None else result.memory.record
     after = None if kept is None else kept.sha256
     return Made(number, result.verdict, memory.sha256, result.frames_sha256, after), result

@@ -12,11 +12,10 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from pathlib import Path
 
-from railhil.bus.can_settings import add_bus_arguments
-from railhil.bus.select import LOCAL, config_from_namespace
-from railhil.cli.bus_run import add_arguments, run_spec, run_system, start_up
+from railhil.bus.can_settings import add_bus_arguments, named_bus
+from railhil.bus.select import LOCAL
 from railhil.cli.panel import add_page_argument, panel_process, require_websockets
-from railhil.common.choices import BUSES
+from railhil.cli.run_options import add_arguments, run_spec, run_system
 from railhil.common.command_line import OneLineParser, parse, whole_number
 from railhil.common.digits import count_of
 from railhil.common.errors import InputError
@@ -27,16 +26,17 @@ from railhil.controller_node.laws import find
 from railhil.controller_node.laws.memory import require_memory
 from railhil.scenarios.memory_store import memory_at
 from railhil.scenarios.model import AnyScenario
+from railhil.scenarios.options import add_option
 from railhil.scenarios.parameters import load_parameters
+from railhil.scenarios.run_spec import RunSpec
 from railhil.sequences.evidence import SEQUENCE, Evidence, problems, read_evidence, run_name
 from railhil.sequences.plan import RUNS_MAX
 from railhil.sequences.record import Told, begin, record
 from railhil.supervisor.criteria import limited
 from railhil.supervisor.judging import judging_of
-from railhil.supervisor.result import RunResult
+from railhil.supervisor.result import Result
 from railhil.supervisor.run_folder import run_folder
 from railhil.supervisor.signature import add_sign_argument, check_key, sign_list
-from railhil.supervisor.start_up import StartUp
 
 _RUNS = 15
 #: Wall time for which the page of a finished sequence stays.
@@ -49,9 +49,9 @@ def arguments() -> argparse.ArgumentParser:
     verbs = parser.add_subparsers(dest="verb", required=True, metavar="VERB", parser_class=OneLineParser)
     run = verbs.add_parser("run", help="record a sequence; an interrupted one is gone on with")
     add_arguments(run)
-    run.add_argument("--controller", metavar="LAW", help="a law with a memory (default: that of the system)")
-    run.add_argument("--parameters", type=Path, metavar="FILE", help="parameters of the law (default: its own)")
-    run.add_argument("--memory-from", type=Path, metavar="FILE", help="begin with this memory (default: none)")
+    add_option(run, "--controller", help="a law with a memory (default: that of the system)")
+    add_option(run, "--parameters")
+    add_option(run, "--memory-from", help="begin with this memory (default: none)")
     run.add_argument("--runs", type=whole_number(1, RUNS_MAX), default=_RUNS, metavar="N", help="runs (default 15)")
     run.add_argument("--out", metavar="DIR", help="folder (default runs/<utc>-<scenario>-sequence)")
     add_page_argument(run)
@@ -60,7 +60,7 @@ def arguments() -> argparse.ArgumentParser:
     verify.add_argument("sequence", type=Path, metavar="DIR", help="folder of a sequence")
     rerun = verbs.add_parser("rerun", help="make the sequence again: the same bytes, or the first run that differs")
     rerun.add_argument("sequence", type=Path, metavar="DIR", help="folder of a sequence")
-    rerun.add_argument("--bus", choices=BUSES, help="auto: over a bus (default: local, without -i and the like)")
+    add_option(rerun, "--bus", default=None, help="auto: over a bus (default: local, without -i and the like)")
     add_bus_arguments(rerun)
     for verb in (run, verify, rerun):
         add_json_argument(verb)
@@ -82,7 +82,7 @@ def _run(namespace: argparse.Namespace) -> int:
         first = replace(first, law=replace(first.law, memory=memory_at(namespace.memory_from.resolve())))
     console = Output(stderr=namespace.json)
     with begin(first, scenario, namespace.runs, namespace.out) as (folder, evidence):
-        found = _record(namespace, scenario, folder, evidence, console)
+        found = _record(first, scenario, folder, evidence, console, namespace.panel)
         sign_list(folder, namespace.sign)
     if namespace.json:
         print_json(found.as_json())
@@ -92,22 +92,23 @@ def _run(namespace: argparse.Namespace) -> int:
 
 
 def _record(
-    namespace: argparse.Namespace, scenario: AnyScenario, folder: Path, evidence: Evidence, console: Output
+    first: RunSpec, scenario: AnyScenario, folder: Path, evidence: Evidence, console: Output, panel: int | None
 ) -> Evidence:
-    """Make the runs that are missing, shown on the page if asked for."""
+    """Make the runs that are missing.
+
+    :param panel: port of the page that shows them; None: there is none.
+    """
     if evidence.made:
         console.say(f"{folder}: {len(evidence.made)} of {evidence.runs} runs are there already")
     try:
-        with _page(namespace.panel, folder, bool(evidence.made)) as shown:
+        with _page(panel, folder, bool(evidence.made)) as shown:
             say = _told(console, scenario)
 
-            def told(number: int, result: RunResult) -> None:
+            def told(number: int, result: Result) -> None:
                 say(number, result)
                 shown()
 
-            # A page listens to no bus: the runs keep their pipes.
-            bus = argparse.Namespace(**{**vars(namespace), "panel": None})
-            return record(folder, evidence, scenario, start_up(namespace), bus, console, told)
+            return record(folder, evidence, scenario, first, told)
     except KeyboardInterrupt:
         done = len(read_evidence(folder).made)
         raise KeyboardInterrupt(f"stopped; {done} of {evidence.runs} runs are in {folder}") from None
@@ -139,7 +140,7 @@ def _page(port: int | None, folder: Path, has_runs: bool) -> Iterator[Callable[[
 def _told(console: Output, scenario: AnyScenario) -> Told:
     criteria = limited(judging_of(scenario).criteria, scenario)
 
-    def told(number: int, result: RunResult) -> None:
+    def told(number: int, result: Result) -> None:
         values = {**result.score.values, **result.score.signed}
         figures = [f"{one.title} {one.shown(values[one.signed or one.key])} {one.unit}" for one in criteria]
         left = "no record" if result.memory is None or result.memory.record is None else result.memory.record.digest
@@ -167,15 +168,13 @@ def _rerun(namespace: argparse.Namespace) -> int:
     if not recorded.complete:
         found = f"{len(recorded.made)} of {count_of(recorded.runs, 'run')}"
         raise InputError(namespace.sequence / SEQUENCE, "made", found, "a complete sequence (railhil sequence run)")
-    bus = namespace.bus or ("auto" if config_from_namespace(namespace) else LOCAL)
-    first = replace(recorded.first, bus=bus)
+    given = named_bus(namespace)
+    first = replace(recorded.first, bus=namespace.bus or ("auto" if given else LOCAL), can=given)
     console = Output(stderr=namespace.json)
     folder = Path(tempfile.mkdtemp(prefix="railhil-sequence-"))
     scenario = first.load()
     run_folder(str(folder), scenario.name, "sequence")
-    made = record(
-        folder, Evidence(first, recorded.runs, ()), scenario, StartUp(), namespace, console, lambda number, result: None
-    )
+    made = record(folder, Evidence(first, recorded.runs, ()), scenario, first, lambda number, result: None)
     differs = next((now.run for then, now in zip(recorded.made, made.made, strict=True) if then.line != now.line), None)
     if namespace.json:
         document = {"same": differs is None, "recorded_sha256": recorded.sha256, "sha256": made.sha256}

@@ -1,7 +1,8 @@
-"""The end of a run over a bus: its record is read back, scored, and judged as a record."""
+"""The end of a run: its record is read back, scored, and judged as a record."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from railhil.bus.codes import Event
@@ -23,7 +24,7 @@ from railhil.supervisor.judging import judging_of
 from railhil.supervisor.launch import needs_orders
 from railhil.supervisor.log_trace import trace_of_log
 from railhil.supervisor.reported import reported
-from railhil.supervisor.result import RunResult
+from railhil.supervisor.result import Result
 from railhil.supervisor.senders import Senders
 from railhil.supervisor.status import untold_wrap
 from railhil.supervisor.telemetry import read_origin, read_summary, shown_telemetry
@@ -31,75 +32,96 @@ from railhil.supervisor.trace import Told
 from railhil.supervisor.unseen import UNCLEAR
 
 if TYPE_CHECKING:
+    from railhil.supervisor.bus_run import BusRun
     from railhil.supervisor.run import Run
     from railhil.supervisor.score import Score
 
 
 def result_of(
-    run: Run,
-    started_ns: int,
-    sha256: str,
-    counters: dict[str, int],
-    line: str,
-    refused: bool,
-    faults: list[FaultOutcome],
-) -> RunResult:
-    """Read the record back, score it, and say whether it can be trusted. ``run.trace`` then has its telegrams.
+    run: BusRun, sha256: str, counters: dict[str, int], line: str, refused: bool, faults: list[FaultOutcome]
+) -> Result:
+    """Read the record of a run over a bus back, score it, and say whether it can be trusted. ``run.trace`` then has its
+    telegrams.
 
-    :param started_ns: monotonic wall time at which the command began.
     :param sha256: of the frame log.
     :param line: why there can be no score, as far as it is known; ``refused``: as bad input.
     :raises RecordFailed: the wall times of a run in real time cannot be written.
     """
-    judging = judging_of(run.scenario)
     session = run.session
     # Whatever has ended the run, a frame that nobody sent is no evidence; missing ones have many reasons.
     complete = run.choice.is_private and not run.spec.is_realtime and not line
     # Between two lines a recorder may lose a frame, and a sender that errors take off the bus does not know it.
     complete = complete and not needs_orders(run.scenario.faults)
-    senders = Senders(run.folder, run.trace.contract, complete=complete)
+    senders = Senders(run.folder, run.contract, complete=complete)
     if session.frames:
-        run.trace = trace_of_log(run.log.path, run.trace.contract, senders)
+        run.trace = trace_of_log(run.log.path, run.contract, senders)
     run.trace.told = Told(complete, senders.received)
     found = senders.findings()
     said = [*(item.sentence(port, "supervisor") for port, item in session.strangers.items()), *found.said]
     line = "; ".join(filter(None, (line, *said)))
-    result = judging.score(run.scenario, run.trace)
     timing = _timing(run)
     if timing.missed_polls and counters.get("outages") and not run.spec.is_realtime:
         # The kernel may silently drop frames while an interface goes down.
         line = line or f"record: {count_of(timing.missed_polls, 'poll')} without an answer in an outage of the bus"
-    code = {"PASS": PASS, "FAIL": FAIL}.get(result.verdict, INVALID)
-    if late := late_reason(result, timing):
-        code, line = INVALID, line or late
-    if code in (PASS, FAIL):
-        line = line or missed_faults(faults)
+    code = PASS if not line else USAGE if refused else INVALID
+    return judged(run, sha256, line, code, timing, faults, counters, found.not_witnessed)
+
+
+def judged(
+    run: Run,
+    sha256: str,
+    line: str,
+    code: int,
+    timing: RunTiming,
+    faults: list[FaultOutcome],
+    counters: dict[str, int],
+    not_witnessed: Sequence[str] = (),
+) -> Result:
+    """The result of a run whose telegrams have been read back.
+
+    :param line: why the record is incomplete, with its exit code; empty and PASS for a complete one.
+    """
+    judging, session, trace = judging_of(run.scenario), run.session, run.trace
+    score = judging.score(run.scenario, trace)
     summary = read_summary(run.folder)
     if code == PASS:
-        line = line or untold_wrap(run.trace, judging.status, summary.wraps if summary else 0)
-    if line:
-        code = USAGE if refused else INVALID
+        code = {"PASS": PASS, "FAIL": FAIL}.get(score.verdict, INVALID)
+    if not line and (late := late_reason(score, timing)):
+        code, line = INVALID, late
+    if code in (PASS, FAIL) and (missed := missed_faults(faults)):
+        code, line = INVALID, missed
+    if code == PASS and (untold := untold_wrap(trace, judging.status, summary.wraps if summary else 0)):
+        code, line = INVALID, untold
     if session.ended is Event.ENDED_PLANT_ERROR:
         code = TOOL_ERROR
-    return RunResult(
-        score=result,
+    choice = run.choice
+    return Result(
+        run.scenario,
+        run.spec,
+        trace,
+        score,
         exit_code=code,
-        line=line or "; ".join(result.failures),
+        line=line or "; ".join(score.failures),
         frames=session.frames,
         frames_sha256=sha256,
-        telegrams_sha256=telegrams_sha256(run.log.path, run.trace.contract) if run.trace.foreign else sha256,
-        other_frames=run.trace.foreign,
-        reported=reported(run.start_up, run.trace),
+        telegrams_sha256=telegrams_sha256(run.log.path, run.contract) if trace.foreign else sha256,
+        other_frames=trace.foreign,
+        reported=reported(run.spec.start_up, trace),
         wall_time_s=(session.last_poll_ns - session.first_frame_ns) / 1e9 if session.recording else 0.0,
         sim_time_s=session.sim_time_s,
-        first_frame_s=(session.first_frame_ns - started_ns) / 1e9 if session.recording else float("nan"),
-        transport=run.choice.transport,
-        telemetry=summary or shown_telemetry(run.trace, judging.status),
+        first_frame_s=(session.first_frame_ns - run.started_ns) / 1e9 if session.recording else float("nan"),
+        transport=choice.transport,
+        bus_words=() if choice.is_private else choice.arguments,
+        summary=summary or shown_telemetry(trace, judging.status),
         origin=read_origin(run.folder),
-        counters=counters,
+        recorder_counters=counters,
         timing=timing,
-        not_witnessed=found.not_witnessed,
+        not_witnessed=not_witnessed,
         faults=faults,
+        ended=session.ended,
+        stopped_exit_code=run.stopped_exit_code,
+        last_frame_ns=session.heard_ns,
+        folder=run.folder,
     )
 
 
@@ -112,7 +134,7 @@ def late_reason(found: Score, timing: RunTiming) -> str:
     return "; ".join(filter(None, (*unclear, timing.jitter.sentence(), timing.pace)))
 
 
-def _timing(run: Run) -> RunTiming:
+def _timing(run: BusRun) -> RunTiming:
     """Timing of the run, after all nodes have ended."""
     session = run.session
     if not run.spec.is_realtime:

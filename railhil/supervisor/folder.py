@@ -17,8 +17,7 @@ from railhil.common.held_code import place_of
 from railhil.common.plain_text import plain
 from railhil.common.whole_file import whole_file, write_synced
 from railhil.scenarios.memory import MEMORY_AFTER
-from railhil.scenarios.model import AnyScenario
-from railhil.scenarios.run_spec import RunSpec
+from railhil.scenarios.run_spec import RunSpec, StartUp
 from railhil.scenarios.stored import any_judged_sha256
 from railhil.scenarios.system import system_named
 from railhil.supervisor.blf_writer import write_blf
@@ -31,15 +30,12 @@ from railhil.supervisor.hash_list import HASH_LIST, HASH_LIST_KEY, write_hash_li
 from railhil.supervisor.json_file import json_text, write_json
 from railhil.supervisor.judging import judging_of
 from railhil.supervisor.learned import NOTHING_LEARNED
-from railhil.supervisor.result import RunResult
+from railhil.supervisor.result import Result
 from railhil.supervisor.signals import write_signals
-from railhil.supervisor.start_up import StartUp
-from railhil.supervisor.trace import Trace
 from railhil.supervisor.training_seeds import seed_was_trained
 
 _CODE = (
-    "common", "faults", "dbc", "bus", "scenarios", "plant_sim", "controller_node", "supervisor", "bench.py",
-    "local_run.py",
+    "common", "faults", "dbc", "bus", "scenarios", "plant_sim", "controller_node", "supervisor", "run",
 )  # fmt: skip
 
 #: Files computed from ``frames.log`` after the run; removed again unless all of them could be written.
@@ -80,19 +76,20 @@ def made_by(system: str, law: str, code: str) -> dict[str, str | None]:
     }
 
 
-def run_command(spec: RunSpec, start_up: StartUp, bus_arguments: list[str]) -> str:
+def run_command(spec: RunSpec, bus_words: Sequence[str]) -> str:
     """The command line that repeats the run.
 
     Nobody can attach to nodes that have ended. For an attached run it is therefore the command that started all nodes,
     if known, else a run that starts its own nodes on its own bus; in lockstep that gives the same bytes.
     """
+    start_up = spec.start_up
     if start_up.rerun_command:
         return start_up.rerun_command
     words = ["railhil", "run", *spec.words]
     words += ["--no-rt"] * (not start_up.ask_for_fifo)
     words += ["--no-controller"] * start_up.foreign
     words += ["--controller-name", start_up.controller_name] if start_up.controller_name else []
-    return shlex.join(words + ([] if start_up.attach else bus_arguments))
+    return shlex.join([*words, *(() if start_up.attach else bus_words)])
 
 
 def rerun_needs(start_up: StartUp) -> str | None:
@@ -104,8 +101,9 @@ def rerun_needs(start_up: StartUp) -> str | None:
     return None
 
 
-def score_json(scenario: AnyScenario, result: RunResult, spec: RunSpec) -> dict[str, Any]:
+def score_json(result: Result) -> dict[str, Any]:
     """Content of ``score.json``: results from the log, and data on the course of the run."""
+    scenario, spec = result.scenario, result.spec
     document = result.score.as_json()
     document["verdict"] = result.verdict
     document["line"] = result.line
@@ -113,7 +111,7 @@ def score_json(scenario: AnyScenario, result: RunResult, spec: RunSpec) -> dict[
     document["events"] = summary(scenario, result.events)
     document["faults"] = [one.as_json() for one in result.faults]
     parameters = spec.law.parameters
-    document["run"] = _described(spec, result) | {
+    document["run"] = _described(result) | {
         # Their values are in the certificate.
         "parameters": None if parameters is None else parameters.digest,
         "memory": None if spec.law.memory is None else spec.law.memory.digest,
@@ -124,34 +122,33 @@ def score_json(scenario: AnyScenario, result: RunResult, spec: RunSpec) -> dict[
         "frames": result.frames,
         "transport": result.transport,
         "seed_was_trained": seed_was_trained(scenario, spec, result.origin),
-        "counters": result.counters,
+        "counters": result.recorder_counters,
         "timing": None if result.timing is None else result.timing.as_json(),
     }
-    document["telemetry"] = None if result.telemetry is None else result.telemetry.as_json()
+    document["telemetry"] = None if result.summary is None else result.summary.as_json()
     if result.timing is not None and result.timing.jitter is not None:
         document["jitter"] = result.timing.jitter.as_json()
     return document
 
 
-def _described(spec: RunSpec, result: RunResult) -> dict[str, Any]:
+def _described(result: Result) -> dict[str, Any]:
     """The keys of a run. What somebody else's controller has not confirmed is said as it is known, and what was asked
     for stands under ``asked``."""
-    document = spec.as_json()
+    document = result.spec.as_json()
     if not result.reported:
         return document
     return document | dict(result.reported) | {"asked": {key: document[key] for key in result.reported}}
 
 
-def certificate(
-    scenario: AnyScenario, spec: RunSpec, start_up: StartUp, result: RunResult, bus_arguments: list[str], code: str
-) -> dict[str, Any]:
+def certificate(result: Result, code: str) -> dict[str, Any]:
     """Content of ``certificate.json``: enough to reproduce the same bytes, and to notice if they differ.
 
     :param code: :func:`code_sha256`.
     """
+    scenario, spec, told = result.scenario, result.spec, result.trace.told
     return {
         **made_by(scenario.system, spec.law.controller, code),
-        **_described(spec, result),
+        **_described(result),
         # Of memory.json in the same folder; the initial memory is memory_before.json.
         **(NOTHING_LEARNED if result.memory is None else result.memory.as_json()),
         "scenario_sha256": scenario.sha256,
@@ -164,9 +161,9 @@ def certificate(
         "notes": _notes(result),
         "seed_was_trained": seed_was_trained(scenario, spec, result.origin),
         "arithmetic_profile": None if "arithmetic" in result.reported else PROFILES[spec.law.arithmetic],
-        "attached": start_up.attach,
+        "attached": spec.start_up.attach,
         # If true, the controller was not railhil's: law, parameters and arithmetic are those of the handshake.
-        "foreign": start_up.foreign,
+        "foreign": spec.start_up.foreign,
         "transport": result.transport,
         "frames": result.frames,
         "frames_sha256": result.frames_sha256,
@@ -178,8 +175,8 @@ def certificate(
         "not_witnessed": list(result.not_witnessed),
         "verdict": result.verdict,
         "line": result.line,
-        "command": run_command(spec, start_up, bus_arguments),
-        "command_needs": rerun_needs(start_up),
+        "command": run_command(spec, result.bus_words),
+        "command_needs": rerun_needs(spec.start_up),
         "machine": machine(),
         "libraries": {name: version(name) for name in ("python-can", "cantools", "numpy", "scipy")},
         "assumptions": list(scenario.assumptions),
@@ -187,21 +184,23 @@ def certificate(
         "injected": [one.as_json() for one in result.faults],
         # Watch limits above the usual ones; empty: none.
         "watch_weakened": scenario.watch_weakened,
+        "received": None if told is None else told.as_json(),
     }
 
 
-def _notes(result: RunResult) -> list[dict[str, Any]] | None:
+def _notes(result: Result) -> list[dict[str, Any]] | None:
     return None if result.origin is None else [note.as_json() for note in result.origin.notes]
 
 
-def junit(scenario: AnyScenario, spec: RunSpec, result: RunResult) -> ET.ElementTree[ET.Element]:
+def junit(result: Result) -> ET.ElementTree[ET.Element]:
     """JUnit report with one case per limit of the scenario, and one per stop if the run has several.
 
     A missed limit is a ``failure``; a bench that cannot be trusted is an ``error``, and no limit is judged.
     The messages also say what the watches did, the properties have it for each watch.
     ``time`` is wall time in s: that of the run in ``bench_valid``, 0 for the limits, which are judged from its record.
     """
-    found, judging = result.score, judging_of(scenario)
+    scenario, spec, found = result.scenario, result.spec, result.score
+    judging = judging_of(scenario)
     cases: list[tuple[str, str]] = []
     if result.trusted:
         cases = [
@@ -248,20 +247,13 @@ def _xml(text: str) -> str:
     return plain(" ".join(text.split()))
 
 
-def write_folder(
-    folder: Path,
-    scenario: AnyScenario,
-    spec: RunSpec,
-    start_up: StartUp,
-    result: RunResult,
-    trace: Trace,
-    bus_arguments: list[str],
-) -> None:
+def write_folder(result: Result) -> None:
     """Write all results of a finished record; the certificate comes last and marks the folder as complete.
 
     :raises RecordFailed: the folder cannot be written; it then holds what was recorded (the log, and the output and
         measurements of the nodes) and nothing that looks like a result.
     """
+    folder, scenario, trace = result.place, result.scenario, result.trace
     try:
         with ExitStack() as drafts:
             blf = drafts.enter_context(whole_file(folder / "frames.blf"))
@@ -271,13 +263,12 @@ def write_folder(
                 write_signals(scenario, trace, signals, _notes(result))
         with whole_file(folder / EVENTS) as draft:
             write_events(result.events, draft)
-        write_json(folder / SCORE, score_json(scenario, result, spec))
+        write_json(folder / SCORE, score_json(result))
         with whole_file(folder / "junit.xml") as draft:
-            junit(scenario, spec, result).write(draft, encoding="unicode", xml_declaration=True)
+            junit(result).write(draft, encoding="unicode", xml_declaration=True)
         if result.memory is not None and result.memory.record is not None:
             write_synced(folder / MEMORY_AFTER, result.memory.record.content)
-        document = certificate(scenario, spec, start_up, result, bus_arguments, code_sha256())
-        document["received"] = None if trace.told is None else trace.told.as_json()
+        document = certificate(result, code_sha256())
         with whole_file(folder / CERTIFICATE) as draft:
             draft.write_text(json_text(document | {HASH_LIST_KEY: HASH_LIST}), encoding="utf-8")
             write_hash_list(folder, {CERTIFICATE: draft})

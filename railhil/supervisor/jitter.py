@@ -19,7 +19,7 @@ import numpy.typing as npt
 
 from railhil.bus.clock import RATE_MAX_10TH, RATE_MIN_10TH, rate_to_10th
 from railhil.common.digits import beside, count_of
-from railhil.supervisor.start_up import TIMING
+from railhil.supervisor.run_folder import TIMING
 from railhil.supervisor.trace import Trace
 
 #: Name in the run folder: the arrivals at the recorder.

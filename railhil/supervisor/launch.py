@@ -14,12 +14,12 @@ from railhil.scenarios.handed import handed
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 from railhil.supervisor.processes import Nodes
+from railhil.supervisor.run_folder import TELEMETRY, TIMING
 from railhil.supervisor.senders import sent_file
-from railhil.supervisor.start_up import TELEMETRY, TIMING, StartUp
 
 
-def _scheduling(run: RunSpec, start_up: StartUp, priority: int) -> list[str]:
-    return ["--realtime-priority", str(priority)] if start_up.realtime_scheduling(run) else []
+def _scheduling(run: RunSpec, priority: int) -> list[str]:
+    return ["--realtime-priority", str(priority)] if run.asks_for_fifo else []
 
 
 def needs_orders(faults: Iterable[str]) -> bool:
@@ -33,12 +33,12 @@ def needs_orders(faults: Iterable[str]) -> bool:
     return need_orders(found)
 
 
-def start_hub(nodes: Nodes, run: RunSpec, start_up: StartUp, choice: BusChoice, faults: Sequence[str] = ()) -> None:
+def start_hub(nodes: Nodes, run: RunSpec, choice: BusChoice, faults: Sequence[str] = ()) -> None:
     """Start the hub of this run alone.
 
     :param faults: of the run; some need a hub that takes orders.
     """
-    arguments = ["-c", choice.config["channel"], "--once", *_scheduling(run, start_up, HUB_PRIORITY)]
+    arguments = ["-c", choice.config["channel"], "--once", *_scheduling(run, HUB_PRIORITY)]
     arguments += ["--faults"] * needs_orders(faults)
     nodes.start("hub", "railhil.bus.hub", arguments)
 
@@ -46,7 +46,6 @@ def start_hub(nodes: Nodes, run: RunSpec, start_up: StartUp, choice: BusChoice, 
 def start_nodes(
     nodes: Nodes,
     run: RunSpec,
-    start_up: StartUp,
     choice: BusChoice,
     folder: Path,
     scenario: AnyScenario,
@@ -71,23 +70,24 @@ def start_nodes(
             if pipes is not None:
                 pipes.handed_over(role)
 
-        ours = ["supervisor"] if start_up.foreign else ["supervisor", "controller"]
-        start("plant", "railhil.plant_sim", _of_plant(run, start_up, folder), ours)
-        if not start_up.foreign:
+        foreign = run.start_up.foreign
+        ours = ["supervisor"] if foreign else ["supervisor", "controller"]
+        start("plant", "railhil.plant_sim", _of_plant(run, folder), ours)
+        if not foreign:
             law = [*run.law.words, "--telemetry", str(folder / TELEMETRY)]
-            law += ["--sent-file", str(sent_file(folder, "controller")), *_scheduling(run, start_up, NODE_PRIORITY)]
+            law += ["--sent-file", str(sent_file(folder, "controller")), *_scheduling(run, NODE_PRIORITY)]
             law += ["--seed", str(run.seed)] if faulty else []
             start("controller", "railhil.controller_node", law)
 
 
-def _of_plant(run: RunSpec, start_up: StartUp, folder: Path) -> list[str]:
-    words = ["--seed", str(run.seed), "--pace", run.pace, "--appear-timeout", str(start_up.appear_s)]
+def _of_plant(run: RunSpec, folder: Path) -> list[str]:
+    words = ["--seed", str(run.seed), "--pace", run.pace, "--appear-timeout", str(run.start_up.appear_s)]
     words += ["--perturbed"] * run.perturbed + run.number_words
     words += run.plant_fmu.words if run.plant_fmu is not None else []
     if run.is_realtime:
         words += ["--rate", str(run.rate)]
         # Without the option a plant would request it by itself.
-        words += _scheduling(run, start_up, NODE_PRIORITY) or ["--realtime-priority", "0"]
+        words += _scheduling(run, NODE_PRIORITY) or ["--realtime-priority", "0"]
         words += ["--timing-file", str(folder / TIMING)]
     return [*words, "--sent-file", str(sent_file(folder, "plant"))]
 

@@ -22,7 +22,7 @@ from railhil.supervisor.errors import RecordFailed, not_written
 from railhil.supervisor.learned import Learned
 
 if TYPE_CHECKING:
-    from railhil.supervisor.result import RunResult
+    from railhil.supervisor.result import Result
 
 
 def with_memory(spec: RunSpec, folder: Path) -> RunSpec:
@@ -48,18 +48,17 @@ def with_memory(spec: RunSpec, folder: Path) -> RunSpec:
     return replace(spec, law=replace(spec.law, memory=placed))
 
 
-def learned(scenario: AnyScenario, spec: RunSpec, folder: Path, result: RunResult) -> Learned | None:
-    """What is left of a run; None if it cannot be trusted, or the law keeps nothing.
-
-    :param spec: the result of :func:`with_memory`.
-    """
+def learned(result: Result) -> Learned | None:
+    """What is left of a run that began with :func:`with_memory`; None if it cannot be trusted, or the law keeps
+    nothing."""
     from railhil.supervisor.telemetry import read_kept
 
-    kept = read_kept(folder) if result.trusted else None
+    spec = result.spec
+    kept = read_kept(result.place) if result.trusted else None
     if kept is None:
         return None
     before = None if spec.law.memory is None else spec.law.memory.at(kept.used)
-    number = number_of(scenario, spec, before)
+    number = number_of(result.scenario, spec, before)
     return Learned(kept, next_record(spec.law.controller, kept.key, kept.values, before, number))
 
 
@@ -73,16 +72,16 @@ def number_of(scenario: AnyScenario, spec: RunSpec, before: Record | None) -> in
     return 1 if before is None else before.last_run + 1
 
 
-def keep_memory(spec: RunSpec, folder: Path, after: Learned) -> None:
+def keep_memory(result: Result) -> None:
     """Write the record of a run into the memory store of the run, completely or not at all.
 
-    :param spec: the result of :func:`with_memory`.
     :raises RecordFailed: it cannot be written, or the store has changed since the run began; it is left as it is.
     """
-    if spec.memory_store is None or after.record is None:
+    spec, after = result.spec, result.memory
+    if spec.memory_store is None or after is None or after.record is None:
         return
     assert spec.law.memory is not None
-    store, new = MemoryStore(Path(spec.memory_store)), folder.resolve() / MEMORY_AFTER
+    store, new = MemoryStore(Path(spec.memory_store)), result.place.resolve() / MEMORY_AFTER
     refused = {slot: fault for slot, (fault, _) in after.kept.refused.items()}
     try:
         store.write(after.record, spec.law.memory, after.kept.used, refused)
@@ -93,13 +92,12 @@ def keep_memory(spec: RunSpec, folder: Path, after: Learned) -> None:
         raise RecordFailed(f"memory {store.path} cannot be written: {reason}; {new} holds it") from None
 
 
-def memory_lines(spec: RunSpec, result: RunResult) -> list[str]:
+def memory_lines(result: Result) -> list[str]:
     """What happened to the memory: each place that could not be used, then what the run began with and left.
 
     Empty for a law that keeps none.
-
-    :param spec: the result of :func:`with_memory`.
     """
+    spec = result.spec
     memory, after = spec.law.memory, result.memory
     if memory is None and after is None:
         return []

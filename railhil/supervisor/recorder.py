@@ -14,7 +14,6 @@ from railhil.common.scheduling import RECORDER_PRIORITY, Scheduling, cycle
 from railhil.scenarios.run_spec import RunSpec
 from railhil.supervisor.processes import Node, Nodes
 from railhil.supervisor.session import Session
-from railhil.supervisor.start_up import StartUp
 from railhil.supervisor.stopping import StopSignals
 
 #: Real time: wall time without a tick after which a started run counts as dead, outages of the interface excluded.
@@ -47,7 +46,6 @@ class Recorder:
         session: Session,
         flush: Callable[[], None],
         spec: RunSpec,
-        start_up: StartUp,
         transport: str,
         order: BusOrder | None,
         *,
@@ -63,7 +61,6 @@ class Recorder:
         self._session = session
         self._flush = flush
         self._spec = spec
-        self._start_up = start_up
         self._transport = transport
         self._order = order
         self._silence_s = silence_s
@@ -74,7 +71,7 @@ class Recorder:
 
         :raises BusLost: the bus is gone, and no signal has ended the run.
         """
-        priority = RECORDER_PRIORITY if self._start_up.realtime_scheduling(self._spec) else 0
+        priority = RECORDER_PRIORITY if self._spec.asks_for_fifo else 0
         with cycle("supervisor", priority, aloud=False) as self.scheduling:
             link.while_waiting = stop.check
             try:
@@ -105,7 +102,7 @@ class Recorder:
         silence_s = self._silence_s if self._spec.is_realtime else self._spec.patience_s + LATER_S
         # The supervisor knows more about nodes that it has started itself; in real time the reaction ladder has its
         # time.
-        told = self._start_up.attach and not self._spec.is_realtime
+        told = self._spec.start_up.attach and not self._spec.is_realtime
         apart = not self._spec.is_realtime and bool(nodes.nodes)
         while session.ended is None:
             heard = self._take(link, LOOK_S)
@@ -145,8 +142,8 @@ class Recorder:
                     self.lost = self.who_died(nodes)
                     return
             # Only the plant's ticks count: on a shared bus there may always be frames of other nodes.
-            if not session.recording and now_s - opened_s > self._start_up.appear_s + LATER_S:
-                self.lost = self.lost or f"no plant on {self._transport} within {self._start_up.appear_s:g} s"
+            if not session.recording and now_s - opened_s > self._spec.start_up.appear_s + LATER_S:
+                self.lost = self.lost or f"no plant on {self._transport} within {self._spec.start_up.appear_s:g} s"
                 return
             if session.recording and now_s - max(open_s, session.heard_ns / 1e9) > silence_s:
                 stuck = f"no tick for {silence_s:g} s of wall time: bench is deadlocked"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from railhil.bus.ident import CtlIdent
-from railhil.supervisor.start_up import StartUp
+from railhil.scenarios.run_spec import StartUp
 from railhil.supervisor.trace import Trace
 
 UNKNOWN: Final = "unknown"
@@ -18,7 +18,7 @@ def reported(start_up: StartUp, trace: Trace) -> dict[str, str]:
 
     A controller of somebody else that says what it is has said what was asked for: others are refused.
     """
-    if not start_up.foreign and not start_up.attach:
+    if not start_up.joins:
         return {}
     ident = trace.ident(CtlIdent)
     found = {key: UNKNOWN for key, field in _CONFIRMED.items() if ident is None or not getattr(ident, field)}

@@ -9,12 +9,14 @@ from pathlib import Path
 from railhil.common.errors import InputError
 from railhil.supervisor.errors import not_written
 
+#: Names in the run folder of what the nodes leave there: the controller its telemetry, the plant its timing.
+TELEMETRY, TIMING = "telemetry.json", "timing.csv"
 #: Free disk space required to begin a run: for the output of the nodes and the beginning of the log. A run of 3 min
 #: takes 6 MB.
 ROOM_MIN_BYTES = 128 * 1024
 
 
-def run_folder(out: str | None, scenario: str, controller: str) -> tuple[Path, bool]:
+def run_folder(out: str | Path | None, scenario: str, controller: str) -> tuple[Path, bool]:
     """Make the folder of a new run.
 
     :param out: the folder itself if the user names one; it must be empty or not exist.
@@ -22,8 +24,8 @@ def run_folder(out: str | None, scenario: str, controller: str) -> tuple[Path, b
     :raises InputError: the named folder is not empty, cannot be created or cannot be written.
     :raises RecordFailed: there is not enough disk space.
     """
-    if out is not None and not out.strip():
-        raise InputError("command line", "--out", out, "name of an empty or new folder")
+    if out is not None and not str(out).strip():
+        raise InputError("command line", "--out", str(out), "name of an empty or new folder")
     stamp = time.strftime("%Y%m%dT%H%M%SZ", time.gmtime())
     folder = Path(out) if out is not None else Path("runs") / f"{stamp}-{scenario}-{controller}"
     made = False

@@ -20,7 +20,7 @@ from railhil.bus.codes import ControllerFlag
 from railhil.bus.telegrams import HEADROOM_UNUSED, NO_QUANTITY
 from railhil.supervisor.learned import Kept, kept_of
 from railhil.supervisor.notes import ToldNote, told_notes
-from railhil.supervisor.start_up import TELEMETRY
+from railhil.supervisor.run_folder import TELEMETRY
 from railhil.supervisor.status import Status
 from railhil.supervisor.trace import Trace
 

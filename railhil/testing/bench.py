@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import Any
 
 from railhil import library
-from railhil.cli.bus_run import report_line
 from railhil.common.choices import USUAL_SCENARIO
 from railhil.common.errors import InputError, Words
-from railhil.run_arguments import bus_words, checked_spec, placed, spec_of
+from railhil.run.report import report_line
+from railhil.run.spec import bus_of, checked_spec, spec_of
 from railhil.supervisor.documents import CERTIFICATE
 from railhil.supervisor.hash_list import REPORT
 from railhil.testing.live import Live
@@ -76,17 +76,17 @@ class Bench:
         given = self._given(seed, perturbed, spec)
         made, scenario = checked_spec(spec_of(given.pop("scenario"), bus="local", **given))
         folder = self._new_folder()
-        live = Live(placed(made, folder), scenario, folder, self.runs.append)
+        live = Live(made, scenario, folder, self.runs.append)
         self._live.append(live)
         return live
 
     @property
     def _kind(self) -> str:
         """The kind of bus in the description of a run."""
-        return bus_words(self.settings.bus, "--railhil-bus")[0]
+        return bus_of(self.settings.bus, "--railhil-bus")[0]
 
     def _given(self, seed: int, perturbed: bool, spec: Mapping[str, Any]) -> dict[str, Any]:
-        """All arguments of :func:`railhil.run_arguments.spec_of`, except bus and pace."""
+        """All arguments of :func:`railhil.run.spec.spec_of`, except bus and pace."""
         given = {"scenario": USUAL_SCENARIO, **_USUAL, **self._usual, **spec}
         if unknown := given.keys() - {"scenario", *_USUAL}:
             allowed = ", ".join(("seed", "perturbed", "scenario", *_USUAL))

@@ -11,23 +11,20 @@ from typing import Self
 
 from railhil.bus.codes import Event
 from railhil.bus.errors import BusError
-from railhil.bus.frame import Frame
 from railhil.bus.select import LOCAL
-from railhil.cli.bus_run import complete, write_results
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import INVALID, PASS
 from railhil.faults.language import fault_text, parse
 from railhil.library import outcome_of
-from railhil.local_run import LocalRun
 from railhil.plant_sim.any_plant import PlantError
+from railhil.run.local import LocalRun
+from railhil.run.make import complete, placed, write_results
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import system_named
 from railhil.supervisor.fault_report import check_faults
 from railhil.supervisor.inputs import write_inputs
 from railhil.supervisor.memory import with_memory
-from railhil.supervisor.session import Session
-from railhil.supervisor.start_up import StartUp
 from railhil.testing.result import Run
 from railhil.testing.telegrams import Heard, Wanted
 
@@ -46,20 +43,6 @@ def _triggered(fault: str, time_s: float) -> str:
     return f"{fault[:place]} @{time_s:.10g}s{fault[place:]}"
 
 
-class _HearingSession(Session):
-    """The recorder; everything that passes it can also be looked at."""
-
-    heard: Heard
-
-    def handle(self, frame: Frame) -> list[Frame]:
-        """Take one frame in bus order."""
-        answers = super().handle(frame)
-        now_ns = round(self.sim_time_s * 1e9)
-        for item in (frame, *answers):
-            self.heard.take(item, now_ns)
-        return answers
-
-
 class Live:
     """One run on the bench in this process, used as a context manager.
 
@@ -76,7 +59,7 @@ class Live:
         self.result: Run | None = None
         self._on_end = on_end
         self._begun = False
-        self.spec = with_memory(spec, folder)
+        self.spec = with_memory(placed(spec, folder), folder)
         self._prepare(self.spec, scenario)
 
     def _prepare(self, spec: RunSpec, scenario: AnyScenario) -> None:
@@ -84,11 +67,9 @@ class Live:
         check_faults(scenario, [LOCAL], spec.pace)
         self.spec, self.scenario = spec, scenario
         write_inputs(self.folder, scenario, spec.law.parameters)
-        self._run = run = LocalRun(scenario, spec, self.folder)
-        session = _HearingSession(scenario, run.log.write, spec)
-        session.heard = self._heard = Heard(system_named(scenario.system).contract)
-        run.session = session
-        self._plant, self._controller = run.nodes()
+        self._heard = Heard(system_named(scenario.system).contract)
+        self._run = LocalRun(scenario, spec, self.folder, hear=self._heard.take)
+        self._plant = self._run.plant
         self._tick_ns = scenario.timing.base_tick_ns
         self._ticks: Iterator[None] = iter(())
         self._incomplete = "", PASS
@@ -135,12 +116,10 @@ class Live:
         return self.result
 
     def _write(self) -> None:
-        run = self._run
-        run.write_logs(self._plant, self._controller)
-        result = run.finish(run.log.close(), *self._incomplete)
-        complete(self.scenario, result, run.trace)
-        write_results(self.folder, self.scenario, self.spec, StartUp(), result, run.trace, [])
-        self.result = Run(outcome_of(self.folder, self.scenario, run, result))
+        result = self._run.finish(*self._incomplete)
+        complete(result)
+        write_results(result)
+        self.result = Run(outcome_of(result))
         self._on_end(self.result)
 
     # -- looking ------------------------------------------------------------------------------------------------------
@@ -200,7 +179,7 @@ class Live:
         except StopIteration:
             return False
         except (BusError, PlantError, InputError) as error:
-            self._incomplete = self._run.incomplete(error, self._controller)
+            self._incomplete = self._run.incomplete(error)
         return not self.ended
 
     def step(self, ticks: int = 1) -> bool:

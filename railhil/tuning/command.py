@@ -5,12 +5,11 @@ from __future__ import annotations
 import argparse
 import re
 
-from railhil.common.command_line import SEED_MAX, OneLineParser, add_indexing_argument, whole_number
+from railhil.common.command_line import SEED_MAX, OneLineParser, whole_number
 from railhil.common.errors import InputError
 from railhil.common.streams import add_json_argument
-from railhil.controller_node.arithmetic import names as arithmetics
 from railhil.controller_node.laws import names as laws
-from railhil.scenarios.settings import add_set_argument
+from railhil.scenarios.options import add_option
 
 #: Evaluations of a search, at least two generations of the smallest population.
 _BUDGET_MIN, _BUDGET_MAX = 10, 1_000_000
@@ -50,7 +49,7 @@ def arguments() -> argparse.ArgumentParser:
     parser.add_argument(
         "scenario", nargs="?", metavar="SCENARIO", help=f"shipped name or TOML file (default {DEFAULT_SCENARIO})"
     )
-    add_set_argument(parser)
+    add_option(parser, "--set")
     what = parser.add_mutually_exclusive_group()
     what.add_argument("--evaluate", metavar="FILE", help="no search: compare this file with the law's own parameters")
     what.add_argument("--list", action="store_true", help="no search: shipped parameter files and their paths")
@@ -68,7 +67,7 @@ def arguments() -> argparse.ArgumentParser:
     parser.add_argument(
         "--search-seed", type=whole_number(0, SEED_MAX), default=0, metavar="N", help="seed of the search (default 0)"
     )
-    add_indexing_argument(parser)
+    add_option(parser, "--indexing")
     parser.add_argument(
         "--runs",
         type=whole_number(0, _RUNS_MAX),
@@ -83,9 +82,7 @@ def arguments() -> argparse.ArgumentParser:
         metavar="N",
         help="seeds of the evaluation from here on (default 1000)",
     )
-    parser.add_argument(
-        "--arithmetic", choices=arithmetics(), default="float64", help="of the evaluation (default float64)"
-    )
+    add_option(parser, "--arithmetic", default="float64", help="of the evaluation (default float64)")
     parser.add_argument(
         "--allow-training-seeds",
         action="store_true",

@@ -21,7 +21,7 @@ from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import RunSpec
 from railhil.supervisor.framelog import read_log
-from railhil.supervisor.result import RunResult
+from railhil.supervisor.result import Result
 from railhil.supervisor.trace import Trace, trace_of
 
 pytestmark = [pytest.mark.loop, pytest.mark.timeout(300)]
@@ -69,7 +69,7 @@ def rig(socket_folder) -> Iterator[Rig]:
 
 def realtime(
     socket_folder: Path, move: Scenario, move_file: Path, folder: Path, orders: dict[float, str]
-) -> tuple[RunResult, Trace, list[str]]:
+) -> tuple[Result, Trace, list[str]]:
     """A run in real time with the adapter disturbed: result, record and the controller's lines. It must have been
     served to its end by the controller's process, and the record must be whole.
 
@@ -97,7 +97,7 @@ def realtime(
     return result, trace_of(read_log(out / "frames.log")), [line for line in lines if "slcan:" in line][1:]
 
 
-def assert_whole(result: RunResult, folder: Path, move_file: Path) -> None:
+def assert_whole(result: Result, folder: Path, move_file: Path) -> None:
     """The record ends with the run, and the score comes out of it again."""
     trace = trace_of(read_log(folder / "frames.log"))
     assert Event(trace.raw("RUN_EVENT", "RunEvent")[-1]).ends_run

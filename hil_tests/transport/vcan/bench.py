@@ -6,7 +6,6 @@ import the nodes once; a fork has them already. Everything else is as with ``rai
 
 from __future__ import annotations
 
-import argparse
 import contextlib
 import json
 import multiprocessing
@@ -19,14 +18,13 @@ from multiprocessing.process import BaseProcess
 from pathlib import Path
 from typing import Any
 
-from railhil.bench import plant_beside
 from railhil.bus.administrator import REPLY_NS
 from railhil.bus.injector.processes import kill_this_process, stop_this_process
 from railhil.bus.link import Link, Timeouts, open_link
 from railhil.bus.link.outage import TIMEOUTS
+from railhil.bus.local import LocalBus
 from railhil.bus.select import BusChoice
 from railhil.common.exit_codes import guarded
-from railhil.common.output import Output
 from railhil.common.patience import Lifelines
 from railhil.common.scheduling import cycle
 from railhil.controller_node.faulty import controller_of, write_fault_log
@@ -37,15 +35,15 @@ from railhil.plant_sim.node import PlantNode
 from railhil.scenarios.load import load_any
 from railhil.scenarios.memory import no_memory
 from railhil.scenarios.model import AnyScenario, Scenario
-from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.scenarios.run_spec import LawSpec, RunSpec, StartUp
 from railhil.sequences.evidence import Evidence, Made, run_name
 from railhil.sequences.plan import run_specs
 from railhil.sequences.record import record
+from railhil.supervisor.bus_run import BusRun
 from railhil.supervisor.memory import learned
-from railhil.supervisor.result import RunResult
-from railhil.supervisor.run import Run
+from railhil.supervisor.result import Result
+from railhil.supervisor.run_folder import TELEMETRY
 from railhil.supervisor.session import Session
-from railhil.supervisor.start_up import TELEMETRY, StartUp
 
 #: Simulation time of the beginning of a run.
 _BEGINNING_S = 20.0
@@ -80,7 +78,7 @@ def run_on(
     reply_ns: int = REPLY_NS,
     timeouts: Timeouts = TIMEOUTS,
     open_recorder: Callable[[dict[str, Any], str], Link] = open_link,
-) -> tuple[RunResult, list[int | None]]:
+) -> tuple[Result, list[int | None]]:
     """One run: plant and controller in processes of their own, the supervisor in this one.
 
     What the nodes say is in ``folder/plant.txt`` and ``controller.txt`` afterwards, what they counted comes from
@@ -141,9 +139,9 @@ def run_on(
             nodes.append(_Program("controller", controller_command, folder))
         os.close(controller_open)
         nodes.append(_Forked("plant", run_the_plant, folder))
-        how = StartUp(attach=True, appear_s=appear_s)
         choice = BusChoice(dict(config), "the test's")
-        result = Run(scenario, asked, how, choice, folder, on_progress, open_bus=open_recorder).execute()
+        asked = replace(asked, start_up=StartUp(attach=True, appear_s=appear_s))
+        result = BusRun(scenario, asked, choice, folder, on_progress, open_bus=open_recorder).execute()
         return result, [node.exit_code(_NODE_END_S) for node in nodes]
     finally:
         os.close(controller_alive)
@@ -172,7 +170,7 @@ def sequence_on(
         spec = replace(spec, law=replace(spec.law, memory=memory))
         result, exit_codes = run_on(config, scenario, place, spec=spec)
         assert (result.trusted, exit_codes) == (True, [0, 0])
-        found = learned(scenario, spec, place, result)
+        found = learned(replace(result, spec=spec))
         assert found is not None
         assert found.record is not None
         one = Made(number, result.verdict, memory.sha256, result.frames_sha256, found.record.sha256)
@@ -183,9 +181,8 @@ def sequence_on(
 
 def local_sequence(scenario: AnyScenario, folder: Path, first: RunSpec, runs: int) -> list[Made]:
     """The same sequence in this process, as ``railhil sequence`` records it."""
-    evidence = Evidence(replace(first, bus="local"), runs, ())
-    console = Output(stderr=True)
-    done = record(folder, evidence, scenario, StartUp(), argparse.Namespace(), console, lambda number, result: None)
+    first = replace(first, bus="local")
+    done = record(folder, Evidence(first, runs, ()), scenario, first, lambda number, result: None)
     return list(done.made)
 
 
@@ -203,7 +200,8 @@ def beginning(config: Mapping[str, Any], scenario: Scenario, folder: Path) -> tu
     expected: list[str] = []
     session = Session(scenario, expected.append, RunSpec(), on_progress=enough)
     with contextlib.suppress(_Enough):
-        plant_beside(scenario, RunSpec(), ControllerNode(scenario, LawSpec()), session).run()
+        controller = ControllerNode(scenario, LawSpec())
+        PlantNode(scenario, RunSpec(), LocalBus([controller.handle, session.handle])).run()
     with contextlib.suppress(_Enough):
         run_on(config, scenario, folder, seed=0, on_progress=enough)
     recorded = (folder / "frames.log").read_text().splitlines(keepends=True)

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from railhil.bench import BenchRun, local_run
+from railhil.bench import Result, local_run
 from railhil.scenarios.model import Scenario, TargetCurve
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.target import Target
@@ -50,13 +50,13 @@ def hop(lvshun: Scenario) -> Scenario:
 
 
 @pytest.fixture(scope="session")
-def reference(move: Scenario, tmp_path_factory: pytest.TempPathFactory) -> BenchRun:
+def reference(move: Scenario, tmp_path_factory: pytest.TempPathFactory) -> Result:
     """The short move with seed 1, without a bus: log, hash and notches that every transport must give."""
     return local_run(move, tmp_path_factory.mktemp("reference"), RunSpec(seed=1))
 
 
 @pytest.fixture(scope="session")
-def hop_reference(hop: Scenario, tmp_path_factory: pytest.TempPathFactory) -> BenchRun:
+def hop_reference(hop: Scenario, tmp_path_factory: pytest.TempPathFactory) -> Result:
     """The hop with seed 1, without a bus."""
     return local_run(hop, tmp_path_factory.mktemp("hop"), RunSpec(seed=1))
 

@@ -68,7 +68,7 @@ def test_recorder_that_sleeps_through_a_flood_says_how_much_the_record_has_lost(
     frames = frames_of(folder / "frames.log")
     recorded = len([frame for frame in frames if frame.can_id == _FOREIGN])
     assert 0 < recorded < _FLOOD
-    assert result.counters["rx_lost"] == _FLOOD - recorded
+    assert result.recorder_counters["rx_lost"] == _FLOOD - recorded
     assert result.exit_code == INVALID
     assert result.line == f"record: {_FLOOD - recorded} frames lost in the recorder's receive buffer (SO_RXQ_OVFL)"
     assert [frame for frame in frames if frame.can_id != _FOREIGN] == frames_of(hop_reference.log)

@@ -86,7 +86,7 @@ def test_cansend_is_heard_and_error_frames_are_no_telegrams(hop, hop_reference, 
     assert frames.count(Frame(0x7F3, b"\xde\xad\xbe\xef")) == 1
     assert len([frame for frame in frames if frame.flags & ERROR]) == 3
     assert [frame for frame in frames if frame.can_id < 0x7F0 and not frame.flags] == frames_of(hop_reference.log)
-    for counters in (result.counters, counters_of(folder, "controller"), counters_of(folder, "plant")):
+    for counters in (result.recorder_counters, counters_of(folder, "controller"), counters_of(folder, "plant")):
         assert (counters["error_frames"], counters["bus_off"], counters["outages"]) == (3, 1, 1)
 
 

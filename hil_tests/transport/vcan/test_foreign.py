@@ -10,7 +10,7 @@ import pytest
 
 from hil_tests.support.foreign import build_node, export_node, without_status
 from hil_tests.transport.vcan.bench import counters_of, run_on, socketcan
-from railhil.bench import BenchRun
+from railhil.bench import Result
 from railhil.bus.ident import Role
 from railhil.bus.link import Link, open_link
 from railhil.bus.mvb import F_DEVICE_STATUS, master_frame
@@ -30,7 +30,7 @@ def program(move: Scenario, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_foreign_controller_sends_the_same_frames_on_vcan(
-    program: Path, move: Scenario, reference: BenchRun, folder: Path
+    program: Path, move: Scenario, reference: Result, folder: Path
 ) -> None:
     """Every frame of the record but CTL_STAT is that of our node; nothing is lost or refused."""
     command = [str(program), "can", "vcan0"]
@@ -38,7 +38,7 @@ def test_foreign_controller_sends_the_same_frames_on_vcan(
     said = (folder / "controller.txt").read_text()
     assert (result.line, exit_codes) == ("", [0, 0]), said
     assert result.score.verdict == "PASS"
-    assert disturbed(result.counters) == disturbed(counters_of(folder, "plant")) == {}
+    assert disturbed(result.recorder_counters) == disturbed(counters_of(folder, "plant")) == {}
     assert said.strip().endswith("control periods, run event 4"), said
     assert reference.log is not None
     assert without_status(folder / "frames.log") == without_status(reference.log)

@@ -17,13 +17,12 @@ from railhil.batch.coupled import command_digest, digest_of
 from railhil.batch.high_speed import runs
 from railhil.batch.high_speed.runs import run_high_speed
 from railhil.batch.nodes import batch_of, kernel_of
-from railhil.bench import BenchRun, unrecorded_run
+from railhil.bench import Result, direct_run, unrecorded_run
 from railhil.bus.high_speed import wire
 from railhil.common.errors import InputError
 from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec
-from railhil.vector_bench import direct_run
 
 LAWS = ("pid", "mm_gpc", "elm_ngpc", "delay_gpc")
 BRAKING = ("task.start_s=3530", "task.rmse_max_kmh=90")
@@ -40,7 +39,7 @@ def check(
     law: LawSpec,
     seeds: Sequence[int],
     repeated: int,
-    bench: Callable[..., BenchRun] = unrecorded_run,
+    bench: Callable[..., Result] = unrecorded_run,
 ) -> Any:
     """The first so many runs of a batch are those of the bench, one by one; returns the result of the batch."""
     case = Case(scenario, law)

@@ -15,6 +15,7 @@ from railhil.batch.coupled import command_digest
 from railhil.batch.nodes import kernel_of, one_by_one
 from railhil.batch.stopping import runs
 from railhil.batch.stopping.runs import Together, run_stops, run_together
+from railhil.bench import direct_run
 from railhil.controller_node.laws.memory import NOTHING, Remembered
 from railhil.controller_node.laws.stopping.one_shot import OneShot
 from railhil.controller_node.vector.controller import VectorController
@@ -23,7 +24,6 @@ from railhil.scenarios.memory import Memory, Record, Stored, next_record, no_mem
 from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.supervisor.learned import kept_of
-from railhil.vector_bench import direct_run
 
 #: Everything that can be drawn or that the plant does is on.
 ROUGH = (

@@ -13,14 +13,15 @@ from can.cli import add_bus_arguments
 from hypothesis import given
 from hypothesis import strategies as st
 
-from railhil.bus.select import BusChoice, arguments_from_config, choose_bus, config_from_namespace
+from railhil.bus.can_settings import named_bus
+from railhil.bus.select import BusChoice, arguments_from_config, choose_bus
 from railhil.common.errors import InputError
 
 
-def parsed(*arguments: str) -> argparse.Namespace:
+def parsed(*arguments: str) -> dict[str, Any]:
     parser = argparse.ArgumentParser()
     add_bus_arguments(parser)
-    return parser.parse_args(arguments)
+    return named_bus(parser.parse_args(arguments))
 
 
 @pytest.fixture(autouse=True)
@@ -166,7 +167,7 @@ def test_fd_is_what_the_configuration_says(arguments: tuple[str, ...]) -> None:
 
 
 def round_trip(config: dict[str, Any]) -> dict[str, Any]:
-    return config_from_namespace(parsed(*arguments_from_config(config)))
+    return parsed(*arguments_from_config(config))
 
 
 _WORD = st.from_regex(r"[A-Za-z/._][A-Za-z0-9/._:\-]{0,20}", fullmatch=True)
@@ -201,7 +202,7 @@ def test_bus_arguments_keep_their_type(value: object) -> None:
 @pytest.mark.parametrize("hub", [None, Path("/tmp/private/hub.sock")])
 def test_the_choice_itself_can_be_handed_on(hub: Path | None) -> None:
     choice = choose_bus(parsed(), hub)
-    again = config_from_namespace(parsed(*choice.arguments))
+    again = parsed(*choice.arguments)
     assert {key: str(value) for key, value in again.items()} == {
         key: str(value) for key, value in choice.config.items()
     }

@@ -27,7 +27,7 @@ from hil_tests.support.exported import (
     from_python,
     written,
 )
-from railhil.bench import BenchRun, local_run
+from railhil.bench import Result, local_run
 from railhil.bus.telegrams import CtlStat
 from railhil.controller_node.arithmetic.base import INT32_MAX, INT32_MIN
 from railhil.controller_node.export import Bundle
@@ -209,7 +209,7 @@ def test_compiled_controller_drives_the_train_like_the_python_node(
         assert np.array_equal(found.trace.raw(CtlStat.PORT, signal), expected.trace.raw(CtlStat.PORT, signal))
 
 
-def _without_status(run: BenchRun) -> list[str]:
+def _without_status(run: Result) -> list[str]:
     """Lines of the frame log but those of CTL_STAT."""
     assert run.log is not None
     own = {f"{can_id:X}" for can_id in CtlStat.port().can_ids}

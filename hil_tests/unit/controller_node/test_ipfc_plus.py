@@ -12,7 +12,7 @@ import pytest
 from benchmarks.ablation import LAW, Figures, without
 from railhil.audit.standstill import standstill
 from railhil.batch import Case, run_batch
-from railhil.bench import BenchRun, coupled_run, direct_run
+from railhil.bench import Result, coupled_run, direct_run
 from railhil.common.errors import InputError
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.controller import Controller
@@ -91,7 +91,7 @@ def test_other_control_periods(period_s: float) -> None:
 # -- faults -----------------------------------------------------------------------------------------------------------
 
 
-def faulty(fault: str, seed: int, law: str = LAW) -> BenchRun:
+def faulty(fault: str, seed: int, law: str = LAW) -> Result:
     controller = Controller(WORN, LawSpec(law))
     known, speed_before = BaliseReading(0, 0, 0), 0
     missing = {"the last two balises are missing": (5, 6), "three balises under way are missing": (2, 3, 4)}

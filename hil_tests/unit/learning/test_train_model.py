@@ -10,6 +10,7 @@ from statistics import fmean
 import pytest
 
 from hil_tests.support.cli import railhil
+from railhil.bench import direct_run
 from railhil.common.errors import InputError
 from railhil.controller_node.laws.high_speed.learned import WEIGHTS, shipped_networks
 from railhil.controller_node.laws.high_speed.training import Recipe
@@ -20,7 +21,6 @@ from railhil.scenarios.parameters import ParameterSet, load_parameters
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.supervisor.record import Record
 from railhil.supervisor.trace import Trace
-from railhil.vector_bench import direct_run
 
 SHIPPED = {"hst1": ("jinan_xuzhou", 1), "emu3": ("jinan_xuzhou_emu3", 3)}
 #: A seed on which nothing was trained or chosen.

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import subprocess
 import sys
-from argparse import Namespace
 from pathlib import Path
 
 import pytest
@@ -12,12 +11,12 @@ import pytest
 from railhil.bus.errors import BusLost, BusUnavailable
 from railhil.bus.frame import FD, Frame
 from railhil.bus.select import choose_bus
-from railhil.cli.bus_run import gets_pipes
 from railhil.common.errors import InputError
 from railhil.panel import following
 from railhil.panel.command import arguments
 from railhil.panel.following import FollowedRun
 from railhil.panel.receiver import Receiver
+from railhil.run.transports import gets_pipes
 from railhil.supervisor.framelog import LOG_NAME, log_line
 
 pytest.importorskip("websockets", reason="MISSING CAPABILITY websockets")
@@ -111,11 +110,10 @@ def test_a_bus_and_a_record_are_refused_together(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("options", "gets"),
-    [({"panel": 0}, True), ({"panel": 0, "wait": True}, False), ({"panel": 0, "interface": "railhil"}, False)],
+    [({}, True), ({"interface": "railhil"}, False)],
 )
-def test_a_run_with_a_panel_needs_no_hub(tmp_path: Path, options: dict[str, object], gets: bool) -> None:
-    namespace = Namespace(**options)
-    assert gets_pipes(namespace, choose_bus(namespace, tmp_path / "hub", vcan=False)) is gets
+def test_a_run_in_lockstep_needs_no_hub(tmp_path: Path, options: dict[str, object], gets: bool) -> None:
+    assert gets_pipes(options, choose_bus(options, tmp_path / "hub", vcan=False)) is gets
 
 
 def test_a_panel_starts_without_python_can() -> None:

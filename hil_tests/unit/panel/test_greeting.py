@@ -2,28 +2,27 @@
 
 from __future__ import annotations
 
-import argparse
 import socket
 import subprocess
 import sys
 import time
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
+from railhil.bus.select import own_pipes
 from railhil.cli import panel as cli
 from railhil.panel.operator import Operator
+from railhil.run.make import Plan
 from railhil.scenarios.run_spec import RunSpec
 from railhil.supervisor.panel_socket import PanelSocket
 
 
 def _beside(folder: Path, port: int) -> Any:
     """The context of a lockstep run over pipes with a panel at this port."""
-    namespace = argparse.Namespace(panel=port, operator=None, foxglove=None)
-    choice: Any = SimpleNamespace(needs_pipes=True)
-    return cli.panel_beside(namespace, RunSpec("lvshun_tieshan"), choice, folder)
+    spec = RunSpec("lvshun_tieshan")
+    return cli.PanelBeside(port, None, None).beside(Plan(spec, spec.load(), own_pipes(), folder))
 
 
 def test_the_page_can_be_opened_when_the_run_begins(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -39,8 +38,8 @@ def test_the_page_can_be_opened_when_the_run_begins(tmp_path: Path, monkeypatch:
 def test_a_panel_whose_port_is_taken_is_not_waited_for(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("websockets", reason="MISSING CAPABILITY websockets")
     monkeypatch.setattr(cli, "_READY_S", 3600.0)
-    with socket.create_server(("127.0.0.1", 0)) as taken, _beside(tmp_path, taken.getsockname()[1]) as desk:
-        assert not desk.is_greeted(0.0)
+    with socket.create_server(("127.0.0.1", 0)) as taken, _beside(tmp_path, taken.getsockname()[1]) as plan:
+        assert not plan.panel.is_greeted(0.0)
 
 
 def test_a_panel_that_hangs_is_waited_for_so_long(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

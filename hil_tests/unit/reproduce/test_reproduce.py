@@ -10,7 +10,6 @@ from pathlib import Path
 import pytest
 
 from hil_tests.support.short_paper import PAPERS, SHORT
-from railhil.cli.bus_run import NeverBegan
 from railhil.common.errors import InputError
 from railhil.reproduce.__main__ import arguments, main
 from railhil.reproduce.document import results_of
@@ -19,6 +18,7 @@ from railhil.reproduce.page import page, seeds_said
 from railhil.reproduce.paper import FOLLOWS_NOT, OPEN, Line, Measured, Results, Table, least, order
 from railhil.reproduce.papers import PAPERS as SHIPPED
 from railhil.reproduce.papers import paper_named
+from railhil.run.make import NeverBegan
 from railhil.scenarios.load import load_any
 from railhil.scenarios.system import system_named
 from railhil.supervisor.criteria import ATO_CRITERIA

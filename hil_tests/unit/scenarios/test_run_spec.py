@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from hil_tests.support.paths import TEST_DATA
-from railhil.cli.bus_run import add_arguments, run_spec
+from railhil.cli.run_options import add_arguments, run_spec
 from railhil.common.errors import InputError
 from railhil.scenarios.parameters import ParameterSet, load_parameters
 from railhil.scenarios.run_spec import LawSpec, RunSpec

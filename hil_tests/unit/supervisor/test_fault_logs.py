@@ -6,10 +6,9 @@ from pathlib import Path
 
 from hil_tests.support.short_runs import RUN_2M_TOML
 from railhil.bus.select import BusChoice
-from railhil.scenarios.run_spec import RunSpec
+from railhil.scenarios.run_spec import RunSpec, StartUp
+from railhil.supervisor.bus_run import BusRun
 from railhil.supervisor.fault_report import fault_outcomes, missing_logs
-from railhil.supervisor.run import Run
-from railhil.supervisor.start_up import StartUp
 
 
 def test_they_are_moved_into_the_run_folder(tmp_path: Path) -> None:
@@ -18,11 +17,12 @@ def test_they_are_moved_into_the_run_folder(tmp_path: Path) -> None:
     folder.mkdir()
     path = tmp_path / "short.toml"
     path.write_text(RUN_2M_TOML, encoding="utf-8")
-    spec = RunSpec(str(path), faults=("safety_loop off @manual",))
+    how = StartUp(attach=True, fault_logs=logs)
+    spec = RunSpec(str(path), faults=("safety_loop off @manual",), start_up=how)
     scenario = spec.load()
     (logs / "faults-inside-plant.csv").write_text("fault,time_ns,what,before,after\n1,10000000,begun,,\n")
     choice = BusChoice({"interface": "railhil", "channel": "nowhere"}, "given")
-    run = Run(scenario, spec, StartUp(attach=True, fault_logs=logs), choice, folder, after_loss_s=0.0)
+    run = BusRun(scenario, spec, choice, folder, after_loss_s=0.0)
     run._await_fault_logs()
     run.log.close()
     assert missing_logs(folder, scenario) == []

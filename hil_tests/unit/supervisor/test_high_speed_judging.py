@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from railhil.bench import BenchRun
+from railhil.bench import Result, coupled_run
 from railhil.controller_node.vector.controller import VectorOutput
 from railhil.scenarios.load import load_any
 from railhil.scenarios.run_spec import LawSpec, RunSpec
@@ -17,7 +17,6 @@ from railhil.supervisor.criteria import limited
 from railhil.supervisor.high_speed import judging, panels
 from railhil.supervisor.high_speed.ride import Ride, milestone
 from railhil.supervisor.judging import judging_of
-from railhil.vector_bench import coupled_run
 
 SPEC = RunSpec(law=LawSpec("pid", arithmetic="float64"))
 SETTINGS = ("task.start_s=2660", "task.duration_s=200", "task.rmse_max_kmh=90")
@@ -34,7 +33,7 @@ def proportional(raws: Sequence[int]) -> VectorOutput:
 
 
 @pytest.fixture(scope="module")
-def run() -> BenchRun:
+def run() -> Result:
     return coupled_run(load_any("jinan_xuzhou_emu3_emergency", SETTINGS), proportional, SPEC)
 
 
@@ -43,7 +42,7 @@ def scenario() -> Any:
     return load_any("jinan_xuzhou_emu3_emergency", SETTINGS)
 
 
-def test_scores_are_those_of_the_record(run: BenchRun, scenario: Any) -> None:
+def test_scores_are_those_of_the_record(run: Result, scenario: Any) -> None:
     """Computed here once more from the telegrams."""
     trace, values = run.trace, run.score.values
     target, speed = trace.values("TRUTH", "Target"), trace.values("TRUTH", "TrueSpeed")
@@ -66,7 +65,7 @@ def test_scores_are_those_of_the_record(run: BenchRun, scenario: Any) -> None:
     assert run.score.verdict == "PASS"
 
 
-def test_energy_is_the_work_of_the_traction(run: BenchRun, scenario: Any) -> None:
+def test_energy_is_the_work_of_the_traction(run: Result, scenario: Any) -> None:
     ride = Ride.of(scenario, run.trace)
     before = ride.time_s < 70.0
     power_w = 428_000 * 1.06 * 0.117 * 300 / 3.6
@@ -75,7 +74,7 @@ def test_energy_is_the_work_of_the_traction(run: BenchRun, scenario: Any) -> Non
     assert (ride.drive_mps2[before] > 0.0).mean() > 0.9
 
 
-def test_limits_and_units_that_act_alone_fail(run: BenchRun, scenario: Any) -> None:
+def test_limits_and_units_that_act_alone_fail(run: Result, scenario: Any) -> None:
     strict = load_any("jinan_xuzhou_emu3_emergency", [*SETTINGS[:2], "task.rmse_max_kmh=0.001"])
     failures = judging.score(strict, run.trace).failures
     assert len(failures) == 1
@@ -108,12 +107,12 @@ def test_a_run_of_which_nothing_is_scored_is_invalid(setting: str) -> None:
     assert done.score.verdict == "PASS"
 
 
-def test_every_port_of_a_column_is_in_the_contract(run: BenchRun, scenario: Any) -> None:
+def test_every_port_of_a_column_is_in_the_contract(run: Result, scenario: Any) -> None:
     table = judging_of(scenario)
     assert all(run.trace.has(port, signal) for _, port, signal in table.columns)
 
 
-def test_the_figures_show_speed_units_couplers_and_estimates(run: BenchRun, scenario: Any) -> None:
+def test_the_figures_show_speed_units_couplers_and_estimates(run: Result, scenario: Any) -> None:
     shown = SimpleNamespace(
         label="p", controller="pid", can_be_drawn=True, scenario=scenario, trace=run.trace, certificate={}
     )

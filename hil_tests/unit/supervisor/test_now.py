@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import argparse
 import io
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import ClassVar
 
@@ -16,19 +17,20 @@ from hil_tests.support.fault_runs import fast
 from railhil.bench import local_run
 from railhil.bus.errors import BusLost
 from railhil.bus.frame import Frame
+from railhil.bus.select import no_bus
 from railhil.cli import watch
-from railhil.cli.progress import progress
+from railhil.cli.progress import Progress
 from railhil.cli.watched import Watched
 from railhil.common.errors import InputError
 from railhil.common.output import Output
+from railhil.run.make import Plan
 from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario
-from railhil.scenarios.run_spec import RunSpec
+from railhil.scenarios.run_spec import RunSpec, StartUp
 from railhil.supervisor.follow import Follower
 from railhil.supervisor.framelog import log_line, read_log
 from railhil.supervisor.now import Instruments, LogTail, Newest
 from railhil.supervisor.signals import signal_table
-from railhil.supervisor.start_up import StartUp
 from railhil.supervisor.trace import Trace, trace_of
 
 _FAULT = "TRN_SPEED loss @2s for 1s"
@@ -195,6 +197,17 @@ def terminal(monkeypatch: pytest.MonkeyPatch) -> Output:
     return console
 
 
+@contextmanager
+def shown_line(
+    recorded: Recorded, console: Output, folder: Path, start_up: StartUp | None = None
+) -> Iterator[Progress]:
+    """The progress line of a run into a folder."""
+    spec = RunSpec(recorded.scenario.name, start_up=start_up or StartUp())
+    line = Progress(lambda: console)
+    with line.beside(Plan(spec, recorded.scenario, no_bus({}, spec.pace), folder)):
+        yield line
+
+
 @pytest.mark.parametrize(
     ("start_up", "law", "shown"),
     [
@@ -211,35 +224,27 @@ def test_the_progress_line_names_no_law_that_nobody_has_confirmed(
     own = set(recorded.trace().contract.port("CTL_IDENT").can_ids)
     said = [(time_ns, frame) for time_ns, frame in recorded.until(3.0) if law or frame.can_id not in own]
     (tmp_path / "frames.log").write_text("".join(log_line(time_ns, frame) for time_ns, frame in said))
-    spec = RunSpec(recorded.scenario.name)
-    with progress(recorded.scenario, spec, start_up, tmp_path, lambda: terminal, quiet=False) as on_progress:
-        assert on_progress is not None
-        on_progress(3.0)
+    with shown_line(recorded, terminal, tmp_path, start_up) as line:
+        line.on_progress(3.0)
         text = terminal.file.getvalue()  # type: ignore[attr-defined]
     assert [name for name in ("ipfc", "unknown", "ATO 3") if name in text] == [shown]
 
 
 def test_the_progress_line_shows_the_run(recorded: Recorded, terminal: Output) -> None:
-    console, spec = terminal, RunSpec(recorded.scenario.name)
-    with progress(recorded.scenario, spec, StartUp(), recorded.log.parent, lambda: console, quiet=False) as on_progress:
-        assert on_progress is not None
-        on_progress(3.0)
-        text = console.file.getvalue()  # type: ignore[attr-defined]
+    with shown_line(recorded, terminal, recorded.log.parent) as line:
+        line.on_progress(3.0)
+        text = terminal.file.getvalue()  # type: ignore[attr-defined]
     assert "ipfc" in text
     assert "km/h (target" in text
     assert "m to go" in text
-    with progress(recorded.scenario, spec, StartUp(), recorded.log.parent, lambda: console, quiet=True) as on_progress:
-        assert on_progress is None
 
 
 def test_the_progress_line_is_not_shown_where_there_is_no_terminal(recorded: Recorded) -> None:
     console = Output()
     console.file = io.StringIO()
-    spec = RunSpec(recorded.scenario.name)
-    with progress(recorded.scenario, spec, StartUp(), recorded.log.parent, lambda: console, quiet=False) as on_progress:
-        assert on_progress is not None
-        on_progress(3.0)
-        on_progress(4.0)
+    with shown_line(recorded, console, recorded.log.parent) as line:
+        line.on_progress(3.0)
+        line.on_progress(4.0)
     assert console.file.getvalue() == ""
 
 

@@ -11,6 +11,7 @@ import pytest
 
 from hil_tests.support.cli import railhil
 from railhil.bus import select
+from railhil.bus.can_settings import named_bus
 from railhil.bus.hub.modelled import HUB
 from railhil.bus.limits import LIMITS
 from railhil.cli.commands import parser
@@ -260,8 +261,8 @@ def test_the_bus_is_the_one_that_a_run_gets(
     words: list[str], vcan: bool, begin: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(select, "vcan_available", lambda: vcan)
-    namespace = parser(["doctor"]).parse_args(["doctor", *words])
-    said = facts(namespace, select.choose_bus(namespace))["bus"]
+    given = named_bus(parser(["doctor"]).parse_args(["doctor", *words]))
+    said = facts(given, select.choose_bus(given))["bus"]
     assert said.startswith(begin)
     assert ("user-space hub" in said) == (begin == "railhil:pipes (")
 

@@ -41,8 +41,8 @@ from railhil.supervisor.jitter import (
 from railhil.supervisor.json_file import write_json
 from railhil.supervisor.report.page import page
 from railhil.supervisor.report.recorded import RecordedRun
+from railhil.supervisor.run_folder import TIMING
 from railhil.supervisor.score import Score
-from railhil.supervisor.start_up import TIMING
 from railhil.supervisor.trace import Trace, trace_of
 
 SCHEDULING = {"plant": "SCHED_FIFO 40, memory locked", "supervisor": "normal scheduling"}

@@ -21,10 +21,9 @@ from railhil.bus.select import BusChoice
 from railhil.plant_sim import command as plant_program
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import RunSpec
+from railhil.supervisor.bus_run import BusRun
 from railhil.supervisor.processes import Node, Nodes
 from railhil.supervisor.recorder_link import open_recorder
-from railhil.supervisor.run import Run
-from railhil.supervisor.start_up import StartUp
 from railhil.supervisor.stopping import StopSignals
 
 #: Longest that a loop of a test may take: it then fails instead of hanging.
@@ -59,13 +58,12 @@ class Bus:
 FOREIGN = [Frame(0x7FF, b"\0")]
 
 
-def made(folder: Path, silence_s: float, faults: tuple[str, ...] = ()) -> Run:
+def made(folder: Path, silence_s: float, faults: tuple[str, ...] = ()) -> BusRun:
     """A realtime run that gives up after so long."""
     choice = BusChoice({"interface": "socketcan", "channel": "can0"}, "test")
-    return Run(
+    return BusRun(
         load("lvshun_tieshan", (), faults),
         RunSpec(pace="realtime"),
-        StartUp(),
         choice,
         folder,
         silence_s=silence_s,
@@ -74,19 +72,19 @@ def made(folder: Path, silence_s: float, faults: tuple[str, ...] = ()) -> Run:
 
 
 @pytest.fixture
-def run(tmp_path: Path) -> Run:
+def run(tmp_path: Path) -> BusRun:
     """One that waits for a moment only."""
     return made(tmp_path, 0.1)
 
 
-def test_frames_of_somebody_else_do_not_keep_the_end_open(run: Run) -> None:
+def test_frames_of_somebody_else_do_not_keep_the_end_open(run: BusRun) -> None:
     bus = Bus(FOREIGN)
     assert run.recorder.drain(bus, StopSignals(), []) is False
     assert run.recorder.drain(Bus([]), StopSignals(), []) is False
 
 
 @pytest.mark.parametrize(("delivered", "looks"), [(True, 1), (False, 3)])
-def test_what_a_hub_still_holds_is_waited_for(run: Run, tmp_path: Path, delivered: bool, looks: int) -> None:
+def test_what_a_hub_still_holds_is_waited_for(run: BusRun, tmp_path: Path, delivered: bool, looks: int) -> None:
     """A hub that stands still across the end of the plant delivers the last second afterwards."""
     seen: list[str] = []
 
@@ -101,13 +99,13 @@ def test_what_a_hub_still_holds_is_waited_for(run: Run, tmp_path: Path, delivere
     assert len(seen) == looks
 
 
-def test_the_end_of_a_run_can_be_stopped(run: Run) -> None:
+def test_the_end_of_a_run_can_be_stopped(run: BusRun) -> None:
     with StopSignals() as stop, pytest.raises(KeyboardInterrupt):
         run.recorder.drain(Bus(FOREIGN, lambda: signal.raise_signal(signal.SIGINT)), stop, [])
 
 
 @pytest.mark.parametrize("is_down", [False, True])
-def test_an_outage_of_the_recorder_is_no_deadlock(run: Run, is_down: bool) -> None:
+def test_an_outage_of_the_recorder_is_no_deadlock(run: BusRun, is_down: bool) -> None:
     """The link waits for its interface longer than the bench may be silent, and then says so itself."""
     looks = [0]
 
@@ -228,14 +226,14 @@ def test_the_one_that_was_ended_is_blamed_and_the_hub_before_all(tmp_path: Path)
     ],
 )  # fmt: skip
 def test_a_node_that_gives_up_is_not_the_one_that_is_missing(
-    run: Run, tmp_path: Path, code: int, said: str, line: str
+    run: BusRun, tmp_path: Path, code: int, said: str, line: str
 ) -> None:
     nodes = Nodes(tmp_path)
     nodes.nodes = [node_that(code, said, tmp_path, "plant")]
     assert run.recorder.who_died(nodes) == line
 
 
-def test_a_suspended_node_is_blamed_unless_one_was_killed(run: Run, tmp_path: Path) -> None:
+def test_a_suspended_node_is_blamed_unless_one_was_killed(run: BusRun, tmp_path: Path) -> None:
     """It cannot end by itself, so the others give up in front of it."""
     with Nodes(tmp_path) as nodes:
         hangs = nodes.start("controller", "timeit", ["-n", "1", "import time; time.sleep(600)"])
@@ -321,7 +319,9 @@ def test_a_controller_that_refuses_its_input_ends_a_run_that_has_not_begun(tmp_p
 
 
 @pytest.mark.parametrize("killed", [-9, None])
-def test_who_ends_because_the_hub_was_killed_has_refused_nothing(run: Run, tmp_path: Path, killed: int | None) -> None:
+def test_who_ends_because_the_hub_was_killed_has_refused_nothing(
+    run: BusRun, tmp_path: Path, killed: int | None
+) -> None:
     nodes = Nodes(tmp_path)
     nodes.nodes = [
         node_that(killed, "", tmp_path, "hub"),

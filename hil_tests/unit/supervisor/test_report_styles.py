@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from railhil.cli.bus_run import law_names
+from railhil.cli.run_options import law_names
 from railhil.common.law_order import LAW_ORDER, in_order
 from railhil.scenarios.model import Scenario
 from railhil.supervisor.report.styles import Style, styles

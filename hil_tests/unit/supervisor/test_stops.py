@@ -9,7 +9,6 @@ from pathlib import Path
 import pytest
 
 from hil_tests.support.scores import made_score
-from railhil.bench import BenchRun
 from railhil.cli.show import print_scores
 from railhil.common.output import Output
 from railhil.scenarios.model import Scenario
@@ -18,7 +17,7 @@ from railhil.supervisor.folder import junit
 from railhil.supervisor.journey import stop_of
 from railhil.supervisor.report.page import page
 from railhil.supervisor.report.recorded import recorded_run
-from railhil.supervisor.result import RunResult
+from railhil.supervisor.result import Result
 from railhil.supervisor.score import Score
 from railhil.supervisor.stops import PlannedStop, missed_stops, scored_stops, standstills_of
 from railhil.supervisor.trace import Trace
@@ -94,10 +93,8 @@ def test_a_stop_that_was_never_made_and_one_that_is_late_are_named() -> None:
 
 def test_junit_report_and_console_list_them(lvshun: Scenario, tmp_path: Path) -> None:
     score = two_stops()
-    result = RunResult(
-        score, 1, score.failures[0], 10, "00", 1.0, 1.0, 1.0, "local", telemetry=None, counters={}, timing=None
-    )
-    suite = junit(lvshun, RunSpec(), result).getroot()
+    result = Result(lvshun, RunSpec(), Trace(), score, exit_code=1, line=score.failures[0])
+    suite = junit(result).getroot()
     cases = {case.get("name"): case.find("failure") for case in suite.iter("testcase")}
     assert cases["stop Xiaocun"] is None
     failure = cases["stop Xiaohongmen"]
@@ -115,7 +112,7 @@ def test_the_console_lists_them(lvshun: Scenario, capsys: pytest.CaptureFixture[
     assert said[-2:] == ["ipfc: stop Xiaocun +0.1000 m PASS", "ipfc: stop Xiaohongmen +0.4120 m FAIL"]
 
 
-def test_one_stop_is_in_the_list_and_needs_no_lines_of_its_own(nominal: BenchRun) -> None:
+def test_one_stop_is_in_the_list_and_needs_no_lines_of_its_own(nominal: Result) -> None:
     (stop,) = nominal.score.stops
     assert (stop.error_m, stop.late_s) == (nominal.score.signed["stop_error_m"], nominal.score.signed["time_error_s"])
     assert stop.verdict == nominal.score.verdict

@@ -41,12 +41,12 @@ from railhil.controller_node.vector.controller import VectorController, VectorLo
 from railhil.plant_sim.any_plant import PlantError
 from railhil.plant_sim.stopping.plant import DOORS_NS, ODO_MAX, TICK_NS
 from railhil.plant_sim.timed_run import due_tick_of
+from railhil.run.coupled import direct_run
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import system_named
 from railhil.supervisor.judging import judging_of
 from railhil.supervisor.score import Score
-from railhil.vector_bench import direct_run
 
 #: Runs computed together; each takes about 0.4 MB.
 CHUNK = 256

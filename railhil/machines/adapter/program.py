@@ -14,7 +14,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from railhil.bus.can_settings import add_bus_arguments
+from railhil.bus.can_settings import add_bus_arguments, named_bus
 from railhil.bus.link import open_link
 from railhil.bus.select import choose_bus
 from railhil.common.command_line import OneLineParser, parse, whole_number
@@ -53,7 +53,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     namespace = parse(parser, arguments)
     if namespace.link.exists() and not namespace.link.is_symlink():
         parser.error(f"--link: {namespace.link} is there and is no symbolic link")
-    choice = choose_bus(namespace)
+    choice = choose_bus(named_bus(namespace))
     build = Build(
         transmit_queue_frames=namespace.queue, bus_bit_rate=namespace.bus_bit_rate, answers=not namespace.no_answers
     )

@@ -38,7 +38,7 @@ def _system(name: str, title: str, task: str, units: tuple[str, ...]) -> System:
         own={
             "task": f"railhil.scenarios.high_speed.task:{task}",
             "interface": f"railhil.controller_node.laws.high_speed.interface:{constant}",
-            "direct": "railhil.vector_bench:direct_run",
+            "direct": "railhil.run.coupled:direct_run",
             "batch": "railhil.batch.high_speed.runs:run_high_speed",
             "one_by_one": "railhil.batch.high_speed.runs:one_by_one",
             "kernel": "railhil.batch.high_speed.kernel",

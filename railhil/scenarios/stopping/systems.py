@@ -39,7 +39,7 @@ STOP = System(
     own={
         "task": "railhil.scenarios.stopping.task:StopTask",
         "interface": "railhil.controller_node.laws.stopping.interface:STOP",
-        "direct": "railhil.vector_bench:direct_run",
+        "direct": "railhil.run.coupled:direct_run",
         "batch": "railhil.batch.stopping.runs:run_stops",
         "one_by_one": "railhil.batch.stopping.runs:one_by_one",
         "together": "railhil.batch.stopping.runs:run_together",

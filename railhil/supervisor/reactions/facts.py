@@ -5,11 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from railhil.common.exit_codes import FAIL, INVALID, PASS, TOOL_ERROR
-from railhil.scenarios.model import AnyScenario
 from railhil.supervisor.judging import judging_of
 from railhil.supervisor.reactions.evaluate import Seen
-from railhil.supervisor.result import RunResult
-from railhil.supervisor.trace import Trace
+from railhil.supervisor.result import Result
 
 VERDICTS = {PASS: "PASS", FAIL: "FAIL", INVALID: "INVALID", TOOL_ERROR: "TOOL ERROR"}
 
@@ -18,9 +16,9 @@ def _first_s(times_s: Iterable[float | None]) -> float | None:
     return min((time_s for time_s in times_s if time_s is not None), default=None)
 
 
-def seen_in(scenario: AnyScenario, result: RunResult, trace: Trace) -> Seen:
+def seen_in(result: Result) -> Seen:
     """What a run did."""
-    truth = judging_of(scenario).truth
+    trace, truth = result.trace, judging_of(result.scenario).truth
     end_s = trace.times_s(truth)
     speed_mps = trace.values(truth, "TrueSpeed") if trace.has(truth, "TrueSpeed") else end_s[:0]
     return Seen(

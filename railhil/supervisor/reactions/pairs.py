@@ -11,7 +11,7 @@ from typing import Any
 from railhil.faults.drawn import Sent
 from railhil.supervisor.reactions.evaluate import RULE
 from railhil.supervisor.reactions.facts import VERDICTS
-from railhil.supervisor.result import RunResult
+from railhil.supervisor.result import Result
 from railhil.supervisor.trace import Trace
 
 #: Verdicts with which a run may end.
@@ -48,7 +48,7 @@ def sent_ports(trace: Trace, ports: Iterable[str]) -> dict[str, Sent]:
     return found
 
 
-def judged_pair(number: int, faults: Sequence[str], result: RunResult) -> PairRun:
+def judged_pair(number: int, faults: Sequence[str], result: Result) -> PairRun:
     """The rules of every run, as far as one run shows them."""
     verdict = VERDICTS.get(result.exit_code, f"exit code {result.exit_code}")
     failures = [text for text in result.score.failures if text.startswith(RULE)]

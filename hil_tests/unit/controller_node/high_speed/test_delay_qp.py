@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from railhil.bench import direct_run
 from railhil.common.errors import InputError
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Problem
@@ -25,7 +26,6 @@ from railhil.plant_sim.high_speed.train import HighSpeedTrain
 from railhil.scenarios.load import load_any
 from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.vector_bench import direct_run
 
 pytest.importorskip("daqp", reason="MISSING CAPABILITY daqp")
 

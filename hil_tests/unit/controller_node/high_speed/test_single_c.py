@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 
+from railhil.bench import coupled_run
 from railhil.controller_node.export import write_bundle
 from railhil.controller_node.export.single_bundle import single_bundle
 from railhil.controller_node.program.leaves import leaves
@@ -19,7 +20,6 @@ from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.vector_bench import coupled_run
 
 pytestmark = [pytest.mark.needs_compiler, pytest.mark.slow]
 

@@ -13,6 +13,7 @@ import pytest
 from hil_tests.support.cli import railhil
 from hil_tests.support.stops import SHORT, stop_scenario
 from railhil.audit.shadow import compare_codes, errors, shadow_run
+from railhil.bench import direct_run
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.laws.stopping.filters import FILTERS
 from railhil.controller_node.laws.stopping.learning import GAMMA_LEAST
@@ -20,7 +21,6 @@ from railhil.controller_node.vector.controller import VectorController
 from railhil.scenarios.memory_store import memory_at
 from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.vector_bench import direct_run
 
 CLOSED = stop_scenario(*SHORT, "task.start_m=2560", name="yizhuang_stop_closed")
 

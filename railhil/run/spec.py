@@ -1,8 +1,7 @@
-"""The arguments of :func:`railhil.run` as a :class:`RunSpec` and options of a bus."""
+"""A :class:`RunSpec` from arguments, checked like a file."""
 
 from __future__ import annotations
 
-import argparse
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -38,7 +37,7 @@ def spec_of(
     memory: str | Path | None,
     **beside: Any,
 ) -> RunSpec:
-    """The description of a run from the arguments of :func:`run`.
+    """The description of a run from the arguments of :func:`railhil.run`.
 
     :param beside: further fields of the ``RunSpec``.
     :raises InputError: the scenario cannot be loaded, or the parameters cannot be read.
@@ -58,36 +57,29 @@ def checked_spec(spec: RunSpec) -> tuple[RunSpec, AnyScenario]:
     :raises InputError: anything that is not allowed, in one line.
     """
     checked = RunSpec.from_json(spec.as_json(), Path("railhil.run"))
-    spec = replace(checked, law=spec.law, memory_store=spec.memory_store)
+    kept = replace(checked, can=spec.can, start_up=spec.start_up, out=spec.out)
+    spec = replace(kept, law=spec.law, memory_store=spec.memory_store)
     loaded = spec.load()
     system_named(loaded.system).check_law(spec.law.controller, "railhil.run", "controller")
     return spec, loaded
 
 
-def placed(spec: RunSpec, folder: Path) -> RunSpec:
-    """The run with parameters that were given as values read from the run folder, where they will be written."""
-    given = spec.law.parameters
-    if given is None or given.source != Path(PARAMETERS):
-        return spec
-    return replace(spec, law=replace(spec.law, parameters=replace(given, source=folder.resolve() / PARAMETERS)))
-
-
-def bus_words(text: str, source: str) -> tuple[str, argparse.Namespace]:
-    """The kind of bus for a ``RunSpec``, and the options of python-can, of a bus in one word (:func:`run`).
+def bus_of(text: str, source: str) -> tuple[str, dict[str, Any]]:
+    """``bus`` and ``can`` of a ``RunSpec`` for a bus in one word (:func:`railhil.run`).
 
     :param source: named in the error.
     :raises InputError: none of these.
     """
     if text in BUSES:
-        return text, argparse.Namespace()
+        return text, {}
     if text == "hub":
-        return "auto", argparse.Namespace(interface=HUB_INTERFACE)
+        return "auto", {"interface": HUB_INTERFACE}
     interface, mark, channel = text.partition(":")
     channel, rate_mark, rate = channel.partition("@")
     if not (interface and mark and channel) or (rate_mark and not rate.isdecimal()):
         raise InputError(source, "bus", text, f"{', '.join(BUSES)}, hub or INTERFACE:CHANNEL[@BITRATE]")
     bitrate = {"bitrate": int(rate)} if rate else {}
-    return "auto", argparse.Namespace(interface=interface, channel=channel, **bitrate)
+    return "auto", {"interface": interface, "channel": channel, **bitrate}
 
 
 def settings_of(given: Settings) -> tuple[str, ...]:

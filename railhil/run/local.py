@@ -1,0 +1,211 @@
+"""A complete run in this process (``railhil run --bus local``), with the same folder, certificate and bytes as over a
+bus."""
+
+from __future__ import annotations
+
+import tempfile
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from railhil.bus.errors import BusError, PeerSilent
+from railhil.bus.frame import Frame
+from railhil.bus.local import LocalBus
+from railhil.bus.reception import received_by
+from railhil.bus.select import LOCAL, BusChoice, no_bus
+from railhil.common.errors import InputError
+from railhil.common.exit_codes import INVALID, PASS, TOOL_ERROR, USAGE
+from railhil.controller_node.any_controller import AnyController
+from railhil.controller_node.faulty import controller_of, was_killed, write_fault_log
+from railhil.controller_node.telemetry_file import telemetry_document, write_telemetry
+from railhil.plant_sim.any_plant import PlantError
+from railhil.plant_sim.node import PlantNode
+from railhil.scenarios.model import AnyScenario
+from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.scenarios.system import system_named
+from railhil.supervisor.desk import Desk
+from railhil.supervisor.ending import judged
+from railhil.supervisor.fault_report import check_faults, fault_outcomes
+from railhil.supervisor.jitter import lockstep_timing
+from railhil.supervisor.log_trace import trace_of_log
+from railhil.supervisor.recorder import LOOK_S
+from railhil.supervisor.result import Result
+from railhil.supervisor.run import Run
+from railhil.supervisor.run_folder import TELEMETRY
+from railhil.supervisor.session import Session
+from railhil.supervisor.trace import Told, Trace
+
+
+class LocalRun(Run):
+    """Plant, controller and recorder in one process.
+
+    :param choice: None: that of a run without a bus.
+    :param started_ns: monotonic time from which the wait for the first frame is counted; None: now.
+    :param fd: telegrams in the CAN FD form.
+    :param wire: applied to each frame on its way to the controller (faults); None: no change.
+    :param controller: computes the commands instead of the run's law.
+    :param desk: gives the orders of an operator.
+    :param hear: called with each frame in bus order, and its simulation time in ns.
+    """
+
+    def __init__(
+        self,
+        scenario: AnyScenario,
+        spec: RunSpec,
+        folder: Path,
+        on_progress: Callable[[float], None] | None = None,
+        *,
+        choice: BusChoice | None = None,
+        started_ns: int | None = None,
+        fd: bool = False,
+        wire: Callable[[Frame], list[Frame]] | None = None,
+        controller: Any = None,
+        desk: Desk | None = None,
+        hear: Callable[[Frame, int], object] | None = None,
+    ) -> None:
+        super().__init__(scenario, spec, choice or no_bus({}, spec.pace), folder)
+        late = self.log.late
+        self.session = Session(scenario, late.write, spec, fd=fd, on_progress=self._poll, desk=desk, late=late)
+        self._on_progress = on_progress
+        self._flush_s = 0.0
+        self._wire = wire
+        self._hear = hear
+        self.started_ns = time.monotonic_ns() if started_ns is None else started_ns
+        try:
+            self.controller: AnyController = controller_of(
+                scenario, spec.law, spec.seed, controller, fd=fd, folder=folder
+            )
+            bus = LocalBus([self._controller_takes if wire else self.controller.handle, self._recorder_takes()])
+            self.plant = PlantNode(scenario, spec, bus, fd=fd, fault_log=folder)
+        except BaseException:
+            self.log.close()
+            raise
+
+    def _controller_takes(self, frame: Frame) -> list[Frame]:
+        assert self._wire is not None
+        return [answer for item in self._wire(frame) for answer in self.controller.handle(item)]
+
+    def _recorder_takes(self) -> Callable[[Frame], list[Frame]]:
+        session, hear = self.session, self._hear
+        if hear is None:
+            return session.handle
+
+        def take(frame: Frame) -> list[Frame]:
+            answers = session.handle(frame)
+            for item in (frame, *answers):
+                hear(item, session.time_ns)
+            return answers
+
+        return take
+
+    def _poll(self, sim_time_s: float) -> None:
+        """At each poll of SUP_CMD: what the recorder on a bus does in addition to recording."""
+        self.stop.check()
+        now_s = time.monotonic()
+        if now_s >= self._flush_s:
+            self.log.flush()
+            self._flush_s = now_s + LOOK_S
+        if self._on_progress is not None:
+            self._on_progress(sim_time_s)
+
+    def execute(self) -> Result:
+        with self.stop:
+            line, code = "", PASS
+            try:
+                self.plant.run()
+            except (BusError, PlantError, InputError) as error:
+                line, code = self.incomplete(error)
+            except (KeyboardInterrupt, SystemExit):
+                if not self.session.recording:
+                    self.close()
+                    raise
+                line, code = self._stopped(), INVALID
+            except BaseException:
+                self.close()
+                raise
+            return self.finish(line, code)
+
+    def play(self) -> Result:
+        """Make the complete run, for a caller that wants its errors raised.
+
+        :raises BusError, PlantError, InputError: the run is incomplete.
+        """
+        try:
+            self.plant.run()
+        except BaseException as error:
+            if not (isinstance(error, PeerSilent) and self._was_killed):
+                self.close()
+                raise
+        return self.finish()
+
+    @property
+    def _was_killed(self) -> bool:
+        """Whether a fault has killed the controller, and the train has stopped by itself: as was asked for, the run is
+        judged by what the train did."""
+        return was_killed(self.controller) and self.plant.ended is not None
+
+    def incomplete(self, error: Exception) -> tuple[str, int]:
+        """Why a run that ended with this error is incomplete, and its exit code; empty and PASS for a complete run."""
+        if isinstance(error, PeerSilent) and self._was_killed:
+            return "", PASS
+        if isinstance(error, (PeerSilent, PlantError)):
+            return str(error), TOOL_ERROR if isinstance(error, PlantError) else INVALID
+        # Nodes that disagree, or a law that raises.
+        return "; ".join(self.session.disagreements) or str(error), USAGE
+
+    def finish(self, line: str = "", code: int = PASS) -> Result:
+        """End the run and judge its record.
+
+        :param line: why the run is incomplete, with its exit code; empty and PASS for a complete run.
+        """
+        sha256 = self.close()
+        session, plant, controller = self.session, self.plant, self.controller
+        self.trace = trace_of_log(self.log.path, self.contract) if session.frames else Trace(self.contract)
+        if self._wire is None:
+            self.trace.told = Told(exact=True, nodes=received_by({"controller": controller, "plant": plant}))
+        faults = fault_outcomes(self.folder, self.scenario, self.spec.seed) if session.recording else []
+        result = judged(self, sha256, line, code, lockstep_timing(self.trace), faults, session.counters)
+        counters = {
+            "plant": dict(plant.counters),
+            "gate": dict(plant.plant.refused),
+            "controller": dict(controller.counters),
+            "supervisor": session.counters,
+        }
+        return replace(result, counters=counters, telemetry=telemetry_document(controller))
+
+    def close(self) -> str:
+        """Write what the nodes report at their end, their telemetry and the logs of the faults, and close the log;
+        returns its SHA-256."""
+        write_telemetry(self.controller, self.folder / TELEMETRY)
+        self.plant.write_fault_logs()
+        write_fault_log(self.controller)
+        return self.log.close()
+
+
+def local_run(
+    scenario: AnyScenario,
+    folder: Path,
+    spec: RunSpec | None = None,
+    *,
+    fd: bool = False,
+    wire: Callable[[Frame], list[Frame]] | None = None,
+    controller: Any = None,
+) -> Result:
+    """One run through codec and stores, for any system, without the files of a run folder but the log.
+
+    :param spec: None: the system's default law in lockstep, seed 0.
+    :param wire: applied to each frame on its way to the controller (faults); default: no change.
+    :param controller: computes the commands instead of the run's law.
+    :raises BusError, PlantError, InputError: the run is incomplete.
+    """
+    spec = spec or RunSpec(law=LawSpec(system_named(scenario.system).law))
+    check_faults(scenario, [LOCAL], spec.pace)
+    return LocalRun(scenario, spec, folder, fd=fd, wire=wire, controller=controller).play()
+
+
+def unrecorded_run(scenario: AnyScenario, spec: RunSpec | None = None, controller: Any = None) -> Result:
+    """:func:`local_run` without a run folder: only the hash of the record is kept."""
+    with tempfile.TemporaryDirectory(prefix="railhil-") as folder:
+        return replace(local_run(scenario, Path(folder), spec, controller=controller), folder=None)

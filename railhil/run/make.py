@@ -1,0 +1,240 @@
+"""Makes a run on any transport, records it into its folder, and judges it."""
+
+from __future__ import annotations
+
+import errno
+from collections.abc import Iterator, Sequence
+from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
+from dataclasses import dataclass, replace
+from importlib import import_module
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from railhil.bus.select import BusChoice
+from railhil.common.exit_codes import FAIL, INVALID, USAGE
+from railhil.run.transports import chosen_bus
+from railhil.scenarios.model import AnyScenario
+from railhil.scenarios.run_spec import RunSpec
+from railhil.supervisor.bus_run import BusRun
+from railhil.supervisor.desk import Desk
+from railhil.supervisor.errors import NO_ROOM
+from railhil.supervisor.fault_report import check_faults, transports_of
+from railhil.supervisor.inputs import PARAMETERS, write_inputs
+from railhil.supervisor.memory import keep_memory, learned, with_memory
+from railhil.supervisor.panel_socket import PanelSocket
+from railhil.supervisor.processes import process_start_ns
+from railhil.supervisor.run import Run
+from railhil.supervisor.run_folder import discard_folder, run_folder
+
+if TYPE_CHECKING:
+    from railhil.supervisor.result import Result
+
+#: What the end of a run needs. It is loaded while the nodes end, or when it is used: while they start, three processes
+#: would share what are two processors on many machines.
+_FOR_THE_END = (
+    "railhil.supervisor.ending",
+    "railhil.supervisor.folder",
+    "railhil.supervisor.reactions.expected",
+    "railhil.supervisor.report.recorded",
+)
+#: Errors of the operating system when a log cannot grow.
+_CANNOT_GROW = (*NO_ROOM, errno.EROFS)
+
+
+class NeverBegan(Exception):
+    """A run that never began; carries its exit code."""
+
+    def __init__(self, line: str, exit_code: int) -> None:
+        super().__init__(line)
+        self.exit_code = exit_code
+
+    def __reduce__(self) -> tuple[type[NeverBegan], tuple[str, int]]:
+        """So that it can come back from the process that made the run."""
+        return type(self), (str(self), self.exit_code)
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """A run that is about to begin, in its folder and on its bus.
+
+    :param panel: where a person gives orders.
+    """
+
+    spec: RunSpec
+    scenario: AnyScenario
+    choice: BusChoice
+    folder: Path
+    panel: PanelSocket | None = None
+
+
+class Observer:
+    """Watches a run while it is made. Each method does nothing here."""
+
+    def beside(self, plan: Plan) -> AbstractContextManager[Plan]:
+        """Entered before the run begins, and left when its folder is written; gives the plan that is carried out."""
+        return nullcontext(plan)
+
+    def on_started(self) -> None:
+        """The nodes have been started, and take a while to appear."""
+
+    def on_progress(self, sim_time_s: float) -> None:
+        """Simulation time has reached ``sim_time_s``: called every 160 ms of it."""
+
+    def on_ended(self) -> None:
+        """The run has ended, and its nodes take a while to end."""
+
+    def on_result(self, result: Result) -> None:
+        """The folder is complete."""
+
+
+class _Observers(Observer):
+    """All of them, in order."""
+
+    def __init__(self, observers: Sequence[Observer]) -> None:
+        self._observers = observers
+
+    @contextmanager
+    def beside(self, plan: Plan) -> Iterator[Plan]:
+        with ExitStack() as held:
+            for observer in self._observers:
+                plan = held.enter_context(observer.beside(plan))
+            yield plan
+
+    def on_started(self) -> None:
+        for observer in self._observers:
+            observer.on_started()
+
+    def on_progress(self, sim_time_s: float) -> None:
+        for observer in self._observers:
+            observer.on_progress(sim_time_s)
+
+    def on_ended(self) -> None:
+        for name in _FOR_THE_END:
+            import_module(name)
+        for observer in self._observers:
+            observer.on_ended()
+
+    def on_result(self, result: Result) -> None:
+        for observer in self._observers:
+            observer.on_result(result)
+
+
+def record_run(spec: RunSpec, *observers: Observer, scenario: AnyScenario | None = None, keep: bool = True) -> Result:
+    """Make a run, and write its folder; a signal that arrives while results are written waits until they are complete.
+
+    :param scenario: None: that of the spec.
+    :param keep: whether the folder is kept; else only what the result needs is written.
+    :raises InputError: anything of the run that is not allowed, in one line.
+    :raises NeverBegan: no frame came, or the run was refused; the folder is left as it was.
+    :raises RecordFailed: folder or memory cannot be written.
+    """
+    scenario = spec.load() if scenario is None else scenario
+    observer = _Observers(observers)
+    with ExitStack() as held:
+        choice = held.enter_context(chosen_bus(spec, scenario))
+        folder, made = run_folder(spec.out, scenario.name, spec.folder_controller)
+        try:
+            plan = held.enter_context(observer.beside(Plan(placed(spec, folder), scenario, choice, folder)))
+            run = _begun(plan, observer)
+            held.enter_context(run.stop)
+        except BaseException:
+            # On Ctrl-C, too, no folder without a run may remain.
+            discard_folder(folder, made)
+            raise
+        result = _executed(run, made)
+        refused = result.exit_code == USAGE and result.sim_time_s == 0
+        if refused or result.frames == 0:
+            discard_folder(folder, made)
+            raise NeverBegan(result.line or "no frame came", result.exit_code)
+        complete(result)
+        if keep:
+            write_results(result)
+        observer.on_result(result)
+    if run.stop.number:
+        result.stopped_exit_code = 128 + run.stop.number
+    return result
+
+
+def complete(result: Result) -> None:
+    """Complete a result with its events, and with what its faults expected of them."""
+    from railhil.supervisor.events.derive import events_of
+    from railhil.supervisor.events.injected import fault_events
+    from railhil.supervisor.reactions.expected import with_expectations
+
+    scenario, trace = result.scenario, result.trace
+    injected = [one.as_json() for one in result.faults]
+    result.events = events_of(scenario, trace, fault_events(injected, trace.end_s))
+    expected = with_expectations(result.score, injected, result.events, scenario, trace)
+    if result.trusted and expected is not result.score:
+        code = INVALID if expected.verdict == "INVALID" else FAIL
+        result.score, result.exit_code, result.line = expected, code, "; ".join(expected.failures)
+
+
+def write_results(result: Result) -> None:
+    """Complete a result with the law's memory, and write folder and memory.
+
+    :param result: of :func:`complete`.
+    :raises RecordFailed: they cannot be written.
+    """
+    from railhil.supervisor.folder import write_folder
+
+    result.memory = learned(result)
+    write_folder(result)
+    keep_memory(result)
+
+
+def placed(spec: RunSpec, folder: Path) -> RunSpec:
+    """The run with parameters that were given as values read from the run folder, where they will be written."""
+    given = spec.law.parameters
+    if given is None or given.source != Path(PARAMETERS):
+        return spec
+    return replace(spec, law=replace(spec.law, parameters=replace(given, source=folder.resolve() / PARAMETERS)))
+
+
+def _begun(plan: Plan, observer: Observer) -> Run:
+    """The run, ready to be executed: its inputs are in its folder.
+
+    :raises RecordFailed: they cannot be written.
+    """
+    scenario, choice, folder = plan.scenario, plan.choice, plan.folder
+    check_faults(scenario, transports_of(choice, plan.spec.start_up.foreign), plan.spec.pace)
+    try:
+        write_inputs(folder, scenario, plan.spec.law.parameters)
+        spec = with_memory(plan.spec, folder)
+        if spec.is_local:
+            # Laws and plant are loaded only by processes that compute with them.
+            from railhil.run.local import LocalRun
+
+            return LocalRun(scenario, spec, folder, observer.on_progress, choice=choice, started_ns=process_start_ns())
+        return BusRun(
+            scenario,
+            spec,
+            choice,
+            folder,
+            observer.on_progress,
+            desk=None if plan.panel is None else Desk(spec.orders, plan.panel, not spec.is_realtime, scenario.faults),
+            meanwhile=observer.on_started,
+            at_end=observer.on_ended,
+        )
+    except OSError as error:
+        from railhil.supervisor.folder import record_failed
+
+        raise record_failed(folder, error) from error
+
+
+def _executed(run: Run, made: bool) -> Result:
+    """The run's result; whatever goes wrong, a folder without frames is removed and one with frames is kept."""
+    try:
+        result = run.execute()
+    except BaseException as error:
+        if run.session.frames == 0:
+            discard_folder(run.folder, made)
+        elif isinstance(error, OSError) and error.errno in _CANNOT_GROW:
+            from railhil.supervisor.folder import record_failed
+
+            raise record_failed(run.folder, error) from error
+        raise
+    if run.session.desk is not None and tuple(run.session.desk.sent) != run.spec.orders:
+        # The same run again needs no hand.
+        result.spec = replace(run.spec, orders=tuple(run.session.desk.sent))
+    return result

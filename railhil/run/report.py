@@ -1,0 +1,42 @@
+"""The report of runs that have just been recorded."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from railhil.common.extras import install_command
+
+if TYPE_CHECKING:
+    from railhil.supervisor.report.recorded import RecordedRun
+    from railhil.supervisor.result import Result
+
+
+def as_recorded(result: Result) -> RecordedRun:
+    """A run that has just ended, as recorded in its folder."""
+    from railhil.supervisor.documents import read_certificate
+    from railhil.supervisor.report.recorded import recorded_run
+
+    folder = result.place
+    certificate = read_certificate(folder) or {}
+    return recorded_run(
+        folder, certificate, result.scenario, result.trace, result.score, result.invalid, events=result.events
+    )
+
+
+def report_line(runs: Sequence[RecordedRun], folder: Path, notes: Sequence[str] = ()) -> str:
+    """Write ``report.html``; returns the line that says where, or why there is none. The record is complete without
+    it."""
+    from railhil.supervisor.hash_list import REPORT
+
+    try:
+        from railhil.supervisor.report.page import write_report
+    except ImportError as error:
+        return f"no report: {error.name} is not installed ({install_command('report')})"
+    path = folder / REPORT
+    try:
+        write_report(runs, path, notes)
+    except OSError as error:
+        return f"no report: {path} cannot be written ({(error.strerror or str(error)).lower()})"
+    return f"report {path}"
