@@ -6,7 +6,7 @@ The functions work like the commands: the same folders, hashes and verdicts.
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -22,125 +22,19 @@ from railhil.run.make import NeverBegan, record_run
 from railhil.run.report import as_recorded
 from railhil.run.spec import Parameters, Settings, bus_of, checked_spec, settings_of, spec_of
 from railhil.scenarios.load import stable_name
-from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec, StartUp
 from railhil.supervisor.criteria import Criterion
-from railhil.supervisor.documents import CERTIFICATE
 from railhil.supervisor.events.event import RecordedEvent
-from railhil.supervisor.events.summary import why
 from railhil.supervisor.hash_list import check_hash_list
 from railhil.supervisor.judging import Judging
 from railhil.supervisor.record import Record, checked_record
-from railhil.supervisor.result import Result
-from railhil.supervisor.score import Score
-from railhil.supervisor.signals import signal_table, signal_units
-from railhil.supervisor.trace import FloatArray, Trace
+from railhil.supervisor.signals import Signals
 
 __all__ = ["CampaignOutcome", "NeverBegan", "Outcome", "RecordedEvent", "Signals", "campaign", "open_run", "run"]
 
 
-class Signals(Mapping[str, FloatArray]):
-    """Columns of ``signals.csv`` by name: float64 arrays of equal shape (n,), one value per 20 ms, NaN where unknown.
-
-    ``units``: unit of each column, empty for numbers without one.
-    """
-
-    def __init__(self, columns: Mapping[str, FloatArray], units: Mapping[str, str]) -> None:
-        self._columns = dict(columns)
-        self.units = dict(units)
-
-    def __getitem__(self, name: str) -> FloatArray:
-        return self._columns[name]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._columns)
-
-    def __len__(self) -> int:
-        return len(self._columns)
-
-    def __repr__(self) -> str:
-        return f"Signals({', '.join(self)})"
-
-    def to_pandas(self) -> Any:
-        """A ``pandas.DataFrame`` with ``time_s`` as its index.
-
-        :raises ModuleNotFoundError: pandas is not installed.
-        """
-        import pandas
-
-        return pandas.DataFrame(self._columns).set_index("time_s")
-
-
-@dataclass(frozen=True)
-class Outcome:
-    """One recorded run.
-
-    ``scores`` are magnitudes, ``signed`` time (s) and stop error (m) with their signs; None where a run has none.
-    ``certificate`` is empty for a log without one.
-    """
-
-    folder: Path
-    scenario: AnyScenario = field(repr=False)
-    verdict: str
-    reasons: tuple[str, ...]
-    scores: Mapping[str, float | None]
-    signed: Mapping[str, float | None]
-    certificate: Mapping[str, Any] = field(repr=False)
-    trace: Trace = field(repr=False)
-    #: What of the log was not used: its stamps, frames before or after the run.
-    notes: tuple[str, ...] = ()
-    #: What happened, as in ``events.csv``, in the order of the instants.
-    events: tuple[RecordedEvent, ...] = field(default=(), repr=False)
-
-    @property
-    def why(self) -> str:
-        """What the watches did, or which telegrams were refused or missing, in a sentence; empty for a healthy run."""
-        return why(self.scenario, self.events)
-
-    @property
-    def passed(self) -> bool:
-        """True for the verdict PASS."""
-        return self.verdict == "PASS"
-
-    @property
-    def frames_sha256(self) -> str:
-        """SHA-256 of ``frames.log``; empty without certificate."""
-        return str(self.certificate.get("frames_sha256", ""))
-
-    @cached_property
-    def spec(self) -> RunSpec:
-        """The description of the run: ``railhil.run(outcome.spec)`` repeats it.
-
-        :raises InputError: the folder has no certificate with a description.
-        """
-        path = self.folder / CERTIFICATE
-        if not self.certificate:
-            raise InputError(path, "file", Words("no certificate of this log"), "a run that came to its end")
-        return RunSpec.from_json(self.certificate, path)
-
-    @cached_property
-    def signals(self) -> Signals:
-        """Truth, measurements and commands over time; no columns in a record without SIM_TRUTH."""
-        notes = self.certificate.get("notes")
-        header, rows = signal_table(self.scenario, self.trace, notes)
-        return Signals(dict(zip(header, rows.T.copy(), strict=True)), signal_units(self.scenario, self.trace, notes))
-
-
-def _outcome(record: Record, found: Score, events: tuple[RecordedEvent, ...]) -> Outcome:
-    document: dict[str, Any] = found.as_json()
-    verdict, reasons = (found.verdict, found.failures) if not record.invalid else ("INVALID", (record.invalid,))
-    return Outcome(
-        record.log.parent,
-        record.scenario,
-        verdict,
-        reasons,
-        document["scores"],
-        document["signed"],
-        record.certificate,
-        record.trace,
-        record.remarks(found),
-        events,
-    )
+#: One recorded run, as this library calls it.
+Outcome = Record
 
 
 def run(
@@ -194,14 +88,7 @@ def run(
     result = record_run(spec, scenario=loaded)
     if result.stopped_exit_code:
         raise KeyboardInterrupt(result.line)
-    return outcome_of(result)
-
-
-def outcome_of(result: Result) -> Outcome:
-    """A run that has just been written into its folder."""
-    row = as_recorded(result)
-    record = Record(result.log, result.scenario, result.trace, result.invalid, row.certificate)
-    return _outcome(record, result.score, result.events)
+    return as_recorded(result)
 
 
 def open_run(folder: str | Path) -> Outcome:
@@ -209,9 +96,7 @@ def open_run(folder: str | Path) -> Outcome:
 
     :raises InputError: there is no record, or its parts do not belong together.
     """
-    record = checked_record(str(folder), None)
-    found = record.score
-    return _outcome(record, found, record.events)
+    return checked_record(str(folder), None)
 
 
 @dataclass(frozen=True)

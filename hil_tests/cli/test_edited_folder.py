@@ -47,10 +47,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     place = tmp_path_factory.mktemp("made")
     (place / "short.toml").write_text(RUN_2M_TOML)
     run = library.run(place / "short.toml", faults=["TRN_SPEED loss 30% @0s"], out=place / "run")
-    row = recorded_run(
-        run.folder, dict(run.certificate), run.scenario, run.trace, checked_record(str(run.folder), None).score
-    )
-    assert report_line([row], run.folder).startswith("report ")
+    assert report_line([recorded_run(run)], run.folder).startswith("report ")
     return run.folder
 
 

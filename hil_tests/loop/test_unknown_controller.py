@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from hil_tests.support.cli import railhil
+from hil_tests.support.recordings import row_of
 from hil_tests.support.short_runs import RUN_2M_TOML
 from railhil.bench import local_run
 from railhil.bus.frame import Frame
@@ -23,7 +24,6 @@ from railhil.supervisor.folder import write_folder
 from railhil.supervisor.framelog import log_line
 from railhil.supervisor.inputs import write_inputs
 from railhil.supervisor.report.facts import facts_of
-from railhil.supervisor.report.recorded import recorded_run
 from railhil.supervisor.reported import reported
 from railhil.supervisor.result import Result
 from railhil.supervisor.trace import Trace
@@ -100,7 +100,7 @@ def test_it_stands_in_certificate_score_junit_report_and_table(
     told = {one.get("name"): one.get("value") for one in suite.findall("properties/property")}
     assert (told["controller"], told["arithmetic"]) == (shown, "unknown")
     assert str(suite.get("name")).endswith(f".{shown}")
-    found = recorded_run(tmp_path, read_certificate(tmp_path) or {}, scenario, run.trace, run.score)
+    found = row_of(tmp_path, read_certificate(tmp_path) or {}, scenario, run.trace, run.score)
     assert (found.label, found.published) == (shown, None)
     facts = dict(facts_of(found))
     assert (facts["Controller"], facts["Arithmetic"], facts["Set-point over"]) == (shown, "unknown", "unknown")

@@ -7,18 +7,23 @@ import json
 import xml.etree.ElementTree as ET
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from railhil.bench import local_run
 from railhil.run.report import as_recorded
 from railhil.scenarios.load import load, names
-from railhil.scenarios.model import Scenario
+from railhil.scenarios.model import AnyScenario, Scenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.supervisor.events.derive import events_of
+from railhil.supervisor.events.event import RecordedEvent
 from railhil.supervisor.folder import write_folder
 from railhil.supervisor.framelog import log_line, read_log
 from railhil.supervisor.hash_list import write_hash_list
 from railhil.supervisor.inputs import write_inputs
-from railhil.supervisor.report.recorded import RecordedRun
+from railhil.supervisor.record import Record
+from railhil.supervisor.report.recorded import RecordedRun, recorded_run
+from railhil.supervisor.score import Score
+from railhil.supervisor.trace import Trace
 
 
 def recorded_folder(scenario: Scenario, folder: Path, *, seed: int = 0, arithmetic: str = "iq") -> RecordedRun:
@@ -37,7 +42,22 @@ def recorded_folder(scenario: Scenario, folder: Path, *, seed: int = 0, arithmet
         events=events_of(scenario, run.trace),
     )
     write_folder(result)
-    return as_recorded(result)
+    return recorded_run(as_recorded(result))
+
+
+def row_of(
+    folder: Path,
+    certificate: dict[str, Any],
+    scenario: AnyScenario,
+    trace: Trace,
+    score: Score,
+    events: tuple[RecordedEvent, ...] = (),
+) -> RecordedRun:
+    """A run of a folder, in which only what the test needs is there, as the report takes it."""
+    record = Record(
+        folder / "frames.log", scenario, trace, certificate=certificate, known_score=score, known_events=events
+    )
+    return recorded_run(record)
 
 
 def _named(scenario: Scenario) -> str:

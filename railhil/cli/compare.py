@@ -28,7 +28,7 @@ from railhil.scenarios.system import System
 from railhil.supervisor.comparison_file import write_comparison
 from railhil.supervisor.judging import judging_of
 from railhil.supervisor.report.facts import parameters_sentence
-from railhil.supervisor.report.recorded import RecordedRun
+from railhil.supervisor.report.recorded import RecordedRun, recorded_run
 from railhil.supervisor.run_folder import run_folder
 from railhil.supervisor.signature import add_sign_argument, check_key, sign_list
 from railhil.supervisor.training_seeds import check_unseen
@@ -166,7 +166,7 @@ def work(namespace: argparse.Namespace) -> int:
             finally:
                 if made and not any(folder.iterdir()):
                     folder.rmdir()
-            runs.append((own, as_recorded(result)))
+            runs.append((own, recorded_run(as_recorded(result))))
             codes.append(result.exit_code)
             if result.stopped_exit_code:
                 print_verdict(console, "INVALID", f"{result.line or 'stopped'}; {_so_far(runs, plan, folder)}")

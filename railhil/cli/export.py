@@ -62,7 +62,7 @@ def work(namespace: argparse.Namespace) -> int:
         raise InputError("command line", "--blf", Words("no --start"), "--start TIME; without it use frames.blf")
     writers = {name: _writer(_FORMATS[name]) for name in wanted}
     content = Content(checked_record(namespace.run, None), start)
-    for note in content.record.notes:
+    for note in content.record.unused:
         Output(stderr=True).say(note)
     for name, path in _places(namespace.out, content.record.log.parent, wanted).items():
         try:

@@ -9,7 +9,6 @@ from railhil.common.errors import InputError
 from railhil.common.extras import missing
 from railhil.common.output import Output
 from railhil.common.whole_file import whole_file
-from railhil.scenarios.system import system_named
 from railhil.supervisor.errors import not_written
 from railhil.supervisor.judging import judging_of
 from railhil.supervisor.record import checked_record
@@ -36,7 +35,7 @@ def work(namespace: argparse.Namespace) -> int:
     except ImportError as error:
         raise missing("railhil plot", error, "report") from None
     record = checked_record(namespace.log, namespace.scenario)
-    system, truth = system_named(record.scenario.system), judging_of(record.scenario).truth
+    system, truth = record.system, judging_of(record.scenario).truth
     draw, trace = draw_signals, record.trace
     if "picture" in system.own:
         draw, trace = system.part("picture"), drawn_trace(record.scenario, trace)
@@ -51,7 +50,7 @@ def work(namespace: argparse.Namespace) -> int:
             draw(record.scenario, trace, draft)
     except OSError as error:
         raise not_written("--out", out, "file", error) from None
-    for note in record.notes:
+    for note in record.unused:
         Output(stderr=True).say(note)
     Output().say(str(out))
     return 0

@@ -16,7 +16,6 @@ from railhil.scenarios.options import add_fmu_options, add_option, named_fmu
 from railhil.scenarios.plant_fmu import KEY as FMU_KEY
 from railhil.scenarios.plant_fmu import OPTION as FMU_OPTION
 from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.scenarios.system import system_named
 from railhil.supervisor.record import Record, checked_record
 
 
@@ -48,10 +47,10 @@ def work(namespace: argparse.Namespace) -> int:
     ports = _ports(record.log, namespace.port, sorted(replayed.ports))
     first = replayed.first(ports)
     if namespace.json:
-        print_json({**facts(replayed, ports), "notes": list(record.notes)})
+        print_json({**facts(replayed, ports), "notes": list(record.unused)})
         return PASS if replayed.same(ports) else FAIL
     console = Output()
-    for note in record.notes:
+    for note in record.unused:
         console.say(note)
     law = f" ({spec.law.label} {spec.law.arithmetic})" if namespace.node == "controller" else f" (seed {spec.seed})"
     console.say(
@@ -73,7 +72,7 @@ def _spec(record: Record, namespace: argparse.Namespace) -> RunSpec:
     :raises InputError: no such law; for the plant, another FMU than that of the run.
     """
     controller, arithmetic, fmu = namespace.controller, namespace.arithmetic, named_fmu(namespace)
-    system = system_named(record.scenario.system)
+    system = record.system
     if namespace.node == "controller" and fmu is not None:
         raise InputError("command line", FMU_OPTION, fmu.file, "only with --node plant")
     if record.certificate:
@@ -103,7 +102,7 @@ def _check(record: Record, node: str, spec: RunSpec) -> None:
 
     :raises InputError: another wire contract; for the plant, a run in real time.
     """
-    now = system_named(record.scenario.system).contract.sha256
+    now = record.system.contract.sha256
     if record.trace.contract.sha256 != now:
         raise InputError(record.log, "DBC", record.trace.contract.sha256, f"{now}: the wire contract of this version")
     if node == "plant" and spec.is_realtime:

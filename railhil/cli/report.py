@@ -13,8 +13,8 @@ from railhil.scenarios.stored import any_judged_sha256
 from railhil.supervisor.documents import COMPARISON, read_comparison
 from railhil.supervisor.errors import not_written
 from railhil.supervisor.hash_list import REPORT, check_hash_list
-from railhil.supervisor.record import Record, checked_record
-from railhil.supervisor.report.recorded import RecordedRun, recorded_run
+from railhil.supervisor.record import checked_record
+from railhil.supervisor.report.recorded import recorded_run
 
 #: The file by which the folder of a campaign is known.
 _CAMPAIGN = "campaign.json"
@@ -49,8 +49,8 @@ def work(namespace: argparse.Namespace) -> int:
         folders += [path] if compared is None else [path / row["folder"] for row in compared["runs"]]
         notes += [] if compared is None else compared.get("notes", [])
     records = [checked_record(str(folder), namespace.scenario) for folder in folders]
-    runs = [_run(record) for record in records]
-    notes += [note for record, run in zip(records, runs, strict=True) for note in record.remarks(run.score)]
+    runs = [recorded_run(record) for record in records]
+    notes += [note for record in records for note in record.notes]
     first = runs[0].scenario
     for folder, run in zip(folders, runs, strict=True):
         if any_judged_sha256(run.scenario) != any_judged_sha256(first):
@@ -85,10 +85,3 @@ def _campaign(given: Sequence[Path], namespace: argparse.Namespace) -> int:
         raise not_written("--out", out, "file", error) from None
     Output().say(str(out))
     return 0
-
-
-def _run(record: Record) -> RecordedRun:
-    found = record.score
-    invalid = record.invalid or ("; ".join(found.failures) if found.verdict == "INVALID" else "")
-    folder = record.log.parent
-    return recorded_run(folder, record.certificate, record.scenario, record.trace, found, invalid, events=record.events)

@@ -34,13 +34,13 @@ def work(namespace: argparse.Namespace) -> int:
         verdict, line = "INVALID", "; ".join(dict.fromkeys((*own, record.invalid)))
     if namespace.json:
         beside = {"watch_weakened": record.scenario.watch_weakened, "memory": record.certificate.get("memory")}
-        beside |= {"notes": list(record.remarks(found)), "why": reason, "events": summary(record.scenario, events)}
+        beside |= {"notes": list(record.notes), "why": reason, "events": summary(record.scenario, events)}
         print_json({**found.as_json(), **beside, "verdict": verdict, "line": line})
     else:
         console = Output()
         print_scores(console, record.scenario, [("from the log", found)])
         print_watch(console, record.scenario)
-        for note in record.remarks(found):
+        for note in record.notes:
             console.say(note, style="bold yellow")
         if memory := memory_sentence(record.certificate):
             console.say(f"memory: {memory}")

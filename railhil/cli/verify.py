@@ -143,7 +143,7 @@ def _look_at_record(folder: Path, place: str, seen: _Found) -> None:
     """Whether log, certificate and what lies beside them belong together, and what was derived from the log is so."""
     try:
         record = checked_record(str(folder), None)
-        seen.remarks += record.remarks(record.score)
+        seen.remarks += record.notes
         found = [blf_difference(record)]
         changes = document_changes(record.certificate, "the record")
         if changes and (folder / SIGNALS).is_file():

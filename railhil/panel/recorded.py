@@ -176,21 +176,15 @@ def _placed(rows: FloatArray, layout: Layout, wanted: Layout) -> FloatArray:
 
 
 def _names(records: Sequence[Record]) -> list[str]:
-    runs = [
-        recorded_run(one.log.parent, one.certificate, one.scenario, one.trace, one.score, one.invalid)
-        for one in records
-    ]
+    runs = [recorded_run(one) for one in records]
     return [f"{run.scenario.name} {run.label}" if len(runs) == 1 else run.label for run in told_apart(runs)]
 
 
 def _verdict(name: str, record: Record) -> str:
-    score = record.score
-    verdict = "INVALID" if record.invalid else score.verdict
     missed = record.trace.missed_polls
-    said = (
-        f"{name}: {verdict}, {missed} of {count_of(record.trace.polls, 'poll')} missed ({Path(record.log).parent.name})"
-    )
-    return "; ".join((said, *record.remarks(score)))
+    polls = count_of(record.trace.polls, "poll")
+    said = f"{name}: {record.verdict}, {missed} of {polls} missed ({record.folder.name})"
+    return "; ".join((said, *record.notes))
 
 
 def _event(event: RecordedEvent, run: str) -> dict[str, Any]:

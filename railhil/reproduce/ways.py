@@ -8,9 +8,9 @@ from typing import Any, Protocol
 
 from railhil import library
 from railhil.controller_node.vector.controller import VectorController
-from railhil.library import Outcome
 from railhil.run.coupled import coupled_run
 from railhil.scenarios.run_spec import RunSpec
+from railhil.supervisor.record import Record
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,16 +69,7 @@ class Coupled:
     def make(self, spec: RunSpec, folder: Path) -> Made:
         scenario = spec.load()
         run = coupled_run(scenario, VectorController(scenario, spec.law).step, spec, self.ports)
-        score = run.score
-        document: dict[str, Any] = score.as_json()
-        outcome = Outcome(
-            Path(),
-            scenario,
-            score.verdict,
-            score.failures,
-            document["scores"],
-            document["signed"],
-            spec.as_json(),
-            run.trace,
+        outcome = Record(
+            Path(), scenario, run.trace, certificate=spec.as_json(), known_score=run.score, known_events=()
         )
         return Made(outcome.verdict, outcome.reasons, "", outcome)

@@ -9,19 +9,25 @@ from typing import TYPE_CHECKING
 from railhil.common.extras import install_command
 
 if TYPE_CHECKING:
+    from railhil.supervisor.record import Record
     from railhil.supervisor.report.recorded import RecordedRun
     from railhil.supervisor.result import Result
 
 
-def as_recorded(result: Result) -> RecordedRun:
+def as_recorded(result: Result) -> Record:
     """A run that has just ended, as recorded in its folder."""
     from railhil.supervisor.documents import read_certificate
-    from railhil.supervisor.report.recorded import recorded_run
+    from railhil.supervisor.record import Record
 
-    folder = result.place
-    certificate = read_certificate(folder) or {}
-    return recorded_run(
-        folder, certificate, result.scenario, result.trace, result.score, result.invalid, events=result.events
+    certificate = read_certificate(result.place) or {}
+    return Record(
+        result.log,
+        result.scenario,
+        result.trace,
+        result.invalid,
+        certificate,
+        known_score=result.score,
+        known_events=result.events,
     )
 
 

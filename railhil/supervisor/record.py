@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -12,13 +13,15 @@ from railhil.common.errors import InputError, Words
 from railhil.dbc import ContractError, recorded_contract
 from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario
+from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.stored import SCENARIO, any_judged_sha256, earlier_scenario, read_scenario
-from railhil.scenarios.system import system_named
+from railhil.scenarios.system import System, system_named
 from railhil.supervisor.cross_check import check_folder, check_record
 from railhil.supervisor.documents import CERTIFICATE, read_certificate
 from railhil.supervisor.events.derive import events_of
 from railhil.supervisor.events.event import RecordedEvent
 from railhil.supervisor.events.injected import fault_events
+from railhil.supervisor.events.summary import why
 from railhil.supervisor.framelog import log_sha256, read_log
 from railhil.supervisor.hash_list import HASH_LIST
 from railhil.supervisor.judging import judging_of
@@ -26,55 +29,130 @@ from railhil.supervisor.log_trace import trace_of_log
 from railhil.supervisor.own_time import Timed, own_time
 from railhil.supervisor.reactions.expected import with_expectations
 from railhil.supervisor.score import Score
+from railhil.supervisor.signals import Signals, signal_table, signal_units
 from railhil.supervisor.trace import Told, Trace, trace_of
 
 _BESIDE = "a certificate beside the log, or --scenario"
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Record:
-    """A record whose parts belong together.
+    """One recorded run, whose parts belong together.
 
     ``invalid``: why the run was not trustworthy, or that the log is not the certified one; ``certificate``: empty if
-    there is none for this log; ``notes``: what of the log was not used, a sentence each.
+    there is none for this log.
     """
 
     log: Path
     #: Scenario of its system, interpreted by the system's own parts.
-    scenario: Any
-    trace: Trace
+    scenario: Any = field(repr=False)
+    trace: Trace = field(repr=False)
     invalid: str = ""
-    certificate: dict[str, Any] = field(default_factory=dict)
-    notes: tuple[str, ...] = ()
+    certificate: dict[str, Any] = field(default_factory=dict, repr=False)
+    #: What of the log was not used, a sentence each.
+    unused: tuple[str, ...] = ()
     #: The frames in the record's own time; None: the log has it.
     timed: Sequence[Timed] | None = field(default=None, repr=False)
+    #: Score and events of a run that has just been judged; None: those of the record.
+    known_score: Score | None = field(default=None, repr=False)
+    known_events: tuple[RecordedEvent, ...] | None = field(default=None, repr=False)
+
+    @cached_property
+    def system(self) -> System:
+        """The system of the scenario."""
+        return system_named(self.scenario.system)
+
+    @property
+    def folder(self) -> Path:
+        """The run folder."""
+        return self.log.parent
 
     def frames(self) -> Iterator[Timed]:
         """The frames of the run ``(time_ns, frame)`` in bus order, as every reader gets them."""
         return read_log(self.log) if self.timed is None else iter(self.timed)
 
-    @property
+    @cached_property
     def events(self) -> tuple[RecordedEvent, ...]:
-        """What happened, in the order of the instants; injected faults from the certificate."""
+        """What happened, as in ``events.csv``, in the order of the instants; injected faults from the certificate."""
+        if self.known_events is not None:
+            return self.known_events
         injected = fault_events(self.certificate.get("injected", ()), self.trace.end_s)
         return events_of(self.scenario, self.trace, injected)
 
-    def remarks(self, found: Score) -> tuple[str, ...]:
-        """:attr:`notes`, and that the certificate has another verdict than the score of the record.
-
-        Another version may have judged otherwise, so this is no error.
-        """
-        certified = self.certificate.get("verdict")
-        if self.invalid or certified in (None, found.verdict):
-            return self.notes
-        return (*self.notes, f"{CERTIFICATE} of {self.log.parent} says {certified}, the record gives {found.verdict}")
-
-    @property
+    @cached_property
     def score(self) -> Score:
         """The score of the record, with the expectations of its faults."""
+        if self.known_score is not None:
+            return self.known_score
         found = judging_of(self.scenario).score(self.scenario, self.trace)
         injected = self.certificate.get("injected", ())
         return with_expectations(found, injected, self.events, self.scenario, self.trace) if injected else found
+
+    @property
+    def verdict(self) -> str:
+        """PASS, FAIL or INVALID."""
+        return "INVALID" if self.invalid else self.score.verdict
+
+    @property
+    def passed(self) -> bool:
+        """True for the verdict PASS."""
+        return self.verdict == "PASS"
+
+    @property
+    def reasons(self) -> tuple[str, ...]:
+        """One sentence for each limit missed, or why the run is INVALID."""
+        return (self.invalid,) if self.invalid else self.score.failures
+
+    @property
+    def why(self) -> str:
+        """What the watches did, or which telegrams were refused or missing, in a sentence; empty for a healthy run."""
+        return why(self.scenario, self.events)
+
+    @cached_property
+    def scores(self) -> Mapping[str, float | None]:
+        """Magnitudes of the scores; None where the run has none."""
+        document: dict[str, Any] = self.score.as_json()
+        return dict(document["scores"])
+
+    @cached_property
+    def signed(self) -> Mapping[str, float | None]:
+        """Time (s) and stop error (m) with their signs; None where the run has none."""
+        document: dict[str, Any] = self.score.as_json()
+        return dict(document["signed"])
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What of the log was not used, and that the certificate has another verdict than the score of the record.
+
+        Another version may have judged otherwise, so this is no error.
+        """
+        certified, found = self.certificate.get("verdict"), self.score
+        if self.invalid or certified in (None, found.verdict):
+            return self.unused
+        return (*self.unused, f"{CERTIFICATE} of {self.folder} says {certified}, the record gives {found.verdict}")
+
+    @property
+    def frames_sha256(self) -> str:
+        """SHA-256 of ``frames.log``; empty without certificate."""
+        return str(self.certificate.get("frames_sha256", ""))
+
+    @cached_property
+    def spec(self) -> RunSpec:
+        """The description of the run: ``railhil.run(record.spec)`` repeats it.
+
+        :raises InputError: the folder has no certificate with a description.
+        """
+        path = self.folder / CERTIFICATE
+        if not self.certificate:
+            raise InputError(path, "file", Words("no certificate of this log"), "a run that came to its end")
+        return RunSpec.from_json(self.certificate, path)
+
+    @cached_property
+    def signals(self) -> Signals:
+        """Truth, measurements and commands over time; no columns in a record without the truth."""
+        notes = self.certificate.get("notes")
+        header, rows = signal_table(self.scenario, self.trace, notes)
+        return Signals(dict(zip(header, rows.T.copy(), strict=True)), signal_units(self.scenario, self.trace, notes))
 
 
 def log_path(text: str) -> Path:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +16,38 @@ from railhil.supervisor.judging import Judging, judging_of
 from railhil.supervisor.notes import note_values
 from railhil.supervisor.sampled import Sampler, gap_after, holding_s, silences
 from railhil.supervisor.trace import FloatArray, Trace
+
+
+class Signals(Mapping[str, FloatArray]):
+    """Columns of ``signals.csv`` by name: float64 arrays of equal shape (n,), one value per 20 ms, NaN where unknown.
+
+    ``units``: unit of each column, empty for numbers without one.
+    """
+
+    def __init__(self, columns: Mapping[str, FloatArray], units: Mapping[str, str]) -> None:
+        self._columns = dict(columns)
+        self.units = dict(units)
+
+    def __getitem__(self, name: str) -> FloatArray:
+        return self._columns[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._columns)
+
+    def __len__(self) -> int:
+        return len(self._columns)
+
+    def __repr__(self) -> str:
+        return f"Signals({', '.join(self)})"
+
+    def to_pandas(self) -> Any:
+        """A ``pandas.DataFrame`` with ``time_s`` as its index.
+
+        :raises ModuleNotFoundError: pandas is not installed.
+        """
+        import pandas
+
+        return pandas.DataFrame(self._columns).set_index("time_s")
 
 
 def signal_table(scenario: AnyScenario, trace: Trace, notes: Any = None) -> tuple[list[str], FloatArray]:

@@ -15,6 +15,7 @@ from railhil.run.report import report_line
 from railhil.run.spec import bus_of, checked_spec, spec_of
 from railhil.supervisor.documents import CERTIFICATE
 from railhil.supervisor.hash_list import REPORT
+from railhil.supervisor.report.recorded import recorded_run
 from railhil.testing.live import Live
 from railhil.testing.result import Run
 from railhil.testing.settings import Settings
@@ -148,7 +149,7 @@ class Bench:
         lines = []
         for run in self.runs:
             lines.append(f"run folder {run.folder}: {run.verdict} {'; '.join(run.reasons)}".rstrip())
-            line = report_line([run.recorded], run.folder, [note])
+            line = report_line([recorded_run(run.outcome)], run.folder, [note])
             report = (run.folder / REPORT).resolve()
             lines.append(f"[[ATTACHMENT|{report}]]" if report.is_file() else line)
         return lines

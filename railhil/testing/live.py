@@ -15,10 +15,10 @@ from railhil.bus.select import LOCAL
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import INVALID, PASS
 from railhil.faults.language import fault_text, parse
-from railhil.library import outcome_of
 from railhil.plant_sim.any_plant import PlantError
 from railhil.run.local import LocalRun
 from railhil.run.make import complete, placed, write_results
+from railhil.run.report import as_recorded
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import system_named
@@ -119,7 +119,7 @@ class Live:
         result = self._run.finish(*self._incomplete)
         complete(result)
         write_results(result)
-        self.result = Run(outcome_of(result))
+        self.result = Run(as_recorded(result))
         self._on_end(self.result)
 
     # -- looking ------------------------------------------------------------------------------------------------------

@@ -10,9 +10,6 @@ from typing import Any
 
 from railhil.library import Outcome, RecordedEvent, Signals
 from railhil.scenarios.run_spec import RunSpec
-from railhil.supervisor.judging import judging_of
-from railhil.supervisor.reactions.expected import with_expectations
-from railhil.supervisor.report.recorded import RecordedRun, recorded_run
 from railhil.testing.health import disturbed_events, disturbed_run
 from railhil.testing.reactions import Injected, Reaction, injected, watch_times_s
 
@@ -127,28 +124,6 @@ class Run:
     def frames_sha256(self) -> str:
         """SHA-256 of ``frames.log``."""
         return self.outcome.frames_sha256
-
-    @property
-    def recorded(self) -> RecordedRun:
-        """The run as its report takes it."""
-        outcome = self.outcome
-        found = with_expectations(
-            judging_of(outcome.scenario).score(outcome.scenario, outcome.trace),
-            outcome.certificate.get("injected", ()),
-            outcome.events,
-            outcome.scenario,
-            outcome.trace,
-        )
-        invalid = "; ".join(outcome.reasons) if outcome.verdict == "INVALID" else ""
-        return recorded_run(
-            outcome.folder,
-            dict(outcome.certificate),
-            outcome.scenario,
-            outcome.trace,
-            found,
-            invalid,
-            events=outcome.events,
-        )
 
     @property
     def disturbed(self) -> dict[str, int]:

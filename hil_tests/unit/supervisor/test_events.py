@@ -18,6 +18,7 @@ from hil_tests.support.cli import Done
 from hil_tests.support.cli import railhil as command
 from hil_tests.support.disturbed import Disturbance, damaged, disturbed_run
 from hil_tests.support.paths import TEST_DATA
+from hil_tests.support.recordings import row_of
 from hil_tests.support.short_runs import RUN_72M_TOML
 from hil_tests.support.told import told
 from railhil.bus.frame import Frame
@@ -31,7 +32,7 @@ from railhil.supervisor.events.summary import explained, summary, why
 from railhil.supervisor.judging import judging_of
 from railhil.supervisor.record import checked_record
 from railhil.supervisor.report.page import page
-from railhil.supervisor.report.recorded import RecordedRun, recorded_run
+from railhil.supervisor.report.recorded import RecordedRun
 
 #: Events of every run.
 USUAL = [("train", "start", "no_command"), *(("plant", "milestone", name) for name in ("departed", "stopped"))]
@@ -218,7 +219,7 @@ def test_a_controller_without_good_answers_shows_the_trains_own_watch(silent_con
 
 
 def in_report(run: Run, folder: Path) -> RecordedRun:
-    return recorded_run(folder, {}, run.scenario, run.trace, run.score, events=run.events)
+    return row_of(folder, {}, run.scenario, run.trace, run.score, events=run.events)
 
 
 @pytest.mark.slow
@@ -268,7 +269,7 @@ def test_a_lost_position_is_the_cause_of_the_brake(short: Scenario, tmp_path: Pa
 
 def test_signals_have_target_speed_and_both_levels(silent_controller: Run) -> None:
     scenario, trace = silent_controller.scenario, silent_controller.trace
-    outcome = railhil.Outcome(Path(), scenario, "PASS", (), {}, {}, {}, trace)
+    outcome = railhil.Outcome(Path(), scenario, trace)
     signals = outcome.signals
     at = np.searchsorted(signals["time_s"], 8.3)
     assert (signals["train_level"][at], signals["controller_level"][at]) == (3, 0)

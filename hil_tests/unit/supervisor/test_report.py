@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from hil_tests.support.html import Reader
-from hil_tests.support.recordings import recorded_folder
+from hil_tests.support.recordings import recorded_folder, row_of
 from hil_tests.support.scores import with_values
 from railhil.bus.limits import LIMITS, limits_of
 from railhil.bus.telegrams import CtlStat, NotchCmd
@@ -23,7 +23,7 @@ from railhil.supervisor.ato import JUDGING, stopped_within
 from railhil.supervisor.ato_panels import Drawn
 from railhil.supervisor.report.deviations import deviations
 from railhil.supervisor.report.page import page
-from railhil.supervisor.report.recorded import RecordedRun, curves, recorded_run, told_apart
+from railhil.supervisor.report.recorded import RecordedRun, curves, told_apart
 from railhil.supervisor.report.score_table import rows
 from railhil.supervisor.report.styles import Style
 from railhil.supervisor.score import score
@@ -219,7 +219,7 @@ def test_parameters_of_a_file_are_named_and_so_is_their_training_seed(
 ) -> None:
     given = {"law": "ipfc", "sha256": "ab" * 32, "values": {"softening_max": 0.8}, "training": training}
     certificate = {**run.certificate, "parameters": given, "perturbed": trained, "seed_was_trained": trained}
-    found = recorded_run(folders / "one", certificate, run.scenario, run.trace, run.score)
+    found = row_of(folders / "one", certificate, run.scenario, run.trace, run.score)
     assert found.label == label
     text = words(page([found]))
     tuned = ", tuned on 2 runs of lvshun_tieshan" if training else ""
@@ -233,7 +233,7 @@ def test_parameters_of_a_file_are_named_and_so_is_their_training_seed(
 def test_own_parameters_say_where_they_come_from(run: RecordedRun, single: str, folders: Path) -> None:
     assert "the law's own (the paper's, and ours where it prints none)" in words(single)
     certificate = {**run.certificate, "seed_was_trained": True}
-    designed = recorded_run(folders / "one", certificate, run.scenario, run.trace, run.score)
+    designed = row_of(folders / "one", certificate, run.scenario, run.trace, run.score)
     assert designed.label == "ipfc (on this seed)"
     assert "the parameters of ipfc were designed on this very run, seed 5" in words(page([designed]))
     unknown = replace(run, certificate={**run.certificate, "own_parameters": None})

@@ -14,6 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hil_tests.support.fault_runs import fast
+from hil_tests.support.recordings import row_of
 from hil_tests.support.stops import SHORT
 from hil_tests.support.svg_paths import path_points
 from railhil.bench import local_run
@@ -27,7 +28,7 @@ from railhil.supervisor.ato_panels import Drawn
 from railhil.supervisor.framelog import read_log
 from railhil.supervisor.notes import ToldNote
 from railhil.supervisor.report.over_time import columns_of, signal_charts, signals, system_pictures
-from railhil.supervisor.report.recorded import RecordedRun, curves, recorded_run
+from railhil.supervisor.report.recorded import RecordedRun, curves
 from railhil.supervisor.report.styles import Style
 from railhil.supervisor.sampled import drawn_trace, holding_s
 from railhil.supervisor.score import score
@@ -57,7 +58,7 @@ class Gappy:
         )
 
     def run(self, trace: Trace) -> RecordedRun:
-        return recorded_run(self.folder, {}, self.scenario, trace, score(self.scenario, trace))
+        return row_of(self.folder, {}, self.scenario, trace, score(self.scenario, trace))
 
 
 @pytest.fixture(scope="module")
@@ -194,7 +195,7 @@ def test_no_figure_of_another_system_has_a_line_over_a_gap(system: str, tmp_path
         "position less stopping point (m)": place_m - stop_m,
     }
     for trace, expected in ((made.trace, True), (gappy, False)):
-        figures = system_pictures(scenario, [recorded_run(tmp_path, {}, scenario, trace, made.score)])
+        figures = system_pictures(scenario, [row_of(tmp_path, {}, scenario, trace, made.score)])
         # The charts above have the axis of the last one.
         curves = [
             (middles[figure.charts[-1].x_label], path_points(d))

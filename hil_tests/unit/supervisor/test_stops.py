@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from hil_tests.support.recordings import row_of
 from hil_tests.support.scores import made_score
 from railhil.cli.show import print_scores
 from railhil.common.output import Output
@@ -16,7 +17,6 @@ from railhil.scenarios.run_spec import RunSpec
 from railhil.supervisor.folder import junit
 from railhil.supervisor.journey import stop_of
 from railhil.supervisor.report.page import page
-from railhil.supervisor.report.recorded import recorded_run
 from railhil.supervisor.result import Result
 from railhil.supervisor.score import Score
 from railhil.supervisor.stops import PlannedStop, missed_stops, scored_stops, standstills_of
@@ -100,7 +100,7 @@ def test_junit_report_and_console_list_them(lvshun: Scenario, tmp_path: Path) ->
     failure = cases["stop Xiaohongmen"]
     assert failure is not None
     assert failure.get("message") == "+0.412 m (allowed +-0.3 m)"
-    html = page([recorded_run(tmp_path, {}, lvshun, Trace(), score)])
+    html = page([row_of(tmp_path, {}, lvshun, Trace(), score)])
     assert '<h2 id="each-stop">Stops</h2>' in html
     assert "<td>Xiaohongmen</td><td>2300</td>" in html
     assert "FAIL: +0.412 m (allowed +-0.3 m)" in html

@@ -4,22 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from railhil.bus.ident import INDEXINGS, CtlIdent, PltIdent
 from railhil.bus.telegrams import CtlStat, NotchCmd, SimTruth
-from railhil.scenarios.model import AnyScenario, PublishedScore, Scenario
+from railhil.scenarios.model import PublishedScore, Scenario
 from railhil.scenarios.parameters import DIGEST_DIGITS
 from railhil.scenarios.target import target_of
 from railhil.supervisor.documents import read_score
 from railhil.supervisor.events.event import RecordedEvent
-from railhil.supervisor.events.summary import explained, why
+from railhil.supervisor.events.summary import explained
 from railhil.supervisor.judging import judging_of
 from railhil.supervisor.measures import KMH
 from railhil.supervisor.notes import ToldNote, note_values, notes_of
+from railhil.supervisor.record import Record
 from railhil.supervisor.sampled import drawn_trace
 from railhil.supervisor.score import Score
 from railhil.supervisor.trace import FloatArray, Trace
@@ -77,33 +77,21 @@ class RecordedRun:
         return self.trace.count(judging_of(self.scenario).truth) >= _POINTS_MIN
 
 
-def recorded_run(
-    folder: Path,
-    certificate: dict[str, Any],
-    scenario: AnyScenario,
-    trace: Trace,
-    score: Score,
-    invalid: str = "",
-    *,
-    events: tuple[RecordedEvent, ...] = (),
-) -> RecordedRun:
-    """The run of a folder; its line is the verdict's reason, and what the watches did.
+def recorded_run(record: Record) -> RecordedRun:
+    """A record as the report takes it; its line is the verdict's reason, and what the watches did.
 
-    :param certificate: that of the run; empty if there is none, and then no document of the folder belongs to the log.
-    :param invalid: why the bench could not be trusted, empty if it could.
-    :param events: what happened.
     :raises InputError: ``score.json`` is damaged.
     """
-    verdict, line = score.verdict, "; ".join(score.failures)
-    if invalid:
-        verdict, line = "INVALID", invalid
-    line = explained(line, why(scenario, events))
-    document = read_score(folder) if certificate else None
-    label = _law_label(certificate, folder.name)
+    scenario, certificate = record.scenario, record.certificate
+    line = explained("; ".join(record.reasons), record.why)
+    document = read_score(record.folder) if certificate else None
+    label = _law_label(certificate, record.folder.name)
     if memory := _confirmed(certificate).get("memory"):
         label += f"@{memory['sha256'][:DIGEST_DIGITS]}"
     label += " (on this seed)" if certificate.get("seed_was_trained") else ""
-    return RecordedRun(label, scenario, trace, score, verdict, line, certificate, document or {}, events)
+    return RecordedRun(
+        label, scenario, record.trace, record.score, record.verdict, line, certificate, document or {}, record.events
+    )
 
 
 def _confirmed(certificate: dict[str, Any]) -> dict[str, Any]:
