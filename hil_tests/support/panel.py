@@ -11,10 +11,11 @@ from railhil.bench import local_run
 from railhil.bus.errors import BusLost
 from railhil.bus.frame import Frame
 from railhil.panel.declared import layout_of
-from railhil.panel.listener import Listener
+from railhil.panel.heard_bus import HeardBus
 from railhil.panel.values import Rows
 from railhil.scenarios.load import load
 from railhil.scenarios.system import system_named
+from railhil.supervisor.follow import Listener
 from railhil.supervisor.framelog import read_log
 
 
@@ -34,11 +35,12 @@ class Recorded:
 
     def heard(self, frames: list[Frame], look: int) -> np.ndarray:
         """Rows of a listener that takes so many frames at a time."""
-        listener, last_s, found = Listener(self.scenario, self.contract), -1.0, []
+        heard = HeardBus(self.contract)
+        listener, last_s, found = Listener(self.scenario, self.contract, heard), -1.0, []
         made = Rows(self.scenario, self.layout)
         for start in range(0, len(frames), look):
             listener.take(frames[start : start + look])
-            trace = listener.next_trace()
+            trace = heard.next_trace()
             rows = made.of(trace, last_s, listener.now_s) if listener.knows_time else made.of(trace)[:0]
             if len(rows):
                 last_s = rows[-1, 0]

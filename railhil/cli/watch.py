@@ -23,7 +23,8 @@ from railhil.cli.watched import Watched, named_scenario
 from railhil.common.digits import count_of
 from railhil.common.output import Output, table
 from railhil.scenarios.options import add_option, add_options
-from railhil.supervisor.follow import Follower
+from railhil.scenarios.system import system_named
+from railhil.supervisor.follow import Listener, Milestones
 from railhil.supervisor.now import Instruments
 from railhil.supervisor.shown import LEVEL
 
@@ -135,7 +136,11 @@ class View:
     def _begin(self) -> None:
         scenario = self._watched.scenario
         #: None: it is not known which system runs.
-        self.follower = None if scenario is None else Follower(scenario)
+        self.listener: Listener | None = None
+        if scenario is not None:
+            system = system_named(scenario.system)
+            self.milestones = Milestones(system.contract, system.events)
+            self.listener = Listener(scenario, system.contract, self.milestones)
         self._instruments = None if scenario is None else Instruments(scenario, self._watched.notes)
         #: Columns that have been told; of one that has fallen silent nothing is known.
         self._told: set[str] = set()
@@ -145,10 +150,10 @@ class View:
         self.frames += len(frames)
         if self._watched.take(frames):
             self._begin()
-        if self.follower is None:
+        if self.listener is None:
             return
-        self.follower.take(frames)
-        now_s = self.follower.now_s
+        self.listener.take(frames)
+        now_s = self.listener.now_s
         if not self._wants_lines or now_s is None:
             return
         if now_s < self._line_s:
@@ -166,8 +171,8 @@ class View:
             self.lost += count
             if self._wants_lines:
                 self._lines.append(f"{count} FRAMES LOST HERE: what they said is not shown\n")
-        if self.follower is not None:
-            self.follower.hole()
+        if self.listener is not None:
+            self.listener.hole()
 
     @property
     def heading(self) -> str:
@@ -177,21 +182,21 @@ class View:
     @property
     def instant(self) -> str:
         """Simulation time of the newest frame, in words."""
-        now_s = None if self.follower is None else self.follower.now_s
+        now_s = None if self.listener is None else self.listener.now_s
         return "a time that is not known" if now_s is None else f"{now_s:.2f} s"
 
     @property
     def _lacks(self) -> str:
         """Why no values are shown."""
-        if self.follower is None or self.follower.now_s is None:
+        if self.listener is None or self.listener.now_s is None:
             return "the time is not known yet"
         return f"{self.instant}: nothing is told of the train now"
 
     def values(self) -> dict[str, float]:
         """What is known now, empty while the time is not."""
-        if self.follower is None or self._instruments is None or self.follower.now_s is None:
+        if self.listener is None or self._instruments is None or self.listener.now_s is None:
             return {}
-        return self._instruments.values(self.follower.newest)
+        return self._instruments.values(self.listener.newest)
 
     def line(self) -> str:
         """Time and instruments in one line, empty before the first telegram of the truth at a known time."""
@@ -208,7 +213,7 @@ class View:
 
     def picture(self) -> RenderableType:
         """Everything for a terminal: instruments, all columns, milestones."""
-        values, follower, instruments = self.values(), self.follower, self._instruments
+        values, listener, instruments = self.values(), self.listener, self._instruments
         said: list[RenderableType] = [Text(self._watched.run)]
         if self._watched.warning:
             said.append(Text(self._watched.warning, "bold yellow"))
@@ -216,11 +221,11 @@ class View:
             said.append(Text(f"{self.lost} FRAMES LOST HERE: what they said is not shown", "bold red"))
         scenario = self._watched.scenario
         title = "railhil watch" if scenario is None else scenario.title
-        if follower is None or instruments is None or not values:
+        if listener is None or instruments is None or not values:
             heard = "no run on the bus yet" if not self.frames else f"{count_of(self.frames, 'frame')}, {self._lacks}"
             return Panel(Group(*said, Text(heard)), title=title)
         assert scenario is not None
-        rate = f", {follower.time.clock.rate:g} times real time" if follower.time.clock.rate else ""
+        rate = f", {listener.clock.rate:g} times real time" if listener.clock.rate else ""
         planned = "" if isnan(scenario.planned_s) else f" of {scenario.planned_s:.0f}"
         grid = table(tight=True)
         for heading in ("signal", "value", "signal", "value"):
@@ -238,9 +243,9 @@ class View:
         for row, left in enumerate(cells[:half]):
             grid.add_row(*left, *(cells[half + row] if half + row < len(cells) else ("", "")))
         lines: list[RenderableType] = [
-            Text(f"{follower.now_s:.2f}{planned} s{rate}, {count_of(self.frames, 'frame')}"),
+            Text(f"{listener.now_s:.2f}{planned} s{rate}, {count_of(self.frames, 'frame')}"),
             *said,
             Text(instruments.line(values), "bold"),
         ]
-        happened = [f"{event.time_s:.2f} s {event.cause.replace('_', ' ')}" for event in follower.milestones]
+        happened = [f"{event.time_s:.2f} s {event.cause.replace('_', ' ')}" for event in self.milestones.newest]
         return Panel(Group(*lines, grid, Text("; ".join(happened), "dim")), title=title)

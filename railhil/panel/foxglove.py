@@ -130,7 +130,7 @@ class FoxgloveBridge:
         wanted = {channel for viewer in self._viewers.values() for channel in viewer.channels if channel >= _FULL_ID}
         for number in sorted(wanted):
             port = self._ports[number]
-            accepted = self._live.listener.store.accepted(port.name)
+            accepted = self._live.listener.newest.store.accepted(port.name)
             new = min(accepted - self._accepted.get(port.name, accepted - 1), trace.count(port.name), _FULL_A_LOOK)
             self._accepted[port.name] = accepted
             if new <= 0:

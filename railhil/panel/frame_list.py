@@ -7,7 +7,8 @@ from typing import Any
 from railhil.bus.injector.follower import raw_of
 from railhil.dbc import Contract, Signal
 from railhil.dbc.contract import ANTIVALENT_VALUES, CHECK_VALUES
-from railhil.panel.listener import Listener
+from railhil.panel.heard_bus import HeardBus
+from railhil.supervisor.follow import Listener
 
 
 class FrameList:
@@ -26,15 +27,15 @@ class FrameList:
             self._completes[port.can_ids[-1]] = self._completes[port.fd_id] = port.name
         self._decoded: dict[str, tuple[bytes, str]] = {}
 
-    def rows(self, listener: Listener) -> list[list[Any]]:
+    def rows(self, listener: Listener, heard: HeardBus) -> list[list[Any]]:
         """A row per identifier: identifier, name, count, period and age in ms (None: not known), data in hex,
         decoded telegram."""
         now_ns = listener.clock.now_ns
         found = []
-        for can_id, seen in sorted(listener.frames.items()):
+        for can_id, seen in sorted(heard.frames.items()):
             port = self._completes.get(can_id)
             # After frames were lost its telegram is not known before it comes again.
-            whole = b"" if port is None else listener.store.raw(port)
+            whole = b"" if port is None else listener.newest.data(port)
             text = self._text(port, whole) if port is not None and whole else ""
             last_ns, before_ns = seen.last_ns, seen.before_ns
             period_ms = None if last_ns is None or before_ns is None else (last_ns - before_ns) / 1e6
@@ -44,11 +45,11 @@ class FrameList:
         return found
 
     @staticmethod
-    def watched(listener: Listener) -> dict[int, list[list[Any]]]:
+    def watched(heard: HeardBus) -> dict[int, list[list[Any]]]:
         """The last raw frames of the identifiers that somebody watches: instant in s and data in hex."""
         return {
             can_id: [[None if time_s is None else round(time_s, 4), data.hex(" ")] for time_s, data in kept]
-            for can_id, kept in listener.watched.items()
+            for can_id, kept in heard.watched.items()
         }
 
     def _text(self, port: str, data: bytes) -> str:

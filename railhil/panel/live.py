@@ -16,9 +16,9 @@ from railhil.cli.watched import Watched
 from railhil.dbc import HOUSE_PORTS, Contract, wire_contract
 from railhil.panel.declared import NO_LAYOUT, Layout, layout_of
 from railhil.panel.frame_list import FrameList
+from railhil.panel.heard_bus import WATCHED_FRAMES, HeardBus
 from railhil.panel.history import History
 from railhil.panel.kinds import kinds_of
-from railhil.panel.listener import WATCHED_FRAMES, Listener
 from railhil.panel.live_events import LiveEvents
 from railhil.panel.operator import Operator
 from railhil.panel.receiver import Receiver
@@ -27,6 +27,7 @@ from railhil.panel.wire import APPEND, REPLACE, batch
 from railhil.scenarios.model import Timing
 from railhil.scenarios.system import System, system_named
 from railhil.scenarios.unknown import UnknownScenario
+from railhil.supervisor.follow import Listener
 from railhil.supervisor.trace import FloatArray, Trace
 
 #: Least wall time between two states (time, counters), and two lists of frames for pages that show them: every second
@@ -66,11 +67,12 @@ class LiveRun:
         system: System | None = None if scenario is None else system_named(scenario.system)
         self._scenario = scenario
         self.contract = contract = _house_contract() if system is None else system.contract
-        heard = scenario or UnknownScenario("", "", Timing(base_tick_ns=contract.base_tick_ns))
+        unknown = UnknownScenario("", "", Timing(base_tick_ns=contract.base_tick_ns))
         self.layout: Layout = NO_LAYOUT if scenario is None else layout_of(scenario, contract, notes)
         self._rows = None if scenario is None else Rows(scenario, self.layout, notes)
         self._events = None if scenario is None or system is None else LiveEvents(scenario, system, self.layout)
-        self.listener = Listener(heard, contract)
+        self.heard = HeardBus(contract)
+        self.listener = Listener(scenario or unknown, contract, self.heard)
         self._list = FrameList(contract)
         self._history = History(1 + len(self.layout.columns), self.layout.position)
         self._run = self.listener.run
@@ -145,8 +147,8 @@ class LiveRun:
 
     def watch(self, can_ids: set[int]) -> None:
         """Keep raw frames of these identifiers."""
-        kept = self.listener.watched
-        self.listener.watched = {one: kept.get(one, deque(maxlen=WATCHED_FRAMES)) for one in can_ids}
+        kept = self.heard.watched
+        self.heard.watched = {one: kept.get(one, deque(maxlen=WATCHED_FRAMES)) for one in can_ids}
 
     def _taken(self, frames: list[Frame]) -> list[str | bytes]:
         listener, receiver, messages = self.listener, self.receiver, list[str | bytes]()
@@ -162,7 +164,7 @@ class LiveRun:
             if self._events is not None:
                 self._events.restart()
             messages.append(json.dumps({"events": [], "replace": True}))
-        trace, now_s = listener.next_trace(), listener.now_s
+        trace, now_s = self.heard.next_trace(), listener.now_s
         if self._rows is None or self._events is None:
             return messages
         if now_s is None:
@@ -193,25 +195,25 @@ class LiveRun:
         found = [self._watched.warning]
         if dropped := self.receiver.dropped:
             found.append(f"{dropped} FRAMES DROPPED HERE: the gaps in the curves are not of the run")
-        if self.listener.frame_count and not self.listener.knows_time:
+        if self.heard.frame_count and not self.listener.knows_time:
             found.append("the time is not known yet: nothing is drawn before TIME_SYNC has told it")
         return [one for one in found if one]
 
     def _frames(self) -> dict[str, Any]:
-        return {"frames": self._list.rows(self.listener), "raw": self._list.watched(self.listener)}
+        return {"frames": self._list.rows(self.listener, self.heard), "raw": self._list.watched(self.heard)}
 
     def _state(self) -> dict[str, Any]:
-        listener = self.listener
+        listener, heard = self.listener, self.heard
         return {
             "state": {
                 "time_s": listener.now_s,
                 "run": self._watched.run,
                 "notices": self._notices(),
                 "bus": self.receiver.trouble,
-                "load": listener.load,
-                "frames": listener.frame_count,
-                "polls": listener.polls,
-                "missed": sum(listener.missed.values()),
+                "load": heard.load,
+                "frames": heard.frame_count,
+                "polls": heard.polls,
+                "missed": sum(heard.missed.values()),
                 "dropped": self.receiver.dropped,
                 "rate": listener.clock.rate,
                 "operator": None if self._operator is None else self._operator.report,

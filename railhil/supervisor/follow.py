@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter, deque
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 from railhil.bus.clock import BusClock
 from railhil.bus.frame import Frame
@@ -15,11 +15,11 @@ from railhil.bus.schedule import Schedule
 from railhil.bus.telegrams import RunEvent, TimeSync
 from railhil.dbc import Contract
 from railhil.scenarios.model import AnyScenario
-from railhil.scenarios.system import system_named
 from railhil.scenarios.unknown import UnknownScenario
 from railhil.supervisor.events.derive import milestones
 from railhil.supervisor.events.event import RecordedEvent
 from railhil.supervisor.now import Newest
+from railhil.supervisor.trace import Trace
 
 #: Milestones that are remembered.
 MILESTONES = 6
@@ -81,61 +81,146 @@ class HeardTime:
         return False
 
 
-class Follower:
-    """Takes the frames of a bus; a new handshake begins another run.
+class BusObserver:
+    """Is told what a :class:`Listener` hears. Each method does nothing here."""
+
+    def on_run(self) -> None:
+        """Another run begins: what was heard is of an earlier one."""
+
+    def on_hole(self) -> None:
+        """Frames were lost, or the time was not known: what was heard is not of now."""
+
+    def on_frame(self, frame: Frame, now_ns: int | None) -> None:
+        """A frame, at this simulation time; None: it is not known."""
+
+    def on_poll(self, port: str) -> None:
+        """The bus administrator has polled a port."""
+
+    def on_telegram(self, port: str, now_ns: int, data: bytes) -> None:
+        """A telegram is complete."""
+
+
+class Listener:
+    """Follows the frames of a bus: the time of the run, and the newest telegram of each port. Single frames that were
+    lost are bridged by the clock, as in every node. A new handshake begins another run.
 
     :param scenario: what runs there.
+    :param contract: the ports that are known.
     """
 
-    def __init__(self, scenario: AnyScenario) -> None:
-        system = system_named(scenario.system)
-        self._scenario, self._own, self._contract = scenario, system.events, system.contract
-        self._own_frames = OwnFrames(system.contract)
-        self._begin()
+    def __init__(self, scenario: AnyScenario, contract: Contract, *observers: BusObserver) -> None:
+        self.contract = contract
+        self._scenario = scenario
+        self._observers = observers
+        self._own = OwnFrames(contract)
+        self._polls = {
+            master_tail(port.f_code, port.address): port.name for port in contract.ports if port.mode == "poll"
+        }
+        #: Number of the run since this process began.
+        self.run = 0
+        self._restart()
 
-    def _begin(self) -> None:
-        self.newest = Newest(self._contract)
-        self.time = HeardTime(self._scenario, self._contract, self.newest.counters)
-        self.milestones: deque[RecordedEvent] = deque(maxlen=MILESTONES)
+    def _restart(self) -> None:
+        self.run += 1
+        self.newest = Newest(self.contract)
+        self._time = HeardTime(self._scenario, self.contract, self.newest.counters)
+        # The last instant that was known before a hole; -1: there was none.
+        self._last_ns = -1
+        for observer in self._observers:
+            observer.on_run()
+
+    @property
+    def clock(self) -> BusClock:
+        """The clock, which tells the time of the run if :attr:`knows_time`."""
+        return self._time.clock
+
+    @property
+    def knows_time(self) -> bool:
+        """Whether the time is that of the run: its beginning was heard, or TIME_SYNC has told it."""
+        return self._time.is_known
 
     @property
     def now_s(self) -> float | None:
         """Simulation time of the newest frame; None: not known."""
-        return self.time.clock.now_ns / 1e9 if self.time.is_known else None
+        return self.clock.now_ns / 1e9 if self.knows_time else None
 
     def hole(self) -> None:
-        """Frames were lost: what was heard before is not of now."""
+        """Frames were lost: what was heard before is not of now, and the time is not known."""
+        if self.knows_time:
+            self._last_ns = self.clock.now_ns
+        self._time.hole()
         self._forget()
-        self.time.hole()
 
     def _forget(self) -> None:
-        self.newest = Newest(self._contract)
+        """Forget the telegrams so far: nobody knows when they were, or they are not of now."""
+        self.newest = Newest(self.contract)
+        for observer in self._observers:
+            observer.on_hole()
 
     def take(self, frames: Iterable[Frame]) -> None:
         """Take frames in bus order."""
-        time = self.time
         for frame in frames:
-            if frame.can_id in time.clock_ids and self.newest.accepts(frame):
-                time.clock.feed(frame.data)
-            if frame.can_id == self._contract.poll_id:
-                if frame in self._own_frames:
-                    time.polled(frame.data)
-                    if frame.data == time.handshake_poll:
-                        if time.clock.running:
-                            self._begin()
-                            time = self.time
-                        time.begin()
-                continue
-            port = self.newest.take(time.clock.now_ns, frame)
-            if port == TimeSync.PORT:
-                if time.synchronise(TimeSync.decode(self.newest.data(port))):
-                    # Heard before the time was known.
-                    self._forget()
-            elif port == RunEvent.PORT:
-                self._milestone()
+            self._take(frame)
 
-    def _milestone(self) -> None:
-        """RUN_EVENT is repeated; each milestone counts once."""
-        for event in milestones(self.newest.trace(RunEvent.PORT), self._own):
-            if event not in self.milestones:
-                self.milestones.append(event)
+    def _take(self, frame: Frame) -> None:
+        if frame.can_id in self._time.clock_ids and self.newest.accepts(frame):
+            self.clock.feed(frame.data)
+        now_ns = self.clock.now_ns if self.knows_time else None
+        for observer in self._observers:
+            observer.on_frame(frame, now_ns)
+        if frame.can_id == self.contract.poll_id and frame in self._own:
+            self._polled(frame.data)
+            return
+        port = self.newest.take(self.clock.now_ns, frame)
+        if port is None:
+            return
+        data = self.newest.data(port)
+        if port == TimeSync.PORT and self._time.synchronise(TimeSync.decode(data)):
+            self._know()
+        for observer in self._observers:
+            observer.on_telegram(port, self.clock.now_ns, data)
+
+    def _polled(self, data: bytes) -> None:
+        port = self._polls.get(data)
+        if port is None:
+            return
+        self._time.polled(data)
+        if data == self._time.handshake_poll:
+            # The plant begins a run, before its first tick.
+            if self.clock.running or self._last_ns >= 0:
+                self._restart()
+            self._time.begin()
+        for observer in self._observers:
+            observer.on_poll(port)
+
+    def _know(self) -> None:
+        """The time is known from now on; earlier than before the hole, it is that of another run."""
+        if self.clock.now_ns < self._last_ns:
+            self.run += 1
+            self._last_ns = -1
+        # Heard before the time was known.
+        self._forget()
+
+
+class Milestones(BusObserver):
+    """The last milestones of a run.
+
+    :param own_events: of the system.
+    """
+
+    def __init__(self, contract: Contract, own_events: Mapping[str, int]) -> None:
+        self._contract, self._own = contract, own_events
+        self.newest: deque[RecordedEvent] = deque(maxlen=MILESTONES)
+
+    def on_run(self) -> None:
+        self.newest.clear()
+
+    def on_telegram(self, port: str, now_ns: int, data: bytes) -> None:
+        if port != RunEvent.PORT:
+            return
+        trace = Trace(self._contract)
+        trace.add(port, now_ns, data)
+        # RUN_EVENT is repeated; each milestone counts once.
+        for event in milestones(trace, self._own):
+            if event not in self.newest:
+                self.newest.append(event)

@@ -37,26 +37,26 @@ class Newest:
 
     def __init__(self, contract: Contract) -> None:
         self._contract = contract
-        self._store = TrafficStore(contract.ports)
+        self.store = TrafficStore(contract.ports)
         self._times_ns: dict[str, int] = {}
         self._now_ns = 0
 
     @property
     def counters(self) -> Counter[str]:
         """Frames and telegrams that were refused, by cause."""
-        return self._store.counters
+        return self.store.counters
 
     def take(self, time_ns: int, frame: Frame) -> str | None:
         """Take a frame; returns the port whose telegram it completed."""
         self._now_ns = time_ns
-        port = self._store.feed(frame, time_ns)
+        port = self.store.feed(frame, time_ns)
         if port is not None:
             self._times_ns[port] = time_ns
         return port
 
     def data(self, port: str) -> bytes:
         """Process data of the newest telegram of a port, empty if there is none."""
-        return self._store.raw(port) if port in self._times_ns else b""
+        return self.store.raw(port) if port in self._times_ns else b""
 
     def silent_s(self, port: str) -> float:
         """For how long no telegram of a port has come."""
@@ -64,14 +64,14 @@ class Newest:
 
     def accepts(self, frame: Frame) -> bool:
         """Whether the check of the single frame finds nothing wrong."""
-        return not self._store.check(frame).cause
+        return not self.store.check(frame).cause
 
     def trace(self, truth: str) -> Trace:
         """A record of these telegrams alone, none later than the newest one of the port ``truth``."""
         found = Trace(self._contract)
         end_ns = self._times_ns.get(truth, 0)
         for port, time_ns in self._times_ns.items():
-            found.add(port, min(time_ns, end_ns), self._store.raw(port))
+            found.add(port, min(time_ns, end_ns), self.store.raw(port))
         return found
 
 

@@ -14,14 +14,15 @@ from railhil.bus.frame import Frame
 from railhil.cli.watched import Watched
 from railhil.panel import live as live_module
 from railhil.panel.declared import ERROR, layout_of
+from railhil.panel.heard_bus import HeardBus
 from railhil.panel.history import ROWS_MAX, History
-from railhil.panel.listener import Listener
 from railhil.panel.live import LiveRun
 from railhil.panel.operator import Operator
 from railhil.panel.receiver import LOOK_FRAMES, Receiver
 from railhil.panel.recorded import thinned
 from railhil.scenarios.load import load_any
 from railhil.scenarios.system import names, system_named
+from railhil.supervisor.follow import Listener
 
 
 @pytest.fixture(scope="module")
@@ -60,13 +61,14 @@ def test_the_time_goes_on_without_the_clock_port(run):
 
 
 def test_polls_and_load_are_counted(run):
-    listener = Listener(run.scenario, run.contract)
+    heard = HeardBus(run.contract)
+    listener = Listener(run.scenario, run.contract, heard)
     notch = set(run.contract.port("NOTCH_CMD").can_ids)
     listener.take(frame for number, frame in enumerate(run.frames) if frame.can_id not in notch or number < 2000)
-    assert listener.missed["NOTCH_CMD"] > 10
-    assert sum(listener.missed.values()) == listener.missed["NOTCH_CMD"]
-    assert listener.load is not None
-    assert 0.05 < listener.load < 0.4
+    assert heard.missed["NOTCH_CMD"] > 10
+    assert sum(heard.missed.values()) == heard.missed["NOTCH_CMD"]
+    assert heard.load is not None
+    assert 0.05 < heard.load < 0.4
 
 
 def test_another_run_begins_with_its_handshake(run):
@@ -197,7 +199,7 @@ def test_pages_are_told_events_and_frames(run):
     live.look()
     events = [event["text"] for event in live._events.all]
     assert "departed" in events
-    rows = {row[1]: row for row in live._list.rows(live.listener)}
+    rows = {row[1]: row for row in live._list.rows(live.listener, live.heard)}
     assert rows["TRN_SPEED"][2] > 100
     assert rows["TRN_SPEED"][3] == 10.0
     assert "TrainSpeed" in rows["TRN_SPEED"][6]

@@ -27,7 +27,7 @@ from railhil.run.make import Plan
 from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec, StartUp
-from railhil.supervisor.follow import Follower
+from railhil.supervisor.follow import Listener, Milestones
 from railhil.supervisor.framelog import log_line, read_log
 from railhil.supervisor.now import Instruments, LogTail, Newest
 from railhil.supervisor.signals import signal_table
@@ -122,13 +122,15 @@ def test_every_system_shows_what_it_declares(name: str, values: dict[str, float]
 
 
 def test_a_follower_knows_time_milestones_and_the_next_run(recorded: Recorded) -> None:
-    follower = Follower(recorded.scenario)
-    follower.take(frame for _, frame in recorded.frames)
-    assert follower.now_s == pytest.approx(recorded.frames[-1][0] / 1e9, abs=0.02)
-    assert follower.milestones[0].cause == "departed"
-    follower.take(frame for _, frame in recorded.until(1.0))
-    assert follower.now_s == pytest.approx(1.0, abs=0.02)
-    assert len(follower.milestones) <= 1
+    contract = recorded.trace().contract
+    passed = Milestones(contract, {})
+    listener = Listener(recorded.scenario, contract, passed)
+    listener.take(frame for _, frame in recorded.frames)
+    assert listener.now_s == pytest.approx(recorded.frames[-1][0] / 1e9, abs=0.02)
+    assert passed.newest[0].cause == "departed"
+    listener.take(frame for _, frame in recorded.until(1.0))
+    assert listener.now_s == pytest.approx(1.0, abs=0.02)
+    assert len(passed.newest) <= 1
 
 
 class _Bus:
