@@ -22,5 +22,5 @@ module       content
 ============ ==================================================================================
 
 The hub is reliable and gives every client the same total order. Bit rate, arbitration, error counters, bus-off and
-redundant lines only when requested; :mod:`railhil.bus.limits` has the list.
+redundant lines only when requested; :mod:`railhil.bus.transports` has the list.
 """

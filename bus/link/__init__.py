@@ -1,6 +1,7 @@
 """A node's connection to the bus: frames out, frames in, over any python-can interface.
 
-The same node code runs on the hub, on SocketCAN and on a serial adapter; :func:`open_link` chooses the matching link.
+The same node code runs on the hub, on SocketCAN and on a serial adapter; :func:`open_link` chooses the matching link
+by the table of :mod:`railhil.bus.transports`.
 
 ================= ====================== ==========================================================================
 interface         link                   an interface that fails

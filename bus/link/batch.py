@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
+from typing import cast
 
+from railhil.bus.can_settings import has_settings
 from railhil.bus.errors import BusError
 from railhil.bus.frame import ERROR, Frame
 from railhil.bus.hub.batches import HubClient
@@ -13,6 +15,7 @@ from railhil.bus.hub.orders import Disturber, Host, Notices, Order
 from railhil.bus.link.base import Link
 from railhil.bus.link.errorframe import BUS_OFF, describe
 from railhil.bus.link.outage import TIMEOUTS, Timeouts
+from railhil.bus.transports import Opening
 from railhil.bus.wallclock import WallClock
 from railhil.common.mypyc import mypyc_attr
 
@@ -33,6 +36,18 @@ class BatchLink(Link):
     """
 
     failures = (BusError, OSError)
+
+    @classmethod
+    def opened(cls, opening: Opening) -> BatchLink:
+        """Join the hub.
+
+        :raises Exception: of the hub, or of python-can.
+        """
+        # What python-can is configured with is added to the given settings, of the hub too.
+        if has_settings():
+            return cls(cast(HubClient, opening.bus()), opening.say)
+        settings = {key: value for key, value in opening.config.items() if key != "interface"}
+        return cls(HubClient(**settings), opening.say)
 
     def __init__(
         self,

@@ -35,6 +35,7 @@ from railhil.bus.link.base import Link, PackedEnd
 from railhil.bus.link.turn import ASLEEP, AWAKE, Turn
 from railhil.bus.select import PIPES
 from railhil.bus.supervisor_polls import supervisor_polls
+from railhil.bus.transports import Opening
 from railhil.common.mypyc import mypyc_attr
 from railhil.common.patience import PATIENCE_S
 from railhil.dbc import wire_contract
@@ -156,6 +157,14 @@ class PipeLink(Link):
 
     :param role: the node's name, one of :data:`~railhil.bus.hub.wire.ROLES`.
     """
+
+    @classmethod
+    def opened(cls, opening: Opening) -> PipeLink:
+        """Take the ends that this process has inherited.
+
+        :raises BusUnavailable: there are none.
+        """
+        return cls(Ends.parse(str(opening.config["channel"])), opening.name, opening.say)
 
     def __init__(self, ends: Ends, role: str, say: Callable[[str], None] | None = None) -> None:
         super().__init__(cast(Any, _NoBus()), say)

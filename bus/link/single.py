@@ -17,6 +17,7 @@ from railhil.bus.frame import ERROR, Frame, from_message, to_message
 from railhil.bus.link.base import Link
 from railhil.bus.link.errorframe import BUS_OFF, RESTARTED, describe
 from railhil.bus.link.outage import TIMEOUTS, Outage, Timeouts
+from railhil.bus.transports import Opening
 from railhil.bus.wallclock import WallClock
 from railhil.common.mypyc import mypyc_attr
 
@@ -40,6 +41,14 @@ class SingleLink(Link):
 
     failures = (can.CanError, OSError)
     bus: can.BusABC
+
+    @classmethod
+    def opened(cls, opening: Opening) -> SingleLink:
+        """Open the interface.
+
+        :raises Exception: of python-can, or of the driver.
+        """
+        return cls(opening.bus(), opening.bus, opening.say, timeouts=opening.timeouts)
 
     def __init__(
         self,

@@ -27,6 +27,7 @@ from railhil.bus.frame import Frame
 from railhil.bus.link.outage import TIMEOUTS, Timeouts
 from railhil.bus.link.single import SingleLink
 from railhil.bus.link.slcanline import FRAME_LETTERS, LINE_MAX_BYTES, from_line, to_line
+from railhil.bus.transports import Opening
 
 #: In real time no frame is queued behind frames that have waited longer than this: half the age that cuts traction.
 STALE_NS = 30_000_000
@@ -64,6 +65,14 @@ class SlcanLink(SingleLink):
     are not valid slcan. An adapter that does not answer frames (the first CANable's firmware) is known to be stuck only
     when the port accepts no more data.
     """
+
+    @classmethod
+    def opened(cls, opening: Opening) -> SingleLink:
+        bus = opening.bus()
+        port = getattr(getattr(bus, "serialPortOrig", None), "fd", None)
+        # Ports behind socket:// and on Windows use python-can's own driver.
+        kind = cls if isinstance(port, int) else SingleLink
+        return kind(bus, opening.bus, opening.say, timeouts=opening.timeouts)
 
     def __init__(
         self,

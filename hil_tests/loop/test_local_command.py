@@ -18,7 +18,7 @@ from hil_tests.support.paths import ROOT
 from hil_tests.support.plug import Wrapping, plug_in
 from hil_tests.support.published import PUBLISHED_SHA256, PUBLISHED_WIRE_5_SHA256, WIRE_5_HASH
 from hil_tests.support.wire_5 import as_wire_5
-from railhil.bus.limits import LIMITS, limits_of
+from railhil.bus.transports import limits, limits_of
 from railhil.common.exit_codes import FAIL, INVALID, PASS, USAGE
 from railhil.controller_node.laws.base import LawInputs, LawOutputs
 from railhil.controller_node.laws.ipfc import Ipfc, IpfcState
@@ -147,7 +147,7 @@ def test_the_hash_of_the_code_covers_what_such_a_run_is_made_by() -> None:
 
 
 def test_what_it_does_not_model_is_said() -> None:
-    assert limits_of("local") == LIMITS["local"]
+    assert limits_of("local") == limits()["local"]
     assert "one process" in railhil("doctor", "--quick", "--json").json["limits"]["local"]
 
 

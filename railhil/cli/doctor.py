@@ -18,9 +18,9 @@ from railhil.bus.can_settings import add_bus_arguments, named_bus
 from railhil.bus.configured import configured
 from railhil.bus.errors import BusLost, BusUnavailable
 from railhil.bus.hub.modelled import HUB
-from railhil.bus.limits import LIMITS
 from railhil.bus.link import open_link
 from railhil.bus.select import BusChoice, choose_bus, own_pipes
+from railhil.bus.transports import limits
 from railhil.common.build import python_build, railhil_build
 from railhil.common.choices import USUAL_SCENARIO
 from railhil.common.digits import count_of
@@ -148,7 +148,9 @@ def work(namespace: argparse.Namespace) -> int:
     code = USAGE if asked and asked.advice else PASS
     if namespace.json:
         hub = [row._asdict() for row in HUB]
-        print_json({**facts(given, choice), "findings": [asdict(item) for item in found], "limits": LIMITS, "hub": hub})
+        print_json(
+            {**facts(given, choice), "findings": [asdict(item) for item in found], "limits": limits(), "hub": hub}
+        )
         return code
     console = Output()
     for key, value in facts(given, choice).items():
@@ -157,12 +159,12 @@ def work(namespace: argparse.Namespace) -> int:
         console.say(f"{item.subject:18} {item.found}")
         if item.advice:
             console.say(f"{'':18} -> {item.advice}", style="yellow")
-    limits = table()
-    limits.add_column("transport", no_wrap=True)
-    limits.add_column("what it does not model")
-    for transport, text in LIMITS.items():
-        limits.add_row(transport, text)
-    console.print(limits)
+    transports = table()
+    transports.add_column("transport", no_wrap=True)
+    transports.add_column("what it does not model")
+    for transport, text in limits().items():
+        transports.add_row(transport, text)
+    console.print(transports)
     models = table()
     models.add_column("on the hub", no_wrap=True)
     models.add_column("option", no_wrap=True)

@@ -10,11 +10,11 @@ import pytest
 
 from hil_tests.unit.bus.test_bus_pipes import descriptors
 from railhil.bus.errors import BusUnavailable
-from railhil.bus.limits import LIMITS, limits_of
 from railhil.bus.link import open_link
 from railhil.bus.link import pipes as module
 from railhil.bus.link.pipes import Ends, Pipes
 from railhil.bus.select import own_pipes
+from railhil.bus.transports import limits, limits_of
 
 
 def test_only_their_owner_may_open_the_pipes() -> None:
@@ -61,5 +61,5 @@ def test_a_channel_names_the_ends() -> None:
 
 
 def test_its_limits_are_told() -> None:
-    assert limits_of(own_pipes().transport) == LIMITS["railhil pipes"]
+    assert limits_of(own_pipes().transport) == limits()["railhil pipes"]
     assert own_pipes().is_private

@@ -13,7 +13,7 @@ from hil_tests.support.cli import railhil
 from railhil.bus import select
 from railhil.bus.can_settings import named_bus
 from railhil.bus.hub.modelled import HUB
-from railhil.bus.limits import LIMITS
+from railhil.bus.transports import limits
 from railhil.cli.commands import parser
 from railhil.cli.doctor import facts
 from railhil.common.scheduling import NODE_PRIORITY
@@ -273,7 +273,7 @@ def test_the_bus_is_the_one_that_a_run_gets(
 def test_every_finding_stands_in_text_and_json() -> None:
     done = railhil("doctor", "--quick", "--json")
     assert done.exit_code == 0
-    assert done.json["limits"] == LIMITS
+    assert done.json["limits"] == limits()
     assert done.json["hub"] == [row._asdict() for row in HUB]
     subjects = [item["subject"] for item in done.json["findings"]]
     assert {"kernel CAN", "SCHED_FIFO", "locked memory", "throttle", "preemption", "clock", "processors"} <= set(

@@ -14,8 +14,8 @@ import pytest
 from hil_tests.support.html import Reader
 from hil_tests.support.recordings import recorded_folder, row_of
 from hil_tests.support.scores import with_values
-from railhil.bus.limits import LIMITS, limits_of
 from railhil.bus.telegrams import CtlStat, NotchCmd
+from railhil.bus.transports import limits, limits_of
 from railhil.dbc import wire_contract
 from railhil.scenarios.model import Scenario
 from railhil.supervisor import ato_panels
@@ -144,7 +144,7 @@ def test_facts_are_there(lvshun: Scenario, run: RecordedRun, single: str) -> Non
         "Pacing lockstep",
         "Seed 5",
         "Transport railhil:hub.sock",
-        LIMITS["railhil"],
+        limits()["railhil"],
         "railhil run lvshun_tieshan --controller ipfc --arithmetic iq --indexing time --seed 5 --pace lockstep",
         "least headroom 1 bit (alpha), 0 wraps, 0 saturations",
         f"{run.score.values['stop_error_m']:.4f} m short of the stopping point",
@@ -369,5 +369,5 @@ def test_sentences_hold_no_folders(run: RecordedRun) -> None:
     ],
 )
 def test_limits_of_a_transport(transport: str, known: str) -> None:
-    assert limits_of(transport) == LIMITS[known]
+    assert limits_of(transport) == limits()[known]
     assert "does not know" in limits_of("kvaser:0")

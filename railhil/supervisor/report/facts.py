@@ -12,7 +12,7 @@ from dataclasses import dataclass, fields
 from pathlib import PurePosixPath
 from typing import Any
 
-from railhil.bus.limits import limits_of
+from railhil.bus.transports import limits_of
 from railhil.common.digits import count_of
 from railhil.scenarios.parameters import DIGEST_DIGITS
 from railhil.supervisor.judging import judging_of
