@@ -38,7 +38,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 def work(namespace: argparse.Namespace) -> int:
     """Replay, compare, print; exit code 0 for equal frames, 1 for others."""
     # Laws and plant are loaded only by processes that compute with them.
-    from railhil.replay import facts, replay
+    from railhil.run.replay import facts, replay
 
     record = checked_record(namespace.log, namespace.scenario)
     spec = _spec(record, namespace)

@@ -22,6 +22,7 @@ from railhil.reproduce.paper import Paper, Results
 from railhil.reproduce.papers import PAPERS, paper_named
 from railhil.reproduce.protocol import results
 from railhil.reproduce.show import show, show_papers
+from railhil.scenarios.options import add_option
 from railhil.supervisor.errors import not_written
 
 if TYPE_CHECKING:
@@ -80,10 +81,8 @@ def arguments(papers: Mapping[str, str] = PAPERS) -> argparse.ArgumentParser:
     parser.add_argument(
         "--seeds", type=_seeds, metavar="N,N-N,...", help="seeds of the runs (default: those of the paper's page)"
     )
-    parser.add_argument(
-        "--jobs", type=whole_number(1, 1024), default=len(os.sched_getaffinity(0)), metavar="N",
-        help="runs at a time (default: one for each processor)",
-    )  # fmt: skip
+    usual = len(os.sched_getaffinity(0))
+    add_option(parser, "--jobs", default=usual, help="runs at a time (default: one for each processor)")
     parser.add_argument(
         "--out", type=Path, metavar="DIR", help=f"write {PAGE}, figures (SVG), tables (CSV), results.json"
     )

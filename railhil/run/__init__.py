@@ -7,6 +7,7 @@
     make.py        record_run: a run on any transport, recorded into its folder and judged, with observers
     local.py       a run whose nodes are all in this process
     coupled.py     a run without telegrams: plant and law coupled by raw integers
+    replay.py      one node driven by a record
     report.py      the report of runs that have just been recorded
 """
 

@@ -83,11 +83,8 @@ def arguments() -> argparse.ArgumentParser:
         help="seeds of the evaluation from here on (default 1000)",
     )
     add_option(parser, "--arithmetic", default="float64", help="of the evaluation (default float64)")
-    parser.add_argument(
-        "--allow-training-seeds",
-        action="store_true",
-        help="also evaluate on training seeds; the table then says so",
-    )
+    said = "also evaluate on training seeds; the table then says so"
+    add_option(parser, "--allow-training-seeds", help=said)
     add_json_argument(parser)
     return parser
 

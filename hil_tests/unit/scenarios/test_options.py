@@ -1,0 +1,71 @@
+"""Every option of a run is declared once, and a parsed command line stays in the modules of its command."""
+
+from __future__ import annotations
+
+import argparse
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+import railhil
+from railhil.common.errors import InputError
+from railhil.scenarios import options
+from railhil.scenarios.options import add_fmu_options, add_option, add_run_options, named_fmu
+
+#: Modules of commands by name, and those that read options for them.
+_COMMANDS = ("command.py", "__main__.py", "sequence_command.py", "cli.py", "vcan.py", "serve.py")
+_READERS = ("can_settings.py", "options.py", "command_line.py")
+#: Options of the same name that are no options of a run: the seed of a network's hidden layer, the memory of a virtual
+#: machine, the map of an FMU that is only looked at.
+_OTHERS = {("learning", "--seed"), ("machines", "--memory"), ("cli", "--fmu-map")}
+
+
+def modules(word: str) -> Iterator[tuple[Path, ast.Module]]:
+    """Modules in which this word stands."""
+    root = Path(railhil.__file__).parent
+    for place in sorted(root.iterdir()):
+        for path in sorted(place.rglob("*.py")) if place.is_dir() else [place] * (place.suffix == ".py"):
+            if word in (text := path.read_text(encoding="utf-8")):
+                yield path.relative_to(root), ast.parse(text)
+
+
+def test_each_is_declared_once() -> None:
+    found = [
+        (path.parts[0], word.value)
+        for path, tree in modules("add_argument")
+        if path.name != "options.py"
+        for call in ast.walk(tree)
+        if isinstance(call, ast.Call) and isinstance(call.func, ast.Attribute) and call.func.attr == "add_argument"
+        for word in call.args
+        if isinstance(word, ast.Constant) and str(word.value).startswith("--") and word.value in options._DECLARED
+    ]
+    assert {*found} == _OTHERS
+
+
+def test_a_parsed_command_line_stays_with_its_command() -> None:
+    found = {
+        str(path)
+        for path, tree in modules("Namespace")
+        if path.parts[0] != "cli" and path.name not in (*_COMMANDS, *_READERS)
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Attribute) and node.attr == "Namespace"
+    }
+    assert not found
+
+
+def test_a_command_may_change_help_and_default() -> None:
+    parser = argparse.ArgumentParser()
+    add_run_options(parser)
+    add_option(parser, "--arithmetic", default="float64", help="mine")
+    assert parser.parse_args([]).arithmetic == "float64"
+    assert "mine" in parser.format_help()
+
+
+def test_a_map_needs_its_fmu() -> None:
+    parser = argparse.ArgumentParser()
+    add_fmu_options(parser)
+    assert named_fmu(parser.parse_args([])) is None
+    with pytest.raises(InputError, match="fmu-map"):
+        named_fmu(parser.parse_args(["--fmu-map", "x.toml"]))
