@@ -10,7 +10,9 @@ from pathlib import Path
 import pytest
 
 import railhil
+from railhil import AT_TOP
 from railhil.common.errors import InputError
+from railhil.common.held_code import place_of
 from railhil.scenarios import options
 from railhil.scenarios.options import add_fmu_options, add_option, add_run_options, named_fmu
 
@@ -23,12 +25,12 @@ _OTHERS = {("learning", "--seed"), ("machines", "--memory"), ("cli", "--fmu-map"
 
 
 def modules(word: str) -> Iterator[tuple[Path, ast.Module]]:
-    """Modules in which this word stands."""
+    """Modules in which this word stands: their places below the package, and what they hold."""
     root = Path(railhil.__file__).parent
-    for place in sorted(root.iterdir()):
+    for place in [*sorted(root.iterdir()), *map(place_of, AT_TOP)]:
         for path in sorted(place.rglob("*.py")) if place.is_dir() else [place] * (place.suffix == ".py"):
             if word in (text := path.read_text(encoding="utf-8")):
-                yield path.relative_to(root), ast.parse(text)
+                yield Path(place.name, path.relative_to(place)), ast.parse(text)
 
 
 def test_each_is_declared_once() -> None:
