@@ -21,7 +21,6 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from railhil.bench import judging_of
 from railhil.bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame
 from railhil.bus.local import LocalBus
 from railhil.bus.mvb import parse_master_frame
@@ -31,6 +30,7 @@ from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.system import system_named
 from railhil.supervisor.framelog import FrameLog, read_log
+from railhil.supervisor.judging import judging_of
 from railhil.supervisor.score import Score
 from railhil.supervisor.session import Session
 from railhil.supervisor.trace import trace_of
