@@ -39,7 +39,8 @@ class System:
     ``laws``: entry point group of its laws. ``law``: the default law. ``arithmetic``: the default of its runs.
     ``events``: its own milestones by name, numbers in :data:`OWN_EVENTS`. ``judging``: a
     :class:`railhil.supervisor.judging.Judging`. ``pictures``: makes the figures of its report from (scenario, recorded
-    runs with the gaps of their records, :class:`railhil.supervisor.sampled.DrawnTrace`). ``own``: parts used by some
+    runs with the gaps of their records, :class:`railhil.supervisor.sampled.DrawnTrace`), each a
+    :class:`railhil.charts.figure.Figure`. ``own``: parts used by some
     modules only: ``task``, ``interface``, ``batch``
     (:func:`railhil.batch.run_batch`) with ``digest`` and, if it has compiled loops, ``kernel``, the name of their
     module, and ``one_by_one`` (why its batch makes each run of a scenario by itself; empty: it makes many at once),
