@@ -235,8 +235,8 @@ def test_plot_draws_the_signals_of_the_system(site: Path, recorded: Path, tmp_pa
     first, again, png = (picture.read_bytes() for picture in pictures)
     assert first == again
     assert png.startswith(b"\x89PNG")
-    # One panel for quantities in metres, one for those in newtons.
-    assert first.count(b'<g id="axes_') == 2
+    # A chart for quantities in metres, one for those in newtons, and one for the notes of the law, as on the page.
+    assert first.count(b'<g id="axes_') == 3
     assert {f"<!-- {name} -->".encode() in first for name in ("true position2", "force1", "stretch")} == {True}
 
 
