@@ -23,7 +23,7 @@ from typing import Any, get_type_hints
 import numpy as np
 
 from railhil.common import compilable
-from railhil.common.compilable import F, interpreted, source_of
+from railhil.common.compilable import F, interpreted, result_type, source_of
 from railhil.common.extras import missing
 
 # Importing them registers their marked functions with numba.
@@ -83,7 +83,7 @@ def _without_seldom(function: Callable[..., Any]) -> FunctionType:
     for name in source.__code__.co_names:
         called = names.get(name)
         if any(called is seldom for seldom in compilable.ASIDE):
-            names[name] = side_by_side_part(_never(get_type_hints(called)["return"]))
+            names[name] = side_by_side_part(_never(result_type(called)))
         elif any(called is other for other in compilable.INLINE):
             names[name] = straight(called)
         elif called is bisect_right:

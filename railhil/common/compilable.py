@@ -16,6 +16,8 @@ This module does not import numba, which is an extra needed only by the batch.
 
 from __future__ import annotations
 
+import ast
+import builtins
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -29,7 +31,8 @@ N = TypeVar("N", bound=float)
 
 #: Functions that are inlined into the compiled loop that calls them.
 INLINE: list[Callable[..., Any]] = []
-#: Functions that are compiled separately and called, because most ticks do not need them.
+#: Functions that are compiled separately and called, because most ticks do not need them. Side by side they answer NaN:
+#: their results are floats, or named tuples of floats, and reach the state.
 ASIDE: list[Callable[..., Any]] = []
 
 
@@ -75,6 +78,15 @@ def interpreted(function: Callable[..., Any]) -> FunctionType:
     whole = compile(path.read_bytes(), str(path), "exec")
     parts = (part for part in whole.co_consts if isinstance(part, CodeType))
     return FunctionType(next(part for part in parts if part.co_name == function.__name__), vars(module))
+
+
+def result_type(function: Any) -> Any:
+    """The type of a marked function's result: a name in its source, which a compiled module has, too."""
+    module = sys.modules[str(function.__module__)]
+    parts = ast.parse(source_of(module).read_bytes()).body
+    found = next(part for part in parts if isinstance(part, ast.FunctionDef) and part.name == function.__name__)
+    assert isinstance(found.returns, ast.Name)
+    return getattr(builtins, found.returns.id, None) or vars(module)[found.returns.id]
 
 
 def _checked(function: Callable[..., Any]) -> Callable[..., Any]:

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from railhil.common.compilable import compilable, compilable_aside, larger, smaller
-from railhil.plant_sim import forces, sensors
+from railhil.common.compilable import compilable, compilable_aside, larger, result_type, smaller
+from railhil.plant_sim import dynamics, forces, sensors
 
 numba = pytest.importorskip("numba", reason="MISSING CAPABILITY numba (extra campaign)")
 #: Equal numbers of both signs, ties, and what lies beside them.
@@ -58,6 +58,11 @@ def test_a_marked_function_is_itself_and_numba_compiles_it() -> None:
         assert bits(grade(arrays, front_m)) == bits(forces.mean_grade_permil(table, front_m))
     for speed_mps in (-1.0, 0.0, 1e-4, 0.0151, 13.337):
         assert reading(speed_mps) == sensors.speed_reading_01mmps(speed_mps, 0.001, 0.99, 0.01)
+
+
+def test_the_type_of_a_result_is_found_in_the_source() -> None:
+    assert result_type(dynamics.lag) is dynamics.Lag
+    assert result_type(dynamics.clipped_mean_n) is float
 
 
 def test_what_numba_cannot_compile_is_refused_where_it_is_marked() -> None:
