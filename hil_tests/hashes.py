@@ -99,7 +99,8 @@ def runs(groups: Sequence[str], law_only: str | None = None, arithmetic_only: st
         for system, run in _FAULTY.items():
             for entry in catalogue_of(system_named(system)):
                 if entry.faults:
-                    made[f"{FAULTS} {run.scenario} {entry.id}"] = replace(run, law=entry.law or None, faults=entry.faults)
+                    law = entry.law or None
+                    made[f"{FAULTS} {run.scenario} {entry.id}"] = replace(run, law=law, faults=entry.faults)
     if every or SHIPPED in groups:
         made |= {f"{SHIPPED} {scenario}": Run(scenario) for scenario in names()}
     return made

@@ -292,7 +292,7 @@ def test_a_driver_that_catches_a_stop_is_stopped_again(socket_folder: Path, monk
             try:
                 signal.raise_signal(signal.SIGTERM)
                 time.sleep(PATIENCE_S)
-            except BaseException as error:  # noqa: BLE001: as drivers do
+            except BaseException as error:  # as drivers do
                 caught.append(error)
         time.sleep(PATIENCE_S)
         raise BusUnavailable("not interrupted")
