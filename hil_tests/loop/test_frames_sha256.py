@@ -23,6 +23,7 @@ def test_the_list_has_every_run_once() -> None:
     assert list(known_hashes()) == list(runs([]))
 
 
+@pytest.mark.faults
 @pytest.mark.parametrize(
     "name", [pytest.param(name, marks=() if name in _QUICK else pytest.mark.long) for name in runs([])]
 )

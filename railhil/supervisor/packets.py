@@ -87,7 +87,8 @@ class Packets:
         self._kinds[contract.clock_port.address] = _CLOCK
         self._clock_port = contract.clock_port
         if truth is not None:
-            self._kinds[list(truth.truth_ids)] = _TRUTH
+            # Packed frames are classic: with the identifier of an FD frame they are nobody's, and looked at one by one.
+            self._kinds[list(truth.truth_ids - {port.fd_id for port in contract.ports})] = _TRUTH
         #: The poll of SUP_CMD.
         self.command_poll, ident_poll, status_poll = supervisor_polls(contract)
         self._command_poll = pack_frame(self.command_poll)

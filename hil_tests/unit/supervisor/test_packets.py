@@ -161,6 +161,14 @@ def test_the_end_of_an_event_is_not_left_for_later() -> None:
     assert both.one.ended is Event.ENDED_COMPLETE
 
 
+def test_a_classic_frame_with_the_identifier_of_an_fd_frame_moves_no_time() -> None:
+    both, frames = Both(*FAULTS), frames_of(list(recorded(*FAULTS))[60:200])
+    truth = wire_contract().port("SIM_TRUTH")
+    at = next(at for at, frame in enumerate(frames) if frame.can_id == truth.can_ids[0])
+    frames[at] = frames[at]._replace(can_id=truth.fd_id)
+    both.demand_the_same(frames, [])
+
+
 @settings(max_examples=300, deadline=None)
 @given(data=st.data(), faults=st.sampled_from([(), FAULTS]))
 def test_whatever_is_wrong_with_the_frames_both_ways_record_the_same(
