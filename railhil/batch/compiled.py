@@ -18,12 +18,12 @@ from dataclasses import dataclass
 from math import nan
 from pathlib import Path
 from types import FunctionType
-from typing import Any, get_type_hints
+from typing import Any
 
 import numpy as np
 
 from railhil.common import compilable
-from railhil.common.compilable import F, interpreted, result_type, source_of
+from railhil.common.compilable import F, field_types, interpreted, result_type, source_of
 from railhil.common.extras import missing
 
 # Importing them registers their marked functions with numba.
@@ -98,7 +98,7 @@ def _never(kind: Any) -> Callable[..., Any]:
 
 
 def _not_a_number(kind: Any) -> Any:
-    return nan if kind is float else kind(*map(_not_a_number, get_type_hints(kind).values()))
+    return nan if kind is float else kind(*map(_not_a_number, field_types(kind)))
 
 
 def _bisect_right(values: Any, value: Any) -> Callable[..., int]:

@@ -28,6 +28,7 @@ import numpy as np
 
 F = TypeVar("F", bound=Callable[..., Any])
 N = TypeVar("N", bound=float)
+P = TypeVar("P", ast.FunctionDef, ast.ClassDef)
 
 #: Functions that are inlined into the compiled loop that calls them.
 INLINE: list[Callable[..., Any]] = []
@@ -82,11 +83,24 @@ def interpreted(function: Callable[..., Any]) -> FunctionType:
 
 def result_type(function: Any) -> Any:
     """The type of a marked function's result: a name in its source, which a compiled module has, too."""
-    module = sys.modules[str(function.__module__)]
-    parts = ast.parse(source_of(module).read_bytes()).body
-    found = next(part for part in parts if isinstance(part, ast.FunctionDef) and part.name == function.__name__)
-    assert isinstance(found.returns, ast.Name)
-    return getattr(builtins, found.returns.id, None) or vars(module)[found.returns.id]
+    found = _in_source(function, ast.FunctionDef)
+    return _type_of(function, found.returns)
+
+
+def field_types(kind: Any) -> list[Any]:
+    """The types of a named tuple's fields: names in its source. Annotations of a compiled module are lost."""
+    fields = (part for part in _in_source(kind, ast.ClassDef).body if isinstance(part, ast.AnnAssign))
+    return [_type_of(kind, part.annotation) for part in fields]
+
+
+def _in_source(item: Any, kind: type[P]) -> P:
+    parts = ast.parse(source_of(sys.modules[str(item.__module__)]).read_bytes()).body
+    return next(part for part in parts if isinstance(part, kind) and part.name == item.__name__)
+
+
+def _type_of(item: Any, annotation: ast.expr | None) -> Any:
+    assert isinstance(annotation, ast.Name)
+    return getattr(builtins, annotation.id, None) or vars(sys.modules[str(item.__module__)])[annotation.id]
 
 
 def _checked(function: Callable[..., Any]) -> Callable[..., Any]:

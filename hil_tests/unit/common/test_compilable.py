@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from railhil.common.compilable import compilable, compilable_aside, larger, result_type, smaller
+from railhil.common.compilable import compilable, compilable_aside, field_types, larger, result_type, smaller
 from railhil.plant_sim import dynamics, forces, sensors
 
 numba = pytest.importorskip("numba", reason="MISSING CAPABILITY numba (extra campaign)")
@@ -63,6 +63,7 @@ def test_a_marked_function_is_itself_and_numba_compiles_it() -> None:
 def test_the_type_of_a_result_is_found_in_the_source() -> None:
     assert result_type(dynamics.lag) is dynamics.Lag
     assert result_type(dynamics.clipped_mean_n) is float
+    assert field_types(dynamics.Step) == [dynamics.Motion, float, float]
 
 
 def test_what_numba_cannot_compile_is_refused_where_it_is_marked() -> None:
