@@ -60,6 +60,8 @@ bench() {
     $RAILHIL_COMPOSE $files up --no-build --no-color --exit-code-from supervisor "$@" >"$case/out" 2>&1 || code=$?
     kill $limits 2>/dev/null || true
     echo $code >"$case/exit_code"
+    # shellcheck disable=SC2086  # words
+    [ -n "$(docker ps -aq $mine)" ] || { cat "$case/out" >&2; exit 1; }
     # shellcheck disable=SC2046,SC2086  # words
     docker inspect $(docker ps -aq $mine) >"$case/containers.json"
     mv runs/* "$case" 2>/dev/null || true

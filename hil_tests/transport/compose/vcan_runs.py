@@ -20,6 +20,8 @@ import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
+import yaml
+
 from hil_tests.support.paths import ROOT
 from railhil.machines import debian, docker_vm
 from railhil.machines.compiled import compile_by
@@ -50,6 +52,10 @@ def _copy(project: Path) -> None:
     project.mkdir()
     for name in _PROJECT:
         shutil.copy(ROOT / name, project / name)
+    # Compose 1.29 makes the network of a service whose profile is off, and the virtual machine's kernel has no bridges.
+    compose = yaml.safe_load((ROOT / _PROJECT[0]).read_text(encoding="utf-8"))
+    compose["services"] = {name: one for name, one in compose["services"].items() if "profiles" not in one}
+    (project / _PROJECT[0]).write_text(yaml.safe_dump(compose), encoding="utf-8")
     for name in ("scenarios", "runs"):
         (project / name).mkdir()
     shutil.copy(_SHORT, project / "scenarios")
