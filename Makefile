@@ -6,7 +6,7 @@ BIN    := $(VENV)/bin
 COMMA  := ,
 # What `make run` passes on, e.g. make run ARGS="yizhuang_01_songjiazhuang_xiaocun --seed 7"
 ARGS   ?=
-# As in every railhil command (common/exit_codes.py): the tests start hundreds of processes.
+# As in every railhil command (railhil/common/exit_codes.py): the tests start hundreds of processes.
 export OPENBLAS_NUM_THREADS ?= 1
 # make test-long SAMPLE=4: one long test of 4 only, and make test-builds SAMPLE=8 one run of 8: those of the day.
 SAMPLE ?=
