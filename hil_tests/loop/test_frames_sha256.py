@@ -8,8 +8,10 @@ from __future__ import annotations
 
 import pytest
 
-from hil_tests.hashes import runs
+from hil_tests.hashes import FAULTS, runs
 from hil_tests.support.same_lines import known_hashes
+from railhil.faults.capability import why_not
+from railhil.faults.language import parse
 
 #: One of each kind; the others are long.
 _QUICK = {
@@ -19,8 +21,20 @@ _QUICK = {
 }  # fmt: skip
 
 
+#: Entries of the catalogue of high-speed trains that this one of a single unit cannot have.
+_OF_SEVERAL_UNITS = ("faults hst_short H3b", "faults hst_short H9b")
+
+
 def test_the_list_has_every_run_once() -> None:
     assert list(known_hashes()) == list(runs([]))
+
+
+def test_a_fault_is_refused_only_where_it_cannot_be_injected() -> None:
+    """A line that is refused for another reason would compare nothing."""
+    known = known_hashes()
+    for name, run in runs([FAULTS]).items():
+        cannot = any(why_not(parse(text), "local", "lockstep") for text in run.faults)
+        assert (known[name] == "refused") == (cannot or name in _OF_SEVERAL_UNITS), name
 
 
 @pytest.mark.faults
