@@ -87,7 +87,7 @@ test-vcan-second: VCAN = -k "not ($(VCAN_FIRST))"
 
 # docker-compose.yml on a real engine: the host's, else a private one (root on Debian).
 test-docker: $(VENV)/.installed-dev
-	@$(PART) Docker $(BIN)/python -m railhil.machines.docker_engine --timeout 1500 -- \
+	@$(PART) Docker $(BIN)/python -m hil_tests.machines.docker_engine --timeout 1500 -- \
 	  $(BIN)/pytest -q -m needs_docker hil_tests/transport/compose $(DOCKER_OUT)
 
 # The same on a kernel with CAN.

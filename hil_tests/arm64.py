@@ -16,10 +16,10 @@ import tempfile
 import tomllib
 from pathlib import Path
 
+from hil_tests.machines.arm64 import Arm64Python, cross_build
 from hil_tests.support.paths import ROOT
 from hil_tests.support.same_lines import HASHES, compare_hashes, wheel
 from railhil.machines import debian
-from railhil.machines.arm64 import Arm64Python, cross_build
 
 _TELLS = "import platform; from railhil.common.build import railhil_build; print(platform.machine(), railhil_build())"
 

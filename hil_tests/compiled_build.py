@@ -23,6 +23,7 @@ from pathlib import Path
 from subprocess import PIPE, Popen
 
 from hil_tests import uses
+from hil_tests.machines import tools
 from hil_tests.support.same_lines import HASHES, USES, compare_hashes, compare_lines, wheel
 from hil_tests.support.toy_system import certificate, install_toy
 from railhil.machines import debian
@@ -61,7 +62,7 @@ def compared(words: list[str]) -> int:
     Raises:
         CapabilityError: there is no compiler.
     """
-    debian.install_compilers()
+    tools.install_compilers()
     with tempfile.TemporaryDirectory() as scratch:
         folder = Path(scratch)
         debian.say("compiled build: mypyc and gcc, some minutes")

@@ -23,11 +23,11 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
+from hil_tests.machines.binfmt import aarch64_programs
+from hil_tests.machines.docker_engine import docker_engine
 from hil_tests.support.paths import ROOT
 from railhil.bench import local_run
 from railhil.machines import debian
-from railhil.machines.binfmt import aarch64_programs
-from railhil.machines.docker_engine import docker_engine
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import RunSpec
 

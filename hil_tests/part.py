@@ -21,13 +21,14 @@ from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 
+from hil_tests.machines import tools
 from railhil.machines import debian
 
 TOOLS = {
-    "compilers": debian.install_compilers,
-    "browser": debian.install_browser,
-    "can-utils": debian.install_can_tools,
-    "ssh": debian.install_ssh,
+    "compilers": tools.install_compilers,
+    "browser": tools.install_browser,
+    "can-utils": tools.install_can_tools,
+    "ssh": tools.install_ssh,
 }
 _CLOSING_LINE = re.compile(r"\d+ (?:passed|failed|skipped|error|deselected).* in \d+\.\d+s\b")
 _COUNT = re.compile(r"(\d+) (passed|failed|skipped|error)")

@@ -16,8 +16,9 @@ import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
+from hil_tests.machines import docker_vm, tools
 from hil_tests.support.paths import ROOT
-from railhil.machines import debian, docker_vm, vcan_vm
+from railhil.machines import debian, vcan_vm
 
 #: A short scenario of each system with compiled loops, and a law that is quickly made.
 BATCHES = {"yizhuang_05": "ipfc", "hst_short": "pid", "yizhuang_stop": "ilc_stop"}
@@ -49,10 +50,10 @@ def machines() -> None:
     for number in (signal.SIGTERM, signal.SIGINT):
         signal.signal(number, lambda received, _: sys.exit(128 + received))
     steps: list[Callable[[], object]] = [
-        debian.install_compilers,
-        debian.install_browser,
+        tools.install_compilers,
+        tools.install_browser,
         lambda: docker_vm.build_image(ROOT),
-        debian.install_can_tools,
+        tools.install_can_tools,
         vcan_vm.first_available,
     ]
     for step in steps:

@@ -17,10 +17,11 @@ import sys
 import tempfile
 from pathlib import Path
 
+from hil_tests.machines import tools
+from hil_tests.machines.arm64 import cross_build
 from hil_tests.support.paths import ROOT
 from hil_tests.support.same_lines import wheel
 from railhil.machines import debian
-from railhil.machines.arm64 import cross_build
 
 
 def fits(name: str, processor: str) -> bool:
@@ -56,7 +57,7 @@ def main(words: list[str]) -> int:
     # For each processor, the variables of its build.
     wanted: dict[str, dict[str, str]] = {"": {}}
     if options.compiled:
-        debian.install_compilers()
+        tools.install_compilers()
         wanted[platform.machine()] = {}
     if options.aarch64:
         wanted["aarch64"] = cross_build()

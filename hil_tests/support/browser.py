@@ -10,7 +10,8 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
-from railhil.machines.debian import BROWSERS, find_command
+from hil_tests.machines.tools import BROWSERS
+from railhil.machines.debian import find_command
 
 _TIMEOUT_S = 90
 _MARK = "railhil-found"

@@ -1,7 +1,7 @@
-"""What a Debian host provides for a test machine: packages, a cache directory, and a clear refusal.
+"""What a Debian host provides for a machine with CAN: packages, a cache directory, and a clear refusal.
 
-The machines are a convenience for the test suite. If they are not available (no root, not Debian, no package mirror)
-they say so in one line and end with :data:`EXIT_NO_CAPABILITY`, so that a caller can tell "this host cannot do it" from
+A machine that is not available (no root, not Debian, no package mirror)
+says so in one line and ends with :data:`EXIT_NO_CAPABILITY`, so that a caller can tell "this host cannot do it" from
 "it was done and failed".
 """
 
@@ -24,8 +24,6 @@ EXIT_TIMEOUT = 124
 #: Code of ``timeout(1)`` and ``docker run`` for "the wrapper failed, not the command".
 EXIT_MACHINE_FAILED = 125
 
-#: Names under which systems have Chromium.
-BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 _APT_TIMEOUT_S = 900.0
 _APT_OPTIONS = ("-o", "DPkg::Lock::Timeout=300", "-o", "Acquire::Retries=1")
 _PATH_OF_ROOT = "/usr/local/sbin:/usr/sbin:/sbin"
@@ -160,10 +158,10 @@ def install_commands(packages: Mapping[str, str], purpose: str, beside: Iterable
     """
     missing = {package for command, package in packages.items() if find_command(command) is None}
     if missing:
-        _install({*missing, *beside}, purpose)
+        install_packages({*missing, *beside}, purpose)
 
 
-def _install(packages: Iterable[str], purpose: str) -> None:
+def install_packages(packages: Iterable[str], purpose: str) -> None:
     """Install Debian packages.
 
     Raises:
@@ -173,81 +171,6 @@ def _install(packages: Iterable[str], purpose: str) -> None:
     say(f"{purpose}: installing {', '.join(names)}")
     install = ["apt-get", *_APT_OPTIONS, "-y", "--no-install-recommends", "install", *names]
     with_package_lists(lambda: run_tool(install), purpose)
-
-
-def _have_commands(packages: Mapping[str, str], purpose: str) -> None:
-    """As :func:`install_commands`, on a host that needs not be Debian's when it has them all.
-
-    Raises:
-        CapabilityError: they are missing and cannot be had.
-    """
-    if not all(find_command(command) for command in packages):
-        require_debian_root(purpose)
-        install_commands(packages, purpose)
-
-
-def install_compilers() -> None:
-    """Ensure that gcc, clang and make are installed for the exported C, with the C library's headers and the libraries
-    of the sanitizers.
-
-    Raises:
-        CapabilityError: they are missing and cannot be had.
-    """
-    purpose = "exported C"
-    commands = {"gcc": "build-essential", "make": "build-essential", "clang": "clang"}
-    missing = {package for command, package in commands.items() if find_command(command) is None}
-    try:
-        run_tool(["sh", "-c", "echo 'int main(void) { return 0; }' | clang -fsanitize=undefined -x c -o /dev/null -"])
-    except MachineError:
-        missing.add("libclang-rt-dev")
-    if missing:
-        require_debian_root(purpose)
-        _install(missing, purpose)
-
-
-def install_can_tools() -> None:
-    """Ensure that can-utils and iproute2 are installed, which the tests on kernel SocketCAN use to listen, send and
-    switch interfaces.
-
-    Raises:
-        CapabilityError: they are missing and cannot be had.
-    """
-    packages = {"candump": "can-utils", "ip": "iproute2", "setpriv": "util-linux"}
-    _have_commands(packages, "tests on kernel SocketCAN")
-
-
-def install_browser() -> None:
-    """Ensure that Chromium is installed, which opens the report.
-
-    Raises:
-        CapabilityError: it is missing and cannot be had.
-    """
-    if not any(find_command(command) for command in BROWSERS):
-        require_debian_root("report")
-        install_commands({"chromium": "chromium"}, "report")
-
-
-def install_ssh() -> None:
-    """Ensure that ssh-keygen is installed, which signs and checks lists of hashes.
-
-    Raises:
-        CapabilityError: it is missing and cannot be had.
-    """
-    _have_commands({"ssh-keygen": "openssh-client"}, "signed evidence")
-
-
-def mirrors() -> list[tuple[str, str, str]]:
-    """Debian's own package sources of the host: ``(uri, release, components)``, main archive first.
-
-    Raises:
-        MachineError: apt does not answer.
-    """
-    text = run_tool(
-        ["apt-get", "indextargets", "--format", "$(ORIGIN)|$(REPO_URI)|$(RELEASE)|$(COMPONENT)",
-         "Identifier: Packages"]
-    )  # fmt: skip
-    rows = [line.split("|") for line in text.splitlines() if line.startswith("Debian|")]
-    return sorted({(uri, release, part) for _, uri, release, part in rows}, key=lambda row: (len(row[1]), row))
 
 
 def download_package(package: str, folder: Path, purpose: str) -> Path:

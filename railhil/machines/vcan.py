@@ -26,9 +26,9 @@ from pathlib import Path
 from railhil.common.command_line import OneLineParser, whole_number
 from railhil.common.exit_codes import hear_interrupts
 from railhil.machines import debian, namespace, vcan_vm
-from railhil.machines.vm_kind import Kind
+from railhil.machines.vm_kinds import KINDS, Kind
 
-_WAYS = ("namespace", *vcan_vm.KINDS)
+_WAYS = ("namespace", *KINDS)
 #: Interface names accepted by the kernel, except those that a shell or ``ip`` could misinterpret.
 _INTERFACE = re.compile(r"[A-Za-z][A-Za-z0-9_.]{0,14}")
 _TIMEOUT_MAX_S = 86_400
@@ -144,7 +144,7 @@ def _run(options: argparse.Namespace) -> int:
             if options.via is not None:
                 raise
             reason = str(error)
-    kinds = list(vcan_vm.KINDS.values()) if options.via is None else [vcan_vm.KINDS[options.via]]
+    kinds = list(KINDS.values()) if options.via is None else [KINDS[options.via]]
     try:
         return vcan_vm.first_that_boots(lambda kind: _in_machine(kind, options, reason), kinds)
     except debian.CapabilityError as error:

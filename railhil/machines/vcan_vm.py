@@ -4,8 +4,7 @@ Boots a kernel of Debian's whose root is this host's root, read-only under an ov
 card. The CAN interfaces are up; the command runs as root in the caller's directory with the caller's environment. What
 it writes is gone afterwards, except below the shared folders. The command has no terminal and no input.
 
-There are two kinds: a user-mode kernel (:mod:`railhil.machines.user_mode`), and where that does not boot an emulated
-machine (:mod:`railhil.machines.emulated`).
+There are two kinds (:mod:`railhil.machines.vm_kinds`). The second is taken where the first does not boot.
 """
 
 from __future__ import annotations
@@ -23,13 +22,9 @@ from pathlib import Path
 from typing import BinaryIO
 
 from railhil.machines import debian
-from railhil.machines.emulated import EMULATED
-from railhil.machines.user_mode import USER_MODE
 from railhil.machines.vm_image import PURPOSE, VmImage, ensure_image
-from railhil.machines.vm_kind import Boot, Kind
+from railhil.machines.vm_kinds import KINDS, Boot, Kind
 
-#: By their names on the command line, the fastest first.
-KINDS = {"user-mode": USER_MODE, "machine": EMULATED}
 _EXIT_GRACE_S = 20.0
 #: A machine that has not begun with the command after this time does not boot; a busy host takes its time.
 _BOOT_S = 180.0

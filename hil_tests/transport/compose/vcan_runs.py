@@ -1,7 +1,7 @@
 """The compose file on a kernel with CAN, and tests of it: ``python -m hil_tests.transport.compose.vcan_runs``
 
 Where an engine answers already, it is used, and the host's kernel must have the interfaces can0 (up) and can1 (down).
-Else all of it runs in a virtual machine (:mod:`railhil.machines.docker_vm`), where everything is slow; so only
+Else all of it runs in a virtual machine (:mod:`hil_tests.machines.docker_vm`), where everything is slow; so only
 ``on_vcan.sh`` runs there, and the tests of ``on_vcan.py`` look at the folder it leaves from here.
 
 Exit code: that of the tests; 77 when this host cannot have an engine on a kernel with CAN, 125 when that failed.
@@ -22,10 +22,11 @@ from pathlib import Path
 
 import yaml
 
+from hil_tests.machines import docker_vm
+from hil_tests.machines.bytecode import compile_by
+from hil_tests.machines.docker_engine import docker_engine, engine_answers
 from hil_tests.support.paths import ROOT
-from railhil.machines import debian, docker_vm
-from railhil.machines.compiled import compile_by
-from railhil.machines.docker_engine import docker_engine, engine_answers
+from railhil.machines import debian
 
 _SCRIPT = Path(__file__).with_name("on_vcan.sh")
 _TESTS = Path(__file__).with_name("on_vcan.py")
@@ -37,7 +38,7 @@ _TIMEOUT_S = 2400.0
 _INSIDE = "/var/tmp/railhil-vcan-inside"
 _INTERFACES = "ip link add can0 type vcan && ip link add can1 type vcan && ip link set can0 up"
 #: Programs in Python that run there outside the containers.
-_IN_THE_MACHINE = ("railhil.machines.docker_engine", "railhil.controller_node")
+_IN_THE_MACHINE = ("hil_tests.machines.docker_engine", "railhil.controller_node")
 #: linux/if.h
 _IFF_UP = 1
 #: Name the folder and the cases to the tests.
@@ -88,7 +89,7 @@ def run(cases: Sequence[str]) -> int:
         cases: names that ``on_vcan.sh`` explains.
 
     Raises:
-        CapabilityError, MachineError: as :func:`railhil.machines.docker_vm.run`.
+        CapabilityError, MachineError: as :func:`hil_tests.machines.docker_vm.run`.
     """
     # Not below /run: the machine has its own file system there.
     with tempfile.TemporaryDirectory(prefix="railhil-vcan-", dir="/var/tmp") as name:

@@ -12,9 +12,9 @@ import os
 import sys
 from collections.abc import Sequence
 
+from hil_tests.machines.bytecode import compile_by
 from hil_tests.support.paths import ROOT
 from railhil.machines import debian, namespace, vcan
-from railhil.machines.compiled import compile_by
 
 #: Named by folder, and without the plugins that these tests do not use: what is imported takes its time there.
 _TESTS = ["-m", "needs_socketcan", "hil_tests/transport/vcan"]

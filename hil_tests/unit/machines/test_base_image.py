@@ -9,8 +9,9 @@ from pathlib import Path
 
 import pytest
 
+from hil_tests.machines import base_image
 from hil_tests.support.paths import ROOT
-from railhil.machines import base_image, debian
+from railhil.machines import debian
 
 #: Writes down what it is called with, keeps what it is to load, and has no image yet.
 _DOCKER = """#!/bin/sh

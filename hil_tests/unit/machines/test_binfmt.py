@@ -9,7 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from railhil.machines import binfmt, debian
+from hil_tests.machines import binfmt
+from railhil.machines import debian
 
 _ENTRY = """enabled
 interpreter /usr/libexec/qemu-binfmt/aarch64-binfmt-P

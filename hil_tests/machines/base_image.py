@@ -4,7 +4,7 @@ debootstrap builds the same minimal Debian as in the published image; it is load
 ``FROM`` line. The host's package settings (mirror, proxy certificate, Python index) go into a layer on top, so that
 ``apt-get`` and ``pip`` inside a build work as on the host; that layer is rebuilt each time and never cached.
 
-For another processor than this one debootstrap runs that processor's programs: see :mod:`railhil.machines.binfmt`.
+For another processor than this one debootstrap runs that processor's programs: see :mod:`hil_tests.machines.binfmt`.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 
+from hil_tests.machines import tools
 from railhil.machines import debian
 
 _PURPOSE = "a base image from Debian packages"
@@ -57,7 +58,7 @@ def _root_archive(suite: str, architecture: str) -> Path:
         archive = home / f"{suite}-{architecture}-minbase.tar"
         if archive.exists():
             return archive
-        mirrors = [uri for uri, release, _ in debian.mirrors() if release == suite]
+        mirrors = [uri for uri, release, _ in tools.mirrors() if release == suite]
         if not mirrors:
             raise debian.CapabilityError(f"{_PURPOSE}: this host's apt has no Debian mirror for {suite}")
         took = "about half a minute" if architecture == HOST else "emulated, some minutes"
@@ -117,7 +118,7 @@ def provide_base_image(name: str, environment: Mapping[str, str], architecture: 
     bare = f"railhil-bare-base:{suite}-{architecture}-{archive.stat().st_mtime_ns}"
     with tempfile.TemporaryDirectory(prefix="railhil-base-") as scratch:
         context = Path(scratch)
-        sources = "".join(f"deb {uri} {release} {part}\n" for uri, release, part in debian.mirrors())
+        sources = "".join(f"deb {uri} {release} {part}\n" for uri, release, part in tools.mirrors())
         (context / "sources.list").write_text(sources)
         (context / "80host").write_text(_apt_settings())
         (context / "pip.conf").write_text(_pip_settings())

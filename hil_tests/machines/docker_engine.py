@@ -1,4 +1,4 @@
-"""Run a command with a Docker engine: ``python -m railhil.machines.docker_engine -- COMMAND ...``
+"""Run a command with a Docker engine: ``python -m hil_tests.machines.docker_engine -- COMMAND ...``
 
 A running engine is used unchanged. Otherwise, as root on Debian, a private one is started: its own sockets, process id
 file and cgroup below one temporary folder, no bridge, no packet filter rules; afterwards its processes, containers,
@@ -27,8 +27,8 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
+from hil_tests.machines.base_image import HOST, base_name, provide_base_image
 from railhil.machines import debian
-from railhil.machines.base_image import HOST, base_name, provide_base_image
 
 _PURPOSE = "a Docker engine"
 _PACKAGES = {"dockerd": "docker.io", "docker": "docker.io", "containerd": "containerd", "ctr": "containerd"}
@@ -209,7 +209,7 @@ def run(command: Sequence[str], *, timeout_s: float, base_image: bool = True) ->
 def main(arguments: Sequence[str] | None = None) -> int:
     """Command line; see the module's docstring for the exit codes."""
     parser = argparse.ArgumentParser(
-        prog="python -m railhil.machines.docker_engine",
+        prog="python -m hil_tests.machines.docker_engine",
         description="Run a command beside a Docker engine that can build this project's image.",
     )
     parser.add_argument("--timeout", type=float, default=1200.0, metavar="S", help="for the command (default 1200)")

@@ -1,9 +1,9 @@
-"""Run a command with a Docker engine on a kernel with CAN: ``python -m railhil.machines.docker_vm -- COMMAND``
+"""Run a command with a Docker engine on a kernel with CAN: ``python -m hil_tests.machines.docker_vm -- COMMAND``
 
 This combines the two machines: the image is built by the engine on the host, where that is fast; the engine's data are
 copied into a disk file; an engine inside the virtual machine uses that disk. There a container with the permission to
 make interfaces can create ``vcan0``. COMMAND runs in the virtual machine, in the caller's directory, and finds the
-environment that :mod:`railhil.machines.docker_engine` describes.
+environment that :mod:`hil_tests.machines.docker_engine` describes.
 
 Exit code: as for the two machines (that of the command; 77, 124, 125 for the machine's; 2 for a wrong command line).
 """
@@ -18,8 +18,8 @@ import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
+from hil_tests.machines.docker_engine import DATA_FOLDER, docker_engine, engine_answers
 from railhil.machines import debian, vcan_vm
-from railhil.machines.docker_engine import DATA_FOLDER, docker_engine, engine_answers
 
 _PURPOSE = "a Docker engine in a virtual machine"
 #: Space for data written by the containers, and for the file system itself.
@@ -70,7 +70,7 @@ def run(command: Sequence[str], *, shares: Sequence[Path] = (), timeout_s: float
         disk = Path(scratch, "docker.ext4")
         with debian.cache_lock(DATA_FOLDER):
             _disk_with(data, disk)
-        words = [sys.executable, "-m", "railhil.machines.docker_engine", "--no-base-image"]
+        words = [sys.executable, "-m", "hil_tests.machines.docker_engine", "--no-base-image"]
         words += ["--timeout", str(timeout_s), "--", *command]
         return vcan_vm.first_that_boots(
             lambda kind: vcan_vm.run(
@@ -82,7 +82,7 @@ def run(command: Sequence[str], *, shares: Sequence[Path] = (), timeout_s: float
 def main(arguments: Sequence[str] | None = None) -> int:
     """Command line; see the module's docstring for the exit codes."""
     parser = argparse.ArgumentParser(
-        prog="python -m railhil.machines.docker_vm",
+        prog="python -m hil_tests.machines.docker_vm",
         description="Run a command beside a Docker engine in a virtual machine whose kernel has SocketCAN.",
     )
     parser.add_argument("--share", type=Path, action="append", default=[], metavar="DIR",

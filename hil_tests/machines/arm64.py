@@ -15,6 +15,7 @@ import zipfile
 from collections.abc import Sequence
 from pathlib import Path
 
+from hil_tests.machines import tools
 from railhil.machines import debian
 
 _PURPOSE = "Python for aarch64"
@@ -31,7 +32,7 @@ def _root() -> Path:
         root = debian.cache_dir() / f"arm64-{_SUITE}-headers"
         if root.exists():
             return root
-        mirrors = [uri for uri, release, _ in debian.mirrors() if release == _SUITE]
+        mirrors = [uri for uri, release, _ in tools.mirrors() if release == _SUITE]
         if not mirrors:
             raise debian.CapabilityError(f"{_PURPOSE}: this host's apt has no Debian mirror for {_SUITE}")
         debian.say(f"{_PURPOSE}: debootstrap {_SUITE} arm64 into {root.parent} (about half a minute)")
