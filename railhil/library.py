@@ -20,7 +20,7 @@ from railhil.common.command_line import RATE
 from railhil.common.errors import InputError, Words
 from railhil.run.make import NeverBegan, record_run
 from railhil.run.report import as_recorded
-from railhil.run.spec import Parameters, Settings, bus_of, checked_spec, settings_of, spec_of
+from railhil.run.spec import Parameters, Settings, Texts, bus_of, checked_spec, settings_of, spec_of, texts_of
 from railhil.scenarios.load import stable_name
 from railhil.scenarios.run_spec import RunSpec, StartUp
 from railhil.supervisor.criteria import Criterion
@@ -45,7 +45,7 @@ def run(
     indexing: str = "time",
     parameters: Parameters | None = None,
     settings: Settings = (),
-    faults: Sequence[str] = (),
+    faults: Texts = (),
     seed: int = 0,
     perturbed: bool = False,
     run_number: int = 1,
@@ -61,7 +61,7 @@ def run(
     :param scenario: shipped name, path of a TOML file, or a ``RunSpec``, in which case only ``bus``, ``no_controller``
         and ``out`` are used.
     :param controller, arithmetic: the law and what it computes with; None: the usual ones of the scenario's system.
-    :param faults: what is injected besides the scenario's own faults, one text each (docs/faults.md).
+    :param faults: what is injected besides the scenario's own faults, one text or several (docs/faults.md).
     :param run_number: of the run in the sequence of its seed, for systems whose runs have numbers.
     :param bus: ``local``: all nodes in this process; ``auto``: three processes over the bus that ``railhil run`` would
         choose; ``hub``: over a hub of the run's own; ``INTERFACE:CHANNEL[@BITRATE]`` of python-can, such as
@@ -78,7 +78,7 @@ def run(
     else:
         spec = spec_of(
             scenario, controller=controller, arithmetic=arithmetic, indexing=indexing, parameters=parameters,
-            settings=settings, faults=tuple(faults), seed=seed, perturbed=perturbed, pace=pace, rate=rate, bus=kind,
+            settings=settings, faults=faults, seed=seed, perturbed=perturbed, pace=pace, rate=rate, bus=kind,
             memory=memory, run_number=run_number,
         )  # fmt: skip
     spec, loaded = checked_spec(spec)
@@ -150,12 +150,12 @@ class CampaignOutcome:
 def campaign(
     scenario: str | Path = USUAL_SCENARIO,
     *,
-    laws: Sequence[str] = (USUAL_LAW,),
+    laws: Texts = (USUAL_LAW,),
     runs: int = 1000,
     first_seed: int = 1000,
     arithmetic: str = "float64",
     indexing: str = "time",
-    parameters: Sequence[str | Path] = (),
+    parameters: str | Path | Sequence[str | Path] = (),
     both: bool = False,
     settings: Settings = (),
     allow_training_seeds: bool = False,
@@ -164,9 +164,9 @@ def campaign(
 ) -> CampaignOutcome:
     """Perturbed runs of one or several laws on the same seeds (needs the extra ``campaign``).
 
-    :param laws: their names, or ``("all",)``.
-    :param parameters: parameter files, each for one of the laws; ``both``: run these laws also with their own
-        parameters.
+    :param laws: one name or several, or ``"all"``.
+    :param parameters: one parameter file or several, each for one of the laws.
+    :param both: run these laws also with their own parameters.
     :param jobs: processes; -1: one per core.
     :param out: its folder (default ``runs/<utc>-<scenario>-campaign``); an incomplete campaign is resumed.
     :raises InputError: anything that is not allowed, in one line.
@@ -180,16 +180,17 @@ def campaign(
     from railhil.campaign.plan import Request, make_plan
     from railhil.campaign.run import execute
 
+    files = (parameters,) if isinstance(parameters, str | Path) else parameters
     request = Request(
         scenario=stable_name(str(scenario)),
         settings=settings_of(settings),
         runs=runs,
         first_seed=first_seed,
-        laws=tuple(laws),
+        laws=texts_of(laws),
         both=both,
         arithmetic=arithmetic,
         indexing=indexing,
-        parameters=tuple(str(Path(file).resolve()) for file in parameters),
+        parameters=tuple(str(Path(file).resolve()) for file in files),
         allow_training_seeds=allow_training_seeds,
     )
     plan = make_plan(checked_request(request, Path("railhil.campaign")))

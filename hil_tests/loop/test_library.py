@@ -80,6 +80,16 @@ def test_a_run_takes_faults(short: Path, tmp_path: Path) -> None:
         railhil.run(short, faults=["NOTCH_CMD los @1s"], out=tmp_path / "none")
 
 
+@pytest.mark.faults
+def test_a_single_text_is_one_fault_one_setting_one_law(short: Path, tmp_path: Path) -> None:
+    outcome = railhil.run(short, faults="NOTCH_CMD loss x1 @1s", settings="plan.overtime_max_s=2", out=tmp_path / "run")
+    assert (outcome.spec.faults, outcome.spec.settings) == (("NOTCH_CMD loss x1 @1s",), ("plan.overtime_max_s=2",))
+    given = dataclasses.replace(outcome.spec, faults="NOTCH_CMD loss x1 @1s")  # type: ignore[arg-type]
+    assert railhil.run(given, out=tmp_path / "again").frames_sha256 == outcome.frames_sha256
+    with pytest.raises(railhil.InputError, match=r"laws.*found 'nobody'"):
+        railhil.campaign(laws="nobody", out=tmp_path / "none")
+
+
 def test_signals_are_those_of_the_file(short: Path, tmp_path: Path) -> None:
     made = railhil.run(short, out=tmp_path / "run")
     header, *rows = (tmp_path / "run/signals.csv").read_text().splitlines()
@@ -128,7 +138,8 @@ def test_a_certificate_of_version_0_1_0_is_a_run_description(name: str) -> None:
         ({"bus": "vcan0"}, "bus: found 'vcan0'"),
         ({"pace": "realtime"}, "--bus local: found 'realtime'"),
         ({"settings": {"plan.nonsense": 1}}, "plan.nonsense"),
-        ({"parameters": {"nonsense": 1}}, "nonsense"),
+        ({"parameters": {"nonsense": 1}}, "railhil.run: parameters: found the unknown parameter nonsense"),
+        ({"parameters": {"softening_max": 7}}, "railhil.run: parameters.softening_max: found 7"),
         ({"parameters": "none.toml"}, "no such file"),
         ({"controller": "ipcf"}, "did you mean ipfc"),
     ],

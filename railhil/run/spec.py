@@ -11,6 +11,8 @@ from typing import Any
 from railhil.bus.can_settings import HUB_INTERFACE
 from railhil.common.choices import BUSES
 from railhil.common.errors import InputError
+from railhil.controller_node.laws import find
+from railhil.controller_node.laws.parameters import law_parameters
 from railhil.scenarios.load import load_any, stable_name
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.parameters import ParameterSet, load_parameters
@@ -19,10 +21,14 @@ from railhil.scenarios.settings import setting
 from railhil.scenarios.system import system_named
 from railhil.supervisor.inputs import PARAMETERS
 
+#: One text or several.
+Texts = str | Sequence[str]
 #: Scenario keys to set: a mapping, or ``KEY=VALUE`` as on the command line.
-Settings = Mapping[str, Any] | Sequence[str]
+Settings = Mapping[str, Any] | Texts
 #: A file, parameters read from one, or values of the law's parameters by name.
 Parameters = str | Path | ParameterSet | Mapping[str, Any]
+#: What errors name as the source of an argument.
+_LIBRARY = Path("railhil.run")
 
 
 def spec_of(
@@ -33,7 +39,7 @@ def spec_of(
     indexing: str,
     parameters: Parameters | None,
     settings: Settings,
-    faults: Sequence[str],
+    faults: Texts,
     memory: str | Path | None,
     **beside: Any,
 ) -> RunSpec:
@@ -42,13 +48,13 @@ def spec_of(
     :param beside: further fields of the ``RunSpec``.
     :raises InputError: the scenario cannot be loaded, or the parameters cannot be read.
     """
-    name, given = stable_name(str(scenario)), settings_of(settings)
+    name, given, faults = stable_name(str(scenario)), settings_of(settings), texts_of(faults)
     if controller is None or arithmetic is None:
         system = system_named(load_any(name, given, faults).system)
         controller, arithmetic = controller or system.law, arithmetic or system.arithmetic
     law = LawSpec(controller, arithmetic, indexing, parameters_of(parameters, controller))
     memory_store = None if memory is None else str(Path(memory).resolve())
-    return RunSpec(name, given, law, memory_store=memory_store, faults=tuple(faults), **beside)
+    return RunSpec(name, given, law, memory_store=memory_store, faults=faults, **beside)
 
 
 def checked_spec(spec: RunSpec) -> tuple[RunSpec, AnyScenario]:
@@ -56,11 +62,17 @@ def checked_spec(spec: RunSpec) -> tuple[RunSpec, AnyScenario]:
 
     :raises InputError: anything that is not allowed, in one line.
     """
-    checked = RunSpec.from_json(spec.as_json(), Path("railhil.run"))
+    spec = replace(spec, settings=texts_of(spec.settings), faults=texts_of(spec.faults))
+    checked = RunSpec.from_json(spec.as_json(), _LIBRARY)
     kept = replace(checked, can=spec.can, start_up=spec.start_up, out=spec.out)
     spec = replace(kept, law=spec.law, memory_store=spec.memory_store)
     loaded = spec.load()
-    system_named(loaded.system).check_law(spec.law.controller, "railhil.run", "controller")
+    system, law = system_named(loaded.system), spec.law
+    system.check_law(law.controller, _LIBRARY, "controller")
+    if law.parameters is not None and law.parameters.source == Path(PARAMETERS):
+        # Their file does not exist yet: the error names the call.
+        values = replace(law.parameters, source=_LIBRARY)
+        law_parameters(law.controller, find(law.controller, system.laws), values)
     return spec, loaded
 
 
@@ -87,7 +99,12 @@ def settings_of(given: Settings) -> tuple[str, ...]:
     if isinstance(given, Mapping):
         # JSON values are TOML values, except tables and null, which no key has.
         given = [f"{key}={json.dumps(value)}" for key, value in given.items()]
-    return tuple(setting(text) for text in given)
+    return tuple(setting(text) for text in texts_of(given))
+
+
+def texts_of(given: Texts) -> tuple[str, ...]:
+    """The texts; a single one counts as one, not as its letters."""
+    return (given,) if isinstance(given, str) else tuple(given)
 
 
 def parameters_of(given: Parameters | None, law: str) -> ParameterSet | None:

@@ -62,14 +62,11 @@ def _check(fault: Fault, system: System, refuse: _Refuse) -> None:
     place, trigger = fault.place, fault.trigger
     if place.level == "telegram":
         for name in port_names(fault, system.contract, system.units, system.named):
-            _check_port(fault, _port(name, system, refuse), system, refuse)
+            _check_port(fault, _port(name, place.name, system, refuse), system, refuse)
         if fault.what == "masquerade":
-            _check_port(
-                replace(fault, place=Place("telegram")),
-                _port(str(fault.values["port"]), system, refuse),
-                system,
-                refuse,
-            )
+            other = str(fault.values["port"])
+            whole = replace(fault, place=Place("telegram"))
+            _check_port(whole, _port(other, other, system, refuse), system, refuse)
     elif place.level == "command":
         if place.name not in system.named:
             known = ", ".join(f"command.{name}" for name in system.named) or "no command of this system has a name"
@@ -90,10 +87,15 @@ def _check(fault: Fault, system: System, refuse: _Refuse) -> None:
             raise refuse(str(event), f"one of {', '.join(known_events)}", did_you_mean(str(event), known_events))
 
 
-def _port(name: str, system: System, refuse: _Refuse) -> Port:
+def _port(name: str, written: str, system: System, refuse: _Refuse) -> Port:
+    """The port of a name.
+
+    :param written: the name in the fault, which may lack the unit.
+    :raises InputError: there is no such port.
+    """
     names = [port.name for port in system.contract.ports]
     if name not in names:
-        raise refuse(name, f"a port: {', '.join(names)}", did_you_mean(name, names))
+        raise refuse(written, f"a port: {', '.join(names)}", did_you_mean(written, names))
     return system.contract.port(name)
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 from railhil.common.errors import InputError
@@ -10,6 +12,8 @@ from railhil.faults.language import parse
 from railhil.faults.model import LEVELS
 from railhil.faults.page import PAGE, lines, page
 from railhil.faults.words import CLEAR, PLACES, WORDS, levels_of, words_at
+from railhil.scenarios.fault_list import fault_texts
+from railhil.scenarios.system import system_named
 
 
 def test_the_page_is_current() -> None:
@@ -77,3 +81,9 @@ def test_each_refusal_is_about_something() -> None:
     for entry in REFUSALS:
         assert set(entry.transports) <= set(TRANSPORTS)
         assert any(entry.fits(word, name) for word in WORDS for name in ("", *entry.names)), entry.why
+
+
+def test_an_unknown_port_has_the_name_that_the_user_wrote() -> None:
+    """Not that of the port of the first unit, which railhil looks for."""
+    with pytest.raises(InputError, match=r"found 'U2_SPEED', allowed a port: .*UNIT2_FB"):
+        fault_texts(["U2_SPEED loss @1s"], system_named("emu3"), lambda row: Path("file"))
