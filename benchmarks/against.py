@@ -23,7 +23,7 @@ from benchmarks.counting import counting
 from benchmarks.figures import FULL_SCENARIO, MeasurementError, Setting, median
 from benchmarks.machine import cpu_model, far_read_ns
 from benchmarks.memory import Peak, peak_of
-from benchmarks.processes import end
+from benchmarks.processes import end, last_line
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import FAIL, PASS, guarded
 
@@ -140,8 +140,7 @@ def describe(version: Version, folder: Path) -> None:
     usage = _asked(version, ["-m", "railhil.cli", "run", "--help"], folder)
     for done in (told, usage):
         if done.returncode:
-            last = done.stderr.strip().splitlines()[-1:] or ["no message"]
-            raise MeasurementError(f"{version.name}: {last[0]}")
+            raise MeasurementError(f"{version.name}: {last_line(done.stderr)}")
     version.build = told.stdout.strip()
     version.options = [option for option in _WISHED if option in usage.stdout]
 
@@ -197,8 +196,7 @@ def _demand_verdict(version: Version, exit_code: int, said: str) -> None:
     :raises MeasurementError: with the last line of that.
     """
     if exit_code not in (PASS, FAIL):
-        last = said.strip().splitlines()[-1:] or ["no message"]
-        raise MeasurementError(f"{version.name}: exit code {exit_code}: {last[0]}")
+        raise MeasurementError(f"{version.name}: exit code {exit_code}: {last_line(said)}")
 
 
 def _recorded(version: Version, out: Path, exit_code: int, said: str) -> tuple[float, float]:

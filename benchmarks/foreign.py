@@ -15,7 +15,7 @@ from typing import Any, TextIO
 
 from benchmarks.buses import NO_VCAN, VCAN, Ends, Transport
 from benchmarks.figures import MeasurementError, Missing
-from benchmarks.processes import end
+from benchmarks.processes import end, last_line
 from railhil.bus.select import vcan_available
 
 _DAEMON = "socketcand"
@@ -47,8 +47,7 @@ def _wait_for(daemon: subprocess.Popen[Any], port: int, said: TextIO) -> None:
         else:
             return
     said.seek(0)
-    words = said.read().strip().splitlines() or ["no message"]
-    raise MeasurementError(f"{_DAEMON} at {_HOST}:{port} did not start: {words[-1]}")
+    raise MeasurementError(f"{_DAEMON} at {_HOST}:{port} did not start: {last_line(said.read())}")
 
 
 @contextmanager

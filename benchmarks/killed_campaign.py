@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from benchmarks.figures import MeasurementError
+from benchmarks.processes import last_line
 from railhil.common.exit_codes import guarded
 
 #: Parts of a campaign in its folder.
@@ -51,8 +52,8 @@ def _finished(words: Sequence[str], folder: Path) -> str:
     process = _campaign(words)
     _, said = process.communicate()
     if process.returncode:
-        last = said.decode(errors="replace").strip().splitlines()[-1:] or ["no message"]
-        raise MeasurementError(f"campaign in {folder}: exit code {process.returncode}: {last[0]}")
+        last = last_line(said.decode(errors="replace"))
+        raise MeasurementError(f"campaign in {folder}: exit code {process.returncode}: {last}")
     return hashlib.sha256((folder / "results.parquet").read_bytes()).hexdigest()
 
 

@@ -17,7 +17,8 @@ import psutil
 
 from benchmarks.buses import Ends
 from benchmarks.figures import MeasurementError
-from benchmarks.processes import end
+from benchmarks.peer import COMPLAINT
+from benchmarks.processes import end, last_line
 
 PYTHON = "Python"
 C = "C"
@@ -130,12 +131,15 @@ class Pair:
 
     def _last_words(self) -> str:
         """Why the near end, or else the far end, has ended."""
-        said: list[str] = []
         for process in (self._near, self._far):
             end(process)
             assert process.stderr is not None
-            said += process.stderr.read().decode(errors="replace").strip().splitlines()[-1:]
-        return said[0] if said else "an end has ended without a word"
+            said = process.stderr.read().decode(errors="replace")
+            # A library may complain after the end's own line, when its objects are freed.
+            own = [line for line in said.splitlines() if line.startswith(COMPLAINT)]
+            if own or said:
+                return own[-1] if own else last_line(said)
+        return "an end has ended without a word"
 
 
 @contextmanager

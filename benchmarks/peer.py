@@ -29,7 +29,7 @@ import socket
 import sys
 import time
 from collections.abc import Callable, Sequence
-from contextlib import suppress
+from contextlib import closing, suppress
 from typing import Protocol
 
 from railhil.bus.can_settings import HUB_INTERFACE
@@ -48,6 +48,9 @@ _IDLE_S = 300.0
 _PINGS_MAX = 400
 _PING_S = 0.05
 _SETTLE_PERIODS = 2
+_HANDSHAKES_MAX = 5
+#: Begins the line of standard error that says why an end has failed.
+COMPLAINT = "peer: "
 
 
 class PeerError(Exception):
@@ -81,6 +84,10 @@ class _PairEnd:
             raise BusLost("socket pair closed")
         return unpack_frames(packet)
 
+    def close(self) -> None:
+        """Close the socket."""
+        self._sock.close()
+
 
 def open_end(kind: str, address: str, first_id: int) -> Link | _PairEnd:
     """Open an end like a node; on CAN with a filter for this pair's frames."""
@@ -91,8 +98,9 @@ def open_end(kind: str, address: str, first_id: int) -> Link | _PairEnd:
         return open_link({"interface": "socketcan", "channel": address, "can_filters": [rule]})
     if kind == "python-can":
         # A frame of the other end breaks python-can's handshake with socketcand if it comes in the middle of it.
-        with suppress(BusUnavailable):
-            return open_link(json.loads(address))
+        for _ in range(_HANDSHAKES_MAX - 1):
+            with suppress(BusUnavailable):
+                return open_link(json.loads(address))
         return open_link(json.loads(address))
     channel = TCP_SCHEME + address if kind == "tcp" else address
     return open_link({"interface": HUB_INTERFACE, "channel": channel})
@@ -200,19 +208,19 @@ def main(words: Sequence[str]) -> int:
     gc.freeze()
     gc.disable()
     try:
-        end = open_end(kind, address, first_id)
-        if mode == "echo":
-            # The near end leaves first, which ends the echo process.
-            with suppress(BusLost):
-                echo(end, first_id)
-            return 0
-        near = Near(end, first_id)
-        near.wait_for_echo()
-        print("ready", flush=True)
-        for line in sys.stdin:
-            print(*near.obey(line), flush=True)
+        with closing(open_end(kind, address, first_id)) as end:
+            if mode == "echo":
+                # The near end leaves first, which ends the echo process.
+                with suppress(BusLost):
+                    echo(end, first_id)
+                return 0
+            near = Near(end, first_id)
+            near.wait_for_echo()
+            print("ready", flush=True)
+            for line in sys.stdin:
+                print(*near.obey(line), flush=True)
     except (PeerError, BusError) as error:
-        print(f"peer: {error}", file=sys.stderr)
+        print(f"{COMPLAINT}{error}", file=sys.stderr)
         return 1
     return 0
 

@@ -38,6 +38,11 @@ def end(process: subprocess.Popen[Any]) -> None:
             process.wait()
 
 
+def last_line(said: str) -> str:
+    """The last line of what a process has written on standard error: why it has ended."""
+    return (said.strip().splitlines() or ["no message"])[-1]
+
+
 @contextmanager
 def hub(channel: str, *options: str) -> Iterator[tuple[str, int]]:
     """A hub process, ready; with the hub's own command-line ``options``.
@@ -54,8 +59,7 @@ def hub(channel: str, *options: str) -> Iterator[tuple[str, int]]:
         line = process.stdout.readline()
         if not line.startswith(_READY):
             end(process)
-            said = process.stderr.read().strip().splitlines() or ["no message"]
-            raise MeasurementError(f"hub at {channel} did not start: {said[-1]}")
+            raise MeasurementError(f"hub at {channel} did not start: {last_line(process.stderr.read())}")
         yield line.removeprefix(_READY).split(": ")[0], process.pid
     finally:
         end(process)
@@ -73,8 +77,7 @@ def _output(process: subprocess.Popen[str], name: str, usual: Sequence[int]) -> 
     except subprocess.TimeoutExpired:
         raise MeasurementError(f"{name} did not end within {_PATIENCE_S:g} s") from None
     if process.returncode not in usual:
-        words = err.strip().splitlines() or ["no message"]
-        raise MeasurementError(f"{name} ended with exit code {process.returncode}: {words[-1]}")
+        raise MeasurementError(f"{name} ended with exit code {process.returncode}: {last_line(err)}")
     return out
 
 

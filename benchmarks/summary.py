@@ -14,6 +14,7 @@ from statistics import median
 from typing import Any
 
 from benchmarks.figures import MeasurementError
+from benchmarks.processes import last_line
 from railhil.common.command_line import OneLineParser, parse, whole_number
 from railhil.common.exit_codes import guarded
 from railhil.common.output import Output
@@ -48,7 +49,7 @@ def measured(python: str, quick: bool) -> dict[str, Any]:
     command = [python, "-m", "benchmarks", "--json", *(["--quick"] if quick else []), *words]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode != 0:
-        raise MeasurementError(f"{python} ended with {done.returncode}: {done.stderr.strip().splitlines()[-1:]}")
+        raise MeasurementError(f"{python} ended with {done.returncode}: {last_line(done.stderr)}")
     document: dict[str, Any] = json.loads(done.stdout)
     return document
 

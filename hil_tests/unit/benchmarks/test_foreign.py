@@ -35,12 +35,19 @@ GROUP = "239.74.163.2"
 NO_C = Missing("the plain C loop", "not asked for")
 #: Stands for the daemon: its protocol, with threads for its processes and a list of clients for vcan0.
 DAEMON = """
-import pathlib, socketserver, sys, time
+import contextlib, pathlib, socketserver, sys, threading, time
 words = sys.argv[1:]
 pathlib.Path(__file__).with_name("words").write_text(" ".join(words))
-clients = []
-# The first handshake is broken by a frame.
-early = [b"< frame 110 1.000000 00 >"]
+clients, lock = set(), threading.Lock()
+# A frame breaks each of the first handshakes.
+early = [b"< frame 110 1.000000 00 >"] * 3
+def has_read_all(client):
+    # What was sent has arrived (queues of this end), and has been taken (queues of the other end).
+    own, other = (f"0100007F:{name[1]:04X}" for name in (client.getsockname(), client.getpeername()))
+    rows = [line.split() for line in open("/proc/net/tcp")]
+    queues = {(row[1], row[2]): row[4].split(":") for row in rows}
+    unsent, taken = queues.get((own, other)), queues.get((other, own))
+    return (not unsent or int(unsent[0], 16) == 0) and (not taken or int(taken[1], 16) == 0)
 class Client(socketserver.BaseRequestHandler):
     def handle(self):
         self.request.sendall(b"< hi >")
@@ -52,17 +59,23 @@ class Client(socketserver.BaseRequestHandler):
                     data = "".join(f"{int(byte, 16):02X}" for byte in command[4:])
                     self.passed_on(f"< frame {command[2]} 1.000000 {data} >".encode())
                     continue
-                self.request.sendall(b"< ok >" + (early.pop() if early and command[1] == "rawmode" else b""))
-                if command[1] == "rawmode":
-                    # By then the client has read the answer.
-                    time.sleep(0.2)
-                    clients.append(self.request)
+                with lock:
+                    broken = early.pop() if early and command[1] == "rawmode" else b""
+                self.request.sendall(b"< ok >" + broken)
+                if command[1] == "rawmode" and not broken:
+                    while not has_read_all(self.request):
+                        time.sleep(0.001)
+                    with lock:
+                        clients.add(self.request)
+    def finish(self):
+        with lock:
+            clients.discard(self.request)
     def passed_on(self, frame):
-        for other in set(clients) - {self.request}:
-            try:
-                other.sendall(frame)
-            except OSError:
-                clients.remove(other)
+        with lock:
+            for other in clients - {self.request}:
+                # Its own thread takes it from the clients.
+                with contextlib.suppress(OSError):
+                    other.sendall(frame)
 socketserver.ThreadingTCPServer.daemon_threads = True
 socketserver.ThreadingTCPServer(("127.0.0.1", int(words[words.index("-p") + 1])), Client).serve_forever()
 """
@@ -147,6 +160,15 @@ def test_the_daemon_is_started_on_loopback_without_beacon_and_ended(tmp_path, mo
     assert words == ["-n", "-q", "-i", "vcan0", "-l", "lo", "-p"]
     assert int(port) > 1023
     assert not any(psutil.pid_exists(pid) for pid in pids)
+
+
+@pytest.mark.loop
+def test_an_end_that_fails_says_why_though_a_library_complains_after_it(tmp_path, monkeypatch) -> None:
+    """python-can warns of each bus whose handshake was broken."""
+    daemon(tmp_path, monkeypatch, DAEMON.replace("] * 3", "] * 100"))
+    said = "peer: bus socketcand:vcan0 cannot be opened: .*< frame 110 "
+    with pytest.raises(MeasurementError, match=said), open_pairs(SOCKETCAND, NO_C, tmp_path):
+        pass
 
 
 def test_the_ends_are_clients_of_the_daemon(tmp_path, monkeypatch) -> None:
