@@ -49,7 +49,7 @@ def law_notes(system: System, law: str | None) -> list[dict[str, Any]] | None:
 
     :raises InputError: there is no such law.
     """
-    if law is None or "interface" in system.own:
+    if law is None or system.interface is not None:
         return None
     notes: list[dict[str, Any]] = law_document(law, find(law, system.laws))["notes"]
     return notes

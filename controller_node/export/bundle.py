@@ -45,7 +45,7 @@ def control_of(scenario: AnyScenario, law: LawSpec) -> Control:
     :raises InputError: the system has neither; or like :class:`~railhil.controller_node.export.control.Control`.
     """
     system = system_named(scenario.system)
-    kind: type[Control] = system.part("export") if "export" in system.own else InterfaceControl
+    kind: type[Control] = system.optional_part("export") or InterfaceControl
     return kind(scenario, law)
 
 

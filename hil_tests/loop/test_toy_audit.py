@@ -157,7 +157,7 @@ def test_a_law_that_may_wrap_is_audited_though_it_does_not_run(copy: Path) -> No
 
 def test_a_system_may_look_at_more(copy: Path) -> None:
     (copy / "two_carts" / "look.py").write_text(_LOOK, encoding="utf-8")
-    edit(copy, "__init__.py", 'own={"task"', 'own={"audit": "two_carts.look:look", "task"')
+    edit(copy, "__init__.py", 'task="', 'audit="two_carts.look:look", task="')
     found = audited(copy, "--runs", "0", exit_code=1)
     assert found["carts"] == {"apart": 2}
     assert [bar["name"] for bar in found["bars"] if not bar["met"]] == ["carts that roll away"]

@@ -69,7 +69,7 @@ def make_plant(scenario: AnyScenario, run: RunSpec) -> tuple[AnyPlant, Injection
             raise InputError(
                 "command line", OPTION, where, "faults of telegrams, nodes and the bus: an FMU has no others"
             )
-        if FMU_PART not in system.own:
+        if system.fmu_plant is None:
             allowed = f"a system with a part {FMU_PART}: it says what an FMU exchanges with the plant (docs/fmi.md)"
             raise InputError("command line", OPTION, Words(f"system {system.name}"), allowed)
         return system.part(FMU_PART)(*given, run.plant_fmu), None

@@ -105,13 +105,13 @@ def audit(scenario: AnyScenario, options: Options) -> Result:
         (along,) = shadow.others
         codes = compare_codes(along, reference)
         floor = Floor(errors(shadow.quantities, along, reference), codes, driven(floored(fresh())))
-    own: OwnLook | None = system.part("audit") if "audit" in system.own else None
+    own: OwnLook | None = system.optional_part("audit")
     look = own(scenario, law, fresh) if own is not None else None
     price = audited.controller.cost
     over_runs = effect(scenario, options.runs, law) if options.runs else None
     bounds = None if wide else bounds_of(audited.controller)
     found = errors(shadow.quantities, shadow.twin, reference)
-    limits = system.part("audit_limits") if "audit_limits" in system.own else None
+    limits = system.optional_part("audit_limits")
     return Result(
         scenario,
         options,

@@ -129,7 +129,7 @@ def run_under(scenario: AnyScenario, law: LawSpec, controller: Watched, seed: in
     :raises InputError: the law raises, or no control period was computed.
     """
     system = system_named(scenario.system)
-    run: Callable[..., Result] = system.part("direct") if "direct" in system.own else unrecorded_run
+    run: Callable[..., Result] = system.optional_part("direct") or unrecorded_run
     done = run(scenario, RunSpec(law=law, seed=seed), controller)
     if not controller.codes:
         found = Words("no control period: the readings never came")

@@ -22,17 +22,17 @@ DIGITS = 16
 def batch_of(scenario: AnyScenario) -> Callable[..., Any] | None:
     """The batch of a scenario's system (:func:`railhil.batch.run_batch`), None when it has none, or when a fault of
     the scenario needs the nodes."""
-    system = system_named(scenario.system)
     if needs_nodes(scenario):
         return None
-    return system.part("batch") if "batch" in system.own else None
+    batch: Callable[..., Any] | None = system_named(scenario.system).optional_part("batch")
+    return batch
 
 
 def one_by_one(scenario: AnyScenario) -> str:
     """Sentence on why the batch of a scenario makes each run by itself; empty: it makes many at once, or there is no
     batch."""
     system = system_named(scenario.system)
-    if batch_of(scenario) is None or "one_by_one" not in system.own:
+    if batch_of(scenario) is None or system.one_by_one is None:
         return ""
     why = system.part("one_by_one")(scenario)
     return f"the batch of system {system.name} makes the runs one by one: {why}" if why else ""
@@ -42,7 +42,7 @@ def kernel_of(scenario: AnyScenario) -> str | None:
     """Module with the compiled loops of a scenario's batch; None: there is no batch, or it compiles nothing."""
     if batch_of(scenario) is None or one_by_one(scenario):
         return None
-    return system_named(scenario.system).own.get("kernel")
+    return system_named(scenario.system).kernel
 
 
 def run_nodes(case: Case, seeds: Sequence[int]) -> BatchResult:

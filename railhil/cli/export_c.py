@@ -74,7 +74,7 @@ def _in_single_precision(namespace: argparse.Namespace, system: System) -> bool:
     asked = namespace.arithmetic
     if floating and asked == "iq":
         raise InputError("command line", "--arithmetic", asked, f"float32: {namespace.law} has no fixed-point formats")
-    if asked == "float32" and "interface" not in system.own:
+    if asked == "float32" and system.interface is None:
         raise InputError("command line", "--arithmetic", asked, f"iq for a law of system {system.name}")
     return floating or asked == "float32"
 

@@ -37,7 +37,7 @@ def work(namespace: argparse.Namespace) -> int:
     record = checked_record(namespace.log, namespace.scenario)
     system, truth = record.system, judging_of(record.scenario).truth
     draw, trace = draw_signals, record.trace
-    if "picture" in system.own:
+    if system.picture is not None:
         draw, trace = system.part("picture"), drawn_trace(record.scenario, trace)
     points = record.trace.count(truth)
     if points < _POINTS_MIN:

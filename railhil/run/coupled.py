@@ -52,7 +52,7 @@ def direct_run(scenario: Any, spec: RunSpec | None = None, controller: Any = Non
     """
     system = system_named(scenario.system)
     spec = spec or RunSpec(law=LawSpec(system.law))
-    if "interface" in system.own:
+    if system.interface is not None:
         law = controller or VectorController(scenario, spec.law)
         result = coupled_run(scenario, law.step, spec)
     else:
@@ -80,7 +80,7 @@ def coupled_run(
     """
     system = system_named(scenario.system)
     spec = spec or RunSpec(law=LawSpec(system.law))
-    if "interface" in system.own:
+    if system.interface is not None:
         coupled = _over_interface(scenario, system, law, spec, ports)
     else:
         coupled = _by_notch(scenario, law, spec)

@@ -7,7 +7,7 @@ A scenario file selects one with ``system = "..."``; railhil's own is ``ato``. A
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import InitVar, dataclass, field, fields
 from importlib import import_module
 from importlib.resources import files
 from pathlib import Path
@@ -25,63 +25,97 @@ GROUP = "railhil.systems"
 DEFAULT = "ato"
 #: Milestone numbers in RUN_EVENT that systems may use for their own events.
 OWN_EVENTS = range(32, 256)
+#: Field of each part that version 0.1.0 called otherwise.
+_RENAMED = {"together": "sequence_batch"}
 
 
 @dataclass(frozen=True, slots=True)
 class System:
-    """One kind of train and task. Every part is a reference, ``module:object``, unless it says otherwise.
-
-    ``ports``: port table, ``package:file``. ``scenarios``: reads its scenario files
-    (:class:`railhil.scenarios.task.ScenarioKind`). ``plant``: makes the plant from (scenario, seed, perturbed, rate)
-    (:class:`railhil.plant_sim.any_plant.AnyPlant`), and from the run's number after these if the system is
-    ``numbered``: a seed then is a sequence of runs that differ. ``controller``: makes the controller's side of the bus
-    from (scenario, law, controller, fd, bit_rate) (:class:`railhil.controller_node.any_controller.AnyController`).
-    ``laws``: entry point group of its laws. ``law``: the default law. ``arithmetic``: the default of its runs.
-    ``events``: its own milestones by name, numbers in :data:`OWN_EVENTS`. ``judging``: a
-    :class:`railhil.supervisor.judging.Judging`. ``pictures``: makes the figures of its report from (scenario, recorded
-    runs with the gaps of their records, :class:`railhil.supervisor.sampled.DrawnTrace`), each a
-    :class:`railhil.charts.figure.Figure`. ``own``: parts used by some
-    modules only: ``task``, ``interface``, ``batch``
-    (:func:`railhil.batch.run_batch`) with ``digest`` and, if it has compiled loops, ``kernel``, the name of their
-    module, and ``one_by_one`` (why its batch makes each run of a scenario by itself; empty: it makes many at once),
-    and ``direct`` (:func:`railhil.run.coupled.direct_run`; without them campaign and audit run the nodes),
-    ``together`` (makes runs of one scenario and law together that differ in seed, number and memory:
-    :func:`railhil.batch.stopping.runs.run_together`; for sequences of runs), ``audit``
-    (:data:`railhil.audit.bars.OwnLook`), ``export`` (:class:`railhil.controller_node.export.control.Control`; without
-    it a law is exported by ``interface``), ``catalogue`` (path of its fault catalogue; without it that of ``ato``),
-    ``faulty_plant`` and ``fmu_plant`` (:mod:`railhil.plant_sim.faults.plants`) and ``picture``: draws scenario and
-    trace into a file (without it: :mod:`railhil.supervisor.report.signals_picture`). For faults
-    (:mod:`railhil.faults`): ``truth``: where the truth is on its bus; ``named``: commands by name, each a port and
-    a signal (``PORT.Signal``); ``units``: first words of the ports of each unit, if a train has several;
-    ``injects``: places of faults inside its plant (``sensor.speed``).
-    """
+    """One kind of train and task. A part is a reference, ``module:object``; the optional ones are None where absent."""
 
     name: str
     title: str
+    #: Port table, ``package:file``.
     ports: str
+    #: Makes the plant from (scenario, seed, perturbed, rate), and the run's number after these if the system is
+    #: ``numbered`` (:class:`railhil.plant_sim.any_plant.AnyPlant`).
     plant: str
+    #: Makes the controller's side of the bus from (scenario, law, controller, fd, bit_rate)
+    #: (:class:`railhil.controller_node.any_controller.AnyController`).
     controller: str
+    #: Entry point group of its laws.
     laws: str
+    #: The default law.
     law: str
+    #: A :class:`railhil.supervisor.judging.Judging`.
     judging: str
+    #: Makes the figures of its report from (scenario, recorded runs with the gaps of their records,
+    #: :class:`railhil.supervisor.sampled.DrawnTrace`), each a :class:`railhil.charts.figure.Figure`.
     pictures: str
+    #: Reads its scenario files (:class:`railhil.scenarios.task.ScenarioKind`).
     scenarios: str = "railhil.scenarios.task:TaskScenarios"
+    #: The default arithmetic of its runs.
     arithmetic: str = "iq"
+    #: Its own milestones by name, numbers in :data:`OWN_EVENTS`.
     events: Mapping[str, int] = field(default_factory=dict)
-    own: Mapping[str, str] = field(default_factory=dict)
+    #: References by the name of their field, as systems of version 0.1.0 give the parts below.
+    own: InitVar[Mapping[str, str] | None] = None
+    #: Where the truth is on its bus.
     truth: Truth | None = None
+    #: Commands by name, each a port and a signal, ``PORT.Signal``.
     named: Mapping[str, str] = field(default_factory=dict)
+    #: First words of the ports of each unit, if a train has several.
     units: tuple[str, ...] = ()
+    #: Places of faults inside its plant, such as ``sensor.speed``.
     injects: tuple[str, ...] = ()
+    #: Whether a seed is a sequence of runs that differ.
     numbered: bool = False
+    #: The section ``[task]`` of its scenario files (:class:`railhil.scenarios.task.Task`).
+    task: str | None = None
+    #: Readings, commands and notes of its laws (:class:`railhil.controller_node.vector.law.Interface`).
+    interface: str | None = None
+    #: Makes a run without a bus (:func:`railhil.run.coupled.direct_run`); without it the audit runs the nodes.
+    direct: str | None = None
+    #: Makes many runs of a case (:func:`railhil.batch.run_batch`); without it campaigns run the nodes.
+    batch: str | None = None
+    #: Function of scenario and recorded trace that equals the digest of the batch; needed with ``batch``.
+    digest: str | None = None
+    #: Name of the module with the batch's compiled loops.
+    kernel: str | None = None
+    #: Function of a scenario: why the batch makes each run by itself; empty if it makes many at once.
+    one_by_one: str | None = None
+    #: Makes runs of one scenario and law at once that differ in seed, number and memory
+    #: (:func:`railhil.batch.stopping.runs.run_together`); without it sequences make them one after the other.
+    sequence_batch: str | None = None
+    #: Its own examination in the audit (:data:`railhil.audit.bars.OwnLook`).
+    audit: str | None = None
+    #: Largest errors against float64 of quantities that its laws note, by name.
+    audit_limits: str | None = None
+    #: Exports its laws as C (:class:`railhil.controller_node.export.control.Control`); without it ``interface`` does.
+    export: str | None = None
+    #: Path of its fault catalogue; without it that of ``ato``.
+    catalogue: str | None = None
+    #: Its plants with faults and with an FMU (:mod:`railhil.plant_sim.faults.plants`).
+    faulty_plant: str | None = None
+    fmu_plant: str | None = None
+    #: Draws scenario and trace into a file; without it :mod:`railhil.supervisor.report.signals_picture` does.
+    picture: str | None = None
+
+    def __post_init__(self, own: Mapping[str, str] | None) -> None:
+        optional = {item.name for item in fields(self) if item.default is None} - {"truth"}
+        for given, reference in (own or {}).items():
+            name = _RENAMED.get(given, given)
+            if name not in optional:
+                allowed = ", ".join(sorted(optional))
+                raise InputError(f"system {self.name}", "own", given, allowed, did_you_mean(given, optional))
+            object.__setattr__(self, name, reference)
 
     def part(self, name: str) -> Any:
-        """The object that one of this system's references names.
+        """The object that the reference in one of this system's fields names.
 
-        :param name: a field, or an entry of ``own``.
-        :raises InputError: there is no such part, or it cannot be imported.
+        :raises InputError: the system has no such part, or it cannot be imported.
         """
-        reference = self.own.get(name) or getattr(self, name, None)
+        reference = getattr(self, name, None)
         if not isinstance(reference, str):
             raise InputError(f"system {self.name}", name, Words("no such part"), "a reference, module:object")
         module, _, attribute = reference.partition(":")
@@ -92,6 +126,13 @@ class System:
             # Plug-in code may raise anything.
             cause = f"{type(error).__name__}: {error}"
             raise InputError(f"system {self.name}", name, reference, "a part that can be imported", cause) from error
+
+    def optional_part(self, name: str) -> Any:
+        """Like :meth:`part`; None if the system has none.
+
+        :raises InputError: it cannot be imported.
+        """
+        return None if getattr(self, name) is None else self.part(name)
 
     @property
     def port_table(self) -> Path:
@@ -166,6 +207,9 @@ def system_named(name: str, file: str | Path = "scenario") -> System:
     try:
         with plugged_in():
             system = entry.load()
+    except InputError:
+        # It says what to change.
+        raise
     except Exception as error:
         # Plug-in code may raise anything.
         cause = f"{type(error).__name__}: {error}"

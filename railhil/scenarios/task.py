@@ -203,12 +203,13 @@ class TaskScenarios:
         if truth is not None and (period_ns := timing.port_period_ns.get(truth.port, 0)) > HOLE_MAX_S * 1e9:
             allowed = f"at most {HOLE_MAX_S * 1e3:g}: no verdict without the truth for longer"
             raise refuse(("timing", "port_period_ms", truth.port), period_ns / 1e6, allowed)
-        if "interface" not in self._system.own:
+        interface = self._system.optional_part("interface")
+        if interface is None:
             return
-        for reading in self._system.part("interface").readings:
+        for reading in interface.readings:
             port = reading.telegram.PORT
             period_ns = timing.port_period_ns.get(port, 0)
-            most_ns = self._system.part("interface").age_max_ns(reading)
+            most_ns = interface.age_max_ns(reading)
             if period_ns - timing.base_tick_ns > most_ns:
                 allowed = f"at most {(most_ns + timing.base_tick_ns) / 1e6:g}: an older {reading.name} is not used"
                 raise refuse(("timing", "port_period_ms", port), period_ns / 1e6, allowed)

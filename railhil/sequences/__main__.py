@@ -19,7 +19,7 @@ from railhil.common.extras import install_command
 from railhil.common.output import Output
 from railhil.common.streams import accept_any_text, flush_output, print_json
 from railhil.sequences.command import arguments, check_combination, request_from
-from railhil.sequences.one import runner_of, through_nodes, together_of
+from railhil.sequences.one import runner_of, sequence_batch_of, through_nodes
 from railhil.sequences.plan import Plan, Request, make_plan
 from railhil.supervisor.signature import check_key, sign_list
 
@@ -56,7 +56,7 @@ def _run(namespace: argparse.Namespace) -> int:
     def say(sentence: str) -> None:
         console.print(sentence, markup=False, highlight=False, soft_wrap=True)
 
-    together = together_of(plan.scenario) is not None
+    together = sequence_batch_of(plan.scenario) is not None
     if not together and runner_of(plan.scenario) is through_nodes:
         say(f"system {plan.scenario.system} has no runs without a bus, or not with its faults: the nodes make them all")
     elif together and (why := one_by_one(plan.scenario)):

@@ -74,11 +74,12 @@ class OneRun:
         return self.began.after(self.record, self.kept.used, self.kept.refused)
 
 
-def together_of(scenario: AnyScenario) -> Callable[..., Any] | None:
-    """The function that makes runs of one scenario and law together that differ in seed, number and memory (part
-    ``together`` of the system); None if there is none, or a fault of the scenario needs the nodes."""
-    system = system_named(scenario.system)
-    return system.part("together") if "together" in system.own and not needs_nodes(scenario) else None
+def sequence_batch_of(scenario: AnyScenario) -> Callable[..., Any] | None:
+    """The part ``sequence_batch`` of a scenario's system; None: it has none, or a fault needs the nodes."""
+    if needs_nodes(scenario):
+        return None
+    batch: Callable[..., Any] | None = system_named(scenario.system).optional_part("sequence_batch")
+    return batch
 
 
 def sequences(
@@ -90,9 +91,9 @@ def sequences(
     :param begun: memory for the first of the runs of each sequence; None: none.
     :raises InputError: as :func:`sequence`.
     """
-    together = together_of(scenario)
+    batch = sequence_batch_of(scenario)
     memories = list(begun or [no_memory(specs[0].law.controller, Path("memory")) for specs in wanted])
-    if together is None:
+    if batch is None:
         runner = runner_of(scenario)
         for place, specs in enumerate(wanted):
             for number, run in enumerate(sequence(scenario, specs, runner, memories[place]), 1):
@@ -103,7 +104,7 @@ def sequences(
             replace(sequence[number], law=replace(sequence[number].law, memory=memory))
             for sequence, memory in zip(wanted, memories, strict=True)
         ]
-        for place, (spec, one) in enumerate(zip(specs, together(scenario, specs), strict=True)):
+        for place, (spec, one) in enumerate(zip(specs, batch(scenario, specs), strict=True)):
             kept = None if one.kept is None else kept_of(one.kept)
             run = OneRun(scenario, spec, one.score, dict(one.counts), "", one.digest, kept)
             memories[place] = run.left
@@ -112,9 +113,10 @@ def sequences(
 
 def runner_of(scenario: AnyScenario) -> Runner:
     """The fastest way to make a run: without a bus if the system can, else through the nodes."""
-    own = system_named(scenario.system).own
-    comparable = "digest" in own or "interface" in own
-    return _direct if "direct" in own and comparable and not needs_nodes(scenario) else through_nodes
+    system = system_named(scenario.system)
+    comparable = system.digest is not None or system.interface is not None
+    is_direct = system.direct is not None and comparable and not needs_nodes(scenario)
+    return _direct if is_direct else through_nodes
 
 
 def sequence(
@@ -155,8 +157,8 @@ def through_nodes(scenario: AnyScenario, spec: RunSpec) -> OneRun:
 
 
 def _digest(system: System, scenario: AnyScenario, run: Result) -> str:
-    if "digest" in system.own:
+    if system.digest is not None:
         return str(system.part("digest")(scenario, run.trace))
-    if "interface" in system.own:
+    if system.interface is not None:
         return command_digest(scenario, run.trace)
     return run.frames_sha256[:DIGITS]

@@ -25,7 +25,7 @@ from railhil.scenarios.parameters import load_parameters
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.stored import any_judged_sha256
 from railhil.scenarios.system import system_named
-from railhil.sequences.one import together_of
+from railhil.sequences.one import sequence_batch_of
 from railhil.supervisor.judging import Judging, judging_of
 
 RUNS_MAX, SEQUENCES_MAX, CHUNK_MAX = 10_000, 1_000_000, 1_000
@@ -176,7 +176,7 @@ def make_plan(request: Request) -> Plan:
     parameters = None if request.parameters is None else load_parameters(Path(request.parameters))
     law = LawSpec(name, request.arithmetic, request.indexing, parameters)
     if not request.chunk:
-        request = replace(request, chunk=_CHUNK if together_of(scenario) is None else _CHUNK_TOGETHER)
+        request = replace(request, chunk=_CHUNK if sequence_batch_of(scenario) is None else _CHUNK_TOGETHER)
     plan = Plan(request, scenario, law)
     last = plan.specs(plan.seeds[-1])[-1].seed
     if last > SEED_MAX:

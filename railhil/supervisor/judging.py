@@ -95,8 +95,8 @@ def judging_of(scenario: AnyScenario) -> Judging:
     """
     system = system_named(scenario.system)
     judging: Judging = system.part("judging")
-    if "interface" in system.own:
-        interface = system.part("interface")
+    interface = system.optional_part("interface")
+    if interface is not None:
         if judging.status is None:
             judging = replace(judging, status=interface_status(interface))
         if judging.received is _nothing:

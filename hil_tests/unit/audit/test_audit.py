@@ -189,13 +189,13 @@ def test_an_audit_through_the_nodes_finds_the_same(short, monkeypatch):
     """A system without a part ``direct``: every run goes through the nodes of the bench."""
     options = Options(runs=0)
     direct = document(audit(short, options))
-    slower = replace(ATO, own={name: part for name, part in ATO.own.items() if name != "direct"})
+    slower = replace(ATO, direct=None)
     monkeypatch.setattr("railhil.audit.shadow.system_named", lambda name: slower)
     assert document(audit(short, options)) == direct
 
 
 def test_a_system_that_looks_at_nothing_more_has_no_such_section(short, monkeypatch):
-    plain = replace(ATO, own={name: part for name, part in ATO.own.items() if name != "audit"})
+    plain = replace(ATO, audit=None)
     whole = document(audit(short, Options(runs=0)))
     monkeypatch.setattr("railhil.audit.result.system_named", lambda name: plain)
     result = audit(short, Options(runs=0))
@@ -209,7 +209,7 @@ def test_a_system_that_looks_at_nothing_more_has_no_such_section(short, monkeypa
 
 def test_a_run_in_which_the_law_is_never_asked_is_refused(short, monkeypatch):
     monkeypatch.setattr("railhil.audit.shadow.unrecorded_run", lambda scenario, spec, controller: None)
-    monkeypatch.setattr("railhil.audit.shadow.system_named", lambda name: replace(ATO, own={}))
+    monkeypatch.setattr("railhil.audit.shadow.system_named", lambda name: replace(ATO, direct=None))
     with pytest.raises(InputError, match="no control period: the readings never came"):
         shadow_run(short, LawSpec(), make("iq"))
 

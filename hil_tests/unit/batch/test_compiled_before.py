@@ -16,8 +16,8 @@ from railhil.scenarios.system import names, system_named
 @pytest.mark.slow
 def test_every_batch_is_compiled(tmp_path: Path) -> None:
     compile_batches(tmp_path)
-    kernels = {system_named(load_any(name).system).own.get("kernel") for name in BATCHES}
-    assert kernels == {system_named(name).own.get("kernel") for name in names()}
+    kernels = {system_named(load_any(name).system).kernel for name in BATCHES}
+    assert kernels == {system_named(name).kernel for name in names()}
     modules = [import_module(str(kernel)) for kernel in kernels]
     loops = [one for one in FUNCTIONS if any(hasattr(module, one.name) for module in modules)]
     assert len(loops) >= len(modules)

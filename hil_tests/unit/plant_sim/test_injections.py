@@ -170,7 +170,7 @@ def test_an_fmu_is_a_plant_of_systems_that_say_how(monkeypatch: pytest.MonkeyPat
     fmu = PlantFmu("train.fmu", "train.toml")
     spec = RunSpec(seed=7, perturbed=True, plant_fmu=fmu)
     made_from: list[object] = []
-    taking = replace(system_named("ato"), own={FMU_PART: "train.fmu"})
+    taking = replace(system_named("ato"), fmu_plant="train.fmu")
     monkeypatch.setattr(type(taking), "part", lambda system, name: lambda *given: made_from.extend([name, *given]))
     monkeypatch.setattr(plants, "system_named", lambda name: taking)
     assert make_plant(replace(SCENARIO, faults=("TRN_SPEED loss @0s",)), spec) == (None, None)
@@ -184,7 +184,7 @@ def test_an_fmu_is_a_plant_of_systems_that_say_how(monkeypatch: pytest.MonkeyPat
         "command line: --plant-fmu: found faults in the plant, allowed faults of telegrams, nodes and the bus: "
         "an FMU has no others"
     )
-    monkeypatch.setattr(plants, "system_named", lambda name: replace(taking, own={}))
+    monkeypatch.setattr(plants, "system_named", lambda name: replace(taking, fmu_plant=None))
     with pytest.raises(InputError) as refused:
         make_plant(SCENARIO, spec)
     assert str(refused.value) == (

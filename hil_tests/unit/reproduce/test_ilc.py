@@ -224,7 +224,7 @@ def test_damaged_memories(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> No
     assert values["both records damaged: error_m"] > values["newest record damaged: error_m"] > values["none: error_m"]
     assert {values[value_name(fault, "recovered")] for fault in FAULTS} == {None}
     # Where runs are made one by one, they begin with the given memory, too.
-    monkeypatch.setattr(one_by_one, "together_of", lambda scenario: None)
+    monkeypatch.setattr(one_by_one, "sequence_batch_of", lambda scenario: None)
     specs = run_specs(spec, scenario, 5, 3)[2:]
     ((_, _, run),) = one_by_one.sequences(scenario, [specs], [alone[1].left])
     assert (run.digest, run.left.sha256) == (alone[2].digest, alone[2].left.sha256)

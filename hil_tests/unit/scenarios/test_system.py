@@ -88,6 +88,14 @@ def test_a_part_that_is_not_there(system: System, part: str, said: str) -> None:
         system.part(part)
 
 
+def test_parts_as_version_0_1_0_gives_them() -> None:
+    reference = "mine.runs:at_once"
+    assert replace(ATO, own={"together": reference}) == replace(ATO, sequence_batch=reference)
+    assert replace(ATO, own={"direct": reference}) == replace(ATO, direct=reference)
+    with pytest.raises(InputError, match=r"system ato: own: found 'batsh', allowed .*kernel.*did you mean batch"):
+        replace(ATO, own={"batsh": reference})
+
+
 def test_a_port_table_that_is_not_there() -> None:
     with pytest.raises(InputError, match="package:file"):
         assert NO_PORTS.contract

@@ -23,7 +23,7 @@ from railhil.common.exit_codes import PASS
 from railhil.scenarios.load import load_any
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.sequences.__main__ import main
-from railhil.sequences.one import runner_of, sequence, sequences, together_of
+from railhil.sequences.one import runner_of, sequence, sequence_batch_of, sequences
 from railhil.sequences.plan import Request, make_plan, run_specs
 
 pytestmark = pytest.mark.slow
@@ -158,7 +158,7 @@ def test_runs_made_together_are_those_made_one_by_one() -> None:
     scenario = load_any("yizhuang_stop")
     base = RunSpec("yizhuang_stop", law=LawSpec("ilc_stop", "float64"), perturbed=True, bus="local")
     wanted = [run_specs(base, scenario, seed, 2) for seed in (3, 4)]
-    assert together_of(scenario) is not None
+    assert sequence_batch_of(scenario) is not None
     found = {(place, number): run for place, number, run in sequences(scenario, wanted)}
     assert [*found] == [(0, 1), (1, 1), (0, 2), (1, 2)]
     for place, specs in enumerate(wanted):

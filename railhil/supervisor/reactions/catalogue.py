@@ -110,4 +110,4 @@ def catalogue_of(system: System) -> tuple[Entry, ...]:
 
     :raises InputError: as :func:`catalogue`.
     """
-    return catalogue(system.part("catalogue")) if "catalogue" in system.own else catalogue()
+    return catalogue(system.optional_part("catalogue") or CATALOGUE)

@@ -16,5 +16,6 @@ SYSTEM = System(
     events={"arrived": 40},
     truth=Truth("TRUTH", position="TruePos1", speed="TrueSpeed1"),
     units=("UNIT1", "UNIT2"),
-    own={"task": "two_carts.task:CartsTask", "interface": "two_carts.wire:INTERFACE"},
+    task="two_carts.task:CartsTask",
+    interface="two_carts.wire:INTERFACE",
 )
