@@ -1,18 +1,17 @@
 """The wire contract: ports, telegram layouts, and the equivalent DBC file for other tools."""
 
 from railhil.dbc.contract import DBC, PORTS, Contract, ContractError, Port, Signal
-from railhil.dbc.house import HOUSE_PORTS, house_table, system_contract
+from railhil.dbc.house import house_contract, system_contract
 from railhil.dbc.read import load_contract, recorded_contract, wire_contract
 
 __all__ = [
     "DBC",
-    "HOUSE_PORTS",
     "PORTS",
     "Contract",
     "ContractError",
     "Port",
     "Signal",
-    "house_table",
+    "house_contract",
     "load_contract",
     "recorded_contract",
     "system_contract",

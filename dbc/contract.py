@@ -15,6 +15,8 @@ WIRE_VERSION = 6
 
 #: Names of the port table and of its DBC, here and in a run folder.
 PORTS, DBC = "ports.toml", "railhil.dbc"
+#: The table of the ports that every system has.
+HOUSE = "house.toml"
 
 
 class ContractError(Exception):

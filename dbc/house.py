@@ -2,30 +2,18 @@
 
 from __future__ import annotations
 
-import re
-import tomllib
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
-from railhil.dbc.contract import PORTS, Contract, ContractError, Port
-from railhil.dbc.read import load_contract, wire_contract
-
-#: Ports that every system has with the same layout: clock, orders, milestones and handshake of the bench itself.
-HOUSE_PORTS = ("TIME_SYNC", "SUP_CMD", "RUN_EVENT", "PLT_IDENT", "CTL_IDENT", "SUP_IDENT")
+from railhil.dbc.contract import HOUSE, Contract, ContractError, Port
+from railhil.dbc.read import load_contract, parsed_contract
 
 
-def house_table() -> str:
-    """What is the same in the port table of every system, as text: ``[bus]``, :data:`HOUSE_PORTS`, what they share.
-
-    It is cut out of our own table when it is asked for.
-    """
-    tables = re.split(r"(?m)^(?=\[)", Path(__file__).with_name(PORTS).read_text(encoding="utf-8"))[1:]
-    return "".join(
-        text
-        for text in tables
-        if not text.startswith("[[port]]") or tomllib.loads(text)["port"][0]["name"] in HOUSE_PORTS
-    )
+@cache
+def house_contract() -> Contract:
+    """The contract of the bench alone: the ports that every system has. Its hash is empty, for no run has it."""
+    return parsed_contract(HOUSE, Path(__file__).with_name(HOUSE).read_text(encoding="utf-8"))
 
 
 def _check_same(file: str, port: Port, house: Port) -> None:
@@ -48,12 +36,13 @@ def _check_same(file: str, port: Port, house: Port) -> None:
 def system_contract(path: Path) -> Contract:
     """The contract of a system from its port table; the DBC is made from the table and need not exist as a file.
 
-    The bench's own ports (:data:`HOUSE_PORTS`) and the identifiers of its polls are the same in every system, and the
-    plant's fastest port opens every tick: one frame with its life sign in the last four bits.
+    The ports of the house (:func:`house_contract`) and the identifiers of its polls are the same in every system; the
+    table need not contain them. The plant's fastest port opens every tick: one frame with its life sign in the last
+    four bits.
 
     :raises ContractError: one line with file, key, found and allowed.
     """
-    contract, house = load_contract(path, check_dbc=False), wire_contract()
+    contract, house = load_contract(path, check_dbc=False), house_contract()
     file = path.name
     for key in ("bit_rate", "poll_id", "device_status_id"):
         if getattr(contract, key) != getattr(house, key):
@@ -70,10 +59,11 @@ def system_contract(path: Path) -> Contract:
     names = set(taken.values())
     if len(names) < len(contract.ports):
         raise ContractError(f"{file}: port.name: found one twice, allowed each once")
-    for name in HOUSE_PORTS:
-        if name not in names:
-            raise ContractError(f"{file}: {name}: found no such port, allowed a table with the ports of every system")
-        _check_same(file, contract.port(name), house.port(name))
+    for port in house.ports:
+        if port.name not in names:
+            allowed = "a table with all ports of the house, or without any"
+            raise ContractError(f"{file}: {port.name}: found no such port, allowed {allowed}")
+        _check_same(file, contract.port(port.name), port)
     if not any(port.source == "plant" and port.mode == "publish" and port.period_ns for port in contract.ports):
         raise ContractError(f"{file}: port: found none that the plant publishes, allowed at least one")
     clock = contract.clock_port

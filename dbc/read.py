@@ -20,13 +20,14 @@ from railhil.dbc.contract import (
     CHECK_VALUES,
     DATA_BITS,
     DBC,
+    HOUSE,
     PORTS,
     Contract,
     ContractError,
     Port,
     Signal,
 )
-from railhil.dbc.text import dbc_text
+from railhil.dbc.text import dbc_text, table_text
 
 _FOLDER = Path(__file__).parent
 _AT = re.compile(r"^(\d+)\.([0-7]):(\d+)$")
@@ -101,17 +102,19 @@ def load_contract(path: Path = _FOLDER / PORTS, check_dbc: bool = True) -> Contr
         raise ContractError(
             f"{dbc_path.name}: sha256: found {found[:16]}, allowed {digest[:16]} (from {file}; `make dbc` writes it)"
         )
-    return replace(_parsed(file, text), sha256=digest)
+    return replace(parsed_contract(file, text), sha256=digest)
 
 
-def _read(path: Path, sha256: str) -> Contract:
-    """The port table in a file, whose DBC has this hash. Raises ContractError."""
+def _read(path: Path, sha256: str, current: Contract | None = None) -> Contract:
+    """The port table in a file, whose DBC has this hash; usually it is that of ``current``. Raises ContractError."""
     text = _text(path)
+    if current is not None and current.sha256 == sha256 and text == table_text(current):
+        return current
     # Decoded is with the table, certified is the DBC.
     if (derived := _dbc_sha256(path.name, text)) != sha256:
         allowed = f"{sha256}, that of the record: a port table that nobody changed"
         raise ContractError(f"{path}: sha256 of its DBC: found {derived}, allowed {allowed}")
-    return replace(_parsed(path.name, text), sha256=sha256)
+    return replace(parsed_contract(path.name, text), sha256=sha256)
 
 
 def _text(path: Path) -> str:
@@ -122,9 +125,12 @@ def _text(path: Path) -> str:
 
 
 @lru_cache(maxsize=4)
-def _parsed(file: str, text: str) -> Contract:
-    """The contract of a port table, once for each text: a run folder has the one of this installation. Raises
-    ContractError."""
+def parsed_contract(file: str, text: str) -> Contract:
+    """The contract of a port table, without the hash of its DBC, once for each text.
+
+    :param file: name of the file, for errors.
+    :raises ContractError: one line with file, key, found and allowed.
+    """
     try:
         table = tomllib.loads(text)
     except (ValueError, RecursionError) as error:
@@ -140,11 +146,36 @@ def _parsed(file: str, text: str) -> Contract:
 @lru_cache(maxsize=4)
 def _dbc_sha256(file: str, text: str) -> str:
     """Hash of the DBC that belongs to a port table. Raises ContractError."""
-    return hashlib.sha256(dbc_text(_parsed(file, text)).encode()).hexdigest()
+    return hashlib.sha256(dbc_text(parsed_contract(file, text)).encode()).hexdigest()
 
 
 def _made(file: str, table: Mapping[str, Any]) -> Contract:
-    """The contract of a parsed port table, without the hash of its DBC."""
+    """The contract of a parsed port table, without the hash of its DBC; the ports of the house are added unless the
+    table repeats them."""
+    ports = _ports(file, table)
+    bus, house = table.get("bus", {}), _house_table()
+    if file != HOUSE and not {port.name for port in ports} & {entry["name"] for entry in house["port"]}:
+        if twice := sorted(table.get("shared", {}).keys() & house["shared"].keys()):
+            raise ContractError(f"{file}: shared.{twice[0]}: found a layout of the house, allowed another name")
+        ports += _ports(HOUSE, house)
+        bus = {**house["bus"], **bus}
+    return Contract(
+        bit_rate=int(bus["bit_rate"]),
+        poll_id=int(bus["poll_id"]),
+        device_status_id=int(bus["device_status_id"]),
+        base_tick_ns=int(bus["base_tick_ms"]) * 1_000_000,
+        ports=tuple(sorted(ports, key=lambda port: port.address)),
+        sha256="",
+    )
+
+
+@cache
+def _house_table() -> Mapping[str, Any]:
+    return tomllib.loads((_FOLDER / HOUSE).read_text(encoding="utf-8"))
+
+
+def _ports(file: str, table: Mapping[str, Any]) -> list[Port]:
+    """The ports of a parsed port table, in its order."""
     ports: list[Port] = []
     for entry in table["port"]:
         name = str(entry["name"])
@@ -164,15 +195,7 @@ def _made(file: str, table: Mapping[str, Any]) -> Contract:
             optional=bool(entry.get("optional", False)),
         )
         ports.append(_checked(file, port))
-    bus = table["bus"]
-    return Contract(
-        bit_rate=int(bus["bit_rate"]),
-        poll_id=int(bus["poll_id"]),
-        device_status_id=int(bus["device_status_id"]),
-        base_tick_ns=int(bus["base_tick_ms"]) * 1_000_000,
-        ports=tuple(sorted(ports, key=lambda port: port.address)),
-        sha256="",
-    )
+    return ports
 
 
 def recorded_contract(folder: Path, sha256: str | None, current: Contract | None = None) -> Contract:
@@ -188,7 +211,7 @@ def recorded_contract(folder: Path, sha256: str | None, current: Contract | None
         found = hashlib.sha256((folder / DBC).read_bytes()).hexdigest()
         if sha256 not in (None, found):
             raise ContractError(f"{folder / DBC}: sha256: found {found}, allowed {sha256}, as in the certificate")
-        return _read(folder / PORTS, found)
+        return _read(folder / PORTS, found, current or wire_contract())
     current = current or wire_contract()
     if sha256 in (None, current.sha256):
         return current

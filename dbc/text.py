@@ -1,4 +1,4 @@
-"""The text of the DBC file that is equivalent to a port table.
+"""A wire contract as text: the DBC file, and the port table of a record.
 
 A classic telegram of more than 32 bits consists of several CAN frames, so it becomes several DBC messages: one per
 block, one for the trailer, and one for the CAN FD form. The check sequences, master words and trailers are signals too,
@@ -9,8 +9,9 @@ Run folders hold the hash of this text, and their port tables are checked by it:
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from railhil.dbc.contract import Contract, Port, Signal
 
@@ -32,20 +33,7 @@ class _Message:
 
 
 def _moved(signal: Signal, byte_offset: int) -> Signal:
-    return Signal(
-        signal.name,
-        signal.byte + byte_offset,
-        signal.msb,
-        signal.length,
-        signal.signed,
-        signal.scale,
-        signal.unit,
-        signal.minimum,
-        signal.maximum,
-        signal.comment,
-        signal.check,
-        signal.values,
-    )
+    return replace(signal, byte=signal.byte + byte_offset)
 
 
 def _master(byte: int) -> tuple[Signal, ...]:
@@ -156,3 +144,63 @@ def dbc_text(contract: Contract) -> str:
                 table = " ".join(f'{key} "{text}"' for key, text in sorted(signal.values.items(), reverse=True))
                 lines.append(f"VAL_ {message.can_id} {signal.name} {table} ;")
     return "\n".join(lines) + "\n"
+
+
+def table_text(contract: Contract) -> str:
+    """A port table with all ports of a contract, those of the house too; a record keeps it.
+
+    :returns: TOML; ``load_contract`` makes an equal contract of it.
+    """
+    lines = [
+        "# The wire contract of a run: every port, its telegram and its signals.",
+        '# at = "byte.msb:length", bytes counted from the start of the telegram, bit 7 first (Motorola order)',
+        "",
+        "[bus]",
+        f"bit_rate = {contract.bit_rate}",
+        f"poll_id = {contract.poll_id:#05x}",
+        f"device_status_id = {contract.device_status_id:#05x}",
+        f"base_tick_ms = {contract.base_tick_ns // 1_000_000}",
+    ]
+    for port in contract.ports:
+        lines += [
+            "",
+            "[[port]]",
+            f"name = {_quoted(port.name)}",
+            f"address = {port.address:#05x}",
+            f"f_code = {port.f_code}",
+            f"period_ms = {port.period_ns // 1_000_000}",
+            f"source = {_quoted(port.source)}",
+            f"mode = {_quoted(port.mode)}",
+            *(["optional = true"] if port.optional else []),
+            f"comment = {_quoted(port.comment)}",
+            "signals = [",
+            *(f"  {{ {_signal_keys(signal)} }}," for signal in port.signals),
+            "]",
+        ]
+    return "\n".join(lines) + "\n"
+
+
+def _signal_keys(signal: Signal) -> str:
+    """Keys and values of a signal in a port table; what a reader assumes without them is left out."""
+    keys = {"name": _quoted(signal.name), "at": _quoted(f"{signal.byte}.{signal.msb}:{signal.length}")}
+    if signal.signed:
+        keys["signed"] = "true"
+    if signal.scale != 1.0:
+        keys["scale"] = repr(signal.scale)
+    if signal.unit:
+        keys["unit"] = _quoted(signal.unit)
+    for key, bound in (("min", signal.minimum), ("max", signal.maximum)):
+        if bound is not None:
+            keys[key] = repr(bound)
+    if signal.check:
+        keys["check"] = _quoted(signal.check)
+    elif signal.values:
+        keys["values"] = f"{{ {', '.join(f'{key} = {_quoted(text)}' for key, text in signal.values.items())} }}"
+    if signal.comment:
+        keys["comment"] = _quoted(signal.comment)
+    return ", ".join(f"{key} = {value}" for key, value in keys.items())
+
+
+def _quoted(text: str) -> str:
+    """A basic string of TOML, whose escapes are those of JSON."""
+    return json.dumps(text, ensure_ascii=False)

@@ -15,7 +15,6 @@ from railhil.cli.new_scenario import scenario_file
 from railhil.common.errors import InputError, Words
 from railhil.common.output import Output
 from railhil.common.streams import add_json_argument, print_json
-from railhil.dbc import house_table
 from railhil.scenarios.system import DEFAULT, system_named
 from railhil.scenarios.system import names as system_names
 
@@ -131,7 +130,7 @@ def _distribution(namespace: argparse.Namespace, kind: str, law: str) -> int:
     if keyword.iskeyword(class_name) or any(re.search(rf"\b{class_name}\b", text) for text in texts):
         key = "NAME" if law == namespace.name else "--law"
         raise InputError("command line", key, law, f"another name: {class_name} has another meaning in the new files")
-    words = {"name": namespace.name, "law": law, "class_name": class_name, "house": house_table().rstrip()}
+    words = {"name": namespace.name, "law": law, "class_name": class_name}
     files = {Template(path).substitute(words): Template(text).substitute(words) for path, text in templates.items()}
     paths = {folder / path: text for path, text in files.items()}
     _write(paths)

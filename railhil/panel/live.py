@@ -6,14 +6,13 @@ import json
 import os
 import time
 from collections import deque
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from railhil.bus.frame import Frame
 from railhil.cli.watched import Watched
-from railhil.dbc import HOUSE_PORTS, Contract, wire_contract
+from railhil.dbc import house_contract
 from railhil.panel.declared import NO_LAYOUT, Layout, layout_of
 from railhil.panel.frame_list import FrameList
 from railhil.panel.heard_bus import WATCHED_FRAMES, HeardBus
@@ -35,12 +34,6 @@ from railhil.supervisor.trace import FloatArray, Trace
 STATE_S = 0.15
 #: The same between two lists for pages that have scrolled elsewhere: every tenth look.
 LIST_S = 0.95
-
-
-def _house_contract() -> Contract:
-    """What is the same in the port table of every system."""
-    contract = wire_contract()
-    return replace(contract, ports=tuple(port for port in contract.ports if port.name in HOUSE_PORTS))
 
 
 class LiveRun:
@@ -66,7 +59,7 @@ class LiveRun:
         scenario, notes = self._watched.scenario, self._watched.notes
         system: System | None = None if scenario is None else system_named(scenario.system)
         self._scenario = scenario
-        self.contract = contract = _house_contract() if system is None else system.contract
+        self.contract = contract = house_contract() if system is None else system.contract
         unknown = UnknownScenario("", "", Timing(base_tick_ns=contract.base_tick_ns))
         self.layout: Layout = NO_LAYOUT if scenario is None else layout_of(scenario, contract, notes)
         self._rows = None if scenario is None else Rows(scenario, self.layout, notes)

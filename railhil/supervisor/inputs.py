@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from railhil.dbc import DBC, PORTS
-from railhil.dbc.text import dbc_text
+from railhil.dbc.text import dbc_text, table_text
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.stored import SCENARIO, any_document
@@ -23,7 +23,7 @@ def write_inputs(folder: Path, scenario: AnyScenario, parameters: ParameterSet |
     """
     write_json(folder / SCENARIO, any_document(scenario))
     system = system_named(scenario.system)
-    (folder / PORTS).write_bytes(system.port_table.read_bytes())
+    (folder / PORTS).write_text(table_text(system.contract), encoding="utf-8")
     (folder / DBC).write_text(dbc_text(system.contract), encoding="utf-8")
     if parameters is not None:
         write_json(folder / PARAMETERS, parameters.as_json())

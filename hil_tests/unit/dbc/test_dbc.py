@@ -166,7 +166,7 @@ def test_bus_load_stays_below_40_percent():
         ('at = "0.7:24"', 'at = "24"', "TRN_SPEED.TrainSpeed.at: found '24', allowed byte.msb:length"),
         ("f_code = 1\nperiod_ms = 20", "f_code = 7\nperiod_ms = 20", "NOTCH_CMD.f_code: found 7, allowed 0..4"),
         ('at = "4.5:24"', 'at = "6.7:24"', "allowed inside one 64-bit block"),
-        ("[bus]", "[bus", "ports.toml: "),
+        ("[[port]]", "[[port", "ports.toml: "),
     ],
 )
 def test_bad_port_table_is_one_clear_line(tmp_path, old, new, complaint):

@@ -6,13 +6,21 @@ from pathlib import Path
 
 import pytest
 
-from railhil.dbc import HOUSE_PORTS, ContractError, system_contract, wire_contract
+from railhil.common.held_code import place_of
+from railhil.dbc import Contract, ContractError, house_contract, load_contract, system_contract, wire_contract
+from railhil.dbc.text import dbc_text, table_text
 
 TOY = Path(__file__).parents[2] / "data" / "toy_system" / "two_carts" / "ports.toml"
 
 
+SYSTEMS = [system_contract(place_of("dbc") / f"{name}.toml") for name in ("ports", "hst1", "emu3", "stop")]
+
+
 def changed(folder: Path, old: str, new: str) -> Path:
+    """The toy's table with another text, if need be in the long form, with the ports of the house."""
     text = TOY.read_text(encoding="utf-8")
+    if old not in text:
+        text = table_text(system_contract(TOY))
     assert old in text
     path = folder / "ports.toml"
     path.write_text(text.replace(old, new, 1), encoding="utf-8")
@@ -21,16 +29,28 @@ def changed(folder: Path, old: str, new: str) -> Path:
 
 def test_a_system_has_ports_of_its_own_beside_those_of_the_house() -> None:
     contract = system_contract(TOY)
-    own = [port.name for port in contract.ports if port.name not in HOUSE_PORTS]
+    house = [port.name for port in house_contract().ports]
+    assert house == ["TIME_SYNC", "SUP_CMD", "RUN_EVENT", "PLT_IDENT", "CTL_IDENT", "SUP_IDENT"]
+    own = [port.name for port in contract.ports if port.name not in house]
     assert own == ["UNIT1_STAT", "UNIT2_STAT", "UNIT1_CMD", "UNIT2_CMD", "LAW_STAT", "TRUTH"]
+    assert all(contract.port(port.name) == port for port in house_contract().ports)
     assert contract.clock_port.name == "UNIT1_STAT"
     assert contract.sha256 != wire_contract().sha256
 
 
-def test_railhils_own_table_is_that_of_a_system() -> None:
-    from railhil import dbc
+@pytest.mark.parametrize("contract", [*SYSTEMS, system_contract(TOY)], ids=lambda one: one.sha256[:8])
+def test_a_table_that_repeats_the_ports_of_the_house_is_the_same_contract(contract: Contract, tmp_path: Path) -> None:
+    """A record keeps this form, and tables of version 0.1.0 have it."""
+    path = tmp_path / "ports.toml"
+    path.write_text(table_text(contract), encoding="utf-8")
+    again = load_contract(path, check_dbc=False)
+    assert again == contract
+    assert dbc_text(again) == dbc_text(contract)
+    assert system_contract(path) == contract
 
-    assert system_contract(Path(dbc.__file__).with_name("ports.toml")).sha256 == wire_contract().sha256
+
+def test_railhils_own_table_is_that_of_a_system() -> None:
+    assert SYSTEMS[0] == wire_contract()
 
 
 @pytest.mark.parametrize(
@@ -44,6 +64,7 @@ def test_railhils_own_table_is_that_of_a_system() -> None:
             "PLT_IDENT.period_ms: found 0, allowed 1280, as in every system",
         ),
         ("bit_rate = 500000", "bit_rate = 250000", "bus.bit_rate: found 250000, allowed 500000"),
+        ("[shared]", "[shared]\nident = []", "shared.ident: found a layout of the house, allowed another name"),
         ("address = 0x120", "address = 0x110", "UNIT1_CMD.address: found that of UNIT1_STAT"),
         ("f_code = 1\nperiod_ms = 10\n", "f_code = 2\nperiod_ms = 10\n", "UNIT1_STAT: found F2, allowed F1"),
         ("f_code = 1\nperiod_ms = 10\n", "period_ms = 10\n", "key 'f_code': found nothing"),
