@@ -107,11 +107,11 @@ MODULES = [
     "railhil/plant_sim/telegrams.py",
     "railhil/plant_sim/train.py",
     "railhil/plant_sim/train_checks.py",
-    "railhil/supervisor/blf_writer.py",
-    "railhil/supervisor/framelog.py",
-    "railhil/supervisor/packets.py",
-    "railhil/supervisor/session.py",
-    "railhil/supervisor/trace.py",
+    "railhil/record/blf_writer.py",
+    "railhil/record/framelog.py",
+    "railhil/record/packets.py",
+    "railhil/record/session.py",
+    "railhil/record/trace.py",
 ]
 #: A build environment has no libraries, and no configuration is read: what is compiled depends on the sources only.
 OPTIONS = ["--config-file=", "--follow-imports=silent", "--ignore-missing-imports"]

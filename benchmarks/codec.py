@@ -16,7 +16,7 @@ from railhil.bus.layout import Telegram
 from railhil.bus.mvb import TelegramSource, check_sequence
 from railhil.bus.store import TrafficStore
 from railhil.bus.telegrams import SimTruth, TrnSpeed
-from railhil.supervisor.framelog import log_line
+from railhil.record.framelog import log_line
 
 TITLE = "codec"
 METHOD = (

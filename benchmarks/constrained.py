@@ -30,7 +30,7 @@ from railhil.reproduce.ngpc.runs import WINDOWS_S, windows_rmse_kmh
 from railhil.scenarios.load import load_any
 from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.supervisor.high_speed.ride import Ride
+from railhil.systems.high_speed.ride import Ride
 
 #: Of the law with constraints.
 _QP = "delay_qp"

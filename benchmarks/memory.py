@@ -14,7 +14,7 @@ import psutil
 
 from benchmarks.figures import Figure, MeasurementError, Setting
 from benchmarks.processes import RunCommand
-from railhil.supervisor.processes import process_name
+from railhil.live.processes import process_name
 
 TITLE = "memory"
 METHOD = (

@@ -20,10 +20,10 @@ from railhil.common.command_line import OneLineParser, parse
 from railhil.common.exit_codes import guarded
 from railhil.controller_node.controller import Controller
 from railhil.controller_node.laws.base import NOTCH_Q, BaliseReading
+from railhil.judge.score import Score
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec
-from railhil.supervisor.score import Score
 
 _SCENARIO = "lvshun_tieshan"
 #: Amplitudes of the alternating notch.

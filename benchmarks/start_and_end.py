@@ -10,9 +10,9 @@ from benchmarks.figures import Figure, MeasurementError, Setting, median
 from benchmarks.processes import RunCommand
 from hil_tests.support.cli import command
 from railhil.common.exit_codes import FAIL, PASS
-from railhil.supervisor.framelog import read_log
-from railhil.supervisor.log_trace import trace_of_log
-from railhil.supervisor.trace import trace_of
+from railhil.record.framelog import read_log
+from railhil.record.log_trace import trace_of_log
+from railhil.record.trace import trace_of
 
 TITLE = "start and end"
 METHOD = (

@@ -24,16 +24,16 @@ from pathlib import Path
 from railhil.bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame
 from railhil.bus.local import LocalBus
 from railhil.bus.mvb import parse_master_frame
+from railhil.judge.judging import judging_of
+from railhil.judge.score import Score
 from railhil.plant_sim.node import PlantNode
+from railhil.record.framelog import FrameLog, read_log
+from railhil.record.session import Session
+from railhil.record.trace import trace_of
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.system import system_named
-from railhil.supervisor.framelog import FrameLog, read_log
-from railhil.supervisor.judging import judging_of
-from railhil.supervisor.score import Score
-from railhil.supervisor.session import Session
-from railhil.supervisor.trace import trace_of
 
 #: Growth of the process between a quarter and the end of the fuzz that is not a leak: buffers, the allocator's arenas.
 GROWTH_MAX_BYTES = 8 << 20

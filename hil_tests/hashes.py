@@ -19,9 +19,9 @@ from pathlib import Path
 
 import railhil
 from railhil.controller_node import arithmetic as arithmetics
+from railhil.judge.reactions.catalogue import catalogue_of
 from railhil.scenarios.load import names
 from railhil.scenarios.system import system_named
-from railhil.supervisor.reactions.catalogue import catalogue_of
 
 
 @dataclass(frozen=True)

@@ -8,8 +8,8 @@ commands of the real bench.
 
 from __future__ import annotations
 
+from railhil.judge.result import Result
 from railhil.run.coupled import coupled_run, direct_run
 from railhil.run.local import local_run, unrecorded_run
-from railhil.supervisor.result import Result
 
 __all__ = ["Result", "coupled_run", "direct_run", "local_run", "unrecorded_run"]

@@ -18,17 +18,17 @@ from rich.console import Console
 from railhil.common.choices import USUAL_LAW, USUAL_SCENARIO
 from railhil.common.command_line import RATE
 from railhil.common.errors import InputError, Words
+from railhil.judge.criteria import Criterion
+from railhil.judge.events.event import RecordedEvent
+from railhil.judge.judging import Judging
+from railhil.judge.record import Record, checked_record
+from railhil.judge.signals import Signals
+from railhil.record.hash_list import check_hash_list
 from railhil.run.make import NeverBegan, record_run
 from railhil.run.report import as_recorded
 from railhil.run.spec import Parameters, Settings, Texts, bus_of, checked_spec, settings_of, spec_of, texts_of
 from railhil.scenarios.load import stable_name
 from railhil.scenarios.run_spec import RunSpec, StartUp
-from railhil.supervisor.criteria import Criterion
-from railhil.supervisor.events.event import RecordedEvent
-from railhil.supervisor.hash_list import check_hash_list
-from railhil.supervisor.judging import Judging
-from railhil.supervisor.record import Record, checked_record
-from railhil.supervisor.signals import Signals
 
 __all__ = ["CampaignOutcome", "NeverBegan", "Outcome", "RecordedEvent", "Signals", "campaign", "open_run", "run"]
 

@@ -26,12 +26,12 @@ from railhil.controller_node.node import ControllerNode
 from railhil.dbc import wire_contract
 from railhil.plant_sim.handshake import Refused
 from railhil.plant_sim.node import PlantNode
+from railhil.record.framelog import log_line, sha256_of
+from railhil.record.run_folder import run_folder
+from railhil.record.session import Session
+from railhil.run.bus_run import BusRun
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec, RunSpec, StartUp
-from railhil.supervisor.bus_run import BusRun
-from railhil.supervisor.framelog import log_line, sha256_of
-from railhil.supervisor.run_folder import run_folder
-from railhil.supervisor.session import Session
 
 Railhil = Callable[..., Done]
 

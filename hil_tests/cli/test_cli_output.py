@@ -25,8 +25,8 @@ from railhil.cli.commands import parser
 from railhil.cli.show import print_scores, print_verdict
 from railhil.common.output import Output
 from railhil.common.plain_text import plain
+from railhil.record.framelog import sha256_of
 from railhil.scenarios.load import load, short_names
-from railhil.supervisor.framelog import sha256_of
 from railhil.tuning import command as tune
 
 _SCORE = made_score("FAIL", 50652.7, 107441.0, -12.0718, 10.1449, 31.143, ("late",))

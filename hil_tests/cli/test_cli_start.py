@@ -137,7 +137,7 @@ def test_a_run_without_faults_loads_nothing_of_them(module):
         "from railhil.controller_node.faulty import controller_of;"
         "from railhil.plant_sim.faults.plants import make_plant; make_plant(scenario, RunSpec());"
         "controller_of(scenario, RunSpec().law, 0);"
-        "from railhil.supervisor.fault_report import check_faults, fault_outcomes, missing_logs;"
+        "from railhil.judge.fault_report import check_faults, fault_outcomes, missing_logs;"
         "check_faults(scenario, ['hub'], 'lockstep'); fault_outcomes(None, scenario, 0); missing_logs(None, scenario);"
         "print(*(name for name in sys.modules if name.startswith(('railhil.faults.', 'railhil.bus.injector.'))))"
     )

@@ -18,14 +18,14 @@ from hil_tests.support.short_runs import RUN_2M_TOML
 from railhil import library
 from railhil.common.errors import InputError
 from railhil.dbc import ContractError
+from railhil.judge import rerun as again
+from railhil.judge.record import checked_record
 from railhil.panel.recorded import RecordedRuns
+from railhil.record.blf_writer import write_blf
+from railhil.record.hash_list import HASH_LIST, SIGNATURE, listed_files, write_hash_list
+from railhil.record.signature import sign_list
+from railhil.report.recorded import recorded_run
 from railhil.run.report import report_line
-from railhil.supervisor import again
-from railhil.supervisor.blf_writer import write_blf
-from railhil.supervisor.hash_list import HASH_LIST, SIGNATURE, listed_files, write_hash_list
-from railhil.supervisor.record import checked_record
-from railhil.supervisor.report.recorded import recorded_run
-from railhil.supervisor.signature import sign_list
 
 _needs_ssh_keygen = pytest.mark.skipif(shutil.which("ssh-keygen") is None, reason="MISSING CAPABILITY ssh-keygen")
 _READERS: dict[str, Callable[[Path], object]] = {

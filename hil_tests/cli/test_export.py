@@ -16,8 +16,8 @@ from hil_tests.cli.conftest import Railhil
 from hil_tests.support.cli import Done
 from railhil.bus.frame import from_message
 from railhil.bus.ros2 import ros_name
-from railhil.supervisor.framelog import read_log
-from railhil.supervisor.trace import trace_of
+from railhil.record.framelog import read_log
+from railhil.record.trace import trace_of
 
 START = "2026-11-22T18:42:55+01:00"
 START_S = 1_795_369_375
@@ -261,10 +261,10 @@ def test_a_log_without_its_certificate_is_refused(here: Railhil, one: railhil.Ou
 
 def test_frames_of_every_kind_come_back_from_mf4(one: railhil.Outcome, tmp_path: Path) -> None:
     from railhil.bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame
-    from railhil.supervisor.files.content import Content
-    from railhil.supervisor.files.mf4_file import write_mf4
-    from railhil.supervisor.framelog import log_line
-    from railhil.supervisor.record import Record
+    from railhil.judge.record import Record
+    from railhil.record.framelog import log_line
+    from railhil.report.files.content import Content
+    from railhil.report.files.mf4_file import write_mf4
 
     frames = [
         Frame(0x123, b"\1\2"), Frame(0x1234567, b"\3" * 8, EXTENDED), Frame(0x105, bytes(range(48)), FD | BRS),

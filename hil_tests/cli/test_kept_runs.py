@@ -22,12 +22,12 @@ from railhil.bus.mvb import TelegramSource
 from railhil.bus.select import BusChoice
 from railhil.bus.telegrams import SimTruth
 from railhil.dbc import wire_contract
+from railhil.judge.folder import RecordFailed, write_folder
+from railhil.record.framelog import FrameLog, log_line, read_log
+from railhil.record.trace import Trace
+from railhil.run.bus_run import BusRun
+from railhil.run.conclusion import result_of
 from railhil.scenarios.run_spec import RunSpec
-from railhil.supervisor.bus_run import BusRun
-from railhil.supervisor.ending import result_of
-from railhil.supervisor.folder import RecordFailed, write_folder
-from railhil.supervisor.framelog import FrameLog, log_line, read_log
-from railhil.supervisor.trace import Trace
 
 
 def interruptible() -> None:
@@ -80,9 +80,9 @@ def test_stopped_run_keeps_its_log_and_is_invalid(tmp_path, socket_folder, monke
 #: Sends Ctrl-C twice from within the writing of the results, as a terminal does: to whoever writes, and to the command.
 INTERRUPTED = """
 import os, signal, sys
-import railhil.supervisor.folder
+import railhil.judge.folder
 from railhil.cli import main
-written, command = railhil.supervisor.folder.write_blf, os.getpid()
+written, command = railhil.judge.folder.write_blf, os.getpid()
 def ctrl_c():
     for process in {command, os.getpid()}:
         os.kill(process, signal.SIGINT)
@@ -90,7 +90,7 @@ def interrupted(log, out):
     ctrl_c()
     written(log, out)
     ctrl_c()
-railhil.supervisor.folder.write_blf = interrupted
+railhil.judge.folder.write_blf = interrupted
 sys.exit(main())
 """
 
@@ -217,7 +217,7 @@ def test_folder_that_is_full_after_the_run_holds_the_log_alone(monkeypatch, tmp_
         raise OSError(28, "No space left on device")
 
     (tmp_path / "telemetry.json").touch()
-    monkeypatch.setattr("railhil.supervisor.folder.certificate", full)
+    monkeypatch.setattr("railhil.judge.folder.certificate", full)
     with pytest.raises(RecordFailed, match="cannot be written: no space left on device") as caught:
         write_folder(result)
     assert caught.value.exit_code == 4

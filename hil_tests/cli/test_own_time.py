@@ -14,10 +14,10 @@ from railhil import library
 from railhil.bus.mvb import F_DEVICE_STATUS, master_frame
 from railhil.common.errors import InputError
 from railhil.dbc import wire_contract
+from railhil.judge.record import checked_record
+from railhil.record.framelog import log_line, read_log, sha256_of
+from railhil.record.own_time import own_time
 from railhil.scenarios.load import load
-from railhil.supervisor.framelog import log_line, read_log, sha256_of
-from railhil.supervisor.own_time import own_time
-from railhil.supervisor.record import checked_record
 
 _Line = tuple[int, str]
 _STAMP = re.compile(r"\((\d+)\.(\d{6})\) (.*\n)")

@@ -19,10 +19,10 @@ from railhil.bus.codes import FaultOrder, SupCommand
 from railhil.bus.telegrams import SupCmd
 from railhil.faults.language import parse
 from railhil.faults.ordered import octets_of
+from railhil.record.framelog import read_log
+from railhil.record.trace import trace_of
 from railhil.run.local import LocalRun
 from railhil.scenarios.run_spec import RunSpec
-from railhil.supervisor.framelog import read_log
-from railhil.supervisor.trace import trace_of
 
 pytestmark = [pytest.mark.needs_browser, pytest.mark.slow]
 _WAIT_MS = 60_000

@@ -10,10 +10,10 @@ import pytest
 
 from hil_tests.support.scores import made_score
 from railhil.cli.remarks import assumed, next_step
+from railhil.record.status import WRAP_FAILURE
+from railhil.record.trace import Trace
+from railhil.report.recorded import RecordedRun
 from railhil.scenarios.model import Scenario
-from railhil.supervisor.report.recorded import RecordedRun
-from railhil.supervisor.status import WRAP_FAILURE
-from railhil.supervisor.trace import Trace
 
 _STOP = "stop error -0.219 m, allowed +-0.2 m"
 _SCORE = made_score("FAIL", 1.0, 1.0, 0.1, -0.219, 1.0, (_STOP,))

@@ -12,8 +12,8 @@ import pytest
 from hil_tests.cli.conftest import Railhil
 from hil_tests.support.cli import complaint
 from hil_tests.support.short_runs import RUN_2M_TOML
-from railhil.supervisor.hash_list import HASH_LIST, SIGNATURE, write_hash_list
-from railhil.supervisor.signature import sign_list
+from railhil.record.hash_list import HASH_LIST, SIGNATURE, write_hash_list
+from railhil.record.signature import sign_list
 
 _needs_ssh_keygen = pytest.mark.skipif(shutil.which("ssh-keygen") is None, reason="MISSING CAPABILITY ssh-keygen")
 

@@ -15,14 +15,14 @@ from hil_tests.support.short_runs import RUN_2M_TOML
 from railhil.bench import Result, local_run
 from railhil.bus.telegrams import NotchCmd, TrnSpeed
 from railhil.common.errors import InputError
+from railhil.judge.counters import unchecked, unreconciled
+from railhil.judge.invariants import broken
+from railhil.judge.judging import judging_of
+from railhil.record.hash_list import write_hash_list
+from railhil.record.trace import Told, Trace
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.supervisor.counters import unchecked, unreconciled
-from railhil.supervisor.hash_list import write_hash_list
-from railhil.supervisor.invariants import broken
-from railhil.supervisor.judging import judging_of
-from railhil.supervisor.trace import Told, Trace
 
 pytestmark = pytest.mark.faults
 

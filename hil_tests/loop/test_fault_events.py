@@ -12,9 +12,9 @@ import pytest
 import railhil
 from hil_tests.support.short_runs import RUN_2M_TOML
 from railhil.cli import main
+from railhil.judge.events.injected import fault_events, faults_said
+from railhil.report.events_panel import event_rows
 from railhil.scenarios.run_spec import RunSpec
-from railhil.supervisor.events.injected import fault_events, faults_said
-from railhil.supervisor.report.events_panel import event_rows
 from railhil.testing.live import Live
 
 pytestmark = pytest.mark.faults

@@ -19,10 +19,10 @@ from railhil.bus.frame import Frame
 from railhil.bus.telegrams import SupCmd
 from railhil.common.exit_codes import FAIL, PASS
 from railhil.panel.following import FollowedRun
+from railhil.record.framelog import read_log
+from railhil.record.trace import trace_of
 from railhil.run.local import LocalRun
 from railhil.scenarios.run_spec import RunSpec
-from railhil.supervisor.framelog import read_log
-from railhil.supervisor.trace import trace_of
 
 pytestmark = [pytest.mark.loop, pytest.mark.slow]
 

@@ -28,10 +28,10 @@ from railhil.controller_node.node import ControllerNode
 from railhil.controller_node.speed_watch import SpeedWatchLevel
 from railhil.dbc import wire_contract
 from railhil.plant_sim.node import PlantNode
+from railhil.record.session import Session
 from railhil.scenarios.canonical import scenario_sha256
 from railhil.scenarios.model import Safety, Scenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.supervisor.session import Session
 
 pytestmark = pytest.mark.needs_compiler
 

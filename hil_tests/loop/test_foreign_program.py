@@ -24,10 +24,10 @@ from railhil.bus.hub.client import HubBus
 from railhil.bus.mvb import F_DEVICE_STATUS, device_status_frame, master_frame
 from railhil.bus.telegrams import CtlStat, NotchCmd, RunEvent, SimTruth
 from railhil.dbc import wire_contract
+from railhil.record.framelog import read_log
+from railhil.record.trace import trace_of
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.supervisor.framelog import read_log
-from railhil.supervisor.trace import trace_of
 
 pytestmark = [pytest.mark.needs_compiler, pytest.mark.loop]
 

@@ -17,12 +17,12 @@ from railhil.controller_node.node import ControllerNode
 from railhil.controller_node.speed_watch import SpeedWatchLevel
 from railhil.dbc import wire_contract
 from railhil.plant_sim.node import PlantNode
+from railhil.record.session import Session
 from railhil.scenarios.canonical import scenario_sha256
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario, TargetCurve
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.target import Target
-from railhil.supervisor.session import Session
 
 pytestmark = pytest.mark.needs_compiler
 

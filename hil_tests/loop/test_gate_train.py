@@ -16,9 +16,9 @@ from railhil.bus.telegrams import NotchCmd
 from railhil.controller_node.node import ControllerNode
 from railhil.plant_sim.command_watch import CommandWatchLevel
 from railhil.plant_sim.node import PlantNode
+from railhil.record.session import Session
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.supervisor.session import Session
 
 NOTCH_ID = NotchCmd.port().address
 Wire = Callable[[Frame], list[Frame]]

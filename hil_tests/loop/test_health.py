@@ -12,8 +12,8 @@ import pytest
 from hil_tests.support import health
 from hil_tests.support.health import disturbed_runs
 from railhil.bench import Result
+from railhil.judge.events.event import RecordedEvent
 from railhil.scenarios.run_spec import RunSpec
-from railhil.supervisor.events.event import RecordedEvent
 from railhil.testing.health import disturbed_events
 
 

@@ -11,13 +11,13 @@ from hil_tests.support.cli import railhil
 from railhil.bench import Result, direct_run, local_run
 from railhil.bus.codes import Event
 from railhil.controller_node.vector.node import ports_of
+from railhil.judge.events.derive import events_of
+from railhil.judge.events.event import LEVEL
+from railhil.judge.reactions.catalogue import catalogue, catalogue_of
 from railhil.scenarios.fault_list import fault_texts
 from railhil.scenarios.load import load_any
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.system import system_named
-from railhil.supervisor.events.derive import events_of
-from railhil.supervisor.events.event import LEVEL
-from railhil.supervisor.reactions.catalogue import catalogue, catalogue_of
 
 #: Ports of the bench's own nodes, which a run without a bus has not; it leaves open where the run ended.
 NOT_COUPLED = ("SUP_CMD", "PLT_IDENT", "SUP_IDENT", "RUN_EVENT")

@@ -20,11 +20,11 @@ from railhil.common.errors import InputError
 from railhil.controller_node.faulty import controller_of
 from railhil.controller_node.node import ControllerNode
 from railhil.dbc import wire_contract
+from railhil.judge.fault_report import fault_outcomes, missed_faults
+from railhil.record.framelog import read_log
 from railhil.run.local import LocalRun
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.supervisor.fault_report import fault_outcomes, missed_faults
-from railhil.supervisor.framelog import read_log
 
 pytestmark = pytest.mark.faults
 

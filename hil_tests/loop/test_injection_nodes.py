@@ -15,8 +15,8 @@ from railhil.bus.codes import CtlMode, Event
 from railhil.bus.frame import ERROR, FD, REMOTE, Frame
 from railhil.bus.telegrams import NotchCmd, SimTruth, SupCmd, TimeSync, TrnPos, TrnWatch
 from railhil.dbc import wire_contract
+from railhil.record.framelog import read_log
 from railhil.scenarios.load import load
-from railhil.supervisor.framelog import read_log
 
 pytestmark = pytest.mark.faults
 

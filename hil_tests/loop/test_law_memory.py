@@ -19,13 +19,13 @@ from hil_tests.support.plug import plug_in
 from hil_tests.support.remembering import Learning
 from railhil.common.exit_codes import FAIL, INVALID, PASS, TOOL_ERROR, USAGE
 from railhil.controller_node.laws.ipfc import Ipfc
+from railhil.judge.result import Result
 from railhil.run import make
+from railhil.run.memory import learned
 from railhil.scenarios.load import load
 from railhil.scenarios.memory import Record, load_memory, read_record
 from railhil.scenarios.memory_store import MemoryStore
 from railhil.scenarios.run_spec import RunSpec
-from railhil.supervisor.memory import learned
-from railhil.supervisor.result import Result
 
 pytestmark = [pytest.mark.loop, pytest.mark.slow]
 

@@ -24,10 +24,10 @@ from railhil.controller_node.laws.base import LawInputs, LawOutputs
 from railhil.controller_node.laws.ipfc import Ipfc, IpfcState
 from railhil.controller_node.program.tracer import Tracer
 from railhil.dbc import wire_contract
+from railhil.judge.folder import code_files
 from railhil.run.local import LocalRun
 from railhil.scenarios.load import load, load_any
 from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.supervisor.folder import code_files
 from railhil.testing.health import disturbed
 
 #: What processes leave of their own.
@@ -140,7 +140,7 @@ def test_the_hash_of_the_code_covers_what_such_a_run_is_made_by() -> None:
     assert {
         "run/local.py",
         "run/coupled.py",
-        "supervisor/session.py",
+        "record/session.py",
         "scenarios/run_spec.py",
         "dbc/ports.toml",
     } <= names

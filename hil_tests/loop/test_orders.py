@@ -10,15 +10,15 @@ import pytest
 from hil_tests.support.short_runs import RUN_2M_TOML
 from railhil.bus.codes import FaultOrder, SupCommand
 from railhil.bus.telegrams import SupCmd
+from railhil.judge.events.derive import events_of
+from railhil.judge.events.event import LEVEL
+from railhil.judge.fault_report import fault_outcomes
+from railhil.judge.reactions.by_hand import faults_by_hand
+from railhil.record.framelog import read_log
+from railhil.record.operator_commands import Desk
+from railhil.record.trace import trace_of
 from railhil.run.local import LocalRun
 from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.supervisor.desk import Desk
-from railhil.supervisor.events.derive import events_of
-from railhil.supervisor.events.event import LEVEL
-from railhil.supervisor.fault_report import fault_outcomes
-from railhil.supervisor.framelog import read_log
-from railhil.supervisor.reactions.by_hand import faults_by_hand
-from railhil.supervisor.trace import trace_of
 
 
 class Hands:

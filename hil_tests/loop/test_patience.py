@@ -16,7 +16,7 @@ from railhil.bus.errors import PeerSilent
 from railhil.common.patience import LATER_S, Lifelines
 from railhil.controller_node import serve as serve_module
 from railhil.controller_node.serve import serve
-from railhil.supervisor.processes import Nodes
+from railhil.live.processes import Nodes
 
 _PROGRAM = "import time; time.sleep(600)"
 

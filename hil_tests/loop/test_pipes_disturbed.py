@@ -19,9 +19,9 @@ from hil_tests.support.cli import Started, wait_for
 from hil_tests.support.operator import pressed
 from hil_tests.support.short_runs import RUN_72M_TOML
 from railhil.common.exit_codes import FAIL, INVALID, PASS, TOOL_ERROR
+from railhil.record.framelog import read_log
 from railhil.run.local import LocalRun
 from railhil.scenarios.run_spec import RunSpec
-from railhil.supervisor.framelog import read_log
 
 pytestmark = [pytest.mark.loop, pytest.mark.faults, pytest.mark.slow]
 #: Simulated seconds per second: the run of 24 s takes 0.8 s.

@@ -20,9 +20,9 @@ from railhil.controller_node.node import ControllerNode
 from railhil.plant_sim.any_plant import PlantError
 from railhil.plant_sim.command_watch import CommandWatchLevel
 from railhil.plant_sim.node import PlantNode
+from railhil.record.session import Session
 from railhil.scenarios.load import load_any
 from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.supervisor.session import Session
 
 pytestmark = pytest.mark.faults
 

@@ -20,9 +20,9 @@ from hil_tests.support.short_runs import RUN_2M_TOML
 from railhil.bus.codes import Event
 from railhil.bus.telegrams import NotchCmd, SimTruth
 from railhil.common.scheduling import HUB_PRIORITY, NODE_PRIORITY, RECORDER_PRIORITY, permitted_priority
-from railhil.supervisor.framelog import read_log
-from railhil.supervisor.jitter import LATE_SHARE_MAX
-from railhil.supervisor.trace import trace_of
+from railhil.judge.jitter import LATE_SHARE_MAX
+from railhil.record.framelog import read_log
+from railhil.record.trace import trace_of
 
 pytestmark = [pytest.mark.loop, pytest.mark.slow]
 

@@ -23,10 +23,10 @@ from railhil.common.errors import InputError
 from railhil.controller_node.node import ControllerNode
 from railhil.plant_sim.command_watch import CommandWatchLevel
 from railhil.plant_sim.node import PlantNode
+from railhil.record.session import Session
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Safety, Scenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.supervisor.session import Session
 
 #: The train is under traction.
 ATTACK_TICK = 1000

@@ -26,17 +26,17 @@ from railhil.cli.faults import entry_run
 from railhil.cli.run_options import run_spec
 from railhil.common.errors import InputError
 from railhil.controller_node.vector.node import VectorNode, ports_of
+from railhil.judge.reactions.catalogue import Entry, catalogue_of
+from railhil.judge.signals import signal_table
 from railhil.plant_sim.node import PlantNode
+from railhil.record.framelog import log_sha256
+from railhil.record.session import Session
 from railhil.scenarios.fault_list import fault_texts
 from railhil.scenarios.load import load_any
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.system import system_named
-from railhil.supervisor.framelog import log_sha256
-from railhil.supervisor.precise_stopping import panels
-from railhil.supervisor.precise_stopping.approach import Approach
-from railhil.supervisor.reactions.catalogue import Entry, catalogue_of
-from railhil.supervisor.session import Session
-from railhil.supervisor.signals import signal_table
+from railhil.systems.stop import panels
+from railhil.systems.stop.approach import Approach
 
 #: Ports of the bench's own nodes, which a run without a bus has not; it leaves open where the run ended.
 NOT_COUPLED = ("SUP_CMD", "PLT_IDENT", "SUP_IDENT", "RUN_EVENT")

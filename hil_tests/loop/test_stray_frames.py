@@ -14,12 +14,12 @@ from railhil.bus.codes import Event
 from railhil.bus.frame import Frame
 from railhil.bus.mvb import TelegramSource
 from railhil.bus.telegrams import EVENT_COPIES, RunEvent, SimTruth, TrnSpeed
+from railhil.judge.score import Score, score
 from railhil.plant_sim.milestones import Milestones
+from railhil.record.framelog import read_log
+from railhil.record.trace import Trace, trace_of
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario
-from railhil.supervisor.framelog import read_log
-from railhil.supervisor.score import Score, score
-from railhil.supervisor.trace import Trace, trace_of
 
 pytestmark = pytest.mark.faults
 

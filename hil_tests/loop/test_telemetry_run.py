@@ -27,14 +27,14 @@ from railhil.controller_node.laws.ipfc import Ipfc, IpfcState
 from railhil.controller_node.node import ControllerNode
 from railhil.controller_node.program.tracer import Tracer
 from railhil.controller_node.telemetry_file import write_telemetry
+from railhil.judge.folder import junit, rerun_needs, run_command, score_json
+from railhil.judge.result import Result
+from railhil.judge.score import STATUS
+from railhil.record.telemetry import Headroom, read_summary, shown_telemetry
+from railhil.record.trace import Trace
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec, StartUp
-from railhil.supervisor.folder import junit, rerun_needs, run_command, score_json
-from railhil.supervisor.result import Result
-from railhil.supervisor.score import STATUS
-from railhil.supervisor.telemetry import Headroom, read_summary, shown_telemetry
-from railhil.supervisor.trace import Trace
 
 #: v^2 in Q28 does not fit into int32 above this speed, km/h.
 _WRAPS_ABOVE_KMH = math.sqrt(8)

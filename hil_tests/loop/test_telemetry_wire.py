@@ -20,12 +20,12 @@ from railhil.controller_node.arithmetic.base import DIVISION_BY_ZERO, SATURATION
 from railhil.controller_node.node import ControllerNode
 from railhil.controller_node.telemetry import Telemetry
 from railhil.controller_node.telemetry_file import telemetry_document
+from railhil.judge.score import STATUS
+from railhil.record.framelog import read_log
+from railhil.record.telemetry import shown_telemetry
+from railhil.record.trace import Trace
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec
-from railhil.supervisor.framelog import read_log
-from railhil.supervisor.score import STATUS
-from railhil.supervisor.telemetry import shown_telemetry
-from railhil.supervisor.trace import Trace
 
 
 def answer(node: ControllerNode, telegram: type[Any]) -> Any:

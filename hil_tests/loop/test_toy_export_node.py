@@ -32,7 +32,7 @@ from railhil.controller_node.vector.node import VectorNode
 from railhil.plant_sim.node import PlantNode
 from railhil.scenarios.load import load_any
 from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.supervisor.session import Session
+from railhil.record.session import Session
 scenario, seed = load_any(sys.argv[1]), int(sys.argv[3])
 spec = RunSpec(law=LawSpec("apart"), seed=seed, perturbed=bool(seed))
 node, c = VectorNode(scenario, spec.law), CNode(Path(sys.argv[2]), "apart", PORTABLE_INTERFACE)

@@ -58,9 +58,9 @@ from railhil.bench import local_run
 from railhil.scenarios.load import load_any
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.system import system_named
-from railhil.supervisor.events.derive import events_of
-from railhil.supervisor.judging import judging_of
-from railhil.supervisor.telemetry import shown_telemetry
+from railhil.judge.events.derive import events_of
+from railhil.judge.judging import judging_of
+from railhil.record.telemetry import shown_telemetry
 from two_carts.wire import LAW_STAT, STATS
 scenario = load_any(sys.argv[1])
 judging = judging_of(scenario)

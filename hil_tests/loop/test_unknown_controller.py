@@ -16,17 +16,17 @@ from railhil.bench import local_run
 from railhil.bus.frame import Frame
 from railhil.bus.ident import CtlIdent
 from railhil.dbc import wire_contract
+from railhil.judge.folder import write_folder
+from railhil.judge.result import Result
+from railhil.record.documents import read_certificate
+from railhil.record.foreign_controller import reported
+from railhil.record.framelog import log_line
+from railhil.record.input_files import write_inputs
+from railhil.record.trace import Trace
+from railhil.report.facts import facts_of
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import RunSpec, StartUp
-from railhil.supervisor.documents import read_certificate
-from railhil.supervisor.folder import write_folder
-from railhil.supervisor.framelog import log_line
-from railhil.supervisor.inputs import write_inputs
-from railhil.supervisor.report.facts import facts_of
-from railhil.supervisor.reported import reported
-from railhil.supervisor.result import Result
-from railhil.supervisor.trace import Trace
 
 
 @pytest.fixture(scope="module")

@@ -13,10 +13,10 @@ from hil_tests.support.short_runs import RUN_2M_TOML
 from railhil.bench import local_run
 from railhil.bus.frame import Frame
 from railhil.bus.mvb import F_DEVICE_STATUS, master_frame
+from railhil.record.framelog import read_log
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import RunSpec
-from railhil.supervisor.framelog import read_log
 
 Recorded = list[tuple[int, Frame]]
 

@@ -16,7 +16,7 @@ import psutil
 
 from hil_tests.support.warm import run_module
 from railhil.cli.programs import PROGRAMS
-from railhil.supervisor.processes import process_name
+from railhil.live.processes import process_name
 
 #: Enough for start-up and a run at a tenth of the usual speed.
 TIMEOUT_S = 110

@@ -8,12 +8,12 @@ from pathlib import Path
 from railhil.bus.frame import Frame
 from railhil.bus.local import LocalBus
 from railhil.plant_sim.node import PlantNode
+from railhil.record.framelog import FrameLog, read_log
+from railhil.record.session import Session
+from railhil.record.trace import Trace, trace_of
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.system import system_named
-from railhil.supervisor.framelog import FrameLog, read_log
-from railhil.supervisor.session import Session
-from railhil.supervisor.trace import Trace, trace_of
 
 Disturbance = Callable[[Frame, float], list[Frame]]
 

@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 
 from railhil.bus.codes import Event
+from railhil.judge.events.derive import events_of
+from railhil.judge.events.event import LEVEL, RecordedEvent
+from railhil.judge.result import Result
+from railhil.record.framelog import read_log
+from railhil.record.trace import trace_of
 from railhil.scenarios.load import load
 from railhil.scenarios.model import AnyScenario
-from railhil.supervisor.events.derive import events_of
-from railhil.supervisor.events.event import LEVEL, RecordedEvent
-from railhil.supervisor.framelog import read_log
-from railhil.supervisor.result import Result
-from railhil.supervisor.trace import trace_of
 
 #: 590 m in 49 s, up to 75 km/h: the train passes 60 km/h at 20.3 s.
 FAST_TOML = """\

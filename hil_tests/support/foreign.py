@@ -20,9 +20,9 @@ from railhil.bus.telegrams import CtlStat
 from railhil.controller_node.export import make_bundle, write_bundle
 from railhil.controller_node.node import ControllerNode
 from railhil.plant_sim.node import PlantNode
+from railhil.record.session import Session
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.supervisor.session import Session
 
 #: The controller around the law; the program additionally has sockets and a loop.
 PORTABLE = (

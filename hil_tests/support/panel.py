@@ -10,13 +10,13 @@ from hil_tests.support.short_runs import RUN_2M_TOML
 from railhil.bench import local_run
 from railhil.bus.errors import BusLost
 from railhil.bus.frame import Frame
+from railhil.live.bus_follower import Listener
 from railhil.panel.declared import layout_of
 from railhil.panel.heard_bus import HeardBus
 from railhil.panel.values import Rows
+from railhil.record.framelog import read_log
 from railhil.scenarios.load import load
 from railhil.scenarios.system import system_named
-from railhil.supervisor.follow import Listener
-from railhil.supervisor.framelog import read_log
 
 
 class Recorded:

@@ -10,20 +10,20 @@ from pathlib import Path
 from typing import Any
 
 from railhil.bench import local_run
+from railhil.judge.events.derive import events_of
+from railhil.judge.events.event import RecordedEvent
+from railhil.judge.folder import write_folder
+from railhil.judge.record import Record
+from railhil.judge.score import Score
+from railhil.record.framelog import log_line, read_log
+from railhil.record.hash_list import write_hash_list
+from railhil.record.input_files import write_inputs
+from railhil.record.trace import Trace
+from railhil.report.recorded import RecordedRun, recorded_run
 from railhil.run.report import as_recorded
 from railhil.scenarios.load import load, names
 from railhil.scenarios.model import AnyScenario, Scenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.supervisor.events.derive import events_of
-from railhil.supervisor.events.event import RecordedEvent
-from railhil.supervisor.folder import write_folder
-from railhil.supervisor.framelog import log_line, read_log
-from railhil.supervisor.hash_list import write_hash_list
-from railhil.supervisor.inputs import write_inputs
-from railhil.supervisor.record import Record
-from railhil.supervisor.report.recorded import RecordedRun, recorded_run
-from railhil.supervisor.score import Score
-from railhil.supervisor.trace import Trace
 
 
 def recorded_folder(scenario: Scenario, folder: Path, *, seed: int = 0, arithmetic: str = "iq") -> RecordedRun:

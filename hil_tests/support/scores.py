@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from railhil.supervisor.criteria import OVERSPEED, limited, scores
-from railhil.supervisor.score import Score
+from railhil.judge.criteria import OVERSPEED, limited, scores
+from railhil.judge.score import Score
 
 
 def made_score(

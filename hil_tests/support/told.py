@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from railhil.supervisor.events.event import RecordedEvent
+from railhil.judge.events.event import RecordedEvent
 
 
 def told(events: Iterable[RecordedEvent], *kinds: str) -> list[tuple[str, str, str]]:

@@ -9,7 +9,7 @@ from railhil.bus.ident import CtlIdent, PltIdent, SupIdent
 from railhil.bus.mvb import TelegramSource
 from railhil.bus.store import TrafficStore
 from railhil.dbc import Contract
-from railhil.supervisor.framelog import log_line, read_log
+from railhil.record.framelog import log_line, read_log
 
 _VERSION = 5
 

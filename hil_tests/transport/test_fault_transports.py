@@ -25,8 +25,8 @@ from hil_tests.support.fault_runs import (
 from hil_tests.support.hub import running_hub, socket_folder, two_hubs_and_a_gateway
 from hil_tests.transport.vcan.bench import run_on
 from railhil.bench import local_run
-from railhil.supervisor.framelog import read_log
-from railhil.supervisor.trace import trace_of
+from railhil.record.framelog import read_log
+from railhil.record.trace import trace_of
 
 pytestmark = [pytest.mark.loop, pytest.mark.faults, pytest.mark.slow]
 

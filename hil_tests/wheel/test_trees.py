@@ -18,9 +18,9 @@ from hil_tests.support.venvs import RUNNING, Environment, MissingCapabilityError
 from railhil import AT_TOP
 from railhil.bench import local_run
 from railhil.common.held_code import OURS, held_sha256
+from railhil.judge.folder import code_sha256
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import RunSpec
-from railhil.supervisor.folder import code_sha256
 
 PYRIGHT = "pyright@1.1.414"
 _HOOK = "import setuptools.build_meta as build, sys; getattr(build, 'build_' + sys.argv[1])(sys.argv[2])"

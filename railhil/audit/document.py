@@ -10,7 +10,7 @@ from typing import Any
 from railhil.audit.result import Floor, Result
 from railhil.audit.shadow import Codes, QuantityError
 from railhil.controller_node.telemetry import QuantityTelemetry
-from railhil.supervisor.score import Score
+from railhil.judge.score import Score
 
 
 def _range(row: QuantityTelemetry) -> dict[str, Any]:

@@ -8,11 +8,11 @@ from statistics import median
 
 from railhil.batch.perturbed_runs import Outcomes, outcomes
 from railhil.controller_node.arithmetic.base import Counters
+from railhil.judge.criteria import Criterion
+from railhil.judge.judging import judging_of
+from railhil.judge.score import Score
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec
-from railhil.supervisor.criteria import Criterion
-from railhil.supervisor.judging import judging_of
-from railhil.supervisor.score import Score
 
 #: Allowed difference of a median from that of float64, relative to the latter, if the criterion sets none.
 _ALLOWED_SHARE = 0.01

@@ -17,12 +17,12 @@ from railhil.controller_node.cost import Cost
 from railhil.controller_node.laws import is_floating
 from railhil.controller_node.laws.constant_table import coarse
 from railhil.controller_node.telemetry import QuantityTelemetry
+from railhil.judge.criteria import Criterion
+from railhil.judge.judging import judging_of
+from railhil.judge.score import Score
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec
 from railhil.scenarios.system import system_named
-from railhil.supervisor.criteria import Criterion
-from railhil.supervisor.judging import judging_of
-from railhil.supervisor.score import Score
 
 
 @dataclass(frozen=True, slots=True)

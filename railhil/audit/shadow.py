@@ -24,11 +24,11 @@ from railhil.controller_node.arithmetic.base import Arithmetic
 from railhil.controller_node.law_controller import CommandCode, Computed, LawController, maker_of
 from railhil.controller_node.program.model import Quantity
 from railhil.controller_node.telemetry import VALUE_BITS
+from railhil.judge.result import Result
 from railhil.run.local import unrecorded_run
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.system import system_named
-from railhil.supervisor.result import Result
 
 
 class Watched:

@@ -13,7 +13,7 @@ from railhil.common.digits import percent
 from railhil.common.output import Output, table
 from railhil.controller_node.laws.constant_table import COARSE
 from railhil.controller_node.program.cycles import CPU_MHZ, FLASH_FACTOR
-from railhil.supervisor.score import Score
+from railhil.judge.score import Score
 
 #: Bits of headroom below which a quantity is flagged.
 _HEADROOM_MIN_BITS = 1

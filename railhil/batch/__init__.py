@@ -19,7 +19,7 @@ import numpy as np
 from railhil.batch.case import BatchResult, Case, column, notch_digest, trace_digest
 from railhil.batch.replay import left_the_healthy_path, replayed
 from railhil.controller_node.arithmetic.base import DIVISION_BY_ZERO, SATURATION, WRAP
-from railhil.supervisor.criteria import ATO_CRITERIA, OVERSPEED, with_sign
+from railhil.judge.criteria import ATO_CRITERIA, OVERSPEED, with_sign
 
 if TYPE_CHECKING:
     from railhil.batch.engine import BatchRuns

@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from railhil.bus.telegrams import NotchCmd
+from railhil.judge.judging import Judging
+from railhil.judge.score import Score
+from railhil.record.trace import Trace
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.supervisor.judging import Judging
-from railhil.supervisor.score import Score
-from railhil.supervisor.trace import Trace
 
 Floats: TypeAlias = NDArray[np.float64]
 Ints: TypeAlias = NDArray[np.int64]
@@ -45,7 +45,7 @@ class Case:
 class BatchResult:
     """Results of N runs, arrays of shape (N,), in the order of the seeds.
 
-    ``values``, ``signed`` and ``extras`` as in :class:`railhil.supervisor.score.Score`, NaN where a run has none.
+    ``values``, ``signed`` and ``extras`` as in :class:`railhil.judge.score.Score`, NaN where a run has none.
     ``wraps``, ``saturations`` and ``zero_divisions`` are of the law's arithmetic in that run. ``notch_codes`` (1/256
     notch, int16) only on request: one array for each run, one code for each control period.
     """

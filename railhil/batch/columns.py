@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railhil.dbc import Contract
-from railhil.supervisor.trace import Trace
+from railhil.record.trace import Trace
 
 Ints: TypeAlias = NDArray[np.int64]
 

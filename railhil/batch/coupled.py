@@ -15,11 +15,11 @@ from numpy.typing import ArrayLike, NDArray
 from railhil.batch.case import BatchResult, Case, result_of
 from railhil.batch.nodes import DIGITS
 from railhil.controller_node.vector.law import Interface
+from railhil.judge.judging import judging_of
+from railhil.judge.result import Result
+from railhil.record.trace import Trace
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.system import system_named
-from railhil.supervisor.judging import judging_of
-from railhil.supervisor.result import Result
-from railhil.supervisor.trace import Trace
 
 
 def run_coupled(case: Case, seeds: Sequence[int]) -> BatchResult:

@@ -21,11 +21,11 @@ from railhil.bus.telegrams import SimTruth
 from railhil.controller_node.arithmetic.base import DIVISION_BY_ZERO, SATURATION, WRAP
 from railhil.controller_node.laws.base import NOTCH_Q, BaliseReading
 from railhil.controller_node.loop import NO_BALISE, POSITION_MAX_01MM
+from railhil.judge import measures
+from railhil.judge.journey import ErrorGrid, stop_of
+from railhil.judge.score import Measured, Score, judged
 from railhil.plant_sim.any_plant import PlantError
-from railhil.supervisor import measures
-from railhil.supervisor.journey import ErrorGrid, stop_of
-from railhil.supervisor.score import Measured, Score, judged
-from railhil.supervisor.status import WRAP_FAILURE
+from railhil.record.status import WRAP_FAILURE
 
 Ints: TypeAlias = NDArray[np.int64]
 #: Scale of instants (s) and positions (m) in RUN_EVENT, and of accelerations in SIM_TRUTH.

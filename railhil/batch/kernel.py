@@ -16,6 +16,7 @@ from railhil.batch import compiled, curve, lanes, layout, rows, side_by_side, tr
 from railhil.batch import lanes as at
 from railhil.batch.lanes import LANES
 from railhil.common.compilable import larger, smaller
+from railhil.judge.measures import error_kmh
 from railhil.plant_sim import events, plant
 from railhil.plant_sim.command_watch import (
     GOOD_AFTER_SERVICE_BRAKE,
@@ -25,7 +26,6 @@ from railhil.plant_sim.command_watch import (
 )
 from railhil.plant_sim.dynamics import lag
 from railhil.plant_sim.plant import SLIVER_TICKS
-from railhil.supervisor.measures import error_kmh
 
 #: Sources of the machine code, in addition to the functions shared with the bench.
 _SOURCES = (

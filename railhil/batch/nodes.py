@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 
 from railhil.batch.case import BatchResult, Case, result_of
+from railhil.judge.fault_report import missed_faults
+from railhil.judge.judging import judging_of
 from railhil.plant_sim.faults.plants import needs_nodes
 from railhil.run.local import unrecorded_run
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.system import system_named
-from railhil.supervisor.fault_report import missed_faults
-from railhil.supervisor.judging import judging_of
 
 #: Number of hexadecimal digits of the frame log's hash that are used instead of the notch digest.
 DIGITS = 16

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from railhil.batch.case import Case
 from railhil.batch.nodes import batch_of, run_nodes
 from railhil.controller_node.arithmetic.base import Counters
+from railhil.judge.score import Score
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec
-from railhil.supervisor.score import Score
 
 #: Seed of the first run; the others follow.
 FIRST_SEED = 1000

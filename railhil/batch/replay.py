@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from railhil.batch.case import Case, control_codes
 from railhil.controller_node.arithmetic.base import DIVISION_BY_ZERO, SATURATION, WRAP
+from railhil.judge.score import Score
 from railhil.run.local import unrecorded_run
-from railhil.supervisor.score import Score
 
 
 def left_the_healthy_path(score: Score) -> bool:

@@ -15,6 +15,7 @@ from railhil.batch.layout import Common, PerTrain
 from railhil.bus.schedule import Schedule
 from railhil.bus.telegrams import CtlStat, NotchCmd, SimTruth, TrnPos
 from railhil.controller_node.loop import POSITION_MAX_01MM, limited_01mm
+from railhil.judge.journey import ErrorGrid
 from railhil.plant_sim import force_tables
 from railhil.plant_sim.command_watch import INITIAL, watch_ticks
 from railhil.plant_sim.dynamics import lag
@@ -29,7 +30,6 @@ from railhil.scenarios.model import Effort, Scenario
 from railhil.scenarios.perturb import unit_draws, with_draws
 from railhil.scenarios.profiles import front_speed_limit
 from railhil.scenarios.target import Target
-from railhil.supervisor.journey import ErrorGrid
 
 Ints: TypeAlias = NDArray[np.int64]
 

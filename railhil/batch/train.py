@@ -17,6 +17,7 @@ from railhil.batch.layout import READ_BALISES, READ_ODOMETER, READ_SPEED
 from railhil.bus.codes import Event
 from railhil.bus.telegrams import STOP_LEG_MIN_M
 from railhil.common.compilable import larger, smaller
+from railhil.judge.measures import error_kmh, limits_under_train, work_j
 from railhil.plant_sim.command_watch import (
     CommandWatchLevel,
     CommandWatchState,
@@ -28,7 +29,6 @@ from railhil.plant_sim.forces import GradeTable, TrainConstants
 from railhil.plant_sim.plant import NOTCH_LSB_PER_NOTCH, SLIVER_TICKS
 from railhil.plant_sim.sensors import odometer_reading_mm, speed_reading_01mmps
 from railhil.plant_sim.train_checks import ForceState, forces_step, is_beyond_authority, is_running, is_weak
-from railhil.supervisor.measures import error_kmh, limits_under_train, work_j
 
 _COMPLETE, _NOT_STOPPED = float(Event.ENDED_COMPLETE), float(Event.ENDED_NOT_STOPPED)
 #: Raw SIM_TRUTH: scales of position, speed and forces, and the largest force.

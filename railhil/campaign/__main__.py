@@ -17,7 +17,7 @@ from railhil.common.command_line import parse
 from railhil.common.exit_codes import FAIL, PASS, guarded
 from railhil.common.output import Output
 from railhil.common.streams import accept_any_text, flush_output, print_json
-from railhil.supervisor.signature import check_key, sign_list
+from railhil.record.signature import check_key, sign_list
 
 _VERIFIED_RUNS = 3
 

@@ -11,9 +11,9 @@ from railhil.common.command_line import SEED_MAX, OneLineParser, whole_number
 from railhil.common.errors import InputError
 from railhil.common.streams import add_json_argument
 from railhil.controller_node.laws import names as laws
+from railhil.record.signature import add_sign_argument
 from railhil.scenarios.load import stable_name
 from railhil.scenarios.options import add_option, add_options
-from railhil.supervisor.signature import add_sign_argument
 
 ENGINES = ("batch", "joblib", "dask")
 _EXIT_CODES = """\

@@ -17,10 +17,10 @@ from railhil.common.choices import INDEXINGS
 from railhil.common.command_line import SEED_MAX
 from railhil.common.errors import InputError, Words
 from railhil.controller_node.arithmetic import names as arithmetics
+from railhil.record.hash_list import HASH_LIST, HASH_LIST_KEY, check_document
 from railhil.scenarios import system as systems
 from railhil.scenarios.stored import any_document
 from railhil.scenarios.validation import validated
-from railhil.supervisor.hash_list import HASH_LIST, HASH_LIST_KEY, check_document
 
 MANIFEST = "campaign.json"
 _FORMAT = 1

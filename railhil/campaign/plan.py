@@ -18,6 +18,9 @@ from railhil.common.errors import InputError, Words, did_you_mean
 from railhil.common.held_code import held_sha256
 from railhil.common.plug_ins import entries
 from railhil.controller_node import laws as registered
+from railhil.judge.criteria import Criterion
+from railhil.judge.folder import code_sha256
+from railhil.judge.judging import Judging, judging_of
 from railhil.scenarios.design_seeds import chosen_on
 from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario
@@ -26,9 +29,6 @@ from railhil.scenarios.perturb import require_perturbations
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.stored import any_judged_sha256
 from railhil.scenarios.system import System, system_named
-from railhil.supervisor.criteria import Criterion
-from railhil.supervisor.folder import code_sha256
-from railhil.supervisor.judging import Judging, judging_of
 
 #: Means every registered law, in the order of the tables; the others are compared with the first.
 ALL_LAWS = "all"
@@ -102,7 +102,7 @@ def batch_sha256() -> str:
 
 @lru_cache(maxsize=1)
 def bench_sha256() -> str:
-    """:func:`railhil.supervisor.folder.code_sha256`, once per process."""
+    """:func:`railhil.judge.folder.code_sha256`, once per process."""
     return code_sha256()
 
 

@@ -16,12 +16,12 @@ from railhil.campaign.plan import Plan, make_plan
 from railhil.campaign.results_table import NotThePart, column_of, numbers, read_results, rows_of
 from railhil.common.digits import percent
 from railhil.common.errors import InputError, Words
+from railhil.record.hash_list import REPORT, check_hash_list, listed_file
+from railhil.report.assets import script, styles_text
+from railhil.report.distribution import Spread, limits_of, picture
+from railhil.report.styles import styles
+from railhil.report.templates import template
 from railhil.scenarios.stored import any_judged_sha256
-from railhil.supervisor.hash_list import REPORT, check_hash_list, listed_file
-from railhil.supervisor.report.assets import script, styles_text
-from railhil.supervisor.report.distribution import Spread, limits_of, picture
-from railhil.supervisor.report.styles import styles
-from railhil.supervisor.report.templates import template
 
 #: Folder in that of the campaign for runs that are made again.
 _AGAIN = "worst"

@@ -12,8 +12,8 @@ import pyarrow as pa
 import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
-from railhil.supervisor.criteria import Criterion, with_sign
-from railhil.supervisor.judging import Judging
+from railhil.judge.criteria import Criterion, with_sign
+from railhil.judge.judging import Judging
 
 _COUNTS = ("wraps", "saturations", "zero_divisions")
 

@@ -11,8 +11,8 @@ from rich.table import Table
 from railhil.campaign.summary import QUANTILES, all_limits, key_of
 from railhil.common.digits import beside, count_of, percent
 from railhil.common.output import Output, table
-from railhil.supervisor.criteria import STOP_WITHIN_M, Criterion, limit_key, limited
-from railhil.supervisor.judging import Judging
+from railhil.judge.criteria import STOP_WITHIN_M, Criterion, limit_key, limited
+from railhil.judge.judging import Judging
 
 _QUANTILE_TITLES = {"median": "median", "p95": "95th percentile"}
 

@@ -20,11 +20,11 @@ from railhil.campaign.plan import Plan, make_plan
 from railhil.campaign.results_table import NotThePart, read_results, row, signed_columns
 from railhil.common.errors import InputError, Words
 from railhil.common.exit_codes import FAIL, INVALID, PASS
+from railhil.record.framelog import log_sha256
+from railhil.record.hash_list import check_hash_list
+from railhil.record.log_trace import trace_of_log
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import system_named
-from railhil.supervisor.framelog import log_sha256
-from railhil.supervisor.hash_list import check_hash_list
-from railhil.supervisor.log_trace import trace_of_log
 
 
 class BenchInvalid(Exception):

@@ -10,7 +10,7 @@ from railhil.batch.nodes import batch_of, run_nodes
 from railhil.campaign.plan import Chunk, Plan, batch_sha256, bench_sha256, law_sha256
 from railhil.campaign.results_table import file_bytes, table_of
 from railhil.common.exit_codes import INVALID
-from railhil.supervisor.judging import judging_of
+from railhil.judge.judging import judging_of
 
 
 class OtherCode(Exception):

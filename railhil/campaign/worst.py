@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from railhil.campaign.plan import Entry, Plan
 from railhil.campaign.results_table import column_of, numbers, row
-from railhil.supervisor.criteria import DID_NOT_STOP, Criterion, limit_key, limited
-from railhil.supervisor.judging import Judging
+from railhil.judge.criteria import DID_NOT_STOP, Criterion, limit_key, limited
+from railhil.judge.judging import Judging
 
 #: Runs listed per law and error.
 _LARGEST = 3

@@ -18,6 +18,13 @@ from railhil.common.digits import count_of
 from railhil.common.errors import InputError, Words
 from railhil.common.output import Output
 from railhil.common.streams import add_json_argument, print_json
+from railhil.judge.judging import judging_of
+from railhil.judge.training_seeds import check_unseen
+from railhil.record.run_folder import run_folder
+from railhil.record.signature import add_sign_argument, check_key, sign_list
+from railhil.report.comparison_file import write_comparison
+from railhil.report.facts import parameters_sentence
+from railhil.report.recorded import RecordedRun, recorded_run
 from railhil.run.make import Observer, Plan, record_run
 from railhil.run.report import as_recorded, report_line
 from railhil.scenarios.model import AnyScenario
@@ -25,13 +32,6 @@ from railhil.scenarios.options import add_option
 from railhil.scenarios.parameters import ParameterSet, load_parameters
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import System
-from railhil.supervisor.comparison_file import write_comparison
-from railhil.supervisor.judging import judging_of
-from railhil.supervisor.report.facts import parameters_sentence
-from railhil.supervisor.report.recorded import RecordedRun, recorded_run
-from railhil.supervisor.run_folder import run_folder
-from railhil.supervisor.signature import add_sign_argument, check_key, sign_list
-from railhil.supervisor.training_seeds import check_unseen
 
 _ALL = "all"
 

@@ -10,9 +10,9 @@ from contextlib import ExitStack
 from dataclasses import dataclass
 
 from railhil.common.errors import InputError
+from railhil.record.telemetry import LawOrigin, law_origin
 from railhil.run.make import NeverBegan
 from railhil.scenarios.run_spec import RunSpec
-from railhil.supervisor.telemetry import LawOrigin, law_origin
 
 _CHECK_S = 120.0
 

@@ -13,11 +13,11 @@ from railhil.common.extras import missing
 from railhil.common.output import Output
 from railhil.common.python_can import allow_asammdf
 from railhil.common.whole_file import whole_file
-from railhil.supervisor.errors import not_written
-from railhil.supervisor.files.content import Content, parsed_start
-from railhil.supervisor.record import checked_record
+from railhil.judge.record import checked_record
+from railhil.record.errors import not_written
+from railhil.report.files.content import Content, parsed_start
 
-_ROOM = "railhil.supervisor.files"
+_ROOM = "railhil.report.files"
 
 
 class _Format(NamedTuple):

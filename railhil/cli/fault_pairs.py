@@ -18,12 +18,12 @@ from railhil.common.streams import print_json
 from railhil.faults.capability import why_not
 from railhil.faults.drawn import Sent, random_pair
 from railhil.faults.language import parse
+from railhil.judge.reactions.pairs import PairRun, judged_pair, sent_ports
+from railhil.judge.result import Result
 from railhil.run.make import NeverBegan, record_run
 from railhil.scenarios.fault_list import disturbed_signals, fault_texts
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import System, system_named
-from railhil.supervisor.reactions.pairs import PairRun, judged_pair, sent_ports
-from railhil.supervisor.result import Result
 
 
 def run_into(folder: Path, spec: RunSpec, *, keep: bool = True) -> Result:

@@ -26,19 +26,19 @@ from railhil.common.streams import add_json_argument, print_json
 from railhil.common.whole_file import whole_file
 from railhil.faults.capability import why_not
 from railhil.faults.language import parse
+from railhil.judge.folder import code_sha256, made_by
+from railhil.judge.reactions.catalogue import Entry, catalogue_of
+from railhil.judge.reactions.evaluate import Row, evaluated
+from railhil.judge.reactions.facts import seen_in
+from railhil.record.documents import FAULT_TABLE
+from railhil.record.errors import RecordFailed
+from railhil.record.hash_list import HASH_LIST, HASH_LIST_KEY, write_hash_list
+from railhil.record.json_file import json_text
+from railhil.record.signature import add_sign_argument, check_key, sign_list
 from railhil.run.make import NeverBegan
 from railhil.scenarios.options import add_option
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import System
-from railhil.supervisor.documents import FAULT_TABLE
-from railhil.supervisor.errors import RecordFailed
-from railhil.supervisor.folder import code_sha256, made_by
-from railhil.supervisor.hash_list import HASH_LIST, HASH_LIST_KEY, write_hash_list
-from railhil.supervisor.json_file import json_text
-from railhil.supervisor.reactions.catalogue import Entry, catalogue_of
-from railhil.supervisor.reactions.evaluate import Row, evaluated
-from railhil.supervisor.reactions.facts import seen_in
-from railhil.supervisor.signature import add_sign_argument, check_key, sign_list
 
 _PAIRS_MAX = 1_000_000
 _COLUMNS = ("id", "fault", "begun s", "effective s", "detected by", "ms", "reaction", "ms", "bound", "margin", "")

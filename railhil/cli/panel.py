@@ -16,6 +16,11 @@ from pathlib import Path
 from railhil.common.command_line import whole_number
 from railhil.common.errors import InputError, Words
 from railhil.common.extras import install_command
+from railhil.judge.fault_report import check_faults, transports_of
+from railhil.judge.result import Result
+from railhil.live.panel_socket import PanelSocket
+from railhil.live.processes import nodes_processor
+from railhil.live.sockets import private_socket
 from railhil.run.make import Observer, Plan
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.options import add_option
@@ -23,11 +28,6 @@ from railhil.scenarios.orders import ORDER
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.settings import canonical_fault
 from railhil.scenarios.system import system_named
-from railhil.supervisor.fault_report import check_faults, transports_of
-from railhil.supervisor.panel_socket import PanelSocket
-from railhil.supervisor.processes import nodes_processor
-from railhil.supervisor.result import Result
-from railhil.supervisor.sockets import private_socket
 
 _PORT_MAX = 65535
 #: A run does not wait longer for its panel; on a busy machine it takes 2 s.
@@ -142,7 +142,7 @@ def with_catalogue(spec: RunSpec) -> RunSpec:
 
     :raises InputError: the run would have too many faults.
     """
-    from railhil.supervisor.reactions.by_hand import faults_by_hand
+    from railhil.judge.reactions.by_hand import faults_by_hand
 
     return replace(spec, faults=(*spec.faults, *faults_by_hand(spec.load())))
 

@@ -9,10 +9,10 @@ from railhil.common.errors import InputError
 from railhil.common.extras import missing
 from railhil.common.output import Output
 from railhil.common.whole_file import whole_file
-from railhil.supervisor.errors import not_written
-from railhil.supervisor.judging import judging_of
-from railhil.supervisor.record import checked_record
-from railhil.supervisor.sampled import drawn_trace
+from railhil.judge.judging import judging_of
+from railhil.judge.record import checked_record
+from railhil.record.errors import not_written
+from railhil.record.sampling import drawn_trace
 
 _SUFFIXES = (".svg", ".png", ".pdf")
 #: A curve needs two points.
@@ -31,7 +31,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 def work(namespace: argparse.Namespace) -> int:
     """Draw the picture and print its path."""
     try:
-        from railhil.supervisor.report.signals_picture import draw as draw_signals
+        from railhil.report.signals_picture import draw as draw_signals
     except ImportError as error:
         raise missing("railhil plot", error, "report") from None
     record = checked_record(namespace.log, namespace.scenario)

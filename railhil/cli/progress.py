@@ -9,15 +9,15 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 from railhil.bus.ident import CtlIdent
+from railhil.record.framelog import LOG_NAME
 from railhil.run.make import Observer, Plan
 from railhil.scenarios.system import system_named
-from railhil.supervisor.framelog import LOG_NAME
 
 if TYPE_CHECKING:
     from railhil.common.output import Output
 
 #: What the line needs. It is loaded while the nodes start, or with the first redraw.
-_LOADED_LATER = ("railhil.common.output", "rich.progress", "railhil.supervisor.now")
+_LOADED_LATER = ("railhil.common.output", "rich.progress", "railhil.live.live_values")
 
 #: Wall time between two redraws, in s. A redraw costs about five milliseconds.
 _REDRAW_S = 0.4
@@ -67,8 +67,8 @@ def _line(plan: Plan, console: Output) -> Iterator[Callable[[float], None]]:
     scenario, spec = plan.scenario, plan.spec
     from rich.progress import BarColumn, Progress, ProgressColumn, TextColumn
 
-    from railhil.supervisor.now import Instruments, LogTail
-    from railhil.supervisor.reported import reported
+    from railhil.live.live_values import Instruments, LogTail
+    from railhil.record.foreign_controller import reported
 
     columns: tuple[ProgressColumn, ...] = (
         TextColumn("{task.description}"),

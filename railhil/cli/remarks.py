@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from railhil.judge.judging import judging_of
+from railhil.record.hash_list import REPORT
+from railhil.report.recorded import RecordedRun
 from railhil.scenarios.model import AnyScenario
-from railhil.supervisor.hash_list import REPORT
-from railhil.supervisor.judging import judging_of
-from railhil.supervisor.report.recorded import RecordedRun
 
 
 def assumed(scenario: AnyScenario, folder: Path, verbose: bool) -> list[str]:

@@ -12,11 +12,11 @@ from railhil.common.errors import InputError, Words, did_you_mean
 from railhil.common.exit_codes import FAIL, PASS
 from railhil.common.output import Output
 from railhil.common.streams import add_json_argument, print_json
+from railhil.judge.record import Record, checked_record
 from railhil.scenarios.options import add_fmu_options, add_option, named_fmu
 from railhil.scenarios.plant_fmu import KEY as FMU_KEY
 from railhil.scenarios.plant_fmu import OPTION as FMU_OPTION
 from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.supervisor.record import Record, checked_record
 
 
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:

@@ -9,12 +9,12 @@ from pathlib import Path
 from railhil.common.errors import InputError, Words
 from railhil.common.extras import missing
 from railhil.common.output import Output
+from railhil.judge.record import checked_record
+from railhil.record.documents import COMPARISON, read_comparison
+from railhil.record.errors import not_written
+from railhil.record.hash_list import REPORT, check_hash_list
+from railhil.report.recorded import recorded_run
 from railhil.scenarios.stored import any_judged_sha256
-from railhil.supervisor.documents import COMPARISON, read_comparison
-from railhil.supervisor.errors import not_written
-from railhil.supervisor.hash_list import REPORT, check_hash_list
-from railhil.supervisor.record import checked_record
-from railhil.supervisor.report.recorded import recorded_run
 
 #: The file by which the folder of a campaign is known.
 _CAMPAIGN = "campaign.json"
@@ -34,7 +34,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 def work(namespace: argparse.Namespace) -> int:
     """Write the report and print its path."""
     try:
-        from railhil.supervisor.report.page import write_report
+        from railhil.report.page import write_report
     except ImportError as error:
         raise missing("railhil report", error, "report") from None
     given = [Path(text) for text in namespace.folder]

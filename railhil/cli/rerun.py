@@ -15,13 +15,13 @@ from railhil.common.exit_codes import FAIL, PASS
 from railhil.common.output import Output
 from railhil.common.streams import add_json_argument, print_json
 from railhil.dbc import recorded_contract
+from railhil.judge import rerun as again
+from railhil.judge.result import Result
+from railhil.record.difference import Difference, first_difference
+from railhil.record.framelog import read_log
 from railhil.run.make import record_run
 from railhil.scenarios.options import add_fmu_options, add_option, named_fmu
 from railhil.scenarios.system import system_named
-from railhil.supervisor import again
-from railhil.supervisor.difference import Difference, first_difference
-from railhil.supervisor.framelog import read_log
-from railhil.supervisor.result import Result
 
 
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:

@@ -20,7 +20,9 @@ from railhil.cli.run_options import add_arguments, law_names, start_up
 from railhil.common.errors import Faults, InputError, Words
 from railhil.common.given_file import given_text
 from railhil.common.streams import add_json_argument, print_json, say
+from railhil.record.signature import add_sign_argument, check_key, sign_list
 from railhil.run.make import Observer, Plan, record_run
+from railhil.run.memory import memory_lines
 from railhil.run.report import as_recorded, report_line
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.options import add_fmu_options, add_option, add_options, named_fmu
@@ -28,12 +30,10 @@ from railhil.scenarios.plant_fmu import OPTION as FMU_OPTION
 from railhil.scenarios.run_document import OPTIONS, Layer, environment_layer, file_layer
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import system_named
-from railhil.supervisor.memory import memory_lines
-from railhil.supervisor.signature import add_sign_argument, check_key, sign_list
 
 if TYPE_CHECKING:
     from railhil.common.output import Output
-    from railhil.supervisor.result import Result
+    from railhil.judge.result import Result
 
 #: Key of a run -> name in the parsed command line.
 _DESTINATIONS: Mapping[str, str] = {key: option.lstrip("-").replace("-", "_") for key, option in OPTIONS.items()}
@@ -197,9 +197,9 @@ def work(namespace: argparse.Namespace) -> int:
     result = record_run(spec, *observers, scenario=scenario)
     # Loaded while the nodes ended.
     from railhil.cli.show_run import print_result
-    from railhil.supervisor.folder import score_json
-    from railhil.supervisor.hash_list import REPORT
-    from railhil.supervisor.report.recorded import recorded_run
+    from railhil.judge.folder import score_json
+    from railhil.record.hash_list import REPORT
+    from railhil.report.recorded import recorded_run
 
     folder, found = result.place, recorded_run(as_recorded(result))
     report = "" if namespace.no_report else report_line([found], folder)

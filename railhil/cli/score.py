@@ -8,9 +8,9 @@ from railhil.cli.show import print_scores, print_verdict, print_watch
 from railhil.common.exit_codes import FAIL, INVALID, PASS
 from railhil.common.output import Output
 from railhil.common.streams import add_json_argument, print_json
-from railhil.supervisor.events.summary import explained, summary, why
-from railhil.supervisor.record import checked_record
-from railhil.supervisor.report.memory_said import memory_sentence
+from railhil.judge.events.summary import explained, summary, why
+from railhil.judge.record import checked_record
+from railhil.report.memory_said import memory_sentence
 
 
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:

@@ -7,10 +7,10 @@ from collections.abc import Sequence
 from rich.table import Table
 
 from railhil.common.output import Output, table
+from railhil.judge.judging import judging_of
+from railhil.judge.score import Score
+from railhil.report.score_table import published_text
 from railhil.scenarios.model import AnyScenario, watch_sentence
-from railhil.supervisor.judging import judging_of
-from railhil.supervisor.report.score_table import published_text
-from railhil.supervisor.score import Score
 
 #: Below this width columns are separated by one space, so that no number is truncated.
 _TIGHT_COLUMNS = 66

@@ -9,10 +9,10 @@ from railhil.cli.remarks import assumed, next_step
 from railhil.cli.show import print_scores, print_verdict, print_watch
 from railhil.common.digits import count_of
 from railhil.common.output import Output
-from railhil.supervisor.report.facts import parameters_sentence
-from railhil.supervisor.report.jitter_panel import answers_sentence, jitter_sentence, scheduling_sentence
-from railhil.supervisor.report.recorded import RecordedRun
-from railhil.supervisor.result import Result
+from railhil.judge.result import Result
+from railhil.report.facts import parameters_sentence
+from railhil.report.jitter_panel import answers_sentence, jitter_sentence, scheduling_sentence
+from railhil.report.recorded import RecordedRun
 
 
 def print_result(

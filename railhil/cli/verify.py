@@ -14,13 +14,13 @@ from railhil.common.exit_codes import FAIL, PASS
 from railhil.common.output import Output
 from railhil.common.streams import add_json_argument, print_json
 from railhil.dbc import ContractError
-from railhil.supervisor.again import document_changes
-from railhil.supervisor.derived import SIGNALS, blf_difference, signals_difference
-from railhil.supervisor.documents import CERTIFICATE, FAULT_TABLE, read_fault_table
-from railhil.supervisor.framelog import LOG_NAME
-from railhil.supervisor.hash_list import DOCUMENTS, HASH_LIST, Changed, changed_files, listed_files, read_hash_list
-from railhil.supervisor.record import checked_record
-from railhil.supervisor.signature import KEY, Signed, signed
+from railhil.judge.derived_files import SIGNALS, blf_difference, signals_difference
+from railhil.judge.record import checked_record
+from railhil.judge.rerun import document_changes
+from railhil.record.documents import CERTIFICATE, FAULT_TABLE, read_fault_table
+from railhil.record.framelog import LOG_NAME
+from railhil.record.hash_list import DOCUMENTS, HASH_LIST, Changed, changed_files, listed_files, read_hash_list
+from railhil.record.signature import KEY, Signed, signed
 
 _END = f"/{HASH_LIST}"
 

@@ -22,11 +22,11 @@ from railhil.bus.select import choose_bus
 from railhil.cli.watched import Watched, named_scenario
 from railhil.common.digits import count_of
 from railhil.common.output import Output, table
+from railhil.live.bus_follower import Listener, Milestones
+from railhil.live.live_values import Instruments
+from railhil.report.display_columns import LEVEL
 from railhil.scenarios.options import add_option, add_options
 from railhil.scenarios.system import system_named
-from railhil.supervisor.follow import Listener, Milestones
-from railhil.supervisor.now import Instruments
-from railhil.supervisor.shown import LEVEL
 
 #: Wall time between two pictures, and simulated time between two lines where there is no terminal.
 _REDRAW_S, _LINE_S = 0.25, 1.0

@@ -78,7 +78,7 @@ line that nobody trusts (`bus.b` at the start) can be open without any effect, a
 nobody ordered does not. **What a fault expects** (`expect`) is judged: if the run does not show it, the verdict is FAIL
 with what was expected and what came.
 
-**The catalogue** (`railhil/supervisor/reactions/catalogue.toml`) has the faults with the reaction that each must lead
+**The catalogue** (`railhil/judge/reactions/catalogue.toml`) has the faults with the reaction that each must lead
 to and its time. `railhil faults` runs them, one run each, and prints when each was noticed, by which cause, and the
 reaction with its bound; exit code 1 if one is not as it must be, 3 if nothing was run. Each entry has a level that must
 be reached (`reaction`, and `steps` on the way), a cause (`detected`), a time (`within_ms`) and what must not happen

@@ -11,9 +11,9 @@ from typing import Any
 from railhil.controller_node.laws.high_speed.modelling import HELD_OUT
 from railhil.controller_node.laws.high_speed.network import Network
 from railhil.controller_node.laws.high_speed.training import BP_DECAY, BP_ITERATIONS, Recipe
+from railhil.judge.record import Record
 from railhil.learning.models import Learned
-from railhil.supervisor.framelog import log_sha256
-from railhil.supervisor.record import Record
+from railhil.record.framelog import log_sha256
 
 _HEAD = "# Written by railhil train-model from a recorded run. For railhil run --parameters.\n"
 #: Digits of the errors.

@@ -11,8 +11,8 @@ from railhil.controller_node.laws.high_speed.model import pade_zoh
 from railhil.controller_node.laws.high_speed.modelling import HELD_OUT, PERIODS_S, ModelError, rows_of, trained
 from railhil.controller_node.laws.high_speed.network import Network
 from railhil.controller_node.laws.high_speed.training import Recipe, Rows
+from railhil.judge.record import Record
 from railhil.learning.series import Series, series_of
-from railhil.supervisor.record import Record
 
 
 @dataclass(frozen=True, slots=True)

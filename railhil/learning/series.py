@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from railhil.bus.layout import Telegram
 from railhil.common.errors import InputError, Words
 from railhil.controller_node.vector.law import Interface
+from railhil.record.trace import Trace
 from railhil.scenarios.system import system_named
-from railhil.supervisor.trace import Trace
 
 FloatArray: TypeAlias = NDArray[np.float64]
 _KMH = 3.6

@@ -1,5 +1,5 @@
 """The live panel: a page on loopback that shows a run while it is made, or a recorded one.
 
 A process of its own that only listens on the bus, never in plant or controller; orders of the operator go to the
-supervisor (:mod:`railhil.supervisor.operator`), which sends them with SUP_CMD.
+supervisor (:mod:`railhil.record.operator_commands`), which sends them with SUP_CMD.
 """

@@ -1,6 +1,6 @@
 """What the panel shows of a system, from what the system declares: columns, charts, tracks, lamps.
 
-The columns are those of ``signals.csv`` (:func:`railhil.supervisor.signals.signal_table`), with those that the system
+The columns are those of ``signals.csv`` (:func:`railhil.judge.signals.signal_table`), with those that the system
 declares for the panel only (``Judging.shown``); nothing here knows a system.
 """
 
@@ -11,9 +11,9 @@ from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 from railhil.dbc import Contract
+from railhil.judge.judging import Judging, judging_of
+from railhil.report.display_columns import ERROR, LEVEL, NOTE, SIGNAL, STATE, ShownColumn, grouped, shown_columns
 from railhil.scenarios.model import AnyScenario
-from railhil.supervisor.judging import Judging, judging_of
-from railhil.supervisor.shown import ERROR, LEVEL, NOTE, SIGNAL, STATE, ShownColumn, grouped, shown_columns
 
 _SPEED = "km/h"
 _MPS = "m/s"

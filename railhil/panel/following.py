@@ -12,7 +12,7 @@ from pathlib import Path
 
 from railhil.bus.errors import BusLost, BusUnavailable
 from railhil.bus.frame import Frame
-from railhil.supervisor.framelog import LOG_NAME, frames_of
+from railhil.record.framelog import LOG_NAME, frames_of
 
 #: Read at one look: about 8000 classic frames.
 LOOK_BYTES = 360_000

@@ -25,7 +25,7 @@ from websockets.typing import Subprotocol
 from railhil.bus.ros2 import MESSAGE_ENCODING, SCHEMA_ENCODING, Field, Message, PortMessage, ros_name
 from railhil.panel.live import LiveRun
 from railhil.panel.wire import POLICY_VIOLATION, TooDeep, is_token, parsed
-from railhil.supervisor.trace import FloatArray, Trace
+from railhil.record.trace import FloatArray, Trace
 
 #: Newest name first, as clients offer them.
 SUBPROTOCOLS = [Subprotocol("foxglove.sdk.v1"), Subprotocol("foxglove.websocket.v1")]

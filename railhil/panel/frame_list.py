@@ -7,8 +7,8 @@ from typing import Any
 from railhil.bus.injector.follower import raw_of
 from railhil.dbc import Contract, Signal
 from railhil.dbc.contract import ANTIVALENT_VALUES, CHECK_VALUES
+from railhil.live.bus_follower import Listener
 from railhil.panel.heard_bus import HeardBus
-from railhil.supervisor.follow import Listener
 
 
 class FrameList:

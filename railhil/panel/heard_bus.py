@@ -7,8 +7,8 @@ from collections import Counter, deque
 from railhil.bus.frame import Frame
 from railhil.bus.load import longest_frame_bits
 from railhil.dbc import Contract
-from railhil.supervisor.follow import BusObserver
-from railhil.supervisor.trace import Trace
+from railhil.live.bus_follower import BusObserver
+from railhil.record.trace import Trace
 
 #: Raw frames kept of an identifier that somebody watches.
 WATCHED_FRAMES = 100

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from railhil.supervisor.trace import FloatArray
+from railhil.record.trace import FloatArray
 
 #: Rows kept at most; then the older ones become half as dense.
 ROWS_MAX = 24_000

@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import Any
 
 from railhil.common.errors import InputError, Words
+from railhil.judge.judging import judging_of
+from railhil.judge.sequence_measure import sequence_measures
+from railhil.record.documents import read_certificate, read_score
 from railhil.scenarios.memory import MEMORY_AFTER, BadRecord, read_record
 from railhil.scenarios.model import AnyScenario
-from railhil.supervisor.documents import read_certificate, read_score
-from railhil.supervisor.judging import judging_of
-from railhil.supervisor.sequence_measure import sequence_measures
 
 #: What ``railhil sequence run`` writes beside its run folders, and how it names these.
 SEQUENCE, _RUNS = "sequence.json", "run[0-9]*"

@@ -13,6 +13,7 @@ import numpy as np
 from railhil.bus.frame import Frame
 from railhil.cli.watched import Watched
 from railhil.dbc import house_contract
+from railhil.live.bus_follower import Listener
 from railhil.panel.declared import NO_LAYOUT, Layout, layout_of
 from railhil.panel.frame_list import FrameList
 from railhil.panel.heard_bus import WATCHED_FRAMES, HeardBus
@@ -23,11 +24,10 @@ from railhil.panel.operator import Operator
 from railhil.panel.receiver import Receiver
 from railhil.panel.values import Rows
 from railhil.panel.wire import APPEND, REPLACE, batch
+from railhil.record.trace import FloatArray, Trace
 from railhil.scenarios.model import Timing
 from railhil.scenarios.system import System, system_named
 from railhil.scenarios.unknown import UnknownScenario
-from railhil.supervisor.follow import Listener
-from railhil.supervisor.trace import FloatArray, Trace
 
 #: Least wall time between two states (time, counters), and two lists of frames for pages that show them: every second
 #: look.

@@ -6,11 +6,11 @@ from typing import Any
 
 from railhil.bus.codes import Event
 from railhil.bus.telegrams import RunEvent
+from railhil.judge.judging import judging_of
 from railhil.panel.declared import Layout
+from railhil.record.trace import Trace
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.system import System
-from railhil.supervisor.judging import judging_of
-from railhil.supervisor.trace import Trace
 
 #: Kept for pages that come later.
 EVENTS_MAX = 1000

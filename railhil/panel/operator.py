@@ -1,4 +1,4 @@
-"""The panel's end of the supervisor's socket (:mod:`railhil.supervisor.panel_socket`)."""
+"""The panel's end of the supervisor's socket (:mod:`railhil.live.panel_socket`)."""
 
 from __future__ import annotations
 

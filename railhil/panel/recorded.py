@@ -12,18 +12,18 @@ import numpy as np
 
 from railhil.common.digits import count_of
 from railhil.common.errors import InputError
+from railhil.judge.cross_check import check_folder
+from railhil.judge.events.event import LEVEL, MISSED_POLL, START, RecordedEvent
+from railhil.judge.record import Record, checked_record
 from railhil.panel.declared import Chart, Layout, layout_of
 from railhil.panel.growing import Growing
 from railhil.panel.learning import learning_charts, run_folders
 from railhil.panel.values import Rows
 from railhil.panel.wire import REPLACE, batch
-from railhil.supervisor.cross_check import check_folder
-from railhil.supervisor.documents import read_certificate
-from railhil.supervisor.events.event import LEVEL, MISSED_POLL, START, RecordedEvent
-from railhil.supervisor.record import Record, checked_record
-from railhil.supervisor.report.recorded import recorded_run, told_apart
-from railhil.supervisor.shown import ShownColumn
-from railhil.supervisor.trace import FloatArray
+from railhil.record.documents import read_certificate
+from railhil.record.trace import FloatArray
+from railhil.report.display_columns import ShownColumn
+from railhil.report.recorded import recorded_run, told_apart
 
 #: Rows of a run that a page gets; of a longer run the smallest and largest value of each column in equal parts.
 ROWS_MAX = 40_000

@@ -6,15 +6,15 @@ from typing import Any
 
 import numpy as np
 
+from railhil.judge.judging import judging_of
+from railhil.judge.signals import table_of
 from railhil.panel.declared import LAMP, Layout
 from railhil.panel.history import is_gap
+from railhil.record.sampling import Sampler, gap_after, holding_s, silences
+from railhil.record.trace import FloatArray, Trace
+from railhil.report.display_columns import ERROR
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.system import system_named
-from railhil.supervisor.judging import judging_of
-from railhil.supervisor.sampled import Sampler, gap_after, holding_s, silences
-from railhil.supervisor.shown import ERROR
-from railhil.supervisor.signals import table_of
-from railhil.supervisor.trace import FloatArray, Trace
 
 
 class Rows:

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from railhil.supervisor.trace import FloatArray
+from railhil.record.trace import FloatArray
 
 SUBPROTOCOL = "railhil.panel.v1"
 #: Code with which a WebSocket is closed (RFC 6455, 7.4.1).

@@ -16,6 +16,7 @@ from railhil.common.extras import install_command
 from railhil.common.output import Output
 from railhil.common.streams import accept_any_text, add_json_argument, flush_output, print_json
 from railhil.common.whole_file import check_writable
+from railhil.record.errors import not_written
 from railhil.reproduce.document import document
 from railhil.reproduce.page import PAGE, RUNS, shown, write_page
 from railhil.reproduce.paper import Paper, Results
@@ -23,10 +24,9 @@ from railhil.reproduce.papers import PAPERS, paper_named
 from railhil.reproduce.protocol import results
 from railhil.reproduce.show import show, show_papers
 from railhil.scenarios.options import add_option
-from railhil.supervisor.errors import not_written
 
 if TYPE_CHECKING:
-    from railhil.supervisor.report.figures import Picture
+    from railhil.report.figures import Picture
 
 _SEEDS_MAX = 1000
 _EXIT_CODES = """\

@@ -15,12 +15,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from railhil.common.whole_file import whole_file
+from railhil.record.errors import not_written
 from railhil.reproduce.document import Shown, document
 from railhil.reproduce.paper import Paper, Results, Table
-from railhil.supervisor.errors import not_written
 
 if TYPE_CHECKING:
-    from railhil.supervisor.report.figures import Picture
+    from railhil.report.figures import Picture
 
 PAGE, RESULTS, RUNS = "page.md", "results.json", "runs"
 #: Digits of a hash in a table; the document has all of them.

@@ -12,13 +12,13 @@ from dataclasses import dataclass, field, replace
 from statistics import median
 from typing import TYPE_CHECKING, Any
 
+from railhil.report.deviations import Deviation
 from railhil.reproduce.ways import Recorded, Way
 from railhil.scenarios.run_spec import RunSpec
-from railhil.supervisor.report.deviations import Deviation
 
 if TYPE_CHECKING:
     # Needs the extra [report].
-    from railhil.supervisor.report.figures import Picture
+    from railhil.report.figures import Picture
 
 #: What a statement of a paper comes to on this bench.
 FOLLOWS, IN_PART, FOLLOWS_NOT, OPEN = "follows", "follows in part", "does not follow", "cannot be checked"

@@ -8,9 +8,9 @@ from typing import Any, Protocol
 
 from railhil import library
 from railhil.controller_node.vector.controller import VectorController
+from railhil.judge.record import Record
 from railhil.run.coupled import coupled_run
 from railhil.scenarios.run_spec import RunSpec
-from railhil.supervisor.record import Record
 
 
 @dataclass(frozen=True, slots=True)

@@ -24,6 +24,8 @@ from railhil.controller_node.vector.law import Interface
 from railhil.controller_node.vector.status import status_telegram
 from railhil.dbc import Port
 from railhil.faults.language import parse
+from railhil.judge.judging import judging_of
+from railhil.judge.result import Result
 from railhil.plant_sim.any_plant import AnyPlant
 from railhil.plant_sim.cycle import TickLoop
 from railhil.plant_sim.faults.plants import LEVELS, constant_mismatches, make_plant
@@ -31,13 +33,11 @@ from railhil.plant_sim.milestones import Milestones
 from railhil.plant_sim.plant import Plant
 from railhil.plant_sim.run_end import RunEnd
 from railhil.plant_sim.telegrams import TrainTelegrams
+from railhil.record.trace import Trace
 from railhil.scenarios.model import AnyScenario, Scenario
 from railhil.scenarios.perturb import perturbed
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.system import System, system_named
-from railhil.supervisor.judging import judging_of
-from railhil.supervisor.result import Result
-from railhil.supervisor.trace import Trace
 
 _LIFE_MASK = 0xF
 

@@ -20,22 +20,22 @@ from railhil.common.exit_codes import INVALID, PASS, TOOL_ERROR, USAGE
 from railhil.controller_node.any_controller import AnyController
 from railhil.controller_node.faulty import controller_of, was_killed, write_fault_log
 from railhil.controller_node.telemetry_file import telemetry_document, write_telemetry
+from railhil.judge.fault_report import check_faults, fault_outcomes
+from railhil.judge.jitter import lockstep_timing
+from railhil.judge.result import Result
+from railhil.live.recorder import LOOK_S
 from railhil.plant_sim.any_plant import PlantError
 from railhil.plant_sim.node import PlantNode
+from railhil.record.log_trace import trace_of_log
+from railhil.record.operator_commands import Desk
+from railhil.record.run_folder import TELEMETRY
+from railhil.record.session import Session
+from railhil.record.trace import Told, Trace
+from railhil.run.conclusion import judged
+from railhil.run.run import Run
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.system import system_named
-from railhil.supervisor.desk import Desk
-from railhil.supervisor.ending import judged
-from railhil.supervisor.fault_report import check_faults, fault_outcomes
-from railhil.supervisor.jitter import lockstep_timing
-from railhil.supervisor.log_trace import trace_of_log
-from railhil.supervisor.recorder import LOOK_S
-from railhil.supervisor.result import Result
-from railhil.supervisor.run import Run
-from railhil.supervisor.run_folder import TELEMETRY
-from railhil.supervisor.session import Session
-from railhil.supervisor.trace import Told, Trace
 
 
 class LocalRun(Run):

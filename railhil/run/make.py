@@ -12,30 +12,30 @@ from typing import TYPE_CHECKING
 
 from railhil.bus.select import BusChoice
 from railhil.common.exit_codes import FAIL, INVALID, USAGE
+from railhil.judge.fault_report import check_faults, transports_of
+from railhil.live.panel_socket import PanelSocket
+from railhil.live.processes import process_start_ns
+from railhil.record.errors import NO_ROOM
+from railhil.record.input_files import PARAMETERS, write_inputs
+from railhil.record.operator_commands import Desk
+from railhil.record.run_folder import discard_folder, run_folder
+from railhil.run.bus_run import BusRun
+from railhil.run.memory import keep_memory, learned, with_memory
+from railhil.run.run import Run
 from railhil.run.transports import chosen_bus
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
-from railhil.supervisor.bus_run import BusRun
-from railhil.supervisor.desk import Desk
-from railhil.supervisor.errors import NO_ROOM
-from railhil.supervisor.fault_report import check_faults, transports_of
-from railhil.supervisor.inputs import PARAMETERS, write_inputs
-from railhil.supervisor.memory import keep_memory, learned, with_memory
-from railhil.supervisor.panel_socket import PanelSocket
-from railhil.supervisor.processes import process_start_ns
-from railhil.supervisor.run import Run
-from railhil.supervisor.run_folder import discard_folder, run_folder
 
 if TYPE_CHECKING:
-    from railhil.supervisor.result import Result
+    from railhil.judge.result import Result
 
 #: What the end of a run needs. It is loaded while the nodes end, or when it is used: while they start, three processes
 #: would share what are two processors on many machines.
 _FOR_THE_END = (
-    "railhil.supervisor.ending",
-    "railhil.supervisor.folder",
-    "railhil.supervisor.reactions.expected",
-    "railhil.supervisor.report.recorded",
+    "railhil.run.conclusion",
+    "railhil.judge.folder",
+    "railhil.judge.reactions.expected",
+    "railhil.report.recorded",
 )
 #: Errors of the operating system when a log cannot grow.
 _CANNOT_GROW = (*NO_ROOM, errno.EROFS)
@@ -157,9 +157,9 @@ def record_run(spec: RunSpec, *observers: Observer, scenario: AnyScenario | None
 
 def complete(result: Result) -> None:
     """Complete a result with its events, and with what its faults expected of them."""
-    from railhil.supervisor.events.derive import events_of
-    from railhil.supervisor.events.injected import fault_events
-    from railhil.supervisor.reactions.expected import with_expectations
+    from railhil.judge.events.derive import events_of
+    from railhil.judge.events.injected import fault_events
+    from railhil.judge.reactions.expected import with_expectations
 
     scenario, trace = result.scenario, result.trace
     injected = [one.as_json() for one in result.faults]
@@ -176,7 +176,7 @@ def write_results(result: Result) -> None:
     :param result: of :func:`complete`.
     :raises RecordFailed: they cannot be written.
     """
-    from railhil.supervisor.folder import write_folder
+    from railhil.judge.folder import write_folder
 
     result.memory = learned(result)
     write_folder(result)
@@ -217,7 +217,7 @@ def _begun(plan: Plan, observer: Observer) -> Run:
             at_end=observer.on_ended,
         )
     except OSError as error:
-        from railhil.supervisor.folder import record_failed
+        from railhil.judge.folder import record_failed
 
         raise record_failed(folder, error) from error
 
@@ -230,7 +230,7 @@ def _executed(run: Run, made: bool) -> Result:
         if run.session.frames == 0:
             discard_folder(run.folder, made)
         elif isinstance(error, OSError) and error.errno in _CANNOT_GROW:
-            from railhil.supervisor.folder import record_failed
+            from railhil.judge.folder import record_failed
 
             raise record_failed(run.folder, error) from error
         raise

@@ -22,10 +22,10 @@ from railhil.controller_node.any_controller import AnyController
 from railhil.controller_node.faulty import controller_of
 from railhil.dbc import Contract
 from railhil.plant_sim.node import PlantNode
+from railhil.record.difference import Difference, FrameWords, Timed, difference_of
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import system_named
-from railhil.supervisor.difference import Difference, FrameWords, Timed, difference_of
 
 NODES = ("controller", "plant")
 

@@ -9,15 +9,15 @@ from typing import TYPE_CHECKING
 from railhil.common.extras import install_command
 
 if TYPE_CHECKING:
-    from railhil.supervisor.record import Record
-    from railhil.supervisor.report.recorded import RecordedRun
-    from railhil.supervisor.result import Result
+    from railhil.judge.record import Record
+    from railhil.judge.result import Result
+    from railhil.report.recorded import RecordedRun
 
 
 def as_recorded(result: Result) -> Record:
     """A run that has just ended, as recorded in its folder."""
-    from railhil.supervisor.documents import read_certificate
-    from railhil.supervisor.record import Record
+    from railhil.judge.record import Record
+    from railhil.record.documents import read_certificate
 
     certificate = read_certificate(result.place) or {}
     return Record(
@@ -34,10 +34,10 @@ def as_recorded(result: Result) -> Record:
 def report_line(runs: Sequence[RecordedRun], folder: Path, notes: Sequence[str] = ()) -> str:
     """Write ``report.html``; returns the line that says where, or why there is none. The record is complete without
     it."""
-    from railhil.supervisor.hash_list import REPORT
+    from railhil.record.hash_list import REPORT
 
     try:
-        from railhil.supervisor.report.page import write_report
+        from railhil.report.page import write_report
     except ImportError as error:
         return f"no report: {error.name} is not installed ({install_command('report')})"
     path = folder / REPORT

@@ -8,10 +8,10 @@ from typing import Any
 
 from railhil.bus.select import BusChoice, choose_bus, no_bus, own_pipes
 from railhil.common.errors import InputError
+from railhil.live.sockets import private_socket
+from railhil.run.node_commands import needs_orders
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
-from railhil.supervisor.launch import needs_orders
-from railhil.supervisor.sockets import private_socket
 
 
 @contextmanager

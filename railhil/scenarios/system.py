@@ -47,10 +47,10 @@ class System:
     laws: str
     #: The default law.
     law: str
-    #: A :class:`railhil.supervisor.judging.Judging`.
+    #: A :class:`railhil.judge.judging.Judging`.
     judging: str
     #: Makes the figures of its report from (scenario, recorded runs with the gaps of their records,
-    #: :class:`railhil.supervisor.sampled.DrawnTrace`), each a :class:`railhil.charts.figure.Figure`.
+    #: :class:`railhil.record.sampling.DrawnTrace`), each a :class:`railhil.charts.figure.Figure`.
     pictures: str
     #: Reads its scenario files (:class:`railhil.scenarios.task.ScenarioKind`).
     scenarios: str = "railhil.scenarios.task:TaskScenarios"
@@ -98,7 +98,7 @@ class System:
     #: Its plants with faults and with an FMU (:mod:`railhil.plant_sim.faults.plants`).
     faulty_plant: str | None = None
     fmu_plant: str | None = None
-    #: Draws scenario and trace into a file; without it :mod:`railhil.supervisor.report.signals_picture` does.
+    #: Draws scenario and trace into a file; without it :mod:`railhil.report.signals_picture` does.
     picture: str | None = None
 
     def __post_init__(self, own: Mapping[str, str] | None) -> None:

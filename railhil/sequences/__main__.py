@@ -18,10 +18,10 @@ from railhil.common.exit_codes import FAIL, PASS, guarded
 from railhil.common.extras import install_command
 from railhil.common.output import Output
 from railhil.common.streams import accept_any_text, flush_output, print_json
+from railhil.record.signature import check_key, sign_list
 from railhil.sequences.command import arguments, check_combination, request_from
 from railhil.sequences.one import runner_of, sequence_batch_of, through_nodes
 from railhil.sequences.plan import Plan, Request, make_plan
-from railhil.supervisor.signature import check_key, sign_list
 
 
 def _verify(namespace: argparse.Namespace) -> int:

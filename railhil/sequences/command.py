@@ -10,10 +10,10 @@ from railhil.common.choices import USUAL_SCENARIO
 from railhil.common.command_line import SEED_MAX, OneLineParser, whole_number
 from railhil.common.errors import InputError
 from railhil.common.streams import add_json_argument
+from railhil.record.signature import add_sign_argument
 from railhil.scenarios.load import stable_name
 from railhil.scenarios.options import add_option, add_options
 from railhil.sequences.plan import CHUNK_MAX, RUNS_MAX, SEQUENCES_MAX, Request
-from railhil.supervisor.signature import add_sign_argument
 
 _EXIT_CODES = """\
 exit codes:

@@ -26,15 +26,15 @@ from pydantic import BaseModel, ConfigDict, Field
 from railhil.common.errors import InputError, Words
 from railhil.common.whole_file import write_synced
 from railhil.dbc import ContractError
+from railhil.judge.cross_check import check_folder
+from railhil.record.documents import CERTIFICATE, read_certificate
+from railhil.record.framelog import log_sha256, sha256_of
+from railhil.record.hash_list import HASH_LIST, HASH_LIST_KEY, check_document, enter
 from railhil.scenarios.memory import MEMORY_AFTER, MEMORY_BEFORE, Memory, Record, load_memory, no_memory, read_record
 from railhil.scenarios.memory import BadRecord as BadMemory
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.validation import validated
 from railhil.sequences.plan import RUNS_MAX
-from railhil.supervisor.cross_check import check_folder
-from railhil.supervisor.documents import CERTIFICATE, read_certificate
-from railhil.supervisor.framelog import log_sha256, sha256_of
-from railhil.supervisor.hash_list import HASH_LIST, HASH_LIST_KEY, check_document, enter
 
 SEQUENCE = "sequence.json"
 _FORMAT = 1

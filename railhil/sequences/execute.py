@@ -21,13 +21,13 @@ from railhil.campaign.run import completed
 from railhil.common.build import machine
 from railhil.common.command_line import SEED_MAX
 from railhil.common.errors import InputError, Words
+from railhil.record.hash_list import HASH_LIST, HASH_LIST_KEY, check_document
 from railhil.scenarios.stored import any_document
 from railhil.scenarios.validation import validated
 from railhil.sequences.plan import CHUNK_MAX, RUNS_MAX, SEQUENCES_MAX, Chunk, Plan, Request
 from railhil.sequences.summary import summary
 from railhil.sequences.table import read_part
 from railhil.sequences.work import origin_of, task_of
-from railhil.supervisor.hash_list import HASH_LIST, HASH_LIST_KEY, check_document
 
 MANIFEST = "learn.json"
 _FORMAT = 1

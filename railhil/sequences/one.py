@@ -11,18 +11,18 @@ from railhil.batch.coupled import command_digest
 from railhil.batch.nodes import DIGITS
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.law_controller import maker_of
+from railhil.judge.fault_report import missed_faults
+from railhil.judge.result import Result
+from railhil.judge.score import Score
 from railhil.plant_sim.faults.plants import needs_nodes
+from railhil.record.learned import Kept, kept_of
+from railhil.record.trace import Trace
 from railhil.run.local import unrecorded_run
+from railhil.run.memory import number_of
 from railhil.scenarios.memory import Memory, Record, next_record, no_memory
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import System, system_named
-from railhil.supervisor.fault_report import missed_faults
-from railhil.supervisor.learned import Kept, kept_of
-from railhil.supervisor.memory import number_of
-from railhil.supervisor.result import Result
-from railhil.supervisor.score import Score
-from railhil.supervisor.trace import Trace
 
 #: Events of the arithmetic that are counted.
 COUNTS = ("wraps", "saturations", "zero_divisions")

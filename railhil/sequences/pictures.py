@@ -14,13 +14,13 @@ from numpy.typing import NDArray
 
 from railhil.campaign.results_table import column_of
 from railhil.common.digits import count_of
+from railhil.judge.sequence_measure import SequenceMeasure, sequence_measures
+from railhil.report.figures import Picture
+from railhil.report.stacked import stacked
+from railhil.report.styles import Style
 from railhil.sequences.plan import Plan
 from railhil.sequences.summary import tail_runs
 from railhil.sequences.table import by_run, memories
-from railhil.supervisor.report.figures import Picture
-from railhil.supervisor.report.stacked import stacked
-from railhil.supervisor.report.styles import Style
-from railhil.supervisor.sequence_measure import SequenceMeasure, sequence_measures
 
 Floats: TypeAlias = NDArray[np.float64]
 _BINS = 40

@@ -18,6 +18,7 @@ from railhil.common.errors import InputError, Words
 from railhil.controller_node.law_controller import maker_of
 from railhil.controller_node.laws import find
 from railhil.controller_node.laws.memory import require_memory
+from railhil.judge.judging import Judging, judging_of
 from railhil.scenarios.design_seeds import chosen_on
 from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario
@@ -26,7 +27,6 @@ from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.stored import any_judged_sha256
 from railhil.scenarios.system import system_named
 from railhil.sequences.one import sequence_batch_of
-from railhil.supervisor.judging import Judging, judging_of
 
 RUNS_MAX, SEQUENCES_MAX, CHUNK_MAX = 10_000, 1_000_000, 1_000
 #: Sequences per part: where runs are made one by one, and where they are made together.

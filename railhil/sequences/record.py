@@ -11,6 +11,11 @@ from pathlib import Path
 from railhil.campaign.parts import claimed
 from railhil.common.errors import InputError, Words
 from railhil.common.exit_codes import INVALID
+from railhil.judge.rerun import changes
+from railhil.judge.rerun import recorded as recorded_run
+from railhil.judge.result import Result
+from railhil.record.errors import not_written
+from railhil.record.run_folder import run_folder
 from railhil.run.make import record_run
 from railhil.scenarios.memory import Memory
 from railhil.scenarios.model import AnyScenario
@@ -26,11 +31,6 @@ from railhil.sequences.evidence import (
     write_evidence,
 )
 from railhil.sequences.plan import run_specs
-from railhil.supervisor.again import changes
-from railhil.supervisor.again import recorded as recorded_run
-from railhil.supervisor.errors import not_written
-from railhil.supervisor.result import Result
-from railhil.supervisor.run_folder import run_folder
 
 #: Called with the number of a run and its result.
 Told = Callable[[int, Result], None]

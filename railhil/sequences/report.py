@@ -12,6 +12,11 @@ import pyarrow as pa
 from railhil.campaign.results_table import row as row_of
 from railhil.controller_node.laws import find
 from railhil.controller_node.laws.memory import memory_key
+from railhil.record.hash_list import REPORT, listed_file
+from railhil.report.assets import styles_text
+from railhil.report.over_time import system_pictures
+from railhil.report.recorded import RecordedRun
+from railhil.report.templates import template
 from railhil.scenarios.memory import SLOT_A, SLOT_B, Memory, Record, Stored, no_memory
 from railhil.scenarios.system import system_named
 from railhil.sequences.one import through_nodes
@@ -19,11 +24,6 @@ from railhil.sequences.pictures import pictures
 from railhil.sequences.plan import Plan
 from railhil.sequences.show import converged
 from railhil.sequences.table import memories
-from railhil.supervisor.hash_list import REPORT, listed_file
-from railhil.supervisor.report.assets import styles_text
-from railhil.supervisor.report.over_time import system_pictures
-from railhil.supervisor.report.recorded import RecordedRun
-from railhil.supervisor.report.templates import template
 
 
 def page(plan: Plan, summary: Mapping[str, Any], table: pa.Table) -> str:

@@ -24,6 +24,11 @@ from railhil.common.output import Output
 from railhil.common.streams import accept_any_text, add_json_argument, flush_output, print_json
 from railhil.controller_node.laws import find
 from railhil.controller_node.laws.memory import require_memory
+from railhil.judge.criteria import limited
+from railhil.judge.judging import judging_of
+from railhil.judge.result import Result
+from railhil.record.run_folder import run_folder
+from railhil.record.signature import add_sign_argument, check_key, sign_list
 from railhil.scenarios.memory_store import memory_at
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.options import add_option
@@ -32,11 +37,6 @@ from railhil.scenarios.run_spec import RunSpec
 from railhil.sequences.evidence import SEQUENCE, Evidence, problems, read_evidence, run_name
 from railhil.sequences.plan import RUNS_MAX
 from railhil.sequences.record import Told, begin, record
-from railhil.supervisor.criteria import limited
-from railhil.supervisor.judging import judging_of
-from railhil.supervisor.result import Result
-from railhil.supervisor.run_folder import run_folder
-from railhil.supervisor.signature import add_sign_argument, check_key, sign_list
 
 _RUNS = 15
 #: Wall time for which the page of a finished sequence stays.

@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 
 from railhil.batch.statistics import at_most
 from railhil.campaign.results_table import column_of
+from railhil.judge.criteria import limit_key
+from railhil.judge.sequence_measure import SequenceMeasure, sequence_measures
 from railhil.sequences.plan import Plan
 from railhil.sequences.table import by_run
-from railhil.supervisor.criteria import limit_key
-from railhil.supervisor.sequence_measure import SequenceMeasure, sequence_measures
 
 Floats: TypeAlias = NDArray[np.float64]
 #: The last runs, over which the figures are taken once the law has learned: this share of a sequence.

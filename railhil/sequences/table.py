@@ -13,9 +13,9 @@ import pyarrow as pa
 from railhil.batch.case import result_of
 from railhil.campaign.results_table import NotThePart, origin_in, read_table, table_of
 from railhil.campaign.results_table import schema as campaign_schema
+from railhil.judge.judging import Judging
 from railhil.sequences.one import COUNTS, OneRun
 from railhil.sequences.plan import Chunk
-from railhil.supervisor.judging import Judging
 
 #: Columns besides those of a campaign: seed of the sequence, number of the run in it, the slot that it began with,
 #: slots that could not be used, hashes of the memory before and of the record after it, the record's values as JSON.

@@ -13,11 +13,11 @@ from railhil.campaign.parts import RESULTS
 from railhil.campaign.results_table import NotThePart, read_table
 from railhil.campaign.results_table import row as row_of
 from railhil.common.errors import InputError, Words
+from railhil.record.hash_list import check_hash_list
 from railhil.sequences.execute import MANIFEST, read_manifest
 from railhil.sequences.one import sequence, through_nodes
 from railhil.sequences.plan import make_plan
 from railhil.sequences.table import row, schema
-from railhil.supervisor.hash_list import check_hash_list
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,12 +10,12 @@ import pyarrow as pa
 from railhil.campaign.plan import bench_sha256, law_sha256
 from railhil.campaign.results_table import file_bytes
 from railhil.campaign.work import OtherCode
+from railhil.judge.judging import judging_of
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 from railhil.sequences.one import sequences
 from railhil.sequences.plan import Chunk, Plan, learning_sha256, run_specs
 from railhil.sequences.table import row
-from railhil.supervisor.judging import judging_of
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,11 +11,11 @@ from typing import Any
 from railhil import library
 from railhil.common.choices import USUAL_SCENARIO
 from railhil.common.errors import InputError, Words
+from railhil.record.documents import CERTIFICATE
+from railhil.record.hash_list import REPORT
+from railhil.report.recorded import recorded_run
 from railhil.run.report import report_line
 from railhil.run.spec import bus_of, checked_spec, spec_of
-from railhil.supervisor.documents import CERTIFICATE
-from railhil.supervisor.hash_list import REPORT
-from railhil.supervisor.report.recorded import recorded_run
 from railhil.testing.live import Live
 from railhil.testing.result import Run
 from railhil.testing.settings import Settings

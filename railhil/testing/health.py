@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
-from railhil.supervisor.events.event import LOST, REFUSED, RecordedEvent
+from railhil.judge.events.event import LOST, REFUSED, RecordedEvent
 
 #: Counters of a node that do not indicate a fault.
 _HEALTHY = ("sent", "received", "accepted", "polls", "unknown_id", "no_mailbox", "send_retries")

@@ -15,16 +15,16 @@ from railhil.bus.select import LOCAL
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import INVALID, PASS
 from railhil.faults.language import fault_text, parse
+from railhil.judge.fault_report import check_faults
 from railhil.plant_sim.any_plant import PlantError
+from railhil.record.input_files import write_inputs
 from railhil.run.local import LocalRun
 from railhil.run.make import complete, placed, write_results
+from railhil.run.memory import with_memory
 from railhil.run.report import as_recorded
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import system_named
-from railhil.supervisor.fault_report import check_faults
-from railhil.supervisor.inputs import write_inputs
-from railhil.supervisor.memory import with_memory
 from railhil.testing.result import Run
 from railhil.testing.telegrams import Heard, Wanted
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from railhil.faults.model import WATCH_LEVELS
-from railhil.supervisor.events.event import LEVEL, RecordedEvent
+from railhil.judge.events.event import LEVEL, RecordedEvent
 
 
 @dataclass(frozen=True, slots=True)

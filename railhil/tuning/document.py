@@ -5,10 +5,10 @@ from __future__ import annotations
 from importlib.metadata import version
 from typing import Any
 
+from railhil.judge.folder import code_sha256, made_by
+from railhil.judge.rerun import code_changes
 from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.tomlfile import toml_table, toml_value
-from railhil.supervisor.again import code_changes
-from railhil.supervisor.folder import code_sha256, made_by
 from railhil.tuning import objective
 from railhil.tuning.search import Box, Found, Protocol
 from railhil.tuning.trials import REFERENCE
@@ -24,7 +24,7 @@ def _rounded(value: float) -> float:
 
 
 def _made_by(system: str, law: str) -> dict[str, str | None]:
-    """:func:`railhil.supervisor.folder.made_by`, and the hash of the search's own code."""
+    """:func:`railhil.judge.folder.made_by`, and the hash of the search's own code."""
     return made_by(system, law, code_sha256()) | {"tuning_sha256": code_sha256(_OWN_CODE)}
 
 

@@ -5,7 +5,7 @@ For each run::
 
     stop error / its limit  +  time error / its limit  +  ITAE / I  +  energy / E  +  comfort / C
 
-(each criterion of :data:`railhil.supervisor.criteria.ATO_CRITERIA`), with the limits of the scenario's plan, and I, E,
+(each criterion of :data:`railhil.judge.criteria.ATO_CRITERIA`), with the limits of the scenario's plan, and I, E,
 C the medians of IPFC with its published parameters on the same runs: a fixed scale on which every score of a good law
 is about 1. A train that does not stop has the maximum stop and time terms (``TERM_MAX`` each); overspeed adds
 ``OVERSPEED`` plus its amount in km/h. The objective is the mean over the runs, so that every run matters.
@@ -17,11 +17,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from statistics import fmean, median
 
+from railhil.judge import criteria
+from railhil.judge.criteria import ATO_CRITERIA, Criterion, limit_key, limited
+from railhil.judge.measures import KMH
+from railhil.judge.score import Score
 from railhil.scenarios.model import Scenario
-from railhil.supervisor import criteria
-from railhil.supervisor.criteria import ATO_CRITERIA, Criterion, limit_key, limited
-from railhil.supervisor.measures import KMH
-from railhil.supervisor.score import Score
 
 #: Increased with every change of the formula; recorded in the files.
 VERSION = 1

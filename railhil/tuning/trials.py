@@ -12,10 +12,10 @@ from railhil.batch.engine import Engine
 from railhil.common.errors import InputError
 from railhil.controller_node.program.model import LawProgram
 from railhil.controller_node.program.record import record
+from railhil.judge.score import Score
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.run_spec import LawSpec
-from railhil.supervisor.score import Score
 from railhil.tuning.objective import Scale, objective
 from railhil.tuning.stacked import StackedLoop, shape
 

@@ -17,12 +17,12 @@ from hil_tests.transport.vcan.bench import counters_of, run_on
 from railhil.bench import local_run
 from railhil.bus.codes import Event
 from railhil.bus.link import Timeouts
+from railhil.judge.result import Result
+from railhil.record.framelog import read_log
+from railhil.record.trace import Trace, trace_of
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import RunSpec
-from railhil.supervisor.framelog import read_log
-from railhil.supervisor.result import Result
-from railhil.supervisor.trace import Trace, trace_of
 
 pytestmark = [pytest.mark.loop, pytest.mark.timeout(300)]
 

@@ -16,9 +16,9 @@ import pytest
 from hil_tests.transport.compose.engine import SERVICES, Up
 from hil_tests.transport.compose.vcan_runs import CASES_VARIABLE, FOLDER_VARIABLE
 from railhil.bench import local_run
+from railhil.record.framelog import sha256_of
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import RunSpec
-from railhil.supervisor.framelog import sha256_of
 
 _SHORT = str(Path(__file__).with_name("short_move.toml"))
 _FOLDER = Path(os.environ[FOLDER_VARIABLE])

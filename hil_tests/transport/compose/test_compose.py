@@ -32,9 +32,9 @@ from hil_tests.transport.compose.engine import (
 from railhil.bench import local_run
 from railhil.cli.panel import EMERGENCY
 from railhil.panel.wire import SUBPROTOCOL
+from railhil.record.framelog import sha256_of
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import RunSpec
-from railhil.supervisor.framelog import sha256_of
 
 pytestmark = [pytest.mark.needs_docker, pytest.mark.timeout(900)]
 

@@ -14,9 +14,9 @@ from hil_tests.support.hub import PATIENCE_S, gateway, node, running_hub, two_hu
 from hil_tests.support.short_runs import RUN_72M_TOML, RUN_297M_TOML
 from railhil.bench import local_run
 from railhil.bus.codes import Event
+from railhil.record.framelog import read_log, sha256_of
+from railhil.record.trace import trace_of
 from railhil.scenarios.load import load
-from railhil.supervisor.framelog import read_log, sha256_of
-from railhil.supervisor.trace import trace_of
 
 pytestmark = pytest.mark.loop
 

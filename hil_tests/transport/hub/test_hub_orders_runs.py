@@ -25,12 +25,12 @@ from railhil.bus.telegrams import NotchCmd, SimTruth
 from railhil.controller_node.node import ControllerNode
 from railhil.controller_node.serve import serve
 from railhil.plant_sim.node import PlantNode
+from railhil.record.framelog import FrameLog, read_log
+from railhil.record.session import Session
+from railhil.record.trace import Trace, trace_of
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.supervisor.framelog import FrameLog, read_log
-from railhil.supervisor.session import Session
-from railhil.supervisor.trace import Trace, trace_of
 
 pytestmark = [pytest.mark.loop, pytest.mark.faults]
 

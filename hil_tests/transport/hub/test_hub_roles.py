@@ -18,8 +18,8 @@ from railhil.bus.hub import wire
 from railhil.bus.hub.client import HubUnavailable
 from railhil.bus.ident import Role
 from railhil.bus.link import open_link
-from railhil.supervisor.framelog import read_log
-from railhil.supervisor.trace import trace_of
+from railhil.record.framelog import read_log
+from railhil.record.trace import trace_of
 
 #: Nobody who waits for it ends within a test.
 _ENDLESS = ("--patience", "600")

@@ -31,7 +31,12 @@ from railhil.controller_node.faulty import controller_of, write_fault_log
 from railhil.controller_node.node import ControllerNode
 from railhil.controller_node.serve import run_controller
 from railhil.controller_node.telemetry_file import write_telemetry
+from railhil.judge.result import Result
 from railhil.plant_sim.node import PlantNode
+from railhil.record.run_folder import TELEMETRY
+from railhil.record.session import Session
+from railhil.run.bus_run import BusRun
+from railhil.run.memory import learned
 from railhil.scenarios.load import load_any
 from railhil.scenarios.memory import no_memory
 from railhil.scenarios.model import AnyScenario, Scenario
@@ -39,11 +44,6 @@ from railhil.scenarios.run_spec import LawSpec, RunSpec, StartUp
 from railhil.sequences.evidence import Evidence, Made, run_name
 from railhil.sequences.plan import run_specs
 from railhil.sequences.record import record
-from railhil.supervisor.bus_run import BusRun
-from railhil.supervisor.memory import learned
-from railhil.supervisor.result import Result
-from railhil.supervisor.run_folder import TELEMETRY
-from railhil.supervisor.session import Session
 
 #: Simulation time of the beginning of a run.
 _BEGINNING_S = 20.0

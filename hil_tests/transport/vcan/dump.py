@@ -11,7 +11,7 @@ from hil_tests.support.cli import wait_for
 from hil_tests.transport.vcan.bench import socketcan
 from railhil.bus.frame import Frame
 from railhil.bus.link import Link, open_link
-from railhil.supervisor.framelog import read_log
+from railhil.record.framelog import read_log
 
 #: Frames of ours around a dump; no port, and lower in priority than any.
 _FIRST, _LAST = Frame(0x7FE, b"first"), Frame(0x7FF, b"last")

@@ -21,9 +21,9 @@ from railhil.bus.order import BusOrder
 from railhil.bus.telegrams import NotchCmd
 from railhil.controller_node.node import ControllerNode
 from railhil.dbc import wire_contract
+from railhil.record.framelog import read_log
+from railhil.record.trace import trace_of
 from railhil.scenarios.run_spec import LawSpec
-from railhil.supervisor.framelog import read_log
-from railhil.supervisor.trace import trace_of
 
 pytestmark = [pytest.mark.needs_socketcan, pytest.mark.timeout(600), pytest.mark.usefixtures("can_utils")]
 

@@ -11,11 +11,11 @@ from hil_tests.transport.vcan.bench import run_on, say_into, socketcan
 from railhil.bus.link import open_link
 from railhil.bus.select import BusChoice
 from railhil.common.exit_codes import USAGE, guarded
+from railhil.live.processes import Nodes
+from railhil.live.recorder_link import open_recorder, refuse_occupied
 from railhil.plant_sim.node import PlantNode
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import RunSpec
-from railhil.supervisor.processes import Nodes
-from railhil.supervisor.recorder_link import open_recorder, refuse_occupied
 
 pytestmark = [pytest.mark.needs_socketcan, pytest.mark.timeout(600)]
 

@@ -13,11 +13,11 @@ from railhil.bus.order import BusOrder
 from railhil.bus.own_frames import OwnFrames
 from railhil.bus.store import TrafficStore
 from railhil.bus.telegrams import NotchCmd
+from railhil.record.senders import Findings, Senders
+from railhil.record.session import Session
+from railhil.record.trace import TraceReader
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import RunSpec
-from railhil.supervisor.senders import Findings, Senders
-from railhil.supervisor.session import Session
-from railhil.supervisor.trace import TraceReader
 
 OWN = OwnFrames(CONTRACT)
 NOTCH = NotchCmd.port()

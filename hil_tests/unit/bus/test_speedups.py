@@ -16,9 +16,9 @@ from railhil.controller_node.speed_watch import Ladder, SpeedWatchLevel, SpeedWa
 from railhil.plant_sim import dynamics
 from railhil.plant_sim.plant import Plant
 from railhil.plant_sim.telegrams import TrainTelegrams
+from railhil.record.framelog import log_line
 from railhil.scenarios.load import load
 from railhil.scenarios.target import Target
-from railhil.supervisor.framelog import log_line
 
 CLASSES = [
     kind

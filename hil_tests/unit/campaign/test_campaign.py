@@ -19,11 +19,11 @@ from railhil.campaign.plan import bench_sha256
 from railhil.campaign.report import report_of
 from railhil.cli import report as cli_report
 from railhil.common.errors import InputError
+from railhil.judge.criteria import ATO_CRITERIA
+from railhil.record.hash_list import write_hash_list
 from railhil.scenarios.canonical import judged_sha256
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.supervisor.criteria import ATO_CRITERIA
-from railhil.supervisor.hash_list import write_hash_list
 
 #: Of every campaign here that is to give the same results.
 SAME = ("--runs", "24", "--first-seed", "50")

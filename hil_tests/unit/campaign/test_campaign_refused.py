@@ -17,7 +17,7 @@ from railhil.common.errors import InputError
 from railhil.common.extras import install_command
 from railhil.common.law_order import in_order
 from railhil.controller_node.laws import names
-from railhil.supervisor.hash_list import write_hash_list
+from railhil.record.hash_list import write_hash_list
 
 
 def test_seeds_on_which_a_law_was_designed_are_refused(campaign, short):

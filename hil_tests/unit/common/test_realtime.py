@@ -25,9 +25,9 @@ from railhil.common import scheduling as realtime
 from railhil.common.scheduling import HUB_PRIORITY, NODE_PRIORITY, RECORDER_PRIORITY, cycle, permitted_priority, said_in
 from railhil.controller_node.node import ControllerNode
 from railhil.plant_sim.node import PlantNode
+from railhil.record.session import Session
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.supervisor.session import Session
 
 PERMITTED = permitted_priority()[0] == NODE_PRIORITY
 GET_TIMERSLACK = 30
@@ -226,9 +226,9 @@ def test_a_user_with_a_limit_can_give_scheduling_back(what: str) -> None:
 #: Who may look at the wall clock: the name of a run's folder, and the stamps of messages for tools of python-can. An
 #: exported file begins at the instant that the user names.
 _MAY_LOOK = {
-    "railhil/supervisor/run_folder.py": {"gmtime"},
+    "railhil/record/run_folder.py": {"gmtime"},
     "bus/hub/batches.py": {"time"},
-    "railhil/supervisor/files/content.py": {"datetime"},
+    "railhil/report/files/content.py": {"datetime"},
 }
 _WALL = {"time", "time_ns", "gmtime", "localtime", "ctime", "now", "utcnow", "today", "CLOCK_REALTIME"}
 
@@ -255,7 +255,11 @@ def test_no_process_of_a_run_looks_at_the_wall_clock() -> None:
         "railhil/common",
         "railhil/faults",
         "railhil/scenarios",
-        "railhil/supervisor",
+        "railhil/record",
+        "railhil/judge",
+        "railhil/report",
+        "railhil/live",
+        "railhil/systems",
         "railhil/cli",
     )
     paths = sorted(path for package in packages for path in (ROOT / package).rglob("*.py"))

@@ -23,7 +23,7 @@ from railhil.bus.load import bus_load, longest_frame_bits
 from railhil.bus.mvb import TelegramSource
 from railhil.dbc import ContractError, load_contract, wire_contract
 from railhil.dbc.text import dbc_text
-from railhil.supervisor.trace import Trace
+from railhil.record.trace import Trace
 
 FOLDER = ROOT / "dbc"
 #: The class of each port: the last one that names it, since a layout shared by several ports is also a class.

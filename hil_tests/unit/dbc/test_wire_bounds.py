@@ -19,10 +19,10 @@ from railhil.controller_node.loop import ControlLoop
 from railhil.plant_sim.dynamics import Motion
 from railhil.plant_sim.plant import Plant
 from railhil.plant_sim.telegrams import TrainTelegrams
+from railhil.record.trace import Trace
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec
 from railhil.scenarios.schema import DISTANCE_MAX_M, RUNNING_TIME_MAX_S, PlanTable
-from railhil.supervisor.trace import Trace
 
 #: Over the stopping point by this, and as much later; the plant goes on for some minutes after the timetable.
 _OVER_M, _OVER_S = 20_000.0, 1200.0

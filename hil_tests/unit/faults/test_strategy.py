@@ -5,8 +5,8 @@ from __future__ import annotations
 from hypothesis import find, given, settings
 
 from railhil.faults.language import parse
+from railhil.judge.fault_report import check_faults
 from railhil.scenarios.load import load
-from railhil.supervisor.fault_report import check_faults
 from railhil.testing import faults
 
 SHORT = faults("yizhuang_05", max_size=3)

@@ -14,13 +14,13 @@ from railhil.bench import direct_run
 from railhil.common.errors import InputError
 from railhil.controller_node.laws.high_speed.learned import WEIGHTS, shipped_networks
 from railhil.controller_node.laws.high_speed.training import Recipe
+from railhil.judge.record import Record
 from railhil.learning.document import document, notes
 from railhil.learning.models import learn
+from railhil.record.trace import Trace
 from railhil.scenarios.load import load_any
 from railhil.scenarios.parameters import ParameterSet, load_parameters
 from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.supervisor.record import Record
-from railhil.supervisor.trace import Trace
 
 SHIPPED = {"hst1": ("jinan_xuzhou", 1), "emu3": ("jinan_xuzhou_emu3", 3)}
 #: A seed on which nothing was trained or chosen.

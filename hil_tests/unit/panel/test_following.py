@@ -16,8 +16,8 @@ from railhil.panel import following
 from railhil.panel.command import arguments
 from railhil.panel.following import FollowedRun
 from railhil.panel.receiver import Receiver
+from railhil.record.framelog import LOG_NAME, log_line
 from railhil.run.transports import gets_pipes
-from railhil.supervisor.framelog import LOG_NAME, log_line
 
 pytest.importorskip("websockets", reason="MISSING CAPABILITY websockets")
 

@@ -18,10 +18,10 @@ from railhil.panel.live import LiveRun
 from railhil.panel.receiver import LOOK_FRAMES, Receiver
 from railhil.panel.recorded import thinned
 from railhil.panel.values import Rows
+from railhil.record.framelog import read_log
+from railhil.record.trace import FloatArray, trace_of
 from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario
-from railhil.supervisor.framelog import read_log
-from railhil.supervisor.trace import FloatArray, trace_of
 
 
 class Ride:

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from railhil.faults.language import parse, with_hand
+from railhil.judge.reactions.by_hand import faults_by_hand
 from railhil.panel.kinds import kinds_of
+from railhil.record.fault_overrides import prepared_for
 from railhil.scenarios.load import load_any
-from railhil.supervisor.given_values import prepared_for
-from railhil.supervisor.reactions.by_hand import faults_by_hand
 
 
 def test_each_kind_has_its_parameters_with_unit_and_range() -> None:

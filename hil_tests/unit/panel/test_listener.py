@@ -12,6 +12,7 @@ from hil_tests.support.panel import Recorded, ScriptedLink
 from railhil.bus.errors import BusUnavailable
 from railhil.bus.frame import Frame
 from railhil.cli.watched import Watched
+from railhil.live.bus_follower import Listener
 from railhil.panel import live as live_module
 from railhil.panel.declared import ERROR, layout_of
 from railhil.panel.heard_bus import HeardBus
@@ -22,7 +23,6 @@ from railhil.panel.receiver import LOOK_FRAMES, Receiver
 from railhil.panel.recorded import thinned
 from railhil.scenarios.load import load_any
 from railhil.scenarios.system import names, system_named
-from railhil.supervisor.follow import Listener
 
 
 @pytest.fixture(scope="module")

@@ -190,9 +190,9 @@ def test_a_set_has_the_runs_of_its_sequences(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_the_command_beside_a_set_makes_the_same_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from railhil.campaign.results_table import read_table
+    from railhil.judge.judging import judging_of
     from railhil.sequences.__main__ import main
     from railhil.sequences.table import schema
-    from railhil.supervisor.judging import judging_of
 
     one = short(names.filter_key(names.NONE))
     monkeypatch.chdir(tmp_path)

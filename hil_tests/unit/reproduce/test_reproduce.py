@@ -11,6 +11,7 @@ import pytest
 
 from hil_tests.support.short_paper import PAPERS, SHORT
 from railhil.common.errors import InputError
+from railhil.judge.criteria import ATO_CRITERIA
 from railhil.reproduce.__main__ import arguments, main
 from railhil.reproduce.document import results_of
 from railhil.reproduce.ipfc.runs import ADAPTED, CHATTER, RMS_ERROR
@@ -21,7 +22,6 @@ from railhil.reproduce.papers import paper_named
 from railhil.run.make import NeverBegan
 from railhil.scenarios.load import load_any
 from railhil.scenarios.system import system_named
-from railhil.supervisor.criteria import ATO_CRITERIA
 
 IPFC = {"ipfc": SHIPPED["ipfc"]}
 

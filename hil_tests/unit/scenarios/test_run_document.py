@@ -13,12 +13,12 @@ from railhil.cli import commands
 from railhil.cli.run import spec_of
 from railhil.common.command_line import parse
 from railhil.common.errors import Faults, InputError
+from railhil.run.memory import number_of
 from railhil.scenarios.load import load_any
 from railhil.scenarios.memory import Memory, Record, Stored, write_memory
 from railhil.scenarios.memory_store import MemoryStore
 from railhil.scenarios.run_document import ENVIRONMENT, OPTIONS, environment_layer
 from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.supervisor.memory import number_of
 
 _VARIABLES = {
     "RAILHIL_SCENARIO": "yizhuang_05",

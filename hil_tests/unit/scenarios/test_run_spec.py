@@ -12,9 +12,9 @@ import pytest
 from hil_tests.support.paths import TEST_DATA
 from railhil.cli.run_options import add_arguments, run_spec
 from railhil.common.errors import InputError
+from railhil.record.documents import read_certificate
 from railhil.scenarios.parameters import ParameterSet, load_parameters
 from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.supervisor.documents import read_certificate
 
 _EARLIER = sorted((TEST_DATA / "runs_0.1.0").glob("*/certificate.json"))
 _SOME = [

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from railhil.judge.judging import judging_of
+from railhil.judge.sequence_measure import sequence_measures
 from railhil.scenarios.load import load
 from railhil.sequences.summary import runs_to_converge, spread, tail_runs
-from railhil.supervisor.judging import judging_of
-from railhil.supervisor.sequence_measure import sequence_measures
 
 NAN = float("nan")
 

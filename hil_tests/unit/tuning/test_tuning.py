@@ -25,11 +25,11 @@ from railhil.controller_node.laws.ipfc import Ipfc
 from railhil.controller_node.program.evaluate import Evaluator
 from railhil.controller_node.program.model import Kind, LawProgram
 from railhil.controller_node.program.tracer import Tracer
+from railhil.judge.score import Score
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.parameters import ParameterSet, load_parameters
 from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.supervisor.score import Score
 from railhil.tuning.document import document
 from railhil.tuning.objective import OVERSPEED, TERM_MAX, Scale, objective, run_cost
 from railhil.tuning.search import Box, Found, Protocol, search

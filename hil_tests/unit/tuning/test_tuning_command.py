@@ -17,12 +17,12 @@ from hil_tests.support.scores import with_values
 from railhil.batch import Case, run_batch
 from railhil.common.errors import InputError
 from railhil.controller_node import laws
+from railhil.judge.criteria import ATO_CRITERIA, STOP_ERROR
+from railhil.judge.folder import code_sha256
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.parameters import ParameterSet, load_parameters
 from railhil.scenarios.run_spec import LawSpec
-from railhil.supervisor.criteria import ATO_CRITERIA, STOP_ERROR
-from railhil.supervisor.folder import code_sha256
 from railhil.tuning import __main__ as tool
 from railhil.tuning.command import seed_list
 from railhil.tuning.evaluation import Evaluation, better, evaluate, quantiles, worse

@@ -27,14 +27,14 @@ from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import DIVISION_BY_ZERO, SATURATION, WRAP
 from railhil.controller_node.laws.fault import law_fault
 from railhil.controller_node.vector.controller import VectorController, VectorLoop
+from railhil.judge.judging import judging_of
+from railhil.judge.score import Score
 from railhil.plant_sim.any_plant import PlantError
 from railhil.plant_sim.high_speed.plant import ARRIVED_MPS
 from railhil.plant_sim.high_speed.train import SPEED_RAW_MAX
 from railhil.plant_sim.timed_run import due_tick_of
 from railhil.scenarios.high_speed.systems import EVENTS
 from railhil.scenarios.system import system_named
-from railhil.supervisor.judging import judging_of
-from railhil.supervisor.score import Score
 
 #: Runs computed together; a journey of an hour takes about 1 MB for each, three units twice that.
 CHUNK = 64

@@ -38,6 +38,8 @@ from railhil.common.output import Output
 from railhil.controller_node.arithmetic.base import DIVISION_BY_ZERO, SATURATION, WRAP
 from railhil.controller_node.laws.fault import law_fault
 from railhil.controller_node.vector.controller import VectorController, VectorLoop
+from railhil.judge.judging import judging_of
+from railhil.judge.score import Score
 from railhil.plant_sim.any_plant import PlantError
 from railhil.plant_sim.stopping.plant import DOORS_NS, ODO_MAX, TICK_NS
 from railhil.plant_sim.timed_run import due_tick_of
@@ -45,8 +47,6 @@ from railhil.run.coupled import direct_run
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import system_named
-from railhil.supervisor.judging import judging_of
-from railhil.supervisor.score import Score
 
 #: Runs computed together; each takes about 0.4 MB.
 CHUNK = 256

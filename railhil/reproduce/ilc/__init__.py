@@ -25,7 +25,7 @@ from railhil.reproduce.ilc.tables import tables
 from railhil.reproduce.paper import Paper, Results
 
 if TYPE_CHECKING:
-    from railhil.supervisor.report.figures import Picture
+    from railhil.report.figures import Picture
 
 
 def figures(results: Results) -> Sequence[Picture]:

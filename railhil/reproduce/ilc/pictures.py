@@ -8,6 +8,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
+from railhil.report import panels
+from railhil.report.figures import Picture, svg
+from railhil.report.styles import Style
 from railhil.reproduce.ilc import names, published
 from railhil.reproduce.ilc.names import (
     CYCLES_MS,
@@ -24,9 +27,6 @@ from railhil.reproduce.ilc.names import (
     of_run,
 )
 from railhil.reproduce.paper import Results
-from railhil.supervisor.report import panels
-from railhil.supervisor.report.figures import Picture, svg
-from railhil.supervisor.report.styles import Style
 
 _NUMBERS = range(1, RUNS + 1)
 _MARKERS = "osD^v"

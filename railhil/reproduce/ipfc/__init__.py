@@ -13,14 +13,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from railhil.report.deviations import Deviation, deviations
 from railhil.reproduce.ipfc.runs import PROTOCOL, curves, measure, planned
 from railhil.reproduce.ipfc.statements import statements
 from railhil.reproduce.ipfc.tables import tables
 from railhil.reproduce.paper import Paper, Results
-from railhil.supervisor.report.deviations import Deviation, deviations
 
 if TYPE_CHECKING:
-    from railhil.supervisor.report.figures import Picture
+    from railhil.report.figures import Picture
 
 
 def figures(results: Results) -> Sequence[Picture]:

@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 
 from railhil.charts.figure import Figure
+from railhil.report.figures import Picture, printed
+from railhil.report.styles import styles
 from railhil.reproduce.ipfc.runs import USUAL, Drawable, key, laws, scenario
 from railhil.reproduce.paper import Results
-from railhil.supervisor import ato_panels
-from railhil.supervisor.ato_panels import Drawn
-from railhil.supervisor.report.figures import Picture, printed
-from railhil.supervisor.report.styles import styles
+from railhil.systems.ato import panels as ato_panels
+from railhil.systems.ato.panels import Drawn
 
 
 def pictures(results: Results) -> list[Picture]:

@@ -8,14 +8,14 @@ from functools import cache
 
 import numpy as np
 
+from railhil.judge.score import Score, score
 from railhil.library import Outcome
+from railhil.report.recorded import Curves
+from railhil.report.recorded import curves as recorded_curves
 from railhil.reproduce.paper import Planned, Results
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.supervisor.report.recorded import Curves
-from railhil.supervisor.report.recorded import curves as recorded_curves
-from railhil.supervisor.score import Score, score
 
 SCENARIO = "lvshun_tieshan"
 #: The equations as they are, and the fixed point of the paper's TMS320F28335.

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 
 from railhil.common.digits import percent
+from railhil.judge.criteria import ATO_CRITERIA, STOP_ERROR, TIME_ERROR, Criterion
 from railhil.reproduce.ipfc.runs import ADAPTED, CHATTER, RMS_ERROR, USUAL, key, laws, middle
 from railhil.reproduce.ipfc.tables import IN_USE, STOP_ERROR_MAX_M, TIME_ERROR_MAX_S, better_percent, published
 from railhil.reproduce.paper import FOLLOWS, FOLLOWS_NOT, IN_PART, OPEN, Results, Statement, checked, least, order
-from railhil.supervisor.criteria import ATO_CRITERIA, STOP_ERROR, TIME_ERROR, Criterion
 
 #: Why a column of Table 2 is another here, as far as it is known.
 _WHY = {

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from railhil.judge.criteria import ATO_CRITERIA, Criterion
+from railhil.judge.measures import KMH
 from railhil.reproduce.ipfc.runs import ARITHMETICS, CHATTER, RMS_ERROR, WIDEST_ERROR, laws, middle, scenario
 from railhil.reproduce.paper import Line, Results, Table
-from railhil.supervisor.criteria import ATO_CRITERIA, Criterion
-from railhil.supervisor.measures import KMH
 
 #: Table 1, as printed.
 _MASS_T, _LIMIT_KMH, _DISTANCE_M, _TIME_S = 211.0, 78.0, 2940.0, 195.0

@@ -24,7 +24,7 @@ from railhil.reproduce.ngpc.tables import tables
 from railhil.reproduce.paper import Paper, Results
 
 if TYPE_CHECKING:
-    from railhil.supervisor.report.figures import Picture
+    from railhil.report.figures import Picture
 
 
 def figures(results: Results) -> Sequence[Picture]:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from railhil.charts.figure import FREE, TARGET, Chart, Curve, Figure
+from railhil.report.figures import Picture, printed
+from railhil.report.styles import styles
 from railhil.reproduce.ngpc.names import DRAWN, EMERGENCY, MUTATION, NORMAL, key
 from railhil.reproduce.ngpc.runs import Drawable
 from railhil.reproduce.paper import Results
-from railhil.supervisor.report.figures import Picture, printed
-from railhil.supervisor.report.styles import styles
 
 _FIGURES = {NORMAL: (8, 9), EMERGENCY: (10, 11), MUTATION: (12, 13)}
 #: Around the emergency only, km.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from railhil.supervisor.report.deviations import Deviation
+from railhil.report.deviations import Deviation
 
 #: Where, how this bench reads it, and the other reading with the parameter that selects it.
 _READINGS = (

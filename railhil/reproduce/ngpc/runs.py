@@ -10,8 +10,11 @@ import numpy as np
 
 from railhil.bus.high_speed import wire
 from railhil.controller_node.laws.high_speed.training import Recipe
+from railhil.judge.record import Record
 from railhil.learning.models import learn
 from railhil.library import Outcome
+from railhil.record.telemetry import read_summary
+from railhil.record.trace import FloatArray
 from railhil.reproduce.ngpc.names import (
     BESIDE,
     CALM,
@@ -41,10 +44,7 @@ from railhil.reproduce.paper import Planned
 from railhil.reproduce.ways import Coupled
 from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.supervisor.high_speed.ride import Ride
-from railhil.supervisor.record import Record
-from railhil.supervisor.telemetry import read_summary
-from railhil.supervisor.trace import FloatArray
+from railhil.systems.high_speed.ride import Ride
 
 SCENARIOS: Mapping[str, str] = {
     NORMAL: "jinan_xuzhou",

@@ -9,12 +9,12 @@ import numpy as np
 
 from railhil.bus.codes import Event
 from railhil.bus.telegrams import RunEvent
-from railhil.supervisor.criteria import Criterion, Limit, scores, unscored
-from railhil.supervisor.judging import Judging
-from railhil.supervisor.score import Score
-from railhil.supervisor.status import interface_status, wrap_failure
-from railhil.supervisor.stops import PlannedStop, ScoredStop, Standstill, missed_stops
-from railhil.supervisor.trace import Trace
+from railhil.judge.criteria import Criterion, Limit, scores, unscored
+from railhil.judge.judging import Judging
+from railhil.judge.score import Score
+from railhil.judge.stops import PlannedStop, ScoredStop, Standstill, missed_stops
+from railhil.record.status import interface_status, wrap_failure
+from railhil.record.trace import Trace
 from two_carts import SYSTEM
 from two_carts.wire import COMMANDS, INTERFACE, STATS, TRUTH
 

@@ -7,8 +7,8 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
-from railhil.supervisor.report.figures import Picture, svg
-from railhil.supervisor.report.panels import drawing
+from railhil.report.figures import Picture, svg
+from railhil.report.panels import drawing
 from two_carts.wire import TRUTH
 
 

@@ -1,0 +1,54 @@
+"""A log that begins during the run has the repeated PLT_IDENT, and is no record of a run."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from hil_tests.support.short_runs import RUN_2M_TOML
+from railhil.bench import local_run
+from railhil.bus.ident import CtlIdent, PltIdent
+from railhil.bus.telegrams import TimeSync
+from railhil.common.errors import InputError
+from railhil.judge.record import checked_record
+from railhil.scenarios.load import load
+
+
+@pytest.fixture(scope="module")
+def scenario_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("late") / "short.toml"
+    path.write_text(RUN_2M_TOML, encoding="utf-8")
+    local_run(load(str(path)), path.parent)
+    return path
+
+
+def test_a_log_that_begins_later_is_refused(scenario_file: Path, tmp_path: Path) -> None:
+    lines = (scenario_file.parent / "frames.log").read_text().splitlines(keepends=True)
+    late = tmp_path / "late.log"
+    late.write_text("".join(lines[500:]))
+    with pytest.raises(
+        InputError, match=r"late.log: SUP_IDENT: found no such telegram, allowed a log .* from its start"
+    ):
+        checked_record(str(late), str(scenario_file))
+
+
+def test_the_plant_tells_again_what_runs(scenario_file: Path) -> None:
+    """On its period behind TIME_SYNC, as in the handshake, with what the controller has told of itself."""
+    trace = checked_record(str(scenario_file.parent / "frames.log"), str(scenario_file)).trace
+    times_ns = list(trace.times_ns(PltIdent.PORT))
+    assert times_ns == [0, *range(1_280_000_000, trace.end_ns + 1, 1_280_000_000)]
+    assert len(times_ns) > 3
+    behind = dict(zip(trace.order(TimeSync.PORT), trace.times_ns(TimeSync.PORT), strict=True))
+    assert [behind.get(place - 1) for place in trace.order(PltIdent.PORT).tolist()] == [None, *times_ns[1:]]
+    controller, period = trace.ident(CtlIdent), trace.contract.port(PltIdent.PORT).period_ns
+    assert controller is not None
+    assert period == 1_280_000_000
+    for name, told in (
+        ("Law", controller.law),
+        ("Arithmetic", controller.arithmetic),
+        ("Indexing", controller.indexing),
+    ):
+        assert trace.raw(PltIdent.PORT, f"Plt{name}").tolist() == [0, *[told] * (len(times_ns) - 1)]
+    for name in ("ScenarioHash", "WireHash", "Seed", "Role", "Perturbed", "Pace", "Version"):
+        assert len(set(trace.raw(PltIdent.PORT, f"Plt{name}").tolist())) == 1

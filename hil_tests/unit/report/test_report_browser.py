@@ -1,0 +1,97 @@
+"""The report in a browser: nothing is fetched, nothing exceeds the page, no overlapping text."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from hil_tests.support.browser import asked
+from hil_tests.support.recordings import recorded_folder
+from railhil.report.page import write_report
+from railhil.scenarios.model import Scenario
+
+#: What the page is asked; lists name the offending texts.
+_QUESTION = """
+(() => {
+  const overlaps = [], outside = [];
+  const svgs = [...document.querySelectorAll(".chart > svg")].filter(svg => svg.checkVisibility());
+  let texts = 0;
+  for (const svg of svgs) {
+    const frame = svg.getBoundingClientRect();
+    const boxes = [...svg.querySelectorAll("text")].map(text => [text.textContent, text.getBoundingClientRect()]);
+    texts += boxes.length;
+    boxes.forEach(([name, box], index) => {
+      if (box.left < frame.left - 0.5 || box.right > frame.right + 0.5 || box.top < frame.top - 0.5
+          || box.bottom > frame.bottom + 0.5) outside.push(name);
+      for (const [other, next] of boxes.slice(index + 1)) {
+        // Lines of text stand closer than their boxes, which hold room above and below the letters.
+        const across = Math.min(box.right, next.right) - Math.max(box.left, next.left);
+        const down = Math.min(box.bottom, next.bottom) - Math.max(box.top, next.top);
+        if (across > 0.5 && down > 0.25 * Math.min(box.height, next.height)) overlaps.push([name, other]);
+      }
+    });
+  }
+  const root = document.documentElement;
+  return {overlaps, outside, texts, figures: svgs.length, width: root.clientWidth,
+          beyond: root.scrollWidth - root.clientWidth,
+          table: Math.max(...[...document.querySelectorAll(".wide")].map(box => box.scrollWidth - box.clientWidth)),
+          fetched: window.fetched};
+})()
+"""
+
+
+@pytest.fixture(scope="module")
+def reports(lvshun: Scenario, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    folder = tmp_path_factory.mktemp("reports")
+    runs = [
+        recorded_folder(lvshun, folder / str(seed), seed=seed, arithmetic=arithmetic)
+        for seed, arithmetic in ((1, "iq"), (2, "float64"))
+    ]
+    # Every law with its own and with tuned parameters, names as long as they get.
+    laws = ("ipfc", "tpfc2", "tpfc1", "tdmc", "fuzzy_pid", "ipfc_plus", "ipfc_plus_stop")
+    labels = [(law, law + tail) for law in laws for tail in ("", "+1a2b3c4d tuned (on this seed)")]
+    many = [
+        replace(runs[index % 2], label=label, certificate={**runs[index % 2].certificate, "controller": law})
+        for index, (law, label) in enumerate(labels)
+    ]
+    found = {"one": folder / "one.html", "many": folder / "many.html"}
+    write_report(runs[:1], found["one"])
+    write_report(many, found["many"])
+    return found
+
+
+@pytest.mark.slow
+@pytest.mark.needs_browser
+@pytest.mark.parametrize("name", ["one", "many"])
+@pytest.mark.parametrize("width_px", [1100, 560])
+def test_page_as_shown(reports: dict[str, Path], name: str, width_px: int) -> None:
+    found: dict[str, Any] = asked(reports[name], _QUESTION, width_px)
+    assert found["fetched"] == []
+    assert (found["overlaps"], found["outside"]) == ([], [])
+    assert found["beyond"] == 0
+    assert found["figures"] >= 14
+    assert found["texts"] > 60
+    if width_px >= 1000:
+        assert found["table"] == 0
+
+
+@pytest.mark.slow
+@pytest.mark.needs_browser
+def test_the_question_notices_what_is_wrong(reports: dict[str, Path], tmp_path: Path) -> None:
+    text = reports["one"].read_text(encoding="utf-8")
+    wrong = '<img src="https://example.invalid/a.png" alt=""><div style="width: 3000px">wide</div></body>'
+    broken = tmp_path / "broken.html"
+    # All tick labels of an axis in one place, and one text left of the picture.
+    text = re.sub(r'(<text[^>]*?) x="[^"]*"', r'\1 x="54"', text)
+    text = text.replace("<text ", '<text dx="-400" ', 1)
+    broken.write_text(text.replace("</body>", wrong), encoding="utf-8")
+    found = asked(broken, _QUESTION)
+    assert found["beyond"] > 1000
+    # Refused by the page's own policy and by that of the test.
+    assert found["fetched"] == ["https://example.invalid/a.png"] * 2
+    assert ["500", "1000"] in found["overlaps"]
+    assert "0" in found["outside"]

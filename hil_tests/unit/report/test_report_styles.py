@@ -1,0 +1,37 @@
+"""Runs in the same axes can be told apart, also in greyscale; laws have the same order everywhere."""
+
+from __future__ import annotations
+
+from railhil.cli.run_options import law_names
+from railhil.common.law_order import LAW_ORDER, in_order
+from railhil.report.styles import Style, styles
+from railhil.scenarios.model import Scenario
+
+
+def look(style: Style) -> tuple[object, ...]:
+    """What a grey print keeps of a style."""
+    return style.look.dashes, style.look.width, style.look.marker, style.look.is_full
+
+
+def test_runs_differ_also_in_grey() -> None:
+    """Own and tuned parameters of all laws; twelve runs of one law; laws of others."""
+    both = styles([law for law in LAW_ORDER for _ in range(2)])
+    for runs in (
+        both,
+        styles(["ipfc"] * 12),
+        styles([*LAW_ORDER, "mine", "yours"]),
+        styles([f"law{n}" for n in range(12)]),
+    ):
+        assert len({look(style) for style in runs}) == len(runs)
+    for own, tuned in zip(both[::2], both[1::2], strict=True):
+        assert own.colour == tuned.colour
+    assert len({style.colour for style in both}) == len(LAW_ORDER)
+    # A law looks the same whatever is drawn beside it.
+    assert styles(["mine", "tdmc", "ipfc_plus"])[1:] == [both[6], both[10]]
+    assert len(styles(["ipfc"] * 40)) == 40
+
+
+def test_laws_stand_in_the_order_of_the_published_table(lvshun: Scenario) -> None:
+    assert [row.controller for row in lvshun.published] == list(LAW_ORDER[:5])
+    assert in_order(["zeta", "ipfc_plus", "tdmc", "alpha", "ipfc"]) == ["ipfc", "tdmc", "ipfc_plus", "alpha", "zeta"]
+    assert law_names() == in_order(law_names())

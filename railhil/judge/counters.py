@@ -1,0 +1,174 @@
+"""Rules about telegrams that hold in every run: the record compared with what the nodes themselves have counted.
+
+1. No telegram that failed a check reaches the control law or the actuators: a node does not accept more telegrams than
+   the record shows good.
+6. The counters reconcile: what is in the record was accepted, refused for a cause, or kept from the node by a fault.
+
+The numbers are those of the specification of the bench, as in :mod:`railhil.judge.invariants`. Good is what
+:mod:`railhil.judge.events.telegrams` finds good in the record; a node may refuse more (a speed that is not
+plausible), and says so. A node that does not report is not checked (:func:`unchecked`). Where frames can be lost
+between node and recorder, and for mailboxes read by a task, only rule 1 is checked, without the life signs. A telegram
+that only the recorder has missed is then no breach, but what the record does not show
+(:mod:`railhil.judge.missed_telegrams`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from railhil.bus.codes import Event
+from railhil.bus.telegrams import RunEvent
+from railhil.common.digits import count_of
+from railhil.faults.parsed import parsed
+from railhil.judge.events.declared import Received
+from railhil.judge.events.telegrams import Stretch, bad_content, judged
+from railhil.judge.missed_telegrams import UNCLEAR, Unseen
+from railhil.record.trace import Trace
+from railhil.scenarios.model import Scenario
+from railhil.systems.ato.events import received
+
+#: Nodes that report.
+REPORTING = ("controller", "plant")
+#: Causes that the record shows; a node may refuse for others.
+_SHOWN = ("duplicate", "out_of_order", "check_variable", "out_of_range")
+#: Causes of the traffic store that it finds in the frames of a port alone.
+_OF_FRAMES = (
+    "wrong_length", "wrong_check_sequence", "wrong_block_count", "missing_block", "assembly_timeout", "no_answer",
+)  # fmt: skip
+
+
+def unreconciled(scenario: Scenario, trace: Trace) -> list[str]:
+    """One sentence for the first breach of each rule, or for what the record does not show of it
+    (:mod:`railhil.judge.missed_telegrams`); empty for a run that keeps them, and without reports."""
+    told = trace.told
+    if told is None:
+        return []
+    found: dict[str, str] = {}
+    items = {item.port: item for item in received(scenario)}
+    # Frames of a node on identifiers that it reads itself: the record has them, the node does not hear them.
+    own_frames = any(fault.what == "masquerade" for fault in parsed(scenario.faults))
+    unseen = Unseen(scenario, trace)
+    for node, counts in told.nodes.items():
+        exact = told.exact and not counts.get("by_task") and not own_frames
+        for port, own in counts["ports"].items():
+            item = items.get(port)
+            if exact:
+                breaches = _port(trace, node, port, own, counts["gaps"], item)
+            else:
+                breaches = _taken(trace, node, port, own, item, unseen)
+            for said in breaches:
+                found.setdefault(said[: len("invariant 6")], said)
+        if exact:
+            for said in _frames(trace, node, counts):
+                found.setdefault(said[: len("invariant 6")], said)
+    return [found[rule] for rule in sorted(found)]
+
+
+def unchecked(trace: Trace) -> str:
+    """Nodes whose counters are not known, in words; empty: all are."""
+    nodes = {} if trace.told is None else trace.told.nodes
+    return " and ".join(node for node in REPORTING if node not in nodes)
+
+
+def _taken(
+    trace: Trace, node: str, port: str, own: Mapping[str, Any], item: Received | None, unseen: Unseen
+) -> Iterator[str]:
+    """The breach of rule 1 at one port whose other counters cannot be compared."""
+    if item is None or "accepted" not in own:
+        return
+    wrong, outside = bad_content(trace, item)
+    bad = int((wrong | outside).sum())
+    surplus = own["accepted"] - (trace.count(port) - bad)
+    if surplus <= 0:
+        return
+    bad += sum(one.source == port for one in trace.refused)
+    if not unseen.is_whole and (surplus > bad or unseen.count(port)):
+        yield f"{UNCLEAR}the {node} took {count_of(surplus, f'{port} telegram')} that the record does not show"
+    else:
+        yield from _too_many(node, port, surplus)
+
+
+def _port(
+    trace: Trace, node: str, port: str, own: Mapping[str, Any], gaps: list[Mapping[str, Any]], item: Received | None
+) -> Iterator[str]:
+    """The breaches at one port."""
+    heard = _heard(own["committed"], port, gaps)
+    if heard is None or not _is_the_rest(trace, port, heard[-1].after):
+        kept = sum(gap["ports"][port]["count"] for gap in gaps if port in gap["ports"])
+        yield (
+            f"invariant 6: {count_of(trace.count(port), f'{port} telegram')} in the record, "
+            f"the {node} received {own['committed']}" + (f" and {kept} were kept from it" if kept else "")
+        )
+        return
+    if "accepted" not in own:
+        return
+    refused = own.get("refused", {})
+    accounted = own["accepted"] + sum(refused.values())
+    came = count_of(own["committed"], f"{port} telegram")
+    if item is None:
+        # A safe channel also begins with telegrams that it neither uses nor refuses.
+        if accounted > own["committed"]:
+            yield f"invariant 6: the {node} received {came} and accounts for {accounted}"
+        return
+    causes = [cause for _, cause in judged(trace, item, heard if gaps or not _is_all(trace, port, heard) else None)]
+    good = own["committed"] - len(causes)
+    if own["accepted"] > good:
+        yield from _too_many(node, port, own["accepted"] - good)
+    for cause in _SHOWN:
+        told, shown = refused.get(cause, 0), causes.count(cause)
+        if told != shown:
+            words = cause.replace("_", " ")
+            one = f"{port} telegram"
+            yield f"invariant 6: the {node} refused {count_of(told, one)} ({words}), the record shows {shown}"
+    if accounted != own["committed"]:
+        yield f"invariant 6: the {node} received {came} and accounts for {accounted}"
+
+
+def _too_many(node: str, port: str, surplus: int) -> Iterator[str]:
+    yield f"invariant 1: the {node} took {count_of(surplus, f'{port} telegram')} that the record does not show good"
+
+
+def _heard(committed: int, port: str, gaps: list[Mapping[str, Any]]) -> list[Stretch] | None:
+    """What a node has heard of a port; None if that contradicts its gaps."""
+    found, begun, anew, left = [], 0, False, committed
+    for gap in gaps:
+        if port not in gap["ports"]:
+            return None
+        first, count = gap["ports"][port]["first"], gap["ports"][port]["count"]
+        left -= first - begun
+        if first < begun or left < 0:
+            return None
+        found.append(Stretch(begun, first, anew))
+        begun, anew = first + count, (anew and first == begun) or gap["restarted"]
+    return [*found, Stretch(begun, begun + left, anew)]
+
+
+def _is_all(trace: Trace, port: str, heard: list[Stretch]) -> bool:
+    return len(heard) == 1 and heard[0].after == trace.count(port)
+
+
+def _is_the_rest(trace: Trace, port: str, after: int) -> bool:
+    """Whether the telegrams from a number on are none, or came when the node may have left: after the end."""
+    times_ns = trace.times_ns(port)
+    if after >= len(times_ns):
+        return after == len(times_ns)
+    kinds = trace.raw(RunEvent.PORT, "RunEvent").tolist()
+    ends_ns = [
+        time_ns
+        for time_ns, kind in zip(trace.times_ns(RunEvent.PORT), kinds, strict=True)
+        if kind in Event._value2member_map_ and Event(kind).ends_run
+    ]
+    return bool(ends_ns) and times_ns[after] >= min(ends_ns)
+
+
+def _frames(trace: Trace, node: str, counts: Mapping[str, Any]) -> Iterator[str]:
+    """Frames refused by the traffic store; during a gap the node did not get them."""
+    own = set(counts["ports"])
+    for cause in _OF_FRAMES:
+        noted = (*trace.refused, *trace.no_answers)
+        shown = sum(one.cause == cause and one.source in own for one in noted)
+        told = counts["frames"].get(cause, 0)
+        if told > shown or (told < shown and not counts["gaps"]):
+            words = cause.replace("_", " ")
+            yield f"invariant 6: the {node} refused {count_of(told, 'frame')} ({words}), the record shows {shown}"

@@ -1,0 +1,174 @@
+"""What stands more than once in a run folder must be the same everywhere.
+
+The list of hashes finds a file that was changed alone; here the documents are compared with each other and with the
+record, which also a folder without a list has to pass.
+"""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, Final
+
+from railhil.bus.ident import CtlIdent, Ident, PltIdent, Role, SupIdent, make_ident
+from railhil.common.errors import InputError, Words
+from railhil.dbc import PORTS, recorded_contract
+from railhil.judge.fault_report import logged_outcomes
+from railhil.judge.folder import code_sha256
+from railhil.record.documents import CERTIFICATE, SCORE, read_score
+from railhil.record.hash_list import check_hash_list
+from railhil.record.trace import Trace
+from railhil.scenarios.canonical import injected
+from railhil.scenarios.model import AnyScenario
+from railhil.scenarios.run_spec import RunSpec
+from railhil.scenarios.system import DEFAULT, system_named
+
+JUNIT: Final = "junit.xml"
+#: Keys of the certificate that ``score.json`` has in its part ``run``.
+_OF_THE_RUN: Final = (
+    "scenario", "settings", "faults", "controller", "arithmetic", "indexing", "task_period_ms", "seed", "perturbed",
+    "run_number", "pace", "rate", "orders", "transport", "frames", "seed_was_trained",
+)  # fmt: skip
+#: Keys that ``junit.xml`` has as properties.
+_OF_JUNIT: Final = ("scenario", "seed", "verdict", "frames_sha256", "arithmetic")
+#: What the logs of the nodes say of a fault.
+_LOGGED: Final = ("number", "begun_s", "effect_s", "ended_s", "hits")
+
+
+def check_folder(folder: Path, document: Mapping[str, Any] | None) -> None:
+    """Check the files of a run folder against its list of hashes, then its documents against each other.
+
+    :param document: its certificate; None: there is none.
+    :raises InputError: the first file that differs.
+    :raises ContractError: port table, DBC and certificate do not belong together.
+    """
+    check_hash_list(folder, CERTIFICATE, document)
+    if document is None:
+        return
+    if (folder / PORTS).is_file():
+        system = system_named(str(document.get("system") or DEFAULT), folder / CERTIFICATE)
+        recorded_contract(folder, document.get("dbc_sha256"), system.contract)
+    for other, key, found, certified in (*_score(folder, document), *_junit(folder, document)):
+        if found != certified:
+            raise InputError(folder / CERTIFICATE, key, certified, f"{found!r}, as in {other} beside it")
+
+
+def _score(folder: Path, document: Mapping[str, Any]) -> Iterator[tuple[str, str, Any, Any]]:
+    """File, key, its value there, and that of the certificate."""
+    score = read_score(folder)
+    if score is None:
+        return
+    run = score["run"]
+    for key in ("verdict", "line"):
+        if key in score and key in document:
+            yield SCORE, key, score[key], document[key]
+    for key in _OF_THE_RUN:
+        if key in run and key in document:
+            yield SCORE, key, run[key], document[key]
+    if "faults" in score and "injected" in document:
+        yield SCORE, "injected", score["faults"], document["injected"]
+    for key in ("parameters", "memory"):
+        digest, certified = run.get(key), document.get(key)
+        if isinstance(digest, str) or certified is not None:
+            sha256 = None if certified is None else str(certified["sha256"])
+            yield SCORE, f"{key}.sha256", digest, sha256 if sha256 is None or digest is None else sha256[: len(digest)]
+
+
+def _junit(folder: Path, document: Mapping[str, Any]) -> Iterator[tuple[str, str, Any, Any]]:
+    path = folder / JUNIT
+    if not path.is_file():
+        return
+    try:
+        tree = ET.parse(path)
+    except (ET.ParseError, OSError) as error:
+        raise InputError(path, "file", Words(str(error)), "what railhil run has written") from None
+    properties = {entry.get("name"): entry.get("value") for entry in tree.iter("property")}
+    _check_cases(path, tree.getroot(), properties.get("verdict"))
+    for key in _OF_JUNIT:
+        if key in properties and key in document:
+            yield JUNIT, key, properties[key], str(document[key])
+    label, controller = properties.get("controller"), document.get("controller")
+    if label is not None and controller is not None and not label.startswith(str(controller)):
+        yield JUNIT, "controller", label, controller
+
+
+def _check_cases(path: Path, suite: ET.Element, verdict: str | None) -> None:
+    """Check the cases of ``junit.xml`` against their numbers and its verdict.
+
+    A run may be FAIL for a reason that is no case, such as a lost controller.
+
+    :raises InputError: they contradict each other.
+    """
+    for key in ("failures", "errors"):
+        said, found = suite.get(key), sum(1 for _ in suite.iter(key.removesuffix("s")))
+        if said is not None and said != str(found):
+            raise InputError(path, key, said, f"{found}, the cases that have one")
+        if found and verdict in (("PASS",) if key == "failures" else ("PASS", "FAIL")):
+            raise InputError(path, key, found, f"0 with the verdict {verdict}")
+
+
+def check_record(folder: Path, document: Mapping[str, Any], scenario: AnyScenario, trace: Trace) -> None:
+    """Check the certificate against the handshake in the record and the logs of the faults.
+
+    :raises InputError: the first difference.
+    """
+    path = folder / CERTIFICATE
+    sup, plant = trace.ident(SupIdent), trace.ident(PltIdent)
+    if "controller" in document and plant is not None:
+        spec = RunSpec.from_json({**document, "plant_fmu": None}, path)
+        _check_described(path, document, spec, scenario)
+        own = make_ident(Role.SUPERVISOR, scenario.sha256, **spec.identity, contract=trace.contract)
+        said: list[str] = []
+        for ident in (plant, trace.ident(CtlIdent), sup):
+            said += [] if ident is None else _differences(ident, own)
+        if said:
+            allowed = f"what {PltIdent.PORT}, {CtlIdent.PORT} and {SupIdent.PORT} in the record say"
+            raise InputError(path, "handshake", Words("; ".join(said)), allowed)
+    if not scenario.faults or "injected" not in document or plant is None:
+        return
+    logged = logged_outcomes(folder, scenario, plant.seed)
+    certified = document["injected"]
+    for one in logged:
+        wanted = {key: one.as_json()[key] for key in _LOGGED}
+        found = next((row for row in certified if row["number"] == one.number), None)
+        if found is None or {key: found[key] for key in _LOGGED} != wanted:
+            raise InputError(path, f"injected {one.number}", found, f"{wanted}, as in the logs of the faults beside it")
+
+
+def _check_described(path: Path, document: Mapping[str, Any], spec: RunSpec, scenario: AnyScenario) -> None:
+    """Check what the certificate says was run against the scenario whose hash ``PLT_IDENT`` in the record has.
+
+    A scenario of the user's may have changed since or be elsewhere, and a shipped one be another in another version:
+    then only the faults, which the scenario of the record lists, can be compared.
+
+    :raises InputError: the certificate describes another scenario.
+    """
+    allowed = f"that of {PltIdent.PORT} in the record"
+    wanted = document.get("scenario_sha256")
+    if wanted is not None and wanted != scenario.sha256:
+        raise InputError(path, "scenario_sha256", wanted, f"{scenario.sha256}, {allowed}")
+    was = injected(scenario.faults)
+    for text, fault in zip(spec.faults, injected(spec.faults), strict=True):
+        if fault not in was:
+            raise InputError(path, "faults", text, f"a fault of the scenario with the hash {allowed}")
+    try:
+        derived = spec.load().sha256
+        said = f"hash {derived[:8]}"
+    except InputError as error:
+        derived, said = "", str(error)
+    if derived != scenario.sha256 and not spec.scenario.endswith(".toml") and _is_by_this_code(document, scenario):
+        found = Words(f"{' '.join(spec.scenario_words)}: {said}")
+        raise InputError(path, "scenario, settings, faults", found, f"{scenario.sha256[:8]}, {allowed}")
+
+
+def _is_by_this_code(document: Mapping[str, Any], scenario: AnyScenario) -> bool:
+    """Whether the shipped scenarios of the record are those of this installation."""
+    ours = {"code_sha256": code_sha256(), "system_sha256": system_named(scenario.system).code_sha256()}
+    return all(document.get(key) == value for key, value in ours.items())
+
+
+def _differences(ident: Ident, own: Ident) -> list[str]:
+    """In what a node and the certificate disagree; the certificate does not hold the version of the handshake."""
+    return ident.differences(replace(own, version=ident.version))

@@ -1,0 +1,77 @@
+"""Whether the files of a run folder that were derived from its log are still what the log gives."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from itertools import zip_longest
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from railhil.judge.record import Record
+from railhil.judge.signals import write_signals
+from railhil.record.blf_reader import read_blf
+from railhil.record.blf_writer import start_ns, write_blf
+from railhil.record.difference import first_difference
+from railhil.record.framelog import read_log
+
+#: Names in a run folder.
+BLF, SIGNALS = "frames.blf", "signals.csv"
+#: Computed columns may differ in their last digit between two mathematical libraries.
+_SAME = 1e-8
+
+
+def blf_difference(record: Record) -> str:
+    """In which frame ``frames.blf`` differs first from the log beside it; empty: in none, or there is no such file.
+
+    :raises InputError: it is no BLF.
+    """
+    path = record.log.with_name(BLF)
+    if not path.is_file():
+        return ""
+    with TemporaryDirectory(prefix="railhil-") as private:
+        again = Path(private) / BLF
+        write_blf(record.log, again)
+        if again.read_bytes() == path.read_bytes():
+            return ""
+    # Another library may have compressed the same frames.
+    first = start_ns(next(read_log(record.log))[0])
+    logged = ((time_ns - first, frame) for time_ns, frame in read_log(record.log))
+    found = first_difference(logged, read_blf(path), record.trace.contract, record.trace.contract)
+    return "" if found is None else f"{BLF}: other frames than {record.log.name}: {found.sentence}"
+
+
+def signals_difference(record: Record) -> str:
+    """In which value ``signals.csv`` differs first from the log's; empty: in none, or there is no such file.
+
+    It is what the code of the record has made of the log, and other code may make something else.
+    """
+    path = record.log.with_name(SIGNALS)
+    if not path.is_file():
+        return ""
+    with TemporaryDirectory(prefix="railhil-") as private:
+        again = Path(private) / SIGNALS
+        write_signals(record.scenario, record.trace, again, record.certificate.get("notes"))
+        if again.read_bytes() == path.read_bytes():
+            return ""
+        return next(_other_values(path, again, record.log.name), "")
+
+
+def _other_values(path: Path, again: Path, log: str) -> Iterator[str]:
+    with path.open(encoding="utf-8", errors="replace") as old, again.open(encoding="utf-8") as new:
+        header: list[str] = []
+        for number, (was, now) in enumerate(zip_longest(old, new, fillvalue=""), 1):
+            cells, wanted = was.rstrip("\n").split(","), now.rstrip("\n").split(",")
+            header = header or wanted
+            if len(cells) != len(wanted):
+                yield f"{path.name}: line {number}: {len(cells)} values, {len(wanted)} from {log}"
+            for name, found, given in zip(header, cells, wanted, strict=False):
+                if not _is_same(found, given):
+                    yield f"{path.name}: line {number}, {name}: {found or 'nothing'}, {given or 'nothing'} from {log}"
+
+
+def _is_same(found: str, given: str) -> bool:
+    try:
+        return found == given or math.isclose(float(found), float(given), rel_tol=_SAME, abs_tol=_SAME)
+    except ValueError:
+        return False

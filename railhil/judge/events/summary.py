@@ -1,0 +1,136 @@
+"""What the events of a run come to: one line for people, one entry of ``score.json`` for programs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from railhil.judge.events.declared import Watch
+from railhil.judge.events.event import FAULT, LEVEL, LOST, MISSED_POLL, REFUSED, RecordedEvent
+from railhil.judge.events.injected import faults_said
+from railhil.judge.judging import judging_of
+from railhil.scenarios.model import AnyScenario
+
+#: Frames of other systems on a shared bus are no disturbance.
+_FOREIGN = "unknown_id"
+
+
+@dataclass(frozen=True, slots=True)
+class Reaction:
+    """The reaction of one watch in a run.
+
+    ``first``: where it first left normal; ``worst``: where it first reached its strongest level. ``times``: how often
+    it came to that level from a weaker one; ``seconds``: time at each level, weakest first.
+    """
+
+    watch: Watch
+    first: RecordedEvent
+    worst: RecordedEvent
+    times: int
+    seconds: dict[str, float]
+
+    def sentence(self) -> str:
+        """The strongest level with its first instant and cause, and how often it was reached or how long it lasted."""
+        often = f"{self.times} times" if self.times > 1 else f"for {self.seconds[self.worst.level]:.2f} s"
+        why = ", ".join(filter(None, (self.worst.detail, often)))
+        level = level_shown(self.worst.level)
+        return " ".join(
+            filter(None, (self.watch.title, level, f"from {self.worst.time_s:.2f} s", f"({why})" if why else ""))
+        )
+
+    def as_json(self) -> dict[str, Any]:
+        """Its entry under ``events.watches`` of ``score.json``."""
+        return {
+            "first": _entry(self.first),
+            "worst": _entry(self.worst) | {"times": self.times},
+            "seconds": {level: round(lasted_s, 4) for level, lasted_s in self.seconds.items()},
+        }
+
+
+def level_shown(level: str) -> str:
+    """A level as people read it."""
+    return level.upper().replace("_", " ")
+
+
+def _entry(event: RecordedEvent) -> dict[str, Any]:
+    return {"level": event.level, "time_s": event.time_s, "cause": event.cause, "detail": event.detail}
+
+
+def reactions(scenario: AnyScenario, events: Sequence[RecordedEvent]) -> list[Reaction]:
+    """The reactions of all watches that have left normal, in the order of the watches."""
+    found = (_reaction(watch, events) for watch in judging_of(scenario).watches)
+    return [reaction for reaction in found if reaction is not None]
+
+
+def _reaction(watch: Watch, events: Sequence[RecordedEvent]) -> Reaction | None:
+    own = [event for event in events if event.kind == LEVEL and event.source == watch.name]
+    if not own:
+        return None
+    seconds: dict[str, float] = {}
+    for event in sorted(own, key=lambda event: event.rank):
+        seconds[event.level] = seconds.get(event.level, 0.0) + event.lasted_s
+    worst = max(own, key=lambda event: event.rank)
+    times = sum(
+        event.rank == worst.rank and (before is None or before.rank != worst.rank or before.until_s != event.time_s)
+        for before, event in zip([None, *own], own, strict=False)
+    )
+    return Reaction(watch, own[0], worst, times, seconds)
+
+
+def _counts(events: Iterable[RecordedEvent], kind: str) -> dict[str, dict[str, int]]:
+    found: dict[str, dict[str, int]] = {}
+    for event in events:
+        if event.kind == kind:
+            causes = found.setdefault(event.source, {})
+            causes[event.cause] = causes.get(event.cause, 0) + event.count
+    return found
+
+
+def counts_said(events: Iterable[RecordedEvent], kind: str) -> str:
+    """Telegrams of a kind of event by port and cause, in words; empty without any."""
+    return ", ".join(
+        f"{port} {count} ({cause})" for port, causes in _counts(events, kind).items() for cause, count in causes.items()
+    )
+
+
+def summary(scenario: AnyScenario, events: Sequence[RecordedEvent]) -> dict[str, Any]:
+    """``events`` of ``score.json``.
+
+    ``watches``: for each watch its first and worst reaction, null if it stayed at normal; ``refused`` telegrams by port
+    and cause; ``lost`` telegrams and ``missed_polls`` by port; ``faults`` that became active, in their order.
+    """
+    reacted = {reaction.watch.name: reaction.as_json() for reaction in reactions(scenario, events)}
+    return {
+        "watches": {watch.name: reacted.get(watch.name) for watch in judging_of(scenario).watches},
+        "refused": _counts(events, REFUSED),
+        "lost": {port: sum(causes.values()) for port, causes in _counts(events, LOST).items()},
+        "missed_polls": {port: sum(causes.values()) for port, causes in _counts(events, MISSED_POLL).items()},
+        "faults": [
+            {"time_s": event.time_s, "until_s": event.until_s, "hits": event.count, "detail": event.detail}
+            for event in events
+            if event.kind == FAULT
+        ],
+    }
+
+
+def why(scenario: AnyScenario, events: Sequence[RecordedEvent]) -> str:
+    """One sentence on what the watches did; if they did nothing, on telegrams that were refused, lost or missing; then
+    on the injected faults.
+
+    Empty for a healthy run.
+    """
+    found = [reaction.sentence() for reaction in reactions(scenario, events)]
+    if not found:
+        found = [
+            f"{sum(causes.values())} {port} {said} ({', '.join(causes)})"
+            for kind, said in ((REFUSED, "refused"), (LOST, "lost"), (MISSED_POLL, "polls missed"))
+            for port, causes in _counts(events, kind).items()
+            if _FOREIGN not in causes
+        ]
+    return "; ".join([*found, *faults_said(events)])
+
+
+def explained(line: str, reason: str) -> str:
+    """The line of a verdict with :func:`why`."""
+    return " - ".join(filter(None, (line, reason)))

@@ -1,0 +1,203 @@
+"""Telegrams that were refused, lost or not sent: what receivers would not have taken from the recorded bus."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from railhil.bus.ident import PltIdent
+from railhil.bus.layout import CHECK_CORRECT
+from railhil.bus.lifesign import LifeSign
+from railhil.bus.schedule import Schedule
+from railhil.dbc import Port
+from railhil.judge.events.declared import Received
+from railhil.judge.events.event import LOST, MISSED_POLL, REFUSED, RecordedEvent
+from railhil.record.trace import Noted, Trace
+
+BoolArray: TypeAlias = npt.NDArray[np.bool_]
+Times: TypeAlias = npt.NDArray[np.int64]
+#: Refusals of one port with one cause that are no further apart are one event; longer than any port's period.
+BURST_NS = 2_000_000_000
+_LIFE_VALUES = 16
+
+
+def refused(trace: Trace, received: Iterable[Received]) -> Iterator[RecordedEvent]:
+    """Telegrams refused by the traffic store, and those refused by their receiver for what they say."""
+    judged = (noted for item in received for noted in _judged(trace, item))
+    return _bursts(REFUSED, sorted([*trace.refused, *judged]))
+
+
+def missed_polls(trace: Trace) -> Iterator[RecordedEvent]:
+    """Polls without a good answer."""
+    return _bursts(MISSED_POLL, sorted(trace.missed))
+
+
+def _bursts(kind: str, found: Iterable[Noted]) -> Iterator[RecordedEvent]:
+    """One event for all that are close together.
+
+    :param found: in the order of time.
+    """
+    bursts: dict[tuple[str, str], list[int]] = {}
+    for time_ns, source, cause in found:
+        burst = bursts.get((source, cause))
+        if burst is not None and time_ns - burst[1] <= BURST_NS:
+            burst[1], burst[2] = time_ns, burst[2] + 1
+            continue
+        if burst is not None:
+            yield _burst(kind, source, cause, *burst)
+        bursts[source, cause] = [time_ns, time_ns, 1]
+    for (source, cause), burst in bursts.items():
+        yield _burst(kind, source, cause, *burst)
+
+
+def _burst(kind: str, source: str, cause: str, first_ns: int, last_ns: int, count: int) -> RecordedEvent:
+    until_s = last_ns / 1e9 if count > 1 else None
+    return RecordedEvent(first_ns / 1e9, source, kind, cause, count=count, until_s=until_s)
+
+
+def _judged(trace: Trace, item: Received) -> Iterator[Noted]:
+    """Telegrams of one port that its receiver refuses, by the causes of its counters."""
+    times_ns = trace.times_ns(item.port)
+    for index, cause in judged(trace, item):
+        yield Noted(times_ns[index], item.port, cause)
+
+
+class Stretch(NamedTuple):
+    """Telegrams of a port by their numbers in the record, from ``first`` up to ``after``; ``anew``: the receiver has
+    forgotten those before."""
+
+    first: int
+    after: int
+    anew: bool = False
+
+
+def bad_content(trace: Trace, item: Received) -> tuple[BoolArray, BoolArray]:
+    """Which telegrams of a port have a wrong check variable, and which a value out of range; shape (n,)."""
+    check_failed = np.zeros(trace.count(item.port), dtype=bool)
+    for name in item.checks:
+        check_failed |= trace.raw(item.port, name) != CHECK_CORRECT
+    outside = np.zeros_like(check_failed)
+    for name, (lowest, highest) in item.ranges.items():
+        raw = trace.raw(item.port, name)
+        outside |= (raw < lowest) | (raw > highest)
+    return check_failed, outside
+
+
+def judged(trace: Trace, item: Received, heard: Sequence[Stretch] | None = None) -> Iterator[tuple[int, str]]:
+    """The telegrams of one port that its receiver refuses: number in the record, and cause.
+
+    :param heard: what the receiver has heard of them; None: all.
+    """
+    names = [name for name in (item.life, *item.checks, *item.ranges) if name]
+    if not all(trace.has(item.port, name) for name in names):
+        # A record of another version.
+        return
+    check_failed, outside = bad_content(trace, item)
+    signs = trace.raw(item.port, item.life) if item.life else np.zeros(len(outside), dtype=np.int64)
+    steady = not item.life or bool(np.all(np.diff(signs) % _LIFE_VALUES == 1))
+    if steady and not heard and not (check_failed.any() or outside.any()):
+        return
+    life = LifeSign()
+    for stretch in heard if heard is not None else [Stretch(0, len(signs))]:
+        life = LifeSign() if stretch.anew else life
+        for index in range(stretch.first, stretch.after):
+            wrong, beyond = check_failed[index], outside[index]
+            sign = int(signs[index])
+            if item.life:
+                verdict = life.judge(sign)
+                if not verdict.fresh:
+                    yield index, verdict.value
+                    continue
+                if item.follows_bad or not (wrong or beyond):
+                    life.accept(sign)
+            if wrong or beyond:
+                yield index, "check_variable" if wrong else "out_of_range"
+
+
+class Gap(NamedTuple):
+    """Telegrams of a port that the record does not show: how many, when the first of them was due, and when the next
+    one came, or the record ended (ns)."""
+
+    missing: int
+    begun_ns: int
+    until_ns: int
+
+
+def lost(trace: Trace, schedule: Schedule) -> Iterator[RecordedEvent]:
+    """Periodic telegrams of the plant that are neither in the record nor refused: an outage, or frames that were lost.
+
+    One event for each gap; its instant is that of the first missing telegram. An outage may last from the start of the
+    run, or to its end.
+    """
+    for port in trace.contract.ports:
+        if port.mode != "poll" and port.name in schedule.periods_ns:
+            for count, begun_ns, until_ns in [*gaps(trace, port, schedule), *outages(trace, port, schedule)]:
+                yield RecordedEvent(
+                    begun_ns / 1e9, port.name, LOST, "gap", count=count, until_s=until_ns / 1e9
+                )  # fmt: skip
+
+
+def _arrivals(trace: Trace, port: str) -> tuple[Times, Times]:
+    """Times of the telegrams of a port, and of those that were refused, shape (n,) and (m,)."""
+    refused = [time_ns for time_ns, source, _ in trace.refused if source == port]
+    return np.array(trace.times_ns(port), dtype=np.int64), np.array(refused, dtype=np.int64)
+
+
+def gaps(trace: Trace, port: Port, schedule: Schedule) -> list[Gap]:
+    """Where telegrams of a periodic port are missing between two others.
+
+    The life sign numbers the telegrams, and time says how often it has gone round. Numbers that never came are missing
+    if there was time for them: a stuck counter leaves none out, copies and late telegrams fill no gap. While the clock
+    port itself is disturbed, time stamps are wrong by some ticks; the numbers are not.
+    """
+    times_ns, refused_ns = _arrivals(trace, port.name)
+    if len(times_ns) < 2:
+        return []
+    period_ns = schedule.ticks(port.name) * schedule.base_tick_ns
+    periods = np.diff(times_ns) / period_ns
+    if port.life is None:
+        # Each is the next one, by its time.
+        steps = np.maximum(1, np.ceil(periods - 0.5)).astype(np.int64)
+    else:
+        values = 1 << port.life.length
+        steps = np.diff(trace.raw(port.name, port.life.name)) % values
+        steps += values * np.rint((periods - steps) / values).astype(np.int64)
+    if np.all(steps == 1):
+        return []
+    numbers = np.concatenate([[0], np.cumsum(steps)])
+    shown, first = np.unique(numbers, return_index=True)
+    last = len(numbers) - 1 - np.unique(numbers[::-1], return_index=True)[1]
+    found = []
+    for index in np.flatnonzero(np.diff(shown) > 1).tolist():
+        after_ns, until_ns = int(times_ns[last[index]]), int(times_ns[first[index + 1]])
+        refused = int(((refused_ns >= after_ns) & (refused_ns <= until_ns)).sum())
+        count = int(shown[index + 1] - shown[index]) - 1 - refused
+        if port.mode != "event":
+            # Others in between had a wrong life sign.
+            between = int(((times_ns > after_ns) & (times_ns < until_ns)).sum())
+            count = min(count, round((until_ns - after_ns) / period_ns) - 1 - between - refused)
+        if count > 0:
+            found.append(Gap(count, after_ns + period_ns, until_ns))
+    return found
+
+
+def outages(trace: Trace, port: Port, schedule: Schedule) -> Iterator[Gap]:
+    """Where telegrams of a periodic port are missing before its first one and after its last one.
+
+    Before the first one only in a record from the start of a run; what a scenario or a train need not send may begin
+    at any time.
+    """
+    period_ns = schedule.ticks(port.name) * schedule.base_tick_ns
+    seen_ns = np.sort(np.concatenate(_arrivals(trace, port.name)))
+    opened_ns = trace.times_ns(PltIdent.PORT)
+    if len(opened_ns) and port.mode != "event" and (len(seen_ns) or not port.optional):
+        # In the last tick of a record not everything has come yet.
+        first_ns = int(seen_ns[0]) if len(seen_ns) else trace.end_ns
+        if (count := round((first_ns - opened_ns[0]) / period_ns + (0 if len(seen_ns) else 0.5))) > 0:
+            yield Gap(count, opened_ns[0], first_ns)
+    if len(seen_ns) and (behind := (trace.end_ns - int(seen_ns[-1])) / period_ns) > 1.5:
+        yield Gap(math.ceil(behind) - 1, int(seen_ns[-1]) + period_ns, trace.end_ns)

@@ -1,0 +1,284 @@
+"""Rules that hold in every run of a train, faulty or not, checked on the record.
+
+2. No traction at level TRACTION CUT or above, neither commanded by the controller nor applied by the train.
+3. Beyond the overspeed margin the emergency brake is applied.
+4. A watch lowers its level only after the stated number of good telegrams, or at a standstill; EMERGENCY is never left.
+
+What the record does not show breaks no rule: where a rule hangs on a telegram that the record may lack, the run is
+INVALID (:mod:`railhil.judge.missed_telegrams`). So it is where rule 4 hangs on the order of telegrams of two nodes in
+real time: after a pause frames come in one burst, and a node takes them later than the recorder.
+
+The numbers are those of the specification of the bench. Rule 1 (no telegram that failed a check reaches the law) and 6
+(sent = accepted + refused + lost) need the counters of the nodes: :mod:`railhil.judge.counters`. The checks here
+use neither watch: they read levels, speeds and forces from the record, and count its good telegrams again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from railhil.bus.codes import CtlMode
+from railhil.bus.ident import PltIdent
+from railhil.bus.telegrams import NotchCmd, SimTruth, TrnPos, TrnSpeed, TrnWatch
+from railhil.common.digits import count_of
+from railhil.faults.parsed import parsed
+from railhil.judge.counters import unreconciled
+from railhil.judge.events.declared import Received
+from railhil.judge.events.telegrams import judged
+from railhil.judge.measures import limits_under_train
+from railhil.judge.missed_telegrams import UNCLEAR, Unseen
+from railhil.record.trace import FloatArray, Trace
+from railhil.scenarios.model import Scenario
+from railhil.systems.ato.events import received
+
+if TYPE_CHECKING:
+    from railhil.faults.model import Fault
+
+LEVELS = ("NORMAL", "HOLD", "TRACTION CUT", "SERVICE BRAKE", "EMERGENCY")
+_TRACTION_CUT, _SERVICE_BRAKE, _EMERGENCY = 2, 3, 4
+#: Good telegrams after which a level may be left.
+GOOD_NEEDED = {1: 1, _TRACTION_CUT: 5, _SERVICE_BRAKE: 10}
+#: Time that the watches may take to notice an overspeed, and the record to show it: the period of TRN_WATCH.
+NOTICE_S = 0.16
+#: Resolution of SIM_TRUTH's force; anything above half of it is traction.
+_FORCE_MIN_N = 10.0
+_SPEED_SLACK_MPS = 1e-3
+#: Parts of a telegram that carry nothing of its content.
+_OF_THE_FRAME = ("counter", "checksum")
+
+BoolArray: TypeAlias = npt.NDArray[np.bool_]
+IntArray: TypeAlias = npt.NDArray[np.int64]
+
+
+def broken(scenario: Scenario, trace: Trace) -> list[str]:
+    """One sentence for the first breach of each rule, with those of :mod:`railhil.judge.counters`; empty for a run
+    that keeps them. One that begins with :data:`railhil.judge.missed_telegrams.UNCLEAR` names what the record lacks.
+
+    A record of an earlier version, without the level of the train's watch, is checked only for the controller's. What
+    a fault has put into NOTCH_CMD is not the controller's, and is not checked; with any fault of NOTCH_CMD, the order
+    of the controller's levels is not. A traction drive with a fault does not obey the train's watch: its traction is
+    checked from EMERGENCY on, where the main breaker opens. With a fault of the adhesion the notch in effect is checked
+    in place of the force at the rail, which is then that of spinning wheels.
+    """
+    has_watch = "TRN_WATCH" in {port.name for port in trace.contract.ports}
+    found = unreconciled(scenario, trace)
+    items = {item.port: item for item in received(scenario)}
+    unseen = Unseen(scenario, trace)
+    if not _is_forged(scenario):
+        found += _commanded_traction(trace)
+    if not _is_out_of_step(scenario):
+        found += _left_early_by_controller(trace, items, unseen)
+    if has_watch and trace.count(TrnWatch.PORT):
+        found += [*_applied_traction(scenario, trace), *_overspeed(scenario, trace)]
+        found += _left_early_by_train(trace, items, unseen)
+    elif has_watch and trace.count(PltIdent.PORT):
+        # A run without a bus has neither.
+        found.append(f"{UNCLEAR}no TRN_WATCH, so the level of the train's watch is not known")
+    return found
+
+
+def _is_forged(scenario: Scenario, port: str = NotchCmd.PORT) -> bool:
+    """Whether a fault of the run puts something else into the telegrams of a port than their source has.
+
+    Telegrams that are lost, late, repeated or refused are its own all the same: level and notch belong together.
+    """
+    return any(_forges(fault, port) for fault in parsed(scenario.faults))
+
+
+def _forges(fault: Fault, port: str) -> bool:
+    place = fault.place
+    if place.level == "command":
+        return port == NotchCmd.PORT
+    # Of many flipped bits, some pass the check sequence.
+    return place.name == port and (place.part not in ("", *_OF_THE_FRAME) or fault.what == "corrupt")
+
+
+def _is_out_of_step(scenario: Scenario) -> bool:
+    """Whether the levels in the record may not be those of the controller, each at its instant."""
+    faults = parsed(scenario.faults)
+    return any(
+        fault.place.level == "command"
+        or fault.place.name == NotchCmd.PORT
+        or (fault.place.level, fault.place.name, fault.what) == ("node", "controller", "slow")
+        for fault in faults
+    )
+
+
+def _cut_from(scenario: Scenario) -> int:
+    """The level at which no traction can be applied in this run."""
+    return _EMERGENCY if _has_fault(scenario, "actuator", "traction") else _TRACTION_CUT
+
+
+def _has_fault(scenario: Scenario, level: str, name: str) -> bool:
+    return any((fault.place.level, fault.place.name) == (level, name) for fault in parsed(scenario.faults))
+
+
+def _told_levels(trace: Trace) -> IntArray:
+    """Level of the train's watch in each TRN_WATCH; -1 where the next one is missing from the record: not known."""
+    life = trace.raw(TrnWatch.PORT, "WatchLife")
+    before_gap = np.append((np.diff(life) & 0xF) != 1, False)
+    return np.where(before_gap, -1, trace.raw(TrnWatch.PORT, "WatchLevel"))
+
+
+def _level_at(trace: Trace, time_s: FloatArray) -> IntArray:
+    """Level of the train's watch at each instant: that of the newest TRN_WATCH; -1 where it is not known."""
+    level = _told_levels(trace)
+    index = np.searchsorted(trace.times_s(TrnWatch.PORT), time_s, side="right") - 1
+    return np.where(index >= 0, level[np.maximum(index, 0)], -1)
+
+
+def _controller_levels(trace: Trace) -> IntArray:
+    """Level in each NOTCH_CMD; -1 for a controller that initialises: after a restart it has no level to keep."""
+    return trace.raw(NotchCmd.PORT, "CtlMode") - int(CtlMode.RUNNING)
+
+
+def _commanded_traction(trace: Trace) -> Iterator[str]:
+    level, notch = _controller_levels(trace), trace.values(NotchCmd.PORT, "NotchCmd")
+    wrong = np.flatnonzero((level >= _TRACTION_CUT) & (notch > 0))
+    if len(wrong):
+        first = wrong[0]
+        yield (
+            f"invariant 2: the controller commands notch {notch[first]:.2f} at {LEVELS[level[first]]}, "
+            f"at {trace.times_s(NotchCmd.PORT)[first]:.2f} s"
+        )
+
+
+def _applied_traction(scenario: Scenario, trace: Trace) -> Iterator[str]:
+    if _has_fault(scenario, "train", "adhesion"):
+        # Wheels that spin push the train until they have slowed down, whatever the drive does.
+        if _is_forged(scenario, TrnPos.PORT):
+            return
+        time_s, applied = trace.times_s(TrnPos.PORT), trace.values(TrnPos.PORT, "NotchActual")
+        least, what = 0.0, "has notch {:.2f} in effect"
+    else:
+        time_s, applied = trace.times_s(SimTruth.PORT), trace.values(SimTruth.PORT, "TractionForce") / 1e3
+        least, what = _FORCE_MIN_N / 1e3, "applies {:.1f} kN of traction"
+    # The level before as well: when the port that opens the ticks is lost, a later tick can have the same instant.
+    level = np.minimum(_level_at(trace, time_s), _level_at(trace, np.nextafter(time_s, -np.inf)))
+    wrong = np.flatnonzero((level >= _cut_from(scenario)) & (applied > least))
+    if len(wrong):
+        first = wrong[0]
+        yield (
+            f"invariant 2: the train {what.format(applied[first])} at {LEVELS[level[first]]}, at {time_s[first]:.2f} s"
+        )
+
+
+def _overspeed(scenario: Scenario, trace: Trace) -> Iterator[str]:
+    time_s, speed_mps = trace.times_s(SimTruth.PORT), trace.values(SimTruth.PORT, "TrueSpeed")
+    position_m = trace.values(SimTruth.PORT, "TruePos")
+    limits_mps = limits_under_train(scenario.line.speed_limit_mps, position_m, scenario.train.length_m)
+    most_mps = np.minimum(limits_mps, scenario.train.speed_limit_mps) + scenario.watch.overspeed_margin_mps
+    beyond = speed_mps > most_mps + _SPEED_SLACK_MPS
+    if not beyond.any():
+        return
+    # Only what lasts: the level stands in the record some ticks after the speed.
+    later = _level_at(trace, time_s + NOTICE_S)
+    ends = np.minimum(np.searchsorted(time_s, time_s + NOTICE_S), len(time_s) - 1)
+    noticed = time_s + NOTICE_S <= time_s[-1]
+    wrong = np.flatnonzero(beyond & beyond[ends] & noticed & (later >= 0) & (later < _EMERGENCY))
+    if len(wrong):
+        first = wrong[0]
+        yield (
+            f"invariant 3: {speed_mps[first] * 3.6:.1f} km/h at {time_s[first]:.2f} s, beyond the margin, "
+            f"and the train's watch is at {LEVELS[later[first]]}"
+        )
+
+
+def _good_before(trace: Trace, item: Received, port: str) -> IntArray:
+    """Number of telegrams that the receiver of ``item`` has taken before each telegram of ``port``."""
+    taken = np.ones(trace.count(item.port), dtype=bool)
+    taken[[number for number, _ in judged(trace, item)]] = False
+    return np.searchsorted(trace.order(item.port)[taken], trace.order(port))
+
+
+def _left_early(
+    who: str, time_s: FloatArray, level: IntArray, first: IntArray, past: IntArray, standing: Standing, port: str,
+    unseen: Unseen,
+) -> Iterator[str]:  # fmt: skip
+    """The first breach of rule 4, or what the record does not show of it.
+
+    :param level: at each instant; -1: not known. The good telegrams of ``port`` are numbered in their order: ``first``
+        is the first one that can count for a level entered at an instant, ``past`` the first that is too late for one
+        left.
+    :param standing: whether the train stands at each instant; where it has stood at this level, any may be left.
+    """
+    for index in np.flatnonzero(np.diff(level) < 0) + 1:
+        left, entered = int(level[index - 1]), index - 1
+        if level[index] < 0 or left == 0:
+            continue
+        if left == _EMERGENCY:
+            yield f"invariant 4: {who} left EMERGENCY at {time_s[index]:.2f} s"
+            return
+        while entered > 0 and level[entered - 1] == left:
+            entered -= 1
+        if entered > 0 and level[entered - 1] < 0:
+            # It may have been entered earlier.
+            continue
+        count = int(past[index] - first[entered])
+        rows = slice(entered, index + 1)
+        # At a standstill SERVICE BRAKE is left at once, and a level may be left through it between two reports.
+        if count >= GOOD_NEEDED[left] or standing.stands[rows].any():
+            continue
+        said = f"{who} left {LEVELS[left]} at {time_s[index]:.2f} s"
+        missing = unseen.count(port, time_s[entered - 1 if entered else 0], time_s[index])
+        begun = max(0, int(np.searchsorted(time_s, time_s[entered] - unseen.lag_s(left), side="right")) - 1)
+        if not standing.known[rows].all():
+            yield f"{UNCLEAR}{said}, and no {standing.port} shows whether the train stood"
+        elif count + missing >= GOOD_NEEDED[left]:
+            yield f"{UNCLEAR}{said} after {count_of(count, f'good {port} telegram')}, {missing} not in the record"
+        elif past[index] - first[begun] + missing >= GOOD_NEEDED[left]:
+            yield (
+                f"{UNCLEAR}{said} after {count_of(count, f'good {port} telegram')}, needed {GOOD_NEEDED[left]}: "
+                "in real time it may have taken those before later than the recorder"
+            )
+        else:
+            yield f"invariant 4: {said} after {count_of(count, 'good telegram')}, needed {GOOD_NEEDED[left]}"
+        return
+
+
+class Standing(NamedTuple):
+    """Whether the train stands at each of some instants, shape (n,), as ``port`` shows it; ``known``: where it does."""
+
+    port: str
+    stands: BoolArray
+    known: BoolArray
+
+
+def _standing(trace: Trace, port: str, signal: str, time_s: FloatArray, unseen: Unseen) -> Standing:
+    """What the newest telegram before each instant says, if none is missing after it."""
+    told_s, raw = trace.times_s(port), trace.raw(port, signal)
+    if not len(raw):
+        return Standing(port, np.zeros(len(time_s), dtype=bool), np.zeros(len(time_s), dtype=bool))
+    index = np.searchsorted(told_s, time_s, side="right") - 1
+    newest = np.maximum(index, 0)
+    known = (index >= 0) & (time_s - told_s[newest] < 2 * unseen.period_s(port))
+    return Standing(port, (index >= 0) & (raw[newest] == 0), known)
+
+
+def _left_early_by_controller(trace: Trace, items: Mapping[str, Received], unseen: Unseen) -> Iterator[str]:
+    """The level stands in each answer, so it was entered after the answer before; telegrams come before the poll.
+
+    Whether the train stands is what TRN_SPEED says: to a controller that hears none, it does not.
+    """
+    time_s = trace.times_s(NotchCmd.PORT)
+    past = _good_before(trace, items[TrnSpeed.PORT], NotchCmd.PORT)
+    first = np.concatenate([[0], past[:-1]])
+    standing = _standing(trace, TrnSpeed.PORT, "TrainSpeed", time_s, unseen)
+    heard = standing._replace(known=np.ones_like(standing.known))
+    levels = _controller_levels(trace)
+    yield from _left_early("the controller", time_s, levels, first, past, heard, TrnSpeed.PORT, unseen)
+
+
+def _left_early_by_train(trace: Trace, items: Mapping[str, Received], unseen: Unseen) -> Iterator[str]:
+    """The level is told one tick after it was entered, and commands follow it in the tick."""
+    told_s = trace.times_s(TrnWatch.PORT)
+    # In the order of the record: without the port that opens a tick, its report has the instant of the last poll.
+    good = _good_before(trace, items[NotchCmd.PORT], TrnWatch.PORT)
+    standing = _standing(trace, SimTruth.PORT, "TrueSpeed", told_s, unseen)
+    yield from _left_early(
+        "the train", told_s, _told_levels(trace), good, good, standing, NotchCmd.PORT, unseen
+    )  # fmt: skip

@@ -1,0 +1,107 @@
+"""How records of a system are judged and shown: what score, tables, report and run folder take from the system."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from railhil.judge.criteria import Criterion, Extra
+from railhil.judge.events.declared import Interlocks, Received, Watch, in_words, interface_received
+from railhil.judge.score import Score
+from railhil.judge.sequence_measure import SequenceMeasure
+from railhil.record.status import Status, interface_status
+from railhil.record.trace import FloatArray, Trace
+from railhil.scenarios.model import AnyScenario
+from railhil.scenarios.system import system_named
+from railhil.scenarios.unknown import UnknownScenario
+
+
+def _nothing(*given: Any) -> tuple[Any, ...]:
+    return ()
+
+
+def _no_columns(*given: Any) -> list[tuple[str, str, FloatArray]]:
+    return []
+
+
+def _no_figures(*given: Any) -> dict[str, Any]:
+    return {}
+
+
+def _no_place(*given: Any) -> float | None:
+    return None
+
+
+def _no_text(*given: Any) -> str:
+    return ""
+
+
+@dataclass(frozen=True, slots=True)
+class Judging:
+    """The part ``judging`` of a system.
+
+    ``criteria``: its scores, in the order of their columns. ``score``: (scenario, trace) -> score, a pure function of
+    both. ``truth``: the port whose telegrams are the rows of ``signals.csv``; ``columns``: the columns after the time:
+    header with unit, port and signal; ``told``: (trace, notes as in the certificate) -> further columns: header,
+    port and values. ``asked``: one sentence at the top of the report on the task of the scenario. ``checks``:
+    (scenario, score) -> JUnit cases in addition to the limits of the criteria: name and failure (empty: none).
+    ``facts``: (recorded run) -> further facts for the report: name and text. ``counted``: (scores) -> figures over
+    several runs for ``compare.json``; ``remark``: the same in words. ``status``: the telegram in which the controller
+    reports on its arithmetic and its laws; None: the one named in the system's part ``interface``, if it has one.
+    ``published``: description of the published rows; ``deviations``: their source and how it is interpreted here.
+    ``advice``: (recorded run, report folder) -> what to try after a FAIL. ``extras``: figures of every score that are 0
+    in a good run. ``reckoned``: (scenario, trace) -> columns computed for the rows: header, unit and values.
+    ``shown``: further columns for the panel only, as ``columns``.
+
+    ``ends_at_m``: (scenario) -> where the run is to end, as a position of the system's ``truth`` in m; None: nowhere.
+
+    ``learned``: what is measured over sequences of runs; empty: each limit
+    (:func:`railhil.judge.sequence_measure.sequence_measures`).
+
+    For the events (:mod:`railhil.judge.events.declared`): ``watches``: the reaction ladders on the bus.
+    ``interlocks``: states of the train, reported when they are not as usual. ``received``: (scenario) -> the telegrams
+    that a receiver judges by their content; by default those of the system's part ``interface``, if it has one.
+    """
+
+    criteria: tuple[Criterion, ...]
+    score: Callable[[Any, Trace], Score]
+    truth: str
+    columns: tuple[tuple[str, str, str], ...]
+    asked: Callable[[Any], str]
+    extras: tuple[Extra, ...] = ()
+    told: Callable[[Trace, Any], list[tuple[str, str, FloatArray]]] = _no_columns
+    checks: Callable[[Any, Score], Sequence[tuple[str, str]]] = _nothing
+    facts: Callable[[Any], Sequence[tuple[str, str]]] = _nothing
+    counted: Callable[[Sequence[Score]], Mapping[str, Any]] = _no_figures
+    remark: Callable[[Sequence[Score]], str] = _no_text
+    status: Status | None = None
+    published: str = ""
+    deviations: Callable[[], tuple[str, Sequence[Any]]] | None = None
+    advice: Callable[[Any, Any], str] = _no_text
+    reckoned: Callable[[Any, Trace], Sequence[tuple[str, str, FloatArray]]] = _nothing
+    shown: tuple[tuple[str, str, str], ...] = ()
+    watches: tuple[Watch, ...] = ()
+    interlocks: tuple[Interlocks, ...] = ()
+    received: Callable[[Any], Sequence[Received]] = _nothing
+    learned: tuple[SequenceMeasure, ...] = ()
+    ends_at_m: Callable[[Any], float | None] = _no_place
+
+
+def judging_of(scenario: AnyScenario) -> Judging:
+    """The judging of a scenario's system; of an unknown scenario only what is on the wire.
+
+    :raises InputError: the system has no part ``judging``.
+    """
+    system = system_named(scenario.system)
+    judging: Judging = system.part("judging")
+    interface = system.optional_part("interface")
+    if interface is not None:
+        if judging.status is None:
+            judging = replace(judging, status=interface_status(interface))
+        if judging.received is _nothing:
+            judging = replace(judging, received=lambda scenario: interface_received(interface))
+    if isinstance(scenario, UnknownScenario):
+        watches = tuple(replace(watch, said=in_words) for watch in judging.watches)
+        judging = replace(judging, reckoned=_nothing, ends_at_m=_no_place, watches=watches)
+    return judging

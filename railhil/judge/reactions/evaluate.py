@@ -1,0 +1,169 @@
+"""What a run with a fault of the catalogue did, beside what it should have done."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, field
+from typing import Any
+
+from railhil.common.digits import beside
+from railhil.faults.model import WATCH_LEVELS
+from railhil.judge.events.event import LEVEL, MISSED_POLL, REFUSED, RecordedEvent
+from railhil.judge.reactions.catalogue import Entry
+
+#: Beginning of the sentence for a broken rule of every run (:mod:`railhil.judge.invariants`).
+RULE = "invariant"
+#: A watch that is back at NORMAL for less than this before the end of the record has not resumed.
+RESUMED_S = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class Seen:
+    """The facts of one run.
+
+    ``begun_s``: the first fault became active; ``effective_s``: it first changed something; None: never. ``events``:
+    those of the run. ``stands``: the train stands at the end of the record, at ``end_s``. ``ended``: the milestone that
+    ended the run. ``verdict``: PASS, FAIL, INVALID or TOOL ERROR; ``line``: its reason; ``broken``: failures of
+    its score.
+    """
+
+    begun_s: float | None
+    effective_s: float | None
+    events: Sequence[RecordedEvent]
+    stands: bool
+    end_s: float
+    ended: str
+    verdict: str
+    line: str = ""
+    broken: Sequence[str] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One line of the table of reactions. Times in s of simulation; None: did not happen.
+
+    ``detected_by``: cause or refusal that showed first, ``detected_s`` when; ``reaction``: strongest level after the
+    first effect, ``reaction_s``: when the level that the entry demands was first reached, or the strongest one if it
+    demands none; ``safe_s``: when the state that the entry demands at the end was reached. ``failures``: how the run
+    differs from the entry, empty if it does not. ``refused``: why the entry cannot be run on this transport.
+    """
+
+    entry: Entry
+    begun_s: float | None = None
+    effective_s: float | None = None
+    detected_by: str = ""
+    detected_s: float | None = None
+    reaction: str = "NORMAL"
+    reaction_s: float | None = None
+    verdict: str = ""
+    failures: list[str] = field(default_factory=list)
+    refused: str = ""
+
+    @property
+    def made(self) -> bool:
+        """Whether there was a run."""
+        return bool(self.verdict)
+
+    def as_json(self) -> dict[str, Any]:
+        """All fields, with the delays in ms."""
+        found = asdict(self) | {"entry": self.entry.id, "faults": list(self.entry.faults)}
+        return found | {"after_ms": self.after_ms, "margin_ms": self.margin_ms, "within_ms": self.entry.within_ms}
+
+    @property
+    def after_ms(self) -> float | None:
+        """From the first effect to the reaction, in ms."""
+        if self.reaction_s is None or self.effective_s is None:
+            return None
+        return (self.reaction_s - self.effective_s) * 1e3
+
+    @property
+    def margin_ms(self) -> float | None:
+        """What is left of the bound, in ms; None without a bound or a reaction."""
+        after_ms = self.after_ms
+        return None if after_ms is None or self.entry.within_ms is None else self.entry.within_ms - after_ms
+
+
+def _cause(event: RecordedEvent) -> str:
+    if event.kind == LEVEL:
+        return event.cause
+    return f"refused:{event.cause}" if event.kind == REFUSED else "missed_polls" if event.kind == MISSED_POLL else ""
+
+
+def _first(levels: Sequence[RecordedEvent], level: str) -> RecordedEvent | None:
+    """The first event at a level or above."""
+    wanted = WATCH_LEVELS.index(level)
+    return next((event for event in levels if event.rank >= wanted), None)
+
+
+def evaluated(entry: Entry, seen: Seen) -> Row:
+    """The row of an entry for the run that was made for it."""
+    failures = [text for text in seen.broken if text.startswith(RULE)]
+    if entry.verdict and seen.verdict != entry.verdict:
+        failures.append(f"verdict {seen.verdict} ({seen.line}), expected {entry.verdict}")
+    if not entry.verdict and seen.verdict not in ("PASS", "FAIL"):
+        failures.append(f"verdict {seen.verdict}: {seen.line}")
+    if not entry.is_judged:
+        if entry.said not in seen.line:
+            failures.append(f"{seen.line}: nothing of {entry.said!r}")
+        return Row(entry, seen.begun_s, seen.effective_s, verdict=seen.verdict, failures=failures)
+    if seen.begun_s is None:
+        return Row(entry, refused="its trigger does not occur in this run")
+    if seen.effective_s is None and entry.idle:
+        return Row(entry, seen.begun_s, refused=entry.idle)
+    if seen.effective_s is None:
+        return Row(entry, seen.begun_s, verdict=seen.verdict, failures=[*failures, "the fault changed nothing"])
+    after = [event for event in seen.events if (event.until_s or event.time_s) >= seen.effective_s]
+    levels = [event for event in after if event.kind == LEVEL and event.time_s >= seen.effective_s]
+    strongest = max(levels, key=lambda event: event.rank, default=None)
+    # The catalogue refuses an entry without them.
+    assert entry.reaction is not None
+    assert entry.at_most is not None
+    reached = _first(levels, entry.reaction)
+    if reached is None and entry.reaction != "NORMAL":
+        failures.append(f"reached {WATCH_LEVELS[strongest.rank] if strongest else 'NORMAL'}, expected {entry.reaction}")
+    for level, within_ms in entry.steps.items():
+        step = _first(levels, level)
+        after_ms = None if step is None else (step.time_s - seen.effective_s) * 1e3
+        if after_ms is not None and after_ms > within_ms + 1e-6:
+            failures.append(f"{level} after {after_ms:.0f} ms, allowed {within_ms} ms")
+    shown = reached if entry.reaction != "NORMAL" else strongest
+    if strongest is not None and strongest.rank > WATCH_LEVELS.index(entry.at_most):
+        failures.append(f"reached {WATCH_LEVELS[strongest.rank]} at {strongest.time_s:.2f} s, allowed {entry.at_most}")
+    causes = [(max(event.time_s, seen.effective_s), _cause(event)) for event in after]
+    # What nothing looks at may show all the same, at a level that is allowed.
+    of_entry = [(at_s, cause) for at_s, cause in causes if cause and (entry.is_undetected or cause in entry.detected)]
+    detected_s, detected_by = min(of_entry, default=(None, ""))
+    if detected_s is None and not entry.is_undetected:
+        failures.append(f"not detected by {' or '.join(entry.detected)}")
+    row = Row(
+        entry,
+        seen.begun_s,
+        seen.effective_s,
+        detected_by,
+        detected_s,
+        WATCH_LEVELS[strongest.rank] if strongest is not None else "NORMAL",
+        shown.time_s if shown is not None else None,
+        seen.verdict,
+        failures,
+    )
+    margin_ms = row.margin_ms
+    if margin_ms is not None and entry.within_ms is not None and margin_ms < -1e-6:
+        took = beside(entry.within_ms - margin_ms, entry.within_ms, 0)
+        failures.append(f"{entry.reaction} after {took} ms, allowed {entry.within_ms} ms")
+    failures += _ending(entry, seen, levels)
+    return row
+
+
+def _ending(entry: Entry, seen: Seen, levels: Sequence[RecordedEvent]) -> list[str]:
+    """How the end of the run differs from the one expected."""
+    if entry.ends == "resumes":
+        late = [event for event in levels if (event.until_s or event.time_s) > seen.end_s - RESUMED_S]
+        if late:
+            return [f"{late[-1].source} at {WATCH_LEVELS[late[-1].rank]} until the end"]
+        return [] if seen.ended == "ended_complete" else [f"run {seen.ended}, expected to go on and stop"]
+    if entry.ends and not seen.stands:
+        return ["the train does not stand at the end"]
+    if entry.ends == "lost" and seen.ended != "ended_controller_lost":
+        # A train that has stopped by itself ends the run complete; the verdict names the lost controller.
+        return [] if "controller" in seen.line else [f"run {seen.ended}: {seen.line}, expected the controller lost"]
+    return []

@@ -1,0 +1,284 @@
+"""A recorded run as named by the user: its log, its certificate, and whether they belong together."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from railhil.bus.ident import PltIdent, SupIdent
+from railhil.common.errors import InputError, Words
+from railhil.dbc import ContractError, recorded_contract
+from railhil.judge.cross_check import check_folder, check_record
+from railhil.judge.events.derive import events_of
+from railhil.judge.events.event import RecordedEvent
+from railhil.judge.events.injected import fault_events
+from railhil.judge.events.summary import why
+from railhil.judge.judging import judging_of
+from railhil.judge.reactions.expected import with_expectations
+from railhil.judge.score import Score
+from railhil.judge.signals import Signals, signal_table, signal_units
+from railhil.record.documents import CERTIFICATE, read_certificate
+from railhil.record.framelog import log_sha256, read_log
+from railhil.record.hash_list import HASH_LIST
+from railhil.record.log_trace import trace_of_log
+from railhil.record.own_time import Timed, own_time
+from railhil.record.trace import Told, Trace, trace_of
+from railhil.scenarios.load import load_any
+from railhil.scenarios.model import AnyScenario
+from railhil.scenarios.run_spec import RunSpec
+from railhil.scenarios.stored import SCENARIO, any_judged_sha256, earlier_scenario, read_scenario
+from railhil.scenarios.system import System, system_named
+
+_BESIDE = "a certificate beside the log, or --scenario"
+
+
+@dataclass(frozen=True)
+class Record:
+    """One recorded run, whose parts belong together.
+
+    ``invalid``: why the run was not trustworthy, or that the log is not the certified one; ``certificate``: empty if
+    there is none for this log.
+    """
+
+    log: Path
+    #: Scenario of its system, interpreted by the system's own parts.
+    scenario: Any = field(repr=False)
+    trace: Trace = field(repr=False)
+    invalid: str = ""
+    certificate: dict[str, Any] = field(default_factory=dict, repr=False)
+    #: What of the log was not used, a sentence each.
+    unused: tuple[str, ...] = ()
+    #: The frames in the record's own time; None: the log has it.
+    timed: Sequence[Timed] | None = field(default=None, repr=False)
+    #: Score and events of a run that has just been judged; None: those of the record.
+    known_score: Score | None = field(default=None, repr=False)
+    known_events: tuple[RecordedEvent, ...] | None = field(default=None, repr=False)
+
+    @cached_property
+    def system(self) -> System:
+        """The system of the scenario."""
+        return system_named(self.scenario.system)
+
+    @property
+    def folder(self) -> Path:
+        """The run folder."""
+        return self.log.parent
+
+    def frames(self) -> Iterator[Timed]:
+        """The frames of the run ``(time_ns, frame)`` in bus order, as every reader gets them."""
+        return read_log(self.log) if self.timed is None else iter(self.timed)
+
+    @cached_property
+    def events(self) -> tuple[RecordedEvent, ...]:
+        """What happened, as in ``events.csv``, in the order of the instants; injected faults from the certificate."""
+        if self.known_events is not None:
+            return self.known_events
+        injected = fault_events(self.certificate.get("injected", ()), self.trace.end_s)
+        return events_of(self.scenario, self.trace, injected)
+
+    @cached_property
+    def score(self) -> Score:
+        """The score of the record, with the expectations of its faults."""
+        if self.known_score is not None:
+            return self.known_score
+        found = judging_of(self.scenario).score(self.scenario, self.trace)
+        injected = self.certificate.get("injected", ())
+        return with_expectations(found, injected, self.events, self.scenario, self.trace) if injected else found
+
+    @property
+    def verdict(self) -> str:
+        """PASS, FAIL or INVALID."""
+        return "INVALID" if self.invalid else self.score.verdict
+
+    @property
+    def passed(self) -> bool:
+        """True for the verdict PASS."""
+        return self.verdict == "PASS"
+
+    @property
+    def reasons(self) -> tuple[str, ...]:
+        """One sentence for each limit missed, or why the run is INVALID."""
+        return (self.invalid,) if self.invalid else self.score.failures
+
+    @property
+    def why(self) -> str:
+        """What the watches did, or which telegrams were refused or missing, in a sentence; empty for a healthy run."""
+        return why(self.scenario, self.events)
+
+    @cached_property
+    def scores(self) -> Mapping[str, float | None]:
+        """Magnitudes of the scores; None where the run has none."""
+        document: dict[str, Any] = self.score.as_json()
+        return dict(document["scores"])
+
+    @cached_property
+    def signed(self) -> Mapping[str, float | None]:
+        """Time (s) and stop error (m) with their signs; None where the run has none."""
+        document: dict[str, Any] = self.score.as_json()
+        return dict(document["signed"])
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What of the log was not used, and that the certificate has another verdict than the score of the record.
+
+        Another version may have judged otherwise, so this is no error.
+        """
+        certified, found = self.certificate.get("verdict"), self.score
+        if self.invalid or certified in (None, found.verdict):
+            return self.unused
+        return (*self.unused, f"{CERTIFICATE} of {self.folder} says {certified}, the record gives {found.verdict}")
+
+    @property
+    def frames_sha256(self) -> str:
+        """SHA-256 of ``frames.log``; empty without certificate."""
+        return str(self.certificate.get("frames_sha256", ""))
+
+    @cached_property
+    def spec(self) -> RunSpec:
+        """The description of the run: ``railhil.run(record.spec)`` repeats it.
+
+        :raises InputError: the folder has no certificate with a description.
+        """
+        path = self.folder / CERTIFICATE
+        if not self.certificate:
+            raise InputError(path, "file", Words("no certificate of this log"), "a run that came to its end")
+        return RunSpec.from_json(self.certificate, path)
+
+    @cached_property
+    def signals(self) -> Signals:
+        """Truth, measurements and commands over time; no columns in a record without the truth."""
+        notes = self.certificate.get("notes")
+        header, rows = signal_table(self.scenario, self.trace, notes)
+        return Signals(dict(zip(header, rows.T.copy(), strict=True)), signal_units(self.scenario, self.trace, notes))
+
+
+def log_path(text: str) -> Path:
+    """Path of the log that a user named directly or by its run folder.
+
+    :raises InputError: there is no such file.
+    """
+    path = Path(text)
+    log = path / "frames.log" if path.is_dir() else path
+    if not log.is_file():
+        found = Words("no such file" if not log.exists() else "no regular file")
+        raise InputError(log, "file", found, "a candump log, a BLF of one, or a run folder with frames.log")
+    return log
+
+
+def _recorded_scenario(log: Path, name: str | None) -> AnyScenario:
+    """The scenario with which a log was recorded: by name, else from its folder, else as named in the certificate.
+
+    A folder of version 0.1.0 has no scenario; the shipped ones of that version are kept with their hashes.
+
+    :raises InputError: none of them gives it.
+    """
+    if name is not None:
+        return load_any(name)
+    if (log.parent / SCENARIO).is_file():
+        return read_scenario(log.parent / SCENARIO)
+    path = log.parent / CERTIFICATE
+    document = read_certificate(log.parent, _BESIDE)
+    if document is None:
+        raise InputError(path, "file", Words("no such file (the run did not come to its end)"), _BESIDE)
+    scenario = document.get("scenario")
+    if scenario is None:
+        raise InputError(path, "scenario", Words("no such key"), _BESIDE)
+    earlier = earlier_scenario(str(document.get("scenario_sha256")))
+    if earlier is not None:
+        return earlier
+    return load_any(str(scenario), document.get("settings", ()), document.get("faults", ()))
+
+
+def checked_record(text: str, name: str | None) -> Record:
+    """Log, scenario and telegrams of a record, checked against each other.
+
+    The SHA-256 in the certificate is compared last: the message that a log belongs to another scenario is more helpful
+    than that it is not the certified one. A log that is not the certified one byte for byte is taken in its own time
+    (:mod:`railhil.record.own_time`): that of another program may hold the same run.
+
+    :param text: log or run folder.
+    :param name: scenario, if the user names one. A damaged certificate is then ignored; a folder of which a file was
+        changed, or a log that does not match its certificate, is accepted as an INVALID record.
+    :raises InputError: one line for the first inconsistency.
+    """
+    log = log_path(text)
+    document, changed = _certificate(log, name)
+    scenario = _recorded_scenario(log, name)
+    _check_judged(log, scenario, document, name)
+    contract = recorded_contract(log.parent, document.get("dbc_sha256"), system_named(scenario.system).contract)
+    wanted, found = document.get("frames_sha256"), log_sha256(log)
+    trace = trace_of_log(log, contract)
+    _check_handshake(log, scenario, trace)
+    own = None if wanted == found else own_time(log, scenario, contract)
+    notes: tuple[str, ...] = ()
+    timed: Sequence[Timed] | None = None
+    if own is not None:
+        trace, notes, timed = trace_of(own.frames, contract), own.notes, own.frames
+    if own is not None and wanted != own.sha256:
+        if name is None and wanted is None:
+            key, missing = ("frames_sha256", "no such key") if document else ("file", "no such file")
+            raise InputError(log.parent / CERTIFICATE, key, Words(missing), _BESIDE)
+        if name is None:
+            raise InputError(log, "sha256", found, f"{wanted} ({CERTIFICATE} beside it): a log that nobody changed")
+        other = ""
+        if wanted is not None:
+            other = f"{log.name} (sha256 {found}) is not the log that {CERTIFICATE} beside it is of (sha256 {wanted})"
+        return Record(log, scenario, trace, "; ".join(filter(None, (changed, other))), {}, notes, timed)
+    try:
+        check_record(log.parent, document, scenario, trace)
+    except InputError as error:
+        if name is None:
+            raise
+        changed = changed or str(error)
+    told = document.get("received")
+    trace.told = None if told is None else Told(told["exact"], told["nodes"])
+    invalid = str(document.get("line") or "no reason given") if document.get("verdict") == "INVALID" else ""
+    return Record(log, scenario, trace, "; ".join(filter(None, (changed, invalid))), document, notes, timed)
+
+
+def _certificate(log: Path, name: str | None) -> tuple[dict[str, Any], str]:
+    """The certificate beside a log, empty if there is none, and why its folder cannot be trusted (empty: it can).
+
+    :param name: of the scenario, if the user names one; otherwise such a folder is refused.
+    """
+    document: dict[str, Any] | None = None
+    try:
+        try:
+            document = read_certificate(log.parent, _BESIDE)
+        finally:
+            # A certificate that cannot be read is first of all one that was changed.
+            check_folder(log.parent, document)
+    except (InputError, ContractError) as error:
+        if name is None:
+            raise
+        damaged = document is None and not (log.parent / HASH_LIST).is_file()
+        return document or {}, "" if damaged else str(error)
+    return document or {}, ""
+
+
+def _check_judged(log: Path, scenario: AnyScenario, document: dict[str, Any], name: str | None) -> None:
+    """The limits in the folder must be those of the run; a scenario named by the user may have others."""
+    wanted, found = document.get("judged_sha256"), any_judged_sha256(scenario)
+    if name is None and wanted is not None and wanted != found:
+        allowed = f"{wanted} ({CERTIFICATE}): limits that nobody changed"
+        raise InputError(log.parent / SCENARIO, "judged_sha256", found, allowed)
+
+
+def _check_handshake(log: Path, scenario: AnyScenario, trace: Trace) -> None:
+    """Check the handshake of a log against scenario and DBC."""
+    ident = trace.ident(PltIdent)
+    if ident is None:
+        raise InputError(log, "PLT_IDENT", Words("no such telegram"), "a log that railhil recorded from its start")
+    wanted_wire = int(trace.contract.sha256[:8], 16)
+    if ident.wire_hash != wanted_wire:
+        allowed = f"{wanted_wire:08x} (the DBC that the record says it was made with)"
+        raise InputError(log, "DBC hash", f"{ident.wire_hash:08x}", allowed)
+    wanted = int(scenario.sha256[:8], 16)
+    if ident.scenario_hash != wanted:
+        raise InputError(log, "scenario hash", f"{ident.scenario_hash:08x}", f"{wanted:08x} ({scenario.name})")
+    # The plant repeats its own during the run: a log that begins later has that, and not the other two.
+    if trace.ident(SupIdent) is None and trace.count(trace.contract.clock_port.name):
+        raise InputError(log, "SUP_IDENT", Words("no such telegram"), "a log that railhil recorded from its start")

@@ -1,0 +1,130 @@
+"""The result of a run."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from railhil.bus.codes import Event
+from railhil.common.exit_codes import FAIL, PASS
+from railhil.judge.events.event import RecordedEvent
+from railhil.judge.fault_report import FaultOutcome
+from railhil.judge.jitter import RunTiming
+from railhil.judge.score import Score
+from railhil.record.framelog import LOG_NAME
+from railhil.record.learned import Learned
+from railhil.record.telemetry import LawOrigin, ShownTelemetry, TelemetrySummary
+from railhil.record.trace import Trace
+from railhil.scenarios.run_spec import RunSpec
+
+if TYPE_CHECKING:
+    from railhil.controller_node.arithmetic.base import Counters
+
+#: Counters of a node that do not count anything refused.
+_NOT_REFUSED = ("unknown_id", "no_mailbox", "accepted", "polls")
+
+
+@dataclass(slots=True)
+class Result:
+    """A run that has been made and judged: what was run, its telegrams, its score, or why there is none.
+
+    :param scenario: of its system, interpreted by the system's own parts.
+    :param spec: with the memory and the orders that the run had.
+    """
+
+    scenario: Any
+    spec: RunSpec
+    trace: Trace = field(repr=False)
+    score: Score
+    exit_code: int = PASS
+    line: str = ""
+    frames: int = 0
+    frames_sha256: str = ""
+    wall_time_s: float = 0.0
+    sim_time_s: float = 0.0
+    #: Measured from the start of this process (the command), including the interpreter's start.
+    first_frame_s: float = float("nan")
+    transport: str = ""
+    #: Words of a command line that select the bus; none for a bus that existed for this run alone.
+    bus_words: Sequence[str] = ()
+    #: Of the controller's telemetry, from its file or else from the bus; None if there is none.
+    summary: TelemetrySummary | ShownTelemetry | None = None
+    #: The declaration about the law's own parameters in its file.
+    origin: LawOrigin | None = None
+    #: What the recorder and its link counted.
+    recorder_counters: dict[str, int] = field(default_factory=dict)
+    timing: RunTiming | None = None
+    #: Ports whose owner has not said what it sent.
+    not_witnessed: Sequence[str] = ()
+    #: What the law wants kept; None for a law without memory, and for a run that cannot be trusted.
+    memory: Learned | None = None
+    #: What happened in the run, in the order of the instants.
+    events: tuple[RecordedEvent, ...] = ()
+    #: What is said of a controller that is not railhil's own (:mod:`railhil.record.foreign_controller`).
+    reported: Mapping[str, str] = field(default_factory=dict)
+    #: SHA-256 of the recorded frames of the wire contract alone, and how many others the record has.
+    telegrams_sha256: str = ""
+    other_frames: int = 0
+    #: What became of the faults of the run, by number.
+    faults: list[FaultOutcome] = field(default_factory=list)
+    #: The event with which the run ended.
+    ended: Event | None = None
+    #: 128 and the number of the signal that has stopped the run; 0: none has.
+    stopped_exit_code: int = 0
+    #: Monotonic wall time of the plant's last sign of life.
+    last_frame_ns: int = 0
+    #: The run folder; None: the run has not been recorded, or its folder is gone.
+    folder: Path | None = None
+    #: A run in this process: the counters of each node, and the content of ``telemetry.json``.
+    counters: dict[str, dict[str, int]] = field(default_factory=dict)
+    telemetry: dict[str, Any] = field(default_factory=dict, repr=False)
+    #: A run without telegrams: event counters of the law's arithmetic over the whole run.
+    arithmetic: Counters | None = None
+
+    @property
+    def trusted(self) -> bool:
+        """True if the run is trustworthy: only then is there a verdict on the controller."""
+        return self.exit_code in (PASS, FAIL)
+
+    @property
+    def verdict(self) -> str:
+        """PASS or FAIL from the score, INVALID for a run that is not trustworthy."""
+        return self.score.verdict if self.trusted else "INVALID"
+
+    @property
+    def invalid(self) -> str:
+        """Why the run is not trustworthy; empty if it is."""
+        return "" if self.trusted else self.line or "no reason given"
+
+    @property
+    def speed_factor(self) -> float:
+        """Simulated seconds per wall second, from the first frame to the last."""
+        return self.sim_time_s / self.wall_time_s if self.wall_time_s > 0 else 0.0
+
+    @property
+    def place(self) -> Path:
+        """The run folder of a run that has one."""
+        assert self.folder is not None, "this run has no folder"
+        return self.folder
+
+    @property
+    def log(self) -> Path:
+        """``frames.log`` of a run that has a folder."""
+        return self.place / LOG_NAME
+
+    @property
+    def notches(self) -> list[int]:
+        """Notch command codes (1/256) in the order in which they were sent."""
+        return [int(code) for code in self.trace.raw("NOTCH_CMD", "NotchCmd")]
+
+    @property
+    def refused(self) -> dict[str, int]:
+        """Everything that any node refused, except frames of ports without a mailbox: empty on a healthy bus."""
+        found: dict[str, int] = {}
+        for node, counters in self.counters.items():
+            for cause, count in counters.items():
+                if cause not in _NOT_REFUSED and count:
+                    found[f"{node}.{cause}"] = count
+        return found

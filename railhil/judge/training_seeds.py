@@ -1,0 +1,43 @@
+"""Whether a run counts as an evaluation of its controller: not if the parameters were chosen on that same run."""
+
+from __future__ import annotations
+
+from railhil.common.errors import InputError, Words
+from railhil.record.telemetry import LawOrigin
+from railhil.scenarios.design_seeds import chosen_on
+from railhil.scenarios.model import AnyScenario
+from railhil.scenarios.run_spec import RunSpec
+
+
+def seed_was_trained(scenario: AnyScenario, run: RunSpec, origin: LawOrigin | None) -> bool | None:
+    """True when the parameters were tuned, or the law's own ones designed, on this run.
+
+    Runs that are not perturbed count in a system whose plant draws the same in every run.
+
+    :param origin: the law's declaration about its own parameters; None if unknown.
+    :returns: None if unknown, because the controller has not declared the origin of its own parameters.
+    """
+    if not (run.perturbed or scenario.every_run_is_drawn):
+        return False
+    if run.law.parameters is not None and run.law.parameters.seen([run.seed]):
+        return True
+    if origin is None:
+        return None
+    # Also with a parameter file: parameters that it does not name keep the law's own values.
+    return bool(chosen_on(origin.design_seeds, scenario, [run.seed]))
+
+
+def check_unseen(scenario: AnyScenario, run: RunSpec, origin: LawOrigin | None = None) -> None:
+    """Refuse to evaluate parameters on a run that was used to find them.
+
+    :param origin: as above.
+    :raises InputError: they were.
+    """
+    if not seed_was_trained(scenario, run, origin):
+        return
+    if run.law.parameters is not None:
+        run.law.parameters.check_unseen([run.seed])
+    chosen = "" if origin is None else f" ({origin.text})"
+    found = Words(f"{run.seed}, on which {run.law.controller}'s own parameters were chosen{chosen}")
+    allowed = "other seeds for an evaluation, or --allow-training-seeds, which every table then says"
+    raise InputError("command line", "--seed", found, allowed)

@@ -1,0 +1,88 @@
+"""Permissions for real-time scheduling, and their effect in the kernel."""
+
+from __future__ import annotations
+
+import getpass
+import platform
+from pathlib import Path
+
+from railhil.common.scheduling import HUB_PRIORITY, cycle, permitted_priority
+from railhil.live.doctor.finding import Finding, text_of
+
+#: sched_rt_runtime_us without throttling, sched(7).
+_NO_THROTTLE = -1
+#: Minimum share of the time needed for a run.
+_SHARE_MIN = 0.5
+
+
+def scheduling(root: Path = Path("/"), version: str | None = None) -> list[Finding]:
+    """SCHED_FIFO, locked memory, throttling and the preemption model."""
+    return [
+        fifo(*permitted_priority(HUB_PRIORITY)),
+        _memory(),
+        _throttle(root),
+        preemption(root, version or platform.version()),
+    ]
+
+
+def fifo(granted: int, reason: str) -> Finding:
+    """SCHED_FIFO.
+
+    :param granted: highest priority granted to this process of those that the bench requests, 0: none.
+    :param reason: why not a higher one.
+    """
+    if granted == HUB_PRIORITY:
+        return Finding("SCHED_FIFO", f"permitted at the bench's priorities, up to {HUB_PRIORITY}")
+    advice = f"echo '{_user()} - rtprio {HUB_PRIORITY}' | sudo tee -a /etc/security/limits.conf, then log in again"
+    if granted:
+        return Finding("SCHED_FIFO", f"permitted up to {granted} only: hub and nodes share a priority", advice)
+    return Finding("SCHED_FIFO", f"not permitted ({reason})", advice)
+
+
+def _memory() -> Finding:
+    """What a node would be granted, found by trying, because limit or capabilities alone do not determine it."""
+    with cycle("doctor", HUB_PRIORITY, aloud=False) as granted:
+        memory = granted.sentence.rpartition(", memory ")[2]
+    if memory == "locked":
+        return Finding("locked memory", "permitted")
+    command = f"echo '{_user()} - memlock unlimited' | sudo tee -a /etc/security/limits.conf, then log in again"
+    return Finding("locked memory", memory, command)
+
+
+def _user() -> str:
+    try:
+        return getpass.getuser()
+    except (KeyError, OSError):
+        return "USER"
+
+
+def _throttle(root: Path) -> Finding:
+    text = text_of(root / "proc/sys/kernel/sched_rt_runtime_us")
+    period = text_of(root / "proc/sys/kernel/sched_rt_period_us")
+    if not text or not period:
+        return Finding("throttle", "not known (no sched_rt_runtime_us)")
+    if int(text) == _NO_THROTTLE:
+        advice = "sudo sysctl kernel.sched_rt_runtime_us=950000"
+        return Finding("throttle", "none: a runaway SCHED_FIFO process takes a processor for good", advice)
+    share = int(text) / int(period)
+    if share < _SHARE_MIN:
+        return Finding("throttle", f"realtime has {share:.0%} only", "sudo sysctl kernel.sched_rt_runtime_us=950000")
+    return Finding("throttle", f"realtime processes have at most {share:.0%} of the time (the bench needs less)")
+
+
+def preemption(root: Path, version: str) -> Finding:
+    """How soon the kernel runs a woken process."""
+    if text_of(root / "sys/kernel/realtime") == "1" or "PREEMPT_RT" in version:
+        return Finding("preemption", "PREEMPT_RT: latencies have a bound")
+    chosen = text_of(root / "sys/kernel/debug/sched/preempt")
+    mode = chosen.partition("(")[2].partition(")")[0]
+    kind = "PREEMPT_DYNAMIC" if "PREEMPT_DYNAMIC" in version else "PREEMPT" if "PREEMPT" in version else "none"
+    shown = f"{kind}, now {mode}" if mode else kind
+    if kind == "none" or mode in ("none", "voluntary"):
+        advice = "kernel parameter preempt=full" if "DYNAMIC" in kind else "a kernel with PREEMPT or PREEMPT_RT"
+        return Finding("preemption", f"{shown}: latencies of milliseconds are possible", advice)
+    if kind == "PREEMPT_DYNAMIC" and not mode:
+        # It may have been started with preempt=none: claim nothing without checking.
+        shown += ", its mode not known (root can read /sys/kernel/debug/sched/preempt)"
+    advice = "for a bound: a PREEMPT_RT kernel (Debian: sudo apt install linux-image-rt-amd64)"
+    return Finding("preemption", f"{shown}: no bound; the 10 ms loop measures", advice)

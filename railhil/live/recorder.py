@@ -1,0 +1,208 @@
+"""The recorder's loop: takes frames until the run has ended, and notices when it cannot go on."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+
+from railhil.bus.errors import BusLost
+from railhil.bus.link import Link
+from railhil.bus.order import BusOrder
+from railhil.common.exit_codes import INVALID, PASS
+from railhil.common.patience import LATER_S
+from railhil.common.scheduling import RECORDER_PRIORITY, Scheduling, cycle
+from railhil.live.processes import Node, Nodes
+from railhil.live.stop_signals import StopSignals
+from railhil.record.session import Session
+from railhil.scenarios.run_spec import RunSpec
+
+#: Real time: wall time without a tick after which a started run counts as dead, outages of the interface excluded.
+#: In lockstep the limit is slightly longer than the plant's patience.
+SILENCE_S = 4.0
+#: Time for the other nodes to stop by themselves after a node was lost; while the plant ticks, the record goes on.
+AFTER_LOSS_S = 4.0
+#: Real time: wall time for which the controller may be suspended by a signal; then it counts as lost. For how long a
+#: fault of the run stops it comes on top.
+SUSPENDED_S = 5.0
+#: Interval (wall time) at which it looks at the nodes, and in lockstep writes what has arrived.
+LOOK_S = 0.05
+#: Interval (wall time) at which the log is flushed to the kernel: roughly what a killed recorder can lose.
+FLUSH_S = 0.2
+
+
+class Recorder:
+    """Passes what arrives on a link to the session of a run, and watches the nodes meanwhile.
+
+    :param flush: writes the buffer of the log to the kernel.
+    :param transport: the bus, for messages.
+    :param order: puts frames into the order of the bus; None: they arrive in it.
+    :param stopped_s: wall time for which a fault of the run stops the controller.
+    :param silence_s: real time: wall time without a tick after which a started run counts as dead.
+    :param after_loss_s: wall time for the other nodes to stop by themselves after a node was lost.
+    """
+
+    def __init__(
+        self,
+        session: Session,
+        flush: Callable[[], None],
+        spec: RunSpec,
+        transport: str,
+        order: BusOrder | None,
+        *,
+        stopped_s: float,
+        silence_s: float,
+        after_loss_s: float,
+    ) -> None:
+        #: Why the run was given up; empty if it was not.
+        self.lost = ""
+        #: Scheduling of this process while it recorded.
+        self.scheduling = Scheduling()
+        self.stopped_s = stopped_s
+        self._session = session
+        self._flush = flush
+        self._spec = spec
+        self._transport = transport
+        self._order = order
+        self._silence_s = silence_s
+        self._after_loss_s = after_loss_s
+
+    def record_until_stopped(self, link: Link, nodes: Nodes, stop: StopSignals) -> None:
+        """Record until the run has ended, or is given up (:attr:`lost`); with the scheduling of the recorder.
+
+        :raises BusLost: the bus is gone, and no signal has ended the run.
+        """
+        priority = RECORDER_PRIORITY if self._spec.asks_for_fifo else 0
+        with cycle("supervisor", priority, aloud=False) as self.scheduling:
+            link.while_waiting = stop.check
+            try:
+                self.record(link, nodes, stop)
+            except BusLost:
+                # Ctrl-C also ends the other nodes, which may end sooner.
+                stop.check()
+                raise
+            stop.check()
+
+    def record(self, link: Link, nodes: Nodes, stop: StopSignals) -> None:
+        """Record until the run has ended, or is given up (:attr:`lost`)."""
+        try:
+            self._record(link, nodes, stop)
+        finally:
+            self._session.settle()
+
+    def _record(self, link: Link, nodes: Nodes, stop: StopSignals) -> None:
+        session = self._session
+        look_s = time.monotonic() + LOOK_S
+        # In lockstep a panel may follow the record; in real time it listens on a bus.
+        interval_s = FLUSH_S if self._spec.is_realtime else 0.0
+        flush_s = time.monotonic() + interval_s
+        opened_s = open_s = time.monotonic()
+        give_up_s: float | None = None
+        # Looks in a row, not wall time: this process may have been suspended together with the others.
+        suspended_looks = 0
+        silence_s = self._silence_s if self._spec.is_realtime else self._spec.patience_s + LATER_S
+        # The supervisor knows more about nodes that it has started itself; in real time the reaction ladder has its
+        # time.
+        told = self._spec.start_up.attach and not self._spec.is_realtime
+        apart = not self._spec.is_realtime and bool(nodes.nodes)
+        while session.ended is None:
+            heard = self._take(link, LOOK_S)
+            stop.check()
+            if told and self._has_left(link, heard):
+                return
+            now_s = time.monotonic()
+            if link.is_down:
+                # The link gives up by itself after a time.
+                open_s = now_s
+            if apart and session.recording:
+                nodes.keep_together()
+                apart = False
+            if now_s < look_s:
+                continue
+            look_s = now_s + LOOK_S
+            session.settle()
+            if now_s >= flush_s:
+                self._flush()
+                flush_s = now_s + interval_s
+            if give_up_s is None:
+                ended = nodes.ended()
+                failed = any(node.exit_code() for node in ended)
+                # A node may end normally just before its last frames are read here.
+                if failed or (ended and not self.drain(link, stop, ended)):
+                    self.lost = self.who_died(nodes)
+                    give_up_s = now_s + self._after_loss_s
+                    # Without a train in motion there is nothing more to record.
+                    if ended[0].role != "controller" or not session.recording:
+                        return
+            elif now_s > max(give_up_s, session.heard_ns / 1e9 + self._after_loss_s):
+                # The plant ends the run when its train stands; until then it ticks.
+                return
+            if self._spec.is_realtime:
+                suspended_looks = suspended_looks + 1 if nodes.suspended() == "controller" else 0
+                if suspended_looks * LOOK_S > SUSPENDED_S + self.stopped_s:
+                    self.lost = self.who_died(nodes)
+                    return
+            # Only the plant's ticks count: on a shared bus there may always be frames of other nodes.
+            if not session.recording and now_s - opened_s > self._spec.start_up.appear_s + LATER_S:
+                self.lost = self.lost or f"no plant on {self._transport} within {self._spec.start_up.appear_s:g} s"
+                return
+            if session.recording and now_s - max(open_s, session.heard_ns / 1e9) > silence_s:
+                stuck = f"no tick for {silence_s:g} s of wall time: bench is deadlocked"
+                self.lost = self.lost or self.who_died(nodes) or stuck
+                return
+
+    def await_continued(self, nodes: Nodes, stop: StopSignals) -> None:
+        """A controller that a fault has stopped continues by itself, and then writes what the fault did."""
+        give_up_s = time.monotonic() + self.stopped_s
+        while nodes.suspended() == "controller" and time.monotonic() < give_up_s and not stop.number:
+            time.sleep(LOOK_S)
+
+    def _has_left(self, link: Link, heard: bool) -> bool:
+        """Record which node was the first to leave an unfinished run; True if nothing more can come."""
+        gone = [node for node in ("controller", "plant") if link.has_ended(node)] if self._session.recording else []
+        over = "plant" in gone and not heard
+        if gone and not self.lost and (over or self._session.ending is None):
+            self.lost = f"{gone[0]} left the bus at simulation time {self._session.sim_time_s:.2f} s"
+        return over
+
+    def drain(self, link: Link, stop: StopSignals, ended: list[Node]) -> bool:
+        """Read the frames still queued after nodes have ended; True if the run ended normally with them.
+
+        Frames of other nodes may keep arriving, and a hub that stands still delivers later.
+        """
+        give_up_s = time.monotonic() + self._after_loss_s
+        while self._session.ended is None and time.monotonic() < give_up_s:
+            heard = self._take(link, LOOK_S)
+            stop.check()
+            if not heard and not any(link.may_deliver(node.role) for node in ended):
+                break
+        return self._session.ended is not None
+
+    def _take(self, link: Link, timeout_s: float) -> bool:
+        """Pass arrived frames to the recorder and send its answers; False when nothing came."""
+        if link.packed is not None and self._order is None:
+            packet = link.packed.receive_packed(timeout_s)
+            if packet and (answers := self._session.take_packed(packet)):
+                link.send(answers)
+            return bool(packet)
+        frames = arrived = link.receive(timeout_s)
+        if gap_ns := link.take_gap_ns():
+            self._session.was_out(gap_ns)
+        if self._order is not None:
+            frames = [item for frame in arrived for item in self._order.feed(frame)] if arrived else self._order.flush()
+        if frames and (answers := self._session.take(frames)):
+            link.send(answers)
+        return bool(frames or arrived)
+
+    def who_died(self, nodes: Nodes) -> str:
+        """The node that is missing, and why; empty if none is."""
+        dead = nodes.blamed()
+        at = f"at simulation time {self._session.sim_time_s:.2f} s" if self._session.recording else "before the run"
+        if (dead is None or not dead.was_killed) and (role := nodes.suspended()):
+            return f"{role} lost {at}: suspended by a signal (SIGSTOP) or a debugger"
+        if dead is None:
+            return ""
+        if dead.exit_code() == PASS:
+            return f"{dead.role} lost {at}: it has ended, but the end of the run has not arrived here"
+        # A node that ends by itself names the node that it waited for, so it is not itself the missing one.
+        how = "gave up" if dead.exit_code() == INVALID else "lost"
+        return f"{dead.role} {how} {at}: {dead.last_words()}"

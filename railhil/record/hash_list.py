@@ -1,0 +1,192 @@
+"""``SHA256SUMS``: the hashes of all files of a folder of evidence, which every reader compares with the files.
+
+One line per file as ``sha256sum`` writes them, by name. A folder below that has a list of its own stands in it with
+that list, so that the list of a campaign, a comparison or a sequence covers the run folders in it. It can be signed
+(:mod:`railhil.record.signature`).
+
+The document that marks a folder as complete says under :data:`HASH_LIST_KEY` that there is a list, so that none is
+missed where there was one. Folders of earlier versions have none.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, Final, NamedTuple
+
+from railhil.common.errors import InputError, Words
+from railhil.common.whole_file import DRAFTS, whole_file, write_synced
+from railhil.record.framelog import sha256_of
+from railhil.record.signature import HASH_LIST as HASH_LIST
+from railhil.record.signature import SIGNATURE as SIGNATURE
+from railhil.record.signature import check_signature
+
+#: Documents that mark a folder as complete, of every kind of folder that has a list.
+DOCUMENTS: Final = ("certificate.json", "compare.json", "campaign.json", "learn.json", "sequence.json", "faults.json")
+#: The page of a folder.
+REPORT: Final = "report.html"
+#: Key of certificates and manifests: the name of the list.
+HASH_LIST_KEY: Final = "hash_list"
+_LINE = re.compile(r"([0-9a-f]{64})  ([^\n]+)\n")
+_UNCHANGED = "a file that nobody changed"
+_MISSING = "no such file"
+
+
+class Changed(NamedTuple):
+    """A file that is not as listed: its name, what was found, and the hash in the list."""
+
+    name: str
+    found: str
+    listed: str
+
+    @property
+    def is_missing(self) -> bool:
+        """Whether there is no such file."""
+        return self.found == _MISSING
+
+    @property
+    def sentence(self) -> str:
+        """For a report of all of them."""
+        return f"{self.name}: {self.found if self.is_missing else f'sha256 {self.found}'}, in {HASH_LIST} {self.listed}"
+
+    def error(self, folder: Path) -> InputError:
+        """As bad input."""
+        found = Words(self.found) if self.is_missing else self.found
+        return InputError(folder / self.name, "sha256", found, f"{self.listed} ({HASH_LIST} beside it): {_UNCHANGED}")
+
+
+def listed_files(folder: Path) -> Iterator[str]:
+    """Names of the files that a list of this folder covers."""
+    for path in sorted(folder.iterdir()):
+        if path.is_dir():
+            below = (HASH_LIST,) if (path / HASH_LIST).is_file() else listed_files(path)
+            yield from (f"{path.name}/{name}" for name in below)
+        elif path.is_file() and path.name not in (HASH_LIST, SIGNATURE) and not path.match(DRAFTS):
+            yield path.name
+
+
+def write_hash_list(folder: Path, instead: Mapping[str, Path] | None = None, only: Iterable[str] | None = None) -> None:
+    """Write the list of a folder; a signature of another list is removed.
+
+    :param instead: files that come under these names when the list is written.
+    :param only: the files of the list; None: all that there are.
+    :raises OSError: a file cannot be read, or the list not be written.
+    """
+    instead = instead or {}
+    names = {*(listed_files(folder) if only is None else only), *instead}
+    _write(folder, {name: sha256_of(instead.get(name, folder / name)) for name in names})
+
+
+@contextmanager
+def listed_file(path: Path) -> Iterator[Path]:
+    """:func:`railhil.common.whole_file.whole_file`, which also enters the file into the list of its folder if that has
+    one; a signed list stays as it is.
+
+    :raises InputError: the file is in a signed list, or the list is damaged.
+    :raises OSError: file or list cannot be written.
+    """
+    hashes = read_hash_list(path.parent) if any((path.parent / name).is_file() for name in DOCUMENTS) else None
+    is_signed = (path.parent / SIGNATURE).is_file()
+    if hashes is not None and is_signed and path.name in hashes:
+        raise InputError(path, "file", Words(f"a file of a signed folder ({SIGNATURE})"), "--out FILE elsewhere")
+    with whole_file(path) as draft:
+        yield draft
+    if hashes is not None and not is_signed:
+        _write(path.parent, hashes | {path.name: sha256_of(path)})
+
+
+def enter(folder: Path, hashes: Mapping[str, str], name: str, content: bytes) -> dict[str, str]:
+    """Write a list with a file of this content entered; returns it. Raises OSError."""
+    entered = {**hashes, name: hashlib.sha256(content).hexdigest()}
+    _write(folder, entered)
+    return entered
+
+
+def _write(folder: Path, hashes: Mapping[str, str]) -> None:
+    content = "".join(f"{sha256}  {name}\n" for name, sha256 in sorted(hashes.items())).encode()
+    path = folder / HASH_LIST
+    if not path.is_file() or path.read_bytes() != content:
+        (folder / SIGNATURE).unlink(missing_ok=True)
+        write_synced(path, content)
+
+
+def read_hash_list(folder: Path) -> dict[str, str] | None:
+    """Hashes by name; None if the folder has no list.
+
+    :raises InputError: it is damaged.
+    """
+    path = folder / HASH_LIST
+    try:
+        text = path.read_text(encoding="utf-8")
+    except FileNotFoundError:
+        return None
+    except (OSError, ValueError) as error:
+        why = error.strerror if isinstance(error, OSError) else None
+        raise InputError(path, "file", Words(why or "no text"), "lines as sha256sum writes them") from None
+    found: dict[str, str] = {}
+    for number, line in enumerate(text.splitlines(keepends=True), 1):
+        match = _LINE.fullmatch(line)
+        if match is None or match[2] in found or not _is_below(match[2]):
+            raise InputError(path, f"line {number}", line.rstrip("\n"), "SHA-256, two spaces, a file of the folder")
+        found[match[2]] = match[1]
+    if not found:
+        raise InputError(path, "file", Words("no line"), "lines as sha256sum writes them")
+    return found
+
+
+def _is_below(name: str) -> bool:
+    path = Path(name)
+    return not path.is_absolute() and ".." not in path.parts
+
+
+def changed_files(folder: Path, hashes: Mapping[str, str]) -> Iterator[Changed]:
+    """The files that are not as listed, and those that are missing.
+
+    :raises InputError: a file cannot be read.
+    """
+    for name, listed in hashes.items():
+        path = folder / name
+        try:
+            found = sha256_of(path) if path.is_file() else _MISSING
+        except OSError as error:
+            raise InputError(path, "file", Words((error.strerror or str(error)).lower()), "a readable file") from None
+        if found != listed:
+            yield Changed(name, found, listed)
+
+
+def check_document(folder: Path, name: str, document: Mapping[str, Any] | None) -> dict[str, str]:
+    """Refuse a folder whose complete document has been changed since its list was written, or whose signature is not
+    one of its list.
+
+    :param name: of the document that marks the folder as complete; ``document``: its content, None if the folder has
+        none.
+    :returns: the list; empty if the folder never had one.
+    :raises InputError: the document is not as listed or gone, the list is gone, or the signature is of another one.
+    """
+    hashes = read_hash_list(folder)
+    if hashes is not None:
+        check_signature(folder)
+    elif (folder / SIGNATURE).is_file():
+        raise InputError(folder / HASH_LIST, "file", Words(_MISSING), f"the list that {SIGNATURE} beside it is of")
+    if hashes is None or name not in hashes:
+        if document is not None and (hashes is not None or document.get(HASH_LIST_KEY)):
+            found = Words(_MISSING if hashes is None else f"no line of {name}")
+            raise InputError(folder / HASH_LIST, "file", found, f"the list of the folder's files, with {name}")
+        return {}
+    for changed in changed_files(folder, {name: hashes[name]}):
+        raise changed.error(folder)
+    return hashes
+
+
+def check_hash_list(folder: Path, name: str, document: Mapping[str, Any] | None) -> None:
+    """As :func:`check_document`, for every file of the folder.
+
+    :raises InputError: as :func:`check_document`, and the first file that is not as listed or missing.
+    """
+    for changed in changed_files(folder, check_document(folder, name, document)):
+        # A page that was deleted says nothing, and is made again from the rest.
+        if not (changed.is_missing and changed.name == REPORT):
+            raise changed.error(folder)

@@ -1,0 +1,219 @@
+"""What the controller reports about its arithmetic: ``telemetry.json`` of a run folder, else recorded telegrams.
+
+The file is written by another process, which may have been killed. A missing or damaged file does not affect the
+verdict, which depends on the record alone. A controller that was started elsewhere leaves no file here; its status
+telegrams then give slightly less information.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numpy as np
+
+from railhil.bus.codes import ControllerFlag
+from railhil.bus.telegrams import HEADROOM_UNUSED, NO_QUANTITY
+from railhil.record.learned import Kept, kept_of
+from railhil.record.notes import ToldNote, told_notes
+from railhil.record.run_folder import TELEMETRY
+from railhil.record.status import Status
+from railhil.record.trace import Trace
+
+
+@dataclass(frozen=True, slots=True)
+class Headroom:
+    """The quantity of the law that came closest to the limit of its format."""
+
+    name: str
+    bits: int
+
+
+@dataclass(frozen=True, slots=True)
+class TelemetrySummary:
+    """The part of the telemetry that is written to ``score.json``.
+
+    ``least_headroom`` is None without fixed point; ``cycles`` (program in RAM) and ``cycles_flash`` (in flash) are
+    those of one control period, 0 for float64; ``cycle_share`` is ``cycles_flash`` as a share of the control period (1
+    = all).
+    """
+
+    wraps: int
+    saturations: int
+    zero_divisions: int
+    least_headroom: Headroom | None
+    cycles: int
+    cycles_flash: int
+    cycle_share: float
+    lost_messages: int
+
+    def as_json(self) -> dict[str, Any]:
+        """As in ``score.json``."""
+        return asdict(self)
+
+    def sentence(self) -> str:
+        """One line for the terminal."""
+        least = self.least_headroom
+        words = [f"least headroom {least.bits} bit ({least.name})" if least else "no fixed point"]
+        words += [f"{self.wraps} wraps", f"{self.saturations} saturations"]
+        if self.zero_divisions:
+            words.append(f"{self.zero_divisions} divisions by zero")
+        if self.lost_messages:
+            words.append(f"{self.lost_messages} messages lost")
+        if self.cycles:
+            words.append(f"{self.cycles} C28x cycles a step in RAM, {self.cycles_flash} from flash")
+            words.append(f"{self.cycle_share:.4%} of the control period")
+        return ", ".join(words)
+
+
+def summary(document: dict[str, Any]) -> TelemetrySummary:
+    """Summary of a telemetry document.
+
+    :raises LookupError, TypeError, ValueError, AttributeError, OverflowError: it is not a telemetry document.
+    """
+    bits = [
+        Headroom(str(row["name"]), int(row["headroom_bits"]))
+        for row in document["quantities"]
+        if row["headroom_bits"] is not None
+    ]
+    totals, cycles = document["totals"], document["cycles"]
+    share = float(cycles["share"])
+    if not math.isfinite(share):
+        raise ValueError(f"share of the control period: found {share}, allowed a number")
+    return TelemetrySummary(
+        int(totals["wraps"]),
+        int(totals["saturations"]),
+        int(totals["zero_divisions"]),
+        min(bits, key=lambda least: least.bits, default=None),
+        int(cycles["ram"]),
+        int(cycles["flash"]),
+        share,
+        int(document["lost_messages"]["total"]),
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class LawOrigin:
+    """What a law declares: where its own parameters come from, the perturbed runs (name of the scenario, seeds) from
+    which they were chosen, and the meaning of its notes in CTL_STAT."""
+
+    text: str
+    design_seeds: Mapping[str, range]
+    notes: tuple[ToldNote, ...]
+
+
+def law_origin(document: dict[str, Any]) -> LawOrigin:
+    """Origin from a telemetry document, or from the output of ``python -m railhil.controller_node --check``.
+
+    :raises LookupError, TypeError, ValueError, AttributeError: it is neither.
+    """
+    seeds = {str(name): range(*map(int, numbers)) for name, numbers in document["design_seeds"].items()}
+    return LawOrigin(str(document["parameters_origin"]), seeds, told_notes(document["notes"]))
+
+
+_F = TypeVar("_F")
+
+
+def _read(folder: Path, made: Callable[[dict[str, Any]], _F]) -> _F | None:
+    """``made`` applied to the telemetry in a run folder; None if there is no readable telemetry."""
+    try:
+        return made(json.loads((folder / TELEMETRY).read_text(encoding="utf-8")))
+    except (OSError, ValueError, LookupError, TypeError, AttributeError, OverflowError, RecursionError):
+        return None
+
+
+def read_summary(folder: Path) -> TelemetrySummary | None:
+    """Summary of the telemetry in a run folder; None if there is no readable telemetry."""
+    return _read(folder, summary)
+
+
+def read_origin(folder: Path) -> LawOrigin | None:
+    """Origin of the law's own parameters from a run folder; None if the controller has not written it there."""
+    return _read(folder, law_origin)
+
+
+def read_kept(folder: Path) -> Kept | None:
+    """What the law wants to keep, from a run folder; None if there is nothing."""
+    return _read(folder, lambda document: kept_of(document["memory"]))
+
+
+@dataclass(frozen=True, slots=True)
+class ShownTelemetry:
+    """The telemetry in ``score.json`` if there is no file: from the recorded status telegrams.
+
+    ``source``: their port. ``happened``: names of the flags that were set. ``cycles``: of one control period, program
+    in RAM, 0 for float64 and if not reported. ``quantities``: each as last reported, up to one rotation before
+    the end; ``index`` is its row in the controller's own ``telemetry.json``. Raw extremes (rounded down to the
+    bits that a telegram carries) and headroom are None if not yet reported, if the quantity was always 0, and without
+    fixed point.
+    """
+
+    source: str
+    happened: tuple[str, ...]
+    least_headroom: Headroom | None
+    cycles: int
+    quantities: tuple[dict[str, int | bool | None], ...]
+
+    def as_json(self) -> dict[str, Any]:
+        """As in ``score.json``; ``source`` distinguishes it from :class:`TelemetrySummary`."""
+        return asdict(self)
+
+    def sentence(self) -> str:
+        """One line for the terminal."""
+        least = self.least_headroom
+        words = [", ".join(self.happened) or "no overflow", f"as {self.source} tells it"]
+        if self.quantities:
+            words.insert(0, f"least headroom {least.bits} bit ({least.name})" if least else "no fixed point")
+        return ", ".join(words)
+
+
+#: Signals of a status telegram that reports the quantities of the law in turn.
+_IN_TURNS = ("Index", "Maximum", "Extreme", "Headroom", "Wrapped", "Saturated", "ZeroDivision")
+
+
+def shown_telemetry(trace: Trace, status: Status | None) -> ShownTelemetry | None:
+    """Telemetry from the recorded status telegrams; None if they report none, or no such telegram was recorded.
+
+    :param status: that of the system; None: it has none.
+    """
+    if status is None or not status.flags or not trace.count(status.port):
+        return None
+    in_turns = trace.has(status.port, f"Telemetry{_IN_TURNS[0]}")
+    quantities = _quantities(trace, status.port) if in_turns else ()
+    if in_turns and not quantities:
+        return None
+    flags = int(np.bitwise_or.reduce(trace.raw(status.port, status.flags)))
+    return ShownTelemetry(
+        status.port,
+        tuple((flag.name or "").lower() for flag in ControllerFlag if flag & flags),
+        min(
+            (
+                Headroom(f"quantity {row['index']}", bits)
+                for row in quantities
+                if (bits := row["headroom_bits"]) is not None
+            ),
+            key=lambda least: least.bits,
+            default=None,
+        ),
+        int(trace.raw(status.port, "StepCycles").max()) if trace.has(status.port, "StepCycles") else 0,
+        quantities,
+    )
+
+
+def _quantities(trace: Trace, port: str) -> tuple[dict[str, int | bool | None], ...]:
+    """Each quantity as last reported, by its number."""
+    shown: dict[int, dict[str, int | bool | None]] = {}
+    for index, maximum, extreme, bits, *events in zip(
+        *(trace.raw(port, f"Telemetry{name}").tolist() for name in _IN_TURNS), strict=True
+    ):
+        if index != NO_QUANTITY:
+            row = shown.setdefault(index, {"index": index, "minimum_raw": None, "maximum_raw": None})
+            known = bits != HEADROOM_UNUSED
+            row["maximum_raw" if maximum else "minimum_raw"] = extreme << 16 >> bits if known else None
+            row["headroom_bits"] = bits if known else None
+            row.update(zip(("wrapped", "saturated", "zero_division"), map(bool, events), strict=True))
+    return tuple(shown[index] for index in sorted(shown))

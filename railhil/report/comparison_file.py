@@ -1,0 +1,93 @@
+"""The files of a comparison in addition to the run folders: ``compare.json`` and ``compare.csv``."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from railhil.common.whole_file import whole_file
+from railhil.judge.judging import judging_of
+from railhil.record.documents import COMPARISON
+from railhil.record.errors import RecordFailed
+from railhil.record.hash_list import HASH_LIST, HASH_LIST_KEY, write_hash_list
+from railhil.record.json_file import json_text
+from railhil.report.recorded import RecordedRun
+from railhil.scenarios.model import AnyScenario
+from railhil.scenarios.run_spec import RunSpec
+
+#: Name in the folder of a comparison, next to ``compare.json``.
+_TABLE = "compare.csv"
+
+
+def _row(folder: Path, run: RecordedRun) -> dict[str, Any]:
+    """One law, without wall-clock figures."""
+    found, row = run.score, run.published
+    parameters = run.certificate.get("parameters")
+    return {
+        "label": run.label,
+        "controller": run.controller,
+        "parameters_sha256": parameters["sha256"] if parameters else None,
+        "seed_was_trained": run.seed_was_trained,
+        "verdict": run.verdict,
+        "line": run.line,
+        "scores": dict(found.values),
+        "signed": dict(found.signed),
+        "published": None if row is None else dict(row.values),
+        "frames_sha256": run.certificate.get("frames_sha256"),
+        "folder": folder.name,
+    }
+
+
+def _flat(row: dict[str, Any]) -> dict[str, Any]:
+    published = row["published"] or {}
+    return {
+        **{key: row[key] for key in ("label", "controller", "parameters_sha256", "seed_was_trained", "verdict")},
+        **row["scores"],
+        **{f"signed_{key}": value for key, value in row["signed"].items()},
+        **{f"published_{key}": published.get(key) for key in row["scores"]},
+        **{key: row[key] for key in ("frames_sha256", "folder")},
+    }
+
+
+def write_comparison(
+    folder: Path,
+    scenario: AnyScenario,
+    common: RunSpec,
+    runs: Sequence[tuple[Path, RecordedRun]],
+    notes: Sequence[str] = (),
+) -> dict[str, Any]:
+    """Write both files atomically; ``compare.json`` comes last and marks the comparison as complete.
+
+    :param common: any of the runs, from which the common properties are taken.
+    :param runs: run folders below ``folder`` with their recorded runs, in order.
+    :param notes: sentences on the comparison as a whole.
+    :returns: the content of ``compare.json``.
+    :raises RecordFailed: they cannot be written; then neither exists.
+    """
+    rows = [_row(path, run) for path, run in runs]
+    document = {
+        **{key: value for key, value in common.as_json().items() if key not in ("controller", "parameters")},
+        "scenario_sha256": scenario.sha256,
+        "notes": list(notes),
+        "watch_weakened": scenario.watch_weakened,
+        "runs": rows,
+        **judging_of(scenario).counted([run.score for _, run in runs]),
+        "published": [row.as_table() for row in scenario.published],
+        HASH_LIST_KEY: HASH_LIST,
+    }
+    try:
+        with whole_file(folder / _TABLE) as draft, draft.open("w", encoding="utf-8", newline="") as stream:
+            table = csv.DictWriter(stream, list(_flat(rows[0])), lineterminator="\n")
+            table.writeheader()
+            table.writerows(_flat(row) for row in rows)
+        with whole_file(folder / COMPARISON) as draft:
+            draft.write_text(json_text(document), encoding="utf-8")
+            write_hash_list(folder, {COMPARISON: draft})
+    except OSError as error:
+        for name in (_TABLE, HASH_LIST):
+            (folder / name).unlink(missing_ok=True)
+        reason = (error.strerror or str(error)).lower()
+        raise RecordFailed(f"comparison {folder} cannot be written: {reason}; the runs in it are kept") from error
+    return document

@@ -1,0 +1,125 @@
+"""Distributions of scores over many runs: what share of a law's runs is at most at each value."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from railhil.charts.figure import Area, Chart, Curve, Figure
+from railhil.judge.criteria import Criterion
+from railhil.record.trace import FloatArray
+from railhil.report.recorded import RecordedRun, law_labels
+from railhil.report.styles import Style, styles
+
+#: Points of one curve in the page.
+_POINTS = 300
+#: Charts beside each other.
+_ACROSS = 2
+
+
+@dataclass(frozen=True, slots=True)
+class Spread:
+    """One criterion over the runs of each law and its parameters: values with their sign where they have one, NaN for
+    a run without.
+
+    ``limits``: what the scenario allows, empty if it says nothing.
+    """
+
+    criterion: Criterion
+    limits: tuple[float, ...]
+    values: Mapping[str, FloatArray]
+
+
+def limits_of(scenario: Any, criterion: Criterion) -> tuple[float, ...]:
+    """The bounds of what a scenario allows."""
+    limit = criterion.limit_in(scenario)
+    if limit is None:
+        return ()
+    return (-limit, limit) if criterion.signed is not None else (limit,)
+
+
+def spreads_of(
+    scenario: Any, criteria: Sequence[Criterion], runs: Sequence[RecordedRun]
+) -> tuple[list[Spread], dict[str, Style]]:
+    """The scores of recorded runs by what they are runs of (:func:`railhil.report.recorded.law_labels`), and
+    a style for each."""
+    labels = law_labels(runs)
+    laws = {label: run.controller for label, run in zip(labels, runs, strict=True)}
+
+    def values(law: str, criterion: Criterion) -> FloatArray:
+        found = [run.score.with_sign(criterion) for label, run in zip(labels, runs, strict=True) if label == law]
+        return np.array([np.nan if value is None else value for value in found], dtype=np.float64)
+
+    spreads = [
+        Spread(criterion, limits_of(scenario, criterion), {law: values(law, criterion) for law in laws})
+        for criterion in criteria
+    ]
+    return spreads, dict(zip(laws, styles([*laws.values()]), strict=True))
+
+
+def worst_first(scenario: Any, criteria: Sequence[Criterion], runs: Sequence[RecordedRun]) -> list[int]:
+    """Places of the runs, worst first: those that are not trusted or missed a limit, by how far they missed it; equal
+    ones stay in their order."""
+
+    def badness(run: RecordedRun) -> tuple[bool, bool, float]:
+        worst = 0.0
+        for criterion in criteria:
+            value, limit = run.score.values[criterion.key], criterion.limit_in(scenario)
+            if limit is None:
+                continue
+            if value is None:
+                return run.verdict == "INVALID", True, np.inf
+            limit = abs(limit) or 1.0
+            worst = max(worst, value / limit if criterion.better == "low" else limit / max(value, 1e-9))
+        return run.verdict == "INVALID", run.verdict != "PASS", worst
+
+    keys = [badness(run) for run in runs]
+    return sorted(range(len(runs)), key=lambda place: keys[place], reverse=True)
+
+
+def shares(values: FloatArray, points: int = _POINTS) -> tuple[FloatArray, FloatArray]:
+    """Points of the distribution function: ascending values, and the share of all runs at or below each, in per cent.
+
+    A run without a value is at or below none.
+
+    :param values: shape (n,).
+    :param points: at most so many; the first and the last are kept.
+    """
+    known, counts = np.unique(values[np.isfinite(values)], return_counts=True)
+    below = 100.0 * np.cumsum(counts) / max(len(values), 1)
+    if len(known) > points:
+        picked = np.unique(np.linspace(0, len(known) - 1, points).round().astype(int))
+        known, below = known[picked], below[picked]
+    return known, below
+
+
+def _allowed(spread: Spread) -> str:
+    """The limits in words, empty if there are none."""
+    if len(spread.limits) > 1:
+        return " to ".join(f"{limit:g}" for limit in spread.limits)
+    bound = "at most" if spread.criterion.better == "low" else "at least"
+    return "".join(f"{bound} {limit:g}" for limit in spread.limits)
+
+
+def picture(spreads: Sequence[Spread], looks: Mapping[str, Style]) -> Figure:
+    """The distributions, a chart for each score."""
+    caption = "Share of the runs whose score is at most the value; dotted: what the scenario allows."
+    charts = [_chart(spread, looks) for spread in spreads]
+    return Figure("distributions", "Distributions of the scores", caption, charts)
+
+
+def _chart(spread: Spread, looks: Mapping[str, Style]) -> Chart:
+    criterion = spread.criterion
+    curves = []
+    for label, values in spread.values.items():
+        at, below = shares(values)
+        if len(at):
+            curves.append(Curve(label, at, below, replace(looks[label].look, marker=""), "%", is_step=True))
+    allowed = f"allowed {_allowed(spread)} {criterion.unit}"
+    limits = [Area((limit, limit), None, "line", allowed) for limit in spread.limits]
+    label = f"{criterion.title} ({criterion.unit_typeset})"
+    title = f"runs (%){f', {allowed}' if limits else ''}"
+    return Chart(curves, label, title, y_bounds=(0.0, 102.0), areas=limits, height_px=150, share=1 / _ACROSS)

@@ -1,0 +1,167 @@
+"""The facts that a reader needs in order to repeat a run and to judge it.
+
+Wall-clock figures are shown for real-time runs only: the report of a lockstep run is the same on every machine.
+"""
+
+from __future__ import annotations
+
+import re
+import shlex
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from pathlib import PurePosixPath
+from typing import Any
+
+from railhil.bus.transports import limits_of
+from railhil.common.digits import count_of
+from railhil.judge.judging import judging_of
+from railhil.record.telemetry import Headroom, ShownTelemetry, TelemetrySummary
+from railhil.report.jitter_panel import timing_rows
+from railhil.report.memory_said import memory_sentence
+from railhil.report.recorded import RecordedRun
+from railhil.scenarios.parameters import DIGEST_DIGITS
+
+_UNKNOWN = "not recorded"
+_NO_SCORE = f"{_UNKNOWN}: score.json is missing"
+#: Folder part of an absolute path within a sentence; paths of devices are kept.
+_FOLDERS = re.compile(r"(?<![\w./])/(?!dev/)(?:[^\s/:]+/)+")
+
+
+@dataclass(frozen=True, slots=True)
+class Facts:
+    """``common``: facts that hold for all runs; ``own``: per run, its label and the facts that differ; rows are
+    ``(name, text)``."""
+
+    common: tuple[tuple[str, str], ...]
+    own: tuple[tuple[str, tuple[tuple[str, str], ...]], ...]
+
+
+def without_folders(text: str) -> str:
+    """An absolute path reduced to its file name: the place of a run is not part of its report. Devices are kept."""
+    path = PurePosixPath(text)
+    return path.name if path.is_absolute() and not text.startswith("/dev/") else text
+
+
+def without_paths(text: str) -> str:
+    """A sentence with absolute paths reduced to file names."""
+    return _FOLDERS.sub("", text)
+
+
+def _transport(text: str) -> str:
+    interface, _, channel = text.partition(":")
+    return f"{interface}:{without_folders(channel)}"
+
+
+def _command(text: str) -> str:
+    try:
+        return shlex.join(map(without_folders, shlex.split(text)))
+    except ValueError:
+        return text
+
+
+def _telemetry(document: Any) -> str:
+    """One sentence from the telemetry of ``score.json``."""
+    if document is None:
+        return "the controller has not reported on its arithmetic"
+    least = Headroom(**document["least_headroom"]) if document["least_headroom"] else None
+    if "source" in document:
+        rows = tuple(document["quantities"])
+        return ShownTelemetry(
+            document["source"], tuple(document["happened"]), least, document["cycles"], rows
+        ).sentence()
+    names = [item.name for item in fields(TelemetrySummary)]
+    return TelemetrySummary(**{name: document[name] for name in names} | {"least_headroom": least}).sentence()
+
+
+def parameters_sentence(run: RecordedRun) -> str:
+    """Origin of the parameters with which the controller ran."""
+    given, own = run.certificate.get("parameters"), run.certificate.get("own_parameters")
+    if run.certificate.get("foreign"):
+        asked = f"those of a file, digest {given['sha256'][:DIGEST_DIGITS]}" if given else "the law's own"
+        return f"not known: the controller was not railhil's; in the handshake it agreed to {asked}"
+    if not given:
+        return f"the law's own ({own['origin'] if own else _UNKNOWN + ' where they come from'})"
+    words = f"from a file, digest {given['sha256'][:DIGEST_DIGITS]}"
+    if training := given.get("training"):
+        words += f", tuned on {count_of(len(training['seeds']), 'run')} of {training['scenario']}"
+    return words
+
+
+def _parameters(run: RecordedRun) -> str:
+    if run.certificate.get("foreign"):
+        return parameters_sentence(run)
+    values = (run.certificate.get("parameters") or {}).get("values", {})
+    return parameters_sentence(run) + "".join(f"; {name} = {value}" for name, value in values.items())
+
+
+def _other(certificate: dict[str, Any]) -> str:
+    said = "a board or another program"
+    asked = certificate.get("asked") or {}
+    if not asked:
+        return f"{said}; law and arithmetic are as it reported them"
+    words = ", ".join(f"{key} {value}" for key, value in asked.items())
+    return f"{said}; asked for, and not confirmed or named otherwise: {words}"
+
+
+def _settings(certificate: dict[str, Any]) -> str:
+    return "".join(f"; set: {without_paths(text)}" for text in certificate.get("settings", ()))
+
+
+def facts_of(run: RecordedRun) -> list[tuple[str, str]]:
+    """All facts of one run, in reading order."""
+    certificate, scenario, document = run.certificate, run.scenario, run.score_document
+
+    def said(key: str) -> str:
+        found = certificate.get(key)
+        return _UNKNOWN if found is None else str(found)
+
+    transport, profile = said("transport"), certificate.get("arithmetic_profile")
+    own = list(judging_of(scenario).facts(run))
+    rows = [
+        ("Scenario", f"{scenario.title} ({scenario.name}){_settings(certificate)}"),
+        *own[:1],
+        ("Controller", said("controller")),
+        ("Parameters", _parameters(run)),
+        *([("Memory", kept)] if (kept := memory_sentence(run.certificate)) else []),
+        ("Arithmetic", said("arithmetic") + (f" (profile {profile})" if profile else "")),
+        ("Set-point over", said("indexing")),
+        ("Seed", said("seed")),
+        ("Plant", "drawn from the scenario's distributions" if certificate.get("perturbed") else "nominal"),
+        *own[1:],
+        ("Arithmetic telemetry", _telemetry(document["telemetry"]) if document else _NO_SCORE),
+        ("Pacing", said("pace")),
+        *timing_rows(document),
+        ("Transport", _transport(transport)),
+        ("Not modelled there", limits_of(transport)),
+        ("Frames", said("frames")),
+        ("SHA-256 of frames.log", said("frames_sha256")),
+        ("SHA-256 of the scenario", scenario.sha256),
+        ("SHA-256 of the DBC", said("dbc_sha256")),
+        ("SHA-256 of the code", said("code_sha256")),
+        ("railhil", said("railhil")),
+        ("Again with", _command(said("command"))),
+    ]
+    if certificate.get("foreign"):
+        rows.append(("Other controller", _other(certificate)))
+    if certificate.get("attached"):
+        rows.append(("Attached", "plant and controller were started elsewhere"))
+    if certificate.get("not_witnessed"):
+        ports = ", ".join(certificate["not_witnessed"])
+        rows.append(("Not witnessed", f"{ports}: their owners did not say which frames they sent"))
+    if certificate.get("command_needs"):
+        rows.append(("The command needs", said("command_needs")))
+    return rows
+
+
+def facts(runs: Sequence[RecordedRun]) -> Facts:
+    """Facts of all runs, the common ones only once."""
+    each = [facts_of(run) for run in runs]
+    shared = set(each[0]).intersection(*map(set, each[1:]))
+    return Facts(
+        tuple(row for row in each[0] if row in shared),
+        tuple(
+            (run.label, tuple(row for row in rows if row not in shared)) for run, rows in zip(runs, each, strict=True)
+        )
+        if len(runs) > 1
+        else (),
+    )

@@ -1,0 +1,127 @@
+"""The HTML page, a pure function of the recorded runs."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Final
+from urllib.parse import quote
+
+import numpy as np
+
+from railhil.charts.figure import Figure
+from railhil.judge.judging import judging_of
+from railhil.record.hash_list import REPORT, listed_file
+from railhil.report import jitter_panel as timing
+from railhil.report.assets import script, styles_text
+from railhil.report.display_columns import ShownColumn
+from railhil.report.distribution import picture, spreads_of, worst_first
+from railhil.report.events_panel import event_rows, has_unusual
+from railhil.report.facts import facts, without_paths
+from railhil.report.histogram import lateness
+from railhil.report.over_time import RunColumns, columns_of, reactions, signals, system_pictures
+from railhil.report.recorded import RecordedRun, told_apart
+from railhil.report.score_table import better_sentence, rows
+from railhil.report.styles import styles
+from railhil.report.templates import template
+from railhil.scenarios.model import watch_sentence
+
+#: Above so many runs the page shows distributions, and figures and charts of the worst runs only.
+RUNS_MAX, _WORST = 20, 6
+#: The page's template.
+TEMPLATE: Final = "report.html.j2"
+
+
+def page(runs: Sequence[RecordedRun], notes: Sequence[str] = (), links: Sequence[str] = ()) -> str:
+    """The report of one run or of several of one scenario, as one HTML document without external references.
+
+    The same records give the same bytes: no date, no path, and no wall-clock figure of a lockstep run.
+
+    :param notes: sentences on the comparison as a whole.
+    :param links: of the runs, shown for the worst ones of more than :data:`RUNS_MAX`.
+    """
+    runs = [replace(run, line=without_paths(run.line)) for run in told_apart(runs)]
+    scenario = runs[0].scenario
+    judging = judging_of(scenario)
+    criteria = judging.criteria
+    many = len(runs) > RUNS_MAX
+    worst = worst_first(scenario, criteria, runs)[:_WORST] if many else []
+    shown = [runs[place] for place in worst] if many else runs
+    spreads, looks = spreads_of(scenario, criteria, runs) if many else ([], {})
+    columns = [
+        columns_of(run, number, style)
+        for number, (run, style) in enumerate(zip(shown, styles([run.controller for run in shown]), strict=True))
+        if run.can_be_drawn
+    ]
+    own = [*system_pictures(scenario, shown), *lateness(shown)]
+    pictures = [*own[:1], *reactions(columns), *own[1:]]
+    opened, further = signals(columns, [one for one in pictures if isinstance(one, Figure)])
+    known = judging.deviations if scenario.published else None
+    source, deviating = known() if known else ("", ())
+    return template(TEMPLATE).render(
+        scenario=scenario,
+        runs=runs,
+        watch=watch_sentence(scenario),
+        notes=notes,
+        columns=criteria,
+        better=better_sentence(criteria),
+        best="least" if all(criterion.better == "low" for criterion in criteria) else "best",
+        rows=rows(scenario, criteria, runs),
+        remark=judging.remark([run.score for run in runs]),
+        stops=[(run.label, stop) for run in runs for stop in run.score.listed_stops],
+        asked=judging.asked(scenario),
+        published=judging.published if scenario.published else "",
+        shown=shown,
+        worst=[(runs[place], links[place] if links else "") for place in worst],
+        events=[row for run in shown for row in event_rows(run.label, run.events)],
+        quiet=[run.label for run in shown if not has_unusual(run.events)],
+        facts=facts(runs),
+        timing=timing.table(runs),
+        timing_headings=timing.HEADINGS,
+        pictures=pictures,
+        opened=opened,
+        further=further,
+        run_names=json.dumps([run.label for run in shown]),
+        over=_over(columns),
+        spread_picture=picture(spreads, looks) if many else None,
+        chart_scripts=script(),
+        chart_styles=styles_text(),
+        source=source,
+        deviations=deviating,
+    )
+
+
+def _over(runs: Sequence[RunColumns]) -> ShownColumn | None:
+    """The position, if it never decreases in any run: then everything over time can be drawn over it."""
+    if not runs:
+        return None
+    name = runs[0].shown.position
+    places = [run.values.get(name) for run in runs]
+    steady = all(
+        one is not None and np.isfinite(one).all() and np.all(np.diff(one) >= 0) and np.ptp(one) > 0 for one in places
+    )
+    return runs[0].shown.named(name) if steady else None
+
+
+def write_report(
+    runs: Sequence[RecordedRun], out: Path, notes: Sequence[str] = (), folders: Sequence[Path] = ()
+) -> None:
+    """Write the report completely or not at all.
+
+    :param folders: of the runs, to link the worst ones of many.
+    :raises InputError: it is a file of a signed folder.
+    :raises OSError: it cannot be written.
+    """
+    text = page(runs, notes, links=[_link(folder, out) for folder in folders])
+    with listed_file(out) as draft:
+        draft.write_text(text, encoding="utf-8")
+
+
+def _link(folder: Path, out: Path) -> str:
+    """Address of a run relative to the report: its own report, else its folder."""
+    target = folder / REPORT
+    found = os.path.relpath(target if target.is_file() else folder, out.parent)
+    return quote(Path(found).as_posix())

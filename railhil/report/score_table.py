@@ -1,0 +1,77 @@
+"""The score table: each law measured on this bench, next to its published row."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from railhil.judge.criteria import Criterion
+from railhil.scenarios.model import AnyScenario, PublishedScore
+
+if TYPE_CHECKING:
+    from railhil.report.recorded import RecordedRun
+
+
+@dataclass(frozen=True, slots=True)
+class Cell:
+    """A measured value and the published one, as text (empty: none); ``best``: the best measured value of all runs that
+    count as an evaluation; ``missed``: it is outside what the scenario allows."""
+
+    measured: str
+    published: str
+    best: bool
+    missed: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One law: its cells in the order of the criteria; no verdict if there is only a published row."""
+
+    label: str
+    verdict: str
+    cells: tuple[Cell, ...]
+
+
+def published_text(row: PublishedScore, criterion: Criterion) -> str:
+    """A published value with its digits; ``-`` if the row has none."""
+    return criterion.shown(row.values.get(criterion.key), criterion.published_digits)
+
+
+def _cell(run: RecordedRun, criterion: Criterion, best: str) -> Cell:
+    text = criterion.shown(run.score.values[criterion.key])
+    is_best = text == best and not run.seed_was_trained
+    published = published_text(run.published, criterion) if run.published else ""
+    missed = criterion.missed(run.scenario, run.score.with_sign(criterion))
+    return Cell(text, published, is_best, bool(missed))
+
+
+def rows(scenario: AnyScenario, criteria: Sequence[Criterion], runs: Sequence[RecordedRun]) -> list[Row]:
+    """Rows of the runs in their order, then the published rows of laws that were not run."""
+    best = []
+    judged = [run.score for run in runs if not run.seed_was_trained]
+    for criterion in criteria:
+        values = [value for score in judged if (value := score.values[criterion.key]) is not None]
+        best.append(criterion.shown(criterion.best(values)) if len(values) > 1 else "")
+    pairs = list(zip(criteria, best, strict=True))
+    found = [
+        Row(run.label, run.verdict, tuple(_cell(run, criterion, text) for criterion, text in pairs)) for run in runs
+    ]
+    run_here = {run.controller for run in runs}
+    for row in scenario.published:
+        if row.controller not in run_here:
+            cells = (Cell("", published_text(row, criterion), False) for criterion in criteria)
+            found.append(Row(row.controller, "", tuple(cells)))
+    return found
+
+
+def better_sentence(criteria: Sequence[Criterion]) -> str:
+    """The sentence that says whether less or more is better in each column, and which are shown without sign."""
+    more = [criterion.title for criterion in criteria if criterion.better == "high"]
+    bare = [criterion.title.removesuffix(" error") for criterion in criteria if criterion.signed]
+    text = f"Less is better in every column{f' but {_listed(more)}' if more else ''}"
+    return f"{text}; {_listed(bare)} error stand without sign." if bare else f"{text}."
+
+
+def _listed(words: Sequence[str]) -> str:
+    return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} and {words[-1]}"

@@ -1,0 +1,100 @@
+"""Command lines of the nodes that the supervisor starts itself, and what faults of the run mean for them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+from railhil.bus.can_settings import HUB_INTERFACE
+from railhil.bus.link.pipes import Pipes
+from railhil.bus.select import BusChoice
+from railhil.common.scheduling import HUB_PRIORITY, NODE_PRIORITY
+from railhil.faults.parsed import parsed
+from railhil.live.processes import Nodes
+from railhil.record.run_folder import TELEMETRY, TIMING
+from railhil.record.senders import sent_file
+from railhil.scenarios.handed import handed
+from railhil.scenarios.model import AnyScenario
+from railhil.scenarios.run_spec import RunSpec
+
+
+def _scheduling(run: RunSpec, priority: int) -> list[str]:
+    return ["--realtime-priority", str(priority)] if run.asks_for_fifo else []
+
+
+def needs_orders(faults: Iterable[str]) -> bool:
+    """Whether some of a run's faults need a hub that takes orders."""
+    found = parsed(faults)
+    if not found:
+        return False
+    # A run without faults does not load what injects them.
+    from railhil.bus.injector.bus_faults import need_orders
+
+    return need_orders(found)
+
+
+def start_hub(nodes: Nodes, run: RunSpec, choice: BusChoice, faults: Sequence[str] = ()) -> None:
+    """Start the hub of this run alone.
+
+    :param faults: of the run; some need a hub that takes orders.
+    """
+    arguments = ["-c", choice.config["channel"], "--once", *_scheduling(run, HUB_PRIORITY)]
+    arguments += ["--faults"] * needs_orders(faults)
+    nodes.start("hub", "railhil.bus.hub", arguments)
+
+
+def start_nodes(
+    nodes: Nodes,
+    run: RunSpec,
+    choice: BusChoice,
+    folder: Path,
+    scenario: AnyScenario,
+    pipes: Pipes | None = None,
+) -> None:
+    """Start plant and controller; what they measure goes into the run folder.
+
+    :param scenario: that of the run, as loaded; the nodes are handed it. With faults they log what they inject, and the
+        controller needs the seed.
+    :param pipes: between the nodes, instead of a bus.
+    """
+    faulty = bool(scenario.faults)
+    logged = ["--fault-log", str(folder)] if faulty else []
+    patience = ["--patience", str(run.patience_s)]
+    with handed(scenario) as (words, inherits):
+
+        def start(role: str, module: str, own: Sequence[str], watches: Sequence[str] = ()) -> None:
+            bus = choice.arguments if pipes is None else ["-i", HUB_INTERFACE, "-c", pipes.ends[role].channel]
+            ends = () if pipes is None else pipes.ends[role].descriptors
+            shared = [*run.scenario_words, *words, *patience, *logged]
+            nodes.start(role, module, [*shared, *own, *bus], watches, [*inherits, *ends])
+            if pipes is not None:
+                pipes.handed_over(role)
+
+        foreign = run.start_up.foreign
+        ours = ["supervisor"] if foreign else ["supervisor", "controller"]
+        start("plant", "railhil.plant_sim", _of_plant(run, folder), ours)
+        if not foreign:
+            law = [*run.law.words, "--telemetry", str(folder / TELEMETRY)]
+            law += ["--sent-file", str(sent_file(folder, "controller")), *_scheduling(run, NODE_PRIORITY)]
+            law += ["--seed", str(run.seed)] if faulty else []
+            start("controller", "railhil.controller_node", law)
+
+
+def _of_plant(run: RunSpec, folder: Path) -> list[str]:
+    words = ["--seed", str(run.seed), "--pace", run.pace, "--appear-timeout", str(run.start_up.appear_s)]
+    words += ["--perturbed"] * run.perturbed + run.number_words
+    words += run.plant_fmu.words if run.plant_fmu is not None else []
+    if run.is_realtime:
+        words += ["--rate", str(run.rate)]
+        # Without the option a plant would request it by itself.
+        words += _scheduling(run, NODE_PRIORITY) or ["--realtime-priority", "0"]
+        words += ["--timing-file", str(folder / TIMING)]
+    return [*words, "--sent-file", str(sent_file(folder, "plant"))]
+
+
+def longest_stop_s(texts: Iterable[str]) -> float:
+    """The longest time in s for which one of a run's faults stops the controller's process; 0: none does."""
+    stops = (
+        one for one in parsed(texts) if (one.place.level, one.place.name, one.what) == ("node", "controller", "stop")
+    )
+    return max((one.duration_s or 0.0 for one in stops), default=0.0)
