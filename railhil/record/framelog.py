@@ -13,7 +13,7 @@ from functools import lru_cache
 from io import BytesIO
 from itertools import repeat
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -33,6 +33,7 @@ LOG_NAME: Final = "frames.log"
 _ERROR_ID: Final = 0x20000080
 _NS_PER_US: Final = 1000
 _DATA_BYTES: Final = 8
+_FIELDS: Final = len(Frame._fields)
 #: Simulation times are 64 bit.
 _TIME_MAX_NS: Final = (1 << 63) - 1
 #: Longest line: 64 bytes of CAN FD in hexadecimal, with time stamp, channel and identifier.
@@ -83,9 +84,10 @@ class LateLines:
 
     def __init__(self, write: Callable[[str], object]) -> None:
         self._write = write
-        # Lines, or how many of the frames below; then frames taken one by one.
+        # Lines, or how many of the frames below; then the fields of frames taken one by one: objects that the garbage
+        # collector need not look at.
         self._waiting: list[str | int] = []
-        self._single: list[Frame] = []
+        self._single: list[int | bytes] = []
         self._frames: list[npt.NDArray[Any]] = []
         self._times_ns: list[int] = []
         self._counts: list[int] = []
@@ -106,12 +108,12 @@ class LateLines:
         else:
             times_ns.append(time_ns)
             self._counts.append(1)
-        self._single.append(frame)
+        self._single += frame
 
     def _put_together(self) -> None:
         """Make an array of the frames taken one by one."""
         if self._single:
-            ids, data, _ = zip(*self._single, strict=True)
+            ids, data = self._single[::_FIELDS], cast("list[bytes]", self._single[1::_FIELDS])
             self._single = []
             frames = np.empty(len(ids), PACKED)
             frames["can_id"] = ids

@@ -19,7 +19,7 @@ import numpy.typing as npt
 from railhil.bus.frame import Frame, quick_frame
 from railhil.bus.hub.columns import PACKED
 from railhil.bus.hub.wire import CLASSIC_SIZE, SFF_MASK, pack_frame, unpack_frames
-from railhil.bus.ident import CtlIdent, PltIdent
+from railhil.bus.ident import CtlIdent
 from railhil.bus.mvb import master_tail
 from railhil.bus.responder import Responder
 from railhil.bus.supervisor_polls import supervisor_polls
@@ -92,8 +92,9 @@ class Packets:
         #: The poll of SUP_CMD.
         self.command_poll, ident_poll, status_poll = supervisor_polls(contract)
         self._command_poll = pack_frame(self.command_poll)
-        # Other polls that the supervisor answers, and the ends of telegrams that change what it answers.
-        ends = (contract.port(kind.PORT).can_ids[-1] for kind in (RunEvent, PltIdent, CtlIdent))
+        # Other polls that the supervisor answers, and the ends of telegrams that change what it answers. PLT_IDENT is
+        # repeated during the run; it is compared when CTL_IDENT comes.
+        ends = (contract.port(kind.PORT).can_ids[-1] for kind in (RunEvent, CtlIdent))
         self._urgent = [
             pack_frame(ident_poll),
             pack_frame(status_poll),
