@@ -81,7 +81,9 @@ class Compared:
 
 
 def compare(place: Path, out: str, *arguments: str, anew: bool = False) -> Done:
-    return railhil("compare", place / "short.toml", "--quiet", "--out", place / out, *arguments, anew=anew)
+    return railhil(
+        "compare", place / "short.toml", "--bus", "local", "--quiet", "--out", place / out, *arguments, anew=anew
+    )
 
 
 @pytest.fixture(scope="module")
@@ -268,7 +270,7 @@ def test_ctrl_c_while_a_later_law_starts_says_what_is_there(place: Path) -> None
 @pytest.mark.loop
 def test_training_and_design_seeds_are_said_when_they_are_allowed(place: Path) -> None:
     arguments = ("--laws", "ipfc,twin", "--parameters", str(place / "tuned.toml"), "--perturbed", "--seed", "1")
-    done = compare(place, "trained", *arguments, "--allow-training-seeds", "--bus", "local")
+    done = compare(place, "trained", *arguments, "--allow-training-seeds")
     assert done.exit_code in (0, 1), done.err
     tuned = load_parameters(place / "tuned.toml").controller
     runs = json.loads((place / "trained" / "compare.json").read_text(encoding="utf-8"))["runs"]

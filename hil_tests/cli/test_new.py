@@ -250,6 +250,7 @@ def test_what_is_written_is_linted_and_formatted(here, tmp_path, name):
     run("ruff", "format", "--no-cache", "--check", "system", cwd=tmp_path)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_what_is_written_is_typed(made: Path, tmp_path: Path) -> None:
     make_tree(tmp_path / "tree")

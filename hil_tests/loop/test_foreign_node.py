@@ -161,7 +161,8 @@ def faulty_run(
 def test_what_is_wrong_is_used_as_little_as_by_our_node(exported, law: str, indexing: str, often: float) -> None:
     """Damaged, cut, doubled, swapped, late and lost frames: equal answers, levels and counts of what was refused."""
     refused: set[str] = set()
-    for seed in range(3):
+    # Only many faults together make every cause.
+    for seed in range(3 if often == 0.3 else 1):
         wire = Faulty(seed, often)
         run = faulty_run(exported, law, wire, indexing, "lvshun_tieshan_worn_wheels")
         refused |= run.c.keys()

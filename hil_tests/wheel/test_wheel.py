@@ -100,6 +100,7 @@ def test_source_archive_makes_the_same_wheel(built: Built) -> None:
     assert content(built.wheel_of_sdist) == content(built.wheel)
 
 
+@pytest.mark.long
 def test_page_on_the_package_index(installed: Environment) -> None:
     (folder,) = installed.site_packages.glob("railhil-*.dist-info")
     metadata = PathDistribution(folder).metadata
@@ -136,6 +137,7 @@ def test_its_log_is_scored(installed: Environment, run_folder: Path, nominal: Re
     assert document["scores"]["itae"] == nominal.score.values["itae"]
 
 
+@pytest.mark.long
 def test_campaign_of_a_few_runs(installed: Environment) -> None:
     """numba reads what is installed and compiles one function of it; the loops are interpreted, or compiling them would
     take as long as all other tests of the wheel."""
