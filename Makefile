@@ -26,10 +26,12 @@ VCAN_FIRST   = test_faults or test_can_utils or test_outage or test_benchmark_pa
 # Files of tests that keep real time: collecting all the others takes as long as some of these tests.
 REAL_TIME    = $$(grep -rlw --include='test_*.py' wall_clock hil_tests)
 
-.PHONY: run test test-fast test-here test-long test-builds test-side-by-side test-long-side-by-side test-real-time test-vcan test-vcan-first test-vcan-second test-docker test-docker-vcan test-compiled test-arm64 lint docs release mutants dbc tables install lock locked clean
+# `make help` lists what people use. The others are parts of it, which hosted CI makes one by one.
+PEOPLE = run test test-fast test-long lint docs release dbc lock install clean help
+.PHONY: $(PEOPLE) test-here test-builds test-side-by-side test-long-side-by-side test-real-time test-vcan test-vcan-first test-vcan-second test-docker test-docker-vcan test-compiled test-arm64 locked
 
 # A run that misses the limits of its scenario (exit code 1) is a result, not an error of make.
-run: $(VENV)/.installed
+run: $(VENV)/.installed  ## a run of the published scenario, or of ARGS
 	@echo "railhil run $(strip $(ARGS)): plant, controller and supervisor, three processes on a bus"
 	@$(BIN)/railhil run $(ARGS) || [ $$? -eq 1 ]
 
@@ -38,7 +40,7 @@ run: $(VENV)/.installed
 # beginning on, beside installation and lint. Docker waits most of the time, so it has its part beside the tests side by
 # side. The tests in real time leave the processors idle most of the time: two virtual machines take that time, and only
 # that (--behind). Parts that run beside others are printed whole at their end; the last line is the sum.
-test: | $(VENV)/bin/pip
+test: | $(VENV)/bin/pip  ## lint and all tests but the long ones, with what they need
 	@mkdir -p build && rm -f $(COUNTS)
 	@$(BIN)/python -m hil_tests.prepared machines & \
 	  $(MAKE) --no-print-directory $(VENV)/.installed-dev && \
@@ -52,14 +54,14 @@ test: | $(VENV)/bin/pip
 
 # What takes minutes together and seldom fails: benchmarks, long comparisons of batch, bench and exported C, search and
 # training, and containers on a kernel with CAN. `.ci/run` does a sample of it after `make test`.
-test-long: $(VENV)/.installed-dev
+test-long: $(VENV)/.installed-dev  ## the long tests; SAMPLE=8: one of eight, those of the day
 	@rm -f $(COUNTS)
 	@$(MAKE) --no-print-directory PART="$(COUNTED)" BEHIND=--behind -j2 -Otarget test-long-side-by-side test-docker-vcan
 	@$(PART) --counts $(COUNTS) --total 2
 
 # What a developer runs all day: a file at a time on each core, without what is slow or needs a machine.
 test-fast: WORKERS = 0
-test-fast: $(VENV)/.installed-dev
+test-fast: $(VENV)/.installed-dev  ## the quick tests
 	$(SIDE_BY_SIDE) -m "$(HERE) and not slow and not long and not wall_clock"
 
 # All that needs no machine. What keeps real time runs after the rest.
@@ -109,37 +111,30 @@ test-builds: $(VENV)/.installed-dev
 	@$(MAKE) --no-print-directory -j2 -Otarget test-compiled test-arm64
 
 # mypy and import-linter see the packages as they lie in a wheel, by links in build/tree.
-lint: $(VENV)/.installed-dev
+lint: $(VENV)/.installed-dev  ## ruff, mypy, import contracts
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	@$(BIN)/python setup.py tree
 	$(BIN)/mypy
 	cd build/tree && $(abspath $(BIN))/lint-imports ../../pyproject.toml --cache-dir ../../.import_linter_cache
 
-# Every mutant of what judges, moves and protects (hil_tests/mutation/targets.toml), before a release.
-mutants: $(VENV)/.installed-dev
-	$(BIN)/python -m hil_tests.mutation
-
-# Everything that a release needs (docs/release.md), then its pure wheel; hours.
-release: test
+# What a release needs (docs/release.md): all tests, every mutant of what judges, moves and protects
+# (hil_tests/mutation/targets.toml), then its pure wheel; hours.
+release: test  ## all tests, mutants and the wheel; hours
 	@$(MAKE) --no-print-directory test-long
 	@$(MAKE) --no-print-directory test-builds
-	@$(MAKE) --no-print-directory mutants
+	@$(BIN)/python -m hil_tests.mutation
 	@$(BIN)/python -m hil_tests.wheels
 
 # What commands print, and the figures in tables and text, into README.md and docs/*.md (hil_tests/documents); long.
 # ARGS="docs/laws.md", ARGS=--quick: a page, or without what `make test-long` checks.
-docs: $(VENV)/.installed-dev
+docs: $(VENV)/.installed-dev  ## what commands print, and figures, into the pages
 	@$(BIN)/python -m hil_tests.documents $(ARGS)
 
-dbc: $(VENV)/.installed
+dbc: $(VENV)/.installed  ## dbc/railhil.dbc from the port table
 	$(BIN)/python -m railhil.dbc.generate
 
-# Constant tables of the control laws.
-tables: $(VENV)/.installed
-	$(BIN)/python -m railhil.controller_node.laws.generate
-
-install: $(VENV)/.installed
+install: $(VENV)/.installed  ## railhil and its libraries into .venv
 
 $(VENV)/bin/pip:
 	@echo "making the virtual environment $(VENV) with $$($(PYTHON) --version 2>&1)"
@@ -169,7 +164,7 @@ $(VENV)/.installed-dev: pyproject.toml | $(VENV)/bin/pip
 
 # The locks of hosted CI anew: the newest versions that pyproject.toml permits, one file for all Pythons, every wheel with
 # its hash. requirements/bench.txt is the part that a run with its report needs.
-lock: | $(VENV)/bin/pip
+lock: | $(VENV)/bin/pip  ## the lock of hosted CI anew
 	@$(BIN)/pip install -q uv
 	@rm -f uv.lock && $(BIN)/uv lock -q --python $(BIN)/python
 	@$(UV_EXPORT) --all-extras -o requirements/ci.txt
@@ -182,5 +177,8 @@ locked: | $(VENV)/bin/pip
 	@$(call pip-install,--no-deps --no-build-isolation -e .)
 	@touch $(VENV)/.installed-dev $(VENV)/.installed
 
-clean:
+clean:  ## without .venv, build and caches
 	rm -rf $(VENV) build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache
+
+help:
+	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' Makefile | expand -t 12

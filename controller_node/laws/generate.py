@@ -1,4 +1,4 @@
-"""Write the constant tables of the laws: ``python -m railhil.controller_node.laws.generate`` (or ``make tables``).
+"""Write the constant tables of the laws: ``python -m railhil.controller_node.laws.generate``.
 
 With ``--check`` nothing is written; the exit code is 1 if a table differs from what its law computes.
 """
@@ -37,7 +37,7 @@ def main(arguments: Sequence[str] | None = None, tables: Sequence[LawTable[Any]]
             table.path.parent.mkdir(exist_ok=True)
             table.path.write_text(text, encoding="utf-8", newline="\n")
         elif not table.path.is_file() or table.path.read_bytes() != text.encode():
-            print(f"{table.path.name}: not what the law computes; make tables writes it anew", file=sys.stderr)
+            print(f"{table.path.name}: not what the law computes; without --check it is written anew", file=sys.stderr)
             stale = 1
             continue
         constants = flatten(table.load())

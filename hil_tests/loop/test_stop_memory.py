@@ -100,6 +100,7 @@ def test_the_report_of_another_run_teaches_nothing() -> None:
     assert learned == [[2], [], []]
 
 
+@pytest.mark.long
 def test_least_squares_learn_from_runs_of_other_speeds_and_loads() -> None:
     """What they come to after 20 runs: docs/stopping.md."""
     settings = (*SHORT, "task.start_m=2570", "task.start_spread_kmh=4")

@@ -30,7 +30,11 @@ if venvs.debian_version() is not None:
     _OTHERS.append(venvs.DEBIAN)
 
 
-@pytest.fixture(scope="module", params=_OTHERS)
+# The newest differs most; the others are long.
+@pytest.fixture(
+    scope="module",
+    params=[pytest.param(one, marks=[pytest.mark.long] if one != venvs.VERSIONS[-1] else []) for one in _OTHERS],
+)
 def other(built: Built, request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Environment:
     """The wheel in another Python's environment, with the dependencies that it names and nothing else."""
     if request.param == venvs.DEBIAN:

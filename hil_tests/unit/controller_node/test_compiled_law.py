@@ -125,8 +125,11 @@ def test_a_law_of_several_readings_gives_what_it_computes_itself(
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("scenario", "law", "arithmetic"),
-    [("yizhuang_stop_closed", "ilc_stop", "iq"), ("yizhuang_stop_closed", "ilc_stop", "float32"),
-     ("hst_short", "os_elm_ngpc", "float64")],
+    [
+        ("yizhuang_stop_closed", "ilc_stop", "iq"),
+        pytest.param("yizhuang_stop_closed", "ilc_stop", "float32", marks=pytest.mark.long),
+        pytest.param("hst_short", "os_elm_ngpc", "float64", marks=pytest.mark.long),
+    ],
 )  # fmt: skip
 def test_a_whole_run_is_computed_by_the_functions(
     scenario: str, law: str, arithmetic: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

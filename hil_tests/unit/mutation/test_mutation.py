@@ -148,7 +148,7 @@ def test_every_explained_survivor_is_a_mutant(module: str) -> None:
 @pytest.mark.long
 @pytest.mark.slow
 def test_some_mutants_of_the_bench() -> None:
-    """A fixed sample; all of them: ``make mutants``."""
+    """A fixed sample; all of them: ``python -m hil_tests.mutation``."""
     subjects = ("railhil.judge.measures", "railhil.judge.milestone_checks", "railhil.bus.acceptance")
     code, said = command(ROOT, *subjects, "--sample", "8", "--seed", "12", "--jobs", "2")
     assert code == 0, said
