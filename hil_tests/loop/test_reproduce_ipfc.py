@@ -15,19 +15,19 @@ import pytest
 
 from hil_tests.support.paths import ROOT
 from hil_tests.support.published import PUBLISHED_SHA256
-from railhil.reproduce import ipfc
-from railhil.reproduce.document import document, pictures_of, results_of
+from railhil.reproduce.comparison import FOLLOWS, FOLLOWS_NOT, OPEN
+from railhil.reproduce.document import make_document, read_document, render_csv, render_page, write_page
+from railhil.reproduce.ipfc import PAPER
 from railhil.reproduce.ipfc.runs import USUAL, laws
-from railhil.reproduce.page import csv_text, page, write_page
-from railhil.reproduce.paper import FOLLOWS, FOLLOWS_NOT, OPEN, Planned, Results
-from railhil.reproduce.protocol import results
+from railhil.reproduce.measurement import measure_paper
+from railhil.reproduce.paper import Entry, Results
 
 FOLDER = ROOT / "docs" / "reproduce" / "ipfc"
 WRITE = "railhil reproduce ipfc --out docs/reproduce/ipfc writes it"
 
 
-def planned(seeds: Sequence[int]) -> list[Planned]:
-    return [one for one in ipfc.PAPER.planned(seeds) if one.spec.law.arithmetic == USUAL]
+def plan(seeds: Sequence[int]) -> list[Entry]:
+    return [one for one in PAPER.plan(seeds) if one.spec.law.arithmetic == USUAL]
 
 
 @pytest.fixture(scope="module")
@@ -40,15 +40,15 @@ def written() -> dict[str, Any]:
 @pytest.fixture(scope="module")
 def made() -> Results:
     """The runs in fixed point, with their curves."""
-    return results(replace(ipfc.PAPER, planned=planned), ipfc.PAPER.seeds, drawn=True)
+    return measure_paper(replace(PAPER, plan=plan), PAPER.text.seeds, drawn=True)
 
 
 def test_page_tables_and_document_belong_together(written: dict[str, Any]) -> None:
-    found, pictures = results_of(written), pictures_of(written)
-    assert (FOLDER / "page.md").read_text("utf-8") == page(ipfc.PAPER, found, pictures), WRITE
-    assert document(ipfc.PAPER, found, pictures) == written, WRITE
-    for table in ipfc.PAPER.tables(found):
-        assert (FOLDER / f"{table.name}.csv").read_text("utf-8") == csv_text(table), WRITE
+    found, pictures = read_document(written)
+    assert (FOLDER / "page.md").read_text("utf-8") == render_page(PAPER, found, pictures), WRITE
+    assert make_document(PAPER, found, pictures) == written, WRITE
+    for table in PAPER.compare(found):
+        assert (FOLDER / f"{table.name}.csv").read_text("utf-8") == render_csv(table), WRITE
     for picture in pictures:
         assert (FOLDER / f"{picture.name}.svg").read_text("utf-8").startswith("<svg "), WRITE
 
@@ -64,7 +64,7 @@ def test_every_figure_is_there(written: dict[str, Any]) -> None:
 
 def _as_published(written: dict[str, Any]) -> Results:
     """Runs that come to exactly what Table 2 says."""
-    found = results_of(written)
+    found = read_document(written)[0]
     table = next(one for one in written["tables"] if one["name"] == "table_2")
     keys = {"ITAE": "itae", "energy": "energy_kj", "time error": "punctuality_s", "stop error": "stop_error_m"}
     runs = dict(found.runs)
@@ -77,12 +77,12 @@ def _as_published(written: dict[str, Any]) -> Results:
 
 
 def test_statements_follow_from_runs_that_come_to_what_is_published(written: dict[str, Any]) -> None:
-    said = {one.at: one.verdict for one in ipfc.PAPER.statements(_as_published(written))}
+    said = {one.at: one.verdict for one in PAPER.judge(_as_published(written))}
     assert said.pop("Sect. 3.2, eqs. (23) to (27)") == FOLLOWS_NOT
     assert said.pop("Table 2, comfort and energy of one run") == OPEN
     assert said.pop("Figures 7 and 9") == said.pop("Figure 8") == FOLLOWS_NOT
     assert set(said.values()) == {FOLLOWS}, said
-    improvements = ipfc.PAPER.tables(_as_published(written))[2]
+    improvements = PAPER.compare(_as_published(written))[2]
     for line in improvements.lines:
         assert line.published is not None
         assert line.measured[0] is not None
@@ -92,12 +92,12 @@ def test_statements_follow_from_runs_that_come_to_what_is_published(written: dic
 
 def test_a_run_that_never_stops_is_shown(written: dict[str, Any]) -> None:
     """Its scores have no value, and it is the last in every order."""
-    found = results_of(written)
+    found = read_document(written)[0]
     runs = dict(found.runs)
     for name, run in runs.items():
         if name.startswith("ipfc-"):
             runs[name] = replace(run, values=dict.fromkeys(run.values))
-    text = page(ipfc.PAPER, Results(found.seeds, runs))
+    text = render_page(PAPER, Results(found.seeds, runs))
     assert "| stop error | ipfc | m | 0.0464 | - | - | - | - |  |" in text
     assert "fuzzy_pid 2230.4, tdmc 2243.5, ipfc -." in text
 
@@ -117,10 +117,10 @@ def test_the_bench_measures_what_the_page_says(made: Results, written: dict[str,
 @pytest.mark.long
 @pytest.mark.slow
 def test_figures_are_drawn_from_the_runs(made: Results, written: dict[str, Any], tmp_path: Path) -> None:
-    whole = Results(made.seeds, {**results_of(written).runs, **made.runs})
-    pictures, again = ipfc.PAPER.figures(whole), ipfc.PAPER.figures(whole)
+    whole = Results(made.seeds, {**read_document(written)[0].runs, **made.runs})
+    pictures, again = PAPER.draw(whole), PAPER.draw(whole)
     assert pictures == again
-    write_page(ipfc.PAPER, whole, pictures, tmp_path)
+    write_page(PAPER, whole, pictures, tmp_path)
     assert sorted(path.name for path in tmp_path.iterdir()) == sorted(path.name for path in FOLDER.iterdir())
     for name in ("page.md", "results.json"):
         assert (tmp_path / name).read_bytes() == (FOLDER / name).read_bytes(), WRITE

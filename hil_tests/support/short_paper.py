@@ -6,7 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from railhil.library import Outcome
-from railhil.reproduce.paper import FOLLOWS_NOT, OPEN, Line, Paper, Planned, Results, Statement, Table
+from railhil.reproduce.comparison import Finding, Line, Table
+from railhil.reproduce.paper import Entry, Paper, Results, Text
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 
 #: 2 m in 4 s.
@@ -20,9 +21,22 @@ SETTINGS = (
 PAPERS = {name: f"hil_tests.support.short_paper:{name.upper()}" for name in ("short", "late", "bare", "lost")}
 
 
-def planned(seeds: Sequence[int]) -> list[Planned]:
+TEXT = Text(
+    title="A short run",
+    source="Nobody, 2026",
+    protocol=("One run.",),
+    seeds=(3,),
+    tables={"table_1": {"title": "Table 1", "note": "A note."}},
+    statements={
+        "energy": {"at": "Table 1", "claim": "it takes 100 kJ.", "why": "The run is short."},
+        "quality": {"at": "Sect. 1", "claim": "it is good."},
+    },
+)
+
+
+def plan(seeds: Sequence[int]) -> list[Entry]:
     return [
-        Planned(f"run-{seed}", RunSpec(settings=SETTINGS, law=LawSpec("tpfc1"), seed=seed, bus="local"), drawn=True)
+        Entry(f"run-{seed}", RunSpec(settings=SETTINGS, law=LawSpec("tpfc1"), seed=seed, bus="local"), drawn=True)
         for seed in seeds
     ]
 
@@ -35,47 +49,41 @@ def curves(outcome: Outcome) -> int:
     return len(outcome.signals["time_s"])
 
 
-def tables(results: Results) -> list[Table]:
+def compare(results: Results) -> list[Table]:
     keys = list(results.runs)
     lines = tuple(
         Line(item, "energy", "kJ", 1, published, (results.over(keys, "energy_kj"),))
         for item, published in (("tpfc1", 100.0), ("other", None))
     )
-    return [Table("table_1", "Table 1", ("bench",), lines, "A note.")]
+    return [TEXT.table("table_1", ("bench",), lines)]
 
 
-def statements(results: Results) -> list[Statement]:
-    return [
-        Statement("Table 1", "it takes 100 kJ.", "another energy.", FOLLOWS_NOT, "The run is short."),
-        Statement("Sect. 1", "it is good.", "nothing.", OPEN),
-    ]
+def check(results: Results) -> list[Finding]:
+    return [Finding("energy", "another energy.", [False]), Finding("quality", "nothing.", [])]
 
 
-def figures(results: Results) -> list[object]:
+def draw(results: Results) -> list[object]:
     return []
 
 
 SHORT = Paper(
     name="short",
-    title="A short run",
-    source="Nobody, 2026",
-    protocol=("One run.",),
-    seeds=(3,),
-    planned=planned,
+    text=TEXT,
+    plan=plan,
     measure=measure,
+    compare=compare,
+    check=check,
+    draw=draw,
     curves=curves,
-    tables=tables,
-    statements=statements,
-    figures=figures,
 )
 
 
-def late(seeds: Sequence[int]) -> list[Planned]:
-    return [replace(one, spec=replace(one.spec, faults=("TRN_SPEED loss 30% @1000s",))) for one in planned(seeds)]
+def late(seeds: Sequence[int]) -> list[Entry]:
+    return [replace(one, spec=replace(one.spec, faults=("TRN_SPEED loss 30% @1000s",))) for one in plan(seeds)]
 
 
-def lost(seeds: Sequence[int]) -> list[Planned]:
-    return [replace(one, spec=replace(one.spec, scenario="not there")) for one in planned(seeds)]
+def lost(seeds: Sequence[int]) -> list[Entry]:
+    return [replace(one, spec=replace(one.spec, scenario="not there")) for one in plan(seeds)]
 
 
 def no_library(results: Results) -> list[object]:
@@ -83,8 +91,8 @@ def no_library(results: Results) -> list[object]:
 
 
 #: Its run is INVALID: the fault never begins.
-LATE = replace(SHORT, name="late", planned=late)
+LATE = replace(SHORT, name="late", plan=late)
 #: Its figures need a library that is not installed.
-BARE = replace(SHORT, name="bare", figures=no_library)
+BARE = replace(SHORT, name="bare", draw=no_library)
 #: There is no such scenario.
-LOST = replace(SHORT, name="lost", planned=lost)
+LOST = replace(SHORT, name="lost", plan=lost)

@@ -2,13 +2,13 @@
 
 ::
 
-    paper.py     what a paper is: entries, tables, statements, figures
-    papers.py    the papers by name
-    ways.py      how an entry is made: a run over the in-process bus, or without a bus
-    learned.py   and as a set of sequences
-    protocol.py  makes the entries of a paper
-    document.py  the result as one document, and back
-    page.py      the result as a page with its pictures and tables
-    show.py      the result on a terminal
-    ipfc         one package per paper: ipfc, ngpc, ilc
+    paper.py        what a paper is: its text, the entries of its protocol, their measurements
+    experiments.py  how an entry is made: over the in-process bus, without a bus, as a set of sequences
+    measurement.py  makes and measures the entries
+    comparison.py   tables, bands and statements: measured beside published
+    document.py     the result as JSON, as a page, as CSV
+    ipfc            one package per paper: ipfc, ngpc, ilc
+
+A package of a paper has ``paper.toml`` (what it prints and says, and how it is read), ``runs.py`` (protocol and
+measures) and ``findings.py`` (tables, statements, figures).
 """

@@ -13,22 +13,21 @@ from railhil.common.command_line import SEED_MAX, OneLineParser, parse, whole_nu
 from railhil.common.errors import InputError, Words, did_you_mean
 from railhil.common.exit_codes import INVALID, PASS, guarded
 from railhil.common.extras import install_command
-from railhil.common.output import Output
+from railhil.common.output import Output, table
 from railhil.common.streams import accept_any_text, add_json_argument, flush_output, print_json
 from railhil.common.whole_file import check_writable
 from railhil.record.errors import not_written
-from railhil.reproduce.document import document
-from railhil.reproduce.page import PAGE, RUNS, shown, write_page
-from railhil.reproduce.paper import Paper, Results
-from railhil.reproduce.papers import PAPERS, paper_named
-from railhil.reproduce.protocol import results
-from railhil.reproduce.show import show, show_papers
+from railhil.reproduce.comparison import FOLLOWS, FOLLOWS_NOT, IN_PART, Table
+from railhil.reproduce.document import PAGE, RUNS, describe_pictures, make_document, write_page
+from railhil.reproduce.measurement import measure_paper
+from railhil.reproduce.paper import PAPERS, Paper, Results, find_paper
 from railhil.scenarios.options import add_option
 
 if TYPE_CHECKING:
     from railhil.report.figures import Picture
 
 _SEEDS_MAX = 1000
+_COLOURS = {FOLLOWS: "green", IN_PART: "yellow", FOLLOWS_NOT: "red"}
 _EXIT_CODES = """\
 exit codes:
   0    the protocol was run and printed, whatever the runs and the paper came to
@@ -142,7 +141,7 @@ def _discard(folder: Path) -> None:
 def _pictures(paper: Paper, found: Results, console: Output) -> Sequence[Picture]:
     """The figures; without the extra none, and one line that says so."""
     try:
-        return paper.figures(found)
+        return paper.draw(found)
     except ImportError as error:
         console.say(f"no figures: {error.name} is not installed ({install_command('report')})")
         return ()
@@ -151,7 +150,7 @@ def _pictures(paper: Paper, found: Results, console: Output) -> Sequence[Picture
 def main(words: Sequence[str] | None = None, papers: Mapping[str, str] = PAPERS) -> int:
     """List the papers, or run the protocol of one and print or write what came of it.
 
-    :param papers: as in :data:`railhil.reproduce.papers.PAPERS`.
+    :param papers: as in :data:`railhil.reproduce.paper.PAPERS`.
     """
     accept_any_text()
     namespace = parse(arguments(papers), words)
@@ -167,11 +166,11 @@ def _work(namespace: argparse.Namespace, papers: Mapping[str, str]) -> int:
             if getattr(namespace, option):
                 allowed = f"one of {', '.join(papers)} beside it"
                 raise InputError("command line", f"--{option.replace('_', '-')}", Words("no paper"), allowed)
-        _list([paper_named(name, papers) for name in papers], namespace.json)
+        _list([find_paper(name, papers) for name in papers], namespace.json)
         return PASS
     if namespace.keep_runs and namespace.out is None:
         raise InputError("command line", "--keep-runs", Words("no folder"), "--out DIR beside it")
-    return _reproduce(paper_named(namespace.paper, papers), namespace)
+    return _reproduce(find_paper(namespace.paper, papers), namespace)
 
 
 def _reproduce(paper: Paper, namespace: argparse.Namespace) -> int:
@@ -179,9 +178,9 @@ def _reproduce(paper: Paper, namespace: argparse.Namespace) -> int:
     folder: Path | None = namespace.out
     made = folder is not None and _folder(folder, namespace.keep_runs)
     try:
-        found = results(
+        found = measure_paper(
             paper,
-            namespace.seeds or paper.seeds,
+            namespace.seeds or paper.text.seeds,
             jobs=namespace.jobs,
             kept=folder / RUNS if folder is not None and namespace.keep_runs else None,
             measured=_measured_folder(namespace.measured),
@@ -197,9 +196,9 @@ def _reproduce(paper: Paper, namespace: argparse.Namespace) -> int:
     console = Output(stderr=namespace.json)
     pictures = () if folder is None else _pictures(paper, found, console)
     if namespace.json:
-        print_json(document(paper, found, shown(pictures)))
+        print_json(make_document(paper, found, describe_pictures(pictures)))
     else:
-        show(console, paper, found)
+        _show(console, paper, found)
     if folder is not None:
         write_page(paper, found, pictures, folder)
         console.say(f"page {folder / PAGE}")
@@ -207,10 +206,53 @@ def _reproduce(paper: Paper, namespace: argparse.Namespace) -> int:
 
 
 def _list(papers: Sequence[Paper], as_json: bool) -> None:
+    """The papers and the number of entries of their protocols."""
     if as_json:
-        print_json([{"paper": one.name, "title": one.title, "source": one.source} for one in papers])
-    else:
-        show_papers(Output(), papers)
+        print_json([{"paper": one.name, "title": one.text.title, "source": one.text.source} for one in papers])
+        return
+    rows = table()
+    for name in ("paper", "title", "entries"):
+        rows.add_column(name, justify="right" if name == "entries" else "left")
+    for paper in papers:
+        rows.add_row(paper.name, paper.text.title, str(len(paper.plan(paper.text.seeds))))
+    Output().print(rows)
+
+
+def _show(console: Output, paper: Paper, results: Results) -> None:
+    """Protocol, tables and statements."""
+    console.say(paper.text.title, style="bold")
+    console.say(paper.text.source, style="dim")
+    for sentence in paper.text.protocol:
+        console.say(f"- {sentence}", style="dim")
+    for one in paper.compare(results):
+        console.say("")
+        _show_table(console, one)
+    console.say("")
+    console.say("What follows and what does not", style="bold")
+    for statement in paper.judge(results):
+        console.say(f"{statement.verdict}: {statement.at}: {statement.claim}", style=_COLOURS.get(statement.verdict))
+        console.say(f"    here: {statement.measured}{f' {statement.why}' if statement.why else ''}")
+    for found in results.runs.values():
+        if found.verdict == "INVALID":
+            console.say(f"INVALID: {found.key}: {'; '.join(found.reasons)}", style="bold yellow")
+
+
+def _show_table(console: Output, shown: Table) -> None:
+    console.say(shown.title, style="bold")
+    rows = table(tight=True)
+    for place, name in enumerate(shown.headings):
+        is_number = shown.first_number <= place < len(shown.headings) - 1
+        rows.add_column(name, justify="right" if is_number else "left", no_wrap=is_number)
+    before = ""
+    for line in shown.lines:
+        first, *cells = shown.cells(line)
+        if before and first != before and line.item:
+            rows.add_section()
+        rows.add_row("" if first == before else first, *cells)
+        before = first
+    console.print(rows)
+    if shown.note:
+        console.say(shown.note, style="dim")
 
 
 if __name__ == "__main__":

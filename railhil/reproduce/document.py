@@ -1,61 +1,104 @@
-"""The result of ``railhil reproduce`` as one JSON document, and the measured runs of such a document."""
+"""The result of ``railhil reproduce PAPER`` as one JSON document, as a page with its pictures, and its tables as CSV.
+
+``page.md`` and the tables are pure functions of the measured runs. The bytes of a picture also depend on the version of
+matplotlib.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import csv
+import io
+import json
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from importlib.metadata import version
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
-from railhil.reproduce.paper import Line, Measured, Paper, Planned, Results, Table
+from railhil.common.whole_file import whole_file
+from railhil.record.errors import not_written
+from railhil.reproduce.comparison import Line, Table
+from railhil.reproduce.paper import Entry, Measurement, Paper, Results
+
+if TYPE_CHECKING:
+    from railhil.report.figures import Picture
+
+PAGE, RESULTS, RUNS = "page.md", "results.json", "runs"
+#: Digits of a hash in a table; the document has all of them.
+_DIGEST_DIGITS = 12
+#: So many seeds that follow each other are written as a range.
+_MANY_SEEDS = 10
 
 
 @dataclass(frozen=True, slots=True)
-class Shown:
-    """A picture beside the page, ``name``.svg."""
+class Caption:
+    """What page and document say of a picture beside the page, ``name``.svg."""
 
     name: str
     title: str
     caption: str
 
 
-def document(paper: Paper, results: Results, pictures: Sequence[Shown] = ()) -> dict[str, Any]:
+def describe_pictures(pictures: Sequence[Picture]) -> list[Caption]:
+    """Their captions."""
+    return [Caption(one.name, one.title, one.caption) for one in pictures]
+
+
+def write_page(paper: Paper, results: Results, pictures: Sequence[Picture], folder: Path) -> None:
+    """Write page, pictures, tables and document into a folder; older ones of these names are replaced.
+
+    :raises InputError: the folder cannot be written.
+    :raises RecordFailed: the disk is full.
+    """
+    captions = describe_pictures(pictures)
+    texts = {PAGE: render_page(paper, results, captions)}
+    texts |= {f"{table.name}.csv": render_csv(table) for table in paper.compare(results)}
+    texts |= {f"{picture.name}.svg": picture.svg + "\n" for picture in pictures}
+    texts |= render_parameters(paper, results)
+    texts[RESULTS] = json.dumps(make_document(paper, results, captions), indent=2, allow_nan=False) + "\n"
+    try:
+        for name, text in texts.items():
+            (folder / name).parent.mkdir(exist_ok=True)
+            with whole_file(folder / name) as draft:
+                draft.write_text(text, encoding="utf-8", newline="\n")
+    except OSError as error:
+        raise not_written("--out", folder, "folder", error) from None
+
+
+def make_document(paper: Paper, results: Results, captions: Sequence[Caption] = ()) -> dict[str, Any]:
     """Runs, tables and statements of a paper, and the pictures that stand beside the document."""
     return {
         "paper": paper.name,
-        "title": paper.title,
-        "source": paper.source,
+        "title": paper.text.title,
+        "source": paper.text.source,
         "railhil": version("railhil"),
-        "protocol": list(paper.protocol),
+        "protocol": list(paper.text.protocol),
         "seeds": list(results.seeds),
         "runs": [
-            _run(planned, results.runs[planned.key])
-            for planned in paper.planned(results.seeds)
-            if planned.key in results.runs
+            _run(entry, results.runs[entry.key]) for entry in paper.plan(results.seeds) if entry.key in results.runs
         ],
-        "tables": [_table(table) for table in paper.tables(results)],
-        "statements": [asdict(statement) for statement in paper.statements(results)],
-        "figures": [asdict(picture) for picture in pictures],
+        "tables": [
+            {
+                "name": table.name,
+                "title": table.title,
+                "note": table.note,
+                "lines": [_line(table, line) for line in table.lines],
+            }
+            for table in paper.compare(results)
+        ],
+        "statements": [asdict(statement) for statement in paper.judge(results)],
+        "figures": [asdict(caption) for caption in captions],
     }
 
 
-def _run(planned: Planned, found: Measured) -> dict[str, Any]:
+def _run(entry: Entry, found: Measurement) -> dict[str, Any]:
     return {
         "run": found.key,
-        "again": planned.again,
+        "again": entry.command,
         "verdict": found.verdict,
         "reasons": list(found.reasons),
         "sha256": found.sha256,
         "measured": dict(found.values),
-    }
-
-
-def _table(table: Table) -> dict[str, Any]:
-    return {
-        "name": table.name,
-        "title": table.title,
-        "note": table.note,
-        "lines": [_line(table, line) for line in table.lines],
     }
 
 
@@ -71,15 +114,109 @@ def _line(table: Table, line: Line) -> dict[str, Any]:
     }
 
 
-def results_of(found: Mapping[str, Any]) -> Results:
-    """The measured runs of a document made by :func:`document`, without their curves."""
+def read_document(found: Mapping[str, Any]) -> tuple[Results, list[Caption]]:
+    """The measured runs of a document made by :func:`make_document`, without their curves, and its pictures."""
     runs = {
-        run["run"]: Measured(run["run"], run["verdict"], tuple(run["reasons"]), run["sha256"], run["measured"])
+        run["run"]: Measurement(run["run"], run["verdict"], tuple(run["reasons"]), run["sha256"], run["measured"])
         for run in found["runs"]
     }
-    return Results(tuple(found["seeds"]), runs)
+    return Results(tuple(found["seeds"]), runs), [Caption(**one) for one in found["figures"]]
 
 
-def pictures_of(found: Mapping[str, Any]) -> list[Shown]:
-    """The pictures of a document made by :func:`document`."""
-    return [Shown(**one) for one in found["figures"]]
+def render_parameters(paper: Paper, results: Results) -> dict[str, str]:
+    """Content of the parameter files that the commands of the entries name, by path in the folder of the page."""
+    sets = (entry.spec.law.parameters for entry in paper.plan(results.seeds))
+    return {str(one.source): one.text for one in sets if one is not None and not one.source.is_absolute()}
+
+
+def render_csv(table: Table) -> str:
+    """A table as CSV: unrounded values, ratios only where they mean something."""
+    text = io.StringIO()
+    rows = csv.writer(text, lineterminator="\n")
+    ratios = [f"{name} ratio" for name in table.columns] if table.with_ratio else []
+    rows.writerow(["quantity", "item", "unit", "published", *table.columns, *ratios, "remark"])
+    for line in table.lines:
+        numbers = [line.published, *line.measured, *(line.ratios if table.with_ratio else ())]
+        cells = ("" if value is None else repr(value) for value in numbers)
+        rows.writerow([line.quantity, line.item, line.unit, *cells, line.remark])
+    return text.getvalue()
+
+
+def render_page(paper: Paper, results: Results, captions: Sequence[Caption] = ()) -> str:
+    """The page as Markdown.
+
+    :param captions: of the pictures that stand beside the page.
+    """
+    return "\n".join(_lines(paper, results, captions)).rstrip("\n") + "\n"
+
+
+def _lines(paper: Paper, results: Results, captions: Sequence[Caption]) -> Iterator[str]:
+    text = paper.text
+    yield from (f"# {text.title}", "", f"{text.source}.", "")
+    seeds = "" if results.seeds == text.seeds else f" --seeds {format_seeds(results.seeds, ',', '-')}"
+    yield f"Written by `railhil reproduce {paper.name}{seeds} --out DIR`, railhil {version('railhil')}; the same seeds"
+    yield from ("give the same page on every machine.", "", "## Protocol", "")
+    yield from (f"* {sentence}" for sentence in text.protocol)
+    yield f"* Seeds: {format_seeds(results.seeds, ', ', ' to ')}."
+    if missing := sum(one.key not in results.runs for one in paper.plan(results.seeds)):
+        yield f"* {missing} of these runs were not made; figures that need them are missing below."
+    yield ""
+    for table in paper.compare(results):
+        yield from (f"## {table.title}", "")
+        numbers = range(table.first_number, len(table.headings) - 1)
+        yield from _markdown(table.headings, _grouped([table.cells(line) for line in table.lines]), numbers)
+        if table.note:
+            yield from (table.note, "")
+    if captions:
+        yield from ("## Figures", "")
+    for one in captions:
+        yield from (f"### {one.title}", "", f"![{one.title}]({one.name}.svg)", "", one.caption, "")
+    yield from ("## What follows and what does not", "")
+    for statement in paper.judge(results):
+        here = f"{statement.measured}{' ' * bool(statement.why)}{statement.why}"
+        yield f"* {statement.at}: **{statement.verdict}**. Paper: {statement.claim} Here: {here}"
+    yield ""
+    if text.readings:
+        yield from ("## How the paper is read", "")
+        rows = [[one.at, one.reading, one.other] for one in text.readings]
+        yield from _markdown(("where", "reading of this bench", "otherwise"), rows, ())
+    # Last, because there may be hundreds.
+    yield from ("## Runs", "")
+    yield from _markdown(("run", "verdict", "SHA-256", "again"), _run_rows(paper, results), ())
+
+
+def format_seeds(seeds: Sequence[int], comma: str, to: str) -> str:
+    """Seeds in words; many that follow each other by the first and the last."""
+    if len(seeds) >= _MANY_SEEDS and list(seeds) == list(range(seeds[0], seeds[0] + len(seeds))):
+        return f"{seeds[0]}{to}{seeds[-1]}"
+    return comma.join(map(str, seeds))
+
+
+def _run_rows(paper: Paper, results: Results) -> Iterator[list[str]]:
+    for entry in paper.plan(results.seeds):
+        again = f"`{entry.command}`" if entry.command else ""
+        if (found := results.runs.get(entry.key)) is None:
+            yield [entry.key, "not made", "", again]
+            continue
+        verdict = f"{found.verdict}{': ' if found.reasons else ''}{'; '.join(found.reasons)}"
+        digest = f"`{found.sha256[:_DIGEST_DIGITS]}`" if found.sha256 else "no log"
+        yield [entry.key, verdict, digest, again]
+
+
+def _grouped(rows: Sequence[list[str]]) -> Iterator[list[str]]:
+    """The same rows, with the first cell only where it changes."""
+    before = ""
+    for row in rows:
+        yield ["" if row[0] == before else row[0], *row[1:]]
+        before = row[0]
+
+
+def _markdown(
+    headings: Sequence[str], rows: Iterator[list[str]] | Sequence[list[str]], right: Sequence[int]
+) -> Iterator[str]:
+    """A table; ``right``: places of the columns of numbers."""
+    yield f"| {' | '.join(headings)} |"
+    yield f"|{'|'.join('---:' if place in right else '---' for place in range(len(headings)))}|"
+    for row in rows:
+        yield f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in row)} |"
+    yield ""

@@ -62,8 +62,7 @@ def test_no_other_module_knows_a_score_by_its_name() -> None:
         "batch/engine.py",
         "scenarios/schema.py",
         "scenarios/keys.py",
-        "reproduce/ipfc/statements.py",
-        "reproduce/ipfc/tables.py",
+        "reproduce/ipfc/findings.py",
     }
     name = re.compile(r"[\"'.](itae|energy_kj|punctuality_s|comfort)(?![\w(])")
     found = {

@@ -14,14 +14,13 @@ from hil_tests.support.paths import ROOT
 from hil_tests.support.stops import SHORT
 from railhil.common.errors import InputError
 from railhil.controller_node.vector.controller import VectorController
-from railhil.reproduce.document import document, pictures_of, results_of
-from railhil.reproduce.ilc import PAPER, names, runs
-from railhil.reproduce.ilc.bands import ACCEPTANCE, BARS
-from railhil.reproduce.ilc.faults import DETECTED, FAULTS, RECOVERED, SEEN, UNDETECTED, MemoryFaults, value_name
-from railhil.reproduce.learned import Sequences
-from railhil.reproduce.page import csv_text, page, parameter_files
-from railhil.reproduce.paper import FOLLOWS, FOLLOWS_NOT, IN_PART, OPEN, Measured, Results
-from railhil.reproduce.papers import PAPERS, paper_named
+from railhil.reproduce.comparison import FOLLOWS, FOLLOWS_NOT, IN_PART, OPEN
+from railhil.reproduce.document import make_document, read_document, render_csv, render_page, render_parameters
+from railhil.reproduce.experiments import SequenceSet
+from railhil.reproduce.ilc import PAPER, runs
+from railhil.reproduce.ilc.findings import ACCEPTANCE, BARS
+from railhil.reproduce.ilc.memory_faults import DETECTED, FAULTS, RECOVERED, SEEN, UNDETECTED, MemoryFaults, value_name
+from railhil.reproduce.paper import PAPERS, Measurement, Results, find_paper
 from railhil.scenarios.parameters import load_parameters
 from railhil.sequences import one as one_by_one
 from railhil.sequences.one import runner_of, sequence
@@ -34,19 +33,19 @@ Values = dict[str, float | None]
 def of_each_run(error_m: Callable[[int], float]) -> Values:
     """Figures of a set in which the error depends only on the number of the run."""
     found: Values = {}
-    for number in range(1, names.RUNS + 1):
-        found |= {names.of_run(figure, number): error_m(number) for figure in names.FIGURES}
-        found[names.of_run(names.WITHIN_10, number)] = float(error_m(number) <= 0.1)
-        found[names.of_run(names.WITHIN_30, number)] = float(error_m(number) <= 0.3)
-    last = error_m(names.RUNS)
-    for of in (names.of_last, names.of_all):
-        shares = {of(names.WITHIN_10): float(last <= 0.1), of(names.WITHIN_30): float(last <= 0.3)}
-        found |= {of(figure): last for figure in (names.MEAN, names.RMS, names.P95)} | shares
-    inside = [number for number in range(1, names.RUNS - 1) if error_m(number) <= 0.3]
+    for number in range(1, runs.RUNS + 1):
+        found |= {runs.of_run(figure, number): error_m(number) for figure in runs.FIGURES}
+        found[runs.of_run(runs.WITHIN_10, number)] = float(error_m(number) <= 0.1)
+        found[runs.of_run(runs.WITHIN_30, number)] = float(error_m(number) <= 0.3)
+    last = error_m(runs.RUNS)
+    for of in (runs.of_last, runs.of_all):
+        shares = {of(runs.WITHIN_10): float(last <= 0.1), of(runs.WITHIN_30): float(last <= 0.3)}
+        found |= {of(figure): last for figure in (runs.MEAN, runs.RMS, runs.P95)} | shares
+    inside = [number for number in range(1, runs.RUNS - 1) if error_m(number) <= 0.3]
     runs_needed = float(inside[0]) if inside else None
     return found | {
-        names.CONVERGED: runs_needed, names.CONVERGED_P90: runs_needed, names.NOT_STOPPED: 0.0,
-        names.LAST_RMS_HELD: last,
+        runs.CONVERGED: runs_needed, runs.CONVERGED_P90: runs_needed, runs.NOT_STOPPED: 0.0,
+        runs.LAST_RMS_HELD: last,
     }  # fmt: skip
 
 
@@ -58,34 +57,34 @@ def learned(first_m: float, last_m: float) -> Values:
 def made(**others: Values) -> Results:
     """Sets as paper and specification have them, unless others are given."""
     found: dict[str, Values] = {}
-    for planned in PAPER.planned(SEEDS):
+    for planned in PAPER.plan(SEEDS):
         key = planned.key
         if key.startswith("eps-fixed"):
             best, cycle = (0.2, "16ms") if key.endswith("16ms") else (0.4, "48ms")
             found[key] = of_each_run(lambda number, key=key, best=best: 0.2 if f"fixed-{best:g}-" in key else 0.4)
             assert key.endswith(cycle)
-        elif key in (names.OURS_FIXED, names.LOSS_FIXED):
+        elif key in (runs.OURS_FIXED, runs.LOSS_FIXED):
             found[key] = of_each_run(lambda number: 0.04)
         elif key.startswith(("reaim", "open")):
             found[key] = learned(0.04, 0.02)
-        elif key == names.MEMORY:
+        elif key == runs.MEMORY:
             found[key] = {}
             for fault in FAULTS:
                 found[key][value_name(fault, SEEN)] = float(fault in DETECTED)
                 found[key][value_name(fault, RECOVERED)] = 4.0
         else:
             found[key] = learned(5.0, 0.11)
-    found[names.filter_key(names.NONE)] = of_each_run(lambda number: max(0.24, 5.0 * 0.65 ** (number - 1)))
-    found[names.gamma_key(1.5)] = learned(2.0, 0.22)
-    found[names.gamma_key(2.0)] = of_each_run(lambda number: float(number))
-    found[names.scatter_key(0.01)] = of_each_run(lambda number: 1.75)
-    found[names.WINDOW] = {names.NOT_STOPPED: 0.25}
+    found[runs.filter_key(runs.NONE)] = of_each_run(lambda number: max(0.24, 5.0 * 0.65 ** (number - 1)))
+    found[runs.gamma_key(1.5)] = learned(2.0, 0.22)
+    found[runs.gamma_key(2.0)] = of_each_run(lambda number: float(number))
+    found[runs.scatter_key(0.01)] = of_each_run(lambda number: 1.75)
+    found[runs.WINDOW] = {runs.NOT_STOPPED: 0.25}
     found |= others
-    return Results(SEEDS, {key: Measured(key, "FAIL", (), "0" * 64, values) for key, values in found.items()})
+    return Results(SEEDS, {key: Measurement(key, "FAIL", (), "0" * 64, values) for key, values in found.items()})
 
 
 def test_statements_follow_from_sets_as_paper_and_specification_have_them() -> None:
-    assert [one.verdict for one in PAPER.statements(made())] == [
+    assert [one.verdict for one in PAPER.judge(made())] == [
         IN_PART,  # 0.31 m in run 5, 0.11 m later.
         FOLLOWS,
         IN_PART,  # The best eps depends on the cycle and on nothing else.
@@ -102,12 +101,12 @@ def test_statements_follow_from_sets_as_paper_and_specification_have_them() -> N
 
 def test_statements_about_other_sets() -> None:
     quick = learned(0.4, 0.09)
-    found = PAPER.statements(made(**{names.PAPER_CASE: quick, names.WINDOW: {names.NOT_STOPPED: 0.0}}))
+    found = PAPER.judge(made(**{runs.PAPER_CASE: quick, runs.WINDOW: {runs.NOT_STOPPED: 0.0}}))
     assert [found[place].verdict for place in (0, 5, 6)] == [FOLLOWS] * 3
-    found = PAPER.statements(made(**{names.OURS: learned(0.05, 0.045)}))
+    found = PAPER.judge(made(**{runs.OURS: learned(0.05, 0.045)}))
     assert (found[8].verdict, found[10].verdict) == (IN_PART, IN_PART)
     worse = learned(2.0, 0.5)
-    found = PAPER.statements(made(**{names.PAPER_CASE: worse}))
+    found = PAPER.judge(made(**{runs.PAPER_CASE: worse}))
     assert [found[place].verdict for place in (0, 1, 4)] == [FOLLOWS_NOT] * 3
     assert "packet, mean error, allowed 0.1 to 0.15: 0.500" in found[9].measured
     assert found[9].verdict == IN_PART
@@ -115,18 +114,18 @@ def test_statements_about_other_sets() -> None:
 
 def test_sets_that_were_not_made_are_no_figures() -> None:
     nothing = Results(SEEDS, {})
-    assert {one.verdict for one in PAPER.statements(nothing)} == {OPEN}
-    assert "packet" in page(PAPER, nothing)
-    assert PAPER.figures(nothing) == []
+    assert {one.verdict for one in PAPER.judge(nothing)} == {OPEN}
+    assert "packet" in render_page(PAPER, nothing)
+    assert PAPER.draw(nothing) == []
 
 
 def test_the_bands_say_on_which_side_a_figure_is_outside() -> None:
-    results = made(**{names.OURS: learned(0.06, 0.03), names.gamma_key(2.0): learned(2.0, 0.1)})
+    results = made(**{runs.OURS: learned(0.06, 0.03), runs.gamma_key(2.0): learned(2.0, 0.1)})
     remarks = {band.what: band.verdict(results) for band in (*ACCEPTANCE, *BARS)}
     assert remarks["observer, balises: rms"] == "does not hold: above"
     assert remarks["gamma 2 must not converge: within 0.3 m"] == "does not hold: above"
     assert remarks["packet, mean error"] == "holds"
-    quick = made(**{names.PAPER_CASE: learned(5.0, 0.05)})
+    quick = made(**{runs.PAPER_CASE: learned(5.0, 0.05)})
     assert (
         next(band for band in ACCEPTANCE if band.what == "packet, mean error").verdict(quick) == "does not hold: below"
     )
@@ -136,7 +135,7 @@ def test_the_bands_say_on_which_side_a_figure_is_outside() -> None:
 def test_each_set_can_be_made() -> None:
     """Scenario, law and parameters of every entry go together."""
     seen = set()
-    for planned in PAPER.planned(PAPER.seeds):
+    for planned in PAPER.plan(PAPER.text.seeds):
         spec = planned.spec
         which = (spec.scenario, spec.settings, spec.law.label)
         if which not in seen:
@@ -146,9 +145,9 @@ def test_each_set_can_be_made() -> None:
 
 
 def test_parameter_files_are_read_as_the_sets_that_they_are_of(tmp_path: Path) -> None:
-    for paper in map(paper_named, PAPERS):
-        given = [one.spec.law.parameters for one in paper.planned(paper.seeds)]
-        files = parameter_files(paper, Results(paper.seeds, {}))
+    for paper in map(find_paper, PAPERS):
+        given = [one.spec.law.parameters for one in paper.plan(paper.text.seeds)]
+        files = render_parameters(paper, Results(paper.text.seeds, {}))
         assert set(files) == {str(one.source) for one in given if one is not None}
         for one in given:
             if one is not None:
@@ -159,19 +158,21 @@ def test_parameter_files_are_read_as_the_sets_that_they_are_of(tmp_path: Path) -
 
 def test_seeds_that_do_not_follow_each_other_are_refused() -> None:
     with pytest.raises(InputError, match=r"--seeds: found '?5,7'?, allowed seeds that follow each other, as 5-14"):
-        PAPER.planned((5, 7))
+        PAPER.plan((5, 7))
 
 
 def short(key: str, first: int = 5) -> Any:
     """An entry with 2 sequences of 2 runs of 12 s."""
-    one = next(one for one in PAPER.planned(SEEDS) if one.key == key)
-    return replace(one, spec=replace(one.spec, settings=(*one.spec.settings, *SHORT)), how=Sequences(first, 2, 2))
+    one = next(one for one in PAPER.plan(SEEDS) if one.key == key)
+    return replace(
+        one, spec=replace(one.spec, settings=(*one.spec.settings, *SHORT)), experiment=SequenceSet(first, 2, 2)
+    )
 
 
 @pytest.mark.slow
 def test_a_set_has_the_runs_of_its_sequences(tmp_path: Path) -> None:
-    one = short(names.filter_key(names.NONE))
-    found = one.how.make(one.spec, tmp_path)
+    one = short(runs.filter_key(runs.NONE))
+    found = one.experiment.make(one.spec, tmp_path)
     assert not list(tmp_path.iterdir())
     scenario = one.spec.load()
     for row, seed in zip(found.outcome.runs, (5, 6), strict=True):
@@ -180,9 +181,9 @@ def test_a_set_has_the_runs_of_its_sequences(tmp_path: Path) -> None:
         assert [(run.digest, run.left.sha256) for run in row] == [(run.digest, run.left.sha256) for run in alone]
     values = runs.measure(found.outcome)
     errors = runs.errors_of(found.outcome.runs)
-    assert values[names.of_run(names.MEAN, 2)] == pytest.approx(float(abs(errors[:, 1]).mean()))
-    assert values[names.NOT_STOPPED] == 0.0
-    assert values[names.CONVERGED] is None
+    assert values[runs.of_run(runs.MEAN, 2)] == pytest.approx(float(abs(errors[:, 1]).mean()))
+    assert values[runs.NOT_STOPPED] == 0.0
+    assert values[runs.CONVERGED] is None
     assert found.verdict == "FAIL"
     assert found.reasons == ("4 of 4 runs FAIL",)
 
@@ -194,24 +195,24 @@ def test_the_command_beside_a_set_makes_the_same_runs(tmp_path: Path, monkeypatc
     from railhil.sequences.__main__ import main
     from railhil.sequences.table import schema
 
-    one = short(names.filter_key(names.NONE))
+    one = short(runs.filter_key(runs.NONE))
     monkeypatch.chdir(tmp_path)
-    for name, text in parameter_files(PAPER, Results(SEEDS, {})).items():
+    for name, text in render_parameters(PAPER, Results(SEEDS, {})).items():
         Path(name).parent.mkdir(exist_ok=True)
         Path(name).write_text(text, encoding="utf-8")
-    words = one.how.words(one.spec)
+    words = one.experiment.words(one.spec)
     assert words[0] == "learn"
     assert "parameters/filter_none.toml" in words
     assert main([*words[1:], "--jobs", "1", "--no-report", "--out", "set"]) == 0
     table = read_table(Path("set", "results.parquet"), schema(judging_of(one.spec.load())))
-    made_here = one.how.make(one.spec, tmp_path).outcome.runs
+    made_here = one.experiment.make(one.spec, tmp_path).outcome.runs
     assert table["notch_digest"].to_pylist() == [run.digest for row in made_here for run in row]
 
 
 @pytest.mark.long
 @pytest.mark.slow
 def test_damaged_memories(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    spec = short(names.PAPER_CASE).spec
+    spec = short(runs.PAPER_CASE).spec
     found = MemoryFaults(5, 1, before=2, after=1).make(spec, tmp_path)
     values = found.outcome
     assert {fault: values[value_name(fault, SEEN)] for fault in FAULTS} == {
@@ -244,10 +245,10 @@ def written() -> dict[str, Any]:
 
 
 def test_page_tables_and_document_belong_together(written: dict[str, Any]) -> None:
-    found, pictures = results_of(written), pictures_of(written)
-    assert (FOLDER / "page.md").read_text("utf-8") == page(PAPER, found, pictures), WRITE
-    assert document(PAPER, found, pictures) == written, WRITE
-    files = parameter_files(PAPER, found) | {f"{table.name}.csv": csv_text(table) for table in PAPER.tables(found)}
+    found, pictures = read_document(written)
+    assert (FOLDER / "page.md").read_text("utf-8") == render_page(PAPER, found, pictures), WRITE
+    assert make_document(PAPER, found, pictures) == written, WRITE
+    files = render_parameters(PAPER, found) | {f"{table.name}.csv": render_csv(table) for table in PAPER.compare(found)}
     for name, text in files.items():
         assert (FOLDER / name).read_text("utf-8") == text, WRITE
     there = {str(path.relative_to(FOLDER)) for path in FOLDER.rglob("*") if path.is_file()}
@@ -258,8 +259,8 @@ def test_page_tables_and_document_belong_together(written: dict[str, Any]) -> No
 @pytest.mark.slow
 def test_a_set_of_the_page_is_made_again(written: dict[str, Any], tmp_path: Path) -> None:
     """The one with the least runs."""
-    (one,) = (one for one in PAPER.planned(PAPER.seeds) if one.key == names.WINDOW)
-    (there,) = (run for run in written["runs"] if run["run"] == names.WINDOW)
-    found = one.how.make(one.spec, tmp_path)
+    (one,) = (one for one in PAPER.plan(PAPER.text.seeds) if one.key == runs.WINDOW)
+    (there,) = (run for run in written["runs"] if run["run"] == runs.WINDOW)
+    found = one.experiment.make(one.spec, tmp_path)
     assert (found.verdict, list(found.reasons), found.sha256) == (there["verdict"], there["reasons"], there["sha256"])
     assert runs.measure(found.outcome) == there["measured"]

@@ -14,14 +14,24 @@ from railhil.bus.high_speed import wire
 from railhil.common.errors import InputError
 from railhil.controller_node.laws import find
 from railhil.library import Outcome
-from railhil.reproduce.ngpc import PAPER, names
-from railhil.reproduce.ngpc.names import ADAPTIVE, BP, ELM, EMERGENCY, LAWS, MULTI_MODEL, MUTATION, NORMAL
-from railhil.reproduce.ngpc.runs import SCENARIOS, WINDOWS_S, Drawable
-from railhil.reproduce.ngpc.statements import statements
-from railhil.reproduce.ngpc.tables import tables
-from railhil.reproduce.paper import FOLLOWS, FOLLOWS_NOT, IN_PART, OPEN, Measured, Planned, Results
-from railhil.reproduce.protocol import results
-from railhil.reproduce.ways import Coupled
+from railhil.reproduce.comparison import FOLLOWS, FOLLOWS_NOT, IN_PART, OPEN
+from railhil.reproduce.experiments import CoupledRun
+from railhil.reproduce.measurement import measure_paper
+from railhil.reproduce.ngpc import PAPER, runs
+from railhil.reproduce.ngpc.runs import (
+    ADAPTIVE,
+    BP,
+    ELM,
+    EMERGENCY,
+    LAWS,
+    MULTI_MODEL,
+    MUTATION,
+    NORMAL,
+    SITUATIONS,
+    WINDOWS_S,
+    Drawable,
+)
+from railhil.reproduce.paper import Entry, Measurement, Results
 from railhil.scenarios.load import load_any
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.system import system_named
@@ -33,8 +43,8 @@ Figures = dict[str, float | None]
 RANK = {law: place for place, law in enumerate((ELM, MULTI_MODEL, ADAPTIVE, BP, *LAWS[4:]))}
 
 
-def made_alone(one: Planned) -> Measured:
-    return results(replace(PAPER, planned=lambda seeds: [one], measure=scores), (3,)).runs[one.key]
+def made_alone(one: Entry) -> Measurement:
+    return measure_paper(replace(PAPER, plan=lambda seeds: [one], measure=scores), (3,)).runs[one.key]
 
 
 def scores(outcome: Outcome) -> Figures:
@@ -43,53 +53,46 @@ def scores(outcome: Outcome) -> Figures:
 
 def made(figure: Callable[[str, str, int], Figures], **beside: Figures) -> Results:
     """Runs with the figures of (situation, law, seed); of each record, models four times as good with the network."""
-    runs = {
-        names.key(situation, law, seed): figure(situation, law, seed)
-        for situation in names.RMSE
-        for law in names.laws_of(situation)
-        for seed in names.seeds_of(situation, law, SEEDS)
+    found = {
+        key: figure(situation, law, seed)
+        for situation, one in SITUATIONS.items()
+        for law in one.laws
+        for key, seed in zip(runs.keys_of(situation, law, SEEDS), SEEDS, strict=False)
     }
-    for kind, law, loop in names.UNITS:
+    for kind, law, loop in runs.UNITS:
         kn = 1.0 if loop == "mean" else 3.0
-        rmse = 0.1 + 0.1 * RANK[law]
-        found: Figures = {
-            names.UNITS_RMSE: rmse,
-            names.SPREAD: 0.1,
-            names.COUPLER_KN: kn if kind == "coupled" else None,
+        units: Figures = {
+            runs.UNITS_RMSE: 0.1 + 0.1 * RANK[law],
+            runs.SPREAD: 0.1,
+            runs.COUPLER_KN: kn if kind == "coupled" else None,
         }
-        runs |= {names.units_key(kind, law, loop, seed): found for seed in SEEDS}
+        found |= {runs.units_key(kind, law, loop, seed): units for seed in SEEDS}
     for seed in SEEDS[:1]:
         errors = (("linear", 0.8), ("integrated", 0.2))
-        runs[names.record_key(seed)] = {
-            names.model_error(kind, period_s): value for kind, value in errors for period_s in names.PERIODS_S
+        found[runs.record_key(seed)] = {
+            runs.model_error(kind, period_s): value for kind, value in errors for period_s in runs.PERIODS_S
         }
     for law in LAWS:
-        runs[names.effort_key(law)] = {names.CYCLES: 1000.0 * (1 + RANK[law])}
-    runs |= beside
-    return Results(SEEDS, {name: Measured(name, "PASS", (), "0" * 64, values) for name, values in runs.items()})
+        found[runs.effort_key(law)] = {runs.CYCLES: 1000.0 * (1 + RANK[law])}
+    found |= beside
+    return Results(SEEDS, {name: Measurement(name, "PASS", (), "0" * 64, values) for name, values in found.items()})
 
 
 def as_published(situation: str, law: str, seed: int) -> Figures:
     error = 0.1 + 0.1 * RANK[law] + 0.01 * seed
     stop_m = 4390.0 + 10 * RANK[law] if situation == EMERGENCY else None
-    found = dict.fromkeys((*names.RMSE.values(), names.WIDEST), error)
-    return {**found, names.STOP_M: stop_m}
+    found = dict.fromkeys((*(one.rmse for one in SITUATIONS.values()), runs.WIDEST), error)
+    return {**found, runs.STOP_M: stop_m}
 
 
-def test_each_run_has_its_scenario_and_its_law() -> None:
-    planned = PAPER.planned(PAPER.seeds)
-    assert len({one.key for one in planned}) == len(planned)
-    often = [(EMERGENCY, law) for law in LAWS] + [(at, law) for at in (NORMAL, MUTATION) for law in names.MAIN]
-    often += [(at, law) for at, laws in names.BESIDE.items() for law in laws]
-    assert {names.key(at, law, seed) for at, law in often for seed in PAPER.seeds} <= {one.key for one in planned}
-    units = {names.units_key(*which, seed) for which in names.UNITS for seed in PAPER.seeds}
-    assert units <= {one.key for one in planned}
-    for scenario, law in {(one.spec.scenario, one.spec.law.controller) for one in planned}:
-        system_named(load_any(scenario).system).check_law(law, scenario, "law")
+def test_main_laws_make_the_long_journeys_with_every_seed() -> None:
+    keys = {one.key for one in PAPER.plan(PAPER.text.seeds)}
+    often = [(EMERGENCY, law) for law in LAWS] + [(at, law) for at in (NORMAL, MUTATION) for law in runs.MAIN]
+    assert {runs.key(at, law, seed) for at, law in often for seed in PAPER.text.seeds} <= keys
 
 
 def test_statements_follow_from_runs_as_the_paper_has_them() -> None:
-    found = [one for one in statements(made(as_published)) if "bands" not in one.claim]
+    found = [one for one in PAPER.judge(made(as_published)) if "bands" not in one.claim]
     assert len(found) == 11
     assert {one.verdict for one in found} == {FOLLOWS}
 
@@ -101,24 +104,24 @@ def test_statements_do_not_follow_from_the_opposite() -> None:
             for name, value in as_published(situation, law, seed).items()
         }
 
-    slowest: Figures = {names.CYCLES: 1e6}
-    verdicts = [one.verdict for one in statements(made(worse, **{names.effort_key(ELM): slowest}))]
+    slowest: Figures = {runs.CYCLES: 1e6}
+    verdicts = [one.verdict for one in PAPER.judge(made(worse, **{runs.effort_key(ELM): slowest}))]
     # The models and the runs with three units are as before.
     assert verdicts == [FOLLOWS, *[FOLLOWS_NOT] * 9, FOLLOWS, FOLLOWS]
 
 
 def test_least_effort_of_one_of_two_follows_in_part() -> None:
-    quick: Figures = {names.CYCLES: 100.0}
-    assert statements(made(as_published, **{names.effort_key(ADAPTIVE): quick}))[7].verdict == IN_PART
+    quick: Figures = {runs.CYCLES: 100.0}
+    assert PAPER.judge(made(as_published, **{runs.effort_key(ADAPTIVE): quick}))[7].verdict == IN_PART
 
 
 def test_one_loop_must_have_less_coupler_force_with_every_seed() -> None:
-    weak: Figures = {names.UNITS_RMSE: 0.1, names.SPREAD: 0.1, names.COUPLER_KN: 1.9}
-    found = made(as_published, **{names.units_key("coupled", ELM, "unit", SEEDS[1]): weak})
-    said = statements(found)[-1]
+    weak: Figures = {runs.UNITS_RMSE: 0.1, runs.SPREAD: 0.1, runs.COUPLER_KN: 1.9}
+    found = made(as_published, **{runs.units_key("coupled", ELM, "unit", SEEDS[1]): weak})
+    said = PAPER.judge(found)[-1]
     assert said.verdict == IN_PART
     assert "elm_ngpc 2.5 kN with three loops, 1.0 kN with one (1.9 to 3.0 times)" in said.measured
-    units = next(table for table in tables(found) if table.name == "units")
+    units = next(table for table in PAPER.compare(found) if table.name == "units")
     line = next(line for line in units.lines if "force" in line.quantity and line.item.startswith("elm_ngpc, a loop"))
     assert line.measured == pytest.approx((2.45, 1.9, 3.0))
     assert line.remark == "2 runs"
@@ -129,47 +132,49 @@ def test_each_situation_has_its_picture() -> None:
     found = made(as_published)
     place_m = np.linspace(209e3, 215e3, 50)
     drawn = Drawable(place_m, np.full(50, 300.0), np.full(50, 299.0), np.full(50, -1.0))
-    runs = {name: replace(run, curves=drawn) for name, run in found.runs.items()}
-    pictures = PAPER.figures(Results(SEEDS, runs))
+    with_curves = {name: replace(run, curves=drawn) for name, run in found.runs.items()}
+    pictures = PAPER.draw(Results(SEEDS, with_curves))
     assert [one.name for one in pictures] == ["figures_8_9", "figures_10_11", "figures_12_13"]
     for one in pictures:
-        assert all(f">{law}<" in one.svg for law in names.DRAWN)
+        assert all(f">{law}<" in one.svg for law in runs.DRAWN)
 
 
 def test_readings_name_parameters_that_the_laws_have() -> None:
     law = find(ELM, system_named("hst1").laws)
     known = {item.name for item in fields(law.parameters_type)}
-    named = re.findall(r"`([a-z_]+)(?: = [^`]*)?`", " ".join(f"{one.reading} {one.other}" for one in PAPER.readings()))
+    named = re.findall(
+        r"`([a-z_]+)(?: = [^`]*)?`", " ".join(f"{one.reading} {one.other}" for one in PAPER.text.readings)
+    )
     assert set(named) <= known
     assert {"ident", "ident_error", "discretisation", "weighting", "reference_start"} <= set(named)
 
 
 def test_a_law_that_never_stops() -> None:
     def endless(situation: str, law: str, seed: int) -> Figures:
-        return {**as_published(situation, law, seed), names.STOP_M: None}
+        return {**as_published(situation, law, seed), runs.STOP_M: None}
 
-    said = {one.claim: one for one in statements(made(endless))}
+    said = {one.claim: one for one in PAPER.judge(made(endless))}
     stop = next(one for claim, one in said.items() if "emergency stop takes" in claim)
     assert (stop.verdict, stop.measured) == (FOLLOWS_NOT, "- m.")
 
 
 def test_printed_figures_stand_beside_the_measured_ones() -> None:
-    modelling, tracking, stop, _, _, effort = tables(made(as_published))
-    assert [line.published_shown for line in modelling.lines] == ["1.454", "0.1653", "8.80"]
+    modelling, tracking, stop, _, _, effort = PAPER.compare(made(as_published))
+    assert [line.published_text for line in modelling.lines] == ["1.454", "0.1653", "8.80"]
     assert modelling.lines[2].measured == pytest.approx((4.0,) * 4)
     assert not tracking.is_published
     assert tracking.lines[0].measured == pytest.approx((0.115, 0.11, 0.12))
     assert [line.published for line in stop.lines] == [4400.0, *[None] * (len(LAWS) - 1)]
-    assert [line.published_shown for line in effort.lines] == ["5.47", "4.33"]
+    assert [line.published_text for line in effort.lines] == ["5.47", "4.33"]
     assert [line.measured for line in effort.lines] == [(4.0,), (3.0,)]
 
 
 def test_the_bands_say_on_which_side_a_mean_is_outside() -> None:
     def of_pid(rmse_kmh: float) -> str:
         def figure(situation: str, law: str, seed: int) -> Figures:
-            return {**as_published(situation, law, seed), names.WHOLE: rmse_kmh}
+            return {**as_published(situation, law, seed), runs.WHOLE: rmse_kmh}
 
-        lines = next(table for table in tables(made(figure)) if table.name == "bands").lines
+        lines = next(table for table in PAPER.compare(made(figure)) if table.name == "bands").lines
         return next(line.remark for line in lines if line.item == "pid, allowed 0.17 to 0.22")
 
     assert [of_pid(x).removesuffix(" (2 runs)") for x in (0.16, 0.17, 0.22, 0.23)] == [
@@ -182,17 +187,17 @@ def test_the_bands_say_on_which_side_a_mean_is_outside() -> None:
 
 def test_runs_that_were_not_made_are_no_figures() -> None:
     whole = made(as_published)
-    kept = {name: run for name, run in whole.runs.items() if name == names.key(NORMAL, ELM, 2)}
+    kept = {name: run for name, run in whole.runs.items() if name == runs.key(NORMAL, ELM, 2)}
     part = Results(SEEDS, kept)
-    tracking = tables(part)[1]
+    tracking = PAPER.compare(part)[1]
     assert tracking.lines[0].measured == pytest.approx((0.12, 0.12, 0.12))
     assert {line.item for line in tracking.lines} == {ELM}
     assert tracking.lines[0].remark == "1 run"
-    assert {one.verdict for one in statements(part)} == {OPEN}
+    assert {one.verdict for one in PAPER.judge(part)} == {OPEN}
 
 
 def test_windows_of_the_mutation_are_those_of_its_scenario() -> None:
-    faults = load_any(SCENARIOS[MUTATION]).faults
+    faults = load_any(SITUATIONS[MUTATION].scenario).faults
     assert {text.split(" @")[1] for text in faults} == {f"{at}s for {long}s" for at, long in WINDOWS_S}
 
 
@@ -203,23 +208,23 @@ def test_a_run_without_a_bus_has_the_scores_of_the_nodes() -> None:
         spec = RunSpec(
             system, ("task.duration_s=20", "task.rmse_max_kmh=9"), LawSpec("pid", "float64"), seed=3, bus="local"
         )
-        one = Planned("one", spec)
-        found = [made_alone(way) for way in (one, replace(one, how=Coupled(ports)))]
+        one = Entry("one", spec)
+        found = [made_alone(way) for way in (one, replace(one, experiment=CoupledRun(ports)))]
         assert found[0].values == found[1].values
         assert [bool(run.sha256) for run in found] == [True, False]
 
 
 def test_stored_figures_are_read_again_and_only_those_of_the_same_run(tmp_path: Path) -> None:
     spec = RunSpec("hst_short", ("task.duration_s=8", "task.rmse_max_kmh=9"), LawSpec("pid", "float64"), bus="local")
-    planned = [Planned(name, spec, how=Coupled(("TRUTH",))) for name in ("first", "second")]
-    paper = replace(PAPER, planned=lambda seeds: planned, measure=scores)
-    first = results(paper, (1,), measured=tmp_path, only="first")
+    planned = [Entry(name, spec, experiment=CoupledRun(("TRUTH",))) for name in ("first", "second")]
+    paper = replace(PAPER, plan=lambda seeds: planned, measure=scores)
+    first = measure_paper(paper, (1,), measured=tmp_path, only="first")
     assert list(first.runs) == ["first"]
     stored = tmp_path / "first.json"
     stored.write_text(stored.read_text().replace('"PASS"', '"FAIL"'))
-    again = results(paper, (1,), measured=tmp_path, only="second")
+    again = measure_paper(paper, (1,), measured=tmp_path, only="second")
     assert [run.verdict for run in again.runs.values()] == ["FAIL", "PASS"]
     assert again.runs["first"].values == first.runs["first"].values
     stored.write_text(stored.read_text().replace("hst_short", "emu3_short"))
     with pytest.raises(InputError, match=r"first.json: entry: found "):
-        results(paper, (1,), measured=tmp_path)
+        measure_paper(paper, (1,), measured=tmp_path)

@@ -13,12 +13,11 @@ from hil_tests.support.short_paper import PAPERS, SHORT
 from railhil.common.errors import InputError
 from railhil.judge.criteria import ATO_CRITERIA
 from railhil.reproduce.__main__ import arguments, main
-from railhil.reproduce.document import results_of
+from railhil.reproduce.comparison import FOLLOWS_NOT, OPEN, Line, Table, least, order
+from railhil.reproduce.document import format_seeds, read_document, render_page
 from railhil.reproduce.ipfc.runs import ADAPTED, CHATTER, RMS_ERROR
-from railhil.reproduce.page import page, seeds_said
-from railhil.reproduce.paper import FOLLOWS_NOT, OPEN, Line, Measured, Results, Table, least, order
-from railhil.reproduce.papers import PAPERS as SHIPPED
-from railhil.reproduce.papers import paper_named
+from railhil.reproduce.paper import PAPERS as SHIPPED
+from railhil.reproduce.paper import Measurement, Results, find_paper
 from railhil.run.make import NeverBegan
 from railhil.scenarios.load import load_any
 from railhil.scenarios.system import system_named
@@ -35,14 +34,14 @@ def test_without_a_paper_all_are_listed(capsys: pytest.CaptureFixture[str]) -> N
 
 def test_each_paper_has_the_name_by_which_it_is_found() -> None:
     for name in SHIPPED:
-        paper = paper_named(name)
+        paper = find_paper(name)
         assert paper.name == name
-        keys = [one.key for one in paper.planned(paper.seeds)]
+        keys = [one.key for one in paper.plan(paper.text.seeds)]
         assert len(set(keys)) == len(keys) > 0
 
 
 def test_each_run_of_a_paper_has_its_scenario_and_its_law() -> None:
-    specs = [one.spec for paper in map(paper_named, SHIPPED) for one in paper.planned(paper.seeds)]
+    specs = [one.spec for paper in map(find_paper, SHIPPED) for one in paper.plan(paper.text.seeds)]
     for scenario, law in {(spec.scenario, spec.law.controller) for spec in specs}:
         system_named(load_any(scenario).system).check_law(law, scenario, "law")
 
@@ -68,9 +67,9 @@ def test_usage(words: list[str], said: str, capsys: pytest.CaptureFixture[str]) 
 def test_seeds_may_be_ranges() -> None:
     assert arguments().parse_args(["ipfc", "--seeds", "3, 7-9,1"]).seeds == (3, 7, 8, 9, 1)
     seeds = range(5, 15)
-    assert seeds_said(seeds, ",", "-") == "5-14"
-    assert seeds_said(seeds[:-1], ",", "-") == "5,6,7,8,9,10,11,12,13"
-    assert seeds_said([*seeds, 20], ", ", " to ") == "5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 20"
+    assert format_seeds(seeds, ",", "-") == "5-14"
+    assert format_seeds(seeds[:-1], ",", "-") == "5,6,7,8,9,10,11,12,13"
+    assert format_seeds([*seeds, 20], ", ", " to ") == "5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 20"
 
 
 def test_options_without_what_they_need(tmp_path: Path) -> None:
@@ -108,7 +107,7 @@ def test_a_short_paper_is_run_printed_and_written(tmp_path: Path, capsys: pytest
         assert (first / name).read_bytes() == (again / name).read_bytes()
     assert found == json.loads((first / "results.json").read_text("utf-8"))
     text = (first / "page.md").read_text("utf-8")
-    assert page(SHORT, results_of(found)) == text
+    assert render_page(SHORT, read_document(found)[0]) == text
     assert "`railhil reproduce short --seeds 3,4 --out DIR`" in text
     energies = [run["measured"]["energy_kj"] for run in found["runs"]]
     line = found["tables"][0]["lines"][0]
@@ -120,8 +119,8 @@ def test_a_short_paper_is_run_printed_and_written(tmp_path: Path, capsys: pytest
     assert rows[1]["published"] == rows[1]["bench ratio"] == ""
 
 
-def _measured(key: str, **values: float | None) -> Measured:
-    return Measured(key, "PASS", (), "0" * 64, values)
+def _measured(key: str, **values: float | None) -> Measurement:
+    return Measurement(key, "PASS", (), "0" * 64, values)
 
 
 def test_a_figure_over_runs_needs_a_value_of_every_run() -> None:
@@ -185,8 +184,8 @@ def test_a_refused_run_comes_back_from_its_process() -> None:
 
 @pytest.mark.parametrize("name", list(SHIPPED))
 def test_what_was_not_measured_proves_nothing(name: str) -> None:
-    paper = paper_named(name)
-    said = paper.statements(Results(paper.seeds, {}))
+    paper = find_paper(name)
+    said = paper.judge(Results(paper.text.seeds, {}))
     assert {one.verdict for one in said} == {OPEN}
     assert all("not made" in one.measured and not one.why for one in said)
 
@@ -194,13 +193,13 @@ def test_what_was_not_measured_proves_nothing(name: str) -> None:
 @pytest.mark.parametrize("lost", ["not made", "INVALID", "without values"])
 def test_a_paper_is_not_confirmed_by_runs_that_did_not_get_that_far(lost: str) -> None:
     """The order of the laws is that of the paper where nothing is known; a run that cannot be trusted is not known."""
-    paper = paper_named("ipfc")
-    keys = [one.key for one in paper.planned(paper.seeds)]
+    paper = find_paper("ipfc")
+    keys = [one.key for one in paper.plan(paper.text.seeds)]
     names = [one.key for one in ATO_CRITERIA] + [RMS_ERROR, CHATTER, ADAPTED]
     runs = {
-        key: Measured(key, "INVALID" if lost == "INVALID" else "FAIL", (), "", dict.fromkeys(names))
+        key: Measurement(key, "INVALID" if lost == "INVALID" else "FAIL", (), "", dict.fromkeys(names))
         for key in keys
         if lost == "without values" or lost == "INVALID" or key != "ipfc-iq-0"
     }
-    verdicts = {one.verdict for one in paper.statements(Results(paper.seeds, runs))}
+    verdicts = {one.verdict for one in paper.judge(Results(paper.text.seeds, runs))}
     assert verdicts == ({FOLLOWS_NOT} if lost == "without values" else {OPEN})

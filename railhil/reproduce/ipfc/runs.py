@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
 
 from railhil.judge.score import Score, score
 from railhil.library import Outcome
+from railhil.report.deviations import deviations
 from railhil.report.recorded import Curves
 from railhil.report.recorded import curves as recorded_curves
-from railhil.reproduce.paper import Planned, Results
+from railhil.reproduce.paper import Entry, Results, read_text
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
@@ -27,19 +28,9 @@ USUAL = "iq"
 RMS_ERROR, WIDEST_ERROR, CHATTER = "rms_error_kmh", "widest_error_kmh", "chatter_kmh"
 #: Share of the reports of a law with a satisfaction (eq. 26) above 0: only then is its softening factor adapted.
 ADAPTED = "adapted_share"
-
-PROTOCOL = (
-    "Scenario lvshun_tieshan: mass, speed limit, distance, timetable and formation of Table 1; what the paper does not "
-    "print (resistance, grades, actuator, speed curve, sensors) is chosen, and listed by `railhil scenarios "
-    "lvshun_tieshan`.",
-    "The five laws of the paper, each in float64 (the equations as they are) and in iq (the fixed point of the "
-    "TMS320F28335 that the paper names), with the paper's parameters where it prints them; nominal train, "
-    "set-points by time. With several seeds every figure is the median over them.",
-    "Plant, controller and supervisor exchange every telegram of the bench in one process; the scores are computed "
-    "from the recorded telegrams alone. The paper's dSPACE simulator and its real train data are not available.",
-    "Measured results stand beside the published ones, whichever is better; no parameter was chosen with the published "
-    "results in view.",
-)
+TEXT = replace(read_text(__package__), source=deviations()[0], readings=deviations()[1])
+#: What the paper prints.
+PRINTED = TEXT.published
 
 
 @cache
@@ -64,10 +55,10 @@ def middle(results: Results, law: str, arithmetic: str, name: str) -> float | No
     return results.over([key(law, arithmetic, seed) for seed in results.seeds], name)
 
 
-def planned(seeds: Sequence[int]) -> list[Planned]:
+def plan(seeds: Sequence[int]) -> list[Entry]:
     """Every law in every arithmetic with every seed."""
     return [
-        Planned(
+        Entry(
             key(law, arithmetic, seed),
             RunSpec(SCENARIO, law=LawSpec(law, arithmetic), seed=seed, bus="local"),
             drawn=arithmetic == USUAL and seed == seeds[0],
@@ -107,6 +98,6 @@ def measure(outcome: Outcome) -> dict[str, float | None]:
     found[RMS_ERROR] = float(np.sqrt(np.mean(error_kmh**2)))
     found[WIDEST_ERROR] = float(np.max(np.abs(error_kmh)))
     found[CHATTER] = float(np.sqrt(np.mean(change_kmh**2)))
-    told = [values for note, values in drawn.notes if note.name == "satisfaction"]
-    found[ADAPTED] = float(np.mean(told[0] > 0)) if told else None
+    shares = [values for note, values in drawn.notes if note.name == "satisfaction"]
+    found[ADAPTED] = float(np.mean(shares[0] > 0)) if shares else None
     return found

@@ -1,9 +1,10 @@
-"""The protocol: every law in three situations, records that test the models, and short runs that count operations."""
+"""The protocol: every law in three situations and in others beside the papers, records that test the models, runs with
+three power units, and short runs that count operations; the figures of a run."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -15,57 +16,82 @@ from railhil.learning.models import learn
 from railhil.library import Outcome
 from railhil.record.telemetry import read_summary
 from railhil.record.trace import FloatArray
-from railhil.reproduce.ngpc.names import (
-    BESIDE,
-    CALM,
-    CYCLES,
-    DRAWN,
-    EMERGENCY,
-    FIXED_MODEL,
-    LATE,
-    LATER,
-    LAWS,
-    MAIN,
-    MUTATION,
-    NORMAL,
-    PID,
-    STRONGER,
-    UNITS,
-    WINDOWS,
-    effort_key,
-    key,
-    laws_of,
-    model_error,
-    record_key,
-    seeds_of,
-    units_key,
-)
-from railhil.reproduce.paper import Planned
-from railhil.reproduce.ways import Coupled
+from railhil.reproduce.experiments import CoupledRun
+from railhil.reproduce.paper import Entry, read_text
 from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.systems.high_speed.ride import Ride
 
-SCENARIOS: Mapping[str, str] = {
-    NORMAL: "jinan_xuzhou",
-    EMERGENCY: "jinan_xuzhou_emergency",
-    MUTATION: "jinan_xuzhou_mutation",
-    FIXED_MODEL: "jinan_xuzhou_emergency",
-    LATE: "jinan_xuzhou",
-    LATER: "jinan_xuzhou",
-    STRONGER: "jinan_xuzhou",
-    CALM: "jinan_xuzhou",
-}
+TEXT = read_text(__package__)
+#: The law of the paper with one unit, its comparators, the baselines that a law with a network is judged against, and
+#: the best of railhil's own.
+ELM, BP, MULTI_MODEL, ADAPTIVE = "elm_ngpc", "bp_ngpc", "mm_gpc", "a_gpc"
+LAWS = (ELM, BP, MULTI_MODEL, ADAPTIVE, "pid", "pid_ff", "gpc", "res_ngpc", "os_elm_ngpc", "delay_gpc")
+PID, RESIDUAL, DELAY = "pid", "res_ngpc", "delay_gpc"
+#: Laws that make the long journeys with every seed; the others make them with the first one.
+MAIN = (ELM, MULTI_MODEL, ADAPTIVE, PID, RESIDUAL, DELAY)
+#: Laws that the figures show.
+DRAWN = (ELM, MULTI_MODEL, ADAPTIVE)
+#: Situations: of the paper with one unit; with the delay 0.5 s or 1 s longer, or the gain 1.4, instead of its mutation;
+#: without gradient and wind; the emergency without identification of the model.
+NORMAL, EMERGENCY, MUTATION = "normal", "emergency", "mutation"
+LATE, LATER, STRONGER, CALM = "delay+0.5s", "delay+1s", "gain1.4", "calm"
+FIXED_MODEL = "emergency-fixed"
+#: RMSE over the run, in emergency braking, and inside the windows of a mutation; largest error, emergency stop.
+WHOLE, BRAKING, WINDOWS = "rmse_kmh", "emergency_rmse_kmh", "windows_rmse_kmh"
+WIDEST, STOP_M = "max_error_kmh", "emergency_stop_m"
+#: Figures of three units.
+UNITS_RMSE, SPREAD, COUPLER_KN = "units_rmse_kmh", "spread_kmh", "coupler_peak_kn"
+#: Estimated cycles of the target processor for one control period.
+CYCLES = "cycles"
+#: Sampling periods of the modelling error, s.
+PERIODS_S = (0.5, 1.0, 2.0, 4.0)
 #: Begin and duration of the mutations of jinan_xuzhou_mutation, s; those of the other situations are at the same times.
 WINDOWS_S = ((1030, 80), (2800, 90), (3590, 85))
-_FAULT: Mapping[str, str] = {
-    LATE: "train.delay longer 500ms",
-    LATER: "train.delay longer 1000ms",
-    STRONGER: "train.gain scale 1.4",
+
+
+@dataclass(frozen=True, slots=True)
+class Situation:
+    """Journeys of one kind.
+
+    ``rmse``: the figure that says how well the target is followed. ``fault``: in the windows of the mutation.
+    ``parameters``: of the laws, where not their own; ``file``: for them.
+    """
+
+    scenario: str
+    rmse: str
+    laws: tuple[str, ...] = LAWS
+    fault: str = ""
+    settings: tuple[str, ...] = ()
+    parameters: Mapping[str, str] = field(default_factory=dict)
+    file: str = ""
+
+
+_LINE = "jinan_xuzhou"
+_DELAYED = (ELM, PID, RESIDUAL, DELAY)
+_LEVEL = ("task.gradient_permil=0", "task.wind_sigma_mps2=0")
+SITUATIONS: Mapping[str, Situation] = {
+    NORMAL: Situation(_LINE, WHOLE),
+    EMERGENCY: Situation("jinan_xuzhou_emergency", BRAKING),
+    MUTATION: Situation("jinan_xuzhou_mutation", WINDOWS),
+    FIXED_MODEL: Situation(
+        "jinan_xuzhou_emergency", BRAKING, (ELM, BP), parameters={"ident": "off"}, file="ident_off_{law}.toml"
+    ),
+    LATE: Situation(_LINE, WINDOWS, _DELAYED, "train.delay longer 500ms"),
+    LATER: Situation(_LINE, WINDOWS, _DELAYED, "train.delay longer 1000ms"),
+    STRONGER: Situation(_LINE, WINDOWS, (ELM, PID, DELAY), "train.gain scale 1.4"),
+    CALM: Situation(_LINE, WHOLE, (ELM, MULTI_MODEL, ADAPTIVE, PID), settings=_LEVEL),
 }
-#: Parameters of the laws in a situation that are not their own, and the file for them.
-_GIVEN: Mapping[str, tuple[Mapping[str, str], str]] = {FIXED_MODEL: ({"ident": "off"}, "ident_off_{law}.toml")}
-_CALM = ("task.gradient_permil=0", "task.wind_sigma_mps2=0")
+#: Three power units: free or coupled, law, one loop for each unit or one for all.
+UNITS = (
+    ("free", PID, "unit"),
+    ("free", ELM, "unit"),
+    ("coupled", PID, "unit"),
+    ("coupled", PID, "mean"),
+    ("coupled", ELM, "unit"),
+    ("coupled", ELM, "mean"),
+)
+_UNITS_SCENARIO: Mapping[str, str] = {"free": "jinan_xuzhou_emu3", "coupled": "jinan_xuzhou_emu3_coupled"}
 #: The first two minutes, in an arithmetic whose operations are counted.
 _SHORT, _COUNTED = "hst_short", "float32"
 #: The papers simulate on a computer.
@@ -74,73 +100,79 @@ _ARITHMETIC = "float64"
 _DRIVER, _DITHER, _DITHER_MPS2 = PID, "dither_mps2", 0.05
 #: Sampling period of the laws, s; points of a drawn curve are one of these apart.
 _PERIOD_S = 1.0
-_UNITS_SCENARIO: Mapping[str, str] = {"free": "jinan_xuzhou_emu3", "coupled": "jinan_xuzhou_emu3_coupled"}
 #: Ports of the plant that the scores are computed from.
 _PORTS, _UNITS_PORTS = (wire(1).truth.PORT,), (wire(3).truth.PORT,)
 
-PROTOCOL = (
-    "Line, target curve, train and disturbances of the scenarios jinan_xuzhou, jinan_xuzhou_emergency and "
-    "jinan_xuzhou_mutation: the papers name the line, delays, lags and the emergency at km 210; everything else is "
-    "assumed, and listed by `railhil scenarios jinan_xuzhou`.",
-    "No parameter of a law was chosen on the seeds, nor was a network trained on them.",
-    f"Each law in float64 with its own parameters. Only the first seed: the record, and in normal running and with "
-    f"mutations the laws {', '.join(law for law in LAWS if law not in MAIN)}. Every seed: everything else.",
-    f"Beside the papers: {LATE}, {LATER}, {STRONGER} (delay 0.5 s or 1 s longer, gain 1.4, at the times of the "
-    f"mutation and instead of it); {CALM} (neither gradient nor wind); {FIXED_MODEL} (the emergency, and the model is "
-    f'not identified: `ident = "off"`).',
-    "Runs of the journeys, but for the record, are made without a bus: the plant and the law coupled by the same raw "
-    "integers. Tests show telegrams and scores equal to those of the nodes. Such a run has no frames.log; the command "
-    "beside it makes the same run over the in-process bus. The parameter "
-    f'files stand beside this page: `{_DITHER} = {_DITHER_MPS2}` for the record, `ident = "off"` for {FIXED_MODEL}, '
-    '`loop = "mean"` for one loop on the mean speed of three units.',
-    "Modelling error: an ELM is trained on the record of a run with a dithered PID, without 300 samples spread over "
-    "it, and judged on these.",
-    "Computing effort: estimated cycles of the target processor for one control period in float32, counted in the "
-    "first two minutes of a run over the in-process bus.",
-)
+
+def key(situation: str, law: str, seed: int) -> str:
+    """Name of a run."""
+    return f"{situation}-{law}-{seed}"
 
 
-def planned(seeds: Sequence[int]) -> list[Planned]:
+def keys_of(situation: str, law: str, seeds: Sequence[int]) -> list[str]:
+    """Names of the runs of a law in a situation."""
+    once = situation in (NORMAL, MUTATION) and law not in MAIN
+    return [key(situation, law, seed) for seed in (seeds[:1] if once else seeds)]
+
+
+def units_key(kind: str, law: str, loop: str, seed: int) -> str:
+    """Name of a run with three units; kind: ``free`` or ``coupled``, loop: ``unit`` or ``mean``."""
+    return f"units-{kind}-{law}-{loop}-{seed}"
+
+
+def record_key(seed: int) -> str:
+    """Name of the run whose record tests the models."""
+    return f"record-{seed}"
+
+
+def effort_key(law: str) -> str:
+    """Name of the run whose operations are counted."""
+    return f"effort-{law}"
+
+
+def model_error(kind: str, period_s: float) -> str:
+    """Name of a modelling error; kind: ``linear`` or ``integrated``."""
+    return f"{kind}_{period_s:g}s_kmh"
+
+
+def plan(seeds: Sequence[int]) -> list[Entry]:
     """All runs."""
     return [*_tracking(seeds), *_records(seeds[:1]), *_units(seeds), *_efforts()]
 
 
-def _tracking(seeds: Sequence[int]) -> Iterator[Planned]:
-    for situation, scenario in SCENARIOS.items():
-        faults = tuple(f"{_FAULT[situation]} @{at}s for {s}s" for at, s in WINDOWS_S) if situation in _FAULT else ()
-        settings = _CALM if situation == CALM else ()
-        values, file = _GIVEN.get(situation, ({}, ""))
-        for law in laws_of(situation):
-            given = ParameterSet(law, values, Path(file.format(law=law))) if values else None
-            for seed in seeds_of(situation, law, seeds):
+def _tracking(seeds: Sequence[int]) -> Iterator[Entry]:
+    for name, one in SITUATIONS.items():
+        faults = tuple(f"{one.fault} @{at}s for {s}s" for at, s in WINDOWS_S) if one.fault else ()
+        for law in one.laws:
+            given = ParameterSet(law, one.parameters, Path(one.file.format(law=law))) if one.parameters else None
+            made = keys_of(name, law, seeds)
+            for entry, seed in zip(made, seeds, strict=False):
                 how = LawSpec(law, _ARITHMETIC, parameters=given)
-                spec = RunSpec(scenario, settings, how, seed, bus="local", faults=faults)
-                is_drawn = law in DRAWN and situation not in BESIDE and seed == seeds[0]
-                yield Planned(key(situation, law, seed), spec, is_drawn, Coupled(_PORTS))
+                spec = RunSpec(one.scenario, one.settings, how, seed, bus="local", faults=faults)
+                is_drawn = law in DRAWN and name in (NORMAL, EMERGENCY, MUTATION) and seed == seeds[0]
+                yield Entry(entry, spec, is_drawn, CoupledRun(_PORTS))
 
 
-def _records(seeds: Sequence[int]) -> Iterator[Planned]:
+def _records(seeds: Sequence[int]) -> Iterator[Entry]:
     given = ParameterSet(_DRIVER, {_DITHER: _DITHER_MPS2}, Path("dither.toml"))
     for seed in seeds:
         law = LawSpec(_DRIVER, _ARITHMETIC, parameters=given)
-        spec = RunSpec(SCENARIOS[NORMAL], law=law, seed=seed, bus="local")
         # Over the in-process bus: a network is trained on a log.
-        yield Planned(record_key(seed), spec)
+        yield Entry(record_key(seed), RunSpec(_LINE, law=law, seed=seed, bus="local"))
 
 
-def _units(seeds: Sequence[int]) -> Iterator[Planned]:
+def _units(seeds: Sequence[int]) -> Iterator[Entry]:
     for kind, law, loop in UNITS:
         given = ParameterSet(law, {"loop": loop}, Path(f"mean_loop_{law}.toml")) if loop == "mean" else None
+        how = LawSpec(law, _ARITHMETIC, parameters=given)
         for seed in seeds:
-            spec = RunSpec(
-                _UNITS_SCENARIO[kind], law=LawSpec(law, _ARITHMETIC, parameters=given), seed=seed, bus="local"
-            )
-            yield Planned(units_key(kind, law, loop, seed), spec, how=Coupled(_UNITS_PORTS))
+            spec = RunSpec(_UNITS_SCENARIO[kind], law=how, seed=seed, bus="local")
+            yield Entry(units_key(kind, law, loop, seed), spec, experiment=CoupledRun(_UNITS_PORTS))
 
 
-def _efforts() -> Iterator[Planned]:
+def _efforts() -> Iterator[Entry]:
     for law in LAWS:
-        yield Planned(effort_key(law), RunSpec(_SHORT, law=LawSpec(law, _COUNTED), bus="local"))
+        yield Entry(effort_key(law), RunSpec(_SHORT, law=LawSpec(law, _COUNTED), bus="local"))
 
 
 def measure(outcome: Outcome) -> dict[str, float | None]:

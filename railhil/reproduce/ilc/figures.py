@@ -11,45 +11,29 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 from railhil.report import panels
 from railhil.report.figures import Picture, svg
 from railhil.report.styles import Style
-from railhil.reproduce.ilc import names, published
-from railhil.reproduce.ilc.names import (
-    CYCLES_MS,
-    EPSILONS_M,
-    MEAN,
-    P95,
-    PAPER_CASE,
-    RMS,
-    RUNS,
-    epsilon_key,
-    filter_key,
-    of_all,
-    of_last,
-    of_run,
-)
+from railhil.reproduce.ilc import runs
+from railhil.reproduce.ilc.findings import PRINTED, READINGS, mean_errors
+from railhil.reproduce.ilc.runs import EPSILONS_M, MEAN, P95, PAPER_CASE, RMS, epsilon_key, filter_key, of_run
 from railhil.reproduce.paper import Results
 
-_NUMBERS = range(1, RUNS + 1)
+_NUMBERS = range(1, runs.RUNS + 1)
 _MARKERS = "osD^v"
 _OURS = (
-    ("paper's law", names.OPEN_LEARNED),
-    ("observer, no balises", names.NO_BALISES),
-    ("15 % loss", names.LOSS),
-    ("observer, balises", names.OURS),
+    ("paper's law", runs.OPEN_LEARNED),
+    ("observer, no balises", runs.NO_BALISES),
+    ("15 % loss", runs.LOSS),
+    ("observer, balises", runs.OURS),
 )
 
 
-def pictures(results: Results) -> list[Picture]:
+def draw(results: Results) -> list[Picture]:
     """The figures for which entries were made."""
     drawn = [
-        _figure_6(results) if _made(results, [PAPER_CASE, filter_key(names.NONE)]) else None,
-        _table_2(results) if _made(results, [epsilon_key(EPSILONS_M[0], CYCLES_MS[0], learned=True)]) else None,
-        _ours(results) if _made(results, [key for _, key in _OURS]) else None,
+        _figure_6(results) if results.has([PAPER_CASE, filter_key(runs.NONE)]) else None,
+        _table_2(results) if results.has([epsilon_key(EPSILONS_M[0], runs.CYCLES_MS[0], learned=True)]) else None,
+        _ours(results) if results.has([key for _, key in _OURS]) else None,
     ]
     return [one for one in drawn if one is not None]
-
-
-def _made(results: Results, keys: Sequence[str]) -> bool:
-    return all(key in results.runs for key in keys)
 
 
 def _picture(name: str, title: str, caption: str, draw: Callable[[Axes], None]) -> Picture:
@@ -77,17 +61,21 @@ def _curve(
     )
 
 
+def _mark_printed(axes: Axes, x: float, error_m: float) -> None:
+    axes.plot([x], [error_m], "k*", markersize=8, linestyle="none", label="published")
+
+
 def _by_run(results: Results, key: str, figure: str) -> list[float | None]:
     return [results.value(key, of_run(figure, number)) for number in _NUMBERS]
 
 
 def _figure_6(results: Results) -> Picture:
     def errors(axes: Axes) -> None:
-        for number, (label, key) in enumerate((("packet", PAPER_CASE), ("no filter", filter_key(names.NONE)))):
+        for number, (label, key) in enumerate((("packet", PAPER_CASE), ("no filter", filter_key(runs.NONE)))):
             _curve(axes, _NUMBERS, _by_run(results, key, MEAN), number, label)
             _curve(axes, _NUMBERS, _by_run(results, key, P95), number, f"{label}, 95 %", dashed=True)
-        axes.plot([published.ITERATIONS], [published.ERROR_M], "k*", markersize=8, linestyle="none", label="published")
-        axes.axhline(published.LIMIT_M, color="0.7", linewidth=0.8)
+        _mark_printed(axes, PRINTED["iterations"], PRINTED["error_m"])
+        axes.axhline(PRINTED["limit_m"], color="0.7", linewidth=0.8)
         axes.set(yscale="log", ylabel="error (m)", xlabel="number of the run")
         _plain(axes)
 
@@ -100,16 +88,10 @@ def _figure_6(results: Results) -> Picture:
 
 def _table_2(results: Results) -> Picture:
     def errors(axes: Axes) -> None:
-        number = 0
-        for learned in (True, False):
-            for cycle_ms in CYCLES_MS:
-                keys = [epsilon_key(one, cycle_ms, learned=learned) for one in EPSILONS_M]
-                name = of_last(MEAN) if learned else of_all(MEAN)
-                label = f"{'learned' if learned else 'not learned'}, {cycle_ms} ms"
-                _curve(axes, EPSILONS_M, [results.value(key, name) for key in keys], number, label)
-                number += 1
-        for epsilon_m, (error_m, _) in published.TABLE_2.items():
-            axes.plot([epsilon_m], [error_m], "k*", markersize=8, linestyle="none", label="published")
+        for number, (learned, cycle_ms, label) in enumerate(READINGS):
+            _curve(axes, EPSILONS_M, [*mean_errors(results, learned, cycle_ms).values()], number, label)
+        for epsilon_m, (error_m, _) in PRINTED["table_2"].items():
+            _mark_printed(axes, float(epsilon_m), error_m)
         axes.set(ylabel="mean error (m)", xlabel="eps (m)", ylim=(0, None))
 
     caption = "Mean error over eps in four readings of table 2, of whose rows only one is known."

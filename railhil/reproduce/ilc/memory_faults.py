@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from railhil.campaign.extras import need
-from railhil.reproduce.learned import made_of
-from railhil.reproduce.ways import Made
+from railhil.reproduce.experiments import EntryResult, summarize_sequences
 from railhil.scenarios.memory import Memory, Record, Stored, in_order
 from railhil.scenarios.run_spec import RunSpec
 
@@ -98,7 +97,7 @@ class MemoryFaults:
     def words(self, spec: RunSpec) -> list[str]:
         return []
 
-    def make(self, spec: RunSpec, folder: Path) -> Made:
+    def make(self, spec: RunSpec, folder: Path) -> EntryResult:
         need("pyarrow", "campaign")
         from railhil.sequences.one import sequences
         from railhil.sequences.plan import run_specs
@@ -120,7 +119,7 @@ class MemoryFaults:
                 rows[place].append(run)
             every += rows
             found |= {value_name(fault, name): value for name, value in _figures(rows).items()}
-        return made_of(every, found)
+        return summarize_sequences(every, found)
 
 
 def _figures(rows: list[list[OneRun]]) -> dict[str, float | None]:

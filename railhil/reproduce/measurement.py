@@ -1,0 +1,123 @@
+"""Makes and measures the entries of a paper's protocol, each in one process without a bus, as many at a time as asked
+for."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
+from importlib.metadata import version
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+from railhil.cli.pool import each, stop_code, stopped_by
+from railhil.common.errors import InputError
+from railhil.common.held_code import OURS, held_sha256
+from railhil.common.whole_file import whole_file
+from railhil.reproduce.paper import Entry, Measurement, Paper, Results
+
+
+def measure_paper(
+    paper: Paper,
+    seeds: Sequence[int],
+    *,
+    jobs: int = 1,
+    kept: Path | None = None,
+    measured: Path | None = None,
+    only: str | None = None,
+    drawn: bool = False,
+    say: Callable[[str], None] = lambda sentence: None,
+) -> Results:
+    """Make all runs of a paper.
+
+    :param jobs: processes at a time; the result does not depend on it.
+    :param kept: where the run folders stay, each under the key of its run; None: nowhere.
+    :param measured: folder of the figures of each run; runs whose figures are there are not made again, except those
+        that are drawn. None: all are made.
+    :param only: pattern (:mod:`fnmatch`) of the names of the runs to make; of the others only those are in the result
+        whose figures are stored. None: all.
+    :param drawn: also keep the curves of the runs that a figure shows.
+    :param say: called after each run.
+    :raises InputError: a run cannot be made.
+    :raises NeverBegan: the nodes refused a run.
+    """
+    stored = set() if measured is None else {path.stem for path in measured.glob("*.json")}
+    entries = [one for one in paper.plan(seeds) if only is None or fnmatchcase(one.key, only) or one.key in stored]
+    found: dict[str, Measurement] = {}
+    # Made here: a process that is ended removes no folder.
+    with TemporaryDirectory(prefix="railhil-reproduce-") as private:
+        work = _Work(paper, kept, Path(private), measured, drawn, only)
+        try:
+            with each(work.measure, entries, jobs) as made:
+                for one in made:
+                    found[one.key] = one
+                    say(f"{len(found)} of {len(entries)}: {one.key} {one.verdict}")
+        except (KeyboardInterrupt, SystemExit) as error:
+            say(stopped_by(stop_code(error), len(found), len(entries)))
+            raise
+    return Results(tuple(seeds), found)
+
+
+@dataclass(frozen=True, slots=True)
+class _Work:
+    """What is done with each entry, perhaps in a process of its own; see :func:`measure_paper`."""
+
+    paper: Paper
+    kept: Path | None
+    private: Path
+    measured: Path | None
+    drawn: bool
+    only: str | None
+
+    def measure(self, entry: Entry) -> Measurement:
+        is_drawn = self.drawn and entry.drawn and (self.only is None or fnmatchcase(entry.key, self.only))
+        file = None if self.measured is None else self.measured / f"{entry.key}.json"
+        if file is not None and not is_drawn and file.is_file():
+            return _read(file, entry)
+        with ExitStack() as held:
+            place = self.kept or Path(held.enter_context(TemporaryDirectory(dir=self.private)))
+            made = entry.experiment.make(entry.spec, place / entry.key)
+            found = Measurement(
+                key=entry.key,
+                verdict=made.verdict,
+                reasons=made.reasons,
+                sha256=made.sha256,
+                values=dict(self.paper.measure(made.outcome)),
+                curves=self.paper.curves(made.outcome) if is_drawn else None,
+            )
+        if file is not None:
+            with whole_file(file) as draft:
+                draft.write_text(json.dumps(_stored(found, entry)) + "\n", encoding="utf-8", newline="\n")
+        return found
+
+
+def _identity(entry: Entry) -> dict[str, Any]:
+    return {"entry": entry.identity, "railhil": version("railhil"), "code_sha256": held_sha256(OURS)}
+
+
+def _stored(found: Measurement, entry: Entry) -> dict[str, Any]:
+    return {
+        **_identity(entry),
+        "verdict": found.verdict,
+        "reasons": found.reasons,
+        "sha256": found.sha256,
+        "measured": dict(found.values),
+    }
+
+
+def _read(file: Path, entry: Entry) -> Measurement:
+    """The stored figures of a run.
+
+    :raises InputError: they are those of another run, or of other code.
+    """
+    try:
+        found = json.loads(file.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise InputError(file, "file", str(error), "figures of a run, as --measured writes them") from None
+    for key, allowed in _identity(entry).items():
+        if found.get(key) != allowed:
+            raise InputError(file, key, str(found.get(key)), f"{allowed}, or no such file: the run is then made")
+    return Measurement(entry.key, found["verdict"], tuple(found["reasons"]), found["sha256"], found["measured"])
