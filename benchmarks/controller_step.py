@@ -10,10 +10,10 @@ import numpy as np
 from benchmarks.figures import Figure, MeasurementError, Setting, median, p99
 from benchmarks.recording import Recording, record
 from railhil.controller_node.arithmetic import make
+from railhil.controller_node.ato.controller import BatchController, Controller
+from railhil.controller_node.ato.loop import ControlLoop
 from railhil.controller_node.compiled_law import compile_law
-from railhil.controller_node.controller import BatchController, Controller
 from railhil.controller_node.laws.base import NOTCH_Q
-from railhil.controller_node.loop import ControlLoop
 from railhil.controller_node.program.cycles import CPU_MHZ
 from railhil.controller_node.program.ranges import analyse_law
 from railhil.scenarios.model import Scenario

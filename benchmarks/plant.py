@@ -7,7 +7,7 @@ from time import process_time
 from benchmarks.figures import Figure, MeasurementError, Setting
 from benchmarks.recording import Recording, record
 from railhil.bench import direct_run
-from railhil.plant_sim.plant import Plant
+from railhil.plant_sim.ato.plant import Plant
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 

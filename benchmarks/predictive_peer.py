@@ -13,9 +13,9 @@ from casadi import DM
 from benchmarks.figures import Figure, MeasurementError, Setting, median, p99
 from railhil.bench import Result, coupled_run
 from railhil.controller_node.arithmetic import make
-from railhil.controller_node.laws.ipfc_constants import IpfcParameters, internal_model
-from railhil.controller_node.laws.pfc_model import polynomial_fit
-from railhil.controller_node.loop import ControlLoop
+from railhil.controller_node.ato.ipfc_constants import IpfcParameters, internal_model
+from railhil.controller_node.ato.loop import ControlLoop
+from railhil.controller_node.ato.pfc_model import polynomial_fit
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec
 

@@ -18,7 +18,7 @@ from rich.table import Table
 from railhil.bench import coupled_run
 from railhil.common.command_line import OneLineParser, parse
 from railhil.common.exit_codes import guarded
-from railhil.controller_node.controller import Controller
+from railhil.controller_node.ato.controller import Controller
 from railhil.controller_node.laws.base import NOTCH_Q, BaliseReading
 from railhil.judge.score import Score
 from railhil.scenarios.load import load

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from railhil.bus.telegrams import NotchCmd
-from railhil.controller_node.controller import Controller
-from railhil.plant_sim.plant import Plant
+from railhil.controller_node.ato.controller import Controller
+from railhil.plant_sim.ato.plant import Plant
 from railhil.scenarios.model import Scenario
 
 

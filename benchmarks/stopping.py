@@ -24,7 +24,7 @@ from railhil.batch import BatchResult, Case, run_batch
 from railhil.common.command_line import SEED_MAX, OneLineParser, parse, whole_number
 from railhil.common.exit_codes import guarded
 from railhil.controller_node.arithmetic import names as arithmetics
-from railhil.controller_node.laws.ipfc_plus_stop_constants import IpfcPlusStopParameters
+from railhil.controller_node.ato.ipfc_plus_stop_constants import IpfcPlusStopParameters
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.options import add_option

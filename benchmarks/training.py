@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from benchmarks.figures import Figure, Setting, cpu_ns
-from railhil.controller_node.laws.high_speed.training import Recipe, Rows, train
+from railhil.controller_node.high_speed.training import Recipe, Rows, train
 
 TITLE = "training of networks"
 METHOD = (

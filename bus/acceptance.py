@@ -35,7 +35,7 @@ class Acceptance:
     A telegram is accepted if its life sign is new and all its check variables are correct, as far as it has them.
 
     :param counters: where refusals are counted by cause (``duplicate``, ``out_of_order``, ``check_variable``), and
-        ``gap`` for new telegrams after lost ones: the causes of :class:`railhil.controller_node.guard.Guard`.
+        ``gap`` for new telegrams after lost ones: the causes of :class:`railhil.controller_node.ato.guard.Guard`.
     :raises InputError: its life sign is not a number of 4 bits.
     """
 

@@ -10,8 +10,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+from railhil import controller_node
 from railhil.common.generated_source import compile_source
-from railhil.controller_node import laws
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Arithmetic
 from railhil.controller_node.arithmetic.float32 import Float32
@@ -69,7 +69,7 @@ def is_shipped(law: type[Any]) -> bool:
     A law of another distribution may do more than its operations: print a value, stop in a debugger, raise. That is not
     in its program.
     """
-    return law.__module__.startswith(f"{laws.__name__}.")
+    return law.__module__.startswith(f"{controller_node.__name__}.")
 
 
 def compile_law(

@@ -1,6 +1,6 @@
 """The interface through which the audit uses the controller of any system.
 
-:class:`~railhil.controller_node.controller.Controller` and
+:class:`~railhil.controller_node.ato.controller.Controller` and
 :class:`~railhil.controller_node.vector.controller.VectorController` implement it.
 """
 

@@ -19,7 +19,7 @@ _SCENARIO = "yizhuang_05"
 _CARTS = Path(__file__).parent / "data" / "toy_system" / "two_carts_2m.toml"
 _FAULTS = ("speed noise 0.05 @20s for 5s seed 3", "TRN_SPEED loss 30% @30s for 2s", "brake weak 0.9 @60s")
 #: A law in a distribution of its own, which does more than the shipped one that it extends.
-_LAW = '''from railhil.controller_node.laws.ipfc import Ipfc
+_LAW = '''from railhil.controller_node.ato.laws.ipfc import Ipfc
 
 
 class Own(Ipfc):

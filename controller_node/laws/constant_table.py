@@ -26,13 +26,13 @@ from typing import Any, Generic, TypeVar
 from railhil.common.errors import InputError, Words
 from railhil.controller_node.arithmetic.base import Constant
 
-FOLDER = Path(__file__).parent / "tables"
+FOLDER = Path(__file__).parents[1] / "ato" / "tables"
 COLUMNS = ("name", "q", "raw", "value", "rounding_error", "relative_error", "origin")
 #: A constant with a larger relative rounding error is reported.
 COARSE = 1e-4
 
-_TITLE = "# Constants of a control law, written by python -m railhil.controller_node.laws.generate, not by hand."
-_HINT = "python -m railhil.controller_node.laws.generate writes it anew"
+_TITLE = "# Constants of a control law, written by python -m railhil.controller_node.ato.generate, not by hand."
+_HINT = "python -m railhil.controller_node.ato.generate writes it anew"
 _NAME = re.compile(r"(\w+)((?:\[\d+\])*)")
 
 Table = TypeVar("Table")

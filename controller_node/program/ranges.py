@@ -13,8 +13,8 @@ from typing import Protocol
 
 from railhil.common.errors import InputError, Words
 from railhil.controller_node.arithmetic.base import INT32_MAX, INT32_MIN
-from railhil.controller_node.guard import SPEED_MAX_01MMPS
-from railhil.controller_node.loop import POSITION_MAX_01MM
+from railhil.controller_node.ato.guard import SPEED_MAX_01MMPS
+from railhil.controller_node.ato.loop import POSITION_MAX_01MM
 from railhil.controller_node.program.model import Kind, LawProgram, Operation, Program, Value
 
 #: Smallest and largest raw integer.

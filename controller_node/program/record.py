@@ -6,9 +6,9 @@ from collections.abc import Callable
 from typing import Any, Protocol
 
 from railhil.common.plug_ins import plugged_in
+from railhil.controller_node.ato.loop import NO_BALISE, ControlLoop
 from railhil.controller_node.laws.base import NOTCH_Q, BaliseReading
 from railhil.controller_node.laws.fault import law_fault
-from railhil.controller_node.loop import NO_BALISE, ControlLoop
 from railhil.controller_node.program.leaves import leaves, like
 from railhil.controller_node.program.model import BALISE_INPUTS, Kind, LawProgram, Program, Value
 from railhil.controller_node.program.tracer import FormatError, Tracer

@@ -240,7 +240,7 @@ class VectorController:
         return self._loop.state
 
     def kept(self) -> dict[str, Any] | None:
-        """See :meth:`railhil.controller_node.controller.Controller.kept`."""
+        """See :meth:`railhil.controller_node.ato.controller.Controller.kept`."""
         return self._loop.kept()
 
     def step(self, raws: Sequence[int]) -> VectorOutput:

@@ -22,7 +22,7 @@ from railhil.bus.mvb import TelegramSource
 from railhil.bus.select import BusChoice
 from railhil.cli import programs as outside
 from railhil.common.errors import InputError
-from railhil.controller_node.node import ControllerNode
+from railhil.controller_node.ato.node import ControllerNode
 from railhil.dbc import wire_contract
 from railhil.plant_sim.handshake import Refused
 from railhil.plant_sim.node import PlantNode

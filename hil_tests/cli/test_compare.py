@@ -23,7 +23,7 @@ from railhil.scenarios.parameters import load_parameters
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 
 _PLUGGED = """\
-from railhil.controller_node.laws.ipfc import Ipfc
+from railhil.controller_node.ato.laws.ipfc import Ipfc
 
 class Twin(Ipfc):
     name = "twin"

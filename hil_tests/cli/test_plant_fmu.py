@@ -14,8 +14,8 @@ from hil_tests.cli.conftest import Railhil
 from hil_tests.support import fmus
 from hil_tests.support.cli import Done, railhil_process
 from hil_tests.support.short_runs import RUN_72M_TOML
-from railhil.plant_sim.fmu.train import FmuTrain
-from railhil.plant_sim.train import TrainOnBus
+from railhil.plant_sim.ato.fmu import FmuTrain
+from railhil.plant_sim.ato.train import TrainOnBus
 from railhil.scenarios.load import load
 from railhil.scenarios.plant_fmu import PlantFmu
 

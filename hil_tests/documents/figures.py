@@ -31,7 +31,7 @@ WORN = "lvshun_tieshan_worn_wheels"
 SEEDS = range(1000, 1200)
 #: Laws in the order of the paper's table, then ours.
 LAWS = ("ipfc", "tpfc2", "tpfc1", "tdmc", "fuzzy_pid", "ipfc_plus", "ipfc_plus_stop")
-TUNED = ROOT / "controller_node/laws/tuned" / LVSHUN
+TUNED = ROOT / "controller_node/ato/tuned" / LVSHUN
 
 
 def computed(name: str) -> Sequence[str]:

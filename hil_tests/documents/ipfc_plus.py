@@ -14,7 +14,7 @@ from hil_tests.documents.figures import LVSHUN, WORN, batch, both, cycles, media
 from hil_tests.documents.laws import YIZHUANG
 from hil_tests.documents.readme import MANY
 from hil_tests.loop.test_position_loop import Fault, changed, late, run_with, silent
-from hil_tests.unit.controller_node.test_ipfc_plus import faulty
+from hil_tests.unit.controller_node.ato.test_ipfc_plus import faulty
 from railhil.batch import BatchResult
 from railhil.batch.statistics import estimate
 from railhil.bus.codes import CtlMode

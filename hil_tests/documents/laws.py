@@ -31,7 +31,7 @@ PERIODS_MS = (200, 300, 500, 1000)
 
 def constants(law: str, name: str) -> list[float]:
     """A vector of the law's table of constants."""
-    lines = (ROOT / f"controller_node/laws/tables/{law}.csv").read_text("utf-8").splitlines()
+    lines = (ROOT / f"controller_node/ato/tables/{law}.csv").read_text("utf-8").splitlines()
     rows = csv.DictReader(line for line in lines if not line.startswith("#"))
     return [float(one["value"]) for one in rows if one["name"].startswith(f"{name}[")]
 

@@ -15,8 +15,8 @@ from hil_tests.support.paths import ROOT
 from railhil.batch.statistics import estimate
 from railhil.bench import coupled_run
 from railhil.controller_node.arithmetic import make
+from railhil.controller_node.ato.loop import ControlLoop
 from railhil.controller_node.laws.base import BaliseReading
-from railhil.controller_node.loop import ControlLoop
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec
 

@@ -15,7 +15,7 @@ _SEEDS = range(201, 206)
 
 def modelling() -> Sequence[str]:
     """What the shipped ELM's file says of its training; a test makes the file again."""
-    notes = tuning_notes(ROOT / "controller_node/laws/high_speed/weights/elm_ngpc_hst1.toml")
+    notes = tuning_notes(ROOT / "controller_node/high_speed/weights/elm_ngpc_hst1.toml")
     return [
         row(f"{name}, km/h", *(f"{value:.4f}" for value in notes[key]))
         for name, key in (("linear model", "rmse_linear_kmh"), ("with the network", "rmse_integrated_kmh"))

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from hil_tests.support.health import healthy, noted_runs, pytest_runtest_setup  # noqa: F401 - fixtures, hook
-from railhil.plant_sim.command_watch import CommandWatchLevel
-from railhil.plant_sim.plant import Plant
+from railhil.plant_sim.ato.command_watch import CommandWatchLevel
+from railhil.plant_sim.ato.plant import Plant
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario
 

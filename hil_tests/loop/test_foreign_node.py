@@ -24,8 +24,8 @@ from railhil.bus.ident import CtlIdent, Role
 from railhil.bus.local import LocalBus
 from railhil.bus.mvb import F_DEVICE_STATUS, TelegramSource, check_sequence, master_frame
 from railhil.bus.telegrams import BalisePassed, NotchCmd, TrkInfo, TrnPos, TrnSpeed
-from railhil.controller_node.node import ControllerNode
-from railhil.controller_node.speed_watch import SpeedWatchLevel
+from railhil.controller_node.ato.node import ControllerNode
+from railhil.controller_node.ato.speed_watch import SpeedWatchLevel
 from railhil.dbc import wire_contract
 from railhil.plant_sim.node import PlantNode
 from railhil.record.session import Session

@@ -13,8 +13,8 @@ from railhil.bus.frame import Frame
 from railhil.bus.local import LocalBus
 from railhil.bus.mvb import TelegramSource, master_frame, parse_master_frame
 from railhil.bus.telegrams import CtlStat, NotchCmd, TimeSync, TrkInfo, TrnPos, TrnSpeed
-from railhil.controller_node.node import ControllerNode
-from railhil.controller_node.speed_watch import SpeedWatchLevel
+from railhil.controller_node.ato.node import ControllerNode
+from railhil.controller_node.ato.speed_watch import SpeedWatchLevel
 from railhil.dbc import wire_contract
 from railhil.plant_sim.node import PlantNode
 from railhil.record.session import Session

@@ -18,7 +18,7 @@ from railhil.bus.mvb import TelegramSource
 from railhil.bus.store import CAUSES
 from railhil.bus.telegrams import NotchCmd, SimTruth, TrnSpeed
 from railhil.dbc import wire_contract
-from railhil.plant_sim.command_watch import CommandWatchLevel
+from railhil.plant_sim.ato.command_watch import CommandWatchLevel
 from railhil.scenarios.model import Scenario
 
 SPEED_ID = TrnSpeed.port().address

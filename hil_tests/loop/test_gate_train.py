@@ -13,8 +13,8 @@ from railhil.bus.layout import CHECK_ERRONEOUS
 from railhil.bus.local import LocalBus
 from railhil.bus.mvb import TelegramSource
 from railhil.bus.telegrams import NotchCmd
-from railhil.controller_node.node import ControllerNode
-from railhil.plant_sim.command_watch import CommandWatchLevel
+from railhil.controller_node.ato.node import ControllerNode
+from railhil.plant_sim.ato.command_watch import CommandWatchLevel
 from railhil.plant_sim.node import PlantNode
 from railhil.record.session import Session
 from railhil.scenarios.model import Scenario

@@ -17,8 +17,8 @@ from railhil.bus.injector.controller_side import FaultyController
 from railhil.bus.mvb import TelegramSource
 from railhil.bus.telegrams import CtlStat, NotchCmd, RunEvent, TrnPos, TrnSpeed
 from railhil.common.errors import InputError
+from railhil.controller_node.ato.node import ControllerNode
 from railhil.controller_node.faulty import controller_of
-from railhil.controller_node.node import ControllerNode
 from railhil.dbc import wire_contract
 from railhil.judge.fault_report import fault_outcomes, missed_faults
 from railhil.record.framelog import read_log

@@ -18,7 +18,7 @@ from hil_tests.support.paths import ROOT
 from hil_tests.support.plug import plug_in
 from hil_tests.support.remembering import Learning
 from railhil.common.exit_codes import FAIL, INVALID, PASS, TOOL_ERROR, USAGE
-from railhil.controller_node.laws.ipfc import Ipfc
+from railhil.controller_node.ato.laws.ipfc import Ipfc
 from railhil.judge.result import Result
 from railhil.run import make
 from railhil.run.memory import learned

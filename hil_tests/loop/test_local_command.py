@@ -20,8 +20,8 @@ from hil_tests.support.published import PUBLISHED_SHA256, PUBLISHED_WIRE_5_SHA25
 from hil_tests.support.wire_5 import as_wire_5
 from railhil.bus.transports import limits, limits_of
 from railhil.common.exit_codes import FAIL, INVALID, PASS, USAGE
+from railhil.controller_node.ato.laws.ipfc import Ipfc, IpfcState
 from railhil.controller_node.laws.base import LawInputs, LawOutputs
-from railhil.controller_node.laws.ipfc import Ipfc, IpfcState
 from railhil.controller_node.program.tracer import Tracer
 from railhil.dbc import wire_contract
 from railhil.judge.folder import code_files

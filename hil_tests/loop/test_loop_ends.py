@@ -14,12 +14,12 @@ from railhil.bus.ident import CtlIdent, PltIdent
 from railhil.bus.local import LocalBus
 from railhil.bus.mvb import TelegramSource, master_frame
 from railhil.bus.telegrams import EVENT_COPIES, CtlStat, NotchCmd, RunEvent, SimTruth
-from railhil.controller_node.node import ControllerNode
+from railhil.controller_node.ato.node import ControllerNode
 from railhil.judge.score import score
-from railhil.plant_sim import dynamics
+from railhil.plant_sim.ato import dynamics
+from railhil.plant_sim.ato.plant import PlantError
 from railhil.plant_sim.handshake import Refused
 from railhil.plant_sim.node import PlantNode
-from railhil.plant_sim.plant import PlantError
 from railhil.record.session import Session
 from railhil.record.trace import Trace
 from railhil.scenarios.run_spec import LawSpec, RunSpec

@@ -10,7 +10,7 @@ from railhil.bench import Result, direct_run, local_run
 from railhil.bus.codes import Event
 from railhil.bus.frame import Frame
 from railhil.bus.telegrams import CtlStat, NotchCmd, SimTruth, TrnSpeed
-from railhil.controller_node.node import MAILBOXES, ControllerNode
+from railhil.controller_node.ato.node import MAILBOXES, ControllerNode
 from railhil.dbc import wire_contract
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario

@@ -20,8 +20,8 @@ from railhil.bus.safe_telegrams import SAFE_DATA_VERSION, NotchSdt, SpeedSdt
 from railhil.bus.sdt import SafeSource, source_identity
 from railhil.bus.telegrams import NotchCmd, TrnSpeed
 from railhil.common.errors import InputError
-from railhil.controller_node.node import ControllerNode
-from railhil.plant_sim.command_watch import CommandWatchLevel
+from railhil.controller_node.ato.node import ControllerNode
+from railhil.plant_sim.ato.command_watch import CommandWatchLevel
 from railhil.plant_sim.node import PlantNode
 from railhil.record.session import Session
 from railhil.scenarios.load import load

@@ -22,9 +22,9 @@ from railhil.bus.telegrams import CtlStat, NotchCmd, SimTruth
 from railhil.common.exit_codes import FAIL, PASS
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Constant
+from railhil.controller_node.ato.laws.ipfc import Ipfc, IpfcState
+from railhil.controller_node.ato.node import ControllerNode
 from railhil.controller_node.laws.base import SPEED_Q, LawInputs, LawOutputs
-from railhil.controller_node.laws.ipfc import Ipfc, IpfcState
-from railhil.controller_node.node import ControllerNode
 from railhil.controller_node.program.tracer import Tracer
 from railhil.controller_node.telemetry_file import write_telemetry
 from railhil.judge.folder import junit, rerun_needs, run_command, score_json

@@ -17,7 +17,7 @@ from railhil.bus.store import TrafficStore
 from railhil.bus.telegrams import HEADROOM_UNUSED, NO_QUANTITY, CtlStat
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import DIVISION_BY_ZERO, SATURATION, WRAP
-from railhil.controller_node.node import ControllerNode
+from railhil.controller_node.ato.node import ControllerNode
 from railhil.controller_node.telemetry import Telemetry
 from railhil.controller_node.telemetry_file import telemetry_document
 from railhil.judge.score import STATUS

@@ -15,7 +15,7 @@ from railhil.audit.shadow import compare_codes, errors, shadow_run
 from railhil.batch import Case, run_batch, trace_digest
 from railhil.bench import direct_run, local_run
 from railhil.controller_node.arithmetic import make
-from railhil.controller_node.controller import BatchController, Controller
+from railhil.controller_node.ato.controller import BatchController, Controller
 from railhil.controller_node.laws import load as load_law
 from railhil.controller_node.laws.base import Law
 from railhil.controller_node.laws.parameters import law_parameters

@@ -13,7 +13,7 @@ from hil_tests.mutation.targets import explained
 from hil_tests.support.gate_sweeps import SWEEPS
 from hil_tests.support.store_sweeps import STORE_SWEEPS
 from railhil.bus import lifesign, store
-from railhil.controller_node import guard
+from railhil.controller_node.ato import guard
 
 ALL_SWEEPS = {**STORE_SWEEPS, **SWEEPS}
 

@@ -10,9 +10,9 @@ from pathlib import Path
 from hil_tests.properties.laws import SEEDS, LawProperties
 from railhil.batch import Case, run_batch
 from railhil.controller_node.arithmetic import make
+from railhil.controller_node.ato.loop import ControlLoop
 from railhil.controller_node.laws import load as load_law
 from railhil.controller_node.laws import names
-from railhil.controller_node.loop import ControlLoop
 from railhil.controller_node.program.record import record
 from railhil.scenarios.load import load
 from railhil.scenarios.parameters import ParameterSet

@@ -15,11 +15,11 @@ from railhil.bus.safe_telegrams import SAFE_DATA_VERSION, SpeedSdt
 from railhil.bus.schedule import Schedule
 from railhil.bus.sdt import SafeSource, source_identity
 from railhil.bus.telegrams import TrnSpeed
-from railhil.controller_node.channel import CHANNEL_WINDOW_MS, Debt
-from railhil.controller_node.guard import Guard
-from railhil.controller_node.plausibility import Motion, MotionLimits
-from railhil.controller_node.safe_speed import SafeSpeed
-from railhil.controller_node.speed_watch import Ladder, SpeedWatchLevel
+from railhil.controller_node.ato.channel import CHANNEL_WINDOW_MS, Debt
+from railhil.controller_node.ato.guard import Guard
+from railhil.controller_node.ato.plausibility import Motion, MotionLimits
+from railhil.controller_node.ato.safe_speed import SafeSpeed
+from railhil.controller_node.ato.speed_watch import Ladder, SpeedWatchLevel
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Safety
 

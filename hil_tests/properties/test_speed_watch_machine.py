@@ -12,7 +12,7 @@ from hypothesis.stateful import RuleBasedStateMachine, initialize, rule
 
 from hil_tests.support.speed_seen import Seen
 from railhil.bus.codes import CtlCause
-from railhil.controller_node.speed_watch import Ladder, Reception, SpeedWatchState, command, observe
+from railhil.controller_node.ato.speed_watch import Ladder, Reception, SpeedWatchState, command, observe
 from railhil.scenarios.load import load
 
 LADDER = Ladder.of(load("lvshun_tieshan"))

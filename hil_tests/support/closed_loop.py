@@ -6,8 +6,8 @@ from typing import Any
 
 from railhil.bench import direct_run
 from railhil.controller_node.arithmetic.base import Counters
-from railhil.controller_node.controller import Controller
-from railhil.plant_sim.plant import Plant
+from railhil.controller_node.ato.controller import Controller
+from railhil.plant_sim.ato.plant import Plant
 from railhil.scenarios.load import load
 from railhil.scenarios.perturb import perturbed
 from railhil.scenarios.run_spec import LawSpec, RunSpec

@@ -9,7 +9,7 @@ from pathlib import Path
 from hil_tests.support.foreign import CNode, without_telemetry
 from railhil.bus.mvb import TelegramSource, master_frame
 from railhil.bus.telegrams import CtlStat, NotchCmd, TimeSync, TrkInfo, TrnSpeed
-from railhil.controller_node.node import ControllerNode
+from railhil.controller_node.ato.node import ControllerNode
 from railhil.dbc import wire_contract
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario, TargetCurve, WatchLimits

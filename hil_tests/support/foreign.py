@@ -17,8 +17,8 @@ from railhil.bus.hub.wire import EFF_FLAG, ERR_FLAG, RTR_FLAG
 from railhil.bus.ident import CtlIdent
 from railhil.bus.local import LocalBus
 from railhil.bus.telegrams import CtlStat
+from railhil.controller_node.ato.node import ControllerNode
 from railhil.controller_node.export import make_bundle, write_bundle
-from railhil.controller_node.node import ControllerNode
 from railhil.plant_sim.node import PlantNode
 from railhil.record.session import Session
 from railhil.scenarios.model import Scenario

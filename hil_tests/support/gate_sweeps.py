@@ -11,8 +11,8 @@ from typing import Any
 from hil_tests.support.guard_sweeps import GUARD_SWEEPS
 from railhil.bus.codes import WatchCause
 from railhil.bus.telegrams import NotchCmd
-from railhil.controller_node import guard
-from railhil.plant_sim import gate
+from railhil.controller_node.ato import guard
+from railhil.plant_sim.ato import gate
 from railhil.scenarios.load import load
 
 SCENARIO = load("lvshun_tieshan")

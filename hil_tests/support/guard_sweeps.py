@@ -14,10 +14,9 @@ from typing import Any
 from railhil.bus.codes import CtlCause
 from railhil.bus.safe_telegrams import SpeedSdt
 from railhil.bus.telegrams import TrkInfo, TrnSpeed
-from railhil.controller_node.ecan import BitCounter
-from railhil.controller_node.odometer import Odometer
-from railhil.controller_node.safe_speed import SafeSpeed
-from railhil.controller_node.speed_watch import (
+from railhil.controller_node.ato.odometer import Odometer
+from railhil.controller_node.ato.safe_speed import SafeSpeed
+from railhil.controller_node.ato.speed_watch import (
     LEVELS,
     Finding,
     Ladder,
@@ -27,6 +26,7 @@ from railhil.controller_node.speed_watch import (
     command,
     observe,
 )
+from railhil.controller_node.ecan import BitCounter
 from railhil.scenarios.load import load
 
 SCENARIO = load("lvshun_tieshan")

@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 from railhil.faults.model import Fault, Place, Trigger, Value
-from railhil.plant_sim.events import PlantEvent
+from railhil.plant_sim.ato.events import PlantEvent
+from railhil.plant_sim.ato.faults.train import FaultyTrain
+from railhil.plant_sim.ato.plant import Plant
 from railhil.plant_sim.faults.injections import Injections
-from railhil.plant_sim.faults.train import FaultyTrain
-from railhil.plant_sim.plant import Plant
 from railhil.scenarios.fault_list import drawn
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario

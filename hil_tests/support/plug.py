@@ -9,9 +9,9 @@ from typing import Any
 import pytest
 
 from railhil.controller_node.arithmetic.base import Constant
+from railhil.controller_node.ato.laws.ipfc import Ipfc, IpfcState
 from railhil.controller_node.laws import GROUP
 from railhil.controller_node.laws.base import LawInputs, LawOutputs
-from railhil.controller_node.laws.ipfc import Ipfc, IpfcState
 from railhil.controller_node.program.tracer import Tracer
 
 

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from railhil.controller_node.arithmetic.base import Arithmetic, Constant
+from railhil.controller_node.ato.laws.ipfc import Ipfc
 from railhil.controller_node.laws.base import NOTCH_Q, SPEED_Q, LawInputs, LawOutputs
-from railhil.controller_node.laws.ipfc import Ipfc
 from railhil.controller_node.laws.memory import NOTHING, Remembered
 from railhil.scenarios.model import Scenario
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from railhil.controller_node.speed_watch import Finding, Reception
+from railhil.controller_node.ato.speed_watch import Finding, Reception
 
 
 class Seen(NamedTuple):
-    """Arguments of :func:`railhil.controller_node.speed_watch.observe`, after ladder and state."""
+    """Arguments of :func:`railhil.controller_node.ato.speed_watch.observe`, after ladder and state."""
 
     age_ms: int
     telegram: Reception = Reception.NONE

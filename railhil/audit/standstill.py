@@ -17,8 +17,8 @@ from railhil.audit.bars import CODE_DIFFERENCE_MAX, Bar, Look
 from railhil.common.digits import count_of
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Arithmetic
+from railhil.controller_node.ato.loop import ControlLoop
 from railhil.controller_node.laws.base import NOTCH_Q, SPEED_Q, BaliseReading, LawInputs, TrackInputs
-from railhil.controller_node.loop import ControlLoop
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec
 

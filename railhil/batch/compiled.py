@@ -26,12 +26,13 @@ from railhil.common import compilable
 from railhil.common.compilable import F, field_types, interpreted, result_type, source_of
 from railhil.common.extras import missing
 from railhil.judge import measures
+from railhil.plant_sim import forces
 
 # Importing them registers their marked functions with numba.
-from railhil.plant_sim import command_watch, dynamics, forces, sensors, train_checks
+from railhil.plant_sim.ato import command_watch, dynamics, sensors, train_checks
 from railhil.plant_sim.high_speed import dynamics as high_speed_dynamics
 from railhil.plant_sim.high_speed import watch as high_speed_watch
-from railhil.plant_sim.stopping import brake as stopping_brake
+from railhil.plant_sim.stop import brake as stopping_brake
 from railhil.scenarios import counted_normals, target
 
 try:

@@ -2,7 +2,7 @@
 
 For the shipped laws in ``iq``, ``float64`` and ``float32``. In another arithmetic, and for a law of somebody else or
 with an operation that cannot be emitted, the law itself is computed on arrays
-(:class:`railhil.controller_node.loop.ControlLoop`); so are the first control period, and a step of a train in which
+(:class:`railhil.controller_node.ato.loop.ControlLoop`); so are the first control period, and a step of a train in which
 something is to be counted.
 """
 
@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 
 from railhil.batch import compiled, law_parts
 from railhil.controller_node.arithmetic import make
+from railhil.controller_node.ato.loop import NO_BALISE, ControlLoop
 from railhil.controller_node.compiled_law import is_shipped
 from railhil.controller_node.laws import load
 from railhil.controller_node.laws.base import BaliseReading
-from railhil.controller_node.loop import NO_BALISE, ControlLoop
 from railhil.controller_node.program.emit_numba import emit_numba
 from railhil.controller_node.program.emit_python import FIXED, FLOAT32, FLOAT64, is_state
 from railhil.controller_node.program.leaves import leaves, like

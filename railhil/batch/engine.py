@@ -19,8 +19,8 @@ from railhil.batch.setup import Times, Trains, common, status_tick, trains
 from railhil.bus.codes import Event
 from railhil.bus.telegrams import SimTruth
 from railhil.controller_node.arithmetic.base import DIVISION_BY_ZERO, SATURATION, WRAP
+from railhil.controller_node.ato.loop import NO_BALISE, POSITION_MAX_01MM
 from railhil.controller_node.laws.base import NOTCH_Q, BaliseReading
-from railhil.controller_node.loop import NO_BALISE, POSITION_MAX_01MM
 from railhil.judge import measures
 from railhil.judge.journey import ErrorGrid, stop_of
 from railhil.judge.score import Measured, Score, judged

@@ -17,15 +17,15 @@ from railhil.batch import lanes as at
 from railhil.batch.lanes import LANES
 from railhil.common.compilable import larger, smaller
 from railhil.judge.measures import error_kmh
-from railhil.plant_sim import events, plant
-from railhil.plant_sim.command_watch import (
+from railhil.plant_sim.ato import events, plant
+from railhil.plant_sim.ato.command_watch import (
     GOOD_AFTER_SERVICE_BRAKE,
     CommandWatchLevel,
     CommandWatchState,
     watch_step,
 )
-from railhil.plant_sim.dynamics import lag
-from railhil.plant_sim.plant import SLIVER_TICKS
+from railhil.plant_sim.ato.dynamics import lag
+from railhil.plant_sim.ato.plant import SLIVER_TICKS
 
 #: Sources of the machine code, in addition to the functions shared with the bench.
 _SOURCES = (

@@ -14,17 +14,17 @@ from railhil.batch import lanes as at
 from railhil.batch.layout import Common, PerTrain
 from railhil.bus.schedule import Schedule
 from railhil.bus.telegrams import CtlStat, NotchCmd, SimTruth, TrnPos
-from railhil.controller_node.loop import POSITION_MAX_01MM, limited_01mm
+from railhil.controller_node.ato.loop import POSITION_MAX_01MM, limited_01mm
 from railhil.judge.journey import ErrorGrid
 from railhil.plant_sim import force_tables
-from railhil.plant_sim.command_watch import INITIAL, watch_ticks
-from railhil.plant_sim.dynamics import lag
+from railhil.plant_sim.ato.command_watch import INITIAL, watch_ticks
+from railhil.plant_sim.ato.dynamics import lag
+from railhil.plant_sim.ato.plant import NOTCH_LSB_PER_NOTCH
+from railhil.plant_sim.ato.run_end import RunEnd
+from railhil.plant_sim.ato.train_checks import slow_decay, train_checks
 from railhil.plant_sim.faults.mismatch import Mismatch
 from railhil.plant_sim.faults.plants import constant_mismatches
 from railhil.plant_sim.forces import EffortLimit
-from railhil.plant_sim.plant import NOTCH_LSB_PER_NOTCH
-from railhil.plant_sim.run_end import RunEnd
-from railhil.plant_sim.train_checks import slow_decay, train_checks
 from railhil.run.coupled import coupled_schedule
 from railhil.scenarios.model import Effort, Scenario
 from railhil.scenarios.perturb import unit_draws, with_draws

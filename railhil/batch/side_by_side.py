@@ -15,8 +15,8 @@ from railhil.batch import compiled
 from railhil.batch import lanes as at
 from railhil.batch.lanes import LANES
 from railhil.batch.train import constants_of, forces_of, motion_of, truth_of
-from railhil.plant_sim import dynamics, train_checks
-from railhil.plant_sim.dynamics import FREE, Lag
+from railhil.plant_sim.ato import dynamics, train_checks
+from railhil.plant_sim.ato.dynamics import FREE, Lag
 from railhil.plant_sim.forces import EffortLimit, GradeTable
 
 _step = compiled.straight(dynamics.step)

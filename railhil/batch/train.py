@@ -18,17 +18,17 @@ from railhil.bus.codes import Event
 from railhil.bus.telegrams import STOP_LEG_MIN_M
 from railhil.common.compilable import larger, smaller
 from railhil.judge.measures import error_kmh, limits_under_train, work_j
-from railhil.plant_sim.command_watch import (
+from railhil.plant_sim.ato.command_watch import (
     CommandWatchLevel,
     CommandWatchState,
     watch_brake_mps2,
     watch_step,
 )
-from railhil.plant_sim.dynamics import Lag, Motion, Window, acceleration_mps2, applied_n, lag, step
+from railhil.plant_sim.ato.dynamics import Lag, Motion, Window, acceleration_mps2, applied_n, lag, step
+from railhil.plant_sim.ato.plant import NOTCH_LSB_PER_NOTCH, SLIVER_TICKS
+from railhil.plant_sim.ato.sensors import odometer_reading_mm, speed_reading_01mmps
+from railhil.plant_sim.ato.train_checks import ForceState, forces_step, is_beyond_authority, is_running, is_weak
 from railhil.plant_sim.forces import GradeTable, TrainConstants
-from railhil.plant_sim.plant import NOTCH_LSB_PER_NOTCH, SLIVER_TICKS
-from railhil.plant_sim.sensors import odometer_reading_mm, speed_reading_01mmps
-from railhil.plant_sim.train_checks import ForceState, forces_step, is_beyond_authority, is_running, is_weak
 
 _COMPLETE, _NOT_STOPPED = float(Event.ENDED_COMPLETE), float(Event.ENDED_NOT_STOPPED)
 #: Raw SIM_TRUTH: scales of position, speed and forces, and the largest force.

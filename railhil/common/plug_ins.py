@@ -1,15 +1,25 @@
-"""Installed entry points of a group: the laws and systems that plug in."""
+"""Entry points of a group: the laws and systems that plug in, and the laws that come with railhil."""
 
 from __future__ import annotations
 
 import importlib.metadata
+import pkgutil
 import sys
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from functools import cache
+from importlib.util import find_spec
 from typing import Any
 
 from railhil.common.exit_codes import Signalled
+
+#: Packages with the laws that come with railhil, by their group. A module there is a law: a class, the module's name
+#: in capitals (``mm_gpc``: ``MmGpc``).
+SHIPPED = {
+    "railhil.laws": "railhil.controller_node.ato.laws",
+    "railhil.laws_high_speed": "railhil.controller_node.high_speed.laws",
+    "railhil.laws_stop": "railhil.controller_node.stop.laws",
+}
 
 
 class EndsInterpreter(Exception):
@@ -43,7 +53,16 @@ def entries(group: str) -> Mapping[str, importlib.metadata.EntryPoint]:
 
 @cache
 def _entries(group: str, path: tuple[str, ...]) -> Mapping[str, importlib.metadata.EntryPoint]:
-    return {entry.name: entry for entry in _every(path).select(group=group)}
+    return {entry.name: entry for entry in (*_every(path).select(group=group), *_shipped(group))}
+
+
+def _shipped(group: str) -> Iterator[importlib.metadata.EntryPoint]:
+    if group in SHIPPED:
+        package = find_spec(SHIPPED[group])
+        assert package is not None
+        for module in pkgutil.iter_modules(package.submodule_search_locations):
+            law = "".join(word.capitalize() for word in module.name.split("_"))
+            yield importlib.metadata.EntryPoint(module.name, f"{package.name}.{module.name}:{law}", group)
 
 
 @cache

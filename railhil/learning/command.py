@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 from railhil.common.command_line import SEED_MAX, OneLineParser, whole_number
 from railhil.common.streams import add_json_argument
-from railhil.controller_node.laws.high_speed.network import HIDDEN_MAX
+from railhil.controller_node.high_speed.network import HIDDEN_MAX
 
 #: Kind on the command line -> law that uses the networks.
 LAWS = {"elm": "elm_ngpc", "bp": "bp_ngpc", "os_elm": "os_elm_ngpc"}

@@ -8,9 +8,9 @@ from dataclasses import fields
 from importlib.metadata import version
 from typing import Any
 
-from railhil.controller_node.laws.high_speed.modelling import HELD_OUT
-from railhil.controller_node.laws.high_speed.network import Network
-from railhil.controller_node.laws.high_speed.training import BP_DECAY, BP_ITERATIONS, Recipe
+from railhil.controller_node.high_speed.modelling import HELD_OUT
+from railhil.controller_node.high_speed.network import Network
+from railhil.controller_node.high_speed.training import BP_DECAY, BP_ITERATIONS, Recipe
 from railhil.judge.record import Record
 from railhil.learning.models import Learned
 from railhil.record.framelog import log_sha256

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 from railhil.common.digits import count_of
 from railhil.common.errors import InputError, Words
-from railhil.controller_node.laws.high_speed.model import pade_zoh
-from railhil.controller_node.laws.high_speed.modelling import HELD_OUT, PERIODS_S, ModelError, rows_of, trained
-from railhil.controller_node.laws.high_speed.network import Network
-from railhil.controller_node.laws.high_speed.training import Recipe, Rows
+from railhil.controller_node.high_speed.model import pade_zoh
+from railhil.controller_node.high_speed.modelling import HELD_OUT, PERIODS_S, ModelError, rows_of, trained
+from railhil.controller_node.high_speed.network import Network
+from railhil.controller_node.high_speed.training import Recipe, Rows
 from railhil.judge.record import Record
 from railhil.learning.series import Series, series_of
 

@@ -16,9 +16,9 @@ from railhil.bus.layout import Telegram
 from railhil.bus.schedule import Schedule
 from railhil.bus.telegrams import NotchCmd, SimTruth, TrnPos, TrnSpeed
 from railhil.common.errors import InputError, Words
-from railhil.controller_node.controller import Controller
+from railhil.controller_node.ato.controller import Controller
+from railhil.controller_node.ato.loop import NO_BALISE, limited_01mm
 from railhil.controller_node.laws.base import BaliseReading
-from railhil.controller_node.loop import NO_BALISE, limited_01mm
 from railhil.controller_node.vector.controller import VectorController, VectorOutput
 from railhil.controller_node.vector.law import Interface
 from railhil.controller_node.vector.status import status_telegram
@@ -27,12 +27,12 @@ from railhil.faults.language import parse
 from railhil.judge.judging import judging_of
 from railhil.judge.result import Result
 from railhil.plant_sim.any_plant import AnyPlant
+from railhil.plant_sim.ato.plant import Plant
+from railhil.plant_sim.ato.run_end import RunEnd
+from railhil.plant_sim.ato.telegrams import TrainTelegrams
 from railhil.plant_sim.cycle import TickLoop
 from railhil.plant_sim.faults.plants import LEVELS, constant_mismatches, make_plant
 from railhil.plant_sim.milestones import Milestones
-from railhil.plant_sim.plant import Plant
-from railhil.plant_sim.run_end import RunEnd
-from railhil.plant_sim.telegrams import TrainTelegrams
 from railhil.record.trace import Trace
 from railhil.scenarios.model import AnyScenario, Scenario
 from railhil.scenarios.perturb import perturbed

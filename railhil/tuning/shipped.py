@@ -1,13 +1,13 @@
-"""Parameter files that come with the package: ``controller_node/laws/tuned/<scenario>/<law>.toml``."""
+"""Parameter files that come with the package: ``controller_node/ato/tuned/<scenario>/<law>.toml``."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
-import railhil.controller_node.laws
+import railhil.controller_node.ato
 from railhil.scenarios.parameters import ParameterSet, load_parameters
 
-FOLDER = Path(railhil.controller_node.laws.__file__).parent / "tuned"
+FOLDER = Path(railhil.controller_node.ato.__file__).parent / "tuned"
 
 
 def shipped() -> list[ParameterSet]:

@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 
 from railhil.controller_node.arithmetic.base import Curve
 from railhil.controller_node.arithmetic.float64 import Float64Batch, Floats
+from railhil.controller_node.ato.loop import NO_BALISE
 from railhil.controller_node.laws.base import BaliseReading
-from railhil.controller_node.loop import NO_BALISE
 from railhil.controller_node.program.evaluate import Evaluator
 from railhil.controller_node.program.model import BALISE_INPUTS, LawProgram, Operation, Program, Table, Value
 
@@ -137,7 +137,7 @@ class _Outputs(NamedTuple):
 
 
 class StackedLoop:
-    """Replaces a :class:`~railhil.controller_node.loop.ControlLoop`: ``repeat`` trains for each of several programs.
+    """A :class:`~railhil.controller_node.ato.loop.ControlLoop` of ``repeat`` trains for each of several programs.
 
     :param programs: of one :func:`shape`, recorded with ``wide``.
     """

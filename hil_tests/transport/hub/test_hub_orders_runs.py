@@ -22,7 +22,7 @@ from railhil.bus.hub.orders import Order
 from railhil.bus.link import Link
 from railhil.bus.link.batch import BatchLink
 from railhil.bus.telegrams import NotchCmd, SimTruth
-from railhil.controller_node.node import ControllerNode
+from railhil.controller_node.ato.node import ControllerNode
 from railhil.controller_node.serve import serve
 from railhil.plant_sim.node import PlantNode
 from railhil.record.framelog import FrameLog, read_log

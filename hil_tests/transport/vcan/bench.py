@@ -27,8 +27,8 @@ from railhil.bus.select import BusChoice
 from railhil.common.exit_codes import guarded
 from railhil.common.patience import Lifelines
 from railhil.common.scheduling import cycle
+from railhil.controller_node.ato.node import ControllerNode
 from railhil.controller_node.faulty import controller_of, write_fault_log
-from railhil.controller_node.node import ControllerNode
 from railhil.controller_node.serve import run_controller
 from railhil.controller_node.telemetry_file import write_telemetry
 from railhil.judge.result import Result

@@ -19,7 +19,7 @@ from railhil.bus.link import open_link
 from railhil.bus.mvb import F_DEVICE_STATUS
 from railhil.bus.order import BusOrder
 from railhil.bus.telegrams import NotchCmd
-from railhil.controller_node.node import ControllerNode
+from railhil.controller_node.ato.node import ControllerNode
 from railhil.dbc import wire_contract
 from railhil.record.framelog import read_log
 from railhil.record.trace import trace_of

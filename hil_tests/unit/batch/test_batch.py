@@ -24,11 +24,11 @@ from railhil.bench import coupled_run, direct_run, local_run
 from railhil.common.errors import InputError
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Constant
-from railhil.controller_node.controller import Controller
-from railhil.controller_node.laws.ipfc import Ipfc
-from railhil.controller_node.loop import ControlLoop
+from railhil.controller_node.ato.controller import Controller
+from railhil.controller_node.ato.laws.ipfc import Ipfc
+from railhil.controller_node.ato.loop import ControlLoop
 from railhil.controller_node.program.tracer import Tracer
-from railhil.plant_sim.sensors import AxleSensors
+from railhil.plant_sim.ato.sensors import AxleSensors
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Balise
 from railhil.scenarios.run_spec import LawSpec, RunSpec

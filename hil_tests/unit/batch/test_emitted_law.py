@@ -11,9 +11,9 @@ import pytest
 from railhil.batch.emitted_law import EmittedLoop, EmittedProgram, loop_of
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import DIVISION_BY_ZERO, SATURATION, WRAP, Constant, Curve
+from railhil.controller_node.ato.loop import ControlLoop
 from railhil.controller_node.laws import load as load_law
 from railhil.controller_node.laws.base import BaliseReading
-from railhil.controller_node.loop import ControlLoop
 from railhil.controller_node.program.model import Program
 from railhil.controller_node.program.ranges import analyse
 from railhil.controller_node.program.tracer import Tracer

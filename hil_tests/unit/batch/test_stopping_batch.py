@@ -17,7 +17,7 @@ from railhil.batch.stopping import runs
 from railhil.batch.stopping.runs import Together, run_stops, run_together
 from railhil.bench import direct_run
 from railhil.controller_node.laws.memory import NOTHING, Remembered
-from railhil.controller_node.laws.stopping.one_shot import OneShot
+from railhil.controller_node.stop.laws.one_shot import OneShot
 from railhil.controller_node.vector.controller import VectorController
 from railhil.record.learned import kept_of
 from railhil.scenarios.load import load_any

@@ -20,8 +20,8 @@ from railhil.bus.link.single import SingleLink
 from railhil.bus.local import LocalBus
 from railhil.bus.mvb import F_DEVICE_STATUS, TelegramSource, device_status_frame, master_frame
 from railhil.bus.telegrams import TrnSpeed
-from railhil.controller_node.node import ControllerNode
-from railhil.controller_node.speed_watch import SpeedWatchLevel
+from railhil.controller_node.ato.node import ControllerNode
+from railhil.controller_node.ato.speed_watch import SpeedWatchLevel
 from railhil.plant_sim.node import PlantNode
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 

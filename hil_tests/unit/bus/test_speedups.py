@@ -11,11 +11,11 @@ from railhil.bus import ident, safe_telegrams, telegrams
 from railhil.bus.frame import Frame, quick_frame
 from railhil.bus.layout import Telegram
 from railhil.bus.mvb import check_sequence, parse_master_frame
-from railhil.controller_node.loop import POSITION_MAX_01MM, limited_01mm
-from railhil.controller_node.speed_watch import Ladder, SpeedWatchLevel, SpeedWatchState, command
-from railhil.plant_sim import dynamics
-from railhil.plant_sim.plant import Plant
-from railhil.plant_sim.telegrams import TrainTelegrams
+from railhil.controller_node.ato.loop import POSITION_MAX_01MM, limited_01mm
+from railhil.controller_node.ato.speed_watch import Ladder, SpeedWatchLevel, SpeedWatchState, command
+from railhil.plant_sim.ato import dynamics
+from railhil.plant_sim.ato.plant import Plant
+from railhil.plant_sim.ato.telegrams import TrainTelegrams
 from railhil.record.framelog import log_line
 from railhil.scenarios.load import load
 from railhil.scenarios.target import Target

@@ -12,7 +12,8 @@ import numpy as np
 import pytest
 
 from railhil.common.compilable import compilable, compilable_aside, field_types, larger, result_type, smaller
-from railhil.plant_sim import dynamics, forces, sensors
+from railhil.plant_sim import forces
+from railhil.plant_sim.ato import dynamics, sensors
 
 numba = pytest.importorskip("numba", reason="MISSING CAPABILITY numba (extra campaign)")
 #: Equal numbers of both signs, ties, and what lies beside them.

@@ -16,7 +16,7 @@ from railhil.scenarios.system import system_named
 
 LAW = """\
 from helped_law.gain import GAIN
-from railhil.controller_node.laws.ipfc import Ipfc
+from railhil.controller_node.ato.laws.ipfc import Ipfc
 
 
 class Helped(Ipfc):

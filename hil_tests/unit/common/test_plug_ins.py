@@ -30,7 +30,7 @@ def test_a_signal_is_none() -> None:
     [
         ("import sys\nsys.exit()\n", r"found 'ending:Law', allowed an entry point that can be imported \(EndsInter"),
         (
-            "import sys\nfrom railhil.controller_node.laws.ipfc import Ipfc\n"
+            "import sys\nfrom railhil.controller_node.ato.laws.ipfc import Ipfc\n"
             "class Law(Ipfc):\n    def __init__(self, *given):\n        sys.exit(0)\n",
             "found a law that fails at its start, allowed .*EndsInterpreter: it ends the interpreter",
         ),

@@ -19,11 +19,11 @@ from railhil.common.generated_source import compile_source
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Constant
 from railhil.controller_node.arithmetic.float32 import FLT_MAX, FLT_MIN
+from railhil.controller_node.ato.controller import Controller
+from railhil.controller_node.ato.laws.ipfc import Ipfc
 from railhil.controller_node.compiled_law import compile_law
-from railhil.controller_node.controller import Controller
 from railhil.controller_node.laws import load as load_law
 from railhil.controller_node.laws.base import BaliseReading
-from railhil.controller_node.laws.ipfc import Ipfc
 from railhil.controller_node.program.emit_python import FIXED, FLOAT32, FLOAT64, emit_python
 from railhil.controller_node.program.leaves import leaves
 from railhil.controller_node.program.model import Value

@@ -8,8 +8,8 @@ import pytest
 
 from hil_tests.support.paths import ROOT
 from railhil.common.exit_codes import USAGE, exit_code_of
+from railhil.controller_node.ato.node import ANSWERS, MAILBOXES, mailboxes
 from railhil.controller_node.ecan.mailboxes import POLL, Mailbox, check_table, mailbox_table
-from railhil.controller_node.node import ANSWERS, MAILBOXES, mailboxes
 from railhil.dbc import ContractError, Port, wire_contract
 
 CONTRACT = wire_contract()

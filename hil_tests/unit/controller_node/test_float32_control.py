@@ -15,10 +15,10 @@ from hil_tests.support.ipfc_steps import BASIS, STEPS
 from railhil.bench import local_run
 from railhil.bus.codes import Event
 from railhil.controller_node.arithmetic import make
-from railhil.controller_node.controller import Controller
+from railhil.controller_node.ato.controller import Controller
+from railhil.controller_node.ato.laws.ipfc import Ipfc, IpfcState
+from railhil.controller_node.ato.loop import ControlLoop
 from railhil.controller_node.laws.base import NOTCH_Q, LawInputs
-from railhil.controller_node.laws.ipfc import Ipfc, IpfcState
-from railhil.controller_node.loop import ControlLoop
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 
 #: Largest difference of the notch before quantising, in notches (measured 2.4e-5 and 9.7e-5; a code is 3.9e-3).

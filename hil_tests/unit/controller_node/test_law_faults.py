@@ -12,14 +12,14 @@ import pytest
 from benchmarks.figures import QUICK_TOML
 from hil_tests.support.cli import railhil
 from railhil.common.errors import InputError
-from railhil.controller_node.controller import Controller
+from railhil.controller_node.ato.controller import Controller
 from railhil.controller_node.laws import load as load_law
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec
 
 MODULE = """\
 from railhil.controller_node.laws.base import SPEED_Q
-from railhil.controller_node.laws.ipfc import Ipfc
+from railhil.controller_node.ato.laws.ipfc import Ipfc
 from railhil.common.errors import InputError
 
 class Fussy(Ipfc):

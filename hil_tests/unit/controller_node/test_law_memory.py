@@ -8,7 +8,7 @@ import pytest
 
 from hil_tests.support.remembering import Learning
 from railhil.common.errors import InputError
-from railhil.controller_node.laws.ipfc import Ipfc
+from railhil.controller_node.ato.laws.ipfc import Ipfc
 from railhil.controller_node.laws.memory import NOTHING, Remembered, choice, memory_arguments
 from railhil.scenarios.load import load
 from railhil.scenarios.memory import Memory, Record, Stored, no_memory

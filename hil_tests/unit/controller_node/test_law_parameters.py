@@ -12,13 +12,13 @@ import pytest
 from railhil.bench import direct_run, local_run
 from railhil.bus.ident import CtlIdent, law_code
 from railhil.common.errors import InputError
-from railhil.controller_node.controller import Controller
+from railhil.controller_node.ato.controller import Controller
+from railhil.controller_node.ato.ipfc_constants import IpfcParameters
+from railhil.controller_node.ato.laws.ipfc import Ipfc
+from railhil.controller_node.ato.pfc_constants import Wavelet
 from railhil.controller_node.laws import load as load_law
 from railhil.controller_node.laws import names
-from railhil.controller_node.laws.ipfc import Ipfc
-from railhil.controller_node.laws.ipfc_constants import IpfcParameters
 from railhil.controller_node.laws.parameters import law_parameters
-from railhil.controller_node.laws.pfc_constants import Wavelet
 from railhil.scenarios.load import load
 from railhil.scenarios.parameters import ParameterSet, load_parameters
 from railhil.scenarios.run_spec import LawSpec, RunSpec

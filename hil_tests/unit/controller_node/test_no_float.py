@@ -17,9 +17,9 @@ from railhil.bus.responder import Reading
 from railhil.bus.telegrams import NotchCmd, TrnPos, TrnSpeed
 from railhil.controller_node.arithmetic.base import Constant
 from railhil.controller_node.arithmetic.iq import C28, Portable
-from railhil.controller_node.controller import Controller
-from railhil.controller_node.node import ControllerNode
-from railhil.controller_node.speed_watch import SpeedWatchLevel
+from railhil.controller_node.ato.controller import Controller
+from railhil.controller_node.ato.node import ControllerNode
+from railhil.controller_node.ato.speed_watch import SpeedWatchLevel
 from railhil.scenarios.run_spec import LawSpec
 
 

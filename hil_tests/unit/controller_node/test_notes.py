@@ -10,9 +10,9 @@ import pytest
 
 from hil_tests.support.plug import plug_in
 from railhil.common.errors import InputError
-from railhil.controller_node.controller import BatchController, Controller
+from railhil.controller_node.ato.controller import BatchController, Controller
+from railhil.controller_node.ato.laws.ipfc import Ipfc
 from railhil.controller_node.laws import load, names
-from railhil.controller_node.laws.ipfc import Ipfc
 from railhil.controller_node.laws.note import Note, flags, on_wire, on_wire_batch, slots
 from railhil.controller_node.telemetry_file import law_document
 from railhil.scenarios.load import load as load_scenario

@@ -10,8 +10,8 @@ import pytest
 
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import INT32_MIN, Constant, Curve
+from railhil.controller_node.ato.loop import ControlLoop
 from railhil.controller_node.laws.base import NOTCH_Q
-from railhil.controller_node.loop import ControlLoop
 from railhil.controller_node.program.cycles import C28X_CYCLES, FPU_CYCLES, estimated_cycles
 from railhil.controller_node.program.evaluate import Evaluator
 from railhil.controller_node.program.leaves import leaves, like

@@ -20,12 +20,12 @@ from railhil.bus.telegrams import NotchCmd, TimeSync, TrnPos, TrnSpeed
 from railhil.common.errors import InputError
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Constant, Curve
-from railhil.controller_node.controller import BatchController, Controller
+from railhil.controller_node.ato.controller import BatchController, Controller
+from railhil.controller_node.ato.laws.ipfc import Ipfc
+from railhil.controller_node.ato.loop import ControlLoop
+from railhil.controller_node.ato.node import ControllerNode
 from railhil.controller_node.laws import load as load_law
 from railhil.controller_node.laws import names
-from railhil.controller_node.laws.ipfc import Ipfc
-from railhil.controller_node.loop import ControlLoop
-from railhil.controller_node.node import ControllerNode
 from railhil.controller_node.program.leaves import leaves
 from railhil.controller_node.program.model import Program
 from railhil.controller_node.program.ranges import WIRE, analyse, analyse_law

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import INT32_MAX, INT32_MIN, SATURATION, WRAP, Arithmetic
-from railhil.controller_node.controller import BatchController, Controller
+from railhil.controller_node.ato.controller import BatchController, Controller
 from railhil.controller_node.program.model import Quantity, Value
 from railhil.controller_node.telemetry import QuantityTelemetry, Telemetry
 from railhil.scenarios.load import load

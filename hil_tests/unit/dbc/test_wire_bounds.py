@@ -15,10 +15,10 @@ from railhil.bus.store import TrafficStore
 from railhil.bus.telegrams import BalisePassed, CtlStat, RunEvent, SimTruth, TimeSync, TrkInfo, TrnPos
 from railhil.common.errors import InputError
 from railhil.controller_node.arithmetic import make
-from railhil.controller_node.loop import ControlLoop
-from railhil.plant_sim.dynamics import Motion
-from railhil.plant_sim.plant import Plant
-from railhil.plant_sim.telegrams import TrainTelegrams
+from railhil.controller_node.ato.loop import ControlLoop
+from railhil.plant_sim.ato.dynamics import Motion
+from railhil.plant_sim.ato.plant import Plant
+from railhil.plant_sim.ato.telegrams import TrainTelegrams
 from railhil.record.trace import Trace
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec

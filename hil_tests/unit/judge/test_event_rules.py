@@ -17,7 +17,7 @@ from railhil.bus.ident import PltIdent, Role
 from railhil.bus.layout import CHECK_CORRECT, FLAG_FALSE, FLAG_TRUE, Telegram
 from railhil.bus.mvb import TelegramSource, master_frame
 from railhil.bus.telegrams import NotchCmd, PltStat, TrnPos, TrnSpeed, TrnWatch
-from railhil.controller_node.guard import SPEED_MAX_01MMPS
+from railhil.controller_node.ato.guard import SPEED_MAX_01MMPS
 from railhil.dbc import recorded_contract, wire_contract
 from railhil.judge.events.derive import events_of
 from railhil.judge.events.event import RecordedEvent

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from railhil.common.errors import InputError
-from railhil.controller_node.laws.high_speed.delay_gpc import DelayGpc
+from railhil.controller_node.high_speed.laws.delay_gpc import DelayGpc
 from railhil.judge.training_seeds import check_unseen, seed_was_trained
 from railhil.record.telemetry import LawOrigin
 from railhil.scenarios.design_seeds import chosen_on

@@ -12,8 +12,8 @@ import pytest
 from hil_tests.support.cli import railhil
 from railhil.bench import direct_run
 from railhil.common.errors import InputError
-from railhil.controller_node.laws.high_speed.learned import WEIGHTS, shipped_networks
-from railhil.controller_node.laws.high_speed.training import Recipe
+from railhil.controller_node.high_speed.learned import WEIGHTS, shipped_networks
+from railhil.controller_node.high_speed.training import Recipe
 from railhil.judge.record import Record
 from railhil.learning.document import document, notes
 from railhil.learning.models import learn

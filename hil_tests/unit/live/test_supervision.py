@@ -14,7 +14,7 @@ from railhil.bus.frame import Frame
 from railhil.bus.local import LocalBus
 from railhil.bus.mvb import master_frame
 from railhil.bus.telegrams import SupCmd
-from railhil.controller_node.node import ControllerNode
+from railhil.controller_node.ato.node import ControllerNode
 from railhil.plant_sim.node import PlantNode
 from railhil.plant_sim.supervision import SupervisorWatch
 from railhil.record.session import Session

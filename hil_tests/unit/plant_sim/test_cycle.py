@@ -12,12 +12,12 @@ from railhil.bus.schedule import Schedule
 from railhil.bus.telegrams import CtlStat, NotchCmd, SimTruth, SupCmd, TimeSync, TrnPos, TrnSpeed
 from railhil.dbc import Port
 from railhil.plant_sim.any_plant import PlantError
+from railhil.plant_sim.ato.events import PlantEvent
+from railhil.plant_sim.ato.plant import Plant
+from railhil.plant_sim.ato.run_end import BRAKING_MAX_NS, RunEnd
+from railhil.plant_sim.ato.telegrams import TrainTelegrams
 from railhil.plant_sim.cycle import TickLoop
-from railhil.plant_sim.events import PlantEvent
 from railhil.plant_sim.milestones import Milestones
-from railhil.plant_sim.plant import Plant
-from railhil.plant_sim.run_end import BRAKING_MAX_NS, RunEnd
-from railhil.plant_sim.telegrams import TrainTelegrams
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Balise, Scenario
 

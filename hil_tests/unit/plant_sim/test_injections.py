@@ -11,11 +11,11 @@ from railhil.bus.injector.log import Hit
 from railhil.common.errors import InputError
 from railhil.faults.language import parse
 from railhil.faults.model import Trigger
+from railhil.plant_sim.ato.faults.train import FaultyTrain
 from railhil.plant_sim.faults import plants
 from railhil.plant_sim.faults.injections import Injections, MotionEvents
 from railhil.plant_sim.faults.mismatch import Mismatch
 from railhil.plant_sim.faults.plants import FMU_PART, constant_mismatches, in_plant, make_plant, needs_nodes
-from railhil.plant_sim.faults.train import FaultyTrain
 from railhil.scenarios.fault_list import drawn
 from railhil.scenarios.load import load_any
 from railhil.scenarios.plant_fmu import PlantFmu

@@ -78,7 +78,7 @@ def test_an_unknown_system_in_a_scenario_file(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("system", "part", "said"),
     [
-        (replace(ATO, plant="railhil.plant_sim.train:Nobody"), "plant", "a part that can be imported"),
+        (replace(ATO, plant="railhil.plant_sim.ato.train:Nobody"), "plant", "a part that can be imported"),
         (ATO, "interface", "found no such part"),
         (ATO, "events", "found no such part"),
     ],

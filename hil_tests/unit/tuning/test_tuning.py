@@ -21,7 +21,7 @@ from railhil.controller_node import laws
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Constant, Curve
 from railhil.controller_node.arithmetic.float64 import Float64Batch
-from railhil.controller_node.laws.ipfc import Ipfc
+from railhil.controller_node.ato.laws.ipfc import Ipfc
 from railhil.controller_node.program.evaluate import Evaluator
 from railhil.controller_node.program.model import Kind, LawProgram
 from railhil.controller_node.program.tracer import Tracer

@@ -10,8 +10,8 @@ import numpy as np
 from railhil.batch.stopping.kernel import Common, Fleet
 from railhil.bus.stopping import SAMPLES
 from railhil.plant_sim.high_speed.watch import answer_ticks, share_of
-from railhil.plant_sim.stopping.draws import RunDraw, drawn_run, drawn_train
-from railhil.plant_sim.stopping.train import TICK_S, course_of, start_of, wander_of
+from railhil.plant_sim.stop.draws import RunDraw, drawn_run, drawn_train
+from railhil.plant_sim.stop.train import TICK_S, course_of, start_of, wander_of
 from railhil.scenarios import streams
 from railhil.scenarios.run_spec import RunSpec
 

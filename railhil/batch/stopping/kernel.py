@@ -1,6 +1,6 @@
 """The compiled loop over many trains that stop, with the plant's own functions.
 
-It does what :class:`railhil.plant_sim.stopping.train.StopTrain` and its watch do, in the same order.
+It does what :class:`railhil.plant_sim.stop.train.StopTrain` and its watch do, in the same order.
 """
 
 from __future__ import annotations
@@ -12,9 +12,9 @@ from railhil.bus import stopping
 from railhil.bus.stopping import MM, SAMPLE_S, SAMPLES
 from railhil.common.compilable import larger, smaller
 from railhil.plant_sim.high_speed.watch import brake_looked_at
-from railhil.plant_sim.stopping import train as train_module
-from railhil.plant_sim.stopping.brake import Course, Going, Motion, achieved, gone_on
-from railhil.plant_sim.stopping.train import SPEED_RAW_MAX, TICK_S
+from railhil.plant_sim.stop import train as train_module
+from railhil.plant_sim.stop.brake import Course, Going, Motion, achieved, gone_on
+from railhil.plant_sim.stop.train import SPEED_RAW_MAX, TICK_S
 
 #: Files whose constants are compiled into the loop.
 _SOURCES = (__file__, str(train_module.__file__), str(stopping.__file__))

@@ -41,7 +41,7 @@ from railhil.controller_node.vector.controller import VectorController, VectorLo
 from railhil.judge.judging import judging_of
 from railhil.judge.score import Score
 from railhil.plant_sim.any_plant import PlantError
-from railhil.plant_sim.stopping.plant import DOORS_NS, ODO_MAX, TICK_NS
+from railhil.plant_sim.stop.plant import DOORS_NS, ODO_MAX, TICK_NS
 from railhil.plant_sim.timed_run import due_tick_of
 from railhil.run.coupled import direct_run
 from railhil.scenarios.model import AnyScenario

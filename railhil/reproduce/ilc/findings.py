@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from railhil.common.digits import percent
-from railhil.controller_node.laws.stopping.taps import taps
+from railhil.controller_node.stop.taps import taps
 from railhil.reproduce.comparison import (
     Band,
     Finding,

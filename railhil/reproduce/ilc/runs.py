@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from railhil.plant_sim.stopping.draws import drawn_run, drawn_train
+from railhil.plant_sim.stop.draws import drawn_run, drawn_train
 from railhil.reproduce.experiments import SequenceRuns, SequenceSet, check_consecutive
 from railhil.reproduce.ilc.memory_faults import MemoryFaults
 from railhil.reproduce.paper import Entry, read_text

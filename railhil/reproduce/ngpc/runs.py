@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from railhil.bus.high_speed import wire
-from railhil.controller_node.laws.high_speed.training import Recipe
+from railhil.controller_node.high_speed.training import Recipe
 from railhil.judge.record import Record
 from railhil.learning.models import learn
 from railhil.library import Outcome

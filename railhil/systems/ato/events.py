@@ -11,7 +11,7 @@ from railhil.judge.events.declared import Interlocks, Received, Watch
 from railhil.scenarios.model import Scenario
 
 _NOTCH_LSB_PER_NOTCH = 256
-#: Speeds that the controller accepts (0.1 mm/s); a test compares with :mod:`railhil.controller_node.guard`.
+#: Speeds that the controller accepts (0.1 mm/s); a test compares with :mod:`railhil.controller_node.ato.guard`.
 SPEED_RANGE_01MMPS = (0, 1_500_000)
 _KMH = 3.6
 

@@ -13,7 +13,7 @@ from railhil.bench import direct_run
 from railhil.common.errors import InputError
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Problem
-from railhil.controller_node.laws.high_speed.train_model import (
+from railhil.controller_node.high_speed.train_model import (
     SUBSTEPS,
     CouplerModel,
     Prediction,

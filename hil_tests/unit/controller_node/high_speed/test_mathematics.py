@@ -8,15 +8,15 @@ from scipy.linalg import expm
 from scipy.signal import cont2discrete
 
 from railhil.controller_node.arithmetic import make
-from railhil.controller_node.laws.high_speed.model import (
+from railhil.controller_node.high_speed.model import (
     bilinear,
     bilinear_without_direct,
     exponential,
     pade_zoh,
 )
-from railhil.controller_node.laws.high_speed.predictor import first_row, predictions, weights
-from railhil.controller_node.laws.high_speed.reals import Reals
-from railhil.controller_node.laws.high_speed.stability import Train, spectral_radius
+from railhil.controller_node.high_speed.predictor import first_row, predictions, weights
+from railhil.controller_node.high_speed.reals import Reals
+from railhil.controller_node.high_speed.stability import Train, spectral_radius
 
 RE = Reals(make("float64"))
 LAG_S = 0.4

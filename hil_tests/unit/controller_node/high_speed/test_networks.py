@@ -11,10 +11,10 @@ import pytest
 
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Constant
-from railhil.controller_node.laws.high_speed.network import Forward, Network
-from railhil.controller_node.laws.high_speed.os_elm import SequentialStep
-from railhil.controller_node.laws.high_speed.sigmoid import CONSTANTS, REACH, sigmoid, sigmoid_of
-from railhil.controller_node.laws.high_speed.training import Recipe, Rows, input_scaling, output_weights, train
+from railhil.controller_node.high_speed.network import Forward, Network
+from railhil.controller_node.high_speed.os_elm import SequentialStep
+from railhil.controller_node.high_speed.sigmoid import CONSTANTS, REACH, sigmoid, sigmoid_of
+from railhil.controller_node.high_speed.training import Recipe, Rows, input_scaling, output_weights, train
 
 #: Sampling period, delay and lag of the linear model.
 MODEL = (1.0, 0.5, 0.4)

@@ -6,12 +6,10 @@ import numpy as np
 import pytest
 
 from railhil.controller_node.arithmetic import make
-from railhil.controller_node.laws.high_speed.a_gpc import Rls, rls_step, triangle
-from railhil.controller_node.laws.high_speed.carima import increments
-from railhil.controller_node.laws.high_speed.delay_gpc import error_weights
-from railhil.controller_node.laws.high_speed.delay_line import DelayLines, step_response
-from railhil.controller_node.laws.high_speed.estimators import LowPass, NoEstimate, Past
-from railhil.controller_node.laws.high_speed.identification import (
+from railhil.controller_node.high_speed.carima import increments
+from railhil.controller_node.high_speed.delay_line import DelayLines, step_response
+from railhil.controller_node.high_speed.estimators import LowPass, NoEstimate, Past
+from railhil.controller_node.high_speed.identification import (
     coefficients,
     dead_zone,
     differenced_step,
@@ -19,11 +17,13 @@ from railhil.controller_node.laws.high_speed.identification import (
     residual,
     theta_of,
 )
-from railhil.controller_node.laws.high_speed.kalman import Belief, Noise, corrected, predicted
-from railhil.controller_node.laws.high_speed.law import between
-from railhil.controller_node.laws.high_speed.model import pade_zoh
-from railhil.controller_node.laws.high_speed.reals import Reals
-from railhil.controller_node.laws.high_speed.stability import Train, transition
+from railhil.controller_node.high_speed.kalman import Belief, Noise, corrected, predicted
+from railhil.controller_node.high_speed.law import between
+from railhil.controller_node.high_speed.laws.a_gpc import Rls, rls_step, triangle
+from railhil.controller_node.high_speed.laws.delay_gpc import error_weights
+from railhil.controller_node.high_speed.model import pade_zoh
+from railhil.controller_node.high_speed.reals import Reals
+from railhil.controller_node.high_speed.stability import Train, transition
 
 RE = Reals(make("float64"))
 MODEL = pade_zoh(0.5, 0.4, 1.0)

@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 
 from railhil.controller_node.arithmetic import make
-from railhil.controller_node.laws.high_speed.carima import Track, command_of, increments, radius, tracked
-from railhil.controller_node.laws.high_speed.core import Sample, Unit
-from railhil.controller_node.laws.high_speed.delay_gpc import DelayCore, DelayGpcParameters, radii
-from railhil.controller_node.laws.high_speed.delay_loop import loop_radius
-from railhil.controller_node.laws.high_speed.kalman import steady_gains
-from railhil.controller_node.laws.high_speed.model import pade_zoh
-from railhil.controller_node.laws.high_speed.reals import Reals
-from railhil.controller_node.laws.high_speed.stability import Train, transition
+from railhil.controller_node.high_speed.carima import Track, command_of, increments, radius, tracked
+from railhil.controller_node.high_speed.core import Sample, Unit
+from railhil.controller_node.high_speed.delay_loop import loop_radius
+from railhil.controller_node.high_speed.kalman import steady_gains
+from railhil.controller_node.high_speed.laws.delay_gpc import DelayCore, DelayGpcParameters, radii
+from railhil.controller_node.high_speed.model import pade_zoh
+from railhil.controller_node.high_speed.reals import Reals
+from railhil.controller_node.high_speed.stability import Train, transition
 
 RE = Reals(make("float64"))
 LAG_S, PERIOD_S = 0.4, 1.0

@@ -1,0 +1,259 @@
+"""The export of a train's law: inputs are the readings of one train, the output is one notch.
+
+It is the part ``export`` of the system ``ato``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Any
+
+from railhil.bus.safe_telegrams import SAFE_DATA_VERSION, NotchSdt, SpeedSdt
+from railhil.bus.schedule import Schedule
+from railhil.bus.sdt import source_identity
+from railhil.bus.telegrams import NotchCmd, TrnPos, TrnSpeed
+from railhil.controller_node.arithmetic import make
+from railhil.controller_node.arithmetic.base import Arithmetic
+from railhil.controller_node.ato import balises, odometer, track_info
+from railhil.controller_node.ato import export_runs as notch_runs
+from railhil.controller_node.ato.channel import Latency
+from railhil.controller_node.ato.loop import NO_BALISE, ControlLoop
+from railhil.controller_node.ato.node import ANSWERS, MAILBOXES, SAFE_ANSWERS, SAFE_MAILBOXES, end_of_authority_01mm
+from railhil.controller_node.ato.plausibility import MotionLimits
+from railhil.controller_node.ato.speed_watch import Ladder
+from railhil.controller_node.cost import cost_of
+from railhil.controller_node.export.control import (
+    Comments,
+    Control,
+    Define,
+    Loop,
+    Macro,
+    Period,
+    Play,
+    Source,
+    Wire,
+    Word,
+)
+from railhil.controller_node.export.names import wide
+from railhil.controller_node.laws import load
+from railhil.controller_node.laws.base import NOTCH_Q, BaliseReading
+from railhil.controller_node.laws.note import SLOTS, slots
+from railhil.controller_node.program.model import BALISE_INPUTS, Value
+from railhil.controller_node.program.record import record
+from railhil.dbc import Port
+from railhil.scenarios.model import Scenario
+from railhil.scenarios.run_spec import LawSpec
+
+_BALISE_WORDS = ";\n * last balise: number (0: none yet), surveyed position, odometer reading when passed (0.1 mm)"
+_ARITHMETIC = "iq"
+_AGES = "age of the last accepted TRN_SPEED"
+_CYCLES_MAX = 0xFFFF
+_NS_PER_S = 1_000_000_000
+
+
+def _motion(scenario: Scenario) -> list[Define]:
+    """Thresholds and model of the checks of the motion, and of the monitors of the channel."""
+    limits, latency = MotionLimits.of(scenario), Latency(scenario)
+    track_cut_ns, track_brake_ns = track_info.ages_ns(scenario)
+    return [
+        Define("JUMP_01MMPS", wide(limits.jump_01mmps), "change of the speed by noise alone"),
+        Define("SPEED_CHANGE_01MMPS2", wide(limits.accel_01mmps2), "a faster change is refused"),
+        Define("STUCK_01MMPS", wide(limits.stuck_01mmps), "change that is due while the reading does not change"),
+        Define("SCALE_ERROR_PERMIL", wide(limits.scale_permil), "disagreement of speed and odometer over 5 s"),
+        Define("DISAGREEMENT_01MM", wide(limits.disagreement_01mm), "in addition"),
+        Define("BRAKE_SHARE_PERMIL", wide(limits.brake_share_permil), "a brake below this does not answer"),
+        Define("RUNAWAY_01MMPS", wide(limits.runaway_01mmps), "excess of the speed without traction"),
+        Define("DECAY_Q16", wide(limits.decay_q16), "share of the way to the notch's force in 100 ms"),
+        Define("NOTCH_01MMPS2", wide(limits.notch_01mmps2), "acceleration of one notch"),
+        Define("BRAKE_01MMPS2", wide(limits.brake_01mmps2), "of the brake where it is weakest"),
+        Define("TRACTION_01MMPS2", wide(limits.traction_01mmps2), "of the traction where it is strongest"),
+        Define("WEAK_TRACTION_01MMPS2", wide(limits.weak_traction_01mmps2), "where it is weakest"),
+        Define("DAVIS_A", wide(limits.davis_a), "resistance of the nominal train, 0.1 mm/s2"),
+        Define("DAVIS_B_Q20", wide(limits.davis_b_q20)),
+        Define("DAVIS_C_Q40", wide(limits.davis_c_q40)),
+        Define("GRADE_Q16", wide(limits.grade_q16), "of a grade of 0.01 permil"),
+        Define("NOTCH_TICKS", wide(latency.poll_ticks), "between two polls of NOTCH_CMD"),
+        Define("LATENCY_MAX_TICKS", wide(latency.limit_ticks), "TRN_SPEED behind the polls"),
+        Define("CHANNEL_BAD_MAX", wide(scenario.watch.channel_bad_max), "bad TRN_SPEED permitted in 10 s"),
+        Define("TRACK_CUT_NS", wide(track_cut_ns), "TRK_INFO older than this cuts the traction"),
+        Define("TRACK_BRAKE_NS", wide(track_brake_ns), "and brakes"),
+        Define("OVERRUNS_MAX", wide(scenario.watch.overruns_max), "late control periods in a row"),
+    ]
+
+
+class _NotchLoop:
+    """See :class:`railhil.controller_node.export.control.Loop`."""
+
+    def __init__(self, loop: ControlLoop[int]) -> None:
+        self._loop = loop
+
+    @property
+    def state(self) -> Any:
+        return self._loop.state
+
+    def step(self, given: Sequence[int]) -> tuple[Any, Any]:
+        k, speed_01mmps, position_01mm, *balise = given
+        return self._loop.step(k, speed_01mmps, position_01mm, BaliseReading(*balise) if balise else NO_BALISE)
+
+    def sent(self, told: Sequence[int]) -> None:
+        self._loop.sent(self._loop.arithmetic.from_raw(told[0], NOTCH_Q))
+
+
+class NotchControl(Control):
+    """See :class:`railhil.controller_node.export.control.Control`."""
+
+    scenario: Scenario
+    period_word = "k"
+    folder = "railhil.controller_node.ato:c"
+    sources = ("railhil_position.c", "railhil_motion.c", "railhil_guard.c", "railhil_law.c")
+    headers = ("railhil_position.h", "railhil_motion.h", "railhil_safe.h", "railhil_guard.h", "railhil_law.h")
+
+    def __init__(self, scenario: Scenario, law: LawSpec) -> None:
+        super().__init__(scenario, law)
+        self.programs = record(scenario, law)
+        first = [Word(name, name, name) for name in ("k", "speed_01mmps", "position_01mm")]
+        balise = [Word(name, name, name) for name in (BALISE_INPUTS if self.programs.track else ())]
+        self.given, self.told = (*first, *balise), (Word("notch", "notch_code", "sent"),)
+        self.record = (*first, *self.told, *balise)
+
+    def comments(self, name: str) -> Comments:
+        balise_words = _BALISE_WORDS if self.programs.track else ""
+        return Comments(
+            use=(
+                f"In each control period call {name}_inputs, in the first one also {name}_start, then {name}_step.",
+                f"The result is out.notch in 1/256 notch. If another notch is sent, pass it to {name}_sent.",
+            ),
+            inputs="Control period k, measured speed (0.1 mm/s) and position from the start of the run (0.1 mm)"
+            + balise_words,
+            sent="The notch (1/256) really sent since the last control period",
+            status="CTL_STAT",
+            what="notch",
+            other="a notch other than the law's was",
+            record="k,\n * speed in 0.1 mm/s, position in 0.1 mm, notch sent (1/256), and for a law with track inputs\n"
+            " * the last balise: number, surveyed position, odometer reading when passed (0.1 mm)",
+            constants="its scenario and its watch",
+            units="codes in 1/256 notch",
+            node="acceptance of speeds, reaction ladder, position, balises",
+        )
+
+    def member(self, leaf: str) -> str:
+        return leaf.partition(".")[2]
+
+    def input_unit(self, leaf: str, value: Value) -> str:
+        """km/h for speeds, 0.1 mm for positions of the track inputs."""
+        if not leaf.startswith("in.track."):
+            return "km/h"
+        return "0.1 mm" if leaf.endswith("_01mm") else ""
+
+    def macros(self) -> list[Macro]:
+        notes = load(self.programs.law).notes
+        found = slots(notes)
+
+        def macro(signal: str, number: int) -> Macro:
+            note = notes[number]
+            words = ", ".join(filter(None, (note.name, note.title, f"1/2^{note.wire_q}", note.unit, *note.bits)))
+            return Macro(signal, f"out.notes[{number}]", note.shift, note.limits, words)
+
+        return [macro(signal, found[signal]) if signal in found else Macro(signal) for signal in SLOTS]
+
+    def wires(self) -> dict[str, Wire]:
+        return {
+            "speed_01mmps": Wire.of(TrnSpeed, "speed_01mmps"),
+            "position_01mm": Wire("position from the start of the run, 1 is 0.1 mm: ten times that of TRN_POS"),
+            "balise": Wire("number of the last balise, 0: none yet"),
+            "balise_01mm": Wire("its surveyed position, 1 is 0.1 mm"),
+            "balise_odometer_01mm": Wire("odometer reading when it was passed, 1 is 0.1 mm"),
+            "sent": Wire("notch sent instead of out.notch, 1 is 1/256 notch"),
+            "out.notch": Wire.of(NotchCmd, "notch_256th"),
+        }
+
+    def loop(self, number: Arithmetic[int]) -> Loop:
+        return _NotchLoop(ControlLoop(self.scenario, self.law, number))
+
+    def runs(self, play: Play | None) -> Iterator[Iterable[Period]]:
+        """Generated runs; none of the bench is needed, since the set-points define what a run is like."""
+        scenario, law = self.scenario, self.law
+        runs = (
+            notch_runs.following(scenario, ControlLoop(scenario, law, make("iq"))),
+            notch_runs.settled(scenario, ControlLoop(scenario, law, make("iq"))),
+            notch_runs.jumping(),
+            notch_runs.limits(),
+        )
+        for periods in runs:
+            yield (period._replace(given=period.given[: len(self.given)]) for period in periods)
+
+    def ports(self) -> tuple[list[Port], list[Port]]:
+        contract = self.contract
+        if contract.clock_port.name != TrnSpeed.PORT:
+            raise ValueError(f"clock port {contract.clock_port.name}: the C counts time by {TrnSpeed.PORT}")
+        sides = (SAFE_MAILBOXES, SAFE_ANSWERS) if self.scenario.safety.sdt else (MAILBOXES, ANSWERS)
+        received, sent = ([contract.port(telegram.PORT) for telegram in side] for side in sides)
+        return received, sent
+
+    def constants(self) -> list[Define]:
+        """Thresholds of the watch, and tolerances and times of the position."""
+        scenario, timing, sensors = self.scenario, self.scenario.timing, self.scenario.sensors
+        schedule = Schedule.from_contract(timing.base_tick_ns, timing.port_period_ns)
+        ladder = Ladder.of(scenario)
+        cost = cost_of(self.programs, make(_ARITHMETIC), timing.control_period_ns)
+        cycles = min(cost.cycles, _CYCLES_MAX)
+        needs_position = self.programs.track or self.law.over_distance
+        exact = round((odometer.TOLERANCE_M + sensors.odometer_lsb_m) * 1e4) * _NS_PER_S
+        speed_error = round((sensors.speed_lsb_mps / 2 + sensors.speed_noise_sigma_mps) * 1e4)
+        in_time_ns = schedule.ticks(TrnPos.PORT) * timing.base_tick_ns
+        return [
+            Define("HOLD_MS", wide(ladder.hold_ms), f"{_AGES} above which this level is entered"),
+            Define("TRACTION_CUT_MS", wide(ladder.traction_cut_ms)),
+            Define("SERVICE_BRAKE_MS", wide(ladder.service_brake_ms)),
+            Define("EMERGENCY_MS", wide(ladder.emergency_ms)),
+            Define("SERVICE_CODE", wide(ladder.service_code), "full service brake"),
+            Define("FULL_CODE", wide(ladder.full_code), "largest notch"),
+            Define("RAMP_CODE_PER_S", wide(ladder.ramp_code_per_s), "jerk limit of the service brake"),
+            Define("OVERSPEED_MARGIN_01MMPS", wide(ladder.overspeed_margin_01mmps), "above the limit of TRK_INFO"),
+            Define("NEEDS_POSITION", str(int(needs_position)), "1: a lost position applies the service brake"),
+            Define("POSITION_IN_TIME_NS", wide(in_time_ns), "period of TRN_POS"),
+            Define("RECKONING_MAX_NS", wide(odometer.RECKONING_MAX_NS), "longest time on a dead-reckoned position"),
+            Define("FOLLOWING_NS", wide(odometer.FOLLOWING_NS), "time constant of its approach to the odometer"),
+            Define("ODOMETER_EXACT", wide(exact), "tolerance at standstill, 1e-13 m"),
+            Define("SPEED_ERROR_01MMPS", wide(speed_error), "resolution and noise of the speed"),
+            Define("ACCEL_MAX_01MMPS2", wide(round(odometer.ACCEL_MAX_MPS2 * 1e4))),
+            *self._end(),
+            *_motion(scenario),
+            Define("STEP_CYCLES", f"UINT32_C({cycles})", "estimated C28x cycles of a control period, at most 65535"),
+            *self._safe_channel(schedule),
+        ]
+
+    def _end(self) -> list[Define]:
+        """How balises are placed, and where they end the authority of a law that is given them."""
+        end_01mm = end_of_authority_01mm(self.scenario) if self.programs.track else 0
+        return [
+            Define("WHEEL_PARTS", wide(balises.WHEEL_PARTS), "the largest error of a wheel is one of so many parts"),
+            Define("BALISE_ERROR_MM", wide(balises.BALISE_ERROR_MM), "largest error of a surveyed balise"),
+            Define("TRACK", str(int(self.programs.track)), "1: the law is given balises"),
+            Define("END_01MM", wide(end_01mm), "end of its authority"),
+        ]
+
+    def _safe_channel(self, schedule: Schedule) -> list[Define]:
+        """Constants of the safe channel, if the scenario has one."""
+        safety = self.scenario.safety
+        if not safety.sdt:
+            return [Define("SAFE", "0", "1: speeds and commands count only if safe telegrams confirm them")]
+        ticks = schedule.ticks(SpeedSdt.PORT)
+
+        def identity(port: Port) -> str:
+            return f"UINT32_C({source_identity(port.address):#x})"
+
+        return [
+            Define("SAFE", "1", "speeds and commands count only if safe telegrams confirm them"),
+            Define("SAFE_RXSAFE", str(safety.n_rxsafe), "cycles without a fresh safe telegram that are tolerated"),
+            Define("SAFE_CMTHR", str(safety.cmthr), "telegrams within which a second CRC error fails the channel"),
+            Define("SAFE_PERIOD_NS", wide(ticks * schedule.base_tick_ns), "period of SPEED_SDT"),
+            Define("SAFE_LATE_TICKS", f"UINT32_C({safety.n_rxsafe * ticks})", "largest difference of its time"),
+            Define("SAFE_SPEED_SID", identity(SpeedSdt.port()), "identity of its source"),
+            Define("SAFE_NOTCH_SID", identity(NotchSdt.port()), "that of the source of NOTCH_SDT"),
+            Define("SAFE_DATA_VERSION", str(SAFE_DATA_VERSION), "version of the data of both"),
+        ]
+
+    def places(self, source: Source) -> dict[str, str]:
+        balise = "".join(f", balise[{word}]" for word in range(len(BALISE_INPUTS)))
+        return {"BALISE": balise if self.programs.track else ""}

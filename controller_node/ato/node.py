@@ -1,0 +1,321 @@
+"""The controller on the bus: telegrams in, control law, answers to the bus administrator's polls."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Final
+
+from railhil.bus.codes import ControllerFlag, CtlMode, Event
+from railhil.bus.ident import CtlIdent, Ident, Role, make_ident
+from railhil.bus.layout import FLAG_FALSE, FLAG_TRUE, Telegram, flag
+from railhil.bus.reception import Document, reception
+from railhil.bus.responder import Reading, Responder
+from railhil.bus.safe_telegrams import SAFE_DATA_VERSION, NotchSdt, SpeedSdt, safe_tick_fields
+from railhil.bus.schedule import Schedule
+from railhil.bus.sdt import SafeSource, source_identity
+from railhil.bus.telegrams import (
+    HEADROOM_UNUSED,
+    NO_QUANTITY,
+    BalisePassed,
+    CtlStat,
+    NotchCmd,
+    PltStat,
+    RunEvent,
+    TimeSync,
+    TrkInfo,
+    TrnPos,
+    TrnSpeed,
+)
+from railhil.common.errors import InputError
+from railhil.controller_node.ato.balises import Balises
+from railhil.controller_node.ato.controller import Controller, ControlOutput
+from railhil.controller_node.ato.guard import Guard
+from railhil.controller_node.ato.odometer import Odometer
+from railhil.controller_node.ato.track_info import TrackInfo
+from railhil.controller_node.ecan import BitCounter, Ecan, Mailbox, Receiver, mailbox_table
+from railhil.controller_node.laws import load
+from railhil.controller_node.laws.note import slots
+from railhil.dbc import wire_contract
+from railhil.scenarios.model import Scenario
+from railhil.scenarios.run_spec import LawSpec
+
+#: Mode told at each level of the watch, by its number.
+_MODES: Final = (CtlMode.RUNNING, CtlMode.HOLD, CtlMode.TRACTION_CUT, CtlMode.SERVICE_BRAKE, CtlMode.EMERGENCY)
+#: Ports with a receive mailbox. SIM_TRUTH is not among them: the controller must not see the truth.
+MAILBOXES: Final = (TrnSpeed, TrnPos, BalisePassed, TimeSync, PltStat, TrkInfo, RunEvent)
+#: Ports with transmit mailboxes.
+ANSWERS: Final = (NotchCmd, CtlStat, CtlIdent)
+#: The same in scenarios with a safe channel.
+SAFE_MAILBOXES, SAFE_ANSWERS = (*MAILBOXES, SpeedSdt), (*ANSWERS, NotchSdt)
+_NS_PER_MS: Final = 1_000_000
+_UINT16_MAX: Final = 0xFFFF
+
+
+def mailboxes(safe: bool = False) -> tuple[Mailbox, ...]:
+    """The controller's eCAN mailboxes, made from the port table.
+
+    :param safe: with those of the safe channel.
+    :raises ContractError: the ports do not fit into the chip.
+    """
+    contract = wire_contract()
+    sides = (SAFE_MAILBOXES, SAFE_ANSWERS) if safe else (MAILBOXES, ANSWERS)
+    received, sent = ([contract.port(telegram.PORT) for telegram in side] for side in sides)
+    return mailbox_table(contract, received, sent)
+
+
+def end_of_authority_01mm(scenario: Scenario) -> int:
+    """Where the train must not go, 0.1 mm from the start of the run."""
+    return round((scenario.plan.distance_m + scenario.watch.end_of_authority_margin_m) * 1e4)
+
+
+class ControllerNode:
+    """Handles frames; it has no socket, so it runs in a process of its own or in memory.
+
+    :param law: with a task period, the mailboxes are read by a task of that period; else each at once, by interrupt.
+    :param controller: computes the notch instead of the law; None: the law.
+    :param bit_rate: of the bus in bit/s, for the time stamps; None: that of the port table.
+    :raises InputError: an option that the chip does not support.
+    """
+
+    #: What computes the notch.
+    computes = Controller
+
+    def __init__(
+        self,
+        scenario: Scenario,
+        law: LawSpec,
+        controller: Controller | None = None,
+        *,
+        fd: bool = False,
+        bit_rate: int | None = None,
+    ) -> None:
+        contract = wire_contract()
+        self.controller = controller or self.computes(scenario, law)
+        self.law = law
+        self.ended: Event | None = None
+        bit_rate = contract.bit_rate if bit_rate is None else bit_rate
+        if bit_rate <= 0:
+            raise InputError("command line", "--bitrate", bit_rate, "above 0")
+        if fd and law.task_period_ms:
+            raise InputError("command line", "--task-period-ms", law.task_period_ms, "0 with CAN FD")
+        safe = scenario.safety.sdt
+        if safe and law.task_period_ms:
+            raise InputError("command line", "--task-period-ms", law.task_period_ms, "0 with safety.sdt")
+        counter = BitCounter(bit_rate)
+        self.law_type: Any = load(law.controller)
+        needed = self.law_type.track or law.over_distance
+        self._odometer = Odometer(scenario, law.task_period_ms * _NS_PER_MS, needed=needed)
+        self.guard = Guard(scenario, counter, self._odometer, TrackInfo(scenario))
+        self._balises = Balises()
+        # Only a law that is given balises has a position that they can contradict.
+        self._end_01mm = end_of_authority_01mm(scenario) if self.law_type.track else None
+        self._control_ns = scenario.timing.control_period_ns
+        self._note_slots = slots(self.controller.notes)
+        self._ident = make_ident(Role.CONTROLLER, scenario.sha256, **law.identity)
+        self._output: ControlOutput | None = None
+        self._last_k = -1
+        self._steps = 0
+        self._overruns = 0
+        self._notch_life = 0
+        self._stat_life = 0
+        # Twice the index of the quantity reported by the next CTL_STAT, plus one if its maximum is reported.
+        self._shown = 0
+        # The last answer to NOTCH_CMD, and what repeats it as a safe telegram.
+        self._notch_cmd = NotchCmd()
+        self._safe = SafeSource(source_identity(NotchSdt.port().address), SAFE_DATA_VERSION)
+        mailboxes_read = None
+        #: The CAN module with its mailboxes; None with CAN FD, which the chip does not support.
+        self.ecan: Ecan | None = None
+        if not fd:
+            mailboxes_read = Receiver(mailboxes(safe), counter, law.task_period_ms * _NS_PER_MS)
+            self.ecan = mailboxes_read.ecan
+        responder = self.responder = Responder(
+            Role.CONTROLLER,
+            Schedule.from_contract(scenario.timing.base_tick_ns, scenario.timing.port_period_ns),
+            [contract.port(telegram.PORT) for telegram in (SAFE_MAILBOXES if safe else MAILBOXES)],
+            {
+                NotchCmd.PORT: self._notch,
+                CtlStat.PORT: self._status,
+                CtlIdent.PORT: self._own_ident,
+                **({NotchSdt.PORT: self._safe_notch} if safe else {}),
+            },
+            fd=fd,
+            module=mailboxes_read,
+        )
+        responder.on(TrnSpeed, self._speed)
+        if safe:
+            responder.on(SpeedSdt, self._safe_speed)
+        responder.on(TrnPos, self._position)
+        responder.on(BalisePassed, self._balise)
+        responder.on(TrkInfo, self._track)
+        # The time may have gone on by more than the telegrams since the last poll tell: the watch must see that.
+        for kind in (TimeSync, PltStat):
+            responder.on(kind, self._look)
+        responder.on(RunEvent, self._event)
+        self._clock = responder.clock
+        #: Takes one frame in bus order; returns the answer to a poll of the controller.
+        self.handle = responder.handle
+
+    @property
+    def lost_messages(self) -> int:
+        """Frames overwritten in their mailbox before they were read."""
+        return 0 if self.ecan is None else self.ecan.lost_messages
+
+    @property
+    def lost_by_mailbox(self) -> dict[str, int]:
+        """Frames lost in each receive mailbox, by its name; none with CAN FD."""
+        ecan = self.ecan
+        return (
+            {}
+            if ecan is None
+            else {box.name: ecan.lost[box.number] for box in mailboxes(self.guard.safe is not None) if not box.transmit}
+        )
+
+    @property
+    def counters(self) -> dict[str, int]:
+        """Counters of refused and lost frames, by cause."""
+        watched = (self.responder.store, self.guard, self.guard.safe, self._odometer, self._balises, self.ecan)
+        return {cause: count for part in watched if part is not None for cause, count in part.counters.items()}
+
+    @property
+    def received(self) -> Document:
+        """What it has received (:mod:`railhil.bus.reception`)."""
+        odometer, guard = self._odometer, self.guard
+        position = {cause.removeprefix("position_"): count for cause, count in odometer.counters.items()}
+        if "check" in position:
+            position["check_variable"] = position.pop("check")
+        judged: dict[str, tuple[int, Mapping[str, int]]] = {
+            TrnSpeed.PORT: (guard.accepted, guard.counters),
+            TrnPos.PORT: (odometer.accepted, position),
+        }
+        if guard.safe is not None:
+            judged[SpeedSdt.PORT] = (guard.safe.accepted, guard.safe.counters)
+        found = reception(self.responder.store, judged)
+        for name, lost in self.lost_by_mailbox.items():
+            port = found["ports"].get(name.partition(".")[0])
+            if port is not None:
+                port["lost"] = port.get("lost", 0) + lost
+        return {**found, "by_task": bool(self.law.task_period_ms)}
+
+    @property
+    def lockstep(self) -> bool:
+        """True unless the pace is known to follow the wall clock."""
+        return not self._clock.rate
+
+    def was_out(self, wall_ns: int) -> None:
+        """The interface was down for ``wall_ns`` and now delivers frames again: the watch must see how old the speed
+        is."""
+        self._clock.silence(wall_ns)
+        self.guard.look(self._clock.own_ns)
+
+    def was_stopped(self, sim_ns: int) -> None:
+        """It was stopped for ``sim_ns`` of simulation time: the watch must see how old the speed is."""
+        self._clock.elapsed(sim_ns)
+        self.guard.look(self._clock.own_ns)
+
+    def _speed(self, reading: Reading[TrnSpeed]) -> None:
+        self.guard.speed(reading.telegram, self._clock.own_ns, reading.stamp)
+
+    def _safe_speed(self, reading: Reading[SpeedSdt]) -> None:
+        clock = self._clock
+        self.guard.confirm(reading.telegram, clock.own_ns, clock.tick if clock.is_set else None)
+
+    def _position(self, reading: Reading[TrnPos]) -> None:
+        self._odometer.position(reading.telegram, reading.received_ns)
+
+    def _balise(self, reading: Reading[BalisePassed]) -> None:
+        self._balises.take(reading.telegram, *self._odometer.reckoned(self._clock.own_ns))
+
+    def _look(self, reading: Reading[Any]) -> None:
+        self.guard.look(self._clock.own_ns)
+
+    def _track(self, reading: Reading[TrkInfo]) -> None:
+        self.guard.limit(reading.telegram, self._clock.own_ns)
+
+    def _event(self, reading: Reading[RunEvent]) -> None:
+        code = reading.telegram.event
+        if code in Event._value2member_map_ and Event(code).ends_run:
+            self.ended = Event(code)
+
+    def _control(self) -> None:
+        """Run the law when a control period has begun since the last step; it needs the time of the run."""
+        clock = self._clock
+        k = clock.now_ns // self._control_ns
+        if not clock.is_set or k == self._last_k:
+            return
+        speed_01mmps = self.guard.speed_01mmps
+        if speed_01mmps is None:
+            return
+        if self._output is None:
+            self.guard.wait(False)
+        is_late = k > self._last_k + 1 and self._last_k >= 0
+        self._overruns += is_late
+        self.guard.period(is_late)
+        position_01mm = self._odometer.at(clock.own_ns)
+        if self._end_01mm is not None:
+            self.guard.overrun(self._balises.is_beyond(position_01mm, self._end_01mm))
+        self._output = self.controller.step(k, speed_01mmps, position_01mm, self._balises.last)
+        self._last_k = k
+        self._steps += 1
+
+    def _notch(self) -> Telegram:
+        self._control()
+        self._notch_life = (self._notch_life + 1) & 0xF
+        output, guard = self._output, self.guard
+        if output is None and guard.speed_01mmps:
+            guard.wait(True)
+        if output is None and not guard.waits:
+            self._notch_cmd = NotchCmd(0, CtlMode.INITIALISING, emergency=flag(False), life=self._notch_life)
+            return self._notch_cmd
+        code, emergency = guard.notch(output.notch_code if output else 0, self._clock.own_ns)
+        if output:
+            self.controller.sent(code)
+        mode = _MODES[guard.level]
+        self._notch_cmd = NotchCmd(
+            code, mode, guard.cause, emergency=FLAG_TRUE if emergency else FLAG_FALSE, life=self._notch_life
+        )
+        return self._notch_cmd
+
+    def _safe_notch(self) -> Telegram:
+        told, clock, safe = self._notch_cmd, self._clock, self.guard.safe
+        tick = clock.tick if clock.is_set or safe is None else safe.told_tick
+        telegram = NotchSdt(told.notch_256th, emergency=told.emergency, **safe_tick_fields(tick))
+        return NotchSdt.decode(self._safe.secured(telegram.encode()))
+
+    def _status(self) -> Telegram:
+        self._stat_life = (self._stat_life + 1) & 0xF
+        output = self._output
+        if output is None:
+            return CtlStat(overflow_flags=self._lost_flag(), ready=flag(False), life=self._stat_life)
+        telemetry = self.controller.telemetry
+        index, maximum = divmod(self._shown, 2)
+        self._shown = (self._shown + 1) % (2 * min(len(telemetry.quantities), NO_QUANTITY))
+        quantity = telemetry.row(index)
+        headroom_bits = HEADROOM_UNUSED if quantity.headroom_bits is None else quantity.headroom_bits
+        extreme_raw = (quantity.maximum_raw if maximum else quantity.minimum_raw) or 0
+        told = self._note_slots
+        return CtlStat(
+            note1=output.notes[told["Note1"]] if "Note1" in told else 0,
+            ladder_level=self.guard.level,
+            overflow_flags=output.overflow_flags | self._lost_flag(),
+            note2=output.notes[told["Note2"]] if "Note2" in told else 0,
+            note3=output.notes[told["Note3"]] if "Note3" in told else 0,
+            step_count=self._steps & 0xFFFF,
+            step_cycles=min(output.cycles, _UINT16_MAX),
+            # After a left shift by the headroom, the larger extreme fills an int32.
+            telemetry_extreme=(extreme_raw << headroom_bits) >> 16,
+            telemetry_index=index,
+            telemetry_maximum=maximum,
+            telemetry_headroom_bits=headroom_bits,
+            telemetry_wrapped=int(quantity.wraps > 0),
+            telemetry_saturated=int(quantity.saturations > 0),
+            telemetry_zero_division=int(quantity.zero_divisions > 0),
+            overruns=min(self._overruns, 255),
+            life=self._stat_life,
+        )
+
+    def _lost_flag(self) -> int:
+        return ControllerFlag.MESSAGE_LOST if self.lost_messages else 0
+
+    def _own_ident(self) -> Ident:
+        return self._ident

@@ -1,0 +1,100 @@
+"""The train's actuators with their exact transport delays: two queues of commands, traction and braking (D12).
+
+The positive part of a command acts after the traction delay, the negative part after the braking delay; both add and
+pass the lag. A command is held over a sampling period, so within a period each side has the older and then the newer
+of two neighbouring commands.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Generic, NamedTuple, TypeVar
+
+from railhil.controller_node.arithmetic.base import T
+from railhil.controller_node.high_speed.model import held, lagged
+from railhil.controller_node.high_speed.reals import Reals
+
+#: A number, or one for each of several units.
+Accel = TypeVar("Accel")
+
+
+class SideWeights(NamedTuple):
+    """One side over one period: speed gained (m/s) and acceleration reached per m/s^2 of the older and newer command.
+
+    ``whole``: whole periods of the delay: the newer command was computed ``whole`` periods before the period begins.
+    """
+
+    whole: int
+    speed: tuple[float, float]
+    accel: tuple[float, float]
+
+
+def side_weights(delay_s: float, lag_s: float, period_s: float) -> SideWeights:
+    """Exact for lag and delay."""
+    whole = math.floor(delay_s / period_s + 1e-9)
+    rest_s = max(delay_s - whole * period_s, 0.0)
+    dynamics, drive = lagged(lag_s)
+    _, by_older = held(dynamics, drive, rest_s)
+    late, by_newer = held(dynamics, drive, period_s - rest_s)
+    older = late @ by_older
+    return SideWeights(whole, (float(older[0]), float(by_newer[0])), (float(older[1]), float(by_newer[1])))
+
+
+def step_response(delay_s: float, lag_s: float, times_s: Sequence[float]) -> tuple[float, ...]:
+    """Speed (m/s) at these times after a command of 1 m/s^2 began; 0 until it acts."""
+    left = [max(time_s - delay_s, 0.0) for time_s in times_s]
+    return tuple(s - lag_s * (1.0 - math.exp(-s / lag_s)) for s in left)
+
+
+class Rolled(NamedTuple, Generic[Accel, T]):
+    """``accel``: acceleration of the lag at the end of a period, m/s^2; ``gained``: speed gained in it, m/s."""
+
+    accel: Accel
+    gained: T
+
+
+class DelayLines(Generic[T]):
+    """Rolls the lag through its queues with the exact delays.
+
+    :param shifts: extra delays to choose from, in whole periods, for both sides.
+    """
+
+    def __init__(
+        self, re: Reals[T], delays_s: tuple[float, float], lag_s: float, period_s: float, shifts: Sequence[int] = (0,)
+    ) -> None:
+        self._re = re
+        sides = [side_weights(delay_s, lag_s, period_s) for delay_s in delays_s]
+        self.whole = tuple(side.whole for side in sides)
+        self.whole_max = max(self.whole)
+        #: Past commands that are needed: u(k-1), ..., u(k-count).
+        self.count = self.whole_max + max(shifts) + 2
+        decay = math.exp(-period_s / lag_s)
+        self._decay = re.number("decay", decay, "lag")
+        #: Acceleration of the lag of a unit without commands.
+        self.rest = re.zero
+        self._coasted = re.number("coasted", lag_s * (1.0 - decay), "lag")
+        names = ("traction", "braking")
+        self._speed = [re.numbers(f"{name}_speed", side.speed) for name, side in zip(names, sides, strict=True)]
+        self._accel = [re.numbers(f"{name}_accel", side.accel) for name, side in zip(names, sides, strict=True)]
+
+    def parts(self, commands: Sequence[T]) -> tuple[tuple[T, ...], tuple[T, ...]]:
+        """Traction and braking in each command."""
+        ar, zero = self._re.ar, self._re.zero
+        return tuple(ar.maximum(u, zero) for u in commands), tuple(ar.minimum(u, zero) for u in commands)
+
+    def roll(self, accel: T, parts: tuple[Sequence[T], Sequence[T]], first: int) -> Rolled[T, T]:
+        """One period.
+
+        :param parts: :meth:`parts` of the commands, newest first.
+        :param first: place in them of the command that is computed at the beginning of this period; an extra delay of
+            whole periods is added to it.
+        """
+        re = self._re
+        after, gained = re.mul(self._decay, accel), re.mul(self._coasted, accel)
+        for side, values in enumerate(parts):
+            newer = first + self.whole[side]
+            acting = (values[newer + 1], values[newer])
+            after = re.add(after, re.dot(self._accel[side], acting))
+            gained = re.add(gained, re.dot(self._speed[side], acting))
+        return Rolled(after, gained)

@@ -1,0 +1,114 @@
+"""Laws made of one :class:`.core.Core` for each loop: samples in SI units, limits by speed."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from railhil.bus.high_speed import ACCEL_PER_MPS2, PREVIEW, PREVIEW_STEP_S
+from railhil.common.errors import InputError
+from railhil.controller_node.arithmetic.base import Arithmetic, Constant, T
+from railhil.controller_node.high_speed.base import (
+    HighSpeedLaw,
+    HighSpeedParameters,
+    LoopAnswer,
+    LoopInputs,
+    LoopNotes,
+)
+from railhil.controller_node.high_speed.core import Core, Sample, Unit
+from railhil.controller_node.high_speed.reals import Reals
+
+#: Runs on which ``railhil.tuning.high_speed`` chose parameters: its training seed.
+#: Scenarios of the journey, with which parameters are chosen.
+JOURNEYS = ("jinan_xuzhou", "jinan_xuzhou_emergency", "jinan_xuzhou_mutation")
+DESIGN_SEEDS = {"jinan_xuzhou": range(100, 101)}
+#: Lowest speed in the power limit, m/s: it keeps the quotient finite.
+_CRAWL_MPS = 1.0
+
+
+@dataclass(frozen=True)
+class LawParameters(HighSpeedParameters):
+    """Parameters of every law of this kind."""
+
+    #: Run also a horizon that ends before the command acts, and a loop that is not stable.
+    override: bool = False
+
+
+def between(place: float) -> tuple[tuple[int, ...], tuple[float, ...]]:
+    """Points of the preview (0 is now) and their weights for the reference at ``place`` steps of the preview from now.
+
+    Linear between two points; behind the last one the last slope goes on.
+    """
+    low = min(int(place + 1e-9), PREVIEW - 1)
+    share = place - low
+    for whole in (0, 1):
+        if abs(share - whole) < 1e-9:
+            return (low + whole,), (1.0,)
+    return (low, low + 1), (1.0 - share, share)
+
+
+class CoreLaw(HighSpeedLaw[T, Any]):
+    """A law made of one core for each loop; it computes with real numbers and has no formats for fixed point."""
+
+    parameters_type = LawParameters
+    floating = True
+
+    def __init__(self, arithmetic: Arithmetic[T], scenario: Any, parameters: Any = None) -> None:
+        super().__init__(arithmetic, scenario, parameters)
+        self.re = re = Reals(arithmetic)
+        task = scenario.task
+        self.cores: tuple[Core[T, Any], ...] = tuple(
+            self.core(re, Unit(model.traction_delay_s, model.braking_delay_s, model.lag_s, self.sample_s), self.given)
+            for model in self.models
+        )
+        self._power = re.number("power", task.power_w_per_kg, "scenario, power_kw by mass")
+        self._crawl = re.number("crawl", _CRAWL_MPS)
+        self._per_count = re.number("per_count", 1.0 / ACCEL_PER_MPS2, "port table")
+        steps = self.sample_s / PREVIEW_STEP_S
+        horizon = max(core.horizon for core in self.cores)
+        if horizon * steps > PREVIEW + 1e-9:
+            span_s = PREVIEW * PREVIEW_STEP_S
+            raise InputError(
+                "controller",
+                f"{self.name}, horizon",
+                f"{horizon} * {self.sample_s:g} s",
+                f"at most {span_s:g} s, the preview",
+            )
+        self._instants = [
+            (places, re.numbers(f"preview_{i}", shares))
+            for i in range(horizon + 1)
+            for places, shares in [between(i * steps)]
+        ]
+
+    @abstractmethod
+    def core(self, re: Reals[T], unit: Unit, parameters: Any) -> Core[T, Any]:
+        """The law of one loop."""
+
+    @property
+    def constants(self) -> tuple[Constant, ...]:
+        return (*super().constants, *self.re.constants)
+
+    def _sample(self, inputs: LoopInputs[T]) -> Sample[T]:
+        re = self.re
+        points = (inputs.target, *inputs.preview)
+        reference = tuple(
+            points[places[0]] if len(places) == 1 else re.dot(shares, [points[i] for i in places])
+            for places, shares in self._instants
+        )
+        highest = re.ar.minimum(inputs.most, re.div(self._power, re.ar.maximum(inputs.speed, self._crawl)))
+        return Sample(inputs.speed, reference, self.least, highest, inputs.emergency)
+
+    def loop_start(self, loop: int, inputs: LoopInputs[T]) -> Any:
+        return self.cores[loop].start(self._sample(inputs))
+
+    def loop_step(self, loop: int, state: Any, inputs: LoopInputs[T]) -> tuple[Any, LoopAnswer[T]]:
+        after, move = self.cores[loop].step(state, self._sample(inputs))
+        return after, LoopAnswer(move.command, LoopNotes(move.model_error, move.xi, move.gain, move.delay))
+
+    def with_sent(self, state: Any, commands: Sequence[T]) -> Any:
+        """The commands really sent are those that the model has to know; the law's own come with the next sample."""
+        told = [self.re.mul(count, self._per_count) for count in commands[::2]]
+        loops = zip(self.cores, state.loops, told, strict=False)
+        return state._replace(loops=tuple(core.sent(old, accel) for core, old, accel in loops))

@@ -1,0 +1,273 @@
+"""What the stopping laws share: the order of a cycle, from speed and place to stage, command and learning.
+
+Stages (:mod:`.stages`): start (a), accelerate (b), track (c), armed (d1), brake (d2), standstill (d3), learn (d4).
+A law of this kind says when the brake begins and what is commanded then.
+"""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Annotated, Any, ClassVar, Generic, NamedTuple
+
+from pydantic import Field
+
+from railhil.bus.stopping import BrakeLevel
+from railhil.controller_node.arithmetic.base import Arithmetic, Constant, T
+from railhil.controller_node.laws.memory import NOTHING, Remembered
+from railhil.controller_node.stop.approach import Approach
+from railhil.controller_node.stop.distance import StoppingDistance
+from railhil.controller_node.stop.learning import Learned, Learning, Report, stored_records
+from railhil.controller_node.stop.model import Grades
+from railhil.controller_node.stop.numbers import ACCEL_Q, DISTANCE_Q, SPEED_Q, TIME_Q, Numbers
+from railhil.controller_node.stop.readings import COUNT_MAX, Gap, Inputs, Measured
+from railhil.controller_node.stop.stages import Stages
+from railhil.controller_node.stop.told import Told
+from railhil.controller_node.vector.law import Answer, VectorLaw
+
+
+@dataclass(frozen=True)
+class StopParameters:
+    """Parameters of every stopping law."""
+
+    #: gamma of the learning; 0: the rule max(1/j, 0.3).
+    gamma: Annotated[float, Field(ge=0, le=3)] = 0.0
+    #: Offset before the first run: a cold start that undershoots has a positive one.
+    first_offset_m: Annotated[float, Field(ge=-12, le=12)] = 0.0
+    #: Width of the innovation test in standard deviations of the last stops; 0: no test.
+    innovation_sigmas: Annotated[float, Field(ge=0, le=10)] = 3.0
+    #: Scatter of a stop and its measurement that does not repeat; the gain is less where there is nothing else. 0: it
+    #: stays.
+    report_sigma_m: Annotated[float, Field(ge=0, le=10)] = 0.0
+    #: Gain with which the approach holds its speed, 1/s.
+    hold_per_s: Annotated[float, Field(ge=0, le=2)] = 0.2
+
+
+class Estimate(NamedTuple, Generic[T]):
+    """``speed``: m/s, by which the brake is planned. ``left``: to the stopping point, m, without the learned offset."""
+
+    speed: T
+    left: T
+
+
+class Order(NamedTuple, Generic[T]):
+    """What the brake does: command (m/s2) and the instant in the cycle from which it acts (s, Q ``TIME_Q``)."""
+
+    accel: T
+    start: T
+
+
+class StopState(NamedTuple, Generic[T]):
+    """State of a law; ``own`` is that of its estimate and of its brake."""
+
+    gap: Gap[T]
+    stage: T
+    cruise: T
+    cruising: T
+    accel: T
+    braking: T
+    learned: Learned[T]
+    own: Any
+
+
+class StopLaw(VectorLaw[T, StopState[T]]):
+    """Base of the stopping laws."""
+
+    parameters_type: ClassVar[type[Any]] = StopParameters
+    parameters_origin = "ours; the paper prints none"
+
+    def __init__(
+        self, arithmetic: Arithmetic[T], scenario: Any, parameters: Any = None, memory: Remembered = NOTHING
+    ) -> None:
+        self.given = given = parameters or self.parameters_type()
+        self.ar = arithmetic
+        self.numbers = numbers = Numbers(arithmetic)
+        self.task = task = scenario.task
+        self.period_s: float = scenario.timing.control_period_ns / 1e9
+        hold, origin = numbers.hold, "scenario"
+        self.inputs = Inputs(numbers)
+        self.distance = StoppingDistance(numbers, task.brake.delay_s, task.brake.lag_s)
+        self.grades = Grades(numbers, task.grade, task.start_m, task.stop_m)
+        self.learning = Learning(
+            numbers,
+            memory.values,
+            gamma=given.gamma,
+            sigmas=given.innovation_sigmas,
+            report_sigma_m=given.report_sigma_m,
+            active=self.learns,
+            first_offset_m=given.first_offset_m,
+        )
+        self._way = hold("way", task.stop_m - task.start_m, DISTANCE_Q, origin)
+        self._plans = [
+            hold("planned_dry", task.brake.braking_mps2, ACCEL_Q, origin),
+            hold("planned_wet", task.brake.wet_braking_mps2, ACCEL_Q, origin),
+        ]
+        self.most = hold("accel_max", task.brake.traction_max_mps2, ACCEL_Q, origin)
+        self.least = hold("accel_min", -task.brake.braking_max_mps2, ACCEL_Q, origin)
+        self._stages = Stages(numbers)
+        self._approach = Approach(numbers, self.grades, task, given.hold_per_s, self.period_s)
+        self._told = Told(numbers, memory)
+        self._cut = hold("cut", BrakeLevel.HOLD, 0, "port table")
+        self.at_once = hold("at_once", 0.0, TIME_Q, "law")
+
+    @property
+    def constants(self) -> tuple[Constant, ...]:
+        return tuple(self.numbers.constants)
+
+    def state_bounds(self) -> dict[str, tuple[float, float]]:
+        # Counters and the command grow slowly up to limits that the interval analysis would take too long to find.
+        brake = self.task.brake
+        return {
+            "gap.missed": (0.0, COUNT_MAX),
+            "gap.samples": (0.0, COUNT_MAX),
+            "accel": (-brake.braking_max_mps2, brake.traction_max_mps2),
+        }
+
+    # -- what a law adds ------------------------------------------------------------------------------------------
+
+    @property
+    @abstractmethod
+    def learns(self) -> bool:
+        """Whether the offset is corrected after a run."""
+
+    @property
+    @abstractmethod
+    def warm_up(self) -> int:
+        """Samples of the speed before the brake may be armed."""
+
+    @abstractmethod
+    def own_start(self, measured: Measured[T]) -> Any:
+        """State of the law's own part before the first step."""
+
+    @abstractmethod
+    def estimated(
+        self, own: Any, measured: Measured[T], samples: tuple[T, ...], fresh: T, accel: T
+    ) -> tuple[Any, Estimate[T]]:
+        """Speed and place. ``accel``: the command of the last cycle, m/s2; ``fresh``: 1 with new samples (Q0)."""
+
+    @abstractmethod
+    def begins(self, estimate: Estimate[T], margin: T) -> T:
+        """1 if the brake begins in this cycle (Q0). ``margin``: distance left before it has to, m."""
+
+    @abstractmethod
+    def brake(
+        self, own: Any, estimate: Estimate[T], margin: T, last: T, offset: T, planned: T, missed: T, first: T
+    ) -> tuple[Any, Order[T]]:
+        """The command while the brake is on, computed in each cycle.
+
+        :param last: command of the last cycle; ``planned``: planned deceleration, m/s2. :param missed: 1 while the
+            speed is not known (Q0). :param first: 1 in the cycle in which the brake begins.
+        """
+
+    def reserve(self, speed: T, planned: T) -> T:
+        """Distance by which the brake begins before the stopping distance of a sudden brake, m (Q ``DISTANCE_Q``)."""
+        return self.numbers.hold("no_reserve", 0.0, DISTANCE_Q, "law")
+
+    def stopping(self, own: Any, measured: Measured[T], speed: T, planned: T) -> tuple[Any, T]:
+        """Stopping distance from ``speed`` (m/s) with the planned deceleration (m/s2), m (Q ``DISTANCE_Q``)."""
+        return own, self.distance(speed, planned).distance
+
+    def taught(self, own: Any, first: T, usable: T, measured: Measured[T]) -> Any:
+        """The law's own part after the brake began (``first`` is 1) or a stop was reported (``usable`` is 1)."""
+        return own
+
+    # -- the vector law -------------------------------------------------------------------------------------------
+
+    def start(self, readings: Sequence[T]) -> StopState[T]:
+        zero = self.numbers.zero
+        measured = self.inputs.measured(readings)
+        return StopState(
+            self.inputs.start(measured),
+            zero,
+            self._approach.start(measured.samples[-1]),
+            zero,
+            self.steady(measured),
+            self.numbers.hold("no_distance", 0.0, DISTANCE_Q, "law"),
+            self.learning.start(measured.load, measured.wet),
+            self.own_start(measured),
+        )
+
+    def step(self, state: Any, readings: Sequence[T]) -> tuple[Any, Answer[T]]:
+        ar, zero, one = self.ar, self.numbers.zero, self.numbers.one
+        measured = self.inputs.measured(readings)
+        gap, samples, fresh = self.inputs.bridged(state.gap, measured)
+        refused = self.inputs.refused(gap, self.warm_up)
+        own, estimate = self.estimated(state.own, measured, samples, fresh, state.accel)
+        speed = ar.note("v_hat", estimate.speed, SPEED_Q, "m/s")
+        left = ar.note("left", estimate.left, DISTANCE_Q, "m")
+        planned = ar.where(ar.gt(measured.wet, zero), self._plans[1], self._plans[0])
+        own, stopping = self.stopping(own, measured, speed, planned)
+        distance = ar.note("f", ar.add(stopping, self.reserve(speed, planned)), DISTANCE_Q, "m")
+        offset = state.learned.before.offset
+        margin = ar.note("margin_m", ar.sub(ar.sub(left, distance), offset), DISTANCE_Q, "m")
+
+        begins = self.begins(estimate, margin)
+        done = state.learned.learned
+        stage = self._stages.after(state.stage, measured, speed, state.cruise, margin, refused, begins, done)
+
+        warm = ar.maximum(state.cruising, ar.sub(one, refused))
+        cruise = self._approach.speed(state.cruise, speed, state.cruising, warm)
+        pulled = self._approach.command(cruise, speed, warm, left, state.accel)
+        pulled = ar.where(ar.gt(stage, self._stages.idle), pulled, state.accel)
+
+        on = ar.gt(stage, self._stages.armed)
+        first = ar.where(on, ar.where(ar.gt(self._stages.braking, state.stage), one, zero), zero)
+        missed = ar.where(ar.gt(gap.missed, zero), one, zero)
+        own, order = self.brake(own, estimate, margin, state.accel, offset, planned, missed, first)
+        accel = ar.clip(ar.where(on, order.accel, pulled), self.most, self.least)
+        accel = ar.note("accel", accel, ACCEL_Q, "m/s2")
+        # From here on the command is what the train is told, so that no model has another one.
+        code = self._told.code(accel)
+        accel = self._on_the_bus(code)
+        start = ar.where(ar.gt(first, zero), order.start, self.at_once)
+
+        # The braking distance of the run, for the innovation test.
+        distance_used = ar.where(ar.gt(first, zero), distance, state.braking)
+        ready = ar.where(ar.gt(stage, self._stages.braking), one, zero)
+        by_itself = ar.where(ar.gt(measured.level, self._cut), one, zero)
+        spoiled = ar.where(ar.gt(ready, zero), zero, ar.maximum(measured.slide, by_itself))
+        learned = self.learning.step(
+            state.learned, ready, spoiled, measured.run, Report(measured.report, measured.error), distance_used
+        )
+
+        taught = ar.where(ar.gt(learned.learned, state.learned.learned), ar.sub(one, learned.spoiled), zero)
+        own = self.taught(own, first, taught, measured)
+
+        new = StopState(gap, stage, cruise, warm, accel, distance_used, learned, own)
+        return new, self._told.answer(stage, code, start, margin, distance, speed, state.learned.before)
+
+    def _on_the_bus(self, code: T) -> T:
+        """The command (m/s2) that is on the bus as ``code`` (mm/s2, Q0)."""
+        return self.ar.clip(self._told.accel(code), self.most, self.least)
+
+    def with_sent(self, state: Any, commands: Sequence[T]) -> Any:
+        """The train does not take a command that is not valid, and such a run is not one to learn from."""
+        ar, zero = self.ar, self.numbers.zero
+        code, _, valid = commands
+        lost = ar.where(ar.gt(valid, zero), zero, self.numbers.one)
+        accel = ar.where(ar.gt(valid, zero), self._on_the_bus(code), state.accel)
+        learned = state.learned._replace(spoiled=ar.maximum(state.learned.spoiled, lost))
+        return state._replace(accel=accel, learned=learned)
+
+    # -- memory ---------------------------------------------------------------------------------------------------
+
+    @classmethod
+    def memory_key(cls, scenario: Any) -> str:
+        task = scenario.task
+        return f"{task.train} {task.platform} {task.direction}"
+
+    @classmethod
+    def check_memory(cls, scenario: Any, values: Mapping[str, Any]) -> None:
+        stored_records(values)
+
+    def memory(self, state: Any) -> Mapping[str, Any]:
+        return self.learning.memory(state.learned)
+
+    def steady(self, measured: Measured[T]) -> T:
+        """The command with which a train that runs keeps its speed, m/s2; 0 for one that stands."""
+        return self._approach.steady(self.way_left(measured.odometer))
+
+    def way_left(self, odometer: T) -> T:
+        """Distance to the stopping point by the odometer, m."""
+        return self.ar.sub(self._way, odometer)

@@ -1,0 +1,1 @@
+"""The laws of the system ``stop``, one a module of its name."""

@@ -1,0 +1,351 @@
+"""The controller's reaction ladder against a second, differently written model, and at every threshold."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import pairwise
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from hil_tests.support.speed_seen import Seen
+from railhil.bus.codes import CtlCause
+from railhil.controller_node.ato.speed_watch import (
+    LEVELS,
+    Finding,
+    Ladder,
+    Reception,
+    SpeedWatchLevel,
+    SpeedWatchState,
+    command,
+    observe,
+    stronger,
+)
+from railhil.scenarios.load import load
+
+SCENARIO = load("lvshun_tieshan")
+LADDER = Ladder.of(SCENARIO)
+
+
+def ramp(elapsed_ms: int) -> int:
+    """How far the ramp goes in this time from 0."""
+    return LADDER.ramp_codes(0, elapsed_ms * 1_000_000)
+
+
+GOOD, BAD, NONE, IMPLAUSIBLE = Reception.GOOD, Reception.BAD, Reception.NONE, Reception.IMPLAUSIBLE
+
+
+def after(state: SpeedWatchState, *looks: Seen) -> SpeedWatchState:
+    for look in looks:
+        state = observe(LADDER, state, *look)
+    return state
+
+
+def goods(count: int, **seen: Any) -> list[Seen]:
+    return [Seen(0, GOOD, **seen)] * count
+
+
+class Reference:
+    """The table of the ladder row by row, on a full history instead of counters."""
+
+    def __init__(self) -> None:
+        self.level = 0
+        self.telegrams: list[bool] = []
+        self.since_trouble = 0
+
+    def look(self, seen: Seen) -> int:
+        if seen.telegram is not NONE:
+            self.telegrams.append(seen.telegram is GOOD)
+        bad = seen.telegram in (BAD, IMPLAUSIBLE)
+        trouble = bad or seen.finding or seen.age_ms > 20
+        self.since_trouble = 0 if trouble else self.since_trouble + (seen.telegram is GOOD)
+        left = {
+            0: True,
+            1: self.since_trouble >= 1,
+            2: self.since_trouble >= 5,
+            3: seen.standstill or self.since_trouble >= 10,
+            4: False,
+        }[self.level]
+        rules = {
+            1: seen.age_ms > 20 or bad,
+            2: seen.age_ms > 64 or (bad and self.telegrams[-10:].count(False) >= 3),
+            3: seen.age_ms > 256,
+            4: seen.overspeed or (seen.age_ms > 1000 and not seen.standstill),
+        }
+        if seen.finding:
+            rules[seen.finding.level] = True
+        demanded = max([level for level, holds in rules.items() if holds], default=0)
+        self.level = max(demanded, 0 if left else self.level)
+        return self.level
+
+
+def cause_of(seen: Seen, level: int) -> CtlCause:
+    """Why a level was entered: the strongest demand, the age of the speed before other causes."""
+    if seen.overspeed:
+        return CtlCause.OVERSPEED
+    by_age = sum(seen.age_ms > limit for limit in (20, 64, 256)) + (seen.age_ms > 1000 and not seen.standstill)
+    if by_age == level:
+        # A bad telegram demands at most TRACTION_CUT, and is named only where the age is not that old.
+        return CtlCause.SPEED_AGE
+    if seen.finding and seen.finding.level == level:
+        return seen.finding.cause
+    return CtlCause.SPEED_IMPLAUSIBLE if seen.telegram is IMPLAUSIBLE else CtlCause.BAD_TELEGRAMS
+
+
+RARELY = st.integers(0, 19).map(lambda x: x == 0)
+#: Mostly good telegrams, with runs of silence and of bad ones.
+EVENTS = st.lists(
+    st.tuples(
+        st.sampled_from([GOOD] * 12 + [BAD, IMPLAUSIBLE] + [NONE] * 4),
+        st.sampled_from([1, 10, 10, 10, 16, 50, 200, 400]),
+        RARELY,
+        st.sampled_from([None] * 200 + list(LEVELS.values())),
+        st.integers(0, 4).map(lambda x: x == 0),
+        st.integers(-1792, 1792),
+    ),
+    max_size=120,
+)
+
+
+@settings(deadline=None, max_examples=250)
+@given(EVENTS)
+def test_ladder_equals_the_reference(events: list[Any]) -> None:
+    state, reference, age_ms = SpeedWatchState(), Reference(), 0
+    for telegram, elapsed_ms, overspeed, finding, standstill, law_code in events:
+        age_ms = 0 if telegram is GOOD else age_ms + elapsed_ms
+        seen = Seen(age_ms, telegram, standstill, overspeed, finding)
+        before = state
+        state = observe(LADDER, state, *seen)
+        assert state.level == reference.look(seen)
+        if state.level > before.level and not (seen.finding and seen.telegram >= BAD):
+            assert state.cause is cause_of(seen, state.level)
+        state, code, emergency = command(LADDER, state, law_code, ramp(elapsed_ms))
+        assert state.code == code
+        _assert_safe(before, state, code, emergency, law_code, elapsed_ms)
+
+
+def _assert_safe(
+    before: SpeedWatchState, state: SpeedWatchState, code: int, emergency: bool, law_code: int, elapsed_ms: int
+) -> None:
+    """What each level promises about the notch, whatever came before."""
+    last, level = before.code, state.level
+    assert -LADDER.full_code <= code <= LADDER.full_code
+    assert emergency == (level is SpeedWatchLevel.EMERGENCY)
+    if before.level is SpeedWatchLevel.EMERGENCY and level is not SpeedWatchLevel.EMERGENCY:
+        assert level <= SpeedWatchLevel.SERVICE_BRAKE
+    if level is SpeedWatchLevel.HOLD:
+        assert abs(code) <= abs(last)
+        assert code * last >= 0
+        assert code <= last
+    if level is SpeedWatchLevel.TRACTION_CUT:
+        assert code <= 0
+        if before.level is not SpeedWatchLevel.TRACTION_CUT:
+            assert code <= min(last, 0)
+    if level is SpeedWatchLevel.SERVICE_BRAKE:
+        assert code <= last
+        assert code <= max(-LADDER.service_code, last - LADDER.ramp_code_per_s * elapsed_ms // 1000)
+    if level is SpeedWatchLevel.EMERGENCY:
+        assert code == -LADDER.full_code
+    if level is SpeedWatchLevel.NORMAL:
+        assert code <= law_code
+        if not state.returning:
+            assert code == law_code
+        else:
+            assert code <= last + LADDER.ramp_code_per_s * elapsed_ms // 1000
+
+
+def test_ladder_takes_its_numbers_from_the_scenario() -> None:
+    assert LADDER[:4] == (20, 64, 256, 1000)
+    assert LADDER.full_code == 7 * 256
+    # 1 m/s2 of service braking at 0.2088 m/s2 per notch, in 1/256 notch.
+    assert LADDER.service_code == round(256 * 1.0 / (46698.52685303329 / (211_000 * 1.06)))
+    assert LADDER.ramp_code_per_s == round(256 * 0.75 / (46698.52685303329 / (211_000 * 1.06)))
+    strong = replace(SCENARIO, train=replace(SCENARIO.train, service_braking_mps2=3.0))
+    assert Ladder.of(strong).service_code == 7 * 256
+    other = replace(SCENARIO, watch=replace(SCENARIO.watch, hold_ms=40, emergency_ms=2000))
+    assert Ladder.of(other)[:4] == (40, 64, 256, 2000)
+
+
+def test_the_watch_begins_with_nothing_seen() -> None:
+    assert SpeedWatchState() == (SpeedWatchLevel.NORMAL, 0, 0, 0, 0, False, CtlCause.NONE)
+
+
+def test_a_healthy_channel_costs_no_new_state() -> None:
+    """Nearly every tick: the state is the same object, up to the limit of hold."""
+    healthy = after(SpeedWatchState(), *goods(10))
+    assert healthy == SpeedWatchState(good_run=10)
+    for look in (Seen(0, GOOD), Seen(0), Seen(20)):
+        assert observe(LADDER, healthy, *look) is healthy
+    assert observe(LADDER, healthy, *Seen(21)) is not healthy
+
+
+@pytest.mark.parametrize("standstill", [False, True])
+def test_level_at_every_age(standstill: bool) -> None:
+    for age_ms in range(1300):
+        expected = (age_ms > 20) + (age_ms > 64) + (age_ms > 256) + (age_ms > 1000 and not standstill)
+        assert observe(LADDER, SpeedWatchState(), *Seen(age_ms, standstill=standstill)).level == expected
+
+
+def test_overspeed_at_every_speed_around_the_margin() -> None:
+    limit = 150_000
+    margin = round(5 / 3.6 * 1e4)
+    for speed in range(limit + margin - 20, limit + margin + 20):
+        assert LADDER.is_overspeed(speed, limit) == (speed > limit + margin)
+
+
+def test_one_bad_telegram_holds_and_one_good_releases() -> None:
+    state = after(SpeedWatchState(), *goods(3), Seen(10, BAD))
+    assert state.level is SpeedWatchLevel.HOLD
+    assert after(state, Seen(15)).level is SpeedWatchLevel.HOLD
+    assert after(state, *goods(1)).level is SpeedWatchLevel.NORMAL
+
+
+@pytest.mark.parametrize("gap", range(12))
+def test_three_bad_in_ten_cut_traction(gap: int) -> None:
+    """Two bad ones, ``gap`` good ones, a third bad one: within ten telegrams up to seven good ones in between."""
+    state = after(SpeedWatchState(), *goods(20), Seen(10, BAD), Seen(20, BAD), *goods(gap), Seen(10, BAD))
+    assert state.level == (SpeedWatchLevel.TRACTION_CUT if gap <= 7 else SpeedWatchLevel.HOLD)
+
+
+@pytest.mark.parametrize("run", range(8))
+def test_traction_cut_ends_with_five_good_in_a_row(run: int) -> None:
+    cut = after(SpeedWatchState(), Seen(65))
+    state = after(cut, *goods(run))
+    assert state.level == (SpeedWatchLevel.NORMAL if run >= 5 else SpeedWatchLevel.TRACTION_CUT)
+
+
+@pytest.mark.parametrize("breaker", [Seen(10, BAD), Seen(21)])
+def test_a_run_is_broken_by_anything_but_good(breaker: Seen) -> None:
+    cut = after(SpeedWatchState(), Seen(65), *goods(4), breaker)
+    assert after(cut, *goods(4)).level is SpeedWatchLevel.TRACTION_CUT
+    assert after(cut, *goods(5)).level is SpeedWatchLevel.NORMAL
+
+
+def test_an_old_burst_does_not_cut_again_after_the_good_run() -> None:
+    state = after(SpeedWatchState(), *[Seen(10, BAD)] * 3, *goods(5))
+    assert state.level is SpeedWatchLevel.NORMAL
+    assert after(state, *goods(1)).level is SpeedWatchLevel.NORMAL
+
+
+@pytest.mark.parametrize("finding", LEVELS.values(), ids=lambda finding: finding.cause.name)
+def test_a_finding_lasts_as_long_as_it_is_found(finding: Finding) -> None:
+    state = after(SpeedWatchState(), *goods(20), *goods(20, finding=finding))
+    assert (state.level, state.cause) == finding
+    left = after(state, *goods(10))
+    emergency = finding.level is SpeedWatchLevel.EMERGENCY
+    assert left[0] is (SpeedWatchLevel.EMERGENCY if emergency else SpeedWatchLevel.NORMAL)
+    assert left.cause is (finding.cause if emergency else CtlCause.NONE)
+
+
+def test_of_several_findings_the_strongest_counts() -> None:
+    cut, brake = LEVELS[CtlCause.OVERRUNS], LEVELS[CtlCause.POSITION_LOST]
+    assert stronger() is None
+    assert stronger(None, cut, brake, None) is brake
+    assert stronger(LEVELS[CtlCause.TWO_SOURCES], brake) is brake
+    assert stronger(cut, LEVELS[CtlCause.SPEED_LATENCY]).cause is CtlCause.SPEED_LATENCY  # type: ignore[union-attr]
+    # Of two equal demands the speed telegrams are named.
+    assert after(SpeedWatchState(), Seen(65, finding=cut)).cause is CtlCause.SPEED_AGE
+    # Nor does a weaker one hide what the age of the speed demands.
+    assert after(SpeedWatchState(), Seen(300, finding=cut))[:1] == (SpeedWatchLevel.SERVICE_BRAKE,)
+
+
+@pytest.mark.parametrize("run", range(13))
+def test_service_brake_ends_with_ten_good(run: int) -> None:
+    state = after(SpeedWatchState(), Seen(257), *goods(run))
+    assert state.level == (SpeedWatchLevel.NORMAL if run >= 10 else SpeedWatchLevel.SERVICE_BRAKE)
+
+
+def test_service_brake_ends_at_standstill() -> None:
+    assert after(SpeedWatchState(), Seen(257), Seen(0, GOOD, standstill=True)).level is SpeedWatchLevel.NORMAL
+    assert after(SpeedWatchState(), Seen(257), Seen(300, standstill=True)).level is SpeedWatchLevel.SERVICE_BRAKE
+
+
+@pytest.mark.parametrize("cause", [Seen(1001), Seen(0, GOOD, overspeed=True)])
+def test_emergency_is_latched(cause: Seen) -> None:
+    state = after(SpeedWatchState(), cause)
+    assert state.level is SpeedWatchLevel.EMERGENCY
+    assert after(state, *goods(50)).level is SpeedWatchLevel.EMERGENCY
+    assert after(state, *goods(50, standstill=True)).level is SpeedWatchLevel.EMERGENCY
+
+
+def run_commands(state: SpeedWatchState, law_code: int, count: int) -> tuple[SpeedWatchState, list[int]]:
+    codes = []
+    for _ in range(count):
+        state, code, _ = command(LADDER, state, law_code, ramp(20))
+        codes.append(code)
+    return state, codes
+
+
+def test_normal_sends_the_laws_notch() -> None:
+    assert run_commands(SpeedWatchState(), 1120, 2)[1] == [1120, 1120]
+    assert run_commands(SpeedWatchState(code=-500), 1120, 2)[1] == [1120, 1120]
+
+
+@pytest.mark.parametrize(
+    ("last", "law", "sent"), [(500, 900, 500), (500, 300, 300), (500, -300, 0), (-500, -900, -500), (-500, 200, -500)]
+)
+def test_hold_does_not_add_effort(last: int, law: int, sent: int) -> None:
+    state = after(SpeedWatchState(code=last), Seen(21))
+    assert run_commands(state, law, 3)[1] == [sent] * 3
+
+
+@pytest.mark.parametrize(
+    ("last", "law", "sent"),
+    [(500, 900, 0), (500, -300, -300), (-500, -900, -900), (-500, 200, -500), (-500, -200, -500)],
+)
+def test_traction_cut_keeps_braking(last: int, law: int, sent: int) -> None:
+    state = after(SpeedWatchState(code=last), Seen(65))
+    assert run_commands(state, law, 3)[1] == [sent] * 3
+
+
+def test_service_brake_comes_and_goes_on_its_ramp() -> None:
+    state = after(SpeedWatchState(code=300), Seen(257))
+    step = LADDER.ramp_code_per_s * 20 // 1000
+    state, codes = run_commands(state, 300, 100)
+    # No traction in this level: the ramp begins at coasting.
+    assert codes[0] == -step
+    assert codes[1] == -2 * step
+    assert codes[-1] == -LADDER.service_code
+    back = after(state, *goods(10))
+    assert back.level is SpeedWatchLevel.NORMAL
+    back, codes = run_commands(back, 300, 100)
+    assert codes[0] == -LADDER.service_code + step
+    assert max(b - a for a, b in pairwise(codes)) <= step
+    assert codes[-1] == 300
+    assert run_commands(back, 1500, 1)[1] == [1500]
+
+
+def test_a_ramp_goes_by_the_time_between_two_notches() -> None:
+    ladder = LADDER._replace(ramp_code_per_s=1000)
+    assert ladder.ramp_codes(5_000_000_000, 7_003_999_999) == 2003
+    assert ladder.ramp_codes(5_000_999_999, 5_001_000_000) == 1
+    assert ladder.ramp_codes(7_000_000_000, 5_000_000_000) == -2000
+
+
+def test_no_traction_in_service_brake_though_the_ladder_jumped_there() -> None:
+    state = observe(LADDER, SpeedWatchState(code=7 * 256), *Seen(age_ms=300))
+    assert state.level is SpeedWatchLevel.SERVICE_BRAKE
+    code = 7 * 256
+    for elapsed_ms in (20, 20, 20):
+        state, code, _ = command(LADDER, state, 7 * 256, ramp(elapsed_ms))
+        assert code < 0, "brakes from the first notch on"
+
+
+def test_harder_braking_is_not_released_by_the_service_brake() -> None:
+    state = after(SpeedWatchState(code=-1700), Seen(257))
+    assert run_commands(state, 0, 3)[1] == [-1700] * 3
+
+
+def test_emergency_brakes_fully_at_once() -> None:
+    state = after(SpeedWatchState(code=1000), Seen(1001))
+    assert command(LADDER, state, 1000, ramp(20))[1:] == (-LADDER.full_code, True)
+
+
+def test_a_clock_that_is_set_back_makes_no_notch_beyond_the_greatest() -> None:
+    """Elapsed time below 0 turns the ramp round; the train's gate would refuse what lies beyond its range."""
+    back = after(SpeedWatchState(code=-LADDER.full_code, returning=True), *goods(1))
+    for elapsed_ms in (-1000, -10, 0, 10):
+        _, code, _ = command(LADDER, back, 0, ramp(elapsed_ms))
+        assert code == -LADDER.full_code + max(0, LADDER.ramp_code_per_s * elapsed_ms // 1000)

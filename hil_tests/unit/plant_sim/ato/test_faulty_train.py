@@ -1,0 +1,278 @@
+"""Faults of the train: equipment, mass and gradient, balises; each on the plant alone."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from hil_tests.support.plant_faults import SCENARIO, commanded, fault, faulty, moving, shown
+from railhil.bus.codes import WatchCause
+from railhil.bus.layout import CHECK_ERRONEOUS
+from railhil.bus.telegrams import BalisePassed, TrnPos, TrnSpeed
+from railhil.common.errors import InputError
+from railhil.faults.model import Draw, Fault, Trigger
+from railhil.faults.words import CLEAR, Word, words_at
+from railhil.plant_sim.any_plant import PlantError
+from railhil.plant_sim.ato.command_watch import CommandWatchLevel
+from railhil.plant_sim.ato.plant import Plant
+from railhil.plant_sim.faults.mismatch import Mismatch
+from railhil.scenarios.ato import ATO
+from railhil.scenarios.load import load_any
+from railhil.scenarios.model import Balise
+
+TRAIN = SCENARIO.train
+WEIGHT_N = TRAIN.mass_kg * TRAIN.gravity_mps2
+
+
+#: Every place of this plant with every word of the language that it has.
+INJECTED = [(place, word) for place in ATO.injects for word in words_at(*place.split("."), "") if word.name != CLEAR]
+
+
+def with_usual(place: str, word: Word, trigger: Trigger) -> Fault:
+    """A fault with the usual values of its word, or 2."""
+    values = {one.name: 2.0 if one.usual is None else one.usual for one in word.parameters}
+    return fault(place, word.name, trigger, values)
+
+
+def coasting_accel_mps2(plant: Plant) -> float:
+    moving(plant, ticks=1200)
+    commanded(plant, 0, 1000)
+    return plant.accel_mps2
+
+
+# -- without an active fault ------------------------------------------------------------------------------------------
+
+
+def test_a_train_whose_faults_are_not_active_is_the_train_without_faults() -> None:
+    """Bit for bit: state, readings and events; every fault, none of which ever begins."""
+    faults = [with_usual(place, word, Trigger("event", "never")) for place, word in INJECTED]
+    plants = [Plant(SCENARIO, 3), faulty(*faults, seed=3)]
+    for code in (1500, -300, 900, -1700):
+        events = [commanded(plant, code, 700) for plant in plants]
+        assert events[0] == events[1]
+        seen = [
+            (plant._motion, plant.speed_01mmps, plant.odometer_mm, plant.brake_n, plant.accel_mps2, plant.notch_acting)
+            for plant in plants
+        ]
+        assert seen[0] == seen[1]
+
+
+# -- equipment --------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("name", "field"),
+    [
+        ("pantograph", "pantograph_up"),
+        ("main_breaker", "main_breaker_closed"),
+        ("doors", "doors_closed_locked"),
+        ("power", "power_on"),
+    ],
+)
+def test_an_open_interlock_takes_the_traction_while_it_lasts(name: str, field: str) -> None:
+    plant = faulty(fault(f"train.{name}", "off", 12.0, duration_s=2.0))
+    moving(plant, ticks=1200)
+    assert plant.traction_n > 0.0
+    commanded(plant, 1200, 150)
+    assert getattr(plant.status, field) is False
+    assert plant.traction_n == 0.0
+    commanded(plant, 1200, 150)
+    assert getattr(plant.status, field) is True
+    assert plant.traction_n > 0.0
+    assert shown(plant) == [(1, 12.0, "true", "false")]
+
+
+def test_an_applied_parking_brake_brakes() -> None:
+    plant = faulty(fault("train.parking_brake", "off", 12.0))
+    moving(plant, ticks=1300)
+    assert plant.brake_n == pytest.approx(0.04 * WEIGHT_N)
+
+
+def test_an_open_safety_loop_is_an_emergency() -> None:
+    plant = faulty(fault("train.safety_loop", "off", 12.0, duration_s=0.02))
+    moving(plant, ticks=1202)
+    assert plant.watch_level is CommandWatchLevel.EMERGENCY
+    assert plant.watch_cause is WatchCause.SAFETY_LOOP
+
+
+def test_low_line_voltage_takes_the_traction() -> None:
+    for share, traction in ((0.7, True), (0.6, False)):
+        plant = faulty(fault("train.line_voltage", "low", 11.0, {"share": share}))
+        moving(plant, ticks=1200)
+        assert plant.status.line_voltage_percent == pytest.approx(share * 100)
+        assert (plant.traction_n > 0.0) is traction
+
+
+def test_a_state_that_is_not_a_number_is_a_defect_of_the_bench() -> None:
+    plant = faulty(fault("train.model", "nan", 5.0))
+    with pytest.raises(PlantError, match="not finite at tick 501"):
+        commanded(plant, 1200, 600)
+    assert shown(plant) == [(1, 5.0, "a number", "nan")]
+
+
+# -- mass, resistance, gradient ---------------------------------------------------------------------------------------
+
+
+def test_a_mismatch_from_the_start_is_a_changed_scenario() -> None:
+    """Bit for bit, also where it is drawn."""
+    faults = (
+        fault("train.mass", "scale", 0.0, {"factor": 1.13}),
+        fault("train.gradient", "scale", 0.0, {"factor": 0.9}),
+        fault("train.gradient", "offset", 0.0, {"permil": Draw("uniform", 1.0, 2.0)}),
+        fault("train.resistance", "scale", 0.0, {"factor": 1.3}),
+    )
+    plant = faulty(*faults)
+    drawn = plant.injections.activities[2].fault.values["permil"]
+    assert isinstance(drawn, float)
+    assert 1.0 < drawn < 2.0
+    changed = Plant(Mismatch(1.13, 1.3, 0.9, drawn).applied(SCENARIO), 0)
+    for code in (1500, 0, -900):
+        commanded(plant, code, 900)
+        commanded(changed, code, 900)
+        assert plant._motion == changed._motion
+    assert [hit[:2] for hit in shown(plant)] == [(1, 0.0), (2, 0.0), (3, 0.0), (4, 0.0)]
+
+
+def test_mass_changes_during_the_run() -> None:
+    heavy = faulty(fault("train.mass", "scale", 12.0, {"factor": 1.25}, duration_s=1.0))
+    accel = []
+    for ticks in (1190, 15, 100):
+        commanded(heavy, 600, ticks)
+        accel.append(heavy.accel_mps2)
+    # Resistance and grade grow with the mass, the force does not.
+    assert accel[1] < accel[0] / 1.15
+    assert accel[2] == pytest.approx(accel[0], rel=0.05)
+
+
+def test_gradient_offset() -> None:
+    change = coasting_accel_mps2(faulty(fault("train.gradient", "offset", 12.0, {"permil": 10.0}))) - (
+        coasting_accel_mps2(faulty())
+    )
+    # On the inertial mass. The train is slower and behind, so its running resistance is a little smaller.
+    assert change == pytest.approx(-0.01 * WEIGHT_N / TRAIN.inertial_mass_kg, abs=0.004)
+
+
+# -- balises ----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("what", "values", "expected", "note"),
+    [
+        ("missed", {}, [], ("7:30", "none")),
+        ("doubled", {}, [(7, 30_000, 1), (7, 30_000, 1)], ("7:30", "7:30 7:30")),
+        ("wrong", {"error_m": -3.5}, [(7, 26_500, 1)], ("7:30", "7:26.5")),
+        ("off", {}, [(7, 0, CHECK_ERRONEOUS)], ("7:30", "invalid")),
+        ("intermittent", {"share": 1.0}, [(7, 0, CHECK_ERRONEOUS)], ("7:30", "invalid")),
+    ],
+)
+def test_balises(
+    what: str, values: dict[str, float], expected: list[tuple[int, int, int]], note: tuple[str, str]
+) -> None:
+    line = replace(SCENARIO.line, balises=(Balise(7, 30.0, 30.0), Balise(8, 60.0, 60.0)))
+    scenario = replace(SCENARIO, line=line)
+    plant = faulty(
+        fault("sensor.balise", what, Trigger("position", 20.0), values, count=1),
+        scenario=scenario,
+    )
+    found = []
+    for _ in range(3000):
+        for event in commanded(plant, 1500, 1):
+            telegram = plant.telegram_of(event)
+            if isinstance(telegram, BalisePassed):
+                found.append((telegram.balise_id, telegram.surveyed_mm, telegram.check))
+    assert found == [*expected, (8, 60_000, 1)]
+    assert [hit[2:] for hit in shown(plant)] == [note]
+
+
+# -- triggers and refusals --------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "trigger",
+    [Trigger("speed", 5.0), Trigger("position", 20.0), Trigger("event", "departed", delay_s=2.0)],
+)
+def test_a_fault_begins_by_the_truth_of_the_plant(trigger: Trigger) -> None:
+    plant = faulty(fault("train.pantograph", "off", trigger))
+    while plant.status.pantograph_up:
+        commanded(plant, 1200, 1)
+    (begun,) = plant.injections.activities
+    assert begun.begun_ns == plant.tick * 10_000_000
+    if trigger.kind == "speed":
+        assert 49_999 < plant.true_speed_01mmps < 50_200
+    elif trigger.kind == "position":
+        assert 199_999 < plant.position_01mm < 201_000
+    else:
+        assert plant.tick > 200
+
+
+def test_a_level_of_the_train_s_watch_is_an_event() -> None:
+    plant = faulty(fault("train.doors", "off", Trigger("event", "traction_cut")))
+    moving(plant)
+    for _ in range(8):
+        plant.advance()
+    assert plant.watch_level is CommandWatchLevel.TRACTION_CUT
+    assert not plant.status.doors_closed_locked
+
+
+@pytest.mark.parametrize(("place", "word"), INJECTED, ids=lambda one: one if isinstance(one, str) else one.name)
+def test_every_word_of_the_language_changes_something(place: str, word: Word) -> None:
+    line = replace(SCENARIO.line, balises=tuple(Balise(number, 3.0 * number, 3.0 * number) for number in range(1, 40)))
+    plant = faulty(with_usual(place, word, Trigger("time", 10.0)), scenario=replace(SCENARIO, line=line))
+    if word.name == "nan":
+        with pytest.raises(PlantError):
+            commanded(plant, 1700, 1400)
+    else:
+        for code, ticks in ((1700, 1400), (-900, 700)):
+            for _ in range(ticks):
+                commanded(plant, code, 1)
+                for port in (TrnSpeed.PORT, TrnPos.PORT):
+                    plant.makers[port]()
+    assert plant.injections.activities[0].hits > 0
+    assert min(hit.time_ns for hit in plant.injections.log.hits) >= 10_000_000_000
+
+
+def test_events_of_the_motion() -> None:
+    plant = faulty(
+        fault("train.doors", "off", Trigger("event", "traction"), duration_s=0.1),
+        fault("train.power", "off", Trigger("event", "braking")),
+        fault("train.main_breaker", "off", Trigger("event", "standstill")),
+    )
+    moving(plant)
+    commanded(plant, -900, 3000)
+    begun = [one.begun_ns for one in plant.injections.activities]
+    assert plant.true_speed_01mmps == 0
+    assert begun == sorted(begun)  # type: ignore[type-var]
+    assert begun[0] is not None
+    assert begun[0] <= 100_000_000
+    assert begun[1] is not None
+    assert begun[1] > 10_000_000_000
+
+
+def test_an_order_by_hand() -> None:
+    plant = faulty(fault("train.doors", "off", Trigger("manual")))
+    moving(plant, ticks=1000)
+    plant.injections.order(2, True)
+    commanded(plant, 600, 2)
+    assert plant.status.doors_closed_locked
+    plant.injections.order(1, True)
+    commanded(plant, 600, 2)
+    assert not plant.status.doors_closed_locked
+    plant.injections.order(1, False)
+    commanded(plant, 600, 2)
+    assert plant.status.doors_closed_locked
+
+
+@pytest.mark.parametrize(
+    ("text", "allowed"),
+    [
+        ("speed off @#7", "a telegram only for a port"),
+        ("sensor.temperature off @3s", "sensor.speed, sensor.position"),
+        ("speed off @3s units 2", "no units"),
+        ("speed missed @3s", "off"),
+    ],
+)
+def test_what_the_train_cannot_have_is_refused_at_load(text: str, allowed: str) -> None:
+    with pytest.raises(InputError, match=allowed) as error:
+        load_any("lvshun_tieshan", (), (text,))
+    assert "\n" not in str(error.value)

@@ -1,0 +1,1 @@
+"""A train under automatic train operation: motion, sensors, equipment, its watch."""

@@ -1,0 +1,192 @@
+"""The forces of a train with faults: of its two sides (traction, service brake) and of the rail that carries them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import copysign, inf
+from typing import NamedTuple
+
+from railhil.bus.codes import WatchCause
+from railhil.plant_sim.ato import dynamics
+from railhil.plant_sim.ato.dynamics import Lag, Motion, Window
+from railhil.plant_sim.ato.faults.adhesion import AxleSlip
+from railhil.plant_sim.ato.faults.drive import Side, SideState, capped, shared
+from railhil.plant_sim.ato.plant import NOTCH_LSB_PER_NOTCH
+from railhil.plant_sim.ato.train_checks import OwnChecks
+from railhil.plant_sim.faults.injections import Injections, number_of
+from railhil.plant_sim.forces import TrainConstants, effort_limit_n
+from railhil.scenarios.model import Scenario, Train
+
+
+class Allowed(NamedTuple):
+    """Forces of one tick: constants and window for the dynamics, and the force that no command explains, traction
+    positive.
+
+    That force is already in the constants, as a negative resistance: it adds to the others, and as a brake it holds the
+    train but never moves it.
+    """
+
+    constants: TrainConstants
+    window: Window
+    extra_n: float
+
+
+class Demand(NamedTuple):
+    """What is demanded in one tick: notch code of the plant, speed, whether the train is powered and whether the
+    emergency brake is applied."""
+
+    code: int
+    speed_mps: float
+    powered: bool
+    emergency: bool
+
+
+class FaultyForces:
+    """What the faults of the actuators and of the adhesion make of the forces, tick by tick."""
+
+    def __init__(self, injections: Injections, step_s: float) -> None:
+        self.traction = Side(injections.at("actuator", "traction"), 1, step_s)
+        self.brake = Side(injections.at("actuator", "brake"), -1, step_s)
+        self.axle = AxleSlip()
+        self._injections = injections
+        self._adhesion = injections.at("train", "adhesion")
+        self._step_s = step_s
+        #: Traction that no notch commands, and braking force that the watch demanded of a healthy brake.
+        self.runaway_n = 0.0
+        self.demanded_n = 0.0
+        # Largest force that the rail carries.
+        self._carried_n = inf
+
+    def change(self, train: Train, motion: Motion, force_n: float) -> Motion:
+        """Faults have begun or ended: the motion from here on.
+
+        The force present follows a change of its side at once; from nothing it builds up anew.
+
+        :param train: as it is, with its mass.
+        :param force_n: force on the train at this instant, traction positive.
+        """
+        self._train = train
+        before = self.traction.state.share, self.brake.state.share
+        self.traction.change(max(0.0, force_n))
+        self.brake.change(max(0.0, -force_n))
+        #: Train and factors of a full tick when traction acts, and when the brake does.
+        self._by_side = self._as_moved_by(self.traction.state), self._as_moved_by(self.brake.state)
+        carried = [number_of(one.fault, "coefficient") for one in self._adhesion if one.active]
+        self._carried_n = min(carried, default=inf) * train.mass_kg * train.gravity_mps2
+        actuator_n = motion.actuator_n
+        side, share_before = (self.traction, before[0]) if actuator_n > 0.0 else (self.brake, before[1])
+        if side.state.instead_n is not None:
+            return motion._replace(actuator_n=0.0)
+        if side.state.share != share_before:
+            factor = side.state.share / share_before if share_before > 0.0 else 0.0
+            return motion._replace(actuator_n=actuator_n * factor)
+        return motion
+
+    def _as_moved_by(self, state: SideState) -> tuple[Train, Lag]:
+        train = self._train
+        if state.share != 1.0 or state.pole != 1.0:
+            train = replace(
+                train,
+                force_per_notch_n=train.force_per_notch_n * state.share,
+                actuator_pole_per_s=train.actuator_pole_per_s * state.pole,
+            )
+        return train, dynamics.lag(train.actuator_pole_per_s, self._step_s)
+
+    def acting(self, code: int) -> int:
+        """Notch code that acts on the actuators, when the plant's is ``code``."""
+        return self.traction.acting(code) + self.brake.acting(code)
+
+    def mover(self, acting_code: int, actuator_n: float) -> tuple[Train, Lag]:
+        """The train as the side that acts moves it, and the factors of a full tick."""
+        return self._by_side[acting_code < 0 or (acting_code == 0 and actuator_n < 0.0)]
+
+    def allowed(self, healthy: TrainConstants, window: Window, demand: Demand) -> Allowed:
+        """The forces of the coming tick.
+
+        :param healthy: constants without these faults.
+        :param window: what watch and interlocks allow.
+        """
+        constants, extra_n = healthy, 0.0
+        self.runaway_n, self.demanded_n = 0.0, window.brake_min_n
+        pull, push = self.traction.state, self.brake.state
+        if not demand.emergency and (pull.share != 1.0 or push.share != 1.0):
+            traction, brake = shared(constants.traction, pull.share), shared(constants.brake, push.share)
+            constants = constants._replace(traction=traction, brake=brake)
+        # At EMERGENCY the main breaker opens, and the brake no longer depends on its actuator.
+        for side, state, acts in (
+            (self.traction, pull, demand.powered and not demand.emergency),
+            (self.brake, push, not demand.emergency),
+        ):
+            if not side.faults:
+                continue
+            limit = constants.traction if side is self.traction else constants.brake
+            instead_n = None
+            if state.instead_n is not None and acts:
+                instead_n = min(state.instead_n, effort_limit_n(limit, demand.speed_mps))
+                if side is self.traction:
+                    self.runaway_n = instead_n
+                extra_n += instead_n if side is self.traction else -instead_n
+            side.note(self._injections, acts, demand.code, self._commanded_n(side, demand, window), instead_n)
+        if pull.instead_n is not None:
+            constants = constants._replace(traction=capped(constants.traction, 0.0))
+        if push.instead_n is not None and not demand.emergency:
+            constants = constants._replace(brake=capped(constants.brake, 0.0))
+        if push.share != 1.0 and not demand.emergency:
+            window = window._replace(brake_min_n=window.brake_min_n * push.share)
+        self._uncarried = Allowed(constants, window, extra_n)
+        return self._carried(constants, window, extra_n)
+
+    def _carried(self, constants: TrainConstants, window: Window, extra_n: float) -> Allowed:
+        """These forces as far as the rail carries them; while the axle slips or slides, its friction in their place."""
+        carried_n = self._carried_n
+        if carried_n < inf and self.axle.slip_mps != 0.0:
+            extra_n = copysign(carried_n, self.axle.slip_mps)
+            constants = constants._replace(traction=capped(constants.traction, 0.0), brake=capped(constants.brake, 0.0))
+        elif carried_n < inf:
+            extra_n = min(max(extra_n, -carried_n), carried_n)
+            constants = constants._replace(
+                traction=capped(constants.traction, carried_n - extra_n),
+                brake=capped(constants.brake, carried_n + extra_n),
+            )
+        if extra_n != 0.0:
+            constants = constants._replace(resistance_a_n=constants.resistance_a_n - extra_n)
+        return Allowed(constants, window, extra_n)
+
+    def _commanded_n(self, side: Side, demand: Demand, window: Window) -> float:
+        """Force that notch and watch demand of a healthy side in the end, >= 0."""
+        notch_n = abs(side.part(demand.code)) * self._train.force_per_notch_n / NOTCH_LSB_PER_NOTCH
+        if side is self.brake:
+            return max(notch_n, window.brake_min_n)
+        return notch_n if window.traction and window.brake_min_n == 0.0 else 0.0
+
+    def moved(self, motion: Motion, code: int) -> None:
+        """The end of a tick: notches for dead times, and the axle's slip or slide.
+
+        :param code: notch code of the plant.
+        """
+        self.traction.remember(code)
+        self.brake.remember(code)
+        if self._carried_n == inf and self.axle.slip_mps == 0.0:
+            return
+        constants, window, extra_n = self._uncarried
+        at_axle = motion._replace(speed_mps=max(0.0, motion.speed_mps + self.axle.slip_mps))
+        demand_n = dynamics.applied_n(constants, window, at_axle) + extra_n
+        for one in self._adhesion:
+            acts = one.active and abs(demand_n) > self._carried_n
+            self._injections.effect(one, acts, f"{demand_n:.0f} N", f"{self._carried_n:.0f} N")
+        train = self._train
+        self.axle.step(demand_n, self._carried_n, motion.speed_mps, train.mass_kg, train.inertial_mass_kg, self._step_s)
+
+
+class FeltChecks(OwnChecks):
+    """The train's own checks: they see the force of the drive as it is, and what was demanded of the brake."""
+
+    def __init__(self, scenario: Scenario, constants: TrainConstants, forces: FaultyForces) -> None:
+        super().__init__(scenario, constants)
+        self._felt = forces
+
+    def finding(self, tick: int, acting_code: int, motion: Motion, brake_min_n: float) -> WatchCause:
+        """See :meth:`railhil.plant_sim.ato.train_checks.OwnChecks.finding`."""
+        if self._felt.runaway_n > 0.0:
+            motion = motion._replace(actuator_n=max(0.0, motion.actuator_n) + self._felt.runaway_n)
+        return super().finding(tick, acting_code, motion, max(brake_min_n, self._felt.demanded_n))

@@ -1,0 +1,224 @@
+"""The train of the system ``ato`` with faults of its sensors, actuators and equipment."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from math import nan
+from typing import Any
+
+from railhil.bus.codes import CtlMode
+from railhil.bus.layout import CHECK_ERRONEOUS, Telegram
+from railhil.bus.safe_telegrams import SpeedSdt
+from railhil.bus.telegrams import BalisePassed, NotchCmd, TrnPos, TrnSpeed
+from railhil.faults.capability import MISMATCHES
+from railhil.faults.model import Fault
+from railhil.plant_sim import force_tables
+from railhil.plant_sim.ato.command_watch import CommandWatchLevel
+from railhil.plant_sim.ato.events import EventKind
+from railhil.plant_sim.ato.faults.equipment import FaultyEquipment
+from railhil.plant_sim.ato.faults.forces import Demand, FaultyForces, FeltChecks
+from railhil.plant_sim.ato.status import LINE_VOLTAGE_MIN_PERCENT
+from railhil.plant_sim.ato.train import TrainOnBus
+from railhil.plant_sim.faults.balises import FaultyReader, UnreadBalise
+from railhil.plant_sim.faults.injections import Injections, MotionEvents
+from railhil.plant_sim.faults.mismatch import Mismatch
+from railhil.plant_sim.faults.readings import FaultySensor, Quantity
+from railhil.scenarios.model import Balise, Scenario
+from railhil.scenarios.perturb import perturbed
+
+#: Modes of the controller as events.
+_MODES = {int(mode): mode.name.lower() for mode in CtlMode}
+
+
+class FaultyTrain(TrainOnBus):
+    """A train with faults (:class:`railhil.plant_sim.faults.plants.FaultyPlant`).
+
+    Faults begin and end at the instants of ticks, and change readings and motion from there on.
+    Several faults act in the order of their numbers.
+
+    :param faults: of the levels in :data:`railhil.plant_sim.faults.plants.LEVELS`, with their numbers.
+    """
+
+    def __init__(
+        self, scenario: Scenario, seed: int, drawn: bool, rate: float, faults: Sequence[tuple[int, Fault]]
+    ) -> None:
+        # As in the plant without faults; the mismatch of a fault is applied to what was drawn.
+        self._healthy = perturbed(scenario, seed) if drawn else scenario
+        tick_ns = scenario.timing.base_tick_ns
+        tick_s = tick_ns * 1e-9
+        self.injections = faulty = Injections(faults, seed, tick_ns)
+        faulty.look(0, 0.0, 0.0)
+        self._equipment = FaultyEquipment(faulty)
+        self._reader = FaultyReader(faulty)
+        self._speed_sensor = FaultySensor(faulty, Quantity.of(TrnSpeed, "speed_01mmps", 1e4), tick_s, "speed")
+        self._position_sensor = FaultySensor(faulty, Quantity.of(TrnPos, "odometer_mm", 1e3), tick_s, "position")
+        self._forces = FaultyForces(faulty, tick_s)
+        self._models = faulty.at("train", "model")
+        self._mismatches = [one for one in faulty.at("train") if (one.fault.place.name, one.fault.what) in MISMATCHES]
+        self._extra_n = 0.0
+        self._mode: int = CtlMode.INITIALISING
+        mismatch = self._mismatch()
+        super().__init__(mismatch.applied(self._healthy), seed, False, rate)
+        self._applied_mismatch = mismatch
+        self._actual_train = self._train
+        self._base = self._constants
+        self._own_checks = FeltChecks(mismatch.applied(self._healthy), self._constants, self._forces)
+        self._changed = True
+        self._equipment.change(self.status)
+        self._read()
+        self._motions = MotionEvents()
+        for telegram, sensor in ((TrnSpeed, self._speed_sensor), (TrnPos, self._position_sensor)):
+            if sensor:
+                self.makers[telegram.PORT] = _sent(self.makers[telegram.PORT], sensor)
+        if SpeedSdt.PORT in self.makers:
+            self.makers[SpeedSdt.PORT] = self._safe_reading(self.makers[SpeedSdt.PORT])
+
+    # -- when faults begin and end ------------------------------------------------------------------------------------
+
+    def _mismatch(self) -> Mismatch:
+        return Mismatch.of(one.fault for one in self._mismatches if one.active)
+
+    def _change(self) -> None:
+        """Faults have begun or ended: the train and its forces from this tick on."""
+        self._changed = False
+        mismatch = self._mismatch()
+        if mismatch != self._applied_mismatch:
+            self._applied_mismatch = mismatch
+            actual = mismatch.applied(self._healthy)
+            self._actual_train = actual.train
+            self._base = force_tables.train_constants(actual.train)
+            self._grades = force_tables.grade_table(actual.line.grade_permil, actual.train.length_m)
+        for one in self._mismatches:
+            (value,) = one.fault.values.values()
+            self.injections.effect(one, one.active, "0" if one.fault.what == "offset" else "1", str(value))
+        self._motion = self._forces.change(self._actual_train, self._motion, self._applied_n)
+
+    # -- time ---------------------------------------------------------------------------------------------------------
+
+    def advance(self) -> None:
+        """Simulate one base tick, then look which faults are active at its end."""
+        if self._changed:
+            self._change()
+        for one in self._models:
+            if one.active:
+                self.injections.effect(one, True, "a number", "nan")
+                self._motion = self._motion._replace(position_m=nan)
+        super().advance()
+        self._forces.moved(self._motion, self._acting_code)
+        motion = self._motion
+        for event in self._motions.seen(motion.speed_mps, self.accel_mps2, self.traction_n):
+            self.injections.happened(event)
+        if self.injections.look(self.tick, motion.position_m, motion.speed_mps):
+            # The readings of this instant still show the forces up to it, and the status from it on.
+            self._changed = True
+            self._equipment.change(self.status)
+        self._read()
+
+    def _protect(self) -> None:
+        """The forces that watch and interlocks allow, then what the faults make of them."""
+        super()._protect()
+        emergency = self.watch_level is CommandWatchLevel.EMERGENCY
+        demand = Demand(self._acting_code, self._motion.speed_mps, self._powered, emergency)
+        self._constants, self._window, self._extra_n = self._forces.allowed(self._base, self._window, demand)
+
+    @property
+    def _powered(self) -> bool:
+        status = self.status
+        return (
+            status.power_on
+            and status.pantograph_up
+            and status.main_breaker_closed
+            and status.line_voltage_percent >= LINE_VOLTAGE_MIN_PERCENT
+        )
+
+    def _move(self, from_tick: float, ticks: float) -> None:
+        """Simulate a tick or a part of it, with the force per notch and the pole of the side that acts."""
+        self._train, self._full_lag = self._forces.mover(self.notch_acting, self._motion.actuator_n)
+        if self._constants.pole_per_s != self._train.actuator_pole_per_s:
+            self._constants = self._constants._replace(pole_per_s=self._train.actuator_pole_per_s)
+        super()._move(from_tick, ticks)
+
+    # -- readings -----------------------------------------------------------------------------------------------------
+
+    def _read(self) -> None:
+        """Sample the sensors that have faults."""
+        if self._speed_sensor:
+            self._speed_sensor.sample(self._axle_speed_01mmps)
+        if self._position_sensor:
+            self._position_sensor.sample(self._axle_odometer_mm)
+
+    def _safe_reading(self, make: Callable[[], Telegram | None]) -> Callable[[], Telegram | None]:
+        """A maker of SPEED_SDT, which has no check variable: without valid readings it is not sent."""
+        sensors = self._speed_sensor, self._position_sensor
+        return lambda: make() if all(sensor.reading.valid for sensor in sensors) else None
+
+    @property
+    def _axle_speed_01mmps(self) -> int:
+        return self._sensors.speed_01mmps(max(0.0, self._motion.speed_mps + self._forces.axle.slip_mps), self.tick)
+
+    @property
+    def _axle_odometer_mm(self) -> int:
+        return self._sensors.odometer_mm(self._motion.position_m + self._forces.axle.slip_m)
+
+    @property
+    def speed_01mmps(self) -> int:
+        """Speed measured by the axle sensor, in 0.1 mm/s."""
+        return self._speed_sensor.reading.raw if self._speed_sensor else self._axle_speed_01mmps
+
+    @property
+    def odometer_mm(self) -> int:
+        """Odometer in mm since the start."""
+        return self._position_sensor.reading.raw if self._position_sensor else self._axle_odometer_mm
+
+    @property
+    def notch_acting(self) -> int:
+        """Notch acting on the actuators now, in 1/256."""
+        code = self._forces.acting(self._acting_code)
+        return code if self._window.traction else min(code, 0)
+
+    @property
+    def _applied_n(self) -> float:
+        return super()._applied_n + self._extra_n
+
+    def _pass_balise(self, balise: Balise, after_s: float) -> None:
+        odometer_mm = (
+            self._sensors.odometer_between_mm(balise.true_m + self._forces.axle.slip_m) + self._position_sensor.error
+        )
+        for reported in self._reader.reported(balise):
+            self._event("balise", after_s, reported.true_m, reported, odometer_mm)
+
+    # -- commands and events ------------------------------------------------------------------------------------------
+
+    def take(self, telegram: Telegram) -> None:
+        """Take a command; the controller's level is an event for faults that wait for it."""
+        if isinstance(telegram, NotchCmd) and telegram.mode != self._mode:
+            self._mode = telegram.mode
+            self.injections.happened(_MODES.get(telegram.mode, ""))
+        super().take(telegram)
+
+    def _event(self, kind: EventKind, *given: Any) -> None:
+        super()._event(kind, *given)
+        if kind == "watch":
+            self.injections.happened(self.watch_level.name.lower())
+        elif kind != "balise":
+            self.injections.happened(kind)
+
+    def telegram_of(self, event: Any) -> Telegram | None:
+        """The telegram of an event; that of a balise without a valid value says so."""
+        telegram = super().telegram_of(event)
+        if isinstance(telegram, BalisePassed) and isinstance(event.balise, UnreadBalise):
+            telegram.check = CHECK_ERRONEOUS
+        return telegram
+
+
+def _sent(make: Callable[[], Telegram | None], sensor: FaultySensor) -> Callable[[], Telegram | None]:
+    """A maker of a telegram that carries the sensor's reading: an invalid one has an erroneous check variable."""
+
+    def made() -> Telegram | None:
+        reading = sensor.sent()
+        telegram = make()
+        if not reading.valid:
+            telegram.check = CHECK_ERRONEOUS  # type: ignore[union-attr]
+        return telegram
+
+    return made

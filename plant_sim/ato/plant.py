@@ -1,0 +1,277 @@
+"""The train on its line: dynamics, actuator with loop delay, sensors, interlocks and the train's own watch."""
+
+from __future__ import annotations
+
+from collections import deque
+from math import inf, isfinite
+from typing import Final
+
+from railhil.bus.codes import WatchCause
+from railhil.bus.telegrams import STOP_LEG_MIN_M
+from railhil.common.mypyc import mypyc_attr
+from railhil.plant_sim import force_tables
+from railhil.plant_sim.any_plant import PlantError
+from railhil.plant_sim.ato import dynamics
+from railhil.plant_sim.ato.command_watch import (
+    INITIAL,
+    SUSPICIONS,
+    CommandWatchLevel,
+    CommandWatchState,
+    watch_brake_mps2,
+    watch_step,
+    watch_ticks,
+)
+from railhil.plant_sim.ato.dynamics import Lag, Motion, Window
+from railhil.plant_sim.ato.events import EventKind, PlantEvent, passing_s
+from railhil.plant_sim.ato.plant_readings import PlantReadings
+from railhil.plant_sim.ato.sensors import AxleSensors
+from railhil.plant_sim.ato.status import TrainStatus
+from railhil.plant_sim.ato.train_checks import OwnChecks
+from railhil.scenarios.model import Balise, Profile, Scenario, profile_value
+from railhil.scenarios.profiles import front_speed_limit
+
+#: Notch codes per notch.
+NOTCH_LSB_PER_NOTCH: Final = 256
+#: Grade up to which an applied parking brake holds the train.
+PARKING_BRAKE_PERMIL: Final = 40.0
+
+# A member of an enum costs as much as a call on CPython 3.11, and these are needed in every tick.
+_NOTHING: Final = WatchCause.NONE
+_NO_DEMAND: Final = CommandWatchLevel.NORMAL
+_TRACTION_CUT: Final = CommandWatchLevel.TRACTION_CUT
+_EMERGENCY: Final = CommandWatchLevel.EMERGENCY
+
+#: Parts of a tick shorter than this are not simulated as a separate step.
+SLIVER_TICKS: Final = 1e-9
+
+
+@mypyc_attr(allow_interpreted_subclasses=True)
+class Plant(PlantReadings):
+    """One train on one run, advanced tick by tick (``scenario.timing.base_tick_ns``) from standstill at position 0.
+
+    All readings are those of the instant ``tick * base_tick``, before :meth:`advance`. ``seed`` is the run's; the noise
+    of the speed sensor depends on it and on the tick alone, not on what is read.
+    """
+
+    def __init__(self, scenario: Scenario, seed: int) -> None:
+        train, timing = scenario.train, scenario.timing
+        self.tick = 0
+        self.status = TrainStatus()
+        self.events: list[PlantEvent] = []
+        self._train = train
+        self._constants = force_tables.train_constants(train)
+        self._grades = force_tables.grade_table(scenario.line.grade_permil, train.length_m)
+        self._step_s = timing.base_tick_ns * 1e-9
+        self._full_lag = dynamics.lag(train.actuator_pole_per_s, self._step_s)
+        self._motion = dynamics.AT_REST
+        #: The train one step later; another plant may have its own.
+        self._moved = dynamics.step
+        self._departed = False
+        self._leg_from_m = 0.0
+
+        self._notch_max_code = round(train.notch_max * NOTCH_LSB_PER_NOTCH)
+        self._delay_ticks = timing.loop_delay_s * 1e9 / timing.base_tick_ns
+        self._staged: deque[tuple[float, int]] = deque()
+        self._staged_code = 0
+        self._acting_code = 0
+
+        self._limits = watch_ticks(scenario.watch, timing.base_tick_ns)
+        self._overspeed_margin_mps = scenario.watch.overspeed_margin_mps
+        self._watch = INITIAL
+        #: Why the watch has its present level.
+        self.watch_cause = WatchCause.NO_COMMAND
+        self._watch_brake_mps2 = train.service_braking_mps2
+        self._accepted = False
+        self._suspicion = WatchCause.NONE
+        self._emergency_commanded = False
+        self._own_checks = OwnChecks(scenario, self._constants)
+        self._look_ticks = self._own_checks.every_ticks
+        self._own = WatchCause.NONE
+        self._parking_brake_n = train.mass_kg * train.gravity_mps2 * PARKING_BRAKE_PERMIL / 1000
+        self._window = Window(False, self._watch_brake_mps2 * train.inertial_mass_kg)
+        self._applied_of: tuple[Motion, Window] | tuple[None, None] = (None, None)
+        self._applied = 0.0
+        self._front_limit = front_speed_limit(scenario.line, train)
+        self._limit_mps, self._limit_to_m = _limit_from(self._front_limit, 0.0)
+
+        self._sensors = AxleSensors(scenario.sensors, seed)
+        self._balises = deque(sorted(scenario.line.balises, key=lambda balise: (balise.true_m, balise.number)))
+        # The balise under the waiting train was read when it arrived.
+        while self._balises and self._balises[0].true_m <= 0.0:
+            self._pass_balise(self._balises.popleft(), 0.0)
+
+    # -- commands -------------------------------------------------------------------------------------------------
+
+    def command(self, notch_code: int, emergency: bool) -> None:
+        """An accepted NOTCH_CMD at the current tick.
+
+        ``notch_code`` in 1/256 notch is clamped to the train's range and acts ``loop_delay_s`` after the current
+        tick's instant. ``emergency`` is latched and acts from the current instant on.
+        """
+        code = min(max(notch_code, -self._notch_max_code), self._notch_max_code)
+        self._accepted = True
+        if emergency:
+            self._emergency_commanded = True
+        if code != self._staged_code:
+            self._staged_code = code
+            self._staged.append((self.tick + self._delay_ticks, code))
+
+    def suspect(self, cause: WatchCause) -> None:
+        """What the gate found in a NOTCH_CMD of the current tick; of several the strongest counts."""
+        if SUSPICIONS[cause] > SUSPICIONS[self._suspicion]:
+            self._suspicion = cause
+
+    # -- time -----------------------------------------------------------------------------------------------------
+
+    def advance(self) -> None:
+        """Simulate one base tick.
+
+        :raises PlantError: the state is no longer finite.
+        """
+        self._protect()
+        staged = self._staged
+        now, end = float(self.tick), self.tick + 1
+        while staged and staged[0][0] <= end:
+            due, code = staged.popleft()
+            if due - now > SLIVER_TICKS:
+                self._move(now, due - now)
+                now = due
+            self._acting_code = code
+        if end - now > SLIVER_TICKS:
+            self._move(now, end - now)
+        self.tick = end
+        position_m, speed_mps, actuator_n, _ = self._motion
+        if not isfinite(position_m + speed_mps + actuator_n):
+            raise PlantError(
+                f"plant state is not finite at tick {end}: position {position_m} m, speed {speed_mps} m/s, "
+                f"actuator {actuator_n} N"
+            )
+
+    def drain_events(self) -> list[PlantEvent]:
+        """Events since the last call, in order of their instants."""
+        events, self.events = self.events, []
+        return events
+
+    def _protect(self) -> None:
+        """Let the watch and the interlocks determine the allowed forces of the coming tick."""
+        position_m, speed_mps, actuator_n, _ = self._motion
+        if position_m >= self._limit_to_m:
+            self._limit_mps, self._limit_to_m = _limit_from(self._front_limit, position_m)
+        moving = speed_mps > 0.0
+        status = self.status
+        before = self._watch
+        own = _NOTHING
+        if self.tick % self._look_ticks == 0:
+            own = self._own_checks.finding(self.tick, self._acting_code, self._motion, self._window.brake_min_n)
+        self._own = own
+        emergency = (
+            self._emergency_commanded
+            or not status.safety_loop_closed
+            or speed_mps > self._limit_mps + self._overspeed_margin_mps
+            or own is not _NOTHING
+        )
+        suspicion = self._suspicion
+        watch = watch_step(
+            self._limits,
+            before,
+            self._accepted,
+            SUSPICIONS[suspicion] if suspicion else _NO_DEMAND,
+            moving,
+            speed_mps < self._limit_mps,
+            emergency,
+        )
+        self._watch = watch
+        self._accepted = False
+        if watch.level != before.level:
+            self.watch_cause = self._cause(watch)
+            self._event("watch", 0.0, position_m)
+        self._suspicion = _NOTHING
+        traction = status.traction_enabled and watch.level < _TRACTION_CUT
+        if traction and self._watch_brake_mps2 == 0.0:
+            self._window = dynamics.FREE
+            return
+        if watch.level is _EMERGENCY and before.level is not _EMERGENCY:
+            self._event("emergency", 0.0, position_m)
+        mass_kg = self._constants.mass_kg
+        applied_n = dynamics.applied_n(self._constants, self._window, self._motion)
+        self._watch_brake_mps2 = watch_brake_mps2(
+            watch.level,
+            self._watch_brake_mps2,
+            max(0.0, -applied_n / mass_kg),
+            moving,
+            self._step_s,
+            self._train.service_braking_mps2,
+        )
+        brake_min_n = self._watch_brake_mps2 * mass_kg
+        if not status.parking_brake_released:
+            brake_min_n = max(brake_min_n, self._parking_brake_n)
+        self._window = Window(traction, brake_min_n)
+        if not traction and actuator_n > 0.0:
+            # The contactors are open: when they close again, traction builds up from zero.
+            self._motion = self._motion._replace(actuator_n=0.0)
+
+    def _cause(self, watch: CommandWatchState) -> WatchCause:
+        """Why the watch has just entered its level."""
+        if watch.level == CommandWatchLevel.NORMAL:
+            return WatchCause.NONE
+        if self._emergency_commanded:
+            return WatchCause.EMERGENCY_COMMAND
+        if not self.status.safety_loop_closed:
+            return WatchCause.SAFETY_LOOP
+        if self._motion.speed_mps > self._limit_mps + self._overspeed_margin_mps:
+            return WatchCause.OVERSPEED
+        if self._own is not WatchCause.NONE:
+            return self._own
+        # The age of the command is named where it demands as much.
+        by_age = watch.age_ticks > self._limits.service_brake or (
+            watch.age_ticks > self._limits.traction_cut and watch.level <= CommandWatchLevel.TRACTION_CUT
+        )
+        if self._suspicion and not by_age:
+            return self._suspicion
+        return WatchCause.COMMAND_AGE
+
+    def _move(self, from_tick: float, ticks: float) -> None:
+        """Simulate a tick or a part of it with the present notch."""
+        before = self._motion
+        full = self._full_lag
+        lag_step: Lag = full if ticks == 1.0 else dynamics.lag(self._train.actuator_pole_per_s, ticks * self._step_s)
+        steady_n = self.notch_acting * self._train.force_per_notch_n / NOTCH_LSB_PER_NOTCH
+        motion, moving_from_s, moving_to_s = self._moved(
+            self._constants, self._grades, self._window, before, steady_n, lag_step
+        )
+        self._motion = motion
+        position_m = motion.position_m
+        if not self._departed and position_m > 0.0:
+            self._departed = True
+            self._event("departed", (from_tick - self.tick) * self._step_s + moving_from_s, before.position_m)
+        while self._balises and self._balises[0].true_m <= position_m:
+            passed_s = passing_s(before, motion, self._balises[0].true_m, moving_to_s - moving_from_s)
+            self._pass_balise(
+                self._balises.popleft(), (from_tick - self.tick) * self._step_s + moving_from_s + passed_s
+            )
+        # Decided by the speed, not by the distance: far from 0, the floating-point position of a creeping train no
+        # longer changes in a step.
+        if motion.speed_mps <= 0.0 < before.speed_mps and position_m - self._leg_from_m >= STOP_LEG_MIN_M:
+            self._leg_from_m = position_m
+            self._event("stopped", (from_tick - self.tick) * self._step_s + moving_to_s, position_m)
+
+    def _event(
+        self,
+        kind: EventKind,
+        after_s: float,
+        position_m: float,
+        balise: Balise | None = None,
+        odometer_mm: int = 0,
+    ) -> None:
+        """Note an event ``after_s`` after the current tick."""
+        instant_01ms = round((self.tick * self._step_s + after_s) * 1e4)
+        self.events.append(PlantEvent(kind, instant_01ms, round(position_m * 1e4), balise, odometer_mm))
+
+    def _pass_balise(self, balise: Balise, after_s: float) -> None:
+        odometer_mm = self._sensors.odometer_between_mm(balise.true_m)
+        self._event("balise", after_s, balise.true_m, balise, odometer_mm)
+
+
+def _limit_from(profile: Profile, position_m: float) -> tuple[float, float]:
+    """Speed limit at a position, and the position up to which it applies."""
+    return profile_value(profile, position_m), next((at_m for at_m, _ in profile if at_m > position_m), inf)
