@@ -20,7 +20,7 @@ from railhil.controller_node.high_speed.base import (
 from railhil.controller_node.high_speed.core import Core, Sample, Unit
 from railhil.controller_node.high_speed.reals import Reals
 
-#: Runs on which ``railhil.tuning.high_speed`` chose parameters: its training seed.
+#: Runs on which ``railhil.systems.high_speed.tuning`` chose parameters: its training seed.
 #: Scenarios of the journey, with which parameters are chosen.
 JOURNEYS = ("jinan_xuzhou", "jinan_xuzhou_emergency", "jinan_xuzhou_mutation")
 DESIGN_SEEDS = {"jinan_xuzhou": range(100, 101)}

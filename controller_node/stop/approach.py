@@ -18,7 +18,7 @@ _HOLD_Q = GAIN_Q - 4
 class Approach(Generic[T]):
     """Holds a speed: that at which the run began, or in a run from standstill that of the scenario.
 
-    :param task: a :class:`railhil.scenarios.stopping.task.StopTask`. :param hold_per_s: gain on a deviation, 1/s.
+    :param task: a :class:`railhil.systems.stop.task.StopTask`. :param hold_per_s: gain on a deviation, 1/s.
     """
 
     def __init__(self, numbers: Numbers[T], grades: Grades[T], task: Any, hold_per_s: float, period_s: float) -> None:

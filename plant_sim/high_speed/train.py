@@ -22,8 +22,8 @@ from railhil.plant_sim.high_speed.dynamics import (
 )
 from railhil.plant_sim.high_speed.surroundings import Normals, Wind, drawn_grades
 from railhil.scenarios import streams
-from railhil.scenarios.high_speed.target import GRID_S, SpeedCurve, emergency_curve, journey_curve
-from railhil.scenarios.high_speed.task import HighSpeedTask, UnitTable
+from railhil.systems.high_speed.target import GRID_S, SpeedCurve, emergency_curve, journey_curve
+from railhil.systems.high_speed.task import HighSpeedTask, UnitTable
 
 #: Simulation step.
 STEP_S = 0.01

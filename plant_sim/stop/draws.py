@@ -44,7 +44,7 @@ class RunDraw(NamedTuple):
 def drawn_train(task: Any, seed: int) -> TrainDraw:
     """The train and the line of a sequence.
 
-    :param task: a :class:`railhil.scenarios.stopping.task.StopTask`.
+    :param task: a :class:`railhil.systems.stop.task.StopTask`.
     """
     gain, delay, wheel, *errors = (
         streams.generator(seed, streams.SEQUENCE).standard_normal(3 + len(task.grade)).tolist()
@@ -61,7 +61,7 @@ def drawn_train(task: Any, seed: int) -> TrainDraw:
 def drawn_run(task: Any, train: TrainDraw, seed: int, run_number: int) -> RunDraw:
     """One run of a train.
 
-    :param task: a :class:`railhil.scenarios.stopping.task.StopTask`.
+    :param task: a :class:`railhil.systems.stop.task.StopTask`.
     :param run_number: from 1.
     """
     source = streams.run_generator(seed, streams.RUN_VALUES, run_number)

@@ -26,7 +26,7 @@ class Passed(NamedTuple):
 def course_of(task: Any, train: TrainDraw, run: RunDraw) -> Course:
     """What does not change in a run.
 
-    :param task: a :class:`railhil.scenarios.stopping.task.StopTask`.
+    :param task: a :class:`railhil.systems.stop.task.StopTask`.
     """
     errors = zip(task.grade, train.map_errors_permil, strict=True)
     return Course(
@@ -55,7 +55,7 @@ def wander_of(task: Any) -> tuple[float, float]:
 class StopTrain:
     """The train at one instant; :meth:`advance` goes on by a tick of five sub-steps.
 
-    :param task: a :class:`railhil.scenarios.stopping.task.StopTask`.
+    :param task: a :class:`railhil.systems.stop.task.StopTask`.
     :param seed, run_number: of the noise, the wander and the balises.
     """
 

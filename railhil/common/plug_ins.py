@@ -1,4 +1,4 @@
-"""Entry points of a group: the laws and systems that plug in, and the laws that come with railhil."""
+"""Entry points of a group: the laws and systems that plug in, and those that come with railhil."""
 
 from __future__ import annotations
 
@@ -13,6 +13,13 @@ from typing import Any
 
 from railhil.common.exit_codes import Signalled
 
+#: The systems that come with railhil.
+SYSTEMS = {
+    "ato": "railhil.systems.ato:ATO",
+    "emu3": "railhil.systems.high_speed:EMU3",
+    "hst1": "railhil.systems.high_speed:HST1",
+    "stop": "railhil.systems.stop:STOP",
+}
 #: Packages with the laws that come with railhil, by their group. A module there is a law: a class, the module's name
 #: in capitals (``mm_gpc``: ``MmGpc``).
 SHIPPED = {
@@ -57,6 +64,9 @@ def _entries(group: str, path: tuple[str, ...]) -> Mapping[str, importlib.metada
 
 
 def _shipped(group: str) -> Iterator[importlib.metadata.EntryPoint]:
+    if group == "railhil.systems":
+        for name, reference in SYSTEMS.items():
+            yield importlib.metadata.EntryPoint(name, reference, group)
     if group in SHIPPED:
         package = find_spec(SHIPPED[group])
         assert package is not None

@@ -85,7 +85,7 @@ class System:
     #: Function of a scenario: why the batch makes each run by itself; empty if it makes many at once.
     one_by_one: str | None = None
     #: Makes runs of one scenario and law at once that differ in seed, number and memory
-    #: (:func:`railhil.batch.stopping.runs.run_together`); without it sequences make them one after the other.
+    #: (:func:`railhil.systems.stop.batch.run_together`); without it sequences make them one after the other.
     sequence_batch: str | None = None
     #: Its own examination in the audit (:data:`railhil.audit.bars.OwnLook`).
     audit: str | None = None

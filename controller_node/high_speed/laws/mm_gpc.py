@@ -115,7 +115,7 @@ class MmGpc(CoreLaw[T]):
 
     name = "mm_gpc"
     parameters_type = MmGpcParameters
-    parameters_origin = "railhil.tuning.high_speed; the papers print none"
+    parameters_origin = "railhil.systems.high_speed.tuning; the papers print none"
     design_seeds: ClassVar[Mapping[str, range]] = DESIGN_SEEDS
 
     def core(self, re: Reals[T], unit: Unit, parameters: Any) -> MmCore[T]:

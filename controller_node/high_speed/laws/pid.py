@@ -56,7 +56,7 @@ class Pid(HighSpeedLaw[T, PidState]):
 
     name = "pid"
     parameters_type: ClassVar[type[Any]] = PidParameters
-    parameters_origin = "railhil.tuning.high_speed; the papers print none"
+    parameters_origin = "railhil.systems.high_speed.tuning; the papers print none"
     design_seeds: ClassVar[Mapping[str, range]] = {"jinan_xuzhou": range(100, 101)}
 
     def __init__(self, arithmetic: Arithmetic[T], scenario: Any, parameters: PidParameters | None = None) -> None:

@@ -35,9 +35,9 @@ from railhil.controller_node.law_controller import CommandCode
 from railhil.controller_node.program.model import Quantity, Value
 from railhil.controller_node.program.record import record
 from railhil.judge.criteria import ATO_CRITERIA
-from railhil.scenarios.ato import ATO
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.systems.ato import ATO
 
 FULL = load("lvshun_tieshan")
 IQ: Any = type(make("iq"))

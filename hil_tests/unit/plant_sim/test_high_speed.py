@@ -27,11 +27,11 @@ from railhil.plant_sim.high_speed.plant import HighSpeedPlant
 from railhil.plant_sim.high_speed.surroundings import Wind, drawn_grades
 from railhil.plant_sim.high_speed.train import HighSpeedTrain, PowerUnit, UnitData, Wayside
 from railhil.plant_sim.high_speed.watch import UnitWatch
-from railhil.scenarios.high_speed.systems import HST1
-from railhil.scenarios.high_speed.target import emergency_curve, journey_curve
-from railhil.scenarios.high_speed.task import CouplerTable
 from railhil.scenarios.load import load_any
 from railhil.scenarios.system import system_named
+from railhil.systems.high_speed import HST1
+from railhil.systems.high_speed.target import emergency_curve, journey_curve
+from railhil.systems.high_speed.task import CouplerTable
 
 SCENARIO: Any = load_any("hst_short")
 TASK = SCENARIO.task

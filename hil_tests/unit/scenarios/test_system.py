@@ -11,10 +11,10 @@ import pytest
 from railhil.common.errors import InputError
 from railhil.dbc import wire_contract
 from railhil.scenarios import system as systems
-from railhil.scenarios.ato import ATO
 from railhil.scenarios.load import load, load_any
 from railhil.scenarios.stored import any_document, any_judged_sha256
 from railhil.scenarios.system import GROUP, System, system_named
+from railhil.systems.ato import ATO
 
 BAD_EVENT = replace(ATO, name="bad_event", events={"arrived": 2})
 MISNAMED = replace(ATO, name="other")

@@ -1,1 +1,44 @@
-"""A train that drives automatically from one stop to the next, with one notch."""
+"""The first system: a train under automatic train operation, one notch, one target curve, one stop."""
+
+from __future__ import annotations
+
+from railhil.faults.truth import Truth
+from railhil.scenarios.system import System
+
+ATO = System(
+    name="ato",
+    title="one train, one notch, one stop",
+    ports="railhil.dbc:ports.toml",
+    scenarios="railhil.scenarios.load:TrainScenarios",
+    plant="railhil.plant_sim.ato.train:TrainOnBus",
+    controller="railhil.controller_node.ato.node:ControllerNode",
+    laws="railhil.laws",
+    law="ipfc",
+    judging="railhil.systems.ato.judging:JUDGING",
+    pictures="railhil.systems.ato.panels:pictures",
+    batch="railhil.batch:run_batch",
+    kernel="railhil.batch.kernel",
+    faulty_plant="railhil.plant_sim.ato.faults.train:FaultyTrain",
+    fmu_plant="railhil.plant_sim.ato.fmu:FmuTrain",
+    digest="railhil.batch:trace_digest",
+    direct="railhil.run.coupled:direct_run",
+    audit="railhil.audit.standstill:look",
+    export="railhil.controller_node.ato.export:NotchControl",
+    picture="railhil.report.picture:draw",
+    truth=Truth(
+        port="SIM_TRUTH",
+        position="TruePos",
+        speed="TrueSpeed",
+        acceleration="TrueAccel",
+        traction="TractionForce",
+        levels={"TRN_WATCH": "WatchLevel", "NOTCH_CMD": "CtlMode"},
+        beside=("TRN_WATCH",),
+    ),
+    named={"notch": "NOTCH_CMD.NotchCmd"},
+    injects=(
+        *("sensor.speed", "sensor.position", "sensor.balise", "actuator.traction", "actuator.brake"),
+        *("train.mass", "train.gradient", "train.resistance", "train.adhesion", "train.model", "train.line_voltage"),
+        *("train.power", "train.pantograph", "train.main_breaker", "train.doors", "train.parking_brake"),
+        "train.safety_loop",
+    ),
+)

@@ -17,8 +17,8 @@ from railhil.judge.milestone_checks import incomplete
 from railhil.judge.score import Score
 from railhil.record.status import Status, wrap_failure
 from railhil.record.trace import Trace
-from railhil.scenarios.high_speed.target import journey_curve
 from railhil.systems.high_speed.ride import SCORED_FROM_MPS, Ride
+from railhil.systems.high_speed.target import journey_curve
 
 RMSE = Criterion(
     "rmse_kmh", "RMSE", "km/h", 4, Ride.rmse_kmh, limit=Limit(lambda scenario: scenario.task.rmse_max_kmh, 0)

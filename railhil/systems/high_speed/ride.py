@@ -10,7 +10,7 @@ import numpy as np
 from railhil.bus.high_speed import Wire, wire
 from railhil.bus.telegrams import RunEvent
 from railhil.record.trace import FloatArray, Trace
-from railhil.scenarios.high_speed.systems import EVENTS
+from railhil.systems.high_speed import EVENTS
 
 #: Below this target speed the run is not scored: the holding brake acts, and no linear model is valid.
 SCORED_FROM_MPS = 0.5

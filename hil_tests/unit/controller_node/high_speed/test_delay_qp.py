@@ -183,7 +183,7 @@ def test_runs_together_are_the_runs_alone() -> None:
     pytest.importorskip("numba", reason="MISSING CAPABILITY numba")
     from railhil.batch.case import Case
     from railhil.batch.coupled import run_coupled
-    from railhil.batch.high_speed.runs import run_high_speed
+    from railhil.systems.high_speed.batch import run_high_speed
 
     case = Case(load_any("emu3_short", ["task.start_s=3440", "task.duration_s=12"]), spec(loop="train"))
     together, alone = run_high_speed(case, [3, 4]), run_coupled(case, [3, 4])

@@ -16,7 +16,7 @@ from railhil.scenarios.load import load_any
 from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.run_spec import LawSpec
 from railhil.scenarios.system import system_named
-from railhil.tuning.high_speed import journey
+from railhil.systems.high_speed.tuning import journey
 
 SHORT: Any = load_any("hst_short")
 LAWS = ("pid", "pid_ff", "gpc", "mm_gpc", "a_gpc", "res_ngpc", "delay_gpc")

@@ -16,7 +16,7 @@ from railhil.controller_node.stop.interface import STOP
 from railhil.controller_node.stop.laws.ilc_stop import IlcStop, IlcStopParameters
 from railhil.controller_node.stop.laws.reaim import Reaim, ReaimParameters
 from railhil.controller_node.stop.numbers import Numbers
-from railhil.scenarios.stopping.task import StopTask
+from railhil.systems.stop.task import StopTask
 
 NAMES = [reading.name for reading in STOP.readings]
 NOTES = [note.name for note in STOP.notes]

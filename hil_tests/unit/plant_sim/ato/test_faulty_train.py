@@ -17,9 +17,9 @@ from railhil.plant_sim.any_plant import PlantError
 from railhil.plant_sim.ato.command_watch import CommandWatchLevel
 from railhil.plant_sim.ato.plant import Plant
 from railhil.plant_sim.faults.mismatch import Mismatch
-from railhil.scenarios.ato import ATO
 from railhil.scenarios.load import load_any
 from railhil.scenarios.model import Balise
+from railhil.systems.ato import ATO
 
 TRAIN = SCENARIO.train
 WEIGHT_N = TRAIN.mass_kg * TRAIN.gravity_mps2

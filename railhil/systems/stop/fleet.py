@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from railhil.batch.stopping.kernel import Common, Fleet
 from railhil.bus.stopping import SAMPLES
 from railhil.plant_sim.high_speed.watch import answer_ticks, share_of
 from railhil.plant_sim.stop.draws import RunDraw, drawn_run, drawn_train
 from railhil.plant_sim.stop.train import TICK_S, course_of, start_of, wander_of
 from railhil.scenarios import streams
 from railhil.scenarios.run_spec import RunSpec
+from railhil.systems.stop.kernel import Common, Fleet
 
 #: Commands that may be on their way beside those of the delay: one begins within a tick, one has just come.
 _MORE = 4
@@ -22,7 +22,7 @@ _MORE = 4
 def made(task: Any, specs: Sequence[RunSpec], ticks: int) -> tuple[Common, Fleet, list[RunDraw]]:
     """The trains of some runs at tick 0, and what was drawn for each.
 
-    :param task: a :class:`railhil.scenarios.stopping.task.StopTask`.
+    :param task: a :class:`railhil.systems.stop.task.StopTask`.
     :param ticks: number of ticks that are recorded.
     """
     trains = [drawn_train(task, spec.seed) for spec in specs]

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from functools import cache
 from itertools import accumulate, pairwise
 
-from railhil.scenarios.high_speed.task import CurveTable, EmergencyTable, HighSpeedTask
+from railhil.systems.high_speed.task import CurveTable, EmergencyTable, HighSpeedTask
 
 #: Spacing of the points of a curve.
 GRID_S = 0.05

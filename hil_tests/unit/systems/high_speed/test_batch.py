@@ -14,8 +14,6 @@ from hil_tests.support.cli import railhil
 from railhil.batch import Case
 from railhil.batch.columns import Columns
 from railhil.batch.coupled import command_digest, digest_of
-from railhil.batch.high_speed import runs
-from railhil.batch.high_speed.runs import run_high_speed
 from railhil.batch.nodes import batch_of, kernel_of
 from railhil.bench import Result, direct_run, unrecorded_run
 from railhil.bus.high_speed import wire
@@ -23,6 +21,8 @@ from railhil.common.errors import InputError
 from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec
+from railhil.systems.high_speed import batch
+from railhil.systems.high_speed.batch import run_high_speed
 
 LAWS = ("pid", "mm_gpc", "elm_ngpc", "delay_gpc")
 BRAKING = ("task.start_s=3530", "task.rmse_max_kmh=90")
@@ -31,7 +31,7 @@ BRAKING = ("task.start_s=3530", "task.rmse_max_kmh=90")
 @pytest.fixture
 def no_repeats(monkeypatch: pytest.MonkeyPatch) -> None:
     """No run is made one by one."""
-    monkeypatch.setattr(runs, "run_coupled", None)
+    monkeypatch.setattr(batch, "run_coupled", None)
 
 
 def check(
@@ -128,7 +128,7 @@ def test_a_scenario_with_a_fault_goes_through_the_nodes() -> None:
     scenario = load_any("hst_short", faults=["train.gain scale 1.4 @2s for 3s"])
     assert batch_of(scenario) is None
     assert kernel_of(scenario) is None
-    assert kernel_of(load_any("hst_short")) == "railhil.batch.high_speed.kernel"
+    assert kernel_of(load_any("hst_short")) == "railhil.systems.high_speed.kernel"
 
 
 def test_a_law_without_fixed_point_is_refused_as_on_the_bench() -> None:

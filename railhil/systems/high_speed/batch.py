@@ -16,9 +16,6 @@ from numpy.typing import NDArray
 from railhil.batch.case import BatchResult, Case, result_of
 from railhil.batch.columns import Columns
 from railhil.batch.coupled import digest_of, run_coupled
-from railhil.batch.high_speed.fleet import made, noise_normals, wind_normals
-from railhil.batch.high_speed.kernel import COUPLER_MAX, DRIVE, SPEED, STANDS, UNITS, advance_fleet
-from railhil.batch.high_speed.wayside import Waysides
 from railhil.bus.codes import Event
 from railhil.bus.high_speed import ACCEL_PER_MPS2, SPEED_PER_MPS, TRUE_PER_UNIT, wire
 from railhil.bus.schedule import Schedule
@@ -33,8 +30,10 @@ from railhil.plant_sim.any_plant import PlantError
 from railhil.plant_sim.high_speed.plant import ARRIVED_MPS
 from railhil.plant_sim.high_speed.train import SPEED_RAW_MAX
 from railhil.plant_sim.timed_run import due_tick_of
-from railhil.scenarios.high_speed.systems import EVENTS
 from railhil.scenarios.system import system_named
+from railhil.systems.high_speed import EVENTS
+from railhil.systems.high_speed.fleet import Waysides, made, noise_normals, wind_normals
+from railhil.systems.high_speed.kernel import COUPLER_MAX, DRIVE, SPEED, STANDS, UNITS, advance_fleet
 
 #: Runs computed together; a journey of an hour takes about 1 MB for each, three units twice that.
 CHUNK = 64

@@ -17,8 +17,6 @@ from railhil.batch.case import BatchResult, Case, result_of
 from railhil.batch.columns import Columns
 from railhil.batch.coupled import command_digest, digest_of, run_coupled
 from railhil.batch.stacked import StackedLaw
-from railhil.batch.stopping.fleet import made
-from railhil.batch.stopping.kernel import DRIVE, POSITION, SPEED, advance_stops
 from railhil.bus.codes import Event
 from railhil.bus.stopping import (
     CONTRACT,
@@ -47,6 +45,8 @@ from railhil.run.coupled import direct_run
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import system_named
+from railhil.systems.stop.fleet import made
+from railhil.systems.stop.kernel import DRIVE, POSITION, SPEED, advance_stops
 
 #: Runs computed together; each takes about 0.4 MB.
 CHUNK = 256

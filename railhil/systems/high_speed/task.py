@@ -50,7 +50,7 @@ class CoastingTable(Table):
 
 
 class CurveTable(Table):
-    """The target curve, see :func:`railhil.scenarios.high_speed.target.journey_curve`."""
+    """The target curve, see :func:`railhil.systems.high_speed.target.journey_curve`."""
 
     distance_km: Annotated[float, Field(gt=0, le=3000, description="from the start to the stopping point")]
     peak_kmh: Annotated[_Kmh, Field(description="highest speed")]

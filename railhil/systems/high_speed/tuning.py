@@ -4,7 +4,7 @@ Every law gets the same number of evaluations on one training seed, normal runni
 the command's slope (m/s^3), by Nelder and Mead's method on the logarithms of its parameters. The parameters are then
 frozen; figures are measured on other seeds::
 
-    python -m railhil.tuning.high_speed pid mm_gpc
+    python -m railhil.systems.high_speed.tuning pid mm_gpc
 """
 
 from __future__ import annotations
@@ -136,7 +136,7 @@ def _limited(name: str, value: float) -> float:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Print the tuned parameters of the laws."""
-    parser = argparse.ArgumentParser(prog="python -m railhil.tuning.high_speed", description=main.__doc__)
+    parser = argparse.ArgumentParser(prog="python -m railhil.systems.high_speed.tuning", description=main.__doc__)
     parser.add_argument("law", nargs="*", choices=[[], *TUNED], metavar="LAW", help=f"of {', '.join(TUNED)}; all")
     scenario = load_any(SCENARIO)
     for law in parser.parse_args(arguments).law or TUNED:
@@ -147,4 +147,4 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(guarded("railhil.tuning.high_speed", main))
+    sys.exit(guarded("railhil.systems.high_speed.tuning", main))

@@ -13,8 +13,6 @@ from hil_tests.support.stops import SHORT, stop_scenario
 from railhil.batch.case import Case
 from railhil.batch.coupled import command_digest
 from railhil.batch.nodes import kernel_of, one_by_one
-from railhil.batch.stopping import runs
-from railhil.batch.stopping.runs import Together, run_stops, run_together
 from railhil.bench import direct_run
 from railhil.controller_node.laws.memory import NOTHING, Remembered
 from railhil.controller_node.stop.laws.one_shot import OneShot
@@ -24,6 +22,8 @@ from railhil.scenarios.load import load_any
 from railhil.scenarios.memory import Memory, Record, Stored, next_record, no_memory
 from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.systems.stop import batch
+from railhil.systems.stop.batch import Together, run_stops, run_together
 
 #: Everything that can be drawn or that the plant does is on.
 ROUGH = (
@@ -168,12 +168,12 @@ def test_laws_that_differ_in_more_than_constants_are_run_one_by_one_and_it_is_sa
 
 def test_why_all_runs_of_a_scenario_are_made_one_by_one() -> None:
     usual, other = load_any("yizhuang_stop"), load_any("yizhuang_stop", ["timing.port_period_ms.ATO_STATE=128"])
-    assert (one_by_one(usual), kernel_of(usual)) == ("", "railhil.batch.stopping.kernel")
+    assert (one_by_one(usual), kernel_of(usual)) == ("", "railhil.systems.stop.kernel")
     assert one_by_one(other) == (
         "the batch of system stop makes the runs one by one: its ports have other periods than those of the port table"
     )
     assert kernel_of(other) is None
-    assert runs.one_by_one(load_any("yizhuang_stop", (), ("adhesion low 0.06 @10s",))) == "the scenario has faults"
+    assert batch.one_by_one(load_any("yizhuang_stop", (), ("adhesion low 0.06 @10s",))) == "the scenario has faults"
 
 
 def left(memory: Memory, run: Together, number: int) -> Memory:

@@ -1,1 +1,0 @@
-"""Runs of precise stopping, many at once."""

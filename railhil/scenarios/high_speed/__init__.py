@@ -1,1 +1,0 @@
-"""High-speed trains under speed control: systems, task, target curve and emergency profile."""

@@ -1,1 +1,0 @@
-"""Precise stopping at a platform: the system and the keys of its scenarios."""
