@@ -25,7 +25,7 @@ _BATCH: Final = 4096
 class SentFrames:
     """Every frame that a node has sent, in order.
 
-    Its file is sorted by who reads it (:mod:`railhil.record.sent_list`), since all wait for the end of a node: a
+    Its file is sorted by who reads it (:mod:`railhil.record.senders`), since all wait for the end of a node: a
     line of JSON with the numbers of frames and what was received, then frames as they were packed
     (:mod:`railhil.bus.hub.wire`), and of the others identifiers (32 bits each, in the order of this machine), lengths
     of the data, flags (8 bits each), and the data. A node notes all its frames in one of the two ways.

@@ -13,7 +13,7 @@ import railhil
 from hil_tests.support.short_runs import RUN_2M_TOML
 from railhil.cli import main
 from railhil.judge.events.injected import fault_events, faults_said
-from railhil.report.events_panel import event_rows
+from railhil.report.tables import event_rows
 from railhil.scenarios.run_spec import RunSpec
 from railhil.testing.live import Live
 

@@ -19,9 +19,9 @@ from railhil.dbc import wire_contract
 from railhil.judge.folder import write_folder
 from railhil.judge.result import Result
 from railhil.record.documents import read_certificate
-from railhil.record.foreign_controller import reported
 from railhil.record.framelog import log_line
-from railhil.record.input_files import write_inputs
+from railhil.record.run_folder import write_inputs
+from railhil.record.telemetry import reported
 from railhil.record.trace import Trace
 from railhil.report.facts import facts_of
 from railhil.scenarios.load import load

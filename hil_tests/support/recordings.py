@@ -17,7 +17,7 @@ from railhil.judge.record import Record
 from railhil.judge.score import Score
 from railhil.record.framelog import log_line, read_log
 from railhil.record.hash_list import write_hash_list
-from railhil.record.input_files import write_inputs
+from railhil.record.run_folder import write_inputs
 from railhil.record.trace import Trace
 from railhil.report.recorded import RecordedRun, recorded_run
 from railhil.run.report import as_recorded

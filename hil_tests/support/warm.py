@@ -30,7 +30,7 @@ _LOADED = (
     "railhil.audit.tables", "railhil.bench", "railhil.campaign.command", "railhil.run.make",
     "railhil.cli.compare", "railhil.cli.new", "railhil.cli.plot", "railhil.cli.ports", "railhil.cli.report",
     "railhil.cli.rerun", "railhil.cli.run", "railhil.cli.score", "railhil.controller_node.export.bundle",
-    "railhil.run.replay", "railhil.run.local", "railhil.report.page", "railhil.report.panels",
+    "railhil.run.replay", "railhil.run.local", "railhil.report.page", "railhil.report.pictures",
 )  # fmt: skip
 _SERVE = f"from {__name__} import serve; serve()"
 

@@ -20,10 +20,9 @@ from railhil.campaign.results_table import NotThePart
 from railhil.common.digits import count_of
 from railhil.common.errors import InputError, Words
 from railhil.common.whole_file import DRAFTS, write_synced
-from railhil.record.errors import RecordFailed, not_written
 from railhil.record.framelog import sha256_of
 from railhil.record.hash_list import HASH_LIST, enter, read_hash_list, write_hash_list
-from railhil.record.run_folder import run_folder
+from railhil.record.run_folder import RecordFailed, not_written, run_folder
 
 PARTS = "parts"
 RESULTS = "results.parquet"

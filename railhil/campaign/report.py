@@ -17,10 +17,9 @@ from railhil.campaign.results_table import NotThePart, column_of, numbers, read_
 from railhil.common.digits import percent
 from railhil.common.errors import InputError, Words
 from railhil.record.hash_list import REPORT, check_hash_list, listed_file
-from railhil.report.assets import script, styles_text
 from railhil.report.distribution import Spread, limits_of, picture
 from railhil.report.styles import styles
-from railhil.report.templates import template
+from railhil.report.templates import script, styles_text, template
 from railhil.scenarios.stored import any_judged_sha256
 
 #: Folder in that of the campaign for runs that are made again.

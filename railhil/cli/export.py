@@ -14,7 +14,7 @@ from railhil.common.output import Output
 from railhil.common.python_can import allow_asammdf
 from railhil.common.whole_file import whole_file
 from railhil.judge.record import checked_record
-from railhil.record.errors import not_written
+from railhil.record.run_folder import not_written
 from railhil.report.files.content import Content, parsed_start
 
 _ROOM = "railhil.report.files"

@@ -31,9 +31,8 @@ from railhil.judge.reactions.catalogue import Entry, catalogue_of
 from railhil.judge.reactions.evaluate import Row, evaluated
 from railhil.judge.reactions.facts import seen_in
 from railhil.record.documents import FAULT_TABLE
-from railhil.record.errors import RecordFailed
 from railhil.record.hash_list import HASH_LIST, HASH_LIST_KEY, write_hash_list
-from railhil.record.json_file import json_text
+from railhil.record.run_folder import RecordFailed, json_text
 from railhil.record.signature import add_sign_argument, check_key, sign_list
 from railhil.run.make import NeverBegan
 from railhil.scenarios.options import add_option

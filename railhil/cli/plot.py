@@ -11,7 +11,7 @@ from railhil.common.output import Output
 from railhil.common.whole_file import whole_file
 from railhil.judge.judging import judging_of
 from railhil.judge.record import checked_record
-from railhil.record.errors import not_written
+from railhil.record.run_folder import not_written
 from railhil.record.sampling import drawn_trace
 
 _SUFFIXES = (".svg", ".png", ".pdf")

@@ -68,7 +68,7 @@ def _line(plan: Plan, console: Output) -> Iterator[Callable[[float], None]]:
     from rich.progress import BarColumn, Progress, ProgressColumn, TextColumn
 
     from railhil.live.live_values import Instruments, LogTail
-    from railhil.record.foreign_controller import reported
+    from railhil.record.telemetry import reported
 
     columns: tuple[ProgressColumn, ...] = (
         TextColumn("{task.description}"),

@@ -11,8 +11,8 @@ from railhil.common.extras import missing
 from railhil.common.output import Output
 from railhil.judge.record import checked_record
 from railhil.record.documents import COMPARISON, read_comparison
-from railhil.record.errors import not_written
 from railhil.record.hash_list import REPORT, check_hash_list
+from railhil.record.run_folder import not_written
 from railhil.report.recorded import recorded_run
 from railhil.scenarios.stored import any_judged_sha256
 

@@ -10,7 +10,7 @@ from railhil.common.output import Output
 from railhil.common.streams import add_json_argument, print_json
 from railhil.judge.events.summary import explained, summary, why
 from railhil.judge.record import checked_record
-from railhil.report.memory_said import memory_sentence
+from railhil.report.facts import memory_sentence
 
 
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:

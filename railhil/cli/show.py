@@ -9,7 +9,7 @@ from rich.table import Table
 from railhil.common.output import Output, table
 from railhil.judge.judging import judging_of
 from railhil.judge.score import Score
-from railhil.report.score_table import published_text
+from railhil.report.tables import published_text
 from railhil.scenarios.model import AnyScenario, watch_sentence
 
 #: Below this width columns are separated by one space, so that no number is truncated.

@@ -11,8 +11,8 @@ from railhil.common.digits import count_of
 from railhil.common.output import Output
 from railhil.judge.result import Result
 from railhil.report.facts import parameters_sentence
-from railhil.report.jitter_panel import answers_sentence, jitter_sentence, scheduling_sentence
 from railhil.report.recorded import RecordedRun
+from railhil.report.timing import answers_sentence, jitter_sentence, scheduling_sentence
 
 
 def print_result(

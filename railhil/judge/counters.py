@@ -9,7 +9,7 @@ The numbers are those of the specification of the bench, as in :mod:`railhil.jud
 plausible), and says so. A node that does not report is not checked (:func:`unchecked`). Where frames can be lost
 between node and recorder, and for mailboxes read by a task, only rule 1 is checked, without the life signs. A telegram
 that only the recorder has missed is then no breach, but what the record does not show
-(:mod:`railhil.judge.missed_telegrams`).
+(:mod:`railhil.judge.record_checks`).
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from railhil.common.digits import count_of
 from railhil.faults.parsed import parsed
 from railhil.judge.events.declared import Received
 from railhil.judge.events.telegrams import Stretch, bad_content, judged
-from railhil.judge.missed_telegrams import UNCLEAR, Unseen
+from railhil.judge.record_checks import UNCLEAR, Unseen
 from railhil.record.trace import Trace
 from railhil.scenarios.model import Scenario
 from railhil.systems.ato.events import received
@@ -40,7 +40,7 @@ _OF_FRAMES = (
 
 def unreconciled(scenario: Scenario, trace: Trace) -> list[str]:
     """One sentence for the first breach of each rule, or for what the record does not show of it
-    (:mod:`railhil.judge.missed_telegrams`); empty for a run that keeps them, and without reports."""
+    (:mod:`railhil.judge.record_checks`); empty for a run that keeps them, and without reports."""
     told = trace.told
     if told is None:
         return []

@@ -25,10 +25,9 @@ from railhil.judge.signals import write_signals
 from railhil.judge.training_seeds import seed_was_trained
 from railhil.record.blf_writer import write_blf
 from railhil.record.documents import CERTIFICATE, SCORE
-from railhil.record.errors import RecordFailed
 from railhil.record.hash_list import HASH_LIST, HASH_LIST_KEY, write_hash_list
-from railhil.record.json_file import json_text, write_json
-from railhil.record.learned import NOTHING_LEARNED
+from railhil.record.run_folder import RecordFailed, json_text, write_json
+from railhil.record.telemetry import NOTHING_LEARNED
 from railhil.scenarios.memory import MEMORY_AFTER
 from railhil.scenarios.run_spec import RunSpec, StartUp
 from railhil.scenarios.stored import any_judged_sha256

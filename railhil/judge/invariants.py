@@ -5,7 +5,7 @@
 4. A watch lowers its level only after the stated number of good telegrams, or at a standstill; EMERGENCY is never left.
 
 What the record does not show breaks no rule: where a rule hangs on a telegram that the record may lack, the run is
-INVALID (:mod:`railhil.judge.missed_telegrams`). So it is where rule 4 hangs on the order of telegrams of two nodes in
+INVALID (:mod:`railhil.judge.record_checks`). So it is where rule 4 hangs on the order of telegrams of two nodes in
 real time: after a pause frames come in one burst, and a node takes them later than the recorder.
 
 The numbers are those of the specification of the bench. Rule 1 (no telegram that failed a check reaches the law) and 6
@@ -30,7 +30,7 @@ from railhil.judge.counters import unreconciled
 from railhil.judge.events.declared import Received
 from railhil.judge.events.telegrams import judged
 from railhil.judge.measures import limits_under_train
-from railhil.judge.missed_telegrams import UNCLEAR, Unseen
+from railhil.judge.record_checks import UNCLEAR, Unseen
 from railhil.record.trace import FloatArray, Trace
 from railhil.scenarios.model import Scenario
 from railhil.systems.ato.events import received
@@ -56,7 +56,7 @@ IntArray: TypeAlias = npt.NDArray[np.int64]
 
 def broken(scenario: Scenario, trace: Trace) -> list[str]:
     """One sentence for the first breach of each rule, with those of :mod:`railhil.judge.counters`; empty for a run
-    that keeps them. One that begins with :data:`railhil.judge.missed_telegrams.UNCLEAR` names what the record lacks.
+    that keeps them. One that begins with :data:`railhil.judge.record_checks.UNCLEAR` names what the record lacks.
 
     A record of an earlier version, without the level of the train's watch, is checked only for the controller's. What
     a fault has put into NOTCH_CMD is not the controller's, and is not checked; with any fault of NOTCH_CMD, the order

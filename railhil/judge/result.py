@@ -14,8 +14,7 @@ from railhil.judge.fault_report import FaultOutcome
 from railhil.judge.jitter import RunTiming
 from railhil.judge.score import Score
 from railhil.record.framelog import LOG_NAME
-from railhil.record.learned import Learned
-from railhil.record.telemetry import LawOrigin, ShownTelemetry, TelemetrySummary
+from railhil.record.telemetry import LawOrigin, Learned, ShownTelemetry, TelemetrySummary
 from railhil.record.trace import Trace
 from railhil.scenarios.run_spec import RunSpec
 
@@ -62,7 +61,7 @@ class Result:
     memory: Learned | None = None
     #: What happened in the run, in the order of the instants.
     events: tuple[RecordedEvent, ...] = ()
-    #: What is said of a controller that is not railhil's own (:mod:`railhil.record.foreign_controller`).
+    #: What is said of a controller that is not railhil's own (:mod:`railhil.record.telemetry`).
     reported: Mapping[str, str] = field(default_factory=dict)
     #: SHA-256 of the recorded frames of the wire contract alone, and how many others the record has.
     telegrams_sha256: str = ""

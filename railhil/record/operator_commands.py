@@ -72,7 +72,7 @@ class Desk:
         self._told_s = 0.0
         #: All that was ordered, as texts.
         self.sent: list[str] = []
-        #: Lateness of a real-time run (:class:`railhil.live.live_lateness.LiveLateness`); None: not measured.
+        #: Lateness of a real-time run (:class:`railhil.live.live_values.LiveLateness`); None: not measured.
         self.lateness: Callable[[], dict[str, Any] | None] = lambda: None
         self._lateness_s = 0.0
         self._late: dict[str, Any] | None = None

@@ -1,13 +1,58 @@
-"""The folder of a run before its record is there: made at the start, removed if the run never began."""
+"""The folder of a run: made at the start, removed if the run never began; its inputs, its JSON documents, and
+the errors when something cannot be written.
+"""
 
 from __future__ import annotations
 
+import errno
+import json
 import tempfile
 import time
 from pathlib import Path
+from typing import Any
 
 from railhil.common.errors import InputError
-from railhil.record.errors import not_written
+from railhil.common.exit_codes import TOOL_ERROR
+from railhil.common.whole_file import whole_file
+from railhil.dbc import DBC, PORTS
+from railhil.dbc.text import dbc_text, table_text
+from railhil.scenarios.model import AnyScenario
+from railhil.scenarios.parameters import ParameterSet
+from railhil.scenarios.stored import SCENARIO, any_document
+from railhil.scenarios.system import system_named
+
+#: Errors of the operating system when the disk is full.
+NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
+
+
+class RecordFailed(Exception):
+    """Results cannot be written (disk full); the frames already in the log are kept."""
+
+    exit_code = TOOL_ERROR
+
+
+def not_written(key: str, path: Path, kind: str, error: OSError) -> InputError | RecordFailed:
+    """The error for a user's file or folder that cannot be written: bad input, unless the disk is full.
+
+    :param key: option that named it.
+    :param kind: ``file`` or ``folder``.
+    """
+    reason = (error.strerror or str(error)).lower()
+    if error.errno in NO_ROOM:
+        return RecordFailed(f"{path} cannot be written: {reason}")
+    return InputError("command line", key, str(path), f"a {kind} that can be written ({reason})")
+
+
+def json_text(document: dict[str, Any]) -> str:
+    """A JSON document as the text of a file."""
+    return json.dumps(document, indent=2, allow_nan=False, default=str) + "\n"
+
+
+def write_json(path: Path, document: dict[str, Any]) -> None:
+    """Write a JSON document atomically."""
+    with whole_file(path) as draft:
+        draft.write_text(json_text(document), encoding="utf-8")
+
 
 #: Names in the run folder of what the nodes leave there: the controller its telemetry, the plant its timing.
 TELEMETRY, TIMING = "telemetry.json", "timing.csv"
@@ -70,3 +115,20 @@ def discard_folder(folder: Path, made: bool) -> None:
         path.unlink()
     if made:
         folder.rmdir()
+
+
+#: Parameters of the law, if they are not the law's own.
+PARAMETERS = "parameters.json"
+
+
+def write_inputs(folder: Path, scenario: AnyScenario, parameters: ParameterSet | None) -> None:
+    """Write resolved scenario, wire contract and parameters; always the nominal scenario.
+
+    :raises OSError: it cannot be written.
+    """
+    write_json(folder / SCENARIO, any_document(scenario))
+    system = system_named(scenario.system)
+    (folder / PORTS).write_text(table_text(system.contract), encoding="utf-8")
+    (folder / DBC).write_text(dbc_text(system.contract), encoding="utf-8")
+    if parameters is not None:
+        write_json(folder / PARAMETERS, parameters.as_json())

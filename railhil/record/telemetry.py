@@ -1,8 +1,8 @@
-"""What the controller reports about its arithmetic: ``telemetry.json`` of a run folder, else recorded telegrams.
+"""What the controller reports of itself: its name, its arithmetic, and what its law leaves.
 
-The file is written by another process, which may have been killed. A missing or damaged file does not affect the
-verdict, which depends on the record alone. A controller that was started elsewhere leaves no file here; its status
-telegrams then give slightly less information.
+:func:`read_kept` and its like read ``telemetry.json`` of a run folder, which another process has written and which may
+be missing or damaged: that does not affect the verdict, which depends on the record alone. A controller that was
+started elsewhere leaves no file here; its status telegrams then give slightly less information.
 """
 
 from __future__ import annotations
@@ -12,17 +12,77 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, Final, TypeVar
 
 import numpy as np
 
 from railhil.bus.codes import ControllerFlag
+from railhil.bus.ident import CtlIdent
 from railhil.bus.telegrams import HEADROOM_UNUSED, NO_QUANTITY
-from railhil.record.learned import Kept, kept_of
 from railhil.record.notes import ToldNote, told_notes
 from railhil.record.run_folder import TELEMETRY
 from railhil.record.status import Status
 from railhil.record.trace import Trace
+from railhil.scenarios.memory import Record
+from railhil.scenarios.run_spec import StartUp
+
+
+@dataclass(frozen=True, slots=True)
+class Kept:
+    """What the law wants to keep: key and values; ``used``: the place of the record that it began with (empty: none);
+    ``refused``: places that it could not use, with the fault and what is wrong, by name."""
+
+    key: str
+    values: dict[str, Any]
+    used: str
+    refused: dict[str, tuple[str, str]]
+
+
+def kept_of(document: Mapping[str, Any]) -> Kept:
+    """What :func:`railhil.controller_node.laws.memory.kept` has made.
+
+    :raises LookupError, TypeError, ValueError: something else.
+    """
+    refused = {str(one["slot"]): (str(one["fault"]), str(one["detail"])) for one in document["refused"]}
+    return Kept(str(document["key"]), dict(document["values"]), str(document["used"]), refused)
+
+
+#: :meth:`Learned.as_json` of a run after which nothing was kept.
+NOTHING_LEARNED: Mapping[str, Any] = {"memory_used": None, "memory_refused": {}, "memory_after_sha256": None}
+
+
+@dataclass(frozen=True, slots=True)
+class Learned:
+    """What a run left: what its law wants to keep, and the record of it; None: the law has learned from this run
+    before."""
+
+    kept: Kept
+    record: Record | None
+
+    def as_json(self) -> dict[str, Any]:
+        """For the certificate: which stored record the law used, what was wrong with others, and the new record."""
+        return {
+            "memory_used": self.kept.used,
+            "memory_refused": {slot: list(why) for slot, why in self.kept.refused.items()},
+            "memory_after_sha256": None if self.record is None else self.record.sha256,
+        }
+
+
+UNKNOWN: Final = "unknown"
+#: Keys of a run that the handshake of the controller confirms, with its fields; 0 there: not said.
+_CONFIRMED: Final = {"controller": "law", "arithmetic": "arithmetic", "indexing": "indexing"}
+
+
+def reported(start_up: StartUp, trace: Trace) -> dict[str, str]:
+    """What has to be said instead of what was asked for, by key of a run; empty if the controller has confirmed it.
+
+    A controller of somebody else that says what it is has said what was asked for: others are refused.
+    """
+    if not start_up.joins:
+        return {}
+    ident = trace.ident(CtlIdent)
+    found = {key: UNKNOWN for key, field in _CONFIRMED.items() if ident is None or not getattr(ident, field)}
+    return found | ({"controller": start_up.controller_name} if start_up.controller_name else {})
 
 
 @dataclass(frozen=True, slots=True)

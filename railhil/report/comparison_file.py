@@ -10,9 +10,8 @@ from typing import Any
 from railhil.common.whole_file import whole_file
 from railhil.judge.judging import judging_of
 from railhil.record.documents import COMPARISON
-from railhil.record.errors import RecordFailed
 from railhil.record.hash_list import HASH_LIST, HASH_LIST_KEY, write_hash_list
-from railhil.record.json_file import json_text
+from railhil.record.run_folder import RecordFailed, json_text
 from railhil.report.recorded import RecordedRun
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 import shlex
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from pathlib import PurePosixPath
 from typing import Any
@@ -16,10 +16,32 @@ from railhil.bus.transports import limits_of
 from railhil.common.digits import count_of
 from railhil.judge.judging import judging_of
 from railhil.record.telemetry import Headroom, ShownTelemetry, TelemetrySummary
-from railhil.report.jitter_panel import timing_rows
-from railhil.report.memory_said import memory_sentence
 from railhil.report.recorded import RecordedRun
+from railhil.report.timing import timing_rows
 from railhil.scenarios.parameters import DIGEST_DIGITS
+
+
+def memory_sentence(certificate: Mapping[str, Any]) -> str:
+    """The memory of its law with which a run began and ended; empty for a run without one."""
+    before, after = certificate.get("memory"), certificate.get("memory_after_sha256")
+    if not before and not after:
+        return ""
+    # Few records have a memory.
+    from railhil.scenarios.parameters import DIGEST_DIGITS
+
+    began, stored = "none yet", before["stored"] if before else []
+    used = certificate.get("memory_used")
+    # Without it the run cannot be trusted: the law would have used the first.
+    record = next((one["record"] for one in stored if one["record"] and used in (None, one["slot"])), None)
+    if before and record:
+        began = (
+            f"that of {count_of(record['runs'], 'run')}, key {record['key']}, sha256 {before['sha256'][:DIGEST_DIGITS]}"
+        )
+    refused = "".join(
+        f"; {slot} could not be used: {detail}" for slot, (_, detail) in certificate.get("memory_refused", {}).items()
+    )
+    return f"began with {began}{refused}; {f'left sha256 {after[:DIGEST_DIGITS]}' if after else 'left none'}"
+
 
 _UNKNOWN = "not recorded"
 _NO_SCORE = f"{_UNKNOWN}: score.json is missing"

@@ -26,9 +26,9 @@ from railhil.report.display_columns import (
     with_error,
 )
 from railhil.report.display_columns import LEVEL as LEVEL_KIND
-from railhil.report.events_panel import event_rows, has_unusual
 from railhil.report.recorded import RecordedRun
 from railhil.report.styles import Style
+from railhil.report.tables import event_rows, has_unusual
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.system import system_named
 
@@ -66,7 +66,7 @@ def system_pictures(scenario: AnyScenario, runs: Sequence[RecordedRun]) -> list[
     (:class:`railhil.record.sampling.DrawnTrace`).
 
     Each has ``name``, ``title``, ``caption`` and ``svg``: a :class:`railhil.charts.figure.Figure`, or what the system
-    has drawn itself (:class:`railhil.report.figures.Picture`).
+    has drawn itself (:class:`railhil.report.pictures.Picture`).
     """
     drawn = [replace(run, trace=drawn_trace(run.scenario, run.trace)) for run in runs]
     found: list[Any] = system_named(scenario.system).part("pictures")(scenario, drawn)

@@ -15,18 +15,16 @@ import numpy as np
 from railhil.charts.figure import Figure
 from railhil.judge.judging import judging_of
 from railhil.record.hash_list import REPORT, listed_file
-from railhil.report import jitter_panel as timing
-from railhil.report.assets import script, styles_text
+from railhil.report import timing as timing
 from railhil.report.display_columns import ShownColumn
 from railhil.report.distribution import picture, spreads_of, worst_first
-from railhil.report.events_panel import event_rows, has_unusual
 from railhil.report.facts import facts, without_paths
-from railhil.report.histogram import lateness
 from railhil.report.over_time import RunColumns, columns_of, reactions, signals, system_pictures
 from railhil.report.recorded import RecordedRun, told_apart
-from railhil.report.score_table import better_sentence, rows
 from railhil.report.styles import styles
-from railhil.report.templates import template
+from railhil.report.tables import better_sentence, event_rows, has_unusual, rows
+from railhil.report.templates import script, styles_text, template
+from railhil.report.timing import lateness
 from railhil.scenarios.model import watch_sentence
 
 #: Above so many runs the page shows distributions, and figures and charts of the worst runs only.

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from railhil.judge.score import score
 from railhil.record.trace import Trace
-from railhil.report.panels import save
+from railhil.report.pictures import save
 from railhil.report.recorded import curves
 from railhil.report.styles import Style
 from railhil.scenarios.model import Scenario

@@ -8,7 +8,7 @@ from typing import Any
 from railhil.charts.figure import Figure
 from railhil.record.trace import Trace
 from railhil.report.over_time import signal_charts
-from railhil.report.panels import save
+from railhil.report.pictures import save
 
 
 def draw(scenario: Any, trace: Trace, out: Path) -> None:

@@ -1,4 +1,4 @@
-"""The templates of reports: how they escape, and where they are found."""
+"""The templates of pages: how they escape, where they are found; script and styles inside them."""
 
 from __future__ import annotations
 
@@ -7,7 +7,19 @@ from typing import Final
 
 from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined, Template
 
+from railhil.charts import static_text
 from railhil.common.plain_text import plain
+
+
+def script() -> str:
+    """The program of a page: what a reader can do with its figures."""
+    return static_text("figures.js")
+
+
+def styles_text() -> str:
+    """The style sheets of the figures, with the colours of both schemes."""
+    return static_text("charts.css") + static_text("figures.css")
+
 
 _HERE: Final = "railhil.report"
 

@@ -16,7 +16,7 @@ from railhil.common.extras import install_command
 from railhil.common.output import Output, table
 from railhil.common.streams import accept_any_text, add_json_argument, flush_output, print_json
 from railhil.common.whole_file import check_writable
-from railhil.record.errors import not_written
+from railhil.record.run_folder import not_written
 from railhil.reproduce.comparison import FOLLOWS, FOLLOWS_NOT, IN_PART, Table
 from railhil.reproduce.document import PAGE, RUNS, describe_pictures, make_document, write_page
 from railhil.reproduce.measurement import measure_paper
@@ -24,7 +24,7 @@ from railhil.reproduce.paper import PAPERS, Paper, Results, find_paper
 from railhil.scenarios.options import add_option
 
 if TYPE_CHECKING:
-    from railhil.report.figures import Picture
+    from railhil.report.pictures import Picture
 
 _SEEDS_MAX = 1000
 _COLOURS = {FOLLOWS: "green", IN_PART: "yellow", FOLLOWS_NOT: "red"}

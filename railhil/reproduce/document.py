@@ -16,12 +16,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from railhil.common.whole_file import whole_file
-from railhil.record.errors import not_written
+from railhil.record.run_folder import not_written
 from railhil.reproduce.comparison import Line, Table
 from railhil.reproduce.paper import Entry, Measurement, Paper, Results
 
 if TYPE_CHECKING:
-    from railhil.report.figures import Picture
+    from railhil.report.pictures import Picture
 
 PAGE, RESULTS, RUNS = "page.md", "results.json", "runs"
 #: Digits of a hash in a table; the document has all of them.

@@ -22,7 +22,7 @@ from railhil.scenarios.run_spec import RunSpec
 
 if TYPE_CHECKING:
     # Needs the extra [report].
-    from railhil.report.figures import Picture
+    from railhil.report.pictures import Picture
 
 #: Name of each paper, in the order of the list, and its record, ``module:object``.
 PAPERS: Mapping[str, str] = {

@@ -18,10 +18,9 @@ from railhil.common.digits import count_of
 from railhil.common.exit_codes import USAGE
 from railhil.faults.parsed import parsed
 from railhil.judge.fault_report import FaultOutcome, fault_outcomes, missing_logs, take_logs
-from railhil.live.live_lateness import LiveLateness
+from railhil.live.live_values import LiveLateness
 from railhil.live.processes import Nodes, process_start_ns
-from railhil.live.recorder import AFTER_LOSS_S, SILENCE_S, Recorder
-from railhil.live.recorder_link import open_recorder, refuse_occupied
+from railhil.live.recorder import AFTER_LOSS_S, SILENCE_S, Recorder, open_recorder, refuse_occupied
 from railhil.record.operator_commands import Desk
 from railhil.record.session import Session
 from railhil.run.node_commands import longest_stop_s, start_hub, start_nodes

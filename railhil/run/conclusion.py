@@ -20,14 +20,13 @@ from railhil.judge.jitter import (
     write_wall_times,
 )
 from railhil.judge.judging import judging_of
-from railhil.judge.missed_telegrams import UNCLEAR
+from railhil.judge.record_checks import UNCLEAR
 from railhil.judge.result import Result
-from railhil.record.foreign_controller import reported
 from railhil.record.framelog import telegrams_sha256
 from railhil.record.log_trace import trace_of_log
 from railhil.record.senders import Senders
 from railhil.record.status import untold_wrap
-from railhil.record.telemetry import read_origin, read_summary, shown_telemetry
+from railhil.record.telemetry import read_origin, read_summary, reported, shown_telemetry
 from railhil.record.trace import Told
 from railhil.run.node_commands import needs_orders
 

@@ -15,10 +15,8 @@ from railhil.common.exit_codes import FAIL, INVALID, USAGE
 from railhil.judge.fault_report import check_faults, transports_of
 from railhil.live.panel_socket import PanelSocket
 from railhil.live.processes import process_start_ns
-from railhil.record.errors import NO_ROOM
-from railhil.record.input_files import PARAMETERS, write_inputs
 from railhil.record.operator_commands import Desk
-from railhil.record.run_folder import discard_folder, run_folder
+from railhil.record.run_folder import NO_ROOM, PARAMETERS, discard_folder, run_folder, write_inputs
 from railhil.run.bus_run import BusRun
 from railhil.run.memory import keep_memory, learned, with_memory
 from railhil.run.run import Run

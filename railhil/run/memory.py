@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING
 
 from railhil.common.digits import count_of
 from railhil.common.errors import InputError
-from railhil.record.errors import RecordFailed, not_written
-from railhil.record.learned import Learned
+from railhil.record.run_folder import RecordFailed, not_written
+from railhil.record.telemetry import Learned
 from railhil.scenarios.memory import MEMORY_AFTER, MEMORY_BEFORE, Record, next_record, write_memory
 from railhil.scenarios.memory_store import MemoryStore, StoreChanged
 from railhil.scenarios.model import AnyScenario

@@ -13,7 +13,7 @@ from railhil.common.choices import BUSES
 from railhil.common.errors import InputError
 from railhil.controller_node.laws import find
 from railhil.controller_node.laws.parameters import law_parameters
-from railhil.record.input_files import PARAMETERS
+from railhil.record.run_folder import PARAMETERS
 from railhil.scenarios.load import load_any, stable_name
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.parameters import ParameterSet, load_parameters

@@ -15,7 +15,7 @@ from railhil.judge.fault_report import missed_faults
 from railhil.judge.result import Result
 from railhil.judge.score import Score
 from railhil.plant_sim.faults.plants import needs_nodes
-from railhil.record.learned import Kept, kept_of
+from railhil.record.telemetry import Kept, kept_of
 from railhil.record.trace import Trace
 from railhil.run.local import unrecorded_run
 from railhil.run.memory import number_of

@@ -14,9 +14,8 @@ from numpy.typing import NDArray
 
 from railhil.campaign.results_table import column_of
 from railhil.common.digits import count_of
-from railhil.judge.sequence_measure import SequenceMeasure, sequence_measures
-from railhil.report.figures import Picture
-from railhil.report.stacked import stacked
+from railhil.judge.criteria import SequenceMeasure, sequence_measures
+from railhil.report.pictures import Picture, stacked
 from railhil.report.styles import Style
 from railhil.sequences.plan import Plan
 from railhil.sequences.summary import tail_runs

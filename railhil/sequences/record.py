@@ -14,8 +14,7 @@ from railhil.common.exit_codes import INVALID
 from railhil.judge.rerun import changes
 from railhil.judge.rerun import recorded as recorded_run
 from railhil.judge.result import Result
-from railhil.record.errors import not_written
-from railhil.record.run_folder import run_folder
+from railhil.record.run_folder import not_written, run_folder
 from railhil.run.make import record_run
 from railhil.scenarios.memory import Memory
 from railhil.scenarios.model import AnyScenario

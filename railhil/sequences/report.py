@@ -13,10 +13,9 @@ from railhil.campaign.results_table import row as row_of
 from railhil.controller_node.laws import find
 from railhil.controller_node.laws.memory import memory_key
 from railhil.record.hash_list import REPORT, listed_file
-from railhil.report.assets import styles_text
 from railhil.report.over_time import system_pictures
 from railhil.report.recorded import RecordedRun
-from railhil.report.templates import template
+from railhil.report.templates import styles_text, template
 from railhil.scenarios.memory import SLOT_A, SLOT_B, Memory, Record, Stored, no_memory
 from railhil.scenarios.system import system_named
 from railhil.sequences.one import through_nodes

@@ -17,7 +17,7 @@ from railhil.common.exit_codes import INVALID, PASS
 from railhil.faults.language import fault_text, parse
 from railhil.judge.fault_report import check_faults
 from railhil.plant_sim.any_plant import PlantError
-from railhil.record.input_files import write_inputs
+from railhil.record.run_folder import write_inputs
 from railhil.run.local import LocalRun
 from railhil.run.make import complete, placed, write_results
 from railhil.run.memory import with_memory

@@ -12,7 +12,7 @@ from railhil.bus.link import open_link
 from railhil.bus.select import BusChoice
 from railhil.common.exit_codes import USAGE, guarded
 from railhil.live.processes import Nodes
-from railhil.live.recorder_link import open_recorder, refuse_occupied
+from railhil.live.recorder import open_recorder, refuse_occupied
 from railhil.plant_sim.node import PlantNode
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import RunSpec

@@ -13,8 +13,7 @@ from hypothesis import strategies as st
 from hil_tests.support.svg_paths import path_points
 from railhil.charts.figure import TARGET, TIME, ZERO, Area, Chart, Curve, Figure, Look, Point, extent, ticks
 from railhil.charts.svg import markup
-from railhil.report.figures import printed
-from railhil.report.panels import sheet
+from railhil.report.pictures import printed, sheet
 
 _NUMBERS = st.floats(-1e6, 1e6)
 

@@ -19,7 +19,7 @@ from railhil.dbc import ContractError, recorded_contract, wire_contract
 from railhil.judge.record import checked_record
 from railhil.judge.score import score
 from railhil.record.hash_list import write_hash_list
-from railhil.record.input_files import write_inputs
+from railhil.record.run_folder import write_inputs
 from railhil.scenarios import model
 from railhil.scenarios.canonical import judged_sha256, scenario_sha256
 from railhil.scenarios.layers import DATA

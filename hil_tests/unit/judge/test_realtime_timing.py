@@ -37,8 +37,7 @@ from railhil.judge.jitter import (
 from railhil.judge.score import Score
 from railhil.plant_sim.cycle_times import MISSED_NS, PlantTiming
 from railhil.record.documents import read_score
-from railhil.record.json_file import write_json
-from railhil.record.run_folder import TIMING
+from railhil.record.run_folder import TIMING, write_json
 from railhil.record.trace import Trace, trace_of
 from railhil.report.page import page
 from railhil.report.recorded import RecordedRun

@@ -14,7 +14,7 @@ from railhil.bus.ident import Role, make_ident
 from railhil.bus.telegrams import CtlStat, RunEvent, SimTruth, TrnWatch
 from railhil.dbc import Contract, wire_contract
 from railhil.faults.truth import HOLE_MAX_S
-from railhil.judge import milestone_checks as witness
+from railhil.judge import record_checks as witness
 from railhil.judge.criteria import ATO_CRITERIA, STOP_ERROR
 from railhil.judge.invariants import broken
 from railhil.judge.score import score

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from railhil.judge.jitter import arrivals_of
-from railhil.live.live_lateness import RECENT, LiveLateness
+from railhil.live.live_values import RECENT, LiveLateness
 
 TICK_NS = 10_000_000
 

@@ -18,11 +18,20 @@ from railhil.cli.commands import parser
 from railhil.cli.doctor import facts
 from railhil.common.scheduling import NODE_PRIORITY
 from railhil.judge.jitter import Jitter
-from railhil.live.doctor import lateness, scheduling
-from railhil.live.doctor.finding import Finding, and_so_on, said_by
+from railhil.live.doctor import timing
 from railhil.live.doctor.kernelcan import can_interfaces, interface, kernel_can
-from railhil.live.doctor.machine import below, clock, cores, governor
-from railhil.live.doctor.tools import docker, serial_ports, virtual_machine
+from railhil.live.doctor.machine import (
+    Finding,
+    and_so_on,
+    below,
+    clock,
+    cores,
+    docker,
+    governor,
+    said_by,
+    serial_ports,
+    virtual_machine,
+)
 
 CLOCK = "sys/devices/system/clocksource/clocksource0"
 
@@ -108,7 +117,7 @@ def test_kernel_with_can_and_no_interface(tmp_path: Path) -> None:
     ],
 )
 def test_fifo(granted: tuple[int, str], found: str, advised: bool) -> None:
-    finding = scheduling.fifo(*granted)
+    finding = timing.fifo(*granted)
     assert finding.found == found
     assert bool(re.fullmatch(r"echo '\S+ - rtprio 45' \| sudo tee -a /etc/security/limits.conf.*", finding.advice)) is (
         advised
@@ -126,7 +135,7 @@ def test_fifo(granted: tuple[int, str], found: str, advised: bool) -> None:
 )
 def test_throttle(tmp_path: Path, runtime: str, words: str, advised: bool) -> None:
     put(tmp_path, {"proc/sys/kernel/sched_rt_runtime_us": runtime, "proc/sys/kernel/sched_rt_period_us": "1000000"})
-    finding = scheduling._throttle(tmp_path)
+    finding = timing._throttle(tmp_path)
     assert words in finding.found
     assert bool(finding.advice) is advised
 
@@ -144,7 +153,7 @@ def test_throttle(tmp_path: Path, runtime: str, words: str, advised: bool) -> No
     ],
 )  # fmt: skip
 def test_preemption(tmp_path: Path, files: dict[str, str], version: str, begin: str, advice: str) -> None:
-    finding = scheduling.preemption(put(tmp_path, files), version)
+    finding = timing.preemption(put(tmp_path, files), version)
     assert finding.found.startswith(begin)
     assert finding.advice.startswith(advice)
     assert bool(finding.advice) is bool(advice)
@@ -216,14 +225,14 @@ def test_what_is_below(tmp_path: Path, files: dict[str, str], subjects: list[str
     ],
 )
 def test_lateness_is_judged(priority: int, virtual: bool, p99_ms: float, max_ms: float, advice: str) -> None:
-    finding = lateness.judged(Jitter(200, 0.05, p99_ms, p99_ms, max_ms, 0.0), priority, virtual)
+    finding = timing.judged(Jitter(200, 0.05, p99_ms, p99_ms, max_ms, 0.0), priority, virtual)
     assert finding.advice.startswith(advice)
     assert bool(finding.advice) is bool(advice)
     assert f"p99 {p99_ms:.3f} ms, max {max_ms:.3f} ms late" in finding.found
 
 
 def test_lateness_is_measured() -> None:
-    jitter = lateness.measured(0, cycles=3)
+    jitter = timing.measured(0, cycles=3)
     assert (jitter.cycles, jitter.max_ms > 0) == (3, True)
 
 

@@ -16,8 +16,7 @@ from railhil.bus.telegrams import NotchCmd, PltStat, SimTruth, TrnSpeed
 from railhil.dbc import wire_contract
 from railhil.record.framelog import CHANNEL, log_line
 from railhil.record.log_columns import classic_columns
-from railhil.record.senders import Findings, Senders, sent_file
-from railhil.record.sent_list import EqualFrames, read_sent
+from railhil.record.senders import EqualFrames, Findings, Senders, read_sent, sent_file
 
 TICK_NS = 10_000_000
 POLL = master_frame(NotchCmd.port().f_code, NotchCmd.port().address)

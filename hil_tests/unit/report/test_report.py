@@ -22,8 +22,8 @@ from railhil.record.trace import Trace
 from railhil.report.deviations import deviations
 from railhil.report.page import page
 from railhil.report.recorded import RecordedRun, curves, told_apart
-from railhil.report.score_table import rows
 from railhil.report.styles import Style
+from railhil.report.tables import rows
 from railhil.scenarios.model import Scenario
 from railhil.systems.ato import panels as ato_panels
 from railhil.systems.ato.judging import JUDGING, stopped_within

@@ -11,9 +11,8 @@ from railhil.bus.codes import Event
 from railhil.bus.schedule import Schedule
 from railhil.bus.telegrams import RunEvent
 from railhil.judge.events import telegrams
-from railhil.judge.events.declared import Interlocks
+from railhil.judge.events.declared import Interlocks, watch_events
 from railhil.judge.events.event import INTERLOCK, MILESTONE, RecordedEvent, in_order
-from railhil.judge.events.levels import watch_events
 from railhil.judge.judging import judging_of
 from railhil.record.trace import Trace
 from railhil.scenarios.model import AnyScenario

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from railhil.live.doctor.finding import Finding, said_by, text_of
+from railhil.live.doctor.machine import Finding, said_by, text_of
 
 #: Type of a CAN interface in /sys/class/net (ARPHRD_CAN of linux/if_arp.h).
 _CAN_TYPE = "280"

@@ -1,13 +1,53 @@
-"""The machine: clock, processors, and whether it is virtual."""
+"""What this machine has for a run: its kernel and processors, serial ports, Docker, the tools for a virtual machine."""
 
 from __future__ import annotations
 
 import itertools
 import os
+import shutil
+import subprocess
 import time
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
-from railhil.live.doctor.finding import Finding, text_of
+#: Longest time to wait for a tool.
+TOOL_TIMEOUT_S = 5.0
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """One line: subject, what was found, and the command or step that improves it (empty: nothing to do)."""
+
+    subject: str
+    found: str
+    advice: str = ""
+
+
+def text_of(path: Path) -> str:
+    """Stripped content of a small kernel file; empty when it cannot be read."""
+    try:
+        return path.read_text(encoding="utf-8", errors="replace").strip()
+    except OSError:
+        # Not in this kernel, or not for this user.
+        return ""
+
+
+def said_by(*command: str) -> str | None:
+    """Standard output of a tool; None when it is missing, fails or does not answer."""
+    if shutil.which(command[0]) is None:
+        return None
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, timeout=TOOL_TIMEOUT_S, check=False)
+    except (OSError, subprocess.TimeoutExpired):
+        return None
+    return done.stdout if done.returncode == 0 else None
+
+
+def and_so_on(names: Sequence[str], shown: int = 4) -> str:
+    """A list of names, truncated when it is long."""
+    return ", ".join(names[:shown]) + (f" and {len(names) - shown} more" if len(names) > shown else "")
+
 
 #: Clock sources that are read in the processor.
 _FAST_CLOCKS = ("tsc", "kvm-clock", "arch_sys_counter", "hyperv_clocksource_tsc_page", "riscv_clocksource")
@@ -86,3 +126,51 @@ def below(root: Path) -> list[Finding]:
     if container or any(word in groups for word in ("docker", "kubepods", "containerd", "lxc")):
         found.append(Finding("container", "yes: limits and capabilities are the container's"))
     return found
+
+
+#: What `railhil vcan` needs to fetch a user-mode kernel and to start it, and the Debian package of each.
+_MACHINE_TOOLS = {"dpkg-deb": "dpkg", "setpriv": "util-linux"}
+_SYSTEM_PATH = "/usr/local/sbin:/usr/sbin:/sbin"
+
+
+def tools(root: Path = Path("/")) -> list[Finding]:
+    """Serial ports, virtual machine, Docker."""
+    return [*serial_ports(root), virtual_machine(), docker()]
+
+
+def serial_ports(root: Path) -> list[Finding]:
+    """Serial ports on which an slcan adapter may be."""
+    patterns = ("dev/ttyACM*", "dev/ttyUSB*")
+    ports = sorted(path for pattern in patterns for path in root.glob(pattern))
+    if not ports:
+        return [Finding("serial ports", "none of the kind that slcan adapters have (ttyACM, ttyUSB)")]
+    names = and_so_on([f"/{path.relative_to(root)}" for path in ports])
+    if all(os.access(path, os.R_OK | os.W_OK) for path in ports):
+        return [Finding("serial ports", f"{names} (`-i slcan -c PORT -b 500000`)")]
+    return [Finding("serial ports", f"{names}, not all readable", "sudo usermod -aG dialout $USER, then log in again")]
+
+
+def virtual_machine(system_path: str = _SYSTEM_PATH) -> Finding:
+    """Whether `railhil vcan` can start a kernel with vcan.
+
+    :param system_path: directories with system tools that are not on a user's PATH.
+    """
+    path = os.pathsep.join((os.environ.get("PATH", ""), system_path))
+    missing = [package for tool, package in _MACHINE_TOOLS.items() if shutil.which(tool, path=path) is None]
+    if missing:
+        return Finding("railhil vcan", f"tools missing: {', '.join(missing)}", f"sudo apt install {' '.join(missing)}")
+    return Finding("railhil vcan", "its tools are there")
+
+
+def docker() -> Finding:
+    """Docker for the compose file and its test."""
+    if shutil.which("docker") is None:
+        return Finding("docker", "not installed", "sudo apt install docker.io docker-compose")
+    engine = said_by("docker", "version", "--format", "{{.Server.Version}}")
+    if engine is None:
+        return Finding(
+            "docker", "installed, no engine answers", "sudo systemctl start docker, or join the group docker"
+        )
+    if said_by("docker", "compose", "version") is None and shutil.which("docker-compose") is None:
+        return Finding("docker", f"engine {engine.strip()}, no compose", "sudo apt install docker-compose")
+    return Finding("docker", f"engine {engine.strip()} with compose")

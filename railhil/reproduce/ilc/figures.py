@@ -8,8 +8,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from railhil.report import panels
-from railhil.report.figures import Picture, svg
+from railhil.report import pictures as panels
+from railhil.report.pictures import Picture, svg
 from railhil.report.styles import Style
 from railhil.reproduce.ilc import runs
 from railhil.reproduce.ilc.findings import PRINTED, READINGS, mean_errors

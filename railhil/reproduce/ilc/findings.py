@@ -55,7 +55,7 @@ from railhil.reproduce.ilc.runs import (
 from railhil.reproduce.paper import Results
 
 if TYPE_CHECKING:
-    from railhil.report.figures import Picture
+    from railhil.report.pictures import Picture
 
 PRINTED = TEXT.published
 _BENCH = ("bench",)

@@ -28,7 +28,7 @@ from railhil.reproduce.ipfc.runs import (
 from railhil.reproduce.paper import Results
 
 if TYPE_CHECKING:
-    from railhil.report.figures import Picture
+    from railhil.report.pictures import Picture
 
 #: By how many percent IPFC is better than each law in use, by score.
 _BETTER = PRINTED["better_percent"]
@@ -216,7 +216,7 @@ def draw(results: Results) -> Sequence[Picture]:
     :raises ImportError: the extra [report] is not installed.
     """
     from railhil.charts.figure import Figure
-    from railhil.report.figures import printed
+    from railhil.report.pictures import printed
     from railhil.report.styles import styles
     from railhil.systems.ato import panels as ato_panels
 

@@ -50,7 +50,7 @@ from railhil.reproduce.paper import Results
 
 if TYPE_CHECKING:
     from railhil.charts.figure import Figure
-    from railhil.report.figures import Picture
+    from railhil.report.pictures import Picture
 
 PRINTED = TEXT.published
 _OVER_SEEDS = ("mean", "least", "greatest")
@@ -290,7 +290,7 @@ def draw(results: Results) -> Sequence[Picture]:
 
     :raises ImportError: the extra [report] is not installed.
     """
-    from railhil.report.figures import printed
+    from railhil.report.pictures import printed
 
     drawn = {situation: _drawn(results, situation) for situation in _FIGURES}
     return printed([_figure(situation, runs) for situation, runs in drawn.items() if runs])

@@ -13,7 +13,7 @@ from railhil.common.digits import count_of
 from railhil.judge.criteria import DID_NOT_STOP, Criterion, Limit, scores, unscored
 from railhil.judge.events.declared import Watch
 from railhil.judge.judging import Judging
-from railhil.judge.milestone_checks import incomplete
+from railhil.judge.record_checks import incomplete
 from railhil.judge.score import Score
 from railhil.record.status import Status, wrap_failure
 from railhil.record.trace import Trace

@@ -10,7 +10,7 @@ import numpy as np
 from railhil.bus.codes import Event
 from railhil.bus.stopping import BrakeCommand, Truth
 from railhil.bus.telegrams import RunEvent
-from railhil.judge.milestone_checks import STAMP_ERROR_MAX_S
+from railhil.judge.record_checks import STAMP_ERROR_MAX_S
 from railhil.record.trace import FloatArray, Trace
 
 #: The jerk is taken over this time.

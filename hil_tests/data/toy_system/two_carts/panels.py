@@ -7,8 +7,7 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
-from railhil.report.figures import Picture, svg
-from railhil.report.panels import drawing
+from railhil.report.pictures import Picture, drawing, svg
 from two_carts.wire import TRUTH
 
 

@@ -17,7 +17,7 @@ from railhil.bench import direct_run
 from railhil.controller_node.laws.memory import NOTHING, Remembered
 from railhil.controller_node.stop.laws.one_shot import OneShot
 from railhil.controller_node.vector.controller import VectorController
-from railhil.record.learned import kept_of
+from railhil.record.telemetry import kept_of
 from railhil.scenarios.load import load_any
 from railhil.scenarios.memory import Memory, Record, Stored, next_record, no_memory
 from railhil.scenarios.parameters import ParameterSet

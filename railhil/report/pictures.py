@@ -1,9 +1,12 @@
-"""Figures drawn by matplotlib, for files: ``railhil plot``, reproduced papers."""
+"""Figures drawn by matplotlib: as files, and as inline SVG whose text stays text and whose identifiers are unique."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import io
+import re
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -178,3 +181,69 @@ def _area(axes: Axes, area: Area) -> None:
         axes.axvspan(low_x, high_x, **_AREAS[area.kind])
     elif low_y is not None and high_y is not None:
         axes.axhspan(low_y, high_y, **_AREAS[area.kind])
+
+
+_LONG_NUMBER = re.compile(r"(\d\.\d\d)\d+")
+_IDENTIFIER = re.compile(r'(\bid="|url\(#|href="#)')
+
+
+@dataclass(frozen=True, slots=True)
+class Picture:
+    """One figure: ``name`` is its anchor, ``svg`` the element itself."""
+
+    name: str
+    title: str
+    caption: str
+    svg: str
+
+
+def printed(figures: Sequence[Figure]) -> list[Picture]:
+    """Figures of a page as pictures that need no page around them."""
+    with drawing("none"):
+        return [Picture(one.name, one.title, one.caption, svg(sheet(one), one.name, one.title)) for one in figures]
+
+
+def svg(figure: Sheet, name: str, title: str) -> str:
+    """The figure as an element of a page.
+
+    Coordinates keep two decimals (a hundredth of a point), which halves the file; identifiers are prefixed with the
+    name; the style sheet, which would apply to the whole page, is left to the page.
+    """
+    text = io.StringIO()
+    figure.savefig(text, format="svg", metadata={"Date": None, "Creator": None, "Format": None, "Type": None})
+    body = text.getvalue()
+    body = body[body.index("<svg") :]
+    body = re.sub(r"<defs>\s*<style.*?</style>\s*</defs>", "", body, flags=re.DOTALL)
+    body = _IDENTIFIER.sub(rf"\g<1>{name}-", body)
+    body = _LONG_NUMBER.sub(r"\1", body)
+    # The page sets the width; the height follows from the view box.
+    body = re.sub(r'^<svg([^>]*?) width="[^"]*"', r"<svg\1", body, count=1)
+    body = re.sub(r'^<svg([^>]*?) height="[^"]*"', rf'<svg\1 role="img" aria-label="{title}"', body, count=1)
+    return body.strip()
+
+
+_ROW_IN, _TOP_IN, _BOTTOM_IN, _GAP_IN = 1.35, 0.35, 0.5, 0.18
+_LEFT, _RIGHT = 0.09, 0.985
+
+
+def stacked(name: str, title: str, caption: str, rows: Sequence[Callable[[Axes], None]]) -> Picture:
+    """Axes above each other with a common horizontal axis, the legend above them."""
+    height_in = _TOP_IN + _BOTTOM_IN + len(rows) * _ROW_IN + (len(rows) - 1) * _GAP_IN
+    with drawing("none"):
+        figure = Sheet(figsize=(_WIDTH_IN, height_in))
+        first: Axes | None = None
+        for number, draw in enumerate(rows):
+            bottom_in = height_in - _TOP_IN - (number + 1) * _ROW_IN - number * _GAP_IN
+            box = (_LEFT, bottom_in / height_in, _RIGHT - _LEFT, _ROW_IN / height_in)
+            axes = figure.add_axes(box, sharex=first)
+            first = first or axes
+            draw(axes)
+            if number < len(rows) - 1:
+                axes.set_xlabel("")
+                axes.tick_params(labelbottom=False)
+        handles = [pair for axes in figure.axes for pair in zip(*axes.get_legend_handles_labels(), strict=True)]
+        if handles:
+            lines, labels = zip(*handles, strict=True)
+            figure.legend(lines, labels, loc="upper right", ncols=4, frameon=False)
+        figure.align_ylabels()
+        return Picture(name, title, caption, svg(figure, name, title))
