@@ -72,7 +72,7 @@ class FaultOrder(IntEnum):
     """What SUP_CMD asks for a fault that is triggered by hand.
 
     ``VALUE``: ``fault_number`` is an octet of the values of the fault that is injected next
-    (:mod:`railhil.faults.ordered`). The DBC does not name it.
+    (:mod:`railhil.faults.operator_values`). The DBC does not name it.
     """
 
     NONE = 0

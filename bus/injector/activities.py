@@ -6,8 +6,8 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from railhil.bus.codes import FaultOrder
-from railhil.bus.injector.activity import Activity
 from railhil.bus.injector.log import InjectionLog
+from railhil.faults.activity import Activity
 from railhil.faults.model import Fault
 from railhil.faults.words import CLEAR
 

@@ -17,12 +17,11 @@ from typing import Self
 from railhil.bus.frame import Frame
 from railhil.bus.hub.cancontroller import ERROR_PASSIVE
 from railhil.bus.hub.orders import Disturber, Order
-from railhil.bus.injector.activity import Activity
-from railhil.bus.injector.changes import number_of
 from railhil.bus.injector.node_faults import NodeFaults
 from railhil.bus.link import errorframe
 from railhil.bus.mvb import parse_master_frame
 from railhil.dbc import Contract
+from railhil.faults.activity import Activity
 from railhil.faults.model import Fault, Random
 from railhil.faults.words import CLEAR
 
@@ -98,7 +97,7 @@ class BusFaults:
         for one, random in self._errors:
             if not one.active:
                 continue
-            share = number_of(one.fault, "share")
+            share = one.fault.parameter("share")
             own = sum(_errors(share, random) for _ in frames)
             others = sum(_errors(share, random) for frame in frames for _ in range(self._asked(frame)))
             own = min(own, (_TEC_MAX - self._host.tec) // _TEC_STEP - self._pending)
@@ -157,6 +156,6 @@ def _dead(fault: Fault, random: Random) -> list[tuple[str, str]]:
     An open line parts the controller from plant and supervisor; one that is short-circuited is of no use to anybody.
     """
     line = fault.place.part.upper()
-    if fault.what == "loose" and random.random() >= number_of(fault, "share"):
+    if fault.what == "loose" and random.random() >= fault.parameter("share"):
         return []
     return [(who, line) for who in ((_PLANT, _CONTROLLER, "supervisor") if fault.what == "short" else (_CONTROLLER,))]

@@ -6,7 +6,6 @@ from collections.abc import Callable
 from typing import Protocol
 
 from railhil.bus.frame import FD, REMOTE, Frame
-from railhil.bus.injector.activity import Activity
 from railhil.bus.injector.follower import raw_of
 from railhil.bus.injector.rewriting import (
     Telegram,
@@ -17,7 +16,8 @@ from railhil.bus.injector.rewriting import (
     with_signal,
 )
 from railhil.dbc import Port, Signal
-from railhil.faults.model import Fault, Random
+from railhil.faults.activity import Activity
+from railhil.faults.model import Random
 
 
 class Change(Protocol):
@@ -25,13 +25,6 @@ class Change(Protocol):
 
     def __call__(self, frames: Telegram, now_ns: int) -> Telegram:
         """The telegram as it leaves; the same one if the fault does nothing to it."""
-
-
-def number_of(fault: Fault, name: str) -> float:
-    """A parameter of a fault as a number, in its base unit; distributions have been drawn."""
-    value = fault.values[name]
-    assert isinstance(value, int | float)
-    return float(value)
 
 
 class SignalChange:
@@ -58,13 +51,13 @@ class SignalChange:
         scale = self._signal.scale
         match fault.what:
             case "value":
-                raw = round(number_of(fault, "value") / scale)
+                raw = round(fault.parameter("value") / scale)
             case "raw":
-                raw = round(number_of(fault, "value"))
+                raw = round(fault.parameter("value"))
             case "offset":
-                raw = before + round(number_of(fault, "error") / scale)
+                raw = before + round(fault.parameter("error") / scale)
             case "scale":
-                raw = round(before * number_of(fault, "factor"))
+                raw = round(before * fault.parameter("factor"))
             case "random":
                 raw = int(self._random.integers(self._low, self._high + 1))
             case _:
@@ -108,9 +101,9 @@ class CounterChange:
         fault = self._activity.fault
         match fault.what:
             case "value":
-                return int(number_of(fault, "value")) % self._modulus
+                return int(fault.parameter("value")) % self._modulus
             case "offset":
-                return (before + int(number_of(fault, "offset"))) % self._modulus
+                return (before + int(fault.parameter("offset"))) % self._modulus
             case "random":
                 return int(self._random.integers(0, self._modulus))
         # Frozen at the value of the last telegram before the fault.
@@ -143,9 +136,9 @@ class ChecksChange:
         fault = self._activity.fault
         match fault.what:
             case "value":
-                return bytes([int(number_of(fault, "value"))]) * len(checks)
+                return bytes([int(fault.parameter("value"))]) * len(checks)
             case "offset":
-                return bytes((octet + int(number_of(fault, "offset"))) % 256 for octet in checks)
+                return bytes((octet + int(fault.parameter("offset"))) % 256 for octet in checks)
             case "random":
                 return bytes(int(self._random.integers(0, 256)) for _ in checks)
         if self._first is None:
@@ -171,10 +164,10 @@ class TimeChange:
         before = raw_of(data, self._seconds) << self._ticks.length | raw_of(data, self._ticks)
         per_s = 1 << self._ticks.length
         if fault.what == "step":
-            told = before + round(number_of(fault, "error_s") * per_s)
+            told = before + round(fault.parameter("error_s") * per_s)
         elif fault.what == "drift":
             since_s = (now_ns - (activity.begun_ns or 0)) / 1e9
-            told = before + round(number_of(fault, "rate_ppm") * 1e-6 * since_s * per_s)
+            told = before + round(fault.parameter("rate_ppm") * 1e-6 * since_s * per_s)
         else:
             if self._first is None:
                 self._first = before
@@ -216,18 +209,18 @@ class FrameChange:
 
     def _corrupt(self, frames: Telegram, now_ns: int) -> Telegram:
         fault, random = self._activity.fault, self._random
-        if random.random() >= number_of(fault, "share"):
+        if random.random() >= fault.parameter("share"):
             return frames
         place = int(random.integers(0, len(frames)))
         data = bytearray(frames[place].data)
         left = list(range(len(data) * 8))
-        for _ in range(min(int(number_of(fault, "bits")), len(left))):
+        for _ in range(min(int(fault.parameter("bits")), len(left))):
             bit = left.pop(int(random.integers(0, len(left))))
             data[bit // 8] ^= 0x80 >> bit % 8
         return [*frames[:place], frames[place]._replace(data=bytes(data)), *frames[place + 1 :]]
 
     def _truncate(self, frames: Telegram, now_ns: int) -> Telegram:
-        left = int(number_of(self._activity.fault, "bytes"))
+        left = int(self._activity.fault.parameter("bytes"))
         return [frame._replace(data=frame.data[:left]) for frame in frames]
 
     def _masquerade(self, frames: Telegram, now_ns: int) -> Telegram:
@@ -245,7 +238,7 @@ class FrameChange:
         return self._first
 
     def _replay(self, frames: Telegram, now_ns: int) -> Telegram:
-        wanted_ns = now_ns - round(number_of(self._activity.fault, "age_s") * 1e9)
+        wanted_ns = now_ns - round(self._activity.fault.parameter("age_s") * 1e9)
         while len(self._past) > 1 and self._past[1][0] <= wanted_ns:
             self._past.pop(0)
         return self._past[0][1] if self._past[0][0] <= wanted_ns else frames

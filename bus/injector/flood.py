@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from railhil.bus.frame import Frame
 from railhil.bus.injector.activities import Activities
-from railhil.bus.injector.activity import Activity
-from railhil.bus.injector.changes import number_of
+from railhil.faults.activity import Activity
 
 #: Identifier of the foreign frames: no port has it, and it loses every arbitration against the ports.
 FOREIGN_ID = 0x7E0
@@ -29,7 +28,7 @@ class Flood:
         one = self._activity
         if not one.active or one.begun_ns is None:
             return []
-        per_s = number_of(one.fault, "share") * self._bit_rate / FRAME_BITS
+        per_s = one.fault.parameter("share") * self._bit_rate / FRAME_BITS
         due = int((activities.now_ns - one.begun_ns) / 1e9 * per_s) + 1
         count, self._sent = due - self._sent, due
         if count > 0:

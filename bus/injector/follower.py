@@ -12,8 +12,8 @@ from railhil.bus.schedule import Schedule
 from railhil.bus.store import TrafficStore
 from railhil.bus.telegrams import RunEvent, SupCmd, TimeSync
 from railhil.dbc import Contract, Port, Signal
+from railhil.faults.capability import life_signal
 from railhil.faults.model import BRAKING_MPS2, Injection
-from railhil.faults.ports import life_signal
 
 
 def raw_of(data: bytes, signal: Signal) -> int:

@@ -6,9 +6,8 @@ a later answer: on this bus a poll has one answer, so each telegram sent late me
 
 from __future__ import annotations
 
-from railhil.bus.injector.activity import Activity
-from railhil.bus.injector.changes import number_of
 from railhil.bus.injector.rewriting import Telegram
+from railhil.faults.activity import Activity
 from railhil.faults.model import Random
 
 LOST, LATER, AGAIN = "lost", "later", "again"
@@ -69,38 +68,36 @@ class Holding:
             case "loss":
                 return ([], LOST) if self._loses() else ([frames], "")
             case "delay" | "slow":
-                jitter_s = (
-                    number_of(fault, "jitter_s") * (2.0 * random.random() - 1.0) if fault.what == "delay" else 0.0
-                )
-                delay_ns = round((number_of(fault, "delay_s") + jitter_s) * 1e9)
+                jitter_s = fault.parameter("jitter_s") * (2.0 * random.random() - 1.0) if fault.what == "delay" else 0.0
+                delay_ns = round((fault.parameter("delay_s") + jitter_s) * 1e9)
                 if delay_ns <= 0 and not self._held:
                     return [frames], ""
                 self._held.append((now_ns + max(delay_ns, 0), 0, frames))
                 return [], LATER
             case "duplicate":
-                if random.random() >= number_of(fault, "share"):
+                if random.random() >= fault.parameter("share"):
                     return [frames], ""
-                copies = [frames] * int(number_of(fault, "copies"))
+                copies = [frames] * int(fault.parameter("copies"))
                 if not self._polled:
                     return [frames, *copies], AGAIN
                 self._held += [(now_ns, 0, copy) for copy in copies]
                 return [frames], AGAIN
         # Overtaken by the next ones.
-        if random.random() >= number_of(fault, "share") or (self._polled and self._held):
+        if random.random() >= fault.parameter("share") or (self._polled and self._held):
             return [frames], ""
         # Itself counts as one.
-        self._held.append((now_ns, int(number_of(fault, "gap")) + 1, frames))
+        self._held.append((now_ns, int(fault.parameter("gap")) + 1, frames))
         return [], LATER
 
     def _loses(self) -> bool:
         """Gilbert-Elliott: within a burst a share is lost; without its parameters everything is one burst."""
         fault, change, loses = self._activity.fault, self._random.random(), self._random.random()
-        enter, leave = number_of(fault, "enter"), number_of(fault, "leave")
+        enter, leave = fault.parameter("enter"), fault.parameter("leave")
         if enter > 0.0:
             self._in_burst = change >= leave if self._in_burst else change < enter
             if not self._in_burst:
                 return False
-        return loses < number_of(fault, "share")
+        return loses < fault.parameter("share")
 
 
 class Silence:

@@ -8,8 +8,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from railhil.bus.injector.activity import Activity
 from railhil.common.whole_file import whole_file
+from railhil.faults.activity import Activity
 from railhil.faults.language import fault_text
 
 #: Files of a run folder, by node: ``faults-plant.csv``.

@@ -8,15 +8,15 @@ from typing import Final
 
 from railhil.bus.frame import Frame
 from railhil.bus.injector.activities import Activities
-from railhil.bus.injector.activity import Activity
 from railhil.bus.injector.follower import Follower
 from railhil.bus.injector.port_faults import SILENT, PortFaults
 from railhil.bus.injector.rewriting import is_whole
 from railhil.bus.schedule import Schedule
 from railhil.bus.telegrams import TimeSync
 from railhil.dbc import Contract, Port
+from railhil.faults.activity import Activity
+from railhil.faults.capability import instruments, port_names
 from railhil.faults.model import Fault, Injection
-from railhil.faults.ports import instruments, port_names
 
 #: Words of the bus that act at every node.
 _SILENT_OR_OK: Final = (*SILENT, "ok")

@@ -8,7 +8,6 @@ from collections.abc import Callable, Sequence
 from railhil.bus.frame import Frame
 from railhil.bus.hub.orders import Disturber
 from railhil.bus.injector.bus_faults import BusFaults
-from railhil.bus.injector.changes import number_of
 from railhil.bus.injector.flood import Flood
 from railhil.bus.injector.node_faults import NodeFaults
 from railhil.bus.injector.processes import kill_this_process, stop_this_process
@@ -125,7 +124,7 @@ class FaultyEndpoint:
             if one.active:
                 activities.note(one, "running", "paused")
                 one.order(False, activities.now_ns)
-                self._sleep(number_of(one.fault, "pause_s"))
+                self._sleep(one.fault.parameter("pause_s"))
         if self._bus is not None:
             self._bus.instant()
         flooded: list[Frame] = []

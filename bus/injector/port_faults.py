@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Protocol
 
 from railhil.bus.injector.activities import Activities
-from railhil.bus.injector.activity import Activity
 from railhil.bus.injector.changes import (
     Change,
     ChecksChange,
@@ -19,8 +18,9 @@ from railhil.bus.injector.holding import Holding, Silence
 from railhil.bus.injector.log import Hit
 from railhil.bus.injector.rewriting import Telegram, shown
 from railhil.dbc import Contract, Port
+from railhil.faults.activity import Activity
+from railhil.faults.capability import life_signal, signal_of
 from railhil.faults.model import Injection
-from railhil.faults.ports import life_signal, signal_of
 from railhil.faults.words import CLEAR
 
 #: Words that lose telegrams or hold them back.

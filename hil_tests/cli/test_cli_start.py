@@ -144,6 +144,5 @@ def test_a_run_without_faults_loads_nothing_of_them(module):
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert set(done.stdout.split()) <= {
         "railhil.faults.truth",
-        "railhil.faults.parsed",
         "railhil.bus.injector.processes",
     }

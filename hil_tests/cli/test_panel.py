@@ -18,7 +18,7 @@ from hil_tests.support.cli import command
 from railhil.bus.codes import FaultOrder, SupCommand
 from railhil.bus.telegrams import SupCmd
 from railhil.faults.language import parse
-from railhil.faults.ordered import octets_of
+from railhil.faults.operator_values import octets_of
 from railhil.record.framelog import read_log
 from railhil.record.trace import trace_of
 from railhil.run.local import LocalRun

@@ -7,9 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from railhil.bus.injector.activities import Activities
-from railhil.bus.injector.activity import Activity
+from railhil.faults.activity import Activity
 from railhil.faults.model import BRAKING_MPS2, Fault
-from railhil.faults.ordered import parameters_of
 from railhil.scenarios import streams
 
 
@@ -84,12 +83,24 @@ class Injections:
         self._acting[activity.number] = acts
 
 
-def longest(fault: Fault, name: str) -> float:
-    """The largest that a parameter can become: an operator may give a fault by hand other values."""
-    by_hand = fault.trigger.kind == "manual"
-    return next(one.high for one in parameters_of(fault) if one.name == name) if by_hand else number_of(fault, name)
+#: Place of the fault, level ``train``.
+SAFETY_LOOP = "safety_loop"
 
 
-def number_of(fault: Fault, name: str) -> float:
-    """A parameter of a fault as a number, in its base unit; distributions have been drawn."""
-    return float(fault.values[name])  # type: ignore[arg-type]
+class SafetyLoop:
+    """The safety loop of a train that has no interlocks on its bus: open, it takes the emergency brake for good.
+
+    Closing it again does not release the brake of the run.
+    """
+
+    def __init__(self, injections: Injections) -> None:
+        self._injections = injections
+        self._faults = injections.at("train", SAFETY_LOOP)
+        #: It is, or has been, open.
+        self.opened = False
+
+    def look(self) -> None:
+        """Faults have begun or ended."""
+        for one in self._faults:
+            self._injections.effect(one, one.active, "closed", "open")
+            self.opened = self.opened or one.active

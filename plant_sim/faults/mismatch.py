@@ -10,7 +10,6 @@ import numpy as np
 
 from railhil.faults.capability import MISMATCHES
 from railhil.faults.model import Fault
-from railhil.plant_sim.faults.injections import number_of
 from railhil.scenarios.model import Line, Scenario, Train
 
 
@@ -35,13 +34,13 @@ class Mismatch:
             if fault.place.level != "train" or key not in MISMATCHES:
                 continue
             if fault.what == "offset":
-                permil += number_of(fault, "permil")
+                permil += fault.parameter("permil")
             elif key[0] == "mass":
-                mass *= number_of(fault, "factor")
+                mass *= fault.parameter("factor")
             elif key[0] == "resistance":
-                resistance *= number_of(fault, "factor")
+                resistance *= fault.parameter("factor")
             else:
-                grade, permil = grade * number_of(fault, "factor"), permil * number_of(fault, "factor")
+                grade, permil = grade * fault.parameter("factor"), permil * fault.parameter("factor")
         return cls(mass, resistance, grade, permil)
 
     @classmethod

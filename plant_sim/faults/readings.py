@@ -1,199 +1,35 @@
-"""Faults of a sensor that gives one number: what each word makes of its readings.
+"""Sensors of the plants with faults: those that give one number (:mod:`railhil.faults.sensors`), and the balise reader.
 
-A sensor is sampled at every tick, whether its reading is sent or not; a fault changes the sample. ``x`` is the reading
-without this fault in m/s or m, ``t`` the time since the fault began:
-
-============ =========================================================================================
-off          no valid value: 0, and the check variable of the telegram says erroneous
-intermittent off at a share of the samples, drawn for each
-stuck        the reading at its beginning
-value        a given reading
-garbage      any number that the signal can hold, drawn for each sample
-wrong        factor * x
-offset, jump x + error
-drift        x + per_s * t
-noise        x + sigma * n, n drawn from the standard normal distribution for each sample
-slow         y' = (x - y) / time_constant_s, solved exactly for each tick
-delayed      the reading of an earlier tick
-============ =========================================================================================
-
-Words and parameters: :mod:`railhil.faults.words`. A changed reading keeps to the numbers that its signal can hold.
+============ ================================================================================
+missed       no report of a balise
+doubled      two reports
+wrong        ``error_m`` away from the surveyed position
+off          a report without a valid value; ``intermittent``: for a share of the balises
+============ ================================================================================
 """
 
 from __future__ import annotations
 
-from collections import deque
-from collections.abc import Mapping
-from math import exp
-from typing import NamedTuple
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from railhil.bus.injector.activity import Activity
 from railhil.bus.layout import Telegram
-from railhil.plant_sim.faults.injections import Injections, longest, number_of
+from railhil.faults.activity import Activity
+from railhil.faults.model import Fault
+from railhil.faults.sensors import SENSOR_KINDS, Quantity, Reading
+from railhil.plant_sim.faults.injections import Injections
+from railhil.scenarios.model import Balise
 
 
-class Reading(NamedTuple):
-    """A raw reading, and whether the sensor vouches for it."""
+def quantity_of(telegram: type[Telegram], field: str, per_unit: float) -> Quantity:
+    """The quantity in a field of a telegram.
 
-    raw: int
-    valid: bool = True
-
-
-class Quantity(NamedTuple):
-    """What a sensor measures: raw counts per m/s or m, and the raw numbers that its signal can hold."""
-
-    per_unit: float
-    low: int
-    high: int
-
-    @classmethod
-    def of(cls, telegram: type[Telegram], field: str, per_unit: float) -> Quantity:
-        """The quantity in a field of a telegram."""
-        low, high = dict(telegram.signals())[field].raw_range
-        return cls(per_unit, low, high)
-
-    def raw(self, value: float) -> int:
-        """A value as a raw number, to the ends of the range."""
-        return min(max(round(value * self.per_unit), self.low), self.high)
-
-
-class ReadingFault:
-    """One fault of one sensor; :meth:`take` gets the sensor's reading at every tick, in order."""
-
-    def __init__(self, activity: Activity, quantity: Quantity, source: np.random.Generator, tick_s: float) -> None:
-        self.activity = activity
-        self.quantity = quantity
-        self.source = source
-        self.tick_s = tick_s
-        self._was_active = False
-
-    def take(self, reading: Reading) -> Reading:
-        """The reading with this fault."""
-        self.seen(reading)
-        if not self.activity.active:
-            self._was_active = False
-            return reading
-        if not self._was_active:
-            self._was_active = True
-            self.begin(reading)
-        return self.changed(reading)
-
-    def parameter(self, name: str) -> float:
-        """A parameter of the fault, in its base unit."""
-        return number_of(self.activity.fault, name)
-
-    def shifted(self, reading: Reading, by: float) -> Reading:
-        """The reading plus a number of m/s or m."""
-        return Reading(self.quantity.raw(reading.raw / self.quantity.per_unit + by), reading.valid)
-
-    def seen(self, reading: Reading) -> None:
-        """A reading, also while the fault is not active."""
-
-    def begin(self, reading: Reading) -> None:
-        """The first reading of the active fault."""
-
-    def changed(self, reading: Reading) -> Reading:
-        """What becomes of a reading."""
-        raise NotImplementedError
-
-
-class Off(ReadingFault):
-    def changed(self, reading: Reading) -> Reading:
-        return Reading(0, False)
-
-
-class Intermittent(ReadingFault):
-    def changed(self, reading: Reading) -> Reading:
-        return Reading(0, False) if self.source.random() < self.parameter("share") else reading
-
-
-class Stuck(ReadingFault):
-    def begin(self, reading: Reading) -> None:
-        self._held = reading
-
-    def changed(self, reading: Reading) -> Reading:
-        return self._held
-
-
-class Value(ReadingFault):
-    def changed(self, reading: Reading) -> Reading:
-        return Reading(self.quantity.raw(self.parameter("value")))
-
-
-class Garbage(ReadingFault):
-    def changed(self, reading: Reading) -> Reading:
-        return Reading(int(self.source.integers(self.quantity.low, self.quantity.high, endpoint=True)))
-
-
-class Wrong(ReadingFault):
-    def changed(self, reading: Reading) -> Reading:
-        return Reading(
-            self.quantity.raw(reading.raw / self.quantity.per_unit * self.parameter("factor")), reading.valid
-        )
-
-
-class Offset(ReadingFault):
-    def changed(self, reading: Reading) -> Reading:
-        return self.shifted(reading, self.parameter("error"))
-
-
-class Jump(ReadingFault):
-    def changed(self, reading: Reading) -> Reading:
-        return self.shifted(reading, self.parameter("distance_m"))
-
-
-class Drift(ReadingFault):
-    def begin(self, reading: Reading) -> None:
-        self._ticks = 0
-
-    def changed(self, reading: Reading) -> Reading:
-        self._ticks += 1
-        return self.shifted(reading, self.parameter("per_s") * (self._ticks - 1) * self.tick_s)
-
-
-class Noise(ReadingFault):
-    def changed(self, reading: Reading) -> Reading:
-        return self.shifted(reading, self.parameter("sigma") * float(self.source.standard_normal()))
-
-
-class Slow(ReadingFault):
-    def begin(self, reading: Reading) -> None:
-        self._raw = float(reading.raw)
-        self._share = 1.0 - exp(-self.tick_s / self.parameter("time_constant_s"))
-
-    def changed(self, reading: Reading) -> Reading:
-        self._raw += (reading.raw - self._raw) * self._share
-        return Reading(round(self._raw), reading.valid)
-
-
-class Delayed(ReadingFault):
-    def __init__(self, activity: Activity, quantity: Quantity, source: np.random.Generator, tick_s: float) -> None:
-        super().__init__(activity, quantity, source, tick_s)
-        self._past: deque[Reading] = deque(maxlen=round(longest(activity.fault, "delay_s") / tick_s) + 1)
-
-    def seen(self, reading: Reading) -> None:
-        self._past.append(reading)
-
-    def changed(self, reading: Reading) -> Reading:
-        return self._past[max(0, len(self._past) - 1 - round(self.parameter("delay_s") / self.tick_s))]
-
-
-WORDS: Mapping[str, type[ReadingFault]] = {
-    "off": Off,
-    "intermittent": Intermittent,
-    "stuck": Stuck,
-    "value": Value,
-    "garbage": Garbage,
-    "wrong": Wrong,
-    "offset": Offset,
-    "jump": Jump,
-    "drift": Drift,
-    "noise": Noise,
-    "slow": Slow,
-    "delayed": Delayed,
-}
+    :param per_unit: raw counts per m/s or m.
+    """
+    low, high = dict(telegram.signals())[field].raw_range
+    return Quantity(per_unit, low, high)
 
 
 class FaultySensor:
@@ -205,10 +41,11 @@ class FaultySensor:
 
     def __init__(self, injections: Injections, quantity: Quantity, tick_s: float, *names: str, unit: int = 0) -> None:
         self._injections = injections
+        kinds = {kind.word.name: kind for kind in SENSOR_KINDS}
         self._faults = [
-            WORDS[one.fault.what](one, quantity, injections.samples(one), tick_s)
+            kinds[one.fault.what](one, quantity, injections.samples(one), tick_s)
             for one in injections.at("sensor", *names, unit=unit)
-            if one.fault.what in WORDS
+            if one.fault.what in kinds
         ]
         #: The reading at the present tick.
         self.reading = Reading(0)
@@ -225,7 +62,7 @@ class FaultySensor:
         reading = Reading(raw)
         self._changes = []
         for fault in self._faults:
-            before, reading = reading, fault.take(reading)
+            before, reading = reading, fault.change(reading)
             if reading != before:
                 self._changes.append((fault.activity, before, reading))
         self.reading = reading
@@ -241,3 +78,56 @@ class FaultySensor:
 
 def _text(reading: Reading) -> str:
     return str(reading.raw) if reading.valid else "invalid"
+
+
+@dataclass(frozen=True, slots=True)
+class UnreadBalise(Balise):
+    """A balise of which the reader has nothing but its number: its telegram's check variable says erroneous."""
+
+
+def _unread(reports: list[Balise]) -> list[Balise]:
+    return [UnreadBalise(each.number, 0.0, each.true_m) for each in reports]
+
+
+def _misplaced(reports: list[Balise], error_m: float) -> list[Balise]:
+    return [replace(each, surveyed_m=each.surveyed_m + error_m) for each in reports]
+
+
+#: Word of a fault of the reader -> the reports that it leaves.
+_BALISE_WORDS: Mapping[str, Callable[[list[Balise], Fault, np.random.Generator], list[Balise]]] = {
+    "missed": lambda reports, fault, source: [],
+    "doubled": lambda reports, fault, source: [each for each in reports for _ in range(2)],
+    "wrong": lambda reports, fault, source: _misplaced(reports, fault.parameter("error_m")),
+    "off": lambda reports, fault, source: _unread(reports),
+    "intermittent": lambda reports, fault, source: (
+        _unread(reports) if source.random() < fault.parameter("share") else reports
+    ),
+}
+
+
+class FaultyReader:
+    """What the reader reports for a balise, with the faults that are active, in the order of their numbers."""
+
+    def __init__(self, injections: Injections) -> None:
+        self._injections = injections
+        self._faults = [(one, injections.samples(one)) for one in injections.at("sensor", "balise")]
+
+    def reported(self, balise: Balise) -> list[Balise]:
+        """The reports for one passing: none, one or several."""
+        found = [balise]
+        for one, source in self._faults:
+            if not one.active:
+                continue
+            before = found
+            found = _BALISE_WORDS[one.fault.what](found, one.fault, source)
+            if found != before:
+                self._injections.hit(one, _reports_text(before), _reports_text(found))
+        return found
+
+
+def _reports_text(reports: list[Balise]) -> str:
+    if not reports:
+        return "none"
+    return " ".join(
+        "invalid" if isinstance(each, UnreadBalise) else f"{each.number}:{each.surveyed_m:g}" for each in reports
+    )

@@ -16,8 +16,8 @@ from railhil.common.exit_codes import FAIL, INVALID, PASS
 from railhil.common.output import Output
 from railhil.common.streams import print_json
 from railhil.faults.capability import why_not
-from railhil.faults.drawn import Sent, random_pair
 from railhil.faults.language import parse
+from railhil.faults.random_faults import Sent, random_pair
 from railhil.judge.reactions.pairs import PairRun, judged_pair, sent_ports
 from railhil.judge.result import Result
 from railhil.run.make import NeverBegan, record_run

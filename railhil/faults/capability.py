@@ -1,14 +1,19 @@
-"""What can be injected on which transport and at which pace, and why not: one table, for the check and the document."""
+"""Where a fault acts: its ports, and what cannot be injected on which transport and at which pace, and why not.
+
+:data:`REFUSALS` is one table, for the check and the document.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from railhil.common.errors import InputError, Words
+from railhil.dbc import Contract, Port, Signal
 from railhil.faults.language import fault_text
-from railhil.faults.model import Fault
-from railhil.faults.words import CLEAR, WORDS, Word, kind_of_part
+from railhil.faults.model import Fault, Word
+from railhil.faults.truth import Truth
+from railhil.faults.words import CLEAR, WORDS, kind_of_part
 
 #: Transports: what they are called here, and what they are.
 TRANSPORTS = {
@@ -130,3 +135,41 @@ def check_injectable(fault: Fault, transports: Sequence[str], pace: str, sources
         if why := why_not(fault, transport, pace, sources):
             found = Words(f"a run on {transport} in {pace}")
             raise InputError("faults", fault_text(fault, judging=False), found, f"no such fault there: {why}")
+
+
+#: Ports of the bench itself, by which it observes and judges.
+_BENCH = frozenset(("RUN_EVENT", "SUP_CMD", "PLT_IDENT", "CTL_IDENT", "SUP_IDENT"))
+
+
+def instruments(truth: Truth | None) -> frozenset[str]:
+    """Names of the ports that no fault touches: those of the bench, and the truth of the system."""
+    return _BENCH if truth is None else _BENCH | {truth.port, *truth.beside}
+
+
+def port_names(fault: Fault, contract: Contract, units: Sequence[str], named: Mapping[str, str]) -> list[str]:
+    """Names of the ports of a fault of a telegram or a command; they need not exist.
+
+    With units the fault names what follows the unit in the names of their ports.
+
+    :param units: first words of the ports of each unit.
+    :param named: commands by name, each ``PORT.Signal``.
+    """
+    place = fault.place
+    name = named.get(place.name, "").partition(".")[0] if place.level == "command" else place.name
+    if not units or any(port.name == name for port in contract.ports):
+        return [name]
+    chosen = [units[number - 1] for number in fault.units if number <= len(units)] if fault.units else units
+    return [f"{unit}_{name}" for unit in chosen]
+
+
+def signal_of(fault: Fault, named: Mapping[str, str]) -> str:
+    """Name of the signal that a fault changes; empty if it is none."""
+    place = fault.place
+    if place.level == "command":
+        return named.get(place.name, "").partition(".")[2]
+    return "" if place.part in ("counter", "checksum") else place.part
+
+
+def life_signal(port: Port) -> Signal | None:
+    """The life sign of a port; None: it has none."""
+    return next((signal for signal in port.signals if signal.name.endswith("Life")), None)

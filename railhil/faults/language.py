@@ -16,11 +16,23 @@ from typing import Protocol
 
 from railhil.common.errors import InputError, Words, did_you_mean
 from railhil.faults import FAULT
-from railhil.faults.model import WATCH_LEVELS, Draw, Expect, Fault, Place, Trigger, Value
-from railhil.faults.places import allowed_places, place_hint, place_of, place_text
-from railhil.faults.quantities import UNITS, allowed_text, number_of, number_text, value_of, value_text
-from railhil.faults.triggers import ALLOWED, trigger_of, trigger_text
-from railhil.faults.words import NAME, TIME, Parameter, Word, word_of, words_at
+from railhil.faults.model import NAME, TIME, WATCH_LEVELS, Draw, Expect, Fault, Parameter, Place, Trigger, Value, Word
+from railhil.faults.notation import (
+    ALLOWED,
+    UNITS,
+    allowed_places,
+    allowed_text,
+    number_of,
+    number_text,
+    place_hint,
+    place_of,
+    place_text,
+    trigger_of,
+    trigger_text,
+    value_of,
+    value_text,
+)
+from railhil.faults.words import word_of, words_at
 
 #: Shown instead of a file for a fault of the command line.
 #: Faults of one run; SUP_CMD numbers them in 8 bits.

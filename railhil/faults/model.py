@@ -1,4 +1,4 @@
-"""One fault of a run.
+"""One fault of a run, and the words of which its text is made.
 
 Times are simulation time. What a fault does to a sensor, a telegram or a process is done by the injectors:
 :mod:`railhil.plant_sim.faults` in the plant, :mod:`railhil.bus.injector` at the nodes' connections.
@@ -9,9 +9,12 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import Any, Literal, Protocol
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Protocol
 
 from railhil.faults.truth import Truth
+
+if TYPE_CHECKING:
+    from railhil.faults.activity import Activity
 
 #: Levels, in the order in which they act on a value on its way: from the sensor to the bus.
 LEVELS = ("train", "sensor", "actuator", "command", "clock", "telegram", "node", "bus")
@@ -23,6 +26,54 @@ WATCH_LEVELS = ("NORMAL", "HOLD", "TRACTION CUT", "SERVICE BRAKE", "EMERGENCY")
 BRAKING_MPS2 = 0.3
 
 TriggerKind = Literal["time", "position", "speed", "event", "telegram", "manual"]
+
+
+#: Units of parameters: keys of :data:`railhil.faults.notation.UNITS`.
+SHARE, TIME, LENGTH, SPEED, NUMBER, COUNT, PPM, NAME = "share", "s", "m", "m/s", "1", "count", "ppm", "name"
+
+#: Origins of words in several modules.
+PX4, RAILWAY = "PX4 failure injection", "railway"
+#: What becomes of frames held back, and how a counter continues after its fault; the first is the usual one.
+DELIVERY = ("drop", "deliver")
+CONTINUING = ("correct", "last_valid", "last")
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """A value of a word.
+
+    ``unit``: one of the above. ``usual``: its value if none is given; None: it must be given. ``keyword``: word written
+    before it in the text (``jitter 20ms``); several parameters in a row may share one (``gemodel 5% 40%``); empty: its
+    place says which it is. ``low``, ``high``: allowed values, inclusive.
+    """
+
+    name: str
+    unit: str
+    usual: float | str | None
+    meaning: str
+    keyword: str = ""
+    low: float = float("-inf")
+    high: float = float("inf")
+
+
+@dataclass(frozen=True, slots=True)
+class Word:
+    """What may happen at a place.
+
+    ``part``: for telegrams, what of them: ``whole``, ``counter``, ``checksum``, ``signal``; of the bus ``whole`` or
+    ``line``. ``origin``: where the word comes from. ``after``: what may be said about its end, the usual one first.
+    ``names``: places of its level that have it; empty: all. ``lasts``: whether it has a duration at all.
+    """
+
+    name: str
+    level: str
+    meaning: str
+    origin: str
+    parameters: tuple[Parameter, ...] = ()
+    part: str = "whole"
+    after: tuple[str, ...] = ()
+    names: tuple[str, ...] = ()
+    lasts: bool = True
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,6 +158,12 @@ class Fault:
     expect: Expect | None = None
     id: str = ""
 
+    def parameter(self, name: str) -> float:
+        """A parameter as a number, in its base unit; distributions have been drawn."""
+        value = self.values[name]
+        assert isinstance(value, int | float)
+        return float(value)
+
     @property
     def kills_controller(self) -> bool:
         """Whether the run goes on without a controller, as asked for."""
@@ -137,3 +194,31 @@ class Injection:
     named: Mapping[str, str] = field(default_factory=dict)
     units: tuple[str, ...] = ()
     events: Mapping[int, str] = field(default_factory=dict)
+
+
+class Kind:
+    """One fault of one kind.
+
+    :cvar word: its word in the fault language.
+    """
+
+    word: ClassVar[Word]
+
+    def __init__(self, activity: Activity) -> None:
+        self.activity = activity
+        self._has_begun = False
+
+    def begins(self) -> bool:
+        """Whether the fault is active and was not when last asked."""
+        before, self._has_begun = self._has_begun, self.activity.active
+        return self._has_begun and not before
+
+    def parameter(self, name: str) -> float:
+        """A parameter of the fault, in its base unit."""
+        return self.activity.fault.parameter(name)
+
+    def largest(self, name: str) -> float:
+        """The largest that a parameter can become: an operator may give a fault by hand other values."""
+        if self.activity.fault.trigger.kind == "manual":
+            return next(one.high for one in self.word.parameters if one.name == name)
+        return self.parameter(name)

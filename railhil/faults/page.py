@@ -10,8 +10,9 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from railhil.faults.capability import PACES, REFUSALS, TRANSPORTS, Refusal
-from railhil.faults.quantities import allowed_text, number_text
-from railhil.faults.words import CLEAR, PLACES, WORDS, Parameter, Word, levels_of
+from railhil.faults.model import Parameter, Word
+from railhil.faults.notation import allowed_text, number_text
+from railhil.faults.words import CLEAR, PLACES, WORDS, levels_of
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "faults.md"
 _HEAD = """\

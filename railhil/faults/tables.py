@@ -6,11 +6,18 @@ from collections.abc import Mapping
 from typing import Any
 
 from railhil.faults.language import Complain, checked, parse
-from railhil.faults.model import Expect, Fault, Trigger, Value
-from railhil.faults.places import allowed_places, place_hint, place_of
-from railhil.faults.quantities import allowed_text, number_of, value_of
-from railhil.faults.triggers import ALLOWED, trigger_of
-from railhil.faults.words import LENGTH, NAME, SPEED, TIME, word_of
+from railhil.faults.model import LENGTH, NAME, SPEED, TIME, Expect, Fault, Trigger, Value
+from railhil.faults.notation import (
+    ALLOWED,
+    allowed_places,
+    allowed_text,
+    number_of,
+    place_hint,
+    place_of,
+    trigger_of,
+    value_of,
+)
+from railhil.faults.words import word_of
 
 #: Units of the conditions that a table ``when`` may name.
 _CONDITIONS = {"time": TIME, "position": LENGTH, "speed": SPEED, "event": NAME, "telegram": "", "manual": ""}

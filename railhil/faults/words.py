@@ -1,61 +1,32 @@
 """The words of the fault language: what may happen at which place, with parameters, units, usual values and origin.
 
-One table: the parser, the checks of a scenario and the documentation read it. Values are in base units (a share from 0
-to 1, s, m, m/s); units of the text are in :mod:`railhil.faults.quantities`.
+One table: the parser, the checks of a scenario and the documentation read it. The words of sensors and actuators come
+from the classes of their kinds (:mod:`railhil.faults.sensors`, :mod:`railhil.faults.actuators`). Values are in base
+units (a share from 0 to 1, s, m, m/s); units of the text are in :mod:`railhil.faults.notation`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 
-from railhil.faults.model import LEVELS
-
-#: Units of parameters: keys of :data:`railhil.faults.quantities.UNITS`.
-SHARE, TIME, LENGTH, SPEED, NUMBER, COUNT, PPM, NAME = "share", "s", "m", "m/s", "1", "count", "ppm", "name"
-
-#: What becomes of frames held back, and how a counter continues after its fault; the first is the usual one.
-DELIVERY = ("drop", "deliver")
-CONTINUING = ("correct", "last_valid", "last")
-
-
-@dataclass(frozen=True, slots=True)
-class Parameter:
-    """A value of a word.
-
-    ``unit``: one of the above. ``usual``: its value if none is given; None: it must be given. ``keyword``: word written
-    before it in the text (``jitter 20ms``); several parameters in a row may share one (``gemodel 5% 40%``); empty: its
-    place says which it is. ``low``, ``high``: allowed values, inclusive.
-    """
-
-    name: str
-    unit: str
-    usual: float | str | None
-    meaning: str
-    keyword: str = ""
-    low: float = float("-inf")
-    high: float = float("inf")
-
-
-@dataclass(frozen=True, slots=True)
-class Word:
-    """What may happen at a place.
-
-    ``part``: for telegrams, what of them: ``whole``, ``counter``, ``checksum``, ``signal``; of the bus ``whole`` or
-    ``line``. ``origin``: where the word comes from. ``after``: what may be said about its end, the usual one first.
-    ``names``: places of its level that have it; empty: all. ``lasts``: whether it has a duration at all.
-    """
-
-    name: str
-    level: str
-    meaning: str
-    origin: str
-    parameters: tuple[Parameter, ...] = ()
-    part: str = "whole"
-    after: tuple[str, ...] = ()
-    names: tuple[str, ...] = ()
-    lasts: bool = True
-
+from railhil.faults.actuators import ACTUATOR_KINDS
+from railhil.faults.model import (
+    CONTINUING,
+    COUNT,
+    DELIVERY,
+    LENGTH,
+    LEVELS,
+    NAME,
+    NUMBER,
+    PPM,
+    PX4,
+    RAILWAY,
+    SHARE,
+    TIME,
+    Parameter,
+    Word,
+)
+from railhil.faults.sensors import SENSOR_KINDS
 
 #: Places by level, with what they are. Telegrams are named by their ports.
 PLACES: dict[str, dict[str, str]] = {
@@ -100,81 +71,44 @@ def _share(meaning: str) -> Parameter:
     return Parameter("share", SHARE, 1.0, meaning, low=0.0, high=1.0)
 
 
-_PX4 = "PX4 failure injection"
 _NETEM = "Linux netem"
 _CANOE = "CANoe interaction layer"
 _CAN = "CAN, FMI-LS-BUS"
 _POSIX = "POSIX"
 _XIL = "ASAM XIL"
-_RAIL = "railway"
 
 _TRAIN = (
-    Word("scale", "train", "multiplied", _RAIL, (Parameter("factor", NUMBER, None, "factor", low=0.01, high=100.0),),
+    Word("scale", "train", "multiplied", RAILWAY, (Parameter("factor", NUMBER, None, "factor", low=0.01, high=100.0),),
          names=("mass", "gradient", "resistance", "gain", "lag")),
-    Word("longer", "train", "longer", _RAIL,
+    Word("longer", "train", "longer", RAILWAY,
          (Parameter("extra_s", TIME, None, "added to the delay", low=0.0, high=5.0),), names=("delay",)),
-    Word("offset", "train", "shifted", _RAIL, (Parameter("permil", NUMBER, None, "per mil", low=-100.0, high=100.0),),
+    Word("offset", "train", "shifted", RAILWAY, (Parameter("permil", NUMBER, None, "per mil", low=-100.0, high=100.0),),
          names=("gradient",)),
-    Word("low", "train", "wheels slip and slide", _RAIL,
+    Word("low", "train", "wheels slip and slide", RAILWAY,
          (Parameter("coefficient", NUMBER, 0.05, "of adhesion", low=0.001, high=1.0),), names=("adhesion",)),
-    Word("off", "train", "lowered, opened or open", _PX4,
+    Word("off", "train", "lowered, opened or open", PX4,
          names=("power", "pantograph", "main_breaker", "doors", "parking_brake", "safety_loop")),
-    Word("low", "train", "the line voltage is low: below two thirds there is no traction (EN 50163)", _RAIL,
+    Word("low", "train", "the line voltage is low: below two thirds there is no traction (EN 50163)", RAILWAY,
          (Parameter("share", SHARE, 0.6, "share of the nominal voltage", low=0.0, high=1.2),), names=("line_voltage",)),
     Word("nan", "train", "the state is no longer a number: a defect of the bench", "numerics", names=("model",),
          lasts=False),
 )  # fmt: skip
 
 _SENSOR = (
-    Word("off", "sensor", "no value: the telegram's check variable says erroneous, the value is 0", _PX4),
-    Word("stuck", "sensor", "the value of the first instant stays", _PX4, names=("speed", "position")),
-    Word("garbage", "sensor", "random values over the whole range of the wire", _PX4, names=("speed", "position")),
-    Word("wrong", "sensor", "multiplied by a wrong factor", _PX4,
-         (Parameter("factor", NUMBER, 1.05, "factor", low=-100.0, high=100.0),), names=("speed", "position")),
-    Word("slow", "sensor", "first-order lag", _PX4,
-         (Parameter("time_constant_s", TIME, 1.0, "time constant", low=0.001, high=1000.0),),
-         names=("speed", "position")),
-    Word("delayed", "sensor", "the value of some time ago", _PX4,
-         (Parameter("delay_s", TIME, 0.5, "delay", low=0.001, high=100.0),), names=("speed", "position")),
-    Word("intermittent", "sensor", "off for some of the samples, at random", _PX4,
-         (Parameter("share", SHARE, 0.5, "share of the samples that are off", low=0.0, high=1.0),)),
-    Word("drift", "sensor", "an error that grows with time", "sensor models",
-         (Parameter("per_s", NUMBER, 0.01, "growth per s, in m/s or m", low=-1000.0, high=1000.0),),
-         names=("speed", "position")),
-    Word("noise", "sensor", "normally distributed error", "sensor models",
-         (Parameter("sigma", NUMBER, 0.1, "standard deviation, in m/s or m", low=0.0, high=1000.0),),
-         names=("speed", "position")),
-    Word("offset", "sensor", "constant error", "sensor models",
-         (Parameter("error", NUMBER, None, "error, in m/s or m", low=-1e6, high=1e6),), names=("speed", "position")),
-    Word("value", "sensor", "a fixed value, also a negative or impossible one", "sensor models",
-         (Parameter("value", NUMBER, None, "value, in m/s or m", low=-1e6, high=1e6),), names=("speed", "position")),
-    Word("jump", "sensor", "the count jumps once and goes on from there", _RAIL,
-         (Parameter("distance_m", LENGTH, None, "distance", low=-1e6, high=1e6),), names=("position",), lasts=False),
-    Word("missed", "sensor", "balises are not read", _RAIL, names=("balise",)),
-    Word("doubled", "sensor", "balises are reported twice", _RAIL, names=("balise",)),
-    Word("wrong", "sensor", "balises are reported at a wrong place", _RAIL,
+    *(kind.word for kind in SENSOR_KINDS),
+    Word("missed", "sensor", "balises are not read", RAILWAY, names=("balise",)),
+    Word("doubled", "sensor", "balises are reported twice", RAILWAY, names=("balise",)),
+    Word("wrong", "sensor", "balises are reported at a wrong place", RAILWAY,
          (Parameter("error_m", LENGTH, None, "error of the surveyed position", low=-1e6, high=1e6),),
          names=("balise",)),
 )  # fmt: skip
 
-_ACTUATOR = (
-    Word("weak", "actuator", "only a share of its force", _RAIL,
-         (Parameter("share", SHARE, 0.5, "share of the force that is left", low=0.0, high=1.0),)),
-    Word("scale", "actuator", "multiplied: a train that is stronger or weaker than its data", _RAIL,
-         (Parameter("factor", NUMBER, None, "factor", low=0.01, high=100.0),)),
-    Word("off", "actuator", "no force", _PX4),
-    Word("stuck", "actuator", "the force of the first instant stays", _PX4),
-    Word("full", "actuator", "full force whatever is commanded (runaway)", _RAIL),
-    Word("slow", "actuator", "its pole is slower", _PX4,
-         (Parameter("factor", NUMBER, 0.5, "factor of the pole", low=0.001, high=1.0),)),
-    Word("dead_time", "actuator", "commands act later", _RAIL,
-         (Parameter("delay_s", TIME, 0.2, "dead time", low=0.001, high=100.0),)),
-)  # fmt: skip
+_ACTUATOR = tuple(kind.word for kind in ACTUATOR_KINDS)
 
 _COMMAND = (
     Word("value", "command", "a fixed command, also one out of range", _CANOE,
          (Parameter("value", NUMBER, None, "value in the signal's unit"),)),
-    Word("stuck", "command", "the command of the first instant stays", _PX4),
+    Word("stuck", "command", "the command of the first instant stays", PX4),
     Word("offset", "command", "shifted", _CANOE, (Parameter("error", NUMBER, None, "error in the signal's unit"),)),
     Word("scale", "command", "multiplied", _CANOE, (Parameter("factor", NUMBER, None, "factor"),)),
     Word("random", "command", "random values over the whole range of the signal", _CANOE),
@@ -185,7 +119,7 @@ _CLOCK = (
          (Parameter("error_s", TIME, None, "error", low=-1e6, high=1e6),), names=("time",)),
     Word("drift", "clock", "the time told runs away", "oscillators",
          (Parameter("rate_ppm", PPM, None, "rate", low=-1e5, high=1e5),), names=("time",)),
-    Word("stuck", "clock", "the time told stands still", _PX4, names=("time",)),
+    Word("stuck", "clock", "the time told stands still", PX4, names=("time",)),
     Word("pause", "clock", "the plant's computer pauses once", _POSIX,
          (Parameter("pause_s", TIME, 0.2, "duration on the wall clock", low=0.001, high=60.0),), names=("wall",),
          lasts=False),
@@ -215,7 +149,7 @@ _TELEGRAM = (
          (Parameter("bytes", COUNT, 4.0, "bytes that are left", low=0.0, high=7.0),)),
     Word("replay", "telegram", "telegrams of some time ago instead of the present ones", "SDTv2",
          (Parameter("age_s", TIME, None, "how long ago", low=0.001, high=1000.0),)),
-    Word("stuck", "telegram", "the telegram of the first instant is repeated, counter and all", _PX4),
+    Word("stuck", "telegram", "the telegram of the first instant is repeated, counter and all", PX4),
     Word("remote", "telegram", "remote frames instead of data frames", _CAN),
     Word("value", "telegram", "a fixed counter", _CANOE, (Parameter("value", COUNT, None, "counter", low=0.0),),
          "counter", CONTINUING),
@@ -233,7 +167,7 @@ _TELEGRAM = (
          "signal"),
     Word("raw", "telegram", "a fixed raw value of the signal", _CANOE,
          (Parameter("value", NUMBER, None, "raw value"),), "signal"),
-    Word("stuck", "telegram", "the signal of the first instant stays", _PX4, (), "signal"),
+    Word("stuck", "telegram", "the signal of the first instant stays", PX4, (), "signal"),
     Word("offset", "telegram", "the signal is shifted", _CANOE, (Parameter("error", NUMBER, None, "in its unit"),),
          "signal"),
     Word("scale", "telegram", "the signal is multiplied", _CANOE, (Parameter("factor", NUMBER, None, "factor"),),
@@ -265,7 +199,7 @@ _BUS = (
 )  # fmt: skip
 
 _CLEARING = tuple(
-    Word(CLEAR, level, "ends what is active at this place", _PX4, part=part, lasts=False)
+    Word(CLEAR, level, "ends what is active at this place", PX4, part=part, lasts=False)
     for level in LEVELS
     for part in {"telegram": ("whole", "counter", "checksum", "signal"), "bus": ("whole", "line")}.get(
         level, ("whole",)

@@ -20,7 +20,7 @@ from typing import Any
 from railhil.bus.codes import Event
 from railhil.bus.telegrams import RunEvent
 from railhil.common.digits import count_of
-from railhil.faults.parsed import parsed
+from railhil.faults import parse_faults
 from railhil.judge.events.declared import Received
 from railhil.judge.events.telegrams import Stretch, bad_content, judged
 from railhil.judge.record_checks import UNCLEAR, Unseen
@@ -47,7 +47,7 @@ def unreconciled(scenario: Scenario, trace: Trace) -> list[str]:
     found: dict[str, str] = {}
     items = {item.port: item for item in received(scenario)}
     # Frames of a node on identifiers that it reads itself: the record has them, the node does not hear them.
-    own_frames = any(fault.what == "masquerade" for fault in parsed(scenario.faults))
+    own_frames = any(fault.what == "masquerade" for fault in parse_faults(scenario.faults))
     unseen = Unseen(scenario, trace)
     for node, counts in told.nodes.items():
         exact = told.exact and not counts.get("by_task") and not own_frames

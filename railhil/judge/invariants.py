@@ -25,7 +25,7 @@ from railhil.bus.codes import CtlMode
 from railhil.bus.ident import PltIdent
 from railhil.bus.telegrams import NotchCmd, SimTruth, TrnPos, TrnSpeed, TrnWatch
 from railhil.common.digits import count_of
-from railhil.faults.parsed import parsed
+from railhil.faults import parse_faults
 from railhil.judge.counters import unreconciled
 from railhil.judge.events.declared import Received
 from railhil.judge.events.telegrams import judged
@@ -86,7 +86,7 @@ def _is_forged(scenario: Scenario, port: str = NotchCmd.PORT) -> bool:
 
     Telegrams that are lost, late, repeated or refused are its own all the same: level and notch belong together.
     """
-    return any(_forges(fault, port) for fault in parsed(scenario.faults))
+    return any(_forges(fault, port) for fault in parse_faults(scenario.faults))
 
 
 def _forges(fault: Fault, port: str) -> bool:
@@ -99,7 +99,7 @@ def _forges(fault: Fault, port: str) -> bool:
 
 def _is_out_of_step(scenario: Scenario) -> bool:
     """Whether the levels in the record may not be those of the controller, each at its instant."""
-    faults = parsed(scenario.faults)
+    faults = parse_faults(scenario.faults)
     return any(
         fault.place.level == "command"
         or fault.place.name == NotchCmd.PORT
@@ -114,7 +114,7 @@ def _cut_from(scenario: Scenario) -> int:
 
 
 def _has_fault(scenario: Scenario, level: str, name: str) -> bool:
-    return any((fault.place.level, fault.place.name) == (level, name) for fault in parsed(scenario.faults))
+    return any((fault.place.level, fault.place.name) == (level, name) for fault in parse_faults(scenario.faults))
 
 
 def _told_levels(trace: Trace) -> IntArray:

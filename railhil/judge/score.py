@@ -16,7 +16,7 @@ from railhil.bus.codes import Event
 from railhil.bus.ident import INDEXINGS, CtlIdent
 from railhil.bus.telegrams import CtlStat, NotchCmd, RunEvent, SimTruth
 from railhil.common.digits import beside
-from railhil.faults.parsed import parsed
+from railhil.faults import parse_faults
 from railhil.judge import measures
 from railhil.judge.criteria import ATO_CRITERIA, OVERSPEED, Criterion, limited, scores, unscored
 from railhil.judge.invariants import broken
@@ -170,7 +170,7 @@ def score(scenario: Scenario, trace: Trace) -> Score:
     fresh = np.diff(time_s, prepend=-1.0) > 0
     time_s, truth = time_s[fresh], {name: values[fresh] for name, values in truth.items()}
     whole = [Event.ENDED_COMPLETE, Event.ENDED_NOT_STOPPED]
-    if any(map(_silences_controller, parsed(scenario.faults))):
+    if any(map(_silences_controller, parse_faults(scenario.faults))):
         # As asked for: what the train did without it is judged.
         whole.append(Event.ENDED_CONTROLLER_LOST)
     if ended not in whole or len(time_s) < 2:

@@ -16,11 +16,9 @@ def kinds_of(texts: Iterable[str]) -> list[dict[str, Any]]:
     """
     # The language is loaded only when somebody uses it.
     from railhil.faults.language import parse
-    from railhil.faults.model import Fault
-    from railhil.faults.ordered import parameters_of
-    from railhil.faults.places import place_text
-    from railhil.faults.quantities import UNITS, number_text, value_text
-    from railhil.faults.words import NAME, Parameter
+    from railhil.faults.model import NAME, Fault, Parameter
+    from railhil.faults.notation import UNITS, number_text, place_text, value_text
+    from railhil.faults.operator_values import parameters_of
 
     def shown(fault: Fault, one: Parameter) -> dict[str, Any]:
         is_name = one.unit == NAME

@@ -59,13 +59,13 @@ def prepared_for(
     :param text: such as ``TRN_SPEED loss 5% for 3s``: it begins now.
     :param faults: of the run.
     :param injected: numbers of those that were injected.
-    :returns: its number, the octets of its values (:func:`railhil.faults.ordered.octets_of`), its duration in s (None:
-        until it is cleared) and its new text; or why there is none, in one line.
+    :returns: its number, the octets of its values (:func:`railhil.faults.operator_values.octets_of`), its duration in s
+        (None: until it is cleared) and its new text; or why there is none, in one line.
     """
     # The language is loaded only when somebody uses it.
     from railhil.faults.language import fault_text, parse, sameness, with_hand
     from railhil.faults.model import Draw
-    from railhil.faults.ordered import is_kind, octets_of
+    from railhil.faults.operator_values import is_kind, octets_of
 
     try:
         wanted = parse(with_hand(text), "page")

@@ -19,7 +19,7 @@ class TruthClock:
 
     def __init__(self, contract: Contract, schedule: Schedule, truth: str) -> None:
         # A run without faults has no such clock, and does not load what belongs to them.
-        from railhil.faults.ports import life_signal
+        from railhil.faults.capability import life_signal
 
         port, clock = contract.port(truth), contract.clock_port
         self._base_tick_ns = schedule.base_tick_ns

@@ -16,7 +16,7 @@ from railhil.bus.order import BusOrder
 from railhil.bus.select import BusChoice
 from railhil.common.digits import count_of
 from railhil.common.exit_codes import USAGE
-from railhil.faults.parsed import parsed
+from railhil.faults import parse_faults
 from railhil.judge.fault_report import FaultOutcome, fault_outcomes, missing_logs, take_logs
 from railhil.live.live_values import LiveLateness
 from railhil.live.processes import Nodes, process_start_ns
@@ -152,7 +152,7 @@ class BusRun(Run):
 
     def _was_killed(self, nodes: Nodes, outcomes: list[FaultOutcome]) -> bool:
         """Whether a fault of the run has killed the controller, and nothing else has ended a node."""
-        killed = any(fault.kills_controller for fault in parsed(one.text for one in outcomes if one.hits))
+        killed = any(fault.kills_controller for fault in parse_faults(one.text for one in outcomes if one.hits))
         return killed and {node.role for node in nodes.ended() if node.was_killed} <= {"controller"}
 
     def _join(self, nodes: Nodes) -> Link:

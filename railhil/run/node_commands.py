@@ -9,7 +9,7 @@ from railhil.bus.can_settings import HUB_INTERFACE
 from railhil.bus.link.pipes import Pipes
 from railhil.bus.select import BusChoice
 from railhil.common.scheduling import HUB_PRIORITY, NODE_PRIORITY
-from railhil.faults.parsed import parsed
+from railhil.faults import parse_faults
 from railhil.live.processes import Nodes
 from railhil.record.run_folder import TELEMETRY, TIMING
 from railhil.record.senders import sent_file
@@ -24,7 +24,7 @@ def _scheduling(run: RunSpec, priority: int) -> list[str]:
 
 def needs_orders(faults: Iterable[str]) -> bool:
     """Whether some of a run's faults need a hub that takes orders."""
-    found = parsed(faults)
+    found = parse_faults(faults)
     if not found:
         return False
     # A run without faults does not load what injects them.
@@ -95,6 +95,8 @@ def _of_plant(run: RunSpec, folder: Path) -> list[str]:
 def longest_stop_s(texts: Iterable[str]) -> float:
     """The longest time in s for which one of a run's faults stops the controller's process; 0: none does."""
     stops = (
-        one for one in parsed(texts) if (one.place.level, one.place.name, one.what) == ("node", "controller", "stop")
+        one
+        for one in parse_faults(texts)
+        if (one.place.level, one.place.name, one.what) == ("node", "controller", "stop")
     )
     return max((one.duration_s or 0.0 for one in stops), default=0.0)

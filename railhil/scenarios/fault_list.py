@@ -10,12 +10,12 @@ from typing import Any
 
 from railhil.common.errors import InputError, did_you_mean
 from railhil.dbc import Port
+from railhil.faults.capability import instruments, life_signal, port_names
 from railhil.faults.language import FAULTS_MAX, fault_text, parse
-from railhil.faults.model import Draw, Fault, Injection, Place, Random, Value
-from railhil.faults.places import place_text
-from railhil.faults.ports import instruments, life_signal, port_names
+from railhil.faults.model import COUNT, Draw, Fault, Injection, Place, Random, Value
+from railhil.faults.notation import place_text
 from railhil.faults.tables import fault_of
-from railhil.faults.words import CLEAR, COUNT, kind_of_part, word_of
+from railhil.faults.words import CLEAR, kind_of_part, word_of
 from railhil.scenarios import streams
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.system import System, system_named

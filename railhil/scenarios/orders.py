@@ -1,7 +1,7 @@
 """Orders of an operator in a run, as text: ``75 inject 1`` is sent with the 75th SUP_CMD of the run.
 
 SUP_CMD is polled at fixed instants of simulation time, so the same orders make the same run again. ``76 value 61``
-sends an octet of the values of the fault that is injected next (:mod:`railhil.faults.ordered`).
+sends an octet of the values of the fault that is injected next (:mod:`railhil.faults.operator_values`).
 """
 
 from __future__ import annotations

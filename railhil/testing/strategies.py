@@ -12,12 +12,11 @@ from hypothesis import strategies as st
 
 from railhil.bus.select import LOCAL
 from railhil.common.choices import USUAL_SCENARIO
-from railhil.faults.capability import why_not
-from railhil.faults.drawn import Ports, words_drawn
+from railhil.faults.capability import life_signal, why_not
 from railhil.faults.language import fault_text
-from railhil.faults.model import Fault, Place, Trigger, Value
-from railhil.faults.ports import life_signal
-from railhil.faults.words import COUNT, NAME, PLACES, PPM, SHARE, TIME, Parameter, Word
+from railhil.faults.model import COUNT, NAME, PPM, SHARE, TIME, Fault, Parameter, Place, Trigger, Value, Word
+from railhil.faults.random_faults import Ports, words_drawn
+from railhil.faults.words import PLACES
 from railhil.scenarios.fault_list import disturbed_signals
 from railhil.scenarios.load import load_any
 from railhil.scenarios.system import System, system_named

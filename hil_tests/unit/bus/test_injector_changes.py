@@ -8,7 +8,6 @@ import pytest
 
 from hil_tests.support.scripted import Scripted
 from railhil.bus.frame import BRS, FD, REMOTE, Frame
-from railhil.bus.injector.activity import Activity
 from railhil.bus.injector.changes import (
     ChecksChange,
     CounterChange,
@@ -30,8 +29,9 @@ from railhil.bus.injector.rewriting import (
 from railhil.bus.mvb import TelegramSource, check_sequence
 from railhil.bus.telegrams import TimeSync, TrkInfo, TrnPos, TrnSpeed
 from railhil.dbc import Port, Signal
+from railhil.faults.activity import Activity
+from railhil.faults.capability import life_signal
 from railhil.faults.language import parse
-from railhil.faults.ports import life_signal
 
 S = 1_000_000_000
 SPEED = TrnSpeed.port()

@@ -6,8 +6,8 @@ import pytest
 
 from hil_tests.support.scripted import Scripted
 from railhil.bus.frame import Frame
-from railhil.bus.injector.activity import Activity
 from railhil.bus.injector.holding import Holding, Silence
+from railhil.faults.activity import Activity
 from railhil.faults.language import parse
 
 MS = 1_000_000

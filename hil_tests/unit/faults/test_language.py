@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 
 from railhil.common.errors import InputError
 from railhil.faults.language import fault_text, parse
-from railhil.faults.model import Draw, Expect, Fault, Place, Trigger, Value
+from railhil.faults.model import CONTINUING, COUNT, NAME, Draw, Expect, Fault, Parameter, Place, Trigger, Value, Word
 from railhil.faults.tables import fault_of
-from railhil.faults.words import CONTINUING, COUNT, NAME, PLACES, WORDS, Parameter, Word
+from railhil.faults.words import PLACES, WORDS
 from railhil.scenarios.fault_list import drawn
 
 

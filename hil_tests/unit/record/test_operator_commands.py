@@ -8,7 +8,7 @@ import pytest
 
 from railhil.bus.codes import FaultOrder, SupCommand
 from railhil.faults.language import parse
-from railhil.faults.ordered import octets_of
+from railhil.faults.operator_values import octets_of
 from railhil.record import operator_commands as module
 from railhil.record.operator_commands import Desk
 

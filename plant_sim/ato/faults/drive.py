@@ -1,13 +1,6 @@
-"""Faults of traction and service brake: what their actuator does instead of what it is told.
+"""Traction and service brake of the system ``ato`` with faults (:mod:`railhil.faults.actuators`).
 
-========== ==========================================================================================
-weak, off  a share of the force, whoever commands it (notch or the watch's service brake); none
-scale      the same with any factor: a train that is stronger or weaker than its data
-slow       the actuator's pole is multiplied while the side acts
-dead_time  the notch acts later, in whole ticks
-stuck      the force of its first instant stays
-full       all the force that the side has at the present speed
-========== ==========================================================================================
+A delayed notch acts later in whole ticks. ``full`` is all the force that the side has at the present speed.
 
 The emergency brake is a path of its own, as on a train whose brake pipe or loop does not pass through the service
 brake's electronics: at EMERGENCY these faults of the brake do not act, and the main breaker opens, which ends traction
@@ -17,11 +10,12 @@ whatever the drive does. An open main breaker, a lowered pantograph, or no line 
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable
+from math import prod
 
-from railhil.bus.injector.activity import Activity
-from railhil.plant_sim.faults.injections import Injections, longest, number_of
+from railhil.faults.activity import Activity
+from railhil.faults.actuators import FaultySide
+from railhil.plant_sim.faults.injections import Injections
 from railhil.plant_sim.forces import EffortLimit
 
 #: A force that differs by more than this from the commanded one is a fault's effect.
@@ -39,63 +33,31 @@ def capped(limit: EffortLimit, force_n: float) -> EffortLimit:
     return limit._replace(force_max_n=min(limit.force_max_n, max(0.0, force_n)))
 
 
-@dataclass(frozen=True, slots=True)
-class SideState:
-    """What the active faults make of one side: share of its force, factor on the pole, dead time in ticks, and the
-    force that it gives instead of the commanded one (None: no such fault; infinite: full)."""
-
-    share: float = 1.0
-    pole: float = 1.0
-    dead_ticks: int = 0
-    instead_n: float | None = None
-
-
-class Side:
-    """Traction or service brake with its faults, in the order of their numbers.
+class Side(FaultySide):
+    """Traction or service brake; forces are >= 0.
 
     :param sign: 1 for traction, -1 for the brake: the sign of its notches.
+    :ivar pole: factor on its pole.
     """
 
-    def __init__(self, faults: Sequence[Activity], sign: int, tick_s: float) -> None:
-        self.faults = faults
-        self.state = SideState()
+    def __init__(self, activities: Iterable[Activity], sign: int, tick_s: float) -> None:
+        super().__init__(activities)
+        self.pole = 1.0
+        self._dead_ticks = 0
         self._sign = sign
         self._tick_s = tick_s
-        self._held_n: dict[int, float] = {}
-        late = [one.fault for one in faults if one.fault.what == "dead_time"]
-        most = max((self._ticks(longest(fault, "delay_s")) for fault in late), default=0)
+        most = max((self._ticks(one.longest_delay_s()) for one in self.faults), default=0)
         # Notches of this side at the ends of the last ticks; None: no fault needs them.
         self._past: deque[int] | None = deque([0], maxlen=most + 1) if most else None
 
     def _ticks(self, time_s: float) -> int:
         return round(time_s / self._tick_s)
 
-    def change(self, force_n: float) -> None:
-        """Faults have begun or ended.
-
-        :param force_n: force of this side at this instant, >= 0.
-        """
-        share, pole, dead_ticks = 1.0, 1.0, 0
-        instead_n: float | None = None
-        for one in self.faults:
-            what = one.fault.what
-            if not one.active:
-                self._held_n.pop(one.number, None)
-            elif what == "weak":
-                share *= number_of(one.fault, "share")
-            elif what == "scale":
-                share *= number_of(one.fault, "factor")
-            elif what == "off":
-                share = 0.0
-            elif what == "slow":
-                pole *= number_of(one.fault, "factor")
-            elif what == "dead_time":
-                dead_ticks += self._ticks(number_of(one.fault, "delay_s"))
-            elif what == "full":
-                instead_n = float("inf")
-            elif what == "stuck":
-                instead_n = self._held_n.setdefault(one.number, force_n)
-        self.state = SideState(share, pole, dead_ticks, instead_n)
+    def change(self, present: float) -> None:
+        """See :meth:`FaultySide.change`."""
+        super().change(present)
+        self.pole = prod(self.state.poles, start=1.0)
+        self._dead_ticks = sum(map(self._ticks, self.state.delays_s))
 
     def part(self, code: int) -> int:
         """The part of a notch code that this side carries out."""
@@ -103,10 +65,10 @@ class Side:
 
     def acting(self, code: int) -> int:
         """The notch code of this side that acts, when the plant's is ``code``."""
-        if self.state.instead_n is not None:
+        if self.state.instead is not None:
             return 0
-        if self.state.dead_ticks and self._past is not None:
-            return self._past[max(0, len(self._past) - 1 - self.state.dead_ticks)]
+        if self._dead_ticks and self._past is not None:
+            return self._past[max(0, len(self._past) - 1 - self._dead_ticks)]
         return self.part(code)
 
     def remember(self, code: int) -> None:
@@ -125,14 +87,17 @@ class Side:
         :param instead_n: force that it gives instead; None: no such fault is active.
         """
         for one in self.faults:
-            before, after = f"{commanded_n:.0f} N", f"{commanded_n * self.state.share:.0f} N"
-            acts = commanded_n > 0.0
-            if one.fault.what == "dead_time":
-                before, after = str(self.part(code)), str(self.acting(code))
-                acts = before != after
-            elif one.fault.what in ("stuck", "full"):
-                acts = instead_n is not None and abs(instead_n - commanded_n) > _NOTICED_N
-                after = f"{instead_n or 0.0:.0f} N"
-            elif one.fault.what == "slow":
-                before, after = "pole", f"pole x {self.state.pole:g}"
-            injections.effect(one, acts and possible and one.active, before, after)
+            match one.field:
+                case "share":
+                    acts = commanded_n > 0.0
+                    before, after = f"{commanded_n:.0f} N", f"{commanded_n * self.state.share:.0f} N"
+                case "poles":
+                    acts = commanded_n > 0.0
+                    before, after = "pole", f"pole x {self.pole:g}"
+                case "delays_s":
+                    before, after = str(self.part(code)), str(self.acting(code))
+                    acts = before != after
+                case "instead":
+                    acts = instead_n is not None and abs(instead_n - commanded_n) > _NOTICED_N
+                    before, after = f"{commanded_n:.0f} N", f"{instead_n or 0.0:.0f} N"
+            injections.effect(one.activity, acts and possible and one.activity.active, before, after)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from railhil.plant_sim.ato.status import TrainStatus
-from railhil.plant_sim.faults.injections import Injections, number_of
+from railhil.plant_sim.faults.injections import Injections
 
 #: Place -> field of the status that is False while a fault ``off`` is active there.
 INTERLOCKS = {
@@ -33,7 +33,7 @@ class FaultyEquipment:
         for one in self._faults:
             name = one.fault.place.name
             if name == LINE_VOLTAGE:
-                found = number_of(one.fault, "share") * 100 if one.active else 100.0
+                found = one.fault.parameter("share") * 100 if one.active else 100.0
                 before, status.line_voltage_percent = (
                     status.line_voltage_percent,
                     min(status.line_voltage_percent, found),

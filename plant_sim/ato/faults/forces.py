@@ -1,4 +1,20 @@
-"""The forces of a train with faults: of its two sides (traction, service brake) and of the rail that carries them."""
+"""The forces of a train with faults: of its two sides (traction, service brake) and of the rail that carries them.
+
+Low adhesion: the force that the rail can carry, and an axle that slips or slides when more is demanded.
+
+The train is one equivalent axle that carries the whole weight ``m g``, is driven and braked, and is the one whose
+speed is measured. With the coefficient of adhesion ``mu``, the force ``F`` demanded of the axle, its speed ``w`` at the
+wheel's rim, the train's speed ``v``, and the rotating mass ``J`` (inertial mass minus mass)::
+
+    force on the train   = F                                 |F| <= mu m g, and w = v
+                         = mu m g sign(w - v)                otherwise
+    J d(w - v)/dt        = F - mu m g sign(w - v)            w >= 0: a locked wheel stands
+
+``sign(w - v)`` is that of ``F`` when a slide begins, and the axle rolls again when ``w`` reaches ``v``. This is
+Coulomb's friction and Newton's law for the rotating mass, a model of our own: no creep curve, no slip or slide
+protection, one coefficient whatever the speed. The train's acceleration keeps the full inertial mass while the axle
+slips. When the adhesion is good again, the axle rolls at once.
+"""
 
 from __future__ import annotations
 
@@ -9,13 +25,46 @@ from typing import NamedTuple
 from railhil.bus.codes import WatchCause
 from railhil.plant_sim.ato import dynamics
 from railhil.plant_sim.ato.dynamics import Lag, Motion, Window
-from railhil.plant_sim.ato.faults.adhesion import AxleSlip
-from railhil.plant_sim.ato.faults.drive import Side, SideState, capped, shared
+from railhil.plant_sim.ato.faults.drive import Side, capped, shared
 from railhil.plant_sim.ato.plant import NOTCH_LSB_PER_NOTCH
 from railhil.plant_sim.ato.train_checks import OwnChecks
-from railhil.plant_sim.faults.injections import Injections, number_of
+from railhil.plant_sim.faults.injections import Injections
 from railhil.plant_sim.forces import TrainConstants, effort_limit_n
 from railhil.scenarios.model import Scenario, Train
+
+#: Rotating mass as a share of the mass, for a train whose data has less.
+_ROTATING_MIN = 0.01
+
+
+class AxleSlip:
+    """The difference between the axle and the train: ``slip_mps`` = w - v, ``slip_m`` its integral over time."""
+
+    def __init__(self) -> None:
+        self.slip_mps = 0.0
+        self.slip_m = 0.0
+
+    def step(
+        self, demand_n: float, carried_n: float, speed_mps: float, mass_kg: float, inertial_kg: float, step_s: float
+    ) -> None:
+        """One step of the axle.
+
+        :param demand_n: force demanded of the axle, traction positive.
+        :param carried_n: largest force that the rail carries; infinite: good adhesion.
+        :param speed_mps: of the train.
+        """
+        before = self.slip_mps
+        if before == 0.0 and abs(demand_n) <= carried_n:
+            return
+        if carried_n == float("inf"):
+            self.slip_mps = 0.0
+            return
+        rotating_kg = max(inertial_kg - mass_kg, _ROTATING_MIN * mass_kg)
+        rate_mps2 = (demand_n - copysign(carried_n, before or demand_n)) / rotating_kg
+        after = max(before + rate_mps2 * step_s, -speed_mps)
+        if before * after < 0.0:
+            after = 0.0
+        self.slip_mps = after
+        self.slip_m += (before + after) / 2 * step_s
 
 
 class Allowed(NamedTuple):
@@ -70,25 +119,25 @@ class FaultyForces:
         self.traction.change(max(0.0, force_n))
         self.brake.change(max(0.0, -force_n))
         #: Train and factors of a full tick when traction acts, and when the brake does.
-        self._by_side = self._as_moved_by(self.traction.state), self._as_moved_by(self.brake.state)
-        carried = [number_of(one.fault, "coefficient") for one in self._adhesion if one.active]
+        self._by_side = self._as_moved_by(self.traction), self._as_moved_by(self.brake)
+        carried = [one.fault.parameter("coefficient") for one in self._adhesion if one.active]
         self._carried_n = min(carried, default=inf) * train.mass_kg * train.gravity_mps2
         actuator_n = motion.actuator_n
         side, share_before = (self.traction, before[0]) if actuator_n > 0.0 else (self.brake, before[1])
-        if side.state.instead_n is not None:
+        if side.state.instead is not None:
             return motion._replace(actuator_n=0.0)
         if side.state.share != share_before:
             factor = side.state.share / share_before if share_before > 0.0 else 0.0
             return motion._replace(actuator_n=actuator_n * factor)
         return motion
 
-    def _as_moved_by(self, state: SideState) -> tuple[Train, Lag]:
-        train = self._train
-        if state.share != 1.0 or state.pole != 1.0:
+    def _as_moved_by(self, side: Side) -> tuple[Train, Lag]:
+        train, share, pole = self._train, side.state.share, side.pole
+        if share != 1.0 or pole != 1.0:
             train = replace(
                 train,
-                force_per_notch_n=train.force_per_notch_n * state.share,
-                actuator_pole_per_s=train.actuator_pole_per_s * state.pole,
+                force_per_notch_n=train.force_per_notch_n * share,
+                actuator_pole_per_s=train.actuator_pole_per_s * pole,
             )
         return train, dynamics.lag(train.actuator_pole_per_s, self._step_s)
 
@@ -121,15 +170,15 @@ class FaultyForces:
                 continue
             limit = constants.traction if side is self.traction else constants.brake
             instead_n = None
-            if state.instead_n is not None and acts:
-                instead_n = min(state.instead_n, effort_limit_n(limit, demand.speed_mps))
+            if state.instead is not None and acts:
+                instead_n = min(state.instead, effort_limit_n(limit, demand.speed_mps))
                 if side is self.traction:
                     self.runaway_n = instead_n
                 extra_n += instead_n if side is self.traction else -instead_n
             side.note(self._injections, acts, demand.code, self._commanded_n(side, demand, window), instead_n)
-        if pull.instead_n is not None:
+        if pull.instead is not None:
             constants = constants._replace(traction=capped(constants.traction, 0.0))
-        if push.instead_n is not None and not demand.emergency:
+        if push.instead is not None and not demand.emergency:
             constants = constants._replace(brake=capped(constants.brake, 0.0))
         if push.share != 1.0 and not demand.emergency:
             window = window._replace(brake_min_n=window.brake_min_n * push.share)

@@ -19,10 +19,9 @@ from railhil.plant_sim.ato.faults.equipment import FaultyEquipment
 from railhil.plant_sim.ato.faults.forces import Demand, FaultyForces, FeltChecks
 from railhil.plant_sim.ato.status import LINE_VOLTAGE_MIN_PERCENT
 from railhil.plant_sim.ato.train import TrainOnBus
-from railhil.plant_sim.faults.balises import FaultyReader, UnreadBalise
 from railhil.plant_sim.faults.injections import Injections, MotionEvents
 from railhil.plant_sim.faults.mismatch import Mismatch
-from railhil.plant_sim.faults.readings import FaultySensor, Quantity
+from railhil.plant_sim.faults.readings import FaultyReader, FaultySensor, UnreadBalise, quantity_of
 from railhil.scenarios.model import Balise, Scenario
 from railhil.scenarios.perturb import perturbed
 
@@ -50,8 +49,8 @@ class FaultyTrain(TrainOnBus):
         faulty.look(0, 0.0, 0.0)
         self._equipment = FaultyEquipment(faulty)
         self._reader = FaultyReader(faulty)
-        self._speed_sensor = FaultySensor(faulty, Quantity.of(TrnSpeed, "speed_01mmps", 1e4), tick_s, "speed")
-        self._position_sensor = FaultySensor(faulty, Quantity.of(TrnPos, "odometer_mm", 1e3), tick_s, "position")
+        self._speed_sensor = FaultySensor(faulty, quantity_of(TrnSpeed, "speed_01mmps", 1e4), tick_s, "speed")
+        self._position_sensor = FaultySensor(faulty, quantity_of(TrnPos, "odometer_mm", 1e3), tick_s, "position")
         self._forces = FaultyForces(faulty, tick_s)
         self._models = faulty.at("train", "model")
         self._mismatches = [one for one in faulty.at("train") if (one.fault.place.name, one.fault.what) in MISMATCHES]

@@ -34,7 +34,7 @@ def _parts(text: str) -> tuple[str, str]:
     """Where a fault acts, and what it does there, without when: ``TRN_SPEED`` and ``loss 30%``."""
     # A run without faults does not load their language.
     from railhil.faults.language import fault_text, parse
-    from railhil.faults.places import place_text
+    from railhil.faults.notation import place_text
 
     try:
         fault = parse(text, "injected")

@@ -43,11 +43,11 @@ def _unseen(effect_s: float, scenario: Any, trace: Trace) -> str:
 
     Nobody has seen those that a fault of the run keeps from the bus. Of a watch that is polled, the polls are recorded.
     """
-    from railhil.faults.parsed import parsed
+    from railhil.faults import parse_faults
     from railhil.judge.judging import judging_of
 
     unseen = Unseen(scenario, trace)
-    disturbed = {fault.place.name for fault in parsed(scenario.faults)}
+    disturbed = {fault.place.name for fault in parse_faults(scenario.faults)}
     for port in dict.fromkeys(watch.port for watch in judging_of(scenario).watches):
         published = trace.count(port) and trace.contract.port(port).mode != "poll"
         if published and port not in disturbed and (count := unseen.count(port, effect_s)):

@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass, field
 from itertools import pairwise
 from typing import Any
 
-from railhil.faults.drawn import Sent
+from railhil.faults.random_faults import Sent
 from railhil.judge.reactions.evaluate import RULE
 from railhil.judge.reactions.facts import VERDICTS
 from railhil.judge.result import Result

@@ -10,11 +10,12 @@ import numpy as np
 import pytest
 
 from hil_tests.support.plant_faults import SCENARIO, fault, made, said
-from railhil.bus.injector.activity import Activity
+from railhil.faults.activity import Activity
+from railhil.faults.actuators import SideState
 from railhil.faults.model import Fault, Trigger
-from railhil.plant_sim.ato.faults.adhesion import AxleSlip
-from railhil.plant_sim.ato.faults.drive import Side, SideState, capped, shared
+from railhil.plant_sim.ato.faults.drive import Side, capped, shared
 from railhil.plant_sim.ato.faults.equipment import FaultyEquipment
+from railhil.plant_sim.ato.faults.forces import AxleSlip
 from railhil.plant_sim.ato.status import TrainStatus
 from railhil.plant_sim.faults.mismatch import Mismatch
 from railhil.plant_sim.forces import EffortLimit
@@ -167,7 +168,7 @@ def test_limits_that_are_shared_or_capped() -> None:
 def side(*faults: Fault, sign: int = 1) -> Side:
     found = Side([Activity(one, number) for number, one in enumerate(faults, 4)], sign, 0.1)
     for one in found.faults:
-        one.look(0, 0.0, 0.0)
+        one.activity.look(0, 0.0, 0.0)
     found.change(77.0)
     return found
 
@@ -183,28 +184,30 @@ def test_what_faults_make_of_a_side() -> None:
         ((fault(AT, "ok"),), SideState()),
         ((fault(AT, "weak", 0.0, {"share": 0.5}), fault(AT, "scale", 0.0, {"factor": 3.0})), SideState(share=1.5)),
         ((fault(AT, "weak", 0.0, {"share": 0.5}), fault(AT, "off")), SideState(share=0.0)),
-        ((fault(AT, "slow", 0.0, half), fault(AT, "slow", 0.0, half)), SideState(pole=0.25)),
+        ((fault(AT, "slow", 0.0, half), fault(AT, "slow", 0.0, half)), SideState(poles=(0.5, 0.5))),
         (
             (fault(AT, "dead_time", 0.0, {"delay_s": 0.2}), fault(AT, "dead_time", 0.0, {"delay_s": 0.3})),
-            SideState(dead_ticks=5),
+            SideState(delays_s=(0.2, 0.3)),
         ),
-        ((fault(AT, "full"),), SideState(instead_n=inf)),
-        ((fault(AT, "stuck"),), SideState(instead_n=77.0)),
+        ((fault(AT, "full"),), SideState(instead=inf)),
+        ((fault(AT, "stuck"),), SideState(instead=77.0)),
     ):  # fmt: skip
         assert side(*faults).state == state
-    assert SideState() == SideState(1.0, 1.0, 0, None) == Side([], 1, 0.1).state
+    assert SideState() == SideState(1.0, (), (), None) == Side([], 1, 0.1).state
+    slow = fault(AT, "slow", 0.0, half)
+    assert (side(slow, slow).pole, side().pole) == (0.25, 1.0)
 
 
 def test_a_stuck_force_is_that_of_its_beginning() -> None:
     found = side(fault(AT, "stuck", 0.0, duration_s=1.0))
     found.change(5.0)
-    assert found.state.instead_n == 77.0
-    found.faults[0].active = False
+    assert found.state.instead == 77.0
+    found.faults[0].activity.active = False
     found.change(6.0)
-    assert found.state.instead_n is None
-    found.faults[0].active = True
+    assert found.state.instead is None
+    found.faults[0].activity.active = True
     found.change(8.0)
-    assert found.state.instead_n == 8.0
+    assert found.state.instead == 8.0
 
 
 def test_each_side_has_its_notches() -> None:
@@ -227,7 +230,7 @@ def test_a_dead_time_in_whole_ticks() -> None:
     assert acted == [0, 0, 0, 1, 2, 3]
     assert found._past is not None
     assert found._past.maxlen == 5
-    found.faults[0].active = False
+    found.faults[0].activity.active = False
     found.change(0.0)
     assert found.acting(9) == 9
     none = side(fault(AT, "weak", 0.0, {"share": 0.5}))

@@ -12,12 +12,13 @@ from railhil.bus.layout import CHECK_CORRECT, CHECK_ERRONEOUS
 from railhil.bus.safe_telegrams import SpeedSdt
 from railhil.bus.telegrams import TrnPos, TrnSpeed
 from railhil.faults.model import Draw, Fault
+from railhil.faults.sensors import Reading
 from railhil.plant_sim.faults.injections import Injections
-from railhil.plant_sim.faults.readings import FaultySensor, Quantity, Reading
+from railhil.plant_sim.faults.readings import FaultySensor, quantity_of
 from railhil.scenarios.fault_list import drawn
 
 TICK_NS = 10_000_000
-SPEED = Quantity.of(TrnSpeed, "speed_01mmps", 1e4)
+SPEED = quantity_of(TrnSpeed, "speed_01mmps", 1e4)
 FULL = -(2**23), 2**23 - 1
 
 

@@ -10,16 +10,16 @@ from hil_tests.support.plant_faults import fault, made, said
 from hil_tests.support.scripted import Scripted
 from railhil.bus.telegrams import TrnSpeed
 from railhil.faults.model import Fault
-from railhil.plant_sim.faults.balises import FaultyReader, UnreadBalise
+from railhil.faults.sensors import Quantity, Reading
 from railhil.plant_sim.faults.injections import Injections
-from railhil.plant_sim.faults.readings import FaultySensor, Quantity, Reading
+from railhil.plant_sim.faults.readings import FaultyReader, FaultySensor, UnreadBalise, quantity_of
 from railhil.scenarios.model import Balise
 
 QUANTITY = Quantity(100.0, -1000, 999)
 
 
 def test_a_quantity_keeps_to_its_signal() -> None:
-    assert Quantity.of(TrnSpeed, "speed_01mmps", 1e4) == Quantity(1e4, -(1 << 23), (1 << 23) - 1)
+    assert quantity_of(TrnSpeed, "speed_01mmps", 1e4) == Quantity(1e4, -(1 << 23), (1 << 23) - 1)
     assert [QUANTITY.raw(value) for value in (1.234, -1.236, 9.99, 10.0, 99.0, -10.0, -99.0)] == [
         123, -124, 999, 999, 999, -1000, -1000,
     ]  # fmt: skip

@@ -11,8 +11,8 @@ from railhil.bus.codes import WatchCause
 from railhil.bus.layout import CHECK_ERRONEOUS
 from railhil.bus.telegrams import BalisePassed, TrnPos, TrnSpeed
 from railhil.common.errors import InputError
-from railhil.faults.model import Draw, Fault, Trigger
-from railhil.faults.words import CLEAR, Word, words_at
+from railhil.faults.model import Draw, Fault, Trigger, Word
+from railhil.faults.words import CLEAR, words_at
 from railhil.plant_sim.any_plant import PlantError
 from railhil.plant_sim.ato.command_watch import CommandWatchLevel
 from railhil.plant_sim.ato.plant import Plant

@@ -6,10 +6,11 @@ import pytest
 
 from railhil.bus.codes import FaultOrder
 from railhil.faults.language import parse
-from railhil.faults.ordered import octets_of
+from railhil.faults.operator_values import octets_of
+from railhil.faults.sensors import Quantity
 from railhil.plant_sim.ato.faults.drive import Side
 from railhil.plant_sim.faults.injections import Injections
-from railhil.plant_sim.faults.readings import FaultySensor, Quantity
+from railhil.plant_sim.faults.readings import FaultySensor
 
 TICK_NS = 10_000_000
 TICK_S = 0.01

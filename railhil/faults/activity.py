@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from railhil.faults.model import Fault
-from railhil.faults.ordered import with_octets
+from railhil.faults.operator_values import with_octets
 
 _NS_PER_S = 1_000_000_000
 
@@ -89,7 +89,10 @@ class Activity:
             self._finish(now_ns)
 
     def give(self, octets: bytes) -> bool:
-        """Other values for a fault that has not begun (:mod:`railhil.faults.ordered`); False: they are not whole."""
+        """Take other values for a fault that has not begun (:mod:`railhil.faults.operator_values`).
+
+        :returns: False: they are not whole.
+        """
         if self._met or self.over:
             return True
         found = with_octets(self.number, self.fault, octets)

@@ -7,10 +7,10 @@ from pathlib import Path
 import pytest
 
 from railhil.bus.injector.activities import Activities
-from railhil.bus.injector.activity import Activity
 from railhil.bus.injector.log import Hit
+from railhil.faults.activity import Activity
 from railhil.faults.language import parse
-from railhil.faults.ordered import octets_of
+from railhil.faults.operator_values import octets_of
 
 S = 1_000_000_000
 MS = 1_000_000

@@ -5,9 +5,9 @@ from __future__ import annotations
 from functools import cache
 
 from railhil.common.errors import InputError
-from railhil.faults.drawn import DURATIONS_S, Sent, random_pair
 from railhil.faults.language import parse
 from railhil.faults.model import Fault
+from railhil.faults.random_faults import DURATIONS_S, Sent, random_pair
 
 HORIZON_S = 42.0
 PORTS = {"TRN_SPEED": ["TrainSpeed"], "TIME_SYNC": ["TimeSeconds"], "NOTCH_SDT": ["SafeNotch"], "BALISE": ["BaliseId"]}

@@ -7,7 +7,7 @@ import pytest
 from railhil.bus.codes import FaultOrder
 from railhil.bus.injector.activities import Activities
 from railhil.faults.language import fault_text, parse
-from railhil.faults.ordered import is_kind, octets_of, with_octets
+from railhil.faults.operator_values import is_kind, octets_of, with_octets
 
 
 @pytest.mark.parametrize(

@@ -7,8 +7,22 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from railhil.faults.language import fault_text
-from railhil.faults.model import Fault, Place, Trigger, Value
-from railhil.faults.words import CLEAR, COUNT, LENGTH, NAME, PLACES, PPM, SHARE, SPEED, TIME, WORDS, Parameter, Word
+from railhil.faults.model import (
+    COUNT,
+    LENGTH,
+    NAME,
+    PPM,
+    SHARE,
+    SPEED,
+    TIME,
+    Fault,
+    Parameter,
+    Place,
+    Trigger,
+    Value,
+    Word,
+)
+from railhil.faults.words import CLEAR, PLACES, WORDS
 
 #: Words whose effect is a run without verdict, and those of real time.
 LEFT_OUT = frozenset({("train", "nan"), ("clock", "pause"), ("node", "kill"), ("bus", "error_frames"), ("bus", "full")})

@@ -17,9 +17,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 from types import MappingProxyType
 
-from railhil.faults.model import Fault, Value
-from railhil.faults.quantities import LARGEST
-from railhil.faults.words import NAME, Parameter, word_of
+from railhil.faults.model import NAME, Fault, Parameter, Value
+from railhil.faults.notation import LARGEST
+from railhil.faults.words import word_of
 
 #: Decimal digits that every float32 has at most.
 _DIGITS_MAX = 9
