@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import subprocess
 import time
-from collections.abc import Sequence
 from pathlib import Path
 from time import process_time
 
@@ -13,12 +12,13 @@ from benchmarks.figures import Figure, MeasurementError, Setting
 from hil_tests.support.cli import command
 from hil_tests.support.dask_cluster import loopback_cluster
 from railhil.batch import Case, run_batch
-from railhil.campaign.engines import running
-from railhil.campaign.folder import opened
-from railhil.campaign.plan import Plan, Request, make_plan
-from railhil.campaign.results_table import file_bytes, table_of
-from railhil.campaign.summary import summary
-from railhil.campaign.work import Task, task_of
+from railhil.campaign.plan import Chunk, Plan, Request, make_plan
+from railhil.campaign.rows import table_of
+from railhil.campaign.study import CAMPAIGN
+from railhil.study.engines import running
+from railhil.study.parts import opened
+from railhil.study.table import file_bytes
+from railhil.study.work import task_of
 
 TITLE = "campaign"
 METHOD = (
@@ -30,12 +30,13 @@ METHOD = (
 _WORKERS = 2
 
 
-def _rate(tasks: Sequence[Task], engine: str, workers: int, scheduler: str | None = None) -> float:
+def _rate(plan: Plan, engine: str, workers: int, scheduler: str | None = None) -> float:
     """Runs per wall second.
 
     :raises MeasurementError: a part is missing.
     """
-    runs = {task.chunk.name: task.chunk.runs for task in tasks}
+    tasks = [task_of(CAMPAIGN, plan, one) for one in plan.chunks()]
+    runs = {chunk.name: chunk.runs for chunk in plan.chunks()}
     with running(engine, workers, scheduler, lambda sentence: None) as start:
         # Each worker's first chunk includes its start.
         for _ in start(tasks):
@@ -48,22 +49,20 @@ def _rate(tasks: Sequence[Task], engine: str, workers: int, scheduler: str | Non
     return sum(runs.values()) / taken_s
 
 
-def _frame(plan: Plan, task: Task, folder: Path) -> list[Figure]:
+def _frame(plan: Plan, chunk: Chunk, folder: Path) -> list[Figure]:
     """CPU time of a part excluding its runs, and of the end of a campaign, per run."""
-    chunk = task.chunk
     case = Case(plan.scenario, chunk.entry.law)
     start_s = process_time()
     result = run_batch(case, list(chunk.seeds))
     runs_s, start_s = process_time() - start_s, process_time()
-    content = file_bytes(table_of(chunk.entry.label, result, (), plan.judging), task.origin)
+    content = file_bytes(table_of(chunk.entry.label, result, (), plan.judging), plan.origin(chunk))
     part_s = process_time() - start_s
-    with opened(str(folder), plan) as campaign:
+    with opened(CAMPAIGN, plan, str(folder)) as campaign:
         start_s = time.perf_counter()
         campaign.write_part(chunk.name, content)
         write_s = time.perf_counter() - start_s
         start_s = process_time()
-        table = campaign.write_results()
-        summary(plan, table)
+        table, _ = campaign.write_results()
         end_s = process_time() - start_s
     share = part_s / (runs_s + part_s)
     return [
@@ -94,16 +93,15 @@ def measure(setting: Setting) -> list[Figure]:
     chunks = setting.count(8, 4)
     chunk = setting.count(500, 5)
     plan = make_plan(Request(scenario=setting.scenario_name, runs=chunks * chunk, chunk=chunk))
-    tasks = [task_of(plan, one) for one in plan.chunks()]
-    alone = _rate(tasks, "batch", 1)
+    alone = _rate(plan, "batch", 1)
     figures = [Figure("batch: one process", alone, "runs/s")]
-    cores = _rate(tasks, "joblib", _WORKERS)
+    cores = _rate(plan, "joblib", _WORKERS)
     figures.append(Figure(f"joblib: {_WORKERS} processes", cores, "runs/s", cores / alone, "to one process"))
     with loopback_cluster(_WORKERS) as cluster:
-        machines = _rate(tasks, "dask", _WORKERS, cluster.scheduler_address)
+        machines = _rate(plan, "dask", _WORKERS, cluster.scheduler_address)
     figures.append(Figure(f"dask: {_WORKERS} workers", machines, "runs/s", machines / alone, "to one process"))
     part = make_plan(Request(scenario=setting.scenario_name, runs=chunk, chunk=chunk))
-    (task,) = [task_of(part, one) for one in part.chunks()]
-    figures += _frame(part, task, setting.folder / "frame")
+    (only,) = part.chunks()
+    figures += _frame(part, only, setting.folder / "frame")
     peak_mb = _peak_mb(setting, chunks * chunk)
     return [*figures, Figure(f"one process, {chunks * chunk} runs: peak resident set", peak_mb, "MB")]

@@ -120,19 +120,19 @@ class CampaignOutcome:
 
     @cached_property
     def _results(self) -> Any:
-        from railhil.campaign.folder import RESULTS
-        from railhil.campaign.manifest import MANIFEST
-        from railhil.campaign.results_table import read_results
+        from railhil.campaign.rows import schema
+        from railhil.campaign.study import CAMPAIGN
+        from railhil.study.table import RESULTS, read_table
 
-        check_hash_list(self.folder, MANIFEST, None)
-        return read_results(self.folder / RESULTS, self.judging)
+        check_hash_list(self.folder, CAMPAIGN.manifest, None)
+        return read_table(self.folder / RESULTS, schema(self.judging))
 
     def runs(self, law: str) -> dict[str, Any]:
         """Columns of the runs of one law, in the order of their seeds: numpy arrays, NaN where a run has no value.
 
         :raises KeyError: no law of the campaign.
         """
-        from railhil.campaign.results_table import rows_of
+        from railhil.campaign.rows import rows_of
 
         if law not in self.laws:
             raise KeyError(law)
@@ -171,14 +171,15 @@ def campaign(
     :param out: its folder (default ``runs/<utc>-<scenario>-campaign``); an incomplete campaign is resumed.
     :raises InputError: anything that is not allowed, in one line.
     """
-    from railhil.campaign.extras import need
+    from railhil.common.extras import need
 
     need("pyarrow", "campaign")
     from railhil.batch.nodes import kernel_of
-    from railhil.campaign.engines import running
-    from railhil.campaign.manifest import checked_request
     from railhil.campaign.plan import Request, make_plan
-    from railhil.campaign.run import execute
+    from railhil.campaign.study import CAMPAIGN
+    from railhil.study.engines import running
+    from railhil.study.execute import execute
+    from railhil.study.manifest import checked_request
 
     files = (parameters,) if isinstance(parameters, str | Path) else parameters
     request = Request(
@@ -193,12 +194,12 @@ def campaign(
         parameters=tuple(str(Path(file).resolve()) for file in files),
         allow_training_seeds=allow_training_seeds,
     )
-    plan = make_plan(checked_request(request, Path("railhil.campaign")))
+    plan = make_plan(checked_request(CAMPAIGN, request, Path("railhil.campaign")))
 
     def say(sentence: str) -> None:
         print(sentence, file=sys.stderr)
 
     kernel = kernel_of(plan.scenario)
     with running("batch" if jobs == 1 else "joblib", jobs, None, say, kernel=kernel) as engine:
-        folder, found = execute(plan, None if out is None else str(out), Console(quiet=True), engine, say)
-    return CampaignOutcome(folder, found, plan.judging)
+        made = execute(CAMPAIGN, plan, None if out is None else str(out), Console(quiet=True), engine, say)
+    return CampaignOutcome(made.folder, made.summary, plan.judging)

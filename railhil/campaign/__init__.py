@@ -1,13 +1,11 @@
-"""``railhil campaign``: thousands of perturbed runs of several laws, in parts that survive any interruption.
+"""``railhil campaign``: thousands of perturbed runs of several laws, a study (:mod:`railhil.study`).
 
 ::
 
-    plan.py     what is run: laws, seeds, chunks; its identity is recorded in campaign.json
-    work.py     one chunk -> the bytes of its part (any process, any machine)
-    engines.py  chunks -> parts, in this process or over the cores; dask_engine.py: over machines
-    folder.py   parts/, results.parquet, summary.json; manifest.py: campaign.json, which is also the lock
-    summary.py  results -> statistics.py's figures and worst.py's runs; show.py prints them
-    verify.py   repeats some of the runs on the real bench
+    plan.py      what is run: laws, seeds, chunks; its identity is recorded in campaign.json
+    rows.py      a row per run; study.py: the work of a chunk, and the record of this kind of study
+    summary.py   rows -> statistics.py's figures and worst.py's runs; show.py prints them, report.py draws them
+    verify.py    repeats some of the runs on the real bench
 """
 
 from __future__ import annotations

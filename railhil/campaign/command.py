@@ -3,29 +3,27 @@
 from __future__ import annotations
 
 import argparse
-from dataclasses import replace
-from typing import Any
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
 
-from railhil.campaign.plan import ALL_LAWS, CHUNK_MAX, RUNS_MAX, Request
+from railhil.batch.nodes import kernel_of, one_by_one
+from railhil.campaign.plan import ALL_LAWS, CHUNK_MAX, RUNS_MAX, Chunk, Plan, Request
 from railhil.common.command_line import SEED_MAX, OneLineParser, whole_number
 from railhil.common.errors import InputError
-from railhil.common.streams import add_json_argument
+from railhil.common.extras import need
+from railhil.common.output import Output
 from railhil.controller_node.laws import names as laws
-from railhil.record.signature import add_sign_argument
-from railhil.scenarios.load import stable_name
 from railhil.scenarios.options import add_option, add_options
+from railhil.study.command import Command, add_folder_arguments, check_options, exit_codes
+from railhil.study.plan import Study
 
-ENGINES = ("batch", "joblib", "dask")
-_EXIT_CODES = """\
-exit codes:
-  0    every run was made (whatever its verdict); --verify: the bench gives the same results
-  1    --verify: the bench gives other results
-  2    usage or bad input; one line says what was found and what is allowed
-  3    workers or scheduler were lost too often, or the bench gave no valid run; what is done is kept
-  4    TOOL ERROR: a defect of the campaign, or its record could not be written (what is done is kept)
-  130  stopped by Ctrl-C; 143 by SIGTERM, 129 by SIGHUP (what is done is kept, --resume continues)"""
-#: Options that define the campaign: None when not given, so that --resume takes them from the campaign.
-_REQUEST = ("scenario", "runs", "first_seed", "laws", "arithmetic", "indexing", "parameters", "chunk")
+if TYPE_CHECKING:
+    from railhil.study.execute import Outcome
+    from railhil.study.verify import Verified
+
+_ENGINES = ("batch", "joblib", "dask")
+_VERIFIED_RUNS = 3
 
 
 def _law_list(text: str) -> tuple[str, ...]:
@@ -38,7 +36,7 @@ def arguments() -> argparse.ArgumentParser:
     parser = OneLineParser(
         prog="railhil campaign",
         description="Thousands of perturbed runs of one or several laws on the same seeds: statistics and worst runs.",
-        epilog=_EXIT_CODES,
+        epilog=exit_codes("workers or scheduler were lost too often, or the bench gave no valid run"),
     )
     add_option(parser, "scenario", default=None, help=f"shipped name or TOML file (default {usual.scenario})")
     add_options(parser, "--set")
@@ -63,56 +61,60 @@ def arguments() -> argparse.ArgumentParser:
     add_option(parser, "--both")
     said = "also seeds on which parameters were tuned or chosen; every table then says so"
     add_option(parser, "--allow-training-seeds", help=said)
-    parser.add_argument("--engine", choices=ENGINES, default="batch", help="this process, cores, machines")
+    parser.add_argument("--engine", choices=_ENGINES, default="batch", help="this process, cores, machines")
     add_option(parser, "--jobs", help="joblib: processes (default: one per core)")
-    parser.add_argument("--scheduler", metavar="ADDRESS", help="dask: tcp://HOST:PORT of the scheduler")
     parser.add_argument(
         "--chunk", type=whole_number(1, CHUNK_MAX), metavar="N", help=f"runs per part (default {usual.chunk})"
     )
-    parser.add_argument("--out", metavar="DIR", help="folder (default runs/<utc>-<scenario>-campaign); resumes there")
-    parser.add_argument("--resume", metavar="DIR", help="resume the campaign of this folder")
-    add_sign_argument(parser)
-    add_json_argument(parser)
-    parser.add_argument("--verify", metavar="DIR", help="run some runs of a finished campaign again on the bench")
-    parser.add_argument(
-        "--draw", type=whole_number(0, SEED_MAX), default=0, metavar="N", help="--verify: which runs (default 0)"
-    )
+    add_folder_arguments(parser, "campaign", "runs of a finished campaign", with_report=False)
     return parser
 
 
 def check_combination(namespace: argparse.Namespace) -> None:
     """Refuse options that do not go together. Raises InputError."""
-    given = [name for name in _REQUEST if getattr(namespace, name) is not None]
-    given += [name for name in ("set", "both", "allow_training_seeds") if getattr(namespace, name)]
-    if namespace.verify is not None:
-        others = [name for name in (*given, "out", "resume") if getattr(namespace, name, None) is not None]
-        others += ["json"] * namespace.json
-        if extra := [name for name in others if name != "runs"]:
-            raise InputError("command line", "--verify", _option(extra[0]), "beside it only --runs and --draw")
-    if namespace.resume is not None and namespace.out is not None:
-        raise InputError("command line", "--out", namespace.out, "one of --out and --resume")
+    check_options(Request, namespace, "runs", ("json",))
     if namespace.jobs is not None and namespace.engine != "joblib":
         raise InputError("command line", "--jobs", namespace.jobs, "only with --engine joblib")
     if namespace.scheduler is not None and namespace.engine != "dask":
         raise InputError("command line", "--scheduler", namespace.scheduler, "only with --engine dask")
 
 
-def _option(name: str) -> str:
-    return name if name == "scenario" else f"--{name.replace('_', '-')}"
+def _how(plan: Plan) -> tuple[str, str | None]:
+    if plan.batch is None:
+        said = f"no batch of trains for system {plan.scenario.system}: every run goes through the nodes, one by one"
+    else:
+        said = one_by_one(plan.scenario)
+    return said, kernel_of(plan.scenario)
 
 
-def request_from(namespace: argparse.Namespace, begun: Request) -> Request:
-    """The request: options from the command line, all others from ``begun`` (an existing campaign, or the defaults)."""
-    said: dict[str, Any] = {name: getattr(namespace, name) for name in _REQUEST if getattr(namespace, name) is not None}
-    if "scenario" in said:
-        said["scenario"] = stable_name(said["scenario"])
-    if namespace.set:
-        said["settings"] = tuple(namespace.set)
-    if "parameters" in said:
-        said["parameters"] = tuple(str(path.resolve()) for path in said["parameters"])
-    return replace(
-        begun,
-        **said,
-        both=begun.both or namespace.both,
-        allow_training_seeds=begun.allow_training_seeds or namespace.allow_training_seeds,
-    )
+def _verify(namespace: argparse.Namespace, plan: Plan) -> Iterator[Verified]:
+    need("numba", "campaign")
+    from railhil.campaign.verify import verify
+
+    return verify(plan, Path(namespace.verify), namespace.runs or _VERIFIED_RUNS, namespace.draw)
+
+
+def _show(console: Output, plan: Plan, made: Outcome, line: str) -> None:
+    from railhil.campaign.show import show
+
+    show(console, made.summary, made.folder, plan.judging)
+
+
+def _study() -> Study[Plan, Chunk]:
+    from railhil.campaign.study import CAMPAIGN
+
+    return CAMPAIGN
+
+
+COMMAND = Command(
+    "railhil campaign",
+    _study,
+    arguments,
+    check_combination,
+    engine=lambda namespace: (namespace.engine, namespace.jobs or -1),
+    how=_how,
+    verify=_verify,
+    # `railhil report DIR` writes it.
+    report=lambda namespace, plan, made: "",
+    show=_show,
+)

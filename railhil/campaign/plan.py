@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import asdict, dataclass
-from functools import lru_cache
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
@@ -15,11 +12,7 @@ from railhil.batch.nodes import batch_of
 from railhil.common.choices import USUAL_SCENARIO
 from railhil.common.command_line import SEED_MAX
 from railhil.common.errors import InputError, Words, did_you_mean
-from railhil.common.held_code import held_sha256
-from railhil.common.plug_ins import entries
-from railhil.controller_node import laws as registered
 from railhil.judge.criteria import Criterion
-from railhil.judge.folder import code_sha256
 from railhil.judge.judging import Judging, judging_of
 from railhil.scenarios.design_seeds import chosen_on
 from railhil.scenarios.load import load_any
@@ -29,13 +22,12 @@ from railhil.scenarios.perturb import require_perturbations
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.stored import any_judged_sha256
 from railhil.scenarios.system import System, system_named
+from railhil.study.plan import batch_sha256, bench_sha256, law_named, law_sha256, sha256_of_json
 
 #: Means every registered law, in the order of the tables; the others are compared with the first.
 ALL_LAWS = "all"
 RUNS_MAX = 10_000_000
 CHUNK_MAX = 10_000
-#: Code on which a campaign's figures depend, in addition to that of the bench (``certificate.json``).
-_OWN_CODE = ("batch", "campaign/results_table.py", "campaign/work.py")
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +50,7 @@ class Request:
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """One law with its parameters: a row of every table. ``law_sha256``: :func:`law_sha256`."""
+    """One law with its parameters: a row of every table. ``law_sha256``: :func:`railhil.study.plan.law_sha256`."""
 
     law: LawSpec
     law_sha256: str
@@ -94,32 +86,6 @@ class Chunk:
         return f"{quote(self.entry.label, safe='+')}-{self.index:05d}"
 
 
-@lru_cache(maxsize=1)
-def batch_sha256() -> str:
-    """Hash over the code, beyond the bench's own, on which the figures depend."""
-    return code_sha256(_OWN_CODE)
-
-
-@lru_cache(maxsize=1)
-def bench_sha256() -> str:
-    """:func:`railhil.judge.folder.code_sha256`, once per process."""
-    return code_sha256()
-
-
-@lru_cache(maxsize=64)
-def _law(name: str, system: str) -> Any:
-    """:func:`railhil.controller_node.laws.find`, which searches all installed packages, called once per law."""
-    return registered.find(name, system_named(system).laws)
-
-
-@lru_cache(maxsize=64)
-def law_sha256(name: str, system: str) -> str:
-    """Hash of all code on which a law may depend: :func:`~railhil.common.held_code.held_sha256`. Raises InputError."""
-    _law(name, system)
-    entry = entries(system_named(system).laws)[name]
-    return held_sha256(entry.module, entry.dist)
-
-
 @dataclass(frozen=True, slots=True)
 class Plan:
     """A campaign; to resume it, its identity must be the same."""
@@ -148,12 +114,20 @@ class Plan:
         """Seeds of every law."""
         return range(self.request.first_seed, self.request.first_seed + self.request.runs)
 
-    def chunks(self) -> Iterator[Chunk]:
-        """All chunks, laws one after the other."""
+    def chunks(self) -> list[Chunk]:
+        """All chunks, laws by their labels."""
         step = self.request.chunk
-        for entry in self.entries:
-            for index, first in enumerate(self.seeds[::step]):
-                yield Chunk(entry, index, first, min(step, self.seeds.stop - first))
+        return [
+            Chunk(entry, index, first, min(step, self.seeds.stop - first))
+            for entry in sorted(self.entries, key=lambda entry: entry.label)
+            for index, first in enumerate(self.seeds[::step])
+        ]
+
+    def origin(self, chunk: Chunk) -> str:
+        """The identification of a part: its campaign and runs."""
+        entry = chunk.entry
+        parameters = "" if entry.parameters is None else entry.parameters.sha256
+        return f"{self.results_origin} {entry.law_sha256} {parameters} {chunk.name}"
 
     @property
     def how(self) -> dict[str, str]:
@@ -170,7 +144,7 @@ class Plan:
         The latter also with a parameter file, because parameters that it does not name keep the law's own values.
         """
         tuned = set() if entry.parameters is None else set(entry.parameters.seen(self.seeds))
-        declared = _law(entry.law.controller, self.scenario.system).design_seeds
+        declared = law_named(entry.law.controller, self.scenario.system).design_seeds
         return sorted(tuned.union(chosen_on(declared, self.scenario, self.seeds)))
 
     @property
@@ -186,9 +160,9 @@ class Plan:
         }
 
     @property
-    def subject_sha256(self) -> str:
-        """Hash of :attr:`subject`; recorded in every part."""
-        return hashlib.sha256(json.dumps(self.subject, sort_keys=True).encode()).hexdigest()
+    def results_origin(self) -> str:
+        """Hash of :attr:`subject`; recorded in the results and in every part."""
+        return sha256_of_json(self.subject)
 
     @property
     def identity(self) -> dict[str, Any]:
@@ -208,10 +182,6 @@ class Plan:
                 for entry in self.entries
             ],
         }
-
-    def request_document(self) -> dict[str, Any]:
-        """The request as JSON."""
-        return asdict(self.request)
 
 
 def _entries(request: Request, system: System) -> tuple[Entry, ...]:
@@ -265,7 +235,7 @@ def _check_unseen(plan: Plan, entry: Entry) -> None:
     if entry.parameters is not None:
         entry.parameters.check_unseen(plan.seeds)
     if seen := plan.training(entry):
-        origin = _law(entry.law.controller, plan.scenario.system).parameters_origin
+        origin = law_named(entry.law.controller, plan.scenario.system).parameters_origin
         found = Words(f"seed {seen[0]}, on which {entry.law.controller}'s own parameters were chosen ({origin})")
         allowed = "other seeds for an evaluation, or --allow-training-seeds, which every table then says"
         raise InputError("command line", "--first-seed", found, allowed)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import shlex
 from collections.abc import Mapping
 from pathlib import Path
@@ -10,17 +9,19 @@ from typing import Any
 
 import pyarrow as pa
 
-from railhil.campaign.manifest import MANIFEST, read_manifest
-from railhil.campaign.parts import RESULTS, SUMMARY
 from railhil.campaign.plan import Plan, make_plan
-from railhil.campaign.results_table import NotThePart, column_of, numbers, read_results, rows_of
+from railhil.campaign.rows import column_of, rows_of
+from railhil.campaign.study import CAMPAIGN
 from railhil.common.digits import percent
-from railhil.common.errors import InputError, Words
-from railhil.record.hash_list import REPORT, check_hash_list, listed_file
+from railhil.common.errors import InputError
+from railhil.record.hash_list import REPORT
 from railhil.report.distribution import Spread, limits_of, picture
 from railhil.report.styles import styles
 from railhil.report.templates import script, styles_text, template
 from railhil.scenarios.stored import any_judged_sha256
+from railhil.study.manifest import read_manifest
+from railhil.study.page import finished, write_page
+from railhil.study.table import numbers
 
 #: Folder in that of the campaign for runs that are made again.
 _AGAIN = "worst"
@@ -85,23 +86,9 @@ def report_of(folder: Path, out: Path) -> None:
     :raises InputError: the campaign is not finished, damaged, changed, or of a scenario that has changed since.
     :raises OSError: it cannot be written.
     """
-    plan = make_plan(read_manifest(folder).request)
-    check_hash_list(folder, MANIFEST, None)
-    try:
-        summary = json.loads((folder / SUMMARY).read_text(encoding="utf-8"))
-        table = read_results(folder / RESULTS, plan.judging)
-    except FileNotFoundError as error:
-        found = Words(f"no {Path(error.filename).name}")
-        raise InputError(folder, "campaign", found, "a finished one (railhil campaign --resume)") from None
-    except (NotThePart, ValueError) as error:
-        raise InputError(
-            folder, "campaign", Words(str(error)), f"{SUMMARY} and {RESULTS} as they were written"
-        ) from None
-    if table.num_rows != (wanted := sum(chunk.runs for chunk in plan.chunks())):
-        raise InputError(folder / RESULTS, "rows", table.num_rows, f"{wanted}, as many as {MANIFEST} names runs")
-    told = summary.get("scenario_sha256") if isinstance(summary, dict) else None
-    if told != (sha256 := any_judged_sha256(plan.scenario)):
+    plan = make_plan(read_manifest(folder, CAMPAIGN).request)
+    summary, table = finished(CAMPAIGN, plan, folder)
+    told, sha256 = summary.get("scenario_sha256"), any_judged_sha256(plan.scenario)
+    if told != sha256:
         raise InputError(folder, "scenario", str(told), f"{sha256}, as it is now")
-    text = page(plan, summary, table, folder)
-    with listed_file(out) as draft:
-        draft.write_text(text, encoding="utf-8")
+    write_page(page(plan, summary, table, folder), out)

@@ -10,21 +10,12 @@ from rich.table import Table
 
 from railhil.campaign.summary import QUANTILES, all_limits, key_of
 from railhil.common.digits import beside, count_of, percent
-from railhil.common.output import Output, table
+from railhil.common.output import Output
 from railhil.judge.criteria import STOP_WITHIN_M, Criterion, limit_key, limited
 from railhil.judge.judging import Judging
+from railhil.study.page import columns
 
 _QUANTILE_TITLES = {"median": "median", "p95": "95th percentile"}
-
-
-def _columns(title: str, left: Sequence[str], right: Sequence[str]) -> Table:
-    made = table(tight=True)
-    made.title, made.title_justify, made.title_style = title, "left", "bold"
-    for name in left:
-        made.add_column(name, no_wrap=True)
-    for name in right:
-        made.add_column(name, justify="right", no_wrap=True)
-    return made
 
 
 def _number(value: float | str | None, digits: int) -> str:
@@ -59,7 +50,7 @@ def _share(found: Mapping[str, Any]) -> str:
 def _scores(summary: Mapping[str, Any], criteria: Sequence[Criterion]) -> Table:
     level = f"{summary['confidence']:.0%} CI"
     titles = [title for name in QUANTILES for title in (_QUANTILE_TITLES[name], level)]
-    made = _columns("Scores", ("law", "score", "unit"), titles)
+    made = columns("Scores", ("law", "score", "unit"), titles)
     for label, law in summary["laws"].items():
         for i, criterion in enumerate(criteria):
             score, digits = law["scores"][criterion.key], _digits(criterion)
@@ -81,7 +72,7 @@ def _inside(summary: Mapping[str, Any], judging: Judging) -> Table:
     counts = {key: head for key, head in counts.items() if all(key in law for law in summary["laws"].values())}
     inside = [*map(key_of, criteria), all_limits(criteria)]
     heads = [*(key.replace("_", " ") for key in inside), "PASS", *counts.values()]
-    made = _columns(title, ("law",), heads)
+    made = columns(title, ("law",), heads)
     for label, law in summary["laws"].items():
         shares = [_share(law["inside"][key]) for key in (*inside, "pass")]
         made.add_row(label, *shares, *(f"{law[key]:,}" for key in counts))
@@ -91,7 +82,7 @@ def _inside(summary: Mapping[str, Any], judging: Judging) -> Table:
 def _stops(summary: Mapping[str, Any]) -> Table:
     """Shares at fixed distances, independent of the scenario's limit, so that the stricter figures are shown too."""
     heads = [f"{limit:g} m" for limit in STOP_WITHIN_M]
-    made = _columns("Runs that stopped within", ("law",), heads)
+    made = columns("Runs that stopped within", ("law",), heads)
     for label, law in summary["laws"].items():
         made.add_row(label, *(_share(found) for found in law["stopped_within_m"].values()))
     return made
@@ -99,7 +90,7 @@ def _stops(summary: Mapping[str, Any]) -> Table:
 
 def _against(summary: Mapping[str, Any], criteria: Sequence[Criterion]) -> Table:
     heads = ("median difference", f"{summary['confidence']:.0%} CI", "better in", "equal in")
-    made = _columns(f"Against {summary['baseline']}, run by run on the same seeds", ("law", "score", "unit"), heads)
+    made = columns(f"Against {summary['baseline']}, run by run on the same seeds", ("law", "score", "unit"), heads)
     for label, scores in summary["against_baseline"].items():
         for i, criterion in enumerate(one for one in criteria if one.key in scores):
             score, digits = scores[criterion.key], _digits(criterion)

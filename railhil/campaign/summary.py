@@ -12,12 +12,13 @@ from numpy.typing import NDArray
 
 from railhil.batch.statistics import CONFIDENCE, Estimate, Share, differences, estimate, share
 from railhil.campaign.plan import Entry, Plan
-from railhil.campaign.results_table import numbers, rows_of
+from railhil.campaign.rows import rows_of
 from railhil.campaign.worst import failures_of, without_stop, worst_runs
 from railhil.common.digits import count_of
 from railhil.judge.criteria import DID_NOT_STOP, STOP_ERROR, STOP_WITHIN_M, Criterion, limit_key, limited
 from railhil.scenarios.model import watch_sentence
 from railhil.scenarios.stored import any_judged_sha256
+from railhil.study.table import numbers
 
 #: Key and probability of each quantile.
 QUANTILES = {"median": 0.5, "p95": 0.95}

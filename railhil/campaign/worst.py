@@ -12,9 +12,10 @@ import pyarrow as pa
 from numpy.typing import NDArray
 
 from railhil.campaign.plan import Entry, Plan
-from railhil.campaign.results_table import column_of, numbers, row
+from railhil.campaign.rows import column_of
 from railhil.judge.criteria import DID_NOT_STOP, Criterion, limit_key, limited
 from railhil.judge.judging import Judging
+from railhil.study.table import numbers, row
 
 #: Runs listed per law and error.
 _LARGEST = 3

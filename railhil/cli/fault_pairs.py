@@ -9,7 +9,6 @@ from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from railhil.cli.pool import each, stop_code, stopped_by
 from railhil.common.digits import count_of
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import FAIL, INVALID, PASS
@@ -24,6 +23,7 @@ from railhil.run.make import NeverBegan, record_run
 from railhil.scenarios.fault_list import disturbed_signals, fault_texts
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import System, system_named
+from railhil.study.pool import each, stop_code, stopped_by
 
 
 def run_into(folder: Path, spec: RunSpec, *, keep: bool = True) -> Result:

@@ -15,7 +15,6 @@ from tempfile import TemporaryDirectory
 from railhil.bus.can_settings import HUB_INTERFACE
 from railhil.cli.fault_pairs import pairs, run_into
 from railhil.cli.fault_words import print_words
-from railhil.cli.pool import each, stop_code, stopped_by
 from railhil.cli.run_options import add_arguments, law_names, run_spec, run_system
 from railhil.common.command_line import whole_number
 from railhil.common.digits import count_of
@@ -38,6 +37,7 @@ from railhil.run.make import NeverBegan
 from railhil.scenarios.options import add_option
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import System
+from railhil.study.pool import each, stop_code, stopped_by
 
 _PAIRS_MAX = 1_000_000
 _COLUMNS = ("id", "fault", "begun s", "effective s", "detected by", "ms", "reaction", "ms", "bound", "margin", "")

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import importlib
 import importlib.util
 import shlex
 import sys
 from importlib.metadata import requires
 from pathlib import Path
+from types import ModuleType
 
 from railhil.common.errors import InputError, Words
 
@@ -37,3 +39,15 @@ def missing(command: str, error: ImportError, extra: str) -> InputError:
     absent = isinstance(error, ModuleNotFoundError)
     found = Words("not installed" if absent else f"an installation that cannot be used ({error})")
     return InputError(command, f"module {error.name or '?'}", found, install_command(extra), f"the extra [{extra}]")
+
+
+def need(module: str, extra: str, command: str = "railhil campaign") -> ModuleType:
+    """Import a module of an extra.
+
+    :param command: that needs it.
+    :raises InputError: it is not installed.
+    """
+    try:
+        return importlib.import_module(module)
+    except ImportError as error:
+        raise missing(command, error, extra) from error

@@ -77,7 +77,7 @@ def write_hash_list(folder: Path, instead: Mapping[str, Path] | None = None, onl
     """
     instead = instead or {}
     names = {*(listed_files(folder) if only is None else only), *instead}
-    _write(folder, {name: sha256_of(instead.get(name, folder / name)) for name in names})
+    write_hashes(folder, {name: sha256_of(instead.get(name, folder / name)) for name in names})
 
 
 @contextmanager
@@ -95,17 +95,18 @@ def listed_file(path: Path) -> Iterator[Path]:
     with whole_file(path) as draft:
         yield draft
     if hashes is not None and not is_signed:
-        _write(path.parent, hashes | {path.name: sha256_of(path)})
+        write_hashes(path.parent, hashes | {path.name: sha256_of(path)})
 
 
 def enter(folder: Path, hashes: Mapping[str, str], name: str, content: bytes) -> dict[str, str]:
     """Write a list with a file of this content entered; returns it. Raises OSError."""
     entered = {**hashes, name: hashlib.sha256(content).hexdigest()}
-    _write(folder, entered)
+    write_hashes(folder, entered)
     return entered
 
 
-def _write(folder: Path, hashes: Mapping[str, str]) -> None:
+def write_hashes(folder: Path, hashes: Mapping[str, str]) -> None:
+    """Write a list with these hashes by name; a signature of another list is removed. Raises OSError."""
     content = "".join(f"{sha256}  {name}\n" for name, sha256 in sorted(hashes.items())).encode()
     path = folder / HASH_LIST
     if not path.is_file() or path.read_bytes() != content:

@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
 from railhil import library
-from railhil.campaign.extras import need
 from railhil.common.digits import count_of
 from railhil.common.errors import InputError
+from railhil.common.extras import need
 from railhil.controller_node.vector.controller import VectorController
 from railhil.judge.record import Record
 from railhil.run.coupled import coupled_run

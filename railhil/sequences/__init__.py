@@ -4,9 +4,7 @@
 
     plan.py      what is run: a law, seeds of sequences, runs of each; its identity is recorded in learn.json
     one.py       one run with the memory that it begins with, without a bus if the system can; a whole sequence
-    table.py     a row per run, in parts and in results.parquet
-    work.py      one chunk of sequences -> the bytes of its part (any process, any machine)
-    execute.py   missing parts -> results and summary, in the folder and with the engines of a campaign
+    table.py     a row per run; study.py: the work of a chunk, and the record of this kind of study (railhil/study)
     summary.py   results -> figures by run, and runs until the law has learned
     show.py      prints them; report.py draws them
     verify.py    repeats some sequences through the nodes of the bench

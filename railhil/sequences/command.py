@@ -3,28 +3,26 @@
 from __future__ import annotations
 
 import argparse
-from dataclasses import replace
-from typing import Any
+import os
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
 
+from railhil.batch.nodes import kernel_of, one_by_one
 from railhil.common.choices import USUAL_SCENARIO
-from railhil.common.command_line import SEED_MAX, OneLineParser, whole_number
+from railhil.common.command_line import OneLineParser, whole_number
 from railhil.common.errors import InputError
-from railhil.common.streams import add_json_argument
-from railhil.record.signature import add_sign_argument
-from railhil.scenarios.load import stable_name
+from railhil.common.extras import install_command
+from railhil.common.output import Output
 from railhil.scenarios.options import add_option, add_options
-from railhil.sequences.plan import CHUNK_MAX, RUNS_MAX, SEQUENCES_MAX, Request
+from railhil.sequences.one import runner_of, sequence_batch_of, through_nodes
+from railhil.sequences.plan import CHUNK_MAX, RUNS_MAX, SEQUENCES_MAX, Chunk, Plan, Request
+from railhil.study.command import Command, add_folder_arguments, check_options, exit_codes
+from railhil.study.plan import Study
 
-_EXIT_CODES = """\
-exit codes:
-  0    every run was made (whatever its verdict); --verify: the bench gives the same results
-  1    --verify: the bench gives other results
-  2    usage or bad input; one line says what was found and what is allowed
-  3    workers or scheduler were lost too often; what is done is kept
-  4    TOOL ERROR: a defect, or the record could not be written (what is done is kept)
-  130  stopped by Ctrl-C; 143 by SIGTERM, 129 by SIGHUP (what is done is kept, --resume continues)"""
-#: Options that define the work: None when not given, so that --resume takes them from the folder.
-_REQUEST = ("scenario", "runs", "sequences", "seed", "controller", "arithmetic", "indexing", "parameters", "chunk")
+if TYPE_CHECKING:
+    from railhil.study.execute import Outcome
+    from railhil.study.verify import Verified
 
 
 def arguments() -> argparse.ArgumentParser:
@@ -33,7 +31,7 @@ def arguments() -> argparse.ArgumentParser:
     parser = OneLineParser(
         prog="railhil learn",
         description="Sequences of runs of a law that learns from run to run: how its errors become smaller.",
-        epilog=_EXIT_CODES,
+        epilog=exit_codes("workers or scheduler were lost too often"),
     )
     add_option(parser, "scenario", default=None, help=f"shipped name or TOML file (default {USUAL_SCENARIO})")
     add_options(parser, "--set", "--fault")
@@ -60,47 +58,57 @@ def arguments() -> argparse.ArgumentParser:
         help="sequences per part (default: as suits the system)",
     )
     add_option(parser, "--jobs")
-    parser.add_argument(
-        "--scheduler", metavar="ADDRESS", help="workers of the dask scheduler at tcp://HOST:PORT instead"
-    )
-    parser.add_argument("--out", metavar="DIR", help="folder (default runs/<utc>-<scenario>-learn); resumes there")
-    parser.add_argument("--resume", metavar="DIR", help="go on in this folder")
-    add_option(parser, "--no-report")
-    add_sign_argument(parser)
-    add_json_argument(parser)
-    parser.add_argument("--verify", metavar="DIR", help="run some sequences again through the nodes of the bench")
-    parser.add_argument(
-        "--draw", type=whole_number(0, SEED_MAX), default=0, metavar="N", help="--verify: which ones (default 0)"
-    )
+    add_folder_arguments(parser, "learn", "sequences of a finished study", with_report=True)
     return parser
 
 
 def check_combination(namespace: argparse.Namespace) -> None:
     """Refuse options that do not go together. Raises InputError."""
-    given = [name for name in _REQUEST if getattr(namespace, name) is not None]
-    given += [name for name in ("set", "fault", "nominal") if getattr(namespace, name)]
-    if namespace.verify is not None:
-        others = [name for name in (*given, "out", "resume", "jobs", "scheduler") if getattr(namespace, name)]
-        if extra := [name for name in others if name != "sequences"]:
-            raise InputError("command line", "--verify", _option(extra[0]), "beside it only --sequences and --draw")
-    for one, other in (("resume", "out"), ("jobs", "scheduler")):
-        if getattr(namespace, one) is not None and getattr(namespace, other) is not None:
-            raise InputError("command line", f"--{other}", getattr(namespace, other), f"one of --{one} and --{other}")
+    check_options(Request, namespace, "sequences", ("jobs", "scheduler"))
+    if namespace.jobs is not None and namespace.scheduler is not None:
+        raise InputError("command line", "--scheduler", namespace.scheduler, "one of --jobs and --scheduler")
 
 
-def _option(name: str) -> str:
-    return name if name == "scenario" else f"--{name}"
+def _engine(namespace: argparse.Namespace) -> tuple[str, int]:
+    jobs = namespace.jobs or os.cpu_count() or 1
+    return "dask" if namespace.scheduler is not None else "batch" if jobs == 1 else "joblib", jobs
 
 
-def request_from(namespace: argparse.Namespace, begun: Request) -> Request:
-    """The request: options from the command line, all others from ``begun`` (existing work, or the defaults)."""
-    said: dict[str, Any] = {name: getattr(namespace, name) for name in _REQUEST if getattr(namespace, name) is not None}
-    if "scenario" in said:
-        said["scenario"] = stable_name(said["scenario"])
-    if "parameters" in said:
-        said["parameters"] = str(said["parameters"].resolve())
-    if namespace.set:
-        said["settings"] = tuple(namespace.set)
-    if namespace.fault:
-        said["faults"] = tuple(namespace.fault)
-    return replace(begun, **said, nominal=begun.nominal or namespace.nominal)
+def _how(plan: Plan) -> tuple[str, str | None]:
+    if sequence_batch_of(plan.scenario) is not None:
+        return one_by_one(plan.scenario), kernel_of(plan.scenario)
+    if runner_of(plan.scenario) is not through_nodes:
+        return "", None
+    system = plan.scenario.system
+    return f"system {system} has no runs without a bus, or not with its faults: the nodes make them all", None
+
+
+def _verify(namespace: argparse.Namespace, plan: Plan) -> Iterator[Verified]:
+    from railhil.sequences.verify import verify
+
+    return verify(plan, Path(namespace.verify), namespace.sequences or 1, namespace.draw)
+
+
+def _report(namespace: argparse.Namespace, plan: Plan, made: Outcome) -> str:
+    if namespace.no_report:
+        return ""
+    try:
+        from railhil.sequences.report import report_line
+    except ImportError as error:
+        return f"no report: {error.name} is not installed ({install_command('report')})"
+    return report_line(plan, made.summary, made.table, made.folder)
+
+
+def _show(console: Output, plan: Plan, made: Outcome, line: str) -> None:
+    from railhil.sequences.show import show
+
+    show(console, made.summary, made.folder, line)
+
+
+def _study() -> Study[Plan, Chunk]:
+    from railhil.sequences.study import LEARN
+
+    return LEARN
+
+
+COMMAND = Command("railhil learn", _study, arguments, check_combination, _engine, _how, _verify, _report, _show)

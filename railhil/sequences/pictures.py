@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
 from numpy.typing import NDArray
 
-from railhil.campaign.results_table import column_of
+from railhil.campaign.rows import column_of
 from railhil.common.digits import count_of
 from railhil.judge.criteria import SequenceMeasure, sequence_measures
 from railhil.report.pictures import Picture, stacked

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import hashlib
-import json
-from collections.abc import Iterator
 from dataclasses import asdict, dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
 import railhil
-from railhil.campaign.plan import batch_sha256, bench_sha256, law_sha256
 from railhil.common.choices import USUAL_SCENARIO
 from railhil.common.command_line import SEED_MAX
 from railhil.common.errors import InputError, Words
@@ -27,6 +24,7 @@ from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.stored import any_judged_sha256
 from railhil.scenarios.system import system_named
 from railhil.sequences.one import sequence_batch_of
+from railhil.study.plan import batch_sha256, bench_sha256, law_sha256, sha256_of_json
 
 RUNS_MAX, SEQUENCES_MAX, CHUNK_MAX = 10_000, 1_000_000, 1_000
 #: Sequences per part: where runs are made one by one, and where they are made together.
@@ -130,11 +128,18 @@ class Plan:
         """The runs of the sequence with this seed."""
         return run_specs(self.base, self.scenario, seed, self.request.runs)
 
-    def chunks(self) -> Iterator[Chunk]:
+    def chunks(self) -> list[Chunk]:
         """All chunks."""
         step = self.request.chunk
-        for index in range(0, len(self.seeds), step):
-            yield Chunk(index // step, tuple(self.seeds[index : index + step]), self.request.runs)
+        starts = range(0, len(self.seeds), step)
+        return [
+            Chunk(index, tuple(self.seeds[start : start + step]), self.request.runs)
+            for index, start in enumerate(starts)
+        ]
+
+    def origin(self, chunk: Chunk) -> str:
+        """The identification of a part: its request and sequences."""
+        return f"{self.results_origin} {chunk.name}"
 
     @property
     def identity(self) -> dict[str, Any]:
@@ -152,9 +157,9 @@ class Plan:
         }
 
     @property
-    def sha256(self) -> str:
-        """Hash of :attr:`identity`; recorded in every part."""
-        return hashlib.sha256(json.dumps(self.identity, sort_keys=True).encode()).hexdigest()
+    def results_origin(self) -> str:
+        """Hash of :attr:`identity`; recorded in the results and in every part."""
+        return sha256_of_json(self.identity)
 
 
 def sequence_seeds(scenario: AnyScenario, first: int, sequences: int, runs: int) -> range:

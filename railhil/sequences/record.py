@@ -8,7 +8,6 @@ from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
-from railhil.campaign.parts import claimed
 from railhil.common.errors import InputError, Words
 from railhil.common.exit_codes import INVALID
 from railhil.judge.rerun import changes
@@ -30,6 +29,7 @@ from railhil.sequences.evidence import (
     write_evidence,
 )
 from railhil.sequences.plan import run_specs
+from railhil.study.parts import claimed
 
 #: Called with the number of a run and its result.
 Told = Callable[[int, Result], None]

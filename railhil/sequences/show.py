@@ -9,7 +9,8 @@ from typing import Any
 from rich.table import Table
 
 from railhil.common.digits import count_of, percent
-from railhil.common.output import Output, table
+from railhil.common.output import Output
+from railhil.study.page import columns
 
 #: Runs that get a row of their own, besides the last.
 _FIRST_RUNS = 5
@@ -20,13 +21,9 @@ def _number(value: float | None) -> str:
 
 
 def _rows(measure: Mapping[str, Any]) -> Table:
-    made = table(tight=True)
-    made.title = f"{measure['title']}, {measure['unit']}, by the number of the run"
-    made.title_justify, made.title_style = "left", "bold"
-    made.add_column("run", no_wrap=True)
     inside = [f"within {limit}" for limit in measure["last"]["within"]]
-    for name in ("mean", "mean error", "rms", "95 %", *inside):
-        made.add_column(name, justify="right", no_wrap=True)
+    title = f"{measure['title']}, {measure['unit']}, by the number of the run"
+    made = columns(title, ("run",), ("mean", "mean error", "rms", "95 %", *inside))
     last = measure["last"]
     by_run = measure["by_run"]
     shown = [*by_run[:_FIRST_RUNS], *(by_run[-1:] if len(by_run) > _FIRST_RUNS else [])]

@@ -14,7 +14,7 @@ import pyarrow as pa
 from numpy.typing import NDArray
 
 from railhil.batch.statistics import at_most
-from railhil.campaign.results_table import column_of
+from railhil.campaign.rows import column_of
 from railhil.judge.criteria import SequenceMeasure, limit_key, sequence_measures
 from railhil.sequences.plan import Plan
 from railhil.sequences.table import by_run

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pyarrow as pa
 
 from railhil.batch.case import result_of
-from railhil.campaign.results_table import NotThePart, origin_in, read_table, table_of
-from railhil.campaign.results_table import schema as campaign_schema
+from railhil.campaign.rows import schema as campaign_schema
+from railhil.campaign.rows import table_of
 from railhil.judge.judging import Judging
 from railhil.sequences.one import COUNTS, OneRun
-from railhil.sequences.plan import Chunk
+from railhil.sequences.plan import Chunk, Plan
+from railhil.study.table import NotThePart
 
 #: Columns besides those of a campaign: seed of the sequence, number of the run in it, the slot that it began with,
 #: slots that could not be used, hashes of the memory before and of the record after it, the record's values as JSON.
@@ -58,19 +58,11 @@ def row(seed: int, number: int, run: OneRun, judging: Judging) -> pa.Table:
     return pa.table(columns, schema=schema(judging))
 
 
-def read_part(path: Path, origin: str, chunk: Chunk, judging: Judging) -> pa.Table:
-    """A part.
-
-    :raises NotThePart: incomplete, damaged, or with other runs.
-    :raises OSError: it cannot be read at all.
-    """
-    table = read_table(path, schema(judging))
-    if origin_in(table) != origin:
-        raise NotThePart("of other runs")
+def check_rows(table: pa.Table, plan: Plan, chunk: Chunk) -> None:
+    """Refuse the rows of another chunk. Raises :class:`NotThePart`."""
     wanted = [(seed, number) for seed in chunk.sequences for number in range(1, chunk.runs_each + 1)]
     if list(zip(table["sequence"].to_pylist(), table["run"].to_pylist(), strict=True)) != wanted:
         raise NotThePart("with other sequences")
-    return table
 
 
 def by_run(table: pa.Table, column: str, runs: int) -> np.ndarray[Any, np.dtype[np.float64]]:

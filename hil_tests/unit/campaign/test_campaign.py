@@ -15,7 +15,6 @@ import pytest
 from benchmarks.figures import QUICK_TOML
 from hil_tests.support.cli import railhil
 from railhil.bench import direct_run
-from railhil.campaign.plan import bench_sha256
 from railhil.campaign.report import report_of
 from railhil.cli import report as cli_report
 from railhil.common.errors import InputError
@@ -24,6 +23,7 @@ from railhil.record.hash_list import write_hash_list
 from railhil.scenarios.canonical import judged_sha256
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.study.plan import bench_sha256
 
 #: Of every campaign here that is to give the same results.
 SAME = ("--runs", "24", "--first-seed", "50")
@@ -86,6 +86,18 @@ def test_chunks_do_not_change_results(campaign, finished, short):
         "summary.json",
     ]
     assert max(map(len, done.out.split("Worst runs")[0].splitlines())) <= 100
+
+
+def test_shards_make_the_same_campaign(campaign, finished, short):
+    same = (short, *SAME, "--chunk", "5", "--out", "mine")
+    first = campaign(*same, "--shard", "2/2", "--json")
+    assert (first.exit_code, json.loads(first.out)) == (0, {"folder": "mine", "shard": "2/2"})
+    assert "shard 2/2 is complete; the last shard, or railhil campaign --resume mine, joins all" in first.err
+    assert not Path("mine/results.parquet").exists()
+    last = campaign("--resume", "mine", "--shard", "1/2", "--json")
+    assert last.out == (finished / "summary.json").read_text(encoding="utf-8")
+    assert same_results(Path("mine"), finished)
+    assert not [*Path("mine/parts").glob("*.sha256")]
 
 
 def test_it_goes_on_with_what_is_missing(campaign, finished, short):

@@ -9,6 +9,7 @@ import subprocess
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing, contextmanager
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -18,13 +19,14 @@ from rich.console import Console
 
 from hil_tests.support.cli import TIMEOUT_S, Done, railhil, wait_for
 from hil_tests.support.dask_cluster import loopback_cluster
-from railhil.campaign import engines
-from railhil.campaign.folder import opened
-from railhil.campaign.manifest import read_manifest
 from railhil.campaign.plan import Plan, Request, make_plan
-from railhil.campaign.run import execute
-from railhil.campaign.work import OtherCode, Task, task_of
+from railhil.campaign.study import CAMPAIGN
 from railhil.common.errors import InputError
+from railhil.study import engines
+from railhil.study.execute import execute
+from railhil.study.manifest import read_manifest
+from railhil.study.parts import opened
+from railhil.study.work import OtherCode, Task, task_of
 
 pytestmark = [pytest.mark.loop, pytest.mark.slow]
 
@@ -61,7 +63,7 @@ def made(
                     yield part
                     after_a_part(count)
 
-        execute(plan, str(folder), Console(file=io.StringIO()), watched, said.append)
+        execute(CAMPAIGN, plan, str(folder), Console(file=io.StringIO()), watched, said.append)
     return said
 
 
@@ -118,7 +120,7 @@ class Campaign:
 
 def begun(campaign: Campaign) -> Plan:
     """The plan of a campaign as its folder has it."""
-    return make_plan(read_manifest(campaign.folder).request)
+    return make_plan(read_manifest(campaign.folder, CAMPAIGN).request)
 
 
 def resumed(campaign: Campaign, kept: dict[str, int], wanted: bytes) -> None:
@@ -138,7 +140,7 @@ def test_a_killed_campaign_goes_on(short, tmp_path, wanted):
         # Somebody else at the same time is refused.
         with (
             pytest.raises(InputError, match="found a campaign that is running there, allowed one process at a time"),
-            opened(str(campaign.folder), begun(campaign)),
+            opened(CAMPAIGN, begun(campaign), str(campaign.folder)),
         ):
             pass
         workers = campaign.workers()
@@ -211,12 +213,12 @@ def test_a_chunk_that_kills_every_worker_ends_the_campaign():
 
 def test_a_worker_with_other_code_is_refused():
     plan = make_plan(Request(runs=1))
-    (task,) = [task_of(plan, chunk) for chunk in plan.chunks()]
+    (task,) = [task_of(CAMPAIGN, plan, chunk) for chunk in plan.chunks()]
     with (
         engines.running("batch", 1, None, print) as engine,
-        pytest.raises(OtherCode, match="has other code than this campaign"),
+        pytest.raises(OtherCode, match="has other code than this study"),
     ):
-        list(engine([type(task)(**{name: getattr(task, name) for name in task.__slots__} | {"code_sha256": "0"})]))
+        list(engine([replace(task, code=("0", *task.code[1:]))]))
 
 
 # -- dask -------------------------------------------------------------------------------------------------------------
@@ -243,7 +245,7 @@ def test_dask_goes_on_after_a_killed_worker(cluster, short, tmp_path, wanted):
 @pytest.mark.long
 def test_dask_that_gives_up_a_chunk_says_so(cluster):
     # Every process that collects the tests would load dask.
-    from railhil.campaign.dask_engine import ClusterLost
+    from railhil.study.dask_engine import ClusterLost
 
     with (
         engines.running("dask", 1, cluster.scheduler_address, print, work=deadly()) as engine,
@@ -253,7 +255,7 @@ def test_dask_that_gives_up_a_chunk_says_so(cluster):
 
 
 def test_nobody_at_the_address_is_one_line():
-    from railhil.campaign.dask_engine import connected
+    from railhil.study.dask_engine import connected
 
     with (
         pytest.raises(InputError, match=r"--scheduler: found 'tcp://127.0.0.1:9', allowed tcp://HOST:PORT of a "),

@@ -9,15 +9,15 @@ from pathlib import Path
 
 import pytest
 
-from railhil.campaign.manifest import manifest, read_manifest
 from railhil.campaign.plan import Request, make_plan
+from railhil.campaign.study import CAMPAIGN
 from railhil.campaign.summary import training_sentence
-from railhil.campaign.work import task_of
 from railhil.common.errors import InputError
 from railhil.common.extras import install_command
 from railhil.common.law_order import in_order
 from railhil.controller_node.laws import names
 from railhil.record.hash_list import write_hash_list
+from railhil.study.manifest import manifest_of, read_manifest
 
 
 def test_seeds_on_which_a_law_was_designed_are_refused(campaign, short):
@@ -30,7 +30,7 @@ def test_seeds_on_which_a_law_was_designed_are_refused(campaign, short):
     request = Request(first_seed=198, runs=3, laws=("ipfc", "ipfc_plus"))
     plan = make_plan(replace(request, allow_training_seeds=True))
     assert [plan.training(entry) for entry in plan.entries] == [[], [198, 199]]
-    assert [task_of(plan, chunk).training for chunk in plan.chunks()] == [(), (198, 199)]
+    assert [CAMPAIGN.work(plan, chunk).training for chunk in plan.chunks()] == [(), (198, 199)]
     assert training_sentence(plan) == (
         "NOT AN EVALUATION: parameters were tuned or chosen on seeds of this campaign (ipfc_plus on 2 of 3 runs)"
     )
@@ -64,7 +64,7 @@ def test_all_laws_stand_in_the_order_of_every_table():
     ],
 )
 def test_a_damaged_manifest_names_file_and_key(campaign, short, key, value, words):
-    document = manifest(make_plan(Request(scenario=str(short))))
+    document = manifest_of(CAMPAIGN, make_plan(Request(scenario=str(short))))
     document["request"][key] = value
     Path("mine/parts").mkdir(parents=True)
     Path("mine/campaign.json").write_text(json.dumps(document))
@@ -98,9 +98,9 @@ def test_what_is_no_manifest_is_refused(campaign, short, content, words):
 def test_the_request_comes_back_from_the_manifest(tmp_path):
     request = Request(runs=7, laws=("ipfc", "tpfc1"), both=True, arithmetic="iq", indexing="distance", chunk=3)
     path = tmp_path / "campaign.json"
-    path.write_text(json.dumps(manifest(make_plan(request))))
+    path.write_text(json.dumps(manifest_of(CAMPAIGN, make_plan(request))))
     write_hash_list(tmp_path)
-    assert read_manifest(tmp_path).request == request
+    assert read_manifest(tmp_path, CAMPAIGN).request == request
 
 
 @pytest.mark.parametrize(

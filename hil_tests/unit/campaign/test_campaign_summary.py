@@ -14,7 +14,7 @@ import pytest
 from rich.console import Console
 
 from railhil.campaign.plan import Request, make_plan
-from railhil.campaign.results_table import NotThePart, file_bytes, read_part, schema, table_of
+from railhil.campaign.rows import schema, table_of
 from railhil.campaign.show import _against, _scores, show
 from railhil.campaign.summary import summary
 from railhil.campaign.worst import worst_runs
@@ -209,61 +209,3 @@ def test_missing_values_are_null(results):
     row = next(row for row in results.to_pylist() if row["ended"] == "ended_not_stopped")
     assert row["stop_error_m"] is row["signed_time_error_s"] is None
     assert row["itae"] == 2000
-
-
-# -- parts ------------------------------------------------------------------------------------------------------------
-
-
-@pytest.fixture
-def part(tmp_path, results):
-    path = tmp_path / "part.parquet"
-    path.write_bytes(file_bytes(results.slice(0, 20), "here"))
-    return path
-
-
-def test_a_part_is_read_back(part, results):
-    assert read_part(part, "here", "ipfc", range(1000, 1020), JUDGING).replace_schema_metadata() == results.slice(0, 20)
-
-
-def test_the_same_rows_are_the_same_bytes(part, results):
-    pieces = pa.concat_tables([results.slice(at, 3).slice(0, 20 - at) for at in range(0, 20, 3)])
-    assert file_bytes(pieces, "here") == part.read_bytes()
-
-
-@pytest.mark.parametrize("share_kept", [0.0, 0.3, 0.99])
-def test_a_torn_part_is_noticed(part, share_kept):
-    content = part.read_bytes()
-    part.write_bytes(content[: int(len(content) * share_kept)])
-    with pytest.raises(NotThePart, match="torn or damaged"):
-        read_part(part, "here", "ipfc", range(1000, 1020), JUDGING)
-
-
-def test_a_flipped_bit_changes_no_figure(part, results):
-    """What the checksums of the pages leave out (page headers) does not reach the rows."""
-    content, noticed = part.read_bytes(), 0
-    for place in range(0, len(content), 17):
-        flipped = bytearray(content)
-        flipped[place] ^= 1
-        part.write_bytes(flipped)
-        try:
-            found = read_part(part, "here", "ipfc", range(1000, 1020), JUDGING)
-        except NotThePart:
-            noticed += 1
-        else:
-            assert found.replace_schema_metadata() == results.slice(0, 20), place
-    assert noticed > len(content) / 17 / 2
-
-
-def test_a_part_of_other_runs_is_noticed(part, results):
-    for words, arguments in {
-        "of other runs": ("elsewhere", "ipfc", range(1000, 1020)),
-        "with other seeds": ("here", "ipfc", range(1001, 1021)),
-        "of another law": ("here", "tpfc1", range(1000, 1020)),
-    }.items():
-        with pytest.raises(NotThePart, match=words):
-            read_part(part, *arguments, JUDGING)
-    with pytest.raises(NotThePart, match="with other seeds"):
-        read_part(part, "here", "ipfc", range(1000, 1021), JUDGING)
-    part.write_bytes(file_bytes(results.drop_columns("wraps"), "here"))
-    with pytest.raises(NotThePart, match="with other columns"):
-        read_part(part, "here", "ipfc", range(1000, 1020), JUDGING)

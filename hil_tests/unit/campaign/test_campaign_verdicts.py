@@ -11,7 +11,7 @@ import pyarrow as pa
 from rich.console import Console
 
 from railhil.campaign.plan import Plan, Request, make_plan
-from railhil.campaign.results_table import table_of
+from railhil.campaign.rows import table_of
 from railhil.campaign.show import _inside, _scores, show
 from railhil.campaign.summary import summary
 from railhil.common.output import Output

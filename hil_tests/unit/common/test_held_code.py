@@ -8,11 +8,13 @@ from pathlib import Path
 
 import pytest
 
-from railhil.campaign.parts import check_same
-from railhil.campaign.plan import Request, law_sha256, make_plan
+from railhil.campaign.plan import Request, make_plan
+from railhil.campaign.study import CAMPAIGN
 from railhil.common.errors import InputError
 from railhil.common.held_code import held_sha256
 from railhil.scenarios.system import system_named
+from railhil.study.manifest import check_same
+from railhil.study.plan import law_sha256
 
 LAW = """\
 from helped_law.gain import GAIN
@@ -95,9 +97,9 @@ def test_a_campaign_is_not_resumed_with_another_module_beside_the_law(site: Path
         return make_plan(Request(laws=("helped",), runs=2)).identity
 
     before = identity()
-    check_same(site / "campaign.json", "campaign", before, identity())
+    check_same(CAMPAIGN, site, before, identity())
     certified = system_named("ato").law_sha256("helped")
     (site / "helped_law" / "gain.py").write_text("GAIN = 2.0\n")
     with pytest.raises(InputError, match=r"campaign\.laws: found .*law_sha256"):
-        check_same(site / "campaign.json", "campaign", before, identity())
+        check_same(CAMPAIGN, site, before, identity())
     assert system_named("ato").law_sha256("helped") not in (None, certified)

@@ -190,10 +190,10 @@ def test_a_set_has_the_runs_of_its_sequences(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_the_command_beside_a_set_makes_the_same_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from railhil.campaign.results_table import read_table
     from railhil.judge.judging import judging_of
-    from railhil.sequences.__main__ import main
+    from railhil.sequences.command import COMMAND
     from railhil.sequences.table import schema
+    from railhil.study.table import read_table
 
     one = short(runs.filter_key(runs.NONE))
     monkeypatch.chdir(tmp_path)
@@ -203,7 +203,7 @@ def test_the_command_beside_a_set_makes_the_same_runs(tmp_path: Path, monkeypatc
     words = one.experiment.words(one.spec)
     assert words[0] == "learn"
     assert "parameters/filter_none.toml" in words
-    assert main([*words[1:], "--jobs", "1", "--no-report", "--out", "set"]) == 0
+    assert COMMAND.main([*words[1:], "--jobs", "1", "--no-report", "--out", "set"]) == 0
     table = read_table(Path("set", "results.parquet"), schema(judging_of(one.spec.load())))
     made_here = one.experiment.make(one.spec, tmp_path).outcome.runs
     assert table["notch_digest"].to_pylist() == [run.digest for row in made_here for run in row]

@@ -22,7 +22,7 @@ from railhil.common.errors import InputError
 from railhil.common.exit_codes import PASS
 from railhil.scenarios.load import load_any
 from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.sequences.__main__ import main
+from railhil.sequences.command import COMMAND
 from railhil.sequences.one import runner_of, sequence, sequence_batch_of, sequences
 from railhil.sequences.plan import Request, make_plan, run_specs
 
@@ -43,7 +43,7 @@ _RUNS, _SEQUENCES = 4, 3
 def learn(short: Path, out: Path, *words: str, jobs: int = 1) -> int:
     given = ("--runs", str(_RUNS), "--sequences", str(_SEQUENCES), "--chunk", "1", "--seed", "7", "--jobs", str(jobs))
     report = () if jobs == 1 and out.name == "one" else ("--no-report",)
-    return main([str(short), "--controller", "learning", *given, "--out", str(out), *report, *words])
+    return COMMAND.main([str(short), "--controller", "learning", *given, "--out", str(out), *report, *words])
 
 
 def rows(folder: Path) -> list[dict[str, Any]]:
@@ -65,7 +65,7 @@ def test_sequences_are_those_of_the_bench(short: Path, tmp_path: Path, capsys: p
     assert [json.loads(one["memory"])["runs"] for one in found] == [1, 2, 3, 4] * _SEQUENCES
     assert found[0]["memory_before_sha256"] == found[4]["memory_before_sha256"], "every sequence begins with nothing"
     assert len({one["memory_after_sha256"] for one in found[:4]}) == 4
-    assert main(["--verify", str(tmp_path / "one"), "--sequences", "2"]) == PASS
+    assert COMMAND.main(["--verify", str(tmp_path / "one"), "--sequences", "2"]) == PASS
     assert "8 of 8 runs are the same on the bench" in capsys.readouterr().out
     page = (tmp_path / "one" / "report.html").read_text()
     assert f"report {tmp_path / 'one' / 'report.html'}" in said
@@ -75,7 +75,7 @@ def test_sequences_are_those_of_the_bench(short: Path, tmp_path: Path, capsys: p
     assert not re.search(r"(?:src|href)=.https?:|url\(https?:|@import", page)
     assert str(tmp_path) not in page
     (tmp_path / "one" / "report.html").unlink()
-    assert main(["--resume", str(tmp_path / "one"), "--jobs", "1"]) == PASS
+    assert COMMAND.main(["--resume", str(tmp_path / "one"), "--jobs", "1"]) == PASS
     assert (tmp_path / "one" / "report.html").read_text() == page
 
 
@@ -86,7 +86,7 @@ def test_processes_and_machines_make_no_difference(short: Path, tmp_path: Path) 
     with loopback_cluster(1) as cluster:
         words = ["--runs", str(_RUNS), "--sequences", str(_SEQUENCES), "--chunk", "1", "--seed", "7", "--no-report"]
         words += ["--scheduler", cluster.scheduler_address, "--out", str(tmp_path / "dask")]
-        assert main([str(short), "--controller", "learning", *words]) == PASS
+        assert COMMAND.main([str(short), "--controller", "learning", *words]) == PASS
     for name in ("results.parquet", "summary.json"):
         one, two, dask = ((tmp_path / folder / name).read_bytes() for folder in ("1", "2", "dask"))
         assert one == two == dask
@@ -106,7 +106,7 @@ def test_after_a_kill_it_goes_on_with_the_same_bytes(short: Path, tmp_path: Path
     kept = sorted(torn.glob("parts/*.parquet"))
     assert kept
     kept[0].write_bytes(kept[0].read_bytes()[:100])
-    assert main(["--resume", str(torn), "--jobs", "1"]) == PASS
+    assert COMMAND.main(["--resume", str(torn), "--jobs", "1"]) == PASS
     for name in ("results.parquet", "summary.json"):
         assert (torn / name).read_bytes() == (whole / name).read_bytes()
 
@@ -125,7 +125,7 @@ def test_seeds_that_the_law_was_made_on_are_refused(short: Path, monkeypatch: py
     with pytest.raises(
         InputError, match=r"--seed: found seed 9, on which learning's own.* allowed other seeds than 9 to"
     ):
-        main([*words, "2"])
+        COMMAND.main([*words, "2"])
     make_plan(Request(str(short), controller="learning", seed=7, runs=2, sequences=1))
     make_plan(Request(str(short), controller="learning", seed=7, runs=2, sequences=2, nominal=True))
 
@@ -148,7 +148,7 @@ def test_bad_input_is_one_line(words: tuple[str, ...], line: str, short: Path) -
     scenario = [] if "--resume" in words or "--verify" in words else [str(short)]
     law = [] if "--controller" in words or not scenario else ["--controller", "learning"]
     with pytest.raises(InputError, match=line) as refused:
-        main([*scenario, *law, *words])
+        COMMAND.main([*scenario, *law, *words])
     assert len(str(refused.value).splitlines()) == 1
 
 

@@ -10,7 +10,6 @@ from pathlib import Path
 import pytest
 
 from hil_tests.support.cli import railhil
-from railhil.campaign.parts import claimed
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import FAIL, PASS
 from railhil.common.held_code import held_sha256
@@ -18,6 +17,7 @@ from railhil.panel.recorded import RecordedRuns
 from railhil.scenarios.memory import load_memory
 from railhil.sequences.evidence import Made, read_evidence, sequence_sha256
 from railhil.sequences.sequence_command import main
+from railhil.study.parts import claimed
 
 pytestmark = [pytest.mark.slow, pytest.mark.loop]
 

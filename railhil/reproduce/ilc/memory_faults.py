@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from railhil.campaign.extras import need
+from railhil.common.extras import need
 from railhil.reproduce.experiments import EntryResult, summarize_sequences
 from railhil.scenarios.memory import Memory, Record, Stored, in_order
 from railhil.scenarios.run_spec import RunSpec

@@ -16,16 +16,16 @@ from distributed.comm.core import CommClosedError, connect
 from distributed.scheduler import KilledWorker
 from distributed.security import Security
 
-from railhil.campaign.work import run_task
 from railhil.common.digits import count_of
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import INVALID
+from railhil.study.work import run_task
 
 #: Address forms that reach other machines; IPv6 in brackets.
 _ADDRESS = re.compile(r"(tcp|tls)://([\w.-]+|\[[0-9a-fA-F:.]+\]):(?P<port>\d{1,5})")
 _PORT_MAX = 65535
 _CONNECT_S = 10.0
-#: How long a campaign waits while there is no worker.
+#: How long a study waits while there is no worker.
 _WORKER_S = 60.0
 _ASK_S = 1.0
 _LOOK_S = 0.02
@@ -110,7 +110,7 @@ class DaskEngine:
         while waiting or not ready.is_empty():
             self._ask()
             while waiting and ready.count() < _AHEAD * max(1, self._cores):
-                # Keys not derived from content: futures of another campaign with the same task must not be reused.
+                # Keys not derived from content: futures of another study with the same task must not be reused.
                 ready.add(self._client.submit(self._work, waiting.pop(), pure=False))
             if ready.has_ready():
                 yield self._part(*next(ready))

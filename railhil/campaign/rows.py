@@ -1,19 +1,18 @@
-"""The table of runs: one row per run, the same columns in every part and in ``results.parquet``."""
+"""The rows of a campaign: one per run, the same columns in every part and in ``results.parquet``."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from io import BytesIO
-from pathlib import Path
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 import pyarrow as pa
 import pyarrow.compute as pc
-import pyarrow.parquet as pq
 
+from railhil.campaign.plan import Chunk, Plan
 from railhil.judge.criteria import Criterion, with_sign
 from railhil.judge.judging import Judging
+from railhil.study.table import NotThePart
 
 _COUNTS = ("wraps", "saturations", "zero_divisions")
 
@@ -44,10 +43,6 @@ def schema(judging: Judging) -> pa.Schema:
     )
 
 
-#: Metadata key that identifies the part and campaign of a file.
-_ORIGIN = b"railhil.campaign"
-
-
 def table_of(label: str, result: Any, training: Sequence[int], judging: Judging) -> pa.Table:
     """Table of the runs of one chunk.
 
@@ -75,60 +70,13 @@ def table_of(label: str, result: Any, training: Sequence[int], judging: Judging)
     return pa.table(columns, schema=schema(judging))
 
 
-def file_bytes(table: pa.Table, origin: str) -> bytes:
-    """The table as a Parquet file with checksums; the same bytes for the same rows, however they were collected."""
-    buffer = BytesIO()
-    whole = table.combine_chunks().replace_schema_metadata({_ORIGIN: origin.encode()})
-    pq.write_table(whole, buffer, compression="zstd", write_page_checksum=True)
-    return buffer.getvalue()
-
-
-class NotThePart(Exception):
-    """The content of a file does not match its name; the text says why."""
-
-
-def read_table(path: Path, columns: pa.Schema) -> pa.Table:
-    """A table of runs with these columns. Raises :class:`NotThePart`, OSError."""
-    content = path.read_bytes()
-    try:
-        table = pq.read_table(BytesIO(content), page_checksum_verification=True)
-    except (pa.ArrowException, OSError) as error:
-        raise NotThePart("torn or damaged") from error
-    if not table.schema.remove_metadata().equals(columns):
-        raise NotThePart("with other columns")
-    return table
-
-
-def origin_in(table: pa.Table) -> str:
-    """The origin that the file of a table was written with."""
-    return str((table.schema.metadata or {}).get(_ORIGIN, b"").decode(errors="replace"))
-
-
-def read_part(path: Path, origin: str, label: str, seeds: range, judging: Judging) -> pa.Table:
-    """A part written by a campaign.
-
-    :raises NotThePart: incomplete, damaged, or with other runs.
-    :raises OSError: it cannot be read at all.
-    """
-    table = read_table(path, schema(judging))
-    if origin_in(table) != origin:
-        raise NotThePart("of other runs")
-    if table.num_rows != len(seeds) or not np.array_equal(table["seed"].to_numpy(), np.arange(seeds.start, seeds.stop)):
+def check_rows(table: pa.Table, plan: Plan, chunk: Chunk) -> None:
+    """Refuse the rows of another chunk. Raises :class:`NotThePart`."""
+    seeds = np.arange(chunk.seeds.start, chunk.seeds.stop)
+    if table.num_rows != len(seeds) or not np.array_equal(table["seed"].to_numpy(), seeds):
         raise NotThePart("with other seeds")
-    if set(table["law"].to_pylist()) != {label}:
+    if set(table["law"].to_pylist()) != {chunk.entry.label}:
         raise NotThePart("of another law")
-    return table
-
-
-def read_results(path: Path, judging: Judging) -> pa.Table:
-    """``results.parquet`` of a finished campaign. Raises OSError, :class:`NotThePart`."""
-    return read_table(path, schema(judging))
-
-
-def numbers(table: pa.Table, name: str) -> np.ndarray[Any, np.dtype[np.float64]]:
-    """A column as float64, NaN where it is null."""
-    column: np.ndarray[Any, np.dtype[np.float64]] = table[name].to_numpy(zero_copy_only=False).astype(np.float64)
-    return column
 
 
 def column_of(criterion: Criterion) -> str:
@@ -139,9 +87,3 @@ def column_of(criterion: Criterion) -> str:
 def rows_of(table: pa.Table, label: str) -> pa.Table:
     """The runs of one law, in the order of their seeds."""
     return table.filter(pc.equal(table["law"], label))
-
-
-def row(table: pa.Table, index: int) -> Mapping[str, Any]:
-    """One run as a mapping of its columns."""
-    found: Mapping[str, Any] = table.slice(index, 1).to_pylist()[0]
-    return found

@@ -7,23 +7,15 @@ import warnings
 from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import closing, contextmanager
 from functools import partial
-from typing import Any, Protocol
+from typing import Any
 
 from railhil.batch import KERNEL, say_compiling
-from railhil.campaign.extras import need
-from railhil.campaign.work import run_task
 from railhil.common.digits import count_of
 from railhil.common.errors import InputError, Words
 from railhil.common.exit_codes import INVALID
+from railhil.common.extras import need
 from railhil.common.orphans import end_with_parent
-
-
-class Task(Protocol):
-    """What a worker is given: all that it needs, small, with the ``name`` of its part."""
-
-    @property
-    def name(self) -> str: ...
-
+from railhil.study.work import Task, run_task
 
 Parts = Generator[tuple[str, bytes], None, None]
 Engine = Callable[[Sequence[Task]], Parts]
@@ -31,7 +23,7 @@ Engine = Callable[[Sequence[Task]], Parts]
 Work = Callable[[Any], tuple[str, bytes]]
 #: Called with one sentence that the user should see at once.
 Say = Callable[[str], None]
-#: Number of successive worker losses, without a finished chunk in between, after which a campaign gives up.
+#: Number of successive worker losses, without a finished chunk in between, after which a study gives up.
 LOSSES_MAX = 3
 
 
@@ -59,7 +51,7 @@ def _joblib(tasks: Sequence[Task], work: Work, jobs: int, say: Say) -> Parts:
     import joblib
     from joblib.externals.loky.process_executor import BrokenProcessPool
 
-    # A stopped campaign prints its own message.
+    # A stopped study prints its own message.
     warnings.filterwarnings("ignore", message=".*still being processed by the workers", category=UserWarning)
     left = {task.name: task for task in tasks}
     losses = 0
@@ -95,7 +87,7 @@ def running(
     """
     if name == "dask":
         need("distributed", "dask")
-        from railhil.campaign.dask_engine import connected
+        from railhil.study.dask_engine import connected
 
         if scheduler is None:
             raise InputError("command line", "--scheduler", Words(), "tcp://HOST:PORT, the scheduler of --engine dask")

@@ -1,0 +1,200 @@
+"""The command of a study: options that all kinds have, and from the command line to results, page and exit code."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, fields, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Generic
+
+from railhil.common.command_line import SEED_MAX, parse, whole_number
+from railhil.common.errors import InputError
+from railhil.common.exit_codes import FAIL, PASS
+from railhil.common.extras import need
+from railhil.common.output import Output
+from railhil.common.streams import accept_any_text, add_json_argument, flush_output, print_json
+from railhil.record.signature import add_sign_argument, check_key, sign_list
+from railhil.scenarios.load import stable_name
+from railhil.scenarios.options import add_option
+from railhil.study.plan import C, P, Shard, Study
+
+if TYPE_CHECKING:
+    from railhil.study.execute import Outcome
+    from railhil.study.verify import Verified
+
+# Modules that make runs are imported where they are used: help and completion do not need the extra libraries.
+
+#: Field of a request -> attribute of the command line, where that has another name.
+_ATTRIBUTE = {"settings": "set", "faults": "fault"}
+
+
+def exit_codes(lost: str) -> str:
+    """The exit codes in the help.
+
+    :param lost: what exit code 3 means.
+    """
+    return f"""\
+exit codes:
+  0    every run was made (whatever its verdict); --verify: the bench gives the same results
+  1    --verify: the bench gives other results
+  2    usage or bad input; one line says what was found and what is allowed
+  3    {lost}; what is done is kept
+  4    TOOL ERROR: a defect, or the record could not be written (what is done is kept)
+  130  stopped by Ctrl-C; 143 by SIGTERM, 129 by SIGHUP (what is done is kept, --resume continues)"""
+
+
+def add_folder_arguments(parser: argparse.ArgumentParser, default: str, verified: str, with_report: bool) -> None:
+    """Options about the folder of a study.
+
+    :param default: ending of the default folder.
+    :param verified: what ``--verify`` makes again.
+    :param with_report: whether the command itself writes a report.
+    """
+    parser.add_argument("--scheduler", metavar="ADDRESS", help="dask: tcp://HOST:PORT of the scheduler")
+    said = f"folder (default runs/<utc>-<scenario>-{default}); resumes there"
+    parser.add_argument("--out", metavar="DIR", help=said)
+    parser.add_argument("--resume", metavar="DIR", help="go on in this folder")
+    said = "make every N-th part from the K-th on; any number of processes and machines make the others"
+    parser.add_argument("--shard", type=Shard.parse, metavar="K/N", help=said)
+    if with_report:
+        add_option(parser, "--no-report")
+    add_sign_argument(parser)
+    add_json_argument(parser)
+    parser.add_argument("--verify", metavar="DIR", help=f"run some {verified} again on the bench")
+    parser.add_argument(
+        "--draw", type=whole_number(0, SEED_MAX), default=0, metavar="N", help="--verify: which ones (default 0)"
+    )
+
+
+def _given(request: Any, namespace: argparse.Namespace) -> dict[str, Any]:
+    """Fields of the request that the command line sets."""
+    values = {one.name: getattr(namespace, _ATTRIBUTE.get(one.name, one.name)) for one in fields(request)}
+    return {name: value for name, value in values.items() if value is not None and value is not False and value != []}
+
+
+def check_options(request: Any, namespace: argparse.Namespace, beside: str, without: Sequence[str] = ()) -> None:
+    """Refuse options that do not go together.
+
+    :param request: class of the requests.
+    :param beside: option that goes with ``--verify``, besides ``--draw``.
+    :param without: further ones that do not go with it.
+    :raises InputError: there are some.
+    """
+    if namespace.verify is not None:
+        names = [_ATTRIBUTE.get(name, name) for name in _given(request, namespace)]
+        names += [name for name in ("out", "resume", "shard", *without) if getattr(namespace, name)]
+        if extra := [name for name in names if name != beside]:
+            option = extra[0] if extra[0] == "scenario" else f"--{extra[0].replace('_', '-')}"
+            raise InputError("command line", "--verify", option, f"beside it only --{beside} and --draw")
+    if namespace.resume is not None and namespace.out is not None:
+        raise InputError("command line", "--out", namespace.out, "one of --out and --resume")
+    if namespace.shard is not None:
+        if namespace.resume is None and namespace.out is None:
+            allowed = "beside it --out or --resume: the folder of the shards"
+            raise InputError("command line", "--shard", str(namespace.shard), allowed)
+        if namespace.sign is not None:
+            raise InputError("command line", "--sign", str(namespace.sign), "with all parts: --resume DIR, not --shard")
+
+
+def request_from(begun: Any, namespace: argparse.Namespace) -> Any:
+    """The request: options from the command line, all others from ``begun`` (an existing study, or the defaults)."""
+    said = _given(begun, namespace)
+    for name, value in said.items():
+        if name == "scenario":
+            said[name] = stable_name(value)
+        elif isinstance(value, Path):
+            said[name] = str(value.resolve())
+        elif isinstance(value, list):
+            said[name] = tuple(str(one.resolve()) if isinstance(one, Path) else one for one in value)
+    return replace(begun, **said)
+
+
+@dataclass(frozen=True)
+class Command(Generic[P, C]):
+    """The command of one kind of study.
+
+    ``study``: () -> the record, which needs the libraries of the extra. ``check``: refuses options that do not go
+    together. ``engine``: (command line) -> name and processes. ``how``: (plan) -> remark on how the runs are made
+    (empty: none), and the module with compiled loops (None: nothing is compiled). ``verify``: (command line, plan) ->
+    runs made again. ``report``: (command line, plan, outcome) -> a line on the page that it has written, or empty.
+    ``show``: (console, plan, outcome, that line) prints the tables.
+    """
+
+    name: str
+    study: Callable[[], Study[P, C]]
+    arguments: Callable[[], argparse.ArgumentParser]
+    check: Callable[[argparse.Namespace], None]
+    engine: Callable[[argparse.Namespace], tuple[str, int]]
+    how: Callable[[P], tuple[str, str | None]]
+    verify: Callable[[argparse.Namespace, P], Iterable[Verified]]
+    report: Callable[[argparse.Namespace, P, Outcome], str]
+    show: Callable[[Output, P, Outcome, str], None]
+
+    def main(self, words: Sequence[str] | None = None) -> int:
+        """Run, resume or verify; returns the exit code."""
+        accept_any_text()
+        namespace = parse(self.arguments(), words)
+        self.check(namespace)
+        need("pyarrow", "campaign", self.name)
+        try:
+            return self._verify(namespace) if namespace.verify is not None else self._run(namespace)
+        finally:
+            flush_output()
+
+    def _verify(self, namespace: argparse.Namespace) -> int:
+        from railhil.study.verify import repeated_plan
+
+        study = self.study()
+        console, kind, made, bad = Output(stderr=namespace.json), study.kind, [], 0
+        plan, is_other_code = repeated_plan(study, Path(namespace.verify))
+        if is_other_code:
+            said = f"the code has changed since the {kind}: a difference may come from that"
+            console.say(said, style="bold yellow")
+        for one in self.verify(namespace, plan):
+            made.append({**one.document, "differences": dict(one.differences)})
+            bad += bool(one.differences)
+            if not one.differences:
+                console.say(f"{one.run}: the bench gives the same notches and scores")
+            for name, (ours, theirs) in one.differences.items():
+                console.say(f"{one.run}: {name} {ours} in the {kind}, {theirs} on the bench", style="red")
+        if namespace.json:
+            print_json(made)
+        console.say(f"{len(made) - bad} of {len(made)} runs are the same on the bench")
+        return FAIL if bad else PASS
+
+    def _run(self, namespace: argparse.Namespace) -> int:
+        from rich.console import Console
+
+        from railhil.study.engines import running
+        from railhil.study.execute import execute
+        from railhil.study.manifest import read_manifest
+
+        check_key(namespace.sign)
+        study, resumed = self.study(), namespace.resume
+        begun = study.request() if resumed is None else read_manifest(Path(resumed), study).request
+        plan = study.make_plan(request_from(begun, namespace))
+        console = Console(stderr=True)
+
+        def say(sentence: str) -> None:
+            console.print(sentence, markup=False, highlight=False, soft_wrap=True)
+
+        remark, kernel = self.how(plan)
+        if remark:
+            say(remark)
+        name, jobs = self.engine(namespace)
+        with running(name, jobs, namespace.scheduler, say, kernel=kernel) as engine:
+            made = execute(study, plan, resumed or namespace.out, console, engine, say, namespace.shard)
+        if not made.is_whole:
+            joins = f"the last shard, or {study.command} --resume {made.folder}, joins all"
+            say(f"shard {namespace.shard} is complete; {joins}")
+            if namespace.json:
+                print_json({"folder": str(made.folder), "shard": str(namespace.shard)})
+            return PASS
+        line = self.report(namespace, plan, made)
+        sign_list(made.folder, namespace.sign)
+        if namespace.json:
+            print_json(made.summary)
+        else:
+            self.show(Output(), plan, made, line)
+        return PASS

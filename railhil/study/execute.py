@@ -1,0 +1,193 @@
+"""Runs a study from its plan to its summary, using the parts that already exist."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator, Iterator, Sequence
+from contextlib import closing, contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from time import monotonic, process_time
+from typing import Any
+
+import pyarrow as pa
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, ProgressColumn, TextColumn, TimeRemainingColumn
+from rich.progress import Task as Shown
+from rich.text import Text
+
+from railhil.common.digits import count_of
+from railhil.common.errors import InputError
+from railhil.common.exit_codes import TOOL_ERROR, exit_code_of
+from railhil.study.engines import Engine
+from railhil.study.parts import InUse, PartsFolder, opened
+from railhil.study.plan import C, P, Shard, Study
+from railhil.study.table import NotThePart
+from railhil.study.work import Task, task_of
+
+#: Maximum updates of the progress display per second.
+_REFRESH_HZ = 4
+#: Averaging time of the displayed speed, s.
+_SPEED_S = 60
+#: How long a shard waits for the folder: others that begin or end have it for a moment.
+_OTHERS_S = 10.0
+
+
+class Stopped(Exception):
+    """A study that could not be finished: the reason, what is kept, how to resume."""
+
+    def __init__(self, text: str, exit_code: int) -> None:
+        super().__init__(text)
+        self.exit_code = exit_code
+
+
+class _Speed(ProgressColumn):
+    """Runs per second of this session."""
+
+    def render(self, task: Shown) -> Text:
+        speed = task.finished_speed or task.speed
+        return Text("" if speed is None else f"{speed:,.0f} runs/s")
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """What came of a study: its folder, the rows of ``results.parquet`` and the content of ``summary.json``; of a shard
+    no rows and no summary while parts of other shards are missing."""
+
+    folder: Path
+    table: pa.Table | None
+    summary: dict[str, Any]
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether all parts were there, so that they could be joined."""
+        return self.table is not None
+
+
+def execute(
+    study: Study[P, C],
+    plan: P,
+    out: str | None,
+    console: Console,
+    engine: Engine,
+    say: Callable[[str], None],
+    shard: Shard | None = None,
+) -> Outcome:
+    """Make the missing parts, then join and summarise them.
+
+    :param out: the folder; None creates a new one.
+    :param console: for progress (standard error).
+    :param say: for remarks.
+    :param shard: make only its parts; the process that finds all parts there joins them.
+    :raises InputError: the folder cannot be used, or a law has failed.
+    :raises Stopped: workers or parts were lost, or the record can no longer be written.
+    """
+    wait_s = 0.0
+    if shard is not None:
+        wait_s = _OTHERS_S
+        with opened(study, plan, out, shard, wait_s) as folder:
+            with _kept(study, folder, say, f" --shard {shard}"):
+                _make_parts(study, plan, folder, console, engine, say)
+            if not folder.is_whole():
+                return Outcome(folder.path, None, {})
+    try:
+        with opened(study, plan, out, wait_s=wait_s) as folder, _kept(study, folder, say):
+            _make_parts(study, plan, folder, console, engine, say)
+            return Outcome(folder.path, *folder.write_results())
+    except InUse:
+        # Another shard joins the parts.
+        if shard is None:
+            raise
+        return Outcome(folder.path, None, {})
+
+
+@contextmanager
+def _kept(study: Study[P, C], folder: PartsFolder[P, C], say: Callable[[str], None], words: str = "") -> Iterator[None]:
+    """Whatever ends the work says what is kept and how it goes on.
+
+    :param words: of the command that goes on, after the folder.
+    :raises InputError: as raised in the block.
+    :raises Stopped: anything else was raised there.
+    """
+
+    def how_on() -> str:
+        again = f"{study.command} --resume {folder.path}{words}"
+        return f"{folder.kept():,} of {folder.total:,} runs are kept; {again} goes on"
+
+    try:
+        yield
+    except KeyboardInterrupt:
+        raise KeyboardInterrupt(f"stopped; {how_on()}") from None
+    except SystemExit:
+        say(f"{study.command}: stopped; {how_on()}")
+        raise
+    except NotThePart as why:
+        raise Stopped(f"a part in {folder.path} has become {why}; {how_on()}", TOOL_ERROR) from why
+    except InputError:
+        raise
+    except Exception as error:
+        # A worker, a law or a driver may fail in any way: the message gives the reason and what is kept.
+        text = " ".join(str(error).split()) or type(error).__name__
+        code = exit_code_of(error)
+        kind = f"{type(error).__name__}: " if not hasattr(error, "exit_code") else ""
+        raise Stopped(f"{kind}{text}; {how_on()}", code) from error
+
+
+def _make_parts(
+    study: Study[P, C],
+    plan: P,
+    folder: PartsFolder[P, C],
+    console: Console,
+    engine: Engine,
+    say: Callable[[str], None],
+) -> None:
+    """Make the missing parts of a folder, with remarks on those that are there and on the time taken."""
+    left, complaints = folder.missing()
+    for complaint in complaints:
+        say(complaint)
+    total, kept = folder.total, folder.kept()
+    if kept:
+        say(f"{folder.path}: {kept:,} of {total:,} runs are there already")
+    tasks = [task_of(study, plan, chunk) for chunk in left]
+    runs = {chunk.name: chunk.runs for chunk in left}
+    # Close it at once after an exception, so that workers do not continue.
+    with _progress(console, kept, total) as shown, closing(_written(folder, tasks, engine)) as names:
+        began_s, used_s, new = monotonic(), process_time(), 0
+        for name in names:
+            shown(runs[name])
+            new += runs[name]
+    if new:
+        wall_s, cpu_s = monotonic() - began_s, process_time() - used_s
+        said = count_of(new, "run", spec=",")
+        say(f"{said} in {wall_s:.1f} s; this process used {cpu_s:.1f} s of processor time for them")
+
+
+def _written(folder: PartsFolder[P, C], tasks: Sequence[Task], engine: Engine) -> Generator[str, None, None]:
+    """Make the parts; yields the name of each as soon as it is safely written."""
+    if not tasks:
+        return
+    with closing(engine(tasks)) as parts:
+        for name, content in parts:
+            folder.write_part(name, content)
+            yield name
+
+
+@contextmanager
+def _progress(console: Console, done: int, total: int) -> Iterator[Callable[[int], None]]:
+    """A progress bar on a terminal, nothing elsewhere; called with the number of newly finished runs."""
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        _Speed(),
+        TimeRemainingColumn(),
+    )
+    with Progress(
+        *columns,
+        console=console,
+        transient=True,
+        disable=not console.is_terminal,
+        refresh_per_second=_REFRESH_HZ,
+        speed_estimate_period=_SPEED_S,
+    ) as bar:
+        task = bar.add_task("runs", total=total, completed=done)
+        yield lambda runs: bar.advance(task, runs)

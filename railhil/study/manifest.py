@@ -1,0 +1,117 @@
+"""The manifest of a study (``campaign.json``, ``learn.json``): its definition, from which it is resumed."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from pydantic import AfterValidator, BaseModel, ConfigDict, create_model
+
+from railhil.common.build import machine
+from railhil.common.errors import InputError, Words
+from railhil.record.hash_list import HASH_LIST, HASH_LIST_KEY, check_document
+from railhil.scenarios.stored import any_document
+from railhil.scenarios.validation import validated
+from railhil.study.plan import C, P, Study
+
+_FORMAT = 1
+
+
+@dataclass(frozen=True, slots=True)
+class Manifest:
+    """An existing study: its identity (:attr:`~railhil.study.plan.AnyPlan.identity`) and its request."""
+
+    identity: dict[str, Any]
+    request: Any
+
+
+class Bounds(BaseModel):
+    """A request as JSON; each field with the bounds of the command line."""
+
+    model_config = ConfigDict(extra="forbid", strict=True)
+
+
+def one_of(names: Callable[[], Sequence[str]]) -> AfterValidator:
+    """Restricts a text to some names, which are looked up when it is checked."""
+
+    def check(text: str) -> str:
+        if text not in names():
+            raise ValueError(f"one of {', '.join(names())}")
+        return text
+
+    return AfterValidator(check)
+
+
+def read_manifest(folder: Path, study: Study[P, C]) -> Manifest:
+    """The manifest of a folder.
+
+    :raises InputError: there is none, or it was not written by such a study.
+    """
+    path = folder / study.manifest
+    try:
+        document = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        found = Words((error.strerror or str(error)).lower())
+        raise InputError(path, "", found, f"folder of {study.command}") from None
+    except (ValueError, RecursionError):
+        raise InputError(path, "", Words("no JSON"), f"what `{study.command}` has written") from None
+    if not isinstance(document, dict) or document.get("format") != _FORMAT:
+        allowed = f"{_FORMAT}, of {study.command} of this railhil"
+        raise InputError(path, "format", Words("something else"), allowed)
+    fields: dict[str, Any] = {study.kind: (dict[str, Any], ...), "request": (study.bounds, ...)}
+    # What is read back; the rest is information for people.
+    model = create_model("_File", __config__=ConfigDict(extra="ignore", strict=True), **fields)
+    file = validated(model, document, lambda keys: path)
+    check_document(folder, study.manifest, document)
+    return Manifest(getattr(file, study.kind), _request_of(study, file.request))
+
+
+def _request_of(study: Study[P, C], read: BaseModel) -> Any:
+    return study.request(**{name: tuple(value) if isinstance(value, list) else value for name, value in read})
+
+
+def checked_request(study: Study[P, C], request: Any, file: Path) -> Any:
+    """The same request, checked against the ranges of the command line.
+
+    :param file: for the error message.
+    :raises InputError: one of its values is out of range.
+    """
+    document = json.loads(json.dumps(asdict(request)))
+    return _request_of(study, validated(study.bounds, document, lambda keys: file))
+
+
+def manifest_of(study: Study[P, C], plan: P) -> dict[str, Any]:
+    """Content of the manifest: the identity, under the name of the kind, must be the same when resuming, the rest is
+    explanation."""
+    return {
+        "format": _FORMAT,
+        "railhil": version("railhil"),
+        study.kind: plan.identity,
+        "request": asdict(plan.request),
+        "scenario": any_document(plan.scenario),
+        **study.explained(plan),
+    }
+
+
+def machine_and_list() -> dict[str, Any]:
+    """Keys of every manifest: where the study was begun, and the list of hashes beside it."""
+    return {"machine": machine(), HASH_LIST_KEY: HASH_LIST}
+
+
+def check_same(study: Study[P, C], folder: Path, recorded: dict[str, Any], ours: dict[str, Any]) -> None:
+    """Refuse to mix two studies.
+
+    :param recorded: identity in the manifest.
+    :param ours: identity of what is asked for.
+    :raises InputError: naming the first difference.
+    """
+    ours = json.loads(json.dumps(ours))
+    for key in sorted(ours | recorded):
+        if ours.get(key) != recorded.get(key):
+            found, now = (json.dumps(side.get(key)) for side in (recorded, ours))
+            allowed = f"{now} to go on with it; another --out begins a new {study.kind}"
+            raise InputError(folder / study.manifest, f"{study.kind}.{key}", Words(found), allowed)

@@ -1,0 +1,148 @@
+"""What a study is: runs in chunks, an identity that must not change, and what only its kind knows of its rows."""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import json
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
+
+from railhil.common.held_code import held_sha256
+from railhil.common.plug_ins import entries
+from railhil.controller_node import laws as registered
+from railhil.judge.folder import code_sha256
+from railhil.scenarios.model import AnyScenario
+from railhil.scenarios.system import system_named
+
+if TYPE_CHECKING:
+    import pyarrow as pa
+    from pydantic import BaseModel
+
+    from railhil.study.work import Work
+
+#: Code on which the figures of perturbed runs depend, in addition to that of the bench (``certificate.json``).
+_OWN_CODE = ("batch", "study/table.py", "study/work.py", "campaign/rows.py", "campaign/study.py")
+_SHARD = re.compile(r"([0-9]{1,6})/([0-9]{1,6})", re.ASCII)
+
+
+class AnyChunk(Protocol):
+    """The unit of work, of repetition and of loss: ``name`` of its part without suffix, and how many ``runs``."""
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def runs(self) -> int: ...
+
+
+C = TypeVar("C", bound=AnyChunk)
+
+
+class AnyPlan(Protocol[C]):
+    """What is run. ``request``: as asked for. ``identity``: must be the same when the study is resumed.
+    ``results_origin``: identifies the table of all runs."""
+
+    @property
+    def scenario(self) -> AnyScenario: ...
+
+    @property
+    def request(self) -> Any: ...
+
+    @property
+    def identity(self) -> dict[str, Any]: ...
+
+    @property
+    def results_origin(self) -> str: ...
+
+    def chunks(self) -> Sequence[C]:
+        """All chunks, in the order of the rows of the results."""
+
+    def origin(self, chunk: C) -> str:
+        """Identifies the part of a chunk: what determines its rows."""
+
+
+P = TypeVar("P", bound=AnyPlan[Any])
+
+
+@dataclass(frozen=True)
+class Study(Generic[P, C]):
+    """One kind of study.
+
+    ``command``: goes on with ``--resume``. ``kind``: what is in its folders, also the key of the identity in the
+    ``manifest``, which is named so. ``folder``: last part of the name of a default folder. ``request``: class of the
+    requests, ``bounds``: its model in the manifest, with the bounds of the command line. ``make_plan``: (request) ->
+    plan; raises InputError. ``columns``: (plan) -> those of its rows. ``check_rows``: (rows of a part, plan, chunk);
+    raises NotThePart. ``work``: (plan, chunk) -> what a worker does. ``summary``: (plan, rows) -> ``summary.json``.
+    ``explained``: (plan) -> what else stands in the manifest for people.
+    """
+
+    command: str
+    kind: str
+    manifest: str
+    folder: str
+    request: type[Any]
+    bounds: type[BaseModel]
+    make_plan: Callable[[Any], P]
+    columns: Callable[[P], pa.Schema]
+    check_rows: Callable[[pa.Table, P, C], None]
+    work: Callable[[P, C], Work]
+    summary: Callable[[P, pa.Table], dict[str, Any]]
+    explained: Callable[[P], Mapping[str, Any]]
+
+
+@dataclass(frozen=True, slots=True)
+class Shard:
+    """Every ``count``-th chunk from ``number`` (from 1) on."""
+
+    number: int
+    count: int
+
+    @classmethod
+    def parse(cls, text: str) -> Shard:
+        """An option's type: ``K/N``."""
+        match = _SHARD.fullmatch(text)
+        if match is None or not 1 <= int(match[1]) <= int(match[2]):
+            raise argparse.ArgumentTypeError(f"found {text}, allowed K/N with K from 1 to N, such as 2/4")
+        return cls(int(match[1]), int(match[2]))
+
+    def __str__(self) -> str:
+        return f"{self.number}/{self.count}"
+
+    def of(self, chunks: Sequence[C]) -> Sequence[C]:
+        """Its chunks."""
+        return chunks[self.number - 1 :: self.count]
+
+
+def sha256_of_json(document: Mapping[str, Any]) -> str:
+    """Hash of a document, independent of the order of its keys."""
+    return hashlib.sha256(json.dumps(document, sort_keys=True).encode()).hexdigest()
+
+
+@lru_cache(maxsize=1)
+def batch_sha256() -> str:
+    """Hash over the code, beyond the bench's own, on which the figures depend."""
+    return code_sha256(_OWN_CODE)
+
+
+@lru_cache(maxsize=1)
+def bench_sha256() -> str:
+    """:func:`railhil.judge.folder.code_sha256`, once per process."""
+    return code_sha256()
+
+
+@lru_cache(maxsize=64)
+def law_named(name: str, system: str) -> Any:
+    """:func:`railhil.controller_node.laws.find`, which searches all installed packages, called once per law."""
+    return registered.find(name, system_named(system).laws)
+
+
+@lru_cache(maxsize=64)
+def law_sha256(name: str, system: str) -> str:
+    """Hash of all code on which a law may depend: :func:`~railhil.common.held_code.held_sha256`. Raises InputError."""
+    law_named(name, system)
+    entry = entries(system_named(system).laws)[name]
+    return held_sha256(entry.module, entry.dist)

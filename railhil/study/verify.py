@@ -1,0 +1,72 @@
+"""What repeats runs of a finished study: its plan with the present installation, its rows, and what differs."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pyarrow as pa
+
+from railhil.common.errors import InputError, Words
+from railhil.record.hash_list import check_hash_list
+from railhil.study.manifest import read_manifest
+from railhil.study.plan import C, P, Study
+from railhil.study.table import RESULTS, NotThePart, read_table
+
+#: Keys of hashes of code, in an identity and in the tables in it.
+_CODE = ("code_sha256", "batch_sha256", "learning_sha256", "system_sha256", "law_sha256")
+
+
+@dataclass(frozen=True, slots=True)
+class Verified:
+    """One run that was made again: which one, in words and as JSON, and the columns in which it differs (the study's
+    value, that of the bench)."""
+
+    run: str
+    document: Mapping[str, Any]
+    differences: Mapping[str, tuple[Any, Any]]
+
+
+def repeated_plan(study: Study[P, C], folder: Path) -> tuple[P, bool]:
+    """The plan of a study, made with the present installation, and whether the code has changed since, so that a
+    difference need not be a defect.
+
+    :raises InputError: scenario, parameters or laws have changed since, or a file of the folder.
+    """
+    begun = read_manifest(folder, study)
+    check_hash_list(folder, study.manifest, None)
+    plan = study.make_plan(begun.request)
+    ours = json.loads(json.dumps(plan.identity))
+    for key in ours:
+        found, wanted = (_without_code(identity.get(key)) for identity in (begun.identity, ours))
+        if key not in _CODE and found != wanted:
+            allowed = f"{json.dumps(wanted)}, what this installation would run"
+            raise InputError(folder / study.manifest, f"{study.kind}.{key}", Words(json.dumps(found)), allowed)
+    return plan, any(begun.identity.get(key) != value for key, value in ours.items())
+
+
+def _without_code(value: Any) -> Any:
+    """Tables in an identity without the hashes of code."""
+    if not isinstance(value, list):
+        return value
+    return [{key: one[key] for key in one if key not in _CODE} if isinstance(one, dict) else one for one in value]
+
+
+def finished_rows(study: Study[P, C], plan: P, folder: Path) -> pa.Table:
+    """The rows of a finished study. Raises InputError."""
+    try:
+        return read_table(folder / RESULTS, study.columns(plan))
+    except FileNotFoundError:
+        allowed = f"a finished {study.kind} (--resume finishes it)"
+        raise InputError(folder, "", Words(f"no {RESULTS}"), allowed) from None
+    except (OSError, NotThePart) as why:
+        allowed = f"what {study.command} has written"
+        raise InputError(folder / RESULTS, "", Words(str(why)), allowed) from why
+
+
+def differences(ours: Mapping[str, Any], bench: Mapping[str, Any]) -> dict[str, tuple[Any, Any]]:
+    """Columns in which a run differs: the study's value and that of the bench."""
+    return {name: (ours[name], theirs) for name, theirs in bench.items() if ours[name] != theirs}
