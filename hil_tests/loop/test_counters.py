@@ -19,7 +19,7 @@ from railhil.judge.counters import unchecked, unreconciled
 from railhil.judge.invariants import broken
 from railhil.judge.judging import judging_of
 from railhil.record.hash_list import write_hash_list
-from railhil.record.trace import Told, Trace
+from railhil.record.trace import NodeCounters, Trace
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
@@ -59,8 +59,8 @@ def disturbed(make: Make) -> tuple[Scenario, Result]:
 
 
 def counts(run: Result, node: str, port: str) -> dict[str, Any]:
-    assert run.trace.told is not None
-    return dict(run.trace.told.nodes[node]["ports"][port])
+    assert run.trace.reported is not None
+    return dict(run.trace.reported.nodes[node]["ports"][port])
 
 
 def test_the_nodes_count_what_the_record_shows(disturbed: tuple[Scenario, Result]) -> None:
@@ -71,8 +71,8 @@ def test_the_nodes_count_what_the_record_shows(disturbed: tuple[Scenario, Result
     assert {"duplicate", "check_variable", "out_of_range"} <= set(speed["refused"])
     assert (speed["refused"]["check_variable"], speed["refused"]["out_of_range"]) == (3, 3)
     assert notch["refused"] == {"duplicate": 5, "out_of_range": 3}
-    assert run.trace.told is not None
-    (gap,) = run.trace.told.nodes["controller"]["gaps"]
+    assert run.trace.reported is not None
+    (gap,) = run.trace.reported.nodes["controller"]["gaps"]
     assert gap["ports"][TrnSpeed.PORT]["count"] == 10
     assert unchecked(run.trace) == ""
 
@@ -109,20 +109,20 @@ def test_the_safe_channel_and_the_can_module_count_too(make: Make) -> None:
     assert said.startswith("invariant 1: the controller took 1 TRN_SPEED telegram ")
 
 
-def changed(trace: Trace, node: str, port: str, **values: Any) -> Told:
+def changed(trace: Trace, node: str, port: str, **values: Any) -> NodeCounters:
     """The report with other counters of a port."""
-    assert trace.told is not None
-    told = copy.deepcopy(trace.told)
+    assert trace.reported is not None
+    told = copy.deepcopy(trace.reported)
     told.nodes[node]["ports"][port].update(values)  # type: ignore[index]
     return told
 
 
-def with_told(scenario: Scenario, trace: Trace, told: Told | None) -> list[str]:
-    kept, trace.told = trace.told, told
+def with_told(scenario: Scenario, trace: Trace, told: NodeCounters | None) -> list[str]:
+    kept, trace.reported = trace.reported, told
     try:
         return unreconciled(scenario, trace)
     finally:
-        trace.told = kept
+        trace.reported = kept
 
 
 def test_a_controller_that_took_more_than_is_good_is_found(disturbed: tuple[Scenario, Result]) -> None:
@@ -132,9 +132,9 @@ def test_a_controller_that_took_more_than_is_good_is_found(disturbed: tuple[Scen
     said = with_told(scenario, run.trace, told)
     assert said[0] == "invariant 1: the controller took 12 TRN_SPEED telegrams that the record does not show good"
     # And the verdict names it.
-    kept, run.trace.told = run.trace.told, told
+    kept, run.trace.reported = run.trace.reported, told
     assert said[0] in judging_of(scenario).score(scenario, run.trace).failures
-    run.trace.told = kept
+    run.trace.reported = kept
 
 
 @pytest.mark.parametrize(
@@ -152,7 +152,7 @@ def test_every_counter_is_compared(disturbed: tuple[Scenario, Result], node: str
 def test_every_gap_is_compared(disturbed: tuple[Scenario, Result]) -> None:
     scenario, run = disturbed
     for key in ("first", "count"):
-        told = copy.deepcopy(run.trace.told)
+        told = copy.deepcopy(run.trace.reported)
         assert told is not None
         told.nodes["controller"]["gaps"][0]["ports"][TrnSpeed.PORT][key] += 1
         found = with_told(scenario, run.trace, told)
@@ -161,8 +161,8 @@ def test_every_gap_is_compared(disturbed: tuple[Scenario, Result]) -> None:
 
 def test_refused_frames_are_compared(make: Make) -> None:
     scenario, run = make("TRN_SPEED truncate 2 @1s x9")
-    assert run.trace.told is not None
-    told = copy.deepcopy(run.trace.told)
+    assert run.trace.reported is not None
+    told = copy.deepcopy(run.trace.reported)
     told.nodes["controller"]["frames"]["wrong_length"] -= 1  # type: ignore[index]
     assert with_told(scenario, run.trace, told) == [
         "invariant 6: the controller refused 8 frames (wrong length), the record shows 9"
@@ -174,7 +174,7 @@ def records(trace: Trace) -> Iterator[tuple[str, Trace]]:
     for port in (TrnSpeed.PORT, NotchCmd.PORT):
         for wanted in (-1, 1):
             other = Trace(trace.contract)
-            other.told, other.end_ns, other.refused = trace.told, trace.end_ns, trace.refused
+            other.reported, other.end_ns, other.refused = trace.reported, trace.end_ns, trace.refused
             for entry in trace.contract.ports:
                 data, size = bytes(trace._data.get(entry.name, b"")), entry.data_bytes
                 for index, time_ns in enumerate(trace.times_ns(entry.name)):
@@ -192,32 +192,34 @@ def test_a_changed_record_is_found(disturbed: tuple[Scenario, Result]) -> None:
 
 def test_a_node_that_does_not_report_is_not_checked(disturbed: tuple[Scenario, Result]) -> None:
     scenario, run = disturbed
-    assert run.trace.told is not None
-    alone = Told(True, {"plant": run.trace.told.nodes["plant"]})
-    kept, run.trace.told = run.trace.told, alone
+    assert run.trace.reported is not None
+    alone = NodeCounters(True, {"plant": run.trace.reported.nodes["plant"]})
+    kept, run.trace.reported = run.trace.reported, alone
     assert unchecked(run.trace) == "controller"
-    run.trace.told = None
+    run.trace.reported = None
     assert unreconciled(scenario, run.trace) == []
     assert unchecked(run.trace) == "controller and plant"
-    run.trace.told = kept
+    run.trace.reported = kept
 
 
 def test_where_frames_can_be_lost_only_too_many_are_found(disturbed: tuple[Scenario, Result]) -> None:
     scenario, run = disturbed
-    assert run.trace.told is not None
-    loose = Told(False, changed(run.trace, "controller", TrnSpeed.PORT, committed=3, accepted=2).nodes)
+    assert run.trace.reported is not None
+    loose = NodeCounters(False, changed(run.trace, "controller", TrnSpeed.PORT, committed=3, accepted=2).nodes)
     assert with_told(scenario, run.trace, loose) == []
     more = changed(run.trace, "controller", TrnSpeed.PORT, accepted=run.trace.count(TrnSpeed.PORT))
-    assert with_told(scenario, run.trace, Told(False, more.nodes))[0].startswith("invariant 1: the controller took")
+    assert with_told(scenario, run.trace, NodeCounters(False, more.nodes))[0].startswith(
+        "invariant 1: the controller took"
+    )
 
 
 def test_a_telegram_that_only_the_recorder_has_missed_is_no_breach(make: Make) -> None:
     """The node took it, the record lacks it: nothing is known of it, and the run is INVALID."""
     scenario, run = make()
-    nodes = run.trace.told.nodes
+    nodes = run.trace.reported.nodes
     for port, trace in records(run.trace):
         fewer = trace.count(port) < run.trace.count(port)
-        trace.told = Told(False, nodes)
+        trace.reported = NodeCounters(False, nodes)
         node = "controller" if port == TrnSpeed.PORT else "plant"
         unclear = f"record: the {node} took 1 {port} telegram that the record does not show"
         assert unreconciled(scenario, trace) == ([unclear] if fewer else [])
@@ -230,7 +232,7 @@ def test_a_bad_telegram_that_was_taken_is_a_breach_wherever_it_is_recorded(make:
     accepted = counts(run, "controller", TrnSpeed.PORT)["accepted"]
     for surplus, said in ((3, "invariant 1: the controller took 3"), (4, "record: the controller took 4")):
         told = changed(run.trace, "controller", TrnSpeed.PORT, accepted=accepted + surplus)
-        assert with_told(scenario, run.trace, Told(False, told.nodes))[0].startswith(said)
+        assert with_told(scenario, run.trace, NodeCounters(False, told.nodes))[0].startswith(said)
 
 
 def test_the_folder_of_a_run_keeps_the_counters(tmp_path: Path) -> None:

@@ -41,7 +41,7 @@ _OF_FRAMES = (
 def unreconciled(scenario: Scenario, trace: Trace) -> list[str]:
     """One sentence for the first breach of each rule, or for what the record does not show of it
     (:mod:`railhil.judge.record_checks`); empty for a run that keeps them, and without reports."""
-    told = trace.told
+    told = trace.reported
     if told is None:
         return []
     found: dict[str, str] = {}
@@ -67,7 +67,7 @@ def unreconciled(scenario: Scenario, trace: Trace) -> list[str]:
 
 def unchecked(trace: Trace) -> str:
     """Nodes whose counters are not known, in words; empty: all are."""
-    nodes = {} if trace.told is None else trace.told.nodes
+    nodes = {} if trace.reported is None else trace.reported.nodes
     return " and ".join(node for node in REPORTING if node not in nodes)
 
 

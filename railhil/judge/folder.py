@@ -145,7 +145,7 @@ def certificate(result: Result, code: str) -> dict[str, Any]:
 
     :param code: :func:`code_sha256`.
     """
-    scenario, spec, told = result.scenario, result.spec, result.trace.told
+    scenario, spec, told = result.scenario, result.spec, result.trace.reported
     return {
         **made_by(scenario.system, spec.law.controller, code),
         **_described(result),

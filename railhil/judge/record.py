@@ -25,7 +25,7 @@ from railhil.record.framelog import log_sha256, read_log
 from railhil.record.hash_list import HASH_LIST
 from railhil.record.log_trace import trace_of_log
 from railhil.record.own_time import Timed, own_time
-from railhil.record.trace import Told, Trace, trace_of
+from railhil.record.trace import NodeCounters, Trace, trace_of
 from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
@@ -234,7 +234,7 @@ def checked_record(text: str, name: str | None) -> Record:
             raise
         changed = changed or str(error)
     told = document.get("received")
-    trace.told = None if told is None else Told(told["exact"], told["nodes"])
+    trace.reported = None if told is None else NodeCounters(told["exact"], told["nodes"])
     invalid = str(document.get("line") or "no reason given") if document.get("verdict") == "INVALID" else ""
     return Record(log, scenario, trace, "; ".join(filter(None, (changed, invalid))), document, notes, timed)
 

@@ -38,7 +38,7 @@ class Unseen:
         self._schedule = Schedule.from_contract(timing.base_tick_ns, timing.port_period_ns, trace.contract)
         self._trace = trace
         #: Whether the record is known to have all frames.
-        self.is_whole = trace.told is not None and trace.told.exact
+        self.is_whole = trace.reported is not None and trace.reported.exact
         self._gaps: dict[str, list[Gap]] = {}
 
     def count(self, port: str, from_s: float = 0.0, until_s: float = math.inf) -> int:

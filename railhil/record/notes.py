@@ -17,7 +17,7 @@ _HALF, _WHOLE = 1 << 15, 1 << 16
 
 
 @dataclass(frozen=True, slots=True)
-class ToldNote:
+class ReportedNote:
     """One note: its signal in CTL_STAT; ``name`` is a column header, ``title`` and ``symbol`` are used in figures.
 
     Value = raw * ``scale`` in ``unit``, raw in two's complement (16 bits) when ``signed``. ``bits`` names the bits of a
@@ -45,19 +45,19 @@ class ToldNote:
 
 #: The notes of a record whose wire contract names them: up to version 0.1.0 they were those of IPFC.
 _EARLIER = (
-    ToldNote("BasisInUse", "basis_in_use", "basis functions", "", "", 1.0, False, ("step", "wavelet", "ramp")),
-    ToldNote("SofteningFactor", "softening_factor", "softening factor", "α", "", _UNIPOLAR2, False, ()),
-    ToldNote("Satisfaction", "satisfaction", "satisfaction", "μ", "", _UNIPOLAR2, False, ()),
+    ReportedNote("BasisInUse", "basis_in_use", "basis functions", "", "", 1.0, False, ("step", "wavelet", "ramp")),
+    ReportedNote("SofteningFactor", "softening_factor", "softening factor", "α", "", _UNIPOLAR2, False, ()),
+    ReportedNote("Satisfaction", "satisfaction", "satisfaction", "μ", "", _UNIPOLAR2, False, ()),
 )
 #: The notes of a law without a description.
 _UNKNOWN = (
-    ToldNote("Note1", "note_1", "note 1", "", "", 1.0, False, ()),
-    ToldNote("Note2", "note_2", "note 2", "", "", _UNIPOLAR2, False, ()),
-    ToldNote("Note3", "note_3", "note 3", "", "", _UNIPOLAR2, False, ()),
+    ReportedNote("Note1", "note_1", "note 1", "", "", 1.0, False, ()),
+    ReportedNote("Note2", "note_2", "note 2", "", "", _UNIPOLAR2, False, ()),
+    ReportedNote("Note3", "note_3", "note 3", "", "", _UNIPOLAR2, False, ()),
 )
 
 
-def told_notes(documents: Sequence[dict[str, Any]]) -> tuple[ToldNote, ...]:
+def told_notes(documents: Sequence[dict[str, Any]]) -> tuple[ReportedNote, ...]:
     """Notes from the controller's description of its law.
 
     :raises LookupError, TypeError, ValueError: it is not a valid description.
@@ -68,11 +68,11 @@ def told_notes(documents: Sequence[dict[str, Any]]) -> tuple[ToldNote, ...]:
             raise ValueError(f"no signal of CTL_STAT for notes: {one['signal']}")
         signal, name, title, symbol, unit = (str(one[key]) for key in ("signal", "name", "title", "symbol", "unit"))
         bits = tuple(map(str, one["bits"]))
-        found.append(ToldNote(signal, name, title, symbol, unit, float(one["scale"]), bool(one["signed"]), bits))
+        found.append(ReportedNote(signal, name, title, symbol, unit, float(one["scale"]), bool(one["signed"]), bits))
     return tuple(found)
 
 
-def notes_of(trace: Trace, told: Sequence[dict[str, Any]] | None) -> tuple[ToldNote, ...]:
+def notes_of(trace: Trace, told: Sequence[dict[str, Any]] | None) -> tuple[ReportedNote, ...]:
     """The notes of a record; its wire contract determines whether their names are fixed.
 
     :param told: ``notes`` of its certificate; None: unknown.
@@ -82,7 +82,7 @@ def notes_of(trace: Trace, told: Sequence[dict[str, Any]] | None) -> tuple[ToldN
     return _UNKNOWN if told is None else told_notes(told)
 
 
-def note_values(trace: Trace, note: ToldNote, port: str = CtlStat.PORT) -> FloatArray:
+def note_values(trace: Trace, note: ReportedNote, port: str = CtlStat.PORT) -> FloatArray:
     """Values of a note in each telegram of the port, in its unit, shape (n,)."""
     raw = trace.raw(port, note.signal)
     if note.signed:

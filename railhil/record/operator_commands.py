@@ -1,4 +1,4 @@
-"""The operator's desk: what SUP_CMD says besides "start", ordered by a person at the panel or by the run's own list.
+"""What SUP_CMD says besides "start": ordered by a person at the panel or by the run's own list.
 
 In lockstep a pause is a SUP_CMD with command "none": the plant then stands still and polls SUP_CMD again until it says
 "start". Simulation time does not depend on the wall clock there, so a slower pace is an answer that is sent later.
@@ -41,7 +41,7 @@ class Panel(Protocol):
         """Report to the panel."""
 
 
-class Desk:
+class OperatorCommands:
     """Orders of one run.
 
     :param planned: orders that are sent again, as in a certificate.

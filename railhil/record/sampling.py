@@ -61,7 +61,7 @@ class DrawnTrace(Trace):
         super().__init__(trace.contract)
         self.idents, self.foreign, self.polls = trace.idents, trace.foreign, trace.polls
         self.refused, self.no_answers, self._missed = trace.refused, trace.no_answers, trace._missed
-        self.told, self.end_ns, self._awaited = trace.told, trace.end_ns, trace._awaited
+        self.reported, self.end_ns, self._awaited = trace.reported, trace.end_ns, trace._awaited
         self._record = trace
         self._holds_s = holds_s
         #: Places of the rows without values, by port.

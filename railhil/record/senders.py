@@ -64,14 +64,14 @@ class EqualFrames(Sequence[bytes]):
         return self.joined[start : start + self.size]
 
 
-class Told(NamedTuple):
+class NodeReport(NamedTuple):
     """A node's file: data of the telegrams' frames that it has sent, in order, by CAN identifier; what it received."""
 
     frames: dict[int, Sequence[bytes]]
     received: dict[str, Any] | None
 
 
-def read_sent(path: Path) -> Told | None:
+def read_sent(path: Path) -> NodeReport | None:
     """What a node has written; None without a readable file."""
     try:
         line, _, columns = path.read_bytes().partition(b"\n")
@@ -93,7 +93,7 @@ def read_sent(path: Path) -> Told | None:
     starts = np.arange(packed_count) * PACKED.itemsize + _DATA_AT
     found = _by_id(packed["can_id"], packed["can_id"] <= SFF_MASK, packed["length"], packed.view(np.uint8), starts)
     found |= _by_id(ids, (flags & NO_TELEGRAM) == 0, lengths, data, ends - lengths)
-    return Told(found, received)
+    return NodeReport(found, received)
 
 
 def _by_id(ids: Array, telegrams: Array, lengths: Array, data: Array, starts: Array) -> dict[int, Sequence[bytes]]:
@@ -124,7 +124,7 @@ def sent_file(folder: Path, node: str) -> Path:
     return folder / f"{node}.sent"
 
 
-class Strangers:
+class ForeignFrames:
     """Frames of one port that its owner did not send: how many, and when the first one came (ns)."""
 
     __slots__ = ("count", "first_ns")
@@ -181,7 +181,7 @@ class _Stream:
         self.position += count * same
         return same
 
-    def judge(self, strangers: Strangers) -> int:
+    def judge(self, foreign_frames: ForeignFrames) -> int:
         """Count the frames that were not sent; returns how many of those sent are missing in the record."""
         due, rest, foreign = self.sent[self.position :], [], self.foreign.copy()
         for time_ns, data in self.rest:
@@ -194,7 +194,7 @@ class _Stream:
         each = [_strange(rest, due, ahead) for ahead in (*_AHEAD, len(due))] if rest else [([], len(due))]
         found, missing = min(each, key=lambda item: len(item[0]))
         for time_ns in found:
-            strangers.add(time_ns)
+            foreign_frames.add(time_ns)
         return missing
 
 
@@ -255,7 +255,7 @@ class Senders:
             self._streams[contract.poll_id] = self._polls = _without_scan(self._streams[contract.poll_id])
 
     @staticmethod
-    def _foreign(owner: str, can_id: int, lists: Mapping[str, Told | None]) -> Counter[bytes]:
+    def _foreign(owner: str, can_id: int, lists: Mapping[str, NodeReport | None]) -> Counter[bytes]:
         others = [sent.frames for node, sent in lists.items() if node != owner and sent is not None]
         return Counter(data for frames in others for data in frames.get(can_id, ()))
 
@@ -308,9 +308,9 @@ class Senders:
 
     def _said(self, what: str, node: str, can_ids: Sequence[int]) -> list[str]:
         """Clauses on the frames of one port, in its classic form and in that of CAN FD."""
-        strangers = Strangers()
-        missing = sum(self._streams[can_id].judge(strangers) for can_id in can_ids)
-        said = [strangers.sentence(what, node)] if strangers.count else []
+        foreign_frames = ForeignFrames()
+        missing = sum(self._streams[can_id].judge(foreign_frames) for can_id in can_ids)
+        said = [foreign_frames.sentence(what, node)] if foreign_frames.count else []
         if missing and self._complete:
             said.append(
                 f"{count_of(missing, 'frame')} on {what} that the {node} sent {'is' if missing == 1 else 'are'} missing"

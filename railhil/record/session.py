@@ -27,9 +27,9 @@ from railhil.bus.telegrams import RunEvent, SupCmd, TimeSync
 from railhil.common.mypyc import mypyc_attr
 from railhil.dbc import Contract
 from railhil.record.framelog import LateLines, log_line, log_stamp, plain_line
-from railhil.record.operator_commands import Desk
+from railhil.record.operator_commands import OperatorCommands
 from railhil.record.packets import Packets
-from railhil.record.senders import Strangers
+from railhil.record.senders import ForeignFrames
 from railhil.record.truth_clock import TruthClock
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
@@ -44,7 +44,7 @@ class Session:
 
     :param write: called with each line of the log.
     :param on_progress: called at each SUP_CMD poll with the simulation time in s, of packets as far as it is known.
-    :param desk: gives the orders of an operator; None: those of the run, if it has some.
+    :param operator: gives the orders of an operator; None: those of the run, if it has some.
     :param late: formats lines later, many of them at once; ``write`` is its own. None: each at once.
     :param contract: that of the record, where an earlier one is recorded again; None: that of the scenario's system.
     """
@@ -57,7 +57,7 @@ class Session:
         *,
         fd: bool = False,
         on_progress: Callable[[float], None] | None = None,
-        desk: Desk | None = None,
+        operator: OperatorCommands | None = None,
         late: LateLines | None = None,
         contract: Contract | None = None,
     ) -> None:
@@ -83,9 +83,9 @@ class Session:
         self._late = late
         self._on_progress = on_progress
         self._life = 0
-        if desk is None and run.orders:
-            desk = Desk(run.orders, None, not run.is_realtime)
-        self.desk = desk
+        if operator is None and run.orders:
+            operator = OperatorCommands(run.orders, None, not run.is_realtime)
+        self.operator = operator
         # SUP_CMD sent in this run.
         self._answers = 0
         # Numbers of faults and what is ordered for them, not sent yet.
@@ -131,11 +131,11 @@ class Session:
         self._seen_ids |= self._truth_ids
         self._seen_ids |= {can_id for port in sinks for can_id in (*port.can_ids, port.fd_id)}
         #: Frames under the supervisor's own identifiers that came from the bus, by port.
-        self.strangers = {port.name: Strangers() for port in contract.ports if port.source == "supervisor"}
+        self.foreign_frames = {port.name: ForeignFrames() for port in contract.ports if port.source == "supervisor"}
         self._own_ids = {
-            can_id: self.strangers[port.name]
+            can_id: self.foreign_frames[port.name]
             for port in contract.ports
-            if port.name in self.strangers
+            if port.name in self.foreign_frames
             for can_id in (*port.can_ids, port.fd_id)
         }
         self._seen_ids |= self._own_ids.keys()
@@ -148,7 +148,7 @@ class Session:
             )
             # Where the poll of SUP_CMD moves a time, it is a frame like any other.
             paces = self._pace == self._packets.command_poll if self._pace else schedule.ticks(SupCmd.PORT) <= MAX_STEP
-            self._may_wait = self.desk is None and not paces
+            self._may_wait = self.operator is None and not paces
         # Packets that are answered and not recorded yet, each with the answer; places of polls and answers.
         self._backlog: list[bytes] = []
         self._answered: list[int] = []
@@ -353,8 +353,8 @@ class Session:
         self._answers += 1
         command = SupCommand.STOP if self.disagreements else SupCommand.START
         number, order = self._orders.popleft() if self._orders else (0, FaultOrder.NONE)
-        if self.desk is not None and self._answers > 1 and command is SupCommand.START:
-            command, number, order = self.desk.answer(self._answers, self.sim_time_s)
+        if self.operator is not None and self._answers > 1 and command is SupCommand.START:
+            command, number, order = self.operator.answer(self._answers, self.sim_time_s)
         return SupCmd(command=command, fault_number=number, fault_order=order, life=self._life)
 
     def order(self, number: int, order: FaultOrder) -> None:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from railhil.bus.codes import ControllerFlag
-from railhil.record.notes import ToldNote
+from railhil.record.notes import ReportedNote
 from railhil.record.trace import Trace
 
 #: Beginning of the failure text of a run in which the controller's fixed-point arithmetic has wrapped.
@@ -25,7 +25,7 @@ class Status:
 
     port: str
     flags: str = ""
-    notes: tuple[ToldNote, ...] = ()
+    notes: tuple[ReportedNote, ...] = ()
     further: tuple[Status, ...] = ()
 
     @property
@@ -50,7 +50,7 @@ def _of_telegram(interface: Any, telegram: Any) -> Status:
         if interface.status_of(note) is telegram:
             signal = signals[note.field]
             column = f"{note.name}_{signal.unit.replace('/', 'p')}" if signal.unit else note.name
-            notes.append(ToldNote(signal.name, column, note.name, "", signal.unit, signal.scale, False, ()))
+            notes.append(ReportedNote(signal.name, column, note.name, "", signal.unit, signal.scale, False, ()))
     flags = signals.get("overflow_flags")
     return Status(telegram.PORT, "" if flags is None else flags.name, tuple(notes))
 

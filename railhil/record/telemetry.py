@@ -19,7 +19,7 @@ import numpy as np
 from railhil.bus.codes import ControllerFlag
 from railhil.bus.ident import CtlIdent
 from railhil.bus.telegrams import HEADROOM_UNUSED, NO_QUANTITY
-from railhil.record.notes import ToldNote, told_notes
+from railhil.record.notes import ReportedNote, told_notes
 from railhil.record.run_folder import TELEMETRY
 from railhil.record.status import Status
 from railhil.record.trace import Trace
@@ -163,7 +163,7 @@ class LawOrigin:
 
     text: str
     design_seeds: Mapping[str, range]
-    notes: tuple[ToldNote, ...]
+    notes: tuple[ReportedNote, ...]
 
 
 def law_origin(document: dict[str, Any]) -> LawOrigin:

@@ -46,7 +46,7 @@ class Telegrams(NamedTuple):
     data: bytes
 
 
-class Told(NamedTuple):
+class NodeCounters(NamedTuple):
     """What nodes say that they have received (:mod:`railhil.bus.reception`), by node.
 
     ``exact``: the record and the nodes have got the same frames, except those that an injected fault kept from a node.
@@ -87,7 +87,7 @@ class Trace:
         #: Empty frames, with which a source says that it does not answer.
         self.no_answers: list[Noted] = []
         #: What the nodes themselves have counted; None: it is not known.
-        self.told: Told | None = None
+        self.reported: NodeCounters | None = None
         #: Time of the last frame, in ns.
         self.end_ns = 0
         self._missed: list[Noted] = []

@@ -13,7 +13,7 @@ from typing import Any
 from railhil.dbc import Contract, Signal
 from railhil.judge.judging import Judging, judging_of
 from railhil.judge.signals import signal_table, signal_units
-from railhil.record.notes import ToldNote, notes_of
+from railhil.record.notes import ReportedNote, notes_of
 from railhil.record.trace import Trace
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.system import System, system_named
@@ -144,7 +144,7 @@ def _command(system: System, by_signal: Mapping[tuple[str, str], str], columns: 
     return next((one.name for one in columns if one.kind == SIGNAL and "command" in one.name), "")
 
 
-def _column(name: str, unit: str, is_level: bool, words: Mapping[int, str], note: ToldNote | None) -> ShownColumn:
+def _column(name: str, unit: str, is_level: bool, words: Mapping[int, str], note: ReportedNote | None) -> ShownColumn:
     shown, factor = _DISPLAYED.get(unit, (unit, 1.0))
     ending = next((end for end in _ENDINGS if name.endswith(end)), "") if unit else ""
     label = name.removesuffix(ending).replace("_", " ")
@@ -154,7 +154,7 @@ def _column(name: str, unit: str, is_level: bool, words: Mapping[int, str], note
     return ShownColumn(name, label, shown, factor, kind, words)
 
 
-def _notes(judging: Judging, empty: Trace, notes: Any) -> dict[str, ToldNote]:
+def _notes(judging: Judging, empty: Trace, notes: Any) -> dict[str, ReportedNote]:
     """The columns that are notes of the law."""
     found = {note.name: note for status in (judging.status.every if judging.status else ()) for note in status.notes}
     told = {name for name, _, _ in judging.told(empty, notes)}

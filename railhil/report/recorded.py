@@ -17,7 +17,7 @@ from railhil.judge.measures import KMH
 from railhil.judge.record import Record
 from railhil.judge.score import Score
 from railhil.record.documents import read_score
-from railhil.record.notes import ToldNote, note_values, notes_of
+from railhil.record.notes import ReportedNote, note_values, notes_of
 from railhil.record.sampling import drawn_trace
 from railhil.record.trace import FloatArray, Trace
 from railhil.scenarios.model import PublishedScore, Scenario
@@ -159,9 +159,9 @@ class Curves:
     notch: FloatArray
     status_s: FloatArray
     #: The notes reported by the law, with their values.
-    notes: tuple[tuple[ToldNote, FloatArray], ...]
+    notes: tuple[tuple[ReportedNote, FloatArray], ...]
 
-    def told(self, *, flags: bool) -> list[tuple[ToldNote, FloatArray]]:
+    def told(self, *, flags: bool) -> list[tuple[ReportedNote, FloatArray]]:
         """Notes that are bit fields, or the others; without those that were always 0."""
         return [
             (note, values) for note, values in self.notes if bool(note.bits) == flags and np.nan_to_num(values).any()

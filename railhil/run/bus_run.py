@@ -21,7 +21,7 @@ from railhil.judge.fault_report import FaultOutcome, fault_outcomes, missing_log
 from railhil.live.live_values import LiveLateness
 from railhil.live.processes import Nodes, process_start_ns
 from railhil.live.recorder import AFTER_LOSS_S, SILENCE_S, Recorder, open_recorder, refuse_occupied
-from railhil.record.operator_commands import Desk
+from railhil.record.operator_commands import OperatorCommands
 from railhil.record.session import Session
 from railhil.run.node_commands import longest_stop_s, start_hub, start_nodes
 from railhil.run.run import Run
@@ -41,7 +41,7 @@ class BusRun(Run):
     :param open_bus: makes the recorder's link from the arguments of ``can.Bus`` and the name of the node.
     :param silence_s: wall time without a tick after which a started run counts as dead.
     :param after_loss_s: wall time for the other nodes to stop by themselves after a node was lost.
-    :param desk: gives the orders of an operator.
+    :param operator: gives the orders of an operator.
     :param meanwhile: called when the nodes have been started, which then take a while to appear.
     :param at_end: called when the run has ended, and the nodes take a while to end.
     """
@@ -57,7 +57,7 @@ class BusRun(Run):
         open_bus: Callable[[dict[str, Any], str], Link] = open_link,
         silence_s: float = SILENCE_S,
         after_loss_s: float = AFTER_LOSS_S,
-        desk: Desk | None = None,
+        operator: OperatorCommands | None = None,
         meanwhile: Callable[[], object] | None = None,
         at_end: Callable[[], object] | None = None,
     ) -> None:
@@ -68,12 +68,14 @@ class BusRun(Run):
         self._at_end = at_end
         lines = self.log.late if choice.needs_pipes else None
         write = self.log.write if lines is None else lines.write
-        self.session = Session(scenario, write, spec, fd=choice.fd, on_progress=on_progress, desk=desk, late=lines)
-        if desk is not None:
-            desk.while_waiting = self._while_held
+        self.session = Session(
+            scenario, write, spec, fd=choice.fd, on_progress=on_progress, operator=operator, late=lines
+        )
+        if operator is not None:
+            operator.while_waiting = self._while_held
             if spec.is_realtime:
                 late = LiveLateness(self.session.wall_ticks, self.session.wall_ns)
-                desk.lateness = lambda: late.report(self.wall_tick_ns())
+                operator.lateness = lambda: late.report(self.wall_tick_ns())
         # The hub has one order for all clients; a kernel bus has one per processor.
         in_order = choice.config.get("interface") == HUB_INTERFACE or spec.is_realtime
         self.recorder = Recorder(

@@ -27,7 +27,7 @@ from railhil.record.log_trace import trace_of_log
 from railhil.record.senders import Senders
 from railhil.record.status import untold_wrap
 from railhil.record.telemetry import read_origin, read_summary, reported, shown_telemetry
-from railhil.record.trace import Told
+from railhil.record.trace import NodeCounters
 from railhil.run.node_commands import needs_orders
 
 if TYPE_CHECKING:
@@ -54,9 +54,9 @@ def result_of(
     senders = Senders(run.folder, run.contract, complete=complete)
     if session.frames:
         run.trace = trace_of_log(run.log.path, run.contract, senders)
-    run.trace.told = Told(complete, senders.received)
+    run.trace.reported = NodeCounters(complete, senders.received)
     found = senders.findings()
-    said = [*(item.sentence(port, "supervisor") for port, item in session.strangers.items()), *found.said]
+    said = [*(item.sentence(port, "supervisor") for port, item in session.foreign_frames.items()), *found.said]
     line = "; ".join(filter(None, (line, *said)))
     timing = _timing(run)
     if timing.missed_polls and counters.get("outages") and not run.spec.is_realtime:

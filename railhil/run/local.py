@@ -27,10 +27,10 @@ from railhil.live.recorder import LOOK_S
 from railhil.plant_sim.any_plant import PlantError
 from railhil.plant_sim.node import PlantNode
 from railhil.record.log_trace import trace_of_log
-from railhil.record.operator_commands import Desk
+from railhil.record.operator_commands import OperatorCommands
 from railhil.record.run_folder import TELEMETRY
 from railhil.record.session import Session
-from railhil.record.trace import Told, Trace
+from railhil.record.trace import NodeCounters, Trace
 from railhil.run.conclusion import judged
 from railhil.run.run import Run
 from railhil.scenarios.model import AnyScenario
@@ -46,7 +46,7 @@ class LocalRun(Run):
     :param fd: telegrams in the CAN FD form.
     :param wire: applied to each frame on its way to the controller (faults); None: no change.
     :param controller: computes the commands instead of the run's law.
-    :param desk: gives the orders of an operator.
+    :param operator: gives the orders of an operator.
     :param hear: called with each frame in bus order, and its simulation time in ns.
     """
 
@@ -62,12 +62,12 @@ class LocalRun(Run):
         fd: bool = False,
         wire: Callable[[Frame], list[Frame]] | None = None,
         controller: Any = None,
-        desk: Desk | None = None,
+        operator: OperatorCommands | None = None,
         hear: Callable[[Frame, int], object] | None = None,
     ) -> None:
         super().__init__(scenario, spec, choice or no_bus({}, spec.pace), folder)
         late = self.log.late
-        self.session = Session(scenario, late.write, spec, fd=fd, on_progress=self._poll, desk=desk, late=late)
+        self.session = Session(scenario, late.write, spec, fd=fd, on_progress=self._poll, operator=operator, late=late)
         self._on_progress = on_progress
         self._flush_s = 0.0
         self._wire = wire
@@ -164,7 +164,9 @@ class LocalRun(Run):
         session, plant, controller = self.session, self.plant, self.controller
         self.trace = trace_of_log(self.log.path, self.contract) if session.frames else Trace(self.contract)
         if self._wire is None:
-            self.trace.told = Told(exact=True, nodes=received_by({"controller": controller, "plant": plant}))
+            self.trace.reported = NodeCounters(
+                exact=True, nodes=received_by({"controller": controller, "plant": plant})
+            )
         faults = fault_outcomes(self.folder, self.scenario, self.spec.seed) if session.recording else []
         result = judged(self, sha256, line, code, lockstep_timing(self.trace), faults, session.counters)
         counters = {

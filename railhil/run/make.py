@@ -15,7 +15,7 @@ from railhil.common.exit_codes import FAIL, INVALID, USAGE
 from railhil.judge.fault_report import check_faults, transports_of
 from railhil.live.panel_socket import PanelSocket
 from railhil.live.processes import process_start_ns
-from railhil.record.operator_commands import Desk
+from railhil.record.operator_commands import OperatorCommands
 from railhil.record.run_folder import NO_ROOM, PARAMETERS, discard_folder, run_folder, write_inputs
 from railhil.run.bus_run import BusRun
 from railhil.run.memory import keep_memory, learned, with_memory
@@ -210,7 +210,9 @@ def _begun(plan: Plan, observer: Observer) -> Run:
             choice,
             folder,
             observer.on_progress,
-            desk=None if plan.panel is None else Desk(spec.orders, plan.panel, not spec.is_realtime, scenario.faults),
+            operator=None
+            if plan.panel is None
+            else OperatorCommands(spec.orders, plan.panel, not spec.is_realtime, scenario.faults),
             meanwhile=observer.on_started,
             at_end=observer.on_ended,
         )
@@ -232,7 +234,7 @@ def _executed(run: Run, made: bool) -> Result:
 
             raise record_failed(run.folder, error) from error
         raise
-    if run.session.desk is not None and tuple(run.session.desk.sent) != run.spec.orders:
+    if run.session.operator is not None and tuple(run.session.operator.sent) != run.spec.orders:
         # The same run again needs no hand.
-        result.spec = replace(run.spec, orders=tuple(run.session.desk.sent))
+        result.spec = replace(run.spec, orders=tuple(run.session.operator.sent))
     return result

@@ -1,4 +1,4 @@
-"""The pipes between the processes of one run: order, ends of nodes, full inboxes, strangers."""
+"""The pipes between the processes of one run: order, ends of nodes, full inboxes, foreign_frames."""
 
 from __future__ import annotations
 

@@ -46,7 +46,7 @@ def test_others_are_recorded_and_move_nothing(tmp_path: Path) -> None:
     session.recording = True
     assert session.take(OTHERS) == []
     assert (session.frames, session.sim_time_s) == (len(OTHERS), 0.0)
-    assert not any(strangers.count for strangers in session.strangers.values())
+    assert not any(foreign_frames.count for foreign_frames in session.foreign_frames.values())
     senders = Senders(tmp_path, CONTRACT, complete=True)
     list(senders.passing((0, frame) for frame in OTHERS))
     assert senders.findings() == Findings([], [])

@@ -15,7 +15,7 @@ from railhil.judge.invariants import GOOD_NEEDED, broken
 from railhil.judge.score import score
 from railhil.plant_sim.ato.command_watch import GOOD_AFTER_SERVICE_BRAKE as TRAIN_AFTER_BRAKE
 from railhil.plant_sim.ato.command_watch import GOOD_AFTER_TRACTION_CUT as TRAIN_AFTER_CUT
-from railhil.record.trace import Told, Trace
+from railhil.record.trace import NodeCounters, Trace
 from railhil.scenarios.load import load, load_any
 
 SCENARIO = load("lvshun_tieshan")
@@ -49,7 +49,7 @@ class Story:
 
     def trace(self) -> Trace:
         made, told, life, now_ns = Trace(), -1, 0, 0
-        made.told = Told(self.whole, {})
+        made.reported = NodeCounters(self.whole, {})
         if self.pace != "lockstep":
             made.add(PltIdent.PORT, 0, make_ident(Role.PLANT, SCENARIO.sha256, pace=self.pace).encode())
         late: list[NotchCmd] = []

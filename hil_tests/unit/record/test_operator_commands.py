@@ -1,4 +1,4 @@
-"""The operator's desk: what becomes of the panel's commands in SUP_CMD."""
+"""The operator's operator: what becomes of the panel's commands in SUP_CMD."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from railhil.bus.codes import FaultOrder, SupCommand
 from railhil.faults.language import parse
 from railhil.faults.operator_values import octets_of
 from railhil.record import operator_commands as module
-from railhil.record.operator_commands import Desk
+from railhil.record.operator_commands import OperatorCommands
 
 FAULTS = ("TRN_SPEED loss @manual", "TRN_POS loss @20s")
 STARTED = (SupCommand.START, 0, FaultOrder.NONE)
@@ -50,15 +50,15 @@ def clock(monkeypatch) -> list[float]:
     return now
 
 
-def desk(
+def operator(
     *looks: list[dict[str, Any]], lockstep: bool = True, planned: tuple[str, ...] = ()
-) -> tuple[Desk, ScriptedPanel]:
+) -> tuple[OperatorCommands, ScriptedPanel]:
     panel = ScriptedPanel(*looks)
-    return Desk(planned, panel, lockstep, FAULTS), panel
+    return OperatorCommands(planned, panel, lockstep, FAULTS), panel
 
 
 def test_a_fault_is_ordered_once_and_noted(clock):
-    one, panel = desk([{"do": "inject", "fault": 1, "id": 7}])
+    one, panel = operator([{"do": "inject", "fault": 1, "id": 7}])
     assert one.answer(75, 12.0) == (SupCommand.START, 1, FaultOrder.INJECT)
     assert one.answer(76, 12.16) == STARTED
     assert one.sent == ["75 inject 1"]
@@ -66,7 +66,7 @@ def test_a_fault_is_ordered_once_and_noted(clock):
 
 
 def test_a_fault_of_some_duration_is_cleared_with_the_first_telegram_after_it(clock):
-    one, panel = desk([{"do": "inject", "fault": 1, "for_s": 0.3}])
+    one, panel = operator([{"do": "inject", "fault": 1, "for_s": 0.3}])
     said = [one.answer(number, 12.0 + 0.16 * (number - 75)) for number in range(75, 79)]
     assert said == [(SupCommand.START, 1, FaultOrder.INJECT), STARTED, (SupCommand.START, 1, FaultOrder.CLEAR), STARTED]
     assert one.sent == ["75 inject 1", "77 clear 1"]
@@ -78,31 +78,31 @@ def test_a_fault_of_some_duration_is_cleared_with_the_first_telegram_after_it(cl
 def test_a_prepared_fault_is_injected_by_its_text(clock):
     faults = (*FAULTS, "TRN_SPEED loss 5% @manual combine id T1b", "speed off @manual combine id S1a")
     panel = ScriptedPanel([{"do": "fault", "text": "sensor.speed off for 200 ms"}])
-    one = Desk((), panel, True, faults)
+    one = OperatorCommands((), panel, True, faults)
     assert one.answer(75, 12.0) == (SupCommand.START, 4, FaultOrder.INJECT)
     assert one.answer(76, 12.16) == STARTED
     assert one.answer(77, 12.32) == (SupCommand.START, 4, FaultOrder.CLEAR)
 
 
-def carried(one: Desk, first: int, last: int) -> list[tuple[int, FaultOrder]]:
+def carried(one: OperatorCommands, first: int, last: int) -> list[tuple[int, FaultOrder]]:
     """What the SUP_CMD of these numbers carry."""
     return [one.answer(number, 12.0 + 0.16 * (number - first))[1:] for number in range(first, last + 1)]
 
 
 def test_values_go_out_as_octets_before_the_fault_and_the_certificate_has_them(clock):
-    one, panel = desk([{"do": "fault", "text": "TRN_SPEED loss 12% for 300ms"}])
+    one, panel = operator([{"do": "fault", "text": "TRN_SPEED loss 12% for 300ms"}])
     octets = octets_of(1, parse(FAULTS[0]), parse("TRN_SPEED loss 12% @manual"))
     expected = [*((octet, FaultOrder.VALUE) for octet in octets), (1, FaultOrder.INJECT)]
     assert carried(one, 75, 80 + len(octets)) == [
         *expected, (0, FaultOrder.NONE), (1, FaultOrder.CLEAR), *[(0, FaultOrder.NONE)] * 3
     ]  # fmt: skip
-    assert carried(Desk(one.sent, None, True, FAULTS), 75, 74 + len(expected)) == expected
+    assert carried(OperatorCommands(one.sent, None, True, FAULTS), 75, 74 + len(expected)) == expected
     assert [report["faults"][0] for report in panel.told if "faults" in report][-1] == "TRN_SPEED loss 12% @manual"
 
 
 def test_values_begin_again_after_another_order_and_wait_for_the_end_of_a_pause(clock):
     panel = ScriptedPanel([{"do": "fault", "text": "TRN_SPEED loss 12%"}], [], [{"do": "inject", "fault": 3}])
-    one = Desk((), panel, True, (*FAULTS, "safety_loop off @manual"))
+    one = OperatorCommands((), panel, True, (*FAULTS, "safety_loop off @manual"))
     octets = octets_of(1, parse(FAULTS[0]), parse("TRN_SPEED loss 12% @manual"))
     assert carried(one, 2, 4) == [(octets[0], FaultOrder.VALUE), (octets[1], FaultOrder.VALUE), (3, FaultOrder.INJECT)]
     panel.looks = [[{"do": "pause"}]]
@@ -115,19 +115,19 @@ def test_values_begin_again_after_another_order_and_wait_for_the_end_of_a_pause(
 
 
 def test_a_fault_whose_values_are_on_their_way_can_be_cleared(clock):
-    one, _ = desk([{"do": "fault", "text": "TRN_SPEED loss 12%"}], [{"do": "clear", "fault": 1}])
+    one, _ = operator([{"do": "fault", "text": "TRN_SPEED loss 12%"}], [{"do": "clear", "fault": 1}])
     assert [order for _, order in carried(one, 2, 4)] == [FaultOrder.VALUE, FaultOrder.CLEAR, FaultOrder.NONE]
 
 
 def test_orders_that_come_together_are_sent_one_by_one(clock):
-    one, _ = desk([{"do": "inject", "fault": 1}, {"do": "clear", "fault": 1}, {"do": "stop"}])
+    one, _ = operator([{"do": "inject", "fault": 1}, {"do": "clear", "fault": 1}, {"do": "stop"}])
     assert one.answer(75, 12.0)[2] is FaultOrder.INJECT
     assert one.answer(76, 12.16)[2] is FaultOrder.CLEAR
     assert one.answer(77, 12.32)[0] is SupCommand.STOP
 
 
 def test_nothing_is_ordered_after_stop(clock):
-    one, panel = desk([{"do": "inject", "fault": 1, "for_s": 0.1}], planned=("80 inject 1",))
+    one, panel = operator([{"do": "inject", "fault": 1, "for_s": 0.1}], planned=("80 inject 1",))
     assert one.answer(75, 12.0)[2] is FaultOrder.INJECT
     panel.looks = [[{"do": "stop"}, {"do": "clear", "fault": 1}, {"do": "pause"}]]
     assert one.answer(76, 12.05)[0] is SupCommand.STOP
@@ -138,7 +138,7 @@ def test_nothing_is_ordered_after_stop(clock):
 
 
 def test_a_pause_lasts_until_start_and_each_of_its_answers_is_noted(clock):
-    one, panel = desk([{"do": "pause"}])
+    one, panel = operator([{"do": "pause"}])
     assert one.answer(75, 12.0) == PAUSED
     assert one.answer(76, 12.0) == PAUSED
     panel.looks = [[], [], [{"do": "start"}]]
@@ -148,7 +148,7 @@ def test_a_pause_lasts_until_start_and_each_of_its_answers_is_noted(clock):
 
 
 def test_signals_are_looked_for_during_a_pause(clock):
-    one, _ = desk([{"do": "pause"}])
+    one, _ = operator([{"do": "pause"}])
     one.answer(75, 12.0)
 
     def stop() -> None:
@@ -160,7 +160,7 @@ def test_signals_are_looked_for_during_a_pause(clock):
 
 
 def test_a_pace_holds_the_answer_back(clock):
-    one, panel = desk([{"do": "pace", "pace": 1}])
+    one, panel = operator([{"do": "pace", "pace": 1}])
     one.answer(75, 12.0)
     panel.waited_s = 0.0
     one.answer(76, 12.5)
@@ -200,14 +200,14 @@ def test_a_pace_holds_the_answer_back(clock):
     ],
 )
 def test_what_cannot_be_done_is_refused_and_changes_nothing(clock, command, words):
-    one, panel = desk([command])
+    one, panel = operator([command])
     assert one.answer(75, 12.0) == STARTED
     assert words in panel.refusals[0]
     assert one.sent == []
 
 
 def test_the_lateness_of_a_real_time_run_is_measured_once_a_second_and_told(clock):
-    one, panel = desk(lockstep=False)
+    one, panel = operator(lockstep=False)
     measured = iter(range(10))
     one.lateness = lambda: {"worst_ms": next(measured)}
     for number in range(75, 95):
@@ -220,13 +220,13 @@ def test_the_lateness_of_a_real_time_run_is_measured_once_a_second_and_told(cloc
 
 @pytest.mark.parametrize("what", ["pause", "start", "pace"])
 def test_real_time_cannot_stand_still(clock, what):
-    one, panel = desk([{"do": what, "pace": 2}], lockstep=False)
+    one, panel = operator([{"do": what, "pace": 2}], lockstep=False)
     assert one.answer(75, 12.0) == STARTED
     assert panel.refusals[0]
 
 
 def test_planned_orders_need_no_panel():
-    one = Desk(("75 inject 1", "80 pause", "90 stop"), None, True)
+    one = OperatorCommands(("75 inject 1", "80 pause", "90 stop"), None, True)
     said = [one.answer(number, 0.0) for number in range(74, 92)]
     assert [said.index(item) + 74 for item in ((SupCommand.START, 1, FaultOrder.INJECT), PAUSED)] == [75, 80]
     assert one.sent == ["75 inject 1", "80 pause", "90 stop"]

@@ -88,7 +88,7 @@ def state_of(session: Session) -> dict[str, Any]:
     return {
         "public": [session.frames, session.ended, session.ending, session.sim_time_s, session.recording, session.rate],
         "ticks": list(session.wall_ticks),
-        "counted": [session.counters, {key: (one.count, one.first_ns) for key, one in session.strangers.items()}],
+        "counted": [session.counters, {key: (one.count, one.first_ns) for key, one in session.foreign_frames.items()}],
         "clock": [getattr(clock, name) for name in type(clock).__slots__ if name not in ("counters", "_sync_life")],
         "truth": None if session._truth_clock is None else vars(session._truth_clock),
     }

@@ -22,7 +22,7 @@ from railhil.charts.figure import TIME, Chart, Curve, Figure
 from railhil.charts.svg import markup
 from railhil.judge.score import score
 from railhil.record.framelog import read_log
-from railhil.record.notes import ToldNote
+from railhil.record.notes import ReportedNote
 from railhil.record.sampling import drawn_trace, holding_s
 from railhil.record.trace import Trace, trace_of
 from railhil.report.over_time import columns_of, signal_charts, signals, system_pictures
@@ -37,7 +37,7 @@ from railhil.systems.ato.panels import Drawn
 _FROM_S, _TO_S = 10.0, 16.0
 _SILENT = ("SIM_TRUTH", "NOTCH_CMD", "CTL_STAT")
 #: As the law declares its bit field.
-_NOTE = ToldNote("Note1", "basis", "basis", "", "", 1.0, False, ("step", "wavelet", "ramp"))
+_NOTE = ReportedNote("Note1", "basis", "basis", "", "", 1.0, False, ("step", "wavelet", "ramp"))
 
 
 class Gappy:

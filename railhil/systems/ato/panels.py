@@ -11,7 +11,7 @@ from railhil.charts.figure import TARGET, TIME, ZERO, Area, Chart, Curve, Figure
 from railhil.judge.criteria import STOP_ERROR, TIME_ERROR
 from railhil.judge.measures import KMH, limits_under_train
 from railhil.judge.score import Score
-from railhil.record.notes import ToldNote
+from railhil.record.notes import ReportedNote
 from railhil.report.display_columns import ERROR
 from railhil.report.recorded import Curves, RecordedRun, curves
 from railhil.report.styles import Style, styles
@@ -223,7 +223,7 @@ def _flags(run: Drawn, name: str, used: Sequence[int]) -> Curve:
     return Curve(run.label, run.curves.status_s, row, run.style.alone, is_step=True, run=run.number, column=name)
 
 
-def _told(run: Drawn, name: str) -> tuple[ToldNote, FloatArray]:
+def _told(run: Drawn, name: str) -> tuple[ReportedNote, FloatArray]:
     return next((note, values) for note, values in run.curves.notes if note.name == name)
 
 
