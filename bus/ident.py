@@ -8,7 +8,7 @@ from enum import IntEnum
 from typing import ClassVar
 
 from railhil.bus.layout import CHECK_CORRECT, FLAG_FALSE, FLAG_TRUE, Telegram, flag, signal
-from railhil.common import choices
+from railhil.common import command_line
 from railhil.common.plug_ins import entries
 from railhil.dbc import Contract, wire_contract
 from railhil.dbc.contract import WIRE_VERSION
@@ -23,7 +23,7 @@ class Role(IntEnum):
 
 
 #: Codes of ``arithmetic``, ``indexing`` and ``pace`` in the handshake.
-ARITHMETICS = ("none", *choices.ARITHMETICS)
+ARITHMETICS = ("none", *command_line.ARITHMETICS)
 #: What each arithmetic reproduces: the IQmath library, or the rounding of the floating-point unit.
 PROFILES = {
     "float64": "ieee754",
@@ -32,9 +32,9 @@ PROFILES = {
     "iq-portable": "portable",
     "float32-truncated": "truncated",
 }
-INDEXINGS = ("none", *choices.INDEXINGS)
+INDEXINGS = ("none", *command_line.INDEXINGS)
 _LAW_MAX = 0xFFF
-PACES = ("none", *choices.PACES)
+PACES = ("none", *command_line.PACES)
 
 
 @dataclass(slots=True)

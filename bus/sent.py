@@ -16,7 +16,7 @@ from typing import Any, Final
 from railhil.bus.frame import Frame
 from railhil.bus.hub.wire import CLASSIC_SIZE
 from railhil.common.exit_codes import finish_undisturbed
-from railhil.common.whole_file import whole_file
+from railhil.common.user_files import whole_file
 
 #: Frames that are kept as they are before their data are put together: a node sends about 500 per simulated second.
 _BATCH: Final = 4096

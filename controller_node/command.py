@@ -9,12 +9,12 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from railhil.bus.can_settings import add_bus_arguments, named_bus
-from railhil.bus.injector.processes import kill_this_process, stop_this_process
 from railhil.bus.link import open_link
 from railhil.bus.select import choose_bus
 from railhil.bus.sent import SentFrames
 from railhil.common.command_line import OneLineParser, add_priority_argument, parse
 from railhil.common.exit_codes import finish_undisturbed
+from railhil.common.python_process import kill_this_process, stop_this_process
 from railhil.common.scheduling import cycle
 from railhil.controller_node.faulty import controller_of, write_fault_log
 from railhil.controller_node.laws import find

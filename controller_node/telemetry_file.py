@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from railhil.bus.ident import PROFILES
-from railhil.common import whole_file as wholefile
+from railhil.common import user_files
 from railhil.common.errors import InputError
 from railhil.controller_node.any_controller import AnyController
 from railhil.controller_node.laws import find
@@ -107,7 +107,7 @@ def check_writable(path: Path) -> None:
     :raises InputError: the file cannot be created there.
     """
     try:
-        wholefile.check_writable(path)
+        user_files.check_writable(path)
     except OSError as error:
         why = (error.strerror or str(error)).lower()
         raise InputError("command line", "--telemetry", str(path), f"a file that can be written ({why})") from None
@@ -120,7 +120,7 @@ def write_telemetry(node: AnyController, path: Path) -> None:
     """
     text = json.dumps(telemetry_document(node), indent=2, allow_nan=False) + "\n"
     try:
-        with wholefile.whole_file(path) as draft:
+        with user_files.whole_file(path) as draft:
             draft.write_text(text, encoding="utf-8")
     except OSError as error:
         print(f"controller: telemetry {path} is lost: {(error.strerror or str(error)).lower()}", file=sys.stderr)

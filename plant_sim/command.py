@@ -18,7 +18,7 @@ from railhil.common.errors import InputError
 from railhil.common.exit_codes import finish_undisturbed
 from railhil.common.patience import Lifelines
 from railhil.common.scheduling import NODE_PRIORITY, cycle
-from railhil.common.whole_file import check_writable
+from railhil.common.user_files import check_writable
 from railhil.plant_sim.node import PlantNode
 from railhil.scenarios.handed import HANDED, taken
 from railhil.scenarios.options import add_fmu_options, add_options, add_run_options, named_fmu, run_spec

@@ -8,7 +8,7 @@ from __future__ import annotations
 from array import array
 from pathlib import Path
 
-from railhil.common.whole_file import whole_file
+from railhil.common.user_files import whole_file
 
 #: Name of a tick's event in the table; other events are named by the port polled.
 TICK = "tick"

@@ -15,8 +15,7 @@ from typing import Any
 import numpy as np
 from rich.console import Console
 
-from railhil.common.choices import USUAL_LAW, USUAL_SCENARIO
-from railhil.common.command_line import RATE
+from railhil.common.command_line import RATE, USUAL_LAW, USUAL_SCENARIO
 from railhil.common.errors import InputError, Words
 from railhil.judge.criteria import Criterion
 from railhil.judge.events.event import RecordedEvent

@@ -17,7 +17,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from railhil.bus.errors import BusUnavailable
-from railhil.common.whole_file import locked
+from railhil.common.user_files import locked
 
 TCP_SCHEME = "tcp://"
 #: ``sizeof(sun_path)`` of Linux minus the terminating zero byte.

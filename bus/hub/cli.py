@@ -11,12 +11,20 @@ from railhil.bus.hub.address import default_channel
 from railhil.bus.hub.portspec import parse_ports
 from railhil.bus.hub.server import DEFAULT_BITRATE_BPS, DEFAULT_QUEUE_LIMIT_BYTES, serve
 from railhil.common.command_line import add_priority_argument, whole_number
-from railhil.common.plain_text import plain
 from railhil.common.scheduling import cycle
+from railhil.common.streams import plain
 
 #: Upper limits, far beyond any CAN bus and any memory.
 _BITRATE_MAX_BPS, _QUEUE_MAX_BYTES, _RESTART_MAX_MS = 1_000_000_000, 1 << 40, 3_600_000
 _bit_rate = whole_number(1, _BITRATE_MAX_BPS)
+
+
+def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Register ``railhil bus hub``."""
+    kinds = commands.add_parser("bus").add_subparsers(dest="kind", required=True, metavar="KIND")
+    parser = kinds.add_parser("hub", help="software CAN switch (python-can interface 'railhil')")
+    add_arguments(parser)
+    parser.set_defaults(work=run)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

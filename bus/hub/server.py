@@ -15,7 +15,7 @@ from railhil.bus.hub.model import WireModel
 from railhil.bus.hub.portspec import PROGRAM, PortSpec
 from railhil.bus.hub.switch import Switch
 from railhil.common.exit_codes import ending_signals
-from railhil.common.plain_text import plain
+from railhil.common.streams import plain
 
 if TYPE_CHECKING:
     from railhil.bus.hub.gateway import BusPort

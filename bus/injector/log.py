@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from railhil.common.whole_file import whole_file
+from railhil.common.user_files import whole_file
 from railhil.faults.activity import Activity
 from railhil.faults.language import fault_text
 

@@ -10,8 +10,8 @@ from railhil.bus.hub.orders import Disturber
 from railhil.bus.injector.bus_faults import BusFaults
 from railhil.bus.injector.flood import Flood
 from railhil.bus.injector.node_faults import NodeFaults
-from railhil.bus.injector.processes import kill_this_process, stop_this_process
 from railhil.bus.link import Endpoint
+from railhil.common.python_process import kill_this_process, stop_this_process
 from railhil.dbc import Contract
 
 

@@ -15,7 +15,7 @@ from railhil.bus.hub.wire import ROLES
 from railhil.bus.link.base import Link
 from railhil.bus.link.outage import TIMEOUTS, Timeouts
 from railhil.bus.transports import Opening, transport_of
-from railhil.common.plain_text import plain
+from railhil.common.streams import plain
 
 #: python-can's switch to receive what one has sent, as other tools want it.
 _ECHO = "receive_own_messages"

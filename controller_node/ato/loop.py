@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any, Final
 
-from railhil.common.choices import INDEXINGS
+from railhil.common.command_line import INDEXINGS
 from railhil.common.errors import InputError, Words
 from railhil.common.mypyc import mypyc_attr
 from railhil.common.plug_ins import plugged_in

@@ -20,7 +20,7 @@ from typing import Any, Generic
 import numpy as np
 from numpy.typing import NDArray
 
-from railhil.common.choices import INDEXINGS
+from railhil.common.command_line import INDEXINGS
 from railhil.common.errors import InputError
 from railhil.controller_node.arithmetic.base import Arithmetic, Constant, T
 from railhil.controller_node.laws.base import SPEED_Q

@@ -22,9 +22,9 @@ from hil_tests.support.scores import made_score, with_values
 from railhil.audit import __main__ as audit
 from railhil.campaign import command as campaign
 from railhil.cli.commands import parser
-from railhil.cli.show import print_scores, print_verdict
+from railhil.cli.result_printer import print_scores, print_verdict
 from railhil.common.output import Output
-from railhil.common.plain_text import plain
+from railhil.common.streams import plain
 from railhil.record.framelog import sha256_of
 from railhil.scenarios.load import load, short_names
 from railhil.tuning import command as tune

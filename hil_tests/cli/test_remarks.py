@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from hil_tests.support.scores import made_score
-from railhil.cli.remarks import assumed, next_step
+from railhil.cli.result_printer import assumed, next_step
 from railhil.record.status import WRAP_FAILURE
 from railhil.record.trace import Trace
 from railhil.report.recorded import RecordedRun

@@ -13,7 +13,7 @@ from hil_tests.support.cli import Started, railhil, wait_for
 from hil_tests.support.short_runs import RUN_297M_TOML
 from railhil.cli.commands import parser
 from railhil.cli.faults import entry_run, needs_hub
-from railhil.cli.run_options import run_spec
+from railhil.cli.run import run_spec
 from railhil.judge.reactions.catalogue import Entry, catalogue
 
 pytestmark = [pytest.mark.faults, pytest.mark.slow]

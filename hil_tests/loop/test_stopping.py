@@ -23,7 +23,7 @@ from railhil.bus.local import LocalBus
 from railhil.bus.stopping import Stage
 from railhil.cli.commands import parser
 from railhil.cli.faults import entry_run
-from railhil.cli.run_options import run_spec
+from railhil.cli.run import run_spec
 from railhil.common.errors import InputError
 from railhil.controller_node.vector.node import VectorNode, ports_of
 from railhil.judge.reactions.catalogue import Entry, catalogue_of

@@ -27,7 +27,7 @@ import pytest
 
 from hil_tests.mutation.install import replace_code
 from hil_tests.mutation.operators import Mutant
-from railhil.common.orphans import end_with_parent
+from railhil.common.python_process import end_with_parent
 
 #: What a mutant may use before it counts as noticed: an endless loop, or endless memory.
 CPU_FACTOR, CPU_MARGIN_S, MEMORY_MAX_BYTES = 5, 2, 4 << 30

@@ -13,7 +13,7 @@ from zipfile import BadZipFile, ZipFile
 
 from railhil.common.errors import InputError, Words
 from railhil.common.extras import missing
-from railhil.common.given_file import open_given
+from railhil.common.user_files import open_given
 from railhil.plant_sim.any_plant import PlantError
 from railhil.plant_sim.fmu.names import Named, Quantities, read_names
 from railhil.scenarios.plant_fmu import FMU_BYTES_MAX, OPTION, PlantFmu

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from railhil.common.errors import InputError, Words, did_you_mean
-from railhil.common.given_file import given_text
+from railhil.common.user_files import given_text
 from railhil.scenarios.tomlfile import parsed_toml
 
 #: Unit -> its SI unit here, and the factor to it.

@@ -9,8 +9,7 @@ from typing import Any
 from urllib.parse import quote
 
 from railhil.batch.nodes import batch_of
-from railhil.common.choices import USUAL_SCENARIO
-from railhil.common.command_line import SEED_MAX
+from railhil.common.command_line import SEED_MAX, USUAL_SCENARIO
 from railhil.common.errors import InputError, Words, did_you_mean
 from railhil.judge.criteria import Criterion
 from railhil.judge.judging import Judging, judging_of

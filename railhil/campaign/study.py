@@ -14,8 +14,7 @@ from railhil.batch.nodes import batch_of, run_nodes
 from railhil.campaign.plan import ALL_LAWS, CHUNK_MAX, RUNS_MAX, Chunk, Plan, Request, make_plan
 from railhil.campaign.rows import check_rows, schema, table_of
 from railhil.campaign.summary import summary
-from railhil.common.choices import INDEXINGS
-from railhil.common.command_line import SEED_MAX
+from railhil.common.command_line import INDEXINGS, SEED_MAX
 from railhil.controller_node.arithmetic import names as arithmetics
 from railhil.judge.judging import judging_of
 from railhil.scenarios import system as systems

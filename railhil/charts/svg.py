@@ -14,7 +14,7 @@ import numpy as np
 
 from railhil.charts.figure import Area, Chart, Curve, Figure, FloatArray, Look, Point, extent, looks, ticks
 from railhil.charts.thinned import off_line, seen_rows
-from railhil.common.plain_text import plain
+from railhil.common.streams import plain
 
 _WIDTH_PX, _RIGHT_PX, _TOP_PX = 912, 18, 6
 #: Left of the axes: at least, and for each letter of a name there.

@@ -1,4 +1,4 @@
-"""The command line of ``railhil``: one module per subcommand, each with ``add_parser`` and its implementation."""
+"""The command line of ``railhil``: a module for each command, with ``add_parser`` and its implementation."""
 
 from __future__ import annotations
 
@@ -36,8 +36,8 @@ _COMMANDS = {
 }
 
 
-#: Command -> its module, where that has another name. A program has none.
-_MODULE_OF = {"node": "programs"}
+#: Command -> its module, unless it is that of its name in this package. A program has none.
+_MODULES = {"node": "railhil.cli.programs", "bus": "railhil.bus.hub.cli"}
 
 
 class _Commands(argparse._SubParsersAction):  # type: ignore[type-arg]
@@ -76,7 +76,7 @@ def parser(words: Sequence[str] | None = None) -> argparse.ArgumentParser:
             # A program parses its own command line and has its own help.
             commands.add_parser(name, add_help=False)
         else:
-            import_module(f"railhil.cli.{_MODULE_OF.get(name, name)}").add_parser(commands)
+            import_module(_MODULES.get(name, f"railhil.cli.{name}")).add_parser(commands)
     return root
 
 

@@ -1,19 +1,21 @@
 """``railhil compare``: several laws over the bus, one after another, compared with each other and the published
-table."""
+table.
+"""
 
 from __future__ import annotations
 
 import argparse
+import json
+import subprocess
+import sys
 from collections.abc import Sequence
-from contextlib import AbstractContextManager, nullcontext
-from dataclasses import replace
+from contextlib import AbstractContextManager, ExitStack, nullcontext
+from dataclasses import dataclass, replace
 from pathlib import Path
 
-from railhil.cli.controller_check import check_controllers
 from railhil.cli.progress import Progress
-from railhil.cli.remarks import assumed
-from railhil.cli.run_options import add_arguments, law_names, run_spec, run_system
-from railhil.cli.show import print_scores, print_verdict, print_watch
+from railhil.cli.result_printer import assumed, print_scores, print_verdict, print_watch
+from railhil.cli.run import add_arguments, law_names, run_spec, run_system
 from railhil.common.digits import count_of
 from railhil.common.errors import InputError, Words
 from railhil.common.output import Output
@@ -22,10 +24,11 @@ from railhil.judge.judging import judging_of
 from railhil.judge.training_seeds import check_unseen
 from railhil.record.run_folder import run_folder
 from railhil.record.signature import add_sign_argument, check_key, sign_list
+from railhil.record.telemetry import LawOrigin, law_origin
 from railhil.report.comparison_file import write_comparison
 from railhil.report.facts import parameters_sentence
 from railhil.report.recorded import RecordedRun, recorded_run
-from railhil.run.make import Observer, Plan, record_run
+from railhil.run.make import NeverBegan, Observer, Plan, record_run
 from railhil.run.report import as_recorded, report_line
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.options import add_option
@@ -204,3 +207,53 @@ def work(namespace: argparse.Namespace) -> int:
 
 def _so_far(runs: Sequence[tuple[Path, RecordedRun]], plan: Sequence[RunSpec], folder: Path) -> str:
     return f"{len(runs)} of {count_of(len(plan), 'run')} recorded in {folder}, no comparison written"
+
+
+_CHECK_S = 120.0
+
+
+@dataclass(frozen=True, slots=True)
+class Checked:
+    """A law's declarations, and the line and exit code with which it refused (empty and 0 if it can run)."""
+
+    indexings: tuple[str, ...]
+    origin: LawOrigin
+    line: str
+    exit_code: int
+
+    def require(self) -> None:
+        """Continue only if the controller can run.
+
+        :raises NeverBegan: it refused to run.
+        """
+        if self.exit_code:
+            raise NeverBegan(self.line, self.exit_code)
+
+
+def check_controllers(wanted: Sequence[RunSpec]) -> list[Checked]:
+    """Make the controller of each run once, all at once, each in its own process without a bus.
+
+    :raises NeverBegan: a process ended before it could describe its law.
+    """
+    with ExitStack() as stack:
+        started = []
+        for spec in wanted:
+            command = [sys.executable, "-P", "-m", "railhil.controller_node", *spec.scenario_words]
+            command += [*spec.law.words, "--check"]
+            process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+            stack.callback(process.wait)
+            stack.callback(process.kill)
+            started.append(process)
+        return [_answer(spec, process) for spec, process in zip(wanted, started, strict=True)]
+
+
+def _answer(spec: RunSpec, process: subprocess.Popen[str]) -> Checked:
+    said, complaint = process.communicate(timeout=_CHECK_S)
+    lines = [line for line in complaint.splitlines() if line.strip()]
+    line = lines[-1] if lines else f"{spec.law.controller}: exit code {process.returncode}"
+    try:
+        document = json.loads(said)
+        indexings, origin = tuple(map(str, document["indexings"])), law_origin(document)
+    except (ValueError, LookupError, TypeError, AttributeError):
+        raise NeverBegan(line, process.returncode or InputError.exit_code) from None
+    return Checked(indexings, origin, line, process.returncode)

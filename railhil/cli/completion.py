@@ -7,7 +7,7 @@ import sys
 from importlib import import_module
 
 from railhil.cli import commands, programs
-from railhil.cli.run_options import law_names
+from railhil.cli.run import law_names
 from railhil.common.command_line import OneLineParser, parse
 from railhil.common.exit_codes import PASS, guarded
 from railhil.common.extras import missing

@@ -22,7 +22,7 @@ from railhil.bus.link import open_link
 from railhil.bus.select import BusChoice, choose_bus, own_pipes
 from railhil.bus.transports import limits
 from railhil.common.build import python_build, railhil_build
-from railhil.common.choices import USUAL_SCENARIO
+from railhil.common.command_line import USUAL_SCENARIO
 from railhil.common.digits import count_of
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import PASS, USAGE

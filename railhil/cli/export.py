@@ -9,10 +9,9 @@ from pathlib import Path
 from typing import NamedTuple
 
 from railhil.common.errors import InputError, Words
-from railhil.common.extras import missing
+from railhil.common.extras import allow_asammdf, missing
 from railhil.common.output import Output
-from railhil.common.python_can import allow_asammdf
-from railhil.common.whole_file import whole_file
+from railhil.common.user_files import whole_file
 from railhil.judge.record import checked_record
 from railhil.record.run_folder import not_written
 from railhil.report.files.content import Content, parsed_start

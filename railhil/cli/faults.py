@@ -11,20 +11,22 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 from railhil.bus.can_settings import HUB_INTERFACE
 from railhil.cli.fault_pairs import pairs, run_into
-from railhil.cli.fault_words import print_words
-from railhil.cli.run_options import add_arguments, law_names, run_spec, run_system
+from railhil.cli.run import add_arguments, law_names, run_spec, run_system
 from railhil.common.command_line import whole_number
 from railhil.common.digits import count_of
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import FAIL, INVALID, PASS
 from railhil.common.output import Output, table
 from railhil.common.streams import add_json_argument, print_json
-from railhil.common.whole_file import whole_file
+from railhil.common.user_files import whole_file
 from railhil.faults.capability import why_not
 from railhil.faults.language import parse
+from railhil.faults.page import lines
+from railhil.faults.words import CLEAR, PLACES, WORDS
 from railhil.judge.folder import code_sha256, made_by
 from railhil.judge.reactions.catalogue import Entry, catalogue_of
 from railhil.judge.reactions.evaluate import Row, evaluated
@@ -234,3 +236,34 @@ def work(namespace: argparse.Namespace) -> int:
         console.say(f"{count_of(len(left), 'entry', 'entries')} without a run here: {', '.join(left)}")
     # Without a run nothing is known.
     return stopped or (FAIL if wrong else PASS if made else INVALID)
+
+
+def _document() -> dict[str, Any]:
+    words = [
+        {
+            "level": word.level,
+            "part": word.part,
+            "word": word.name,
+            "places": list(word.names or PLACES.get(word.level, {})),
+            "what": word.meaning,
+            "after": list(word.after),
+            "values": [
+                {"name": one.name, "unit": one.unit, "usual": one.usual, "keyword": one.keyword, "what": one.meaning}
+                for one in word.parameters
+            ],
+            "origin": word.origin,
+        }
+        for word in WORDS
+        if word.name != CLEAR
+    ]
+    return {"words": words}
+
+
+def print_words(as_json: bool) -> None:
+    """Print all words."""
+    if as_json:
+        print_json(_document())
+    else:
+        console = Output()
+        for line in lines():
+            console.say(line)

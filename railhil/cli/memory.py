@@ -13,7 +13,7 @@ from railhil.common.errors import InputError, Words
 from railhil.common.exit_codes import FAIL, PASS
 from railhil.common.output import Output, table
 from railhil.common.streams import add_json_argument, print_json
-from railhil.common.whole_file import write_synced
+from railhil.common.user_files import write_synced
 from railhil.record.run_folder import not_written
 from railhil.scenarios.load import load_any
 from railhil.scenarios.memory import Memory, Record, Stored

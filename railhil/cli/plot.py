@@ -8,7 +8,7 @@ from pathlib import Path
 from railhil.common.errors import InputError
 from railhil.common.extras import missing
 from railhil.common.output import Output
-from railhil.common.whole_file import whole_file
+from railhil.common.user_files import whole_file
 from railhil.judge.judging import judging_of
 from railhil.judge.record import checked_record
 from railhil.record.run_folder import not_written

@@ -1,4 +1,5 @@
-"""``railhil run``: one scenario over the bus in three processes, recorded and scored."""
+"""``railhil run``: one scenario over the bus in three processes, recorded and scored; options of all commands that make
+runs."""
 
 from __future__ import annotations
 
@@ -12,28 +13,82 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from railhil.bus.can_settings import named_bus
-from railhil.cli.dbcfile import check_foreign_dbc
+from railhil.bus.can_settings import add_bus_arguments, named_bus
 from railhil.cli.panel import PanelBeside, add_panel_arguments, check_panel, with_catalogue, with_emergency
 from railhil.cli.progress import Progress
-from railhil.cli.run_options import add_arguments, law_names, start_up
 from railhil.common.errors import Faults, InputError, Words
-from railhil.common.given_file import given_text
 from railhil.common.streams import add_json_argument, print_json, say
+from railhil.common.user_files import given_text
 from railhil.record.signature import add_sign_argument, check_key, sign_list
 from railhil.run.make import Observer, Plan, record_run
 from railhil.run.memory import memory_lines
 from railhil.run.report import as_recorded, report_line
+from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario
-from railhil.scenarios.options import add_fmu_options, add_option, add_options, named_fmu
+from railhil.scenarios.options import (
+    add_fmu_options,
+    add_law_options,
+    add_option,
+    add_options,
+    add_run_options,
+    law_spec,
+    named_fmu,
+)
+from railhil.scenarios.options import run_spec as named_run
+from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.plant_fmu import OPTION as FMU_OPTION
 from railhil.scenarios.run_document import OPTIONS, Layer, environment_layer, file_layer
-from railhil.scenarios.run_spec import RunSpec
-from railhil.scenarios.system import system_named
+from railhil.scenarios.run_spec import RunSpec, StartUp
+from railhil.scenarios.system import DEFAULT, System, system_named
 
 if TYPE_CHECKING:
     from railhil.common.output import Output
     from railhil.judge.result import Result
+
+
+def add_arguments(parser: argparse.ArgumentParser, bus: str = "auto") -> None:
+    """Options of every command that makes and records runs.
+
+    :param bus: the default.
+    """
+    add_run_options(parser)
+    add_options(parser, "--set", "--fault")
+    add_law_options(parser)
+    add_options(parser, "--no-rt", "--no-report")
+    parser.add_argument(
+        "--verbose", action="store_true", help="print all that the scenario assumes, and how long the end took"
+    )
+    parser.add_argument("--quiet", action="store_true", help="no progress bar")
+    add_option(parser, "--bus", default=bus)
+    add_bus_arguments(parser)
+
+
+def law_names(system: System | None = None) -> list[str]:
+    """Names of the installed laws of a system, in the order of every table; None: of railhil's own system."""
+    return (system or system_named(DEFAULT)).law_names()
+
+
+def run_system(namespace: argparse.Namespace) -> System:
+    """The system of the scenario on the command line.
+
+    :raises InputError: it cannot be loaded.
+    """
+    return system_named(load_any(namespace.scenario, namespace.set, namespace.fault).system)
+
+
+def run_spec(namespace: argparse.Namespace, controller: str | None, parameters: ParameterSet | None) -> RunSpec:
+    """The run of one law as described by the command line; None: the usual one of the scenario's system.
+
+    :raises InputError: there is no such scenario.
+    """
+    law = law_spec(namespace, run_system(namespace), controller, parameters)
+    return replace(named_run(namespace, law), can=named_bus(namespace), start_up=start_up(namespace))
+
+
+def start_up(namespace: argparse.Namespace) -> StartUp:
+    """How to start the nodes of a run, from the command line."""
+    return StartUp(ask_for_fifo=not namespace.no_rt, appear_s=namespace.appear_timeout)
+
 
 #: Key of a run -> name in the parsed command line.
 _DESTINATIONS: Mapping[str, str] = {key: option.lstrip("-").replace("-", "_") for key, option in OPTIONS.items()}
@@ -168,7 +223,7 @@ class _Command(Observer):
         return nullcontext(plan)
 
     def on_ended(self) -> None:
-        import railhil.cli.show_run  # noqa: F401
+        import railhil.cli.result_printer  # noqa: F401
 
 
 def work(namespace: argparse.Namespace) -> int:
@@ -181,6 +236,9 @@ def work(namespace: argparse.Namespace) -> int:
     spec = with_catalogue(spec) if namespace.catalogue else spec
     scenario = spec.load()
     if namespace.dbc is not None:
+        # Loads what prints tables, which other runs load while their nodes start.
+        from railhil.cli.ports import check_foreign_dbc
+
         check_foreign_dbc(namespace.dbc, system_named(scenario.system).contract)
     spec = _looked_at(spec, scenario, namespace.json)
 
@@ -196,7 +254,7 @@ def work(namespace: argparse.Namespace) -> int:
     observers += [] if namespace.quiet or namespace.json else [Progress(console)]
     result = record_run(spec, *observers, scenario=scenario)
     # Loaded while the nodes ended.
-    from railhil.cli.show_run import print_result
+    from railhil.cli.result_printer import print_result
     from railhil.judge.folder import score_json
     from railhil.record.hash_list import REPORT
     from railhil.report.recorded import recorded_run

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from railhil.cli.show import print_watch
+from railhil.cli.result_printer import print_watch
 from railhil.common.errors import InputError
 from railhil.common.output import Output, table
 from railhil.common.streams import add_json_argument, print_json

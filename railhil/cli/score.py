@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from railhil.cli.show import print_scores, print_verdict, print_watch
+from railhil.cli.result_printer import print_scores, print_verdict, print_watch
 from railhil.common.exit_codes import FAIL, INVALID, PASS
 from railhil.common.output import Output
 from railhil.common.streams import add_json_argument, print_json

@@ -1,4 +1,5 @@
-"""The argument parser of every ``railhil`` command: one line for a usage error, exit codes in each help."""
+"""The argument parser of every ``railhil`` command: one line for a usage error, exit codes in each help, allowed values
+of the options that say how a law is run."""
 
 from __future__ import annotations
 
@@ -10,8 +11,19 @@ import sys
 from collections.abc import Callable, Sequence
 from typing import Any, NoReturn
 
-from railhil.common.plain_text import plain
 from railhil.common.scheduling import PRIORITY_MAX
+from railhil.common.streams import plain
+
+#: The order of these values gives their codes in the handshake: new ones come last.
+ARITHMETICS = ("float64", "float32", "iq", "iq-portable", "float32-truncated")
+#: What the set-points of a law are indexed by.
+INDEXINGS = ("time", "distance")
+PACES = ("lockstep", "realtime")
+#: Which bus a run uses: chosen by python-can's options, its configuration and the machine, or none at all.
+BUSES = ("auto", "local")
+#: Scenario and law of a run that names none.
+USUAL_SCENARIO, USUAL_LAW = "lvshun_tieshan", "ipfc"
+
 
 #: Seeds travel as 32 bit in the handshake.
 SEED_MAX = 0xFFFF_FFFF

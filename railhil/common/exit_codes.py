@@ -12,8 +12,8 @@ import sys
 from collections.abc import Callable
 from typing import TYPE_CHECKING, NoReturn
 
-from railhil.common.plain_text import plain
-from railhil.common.python_can import without_asammdf
+from railhil.common.extras import without_asammdf
+from railhil.common.streams import plain
 
 if TYPE_CHECKING:
     from typing_extensions import Buffer

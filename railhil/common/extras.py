@@ -1,4 +1,8 @@
-"""Libraries of the extras: the command that installs missing ones for this kind of installation."""
+"""Libraries of the extras: the command that installs missing ones for this kind of installation, and one not to load.
+
+python-can imports asammdf, and pandas with it, for MF4 files of its own. That takes half a second at the start of every
+command and node of an installation with the extra ``mdf``.
+"""
 
 from __future__ import annotations
 
@@ -6,7 +10,8 @@ import importlib
 import importlib.util
 import shlex
 import sys
-from importlib.metadata import requires
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from types import ModuleType
 
@@ -22,6 +27,9 @@ def install_command(extra: str) -> str:
 
     The libraries are named one by one, which works in a clone, for a wheel and with pipx, wherever railhil came from.
     """
+    # Loading this takes a tenth of the start of a command.
+    from importlib.metadata import requires
+
     wanted = [text.partition(";") for text in requires(_DISTRIBUTION) or ()]
     names = [name.strip() for name, _, marker in wanted if f'extra == "{extra}"' in marker]
     if (Path(sys.prefix) / _PIPX).is_file():
@@ -51,3 +59,24 @@ def need(module: str, extra: str, command: str = "railhil campaign") -> ModuleTy
         return importlib.import_module(module)
     except ImportError as error:
         raise missing(command, error, extra) from error
+
+
+_ASAMMDF = "asammdf"
+
+
+@contextmanager
+def without_asammdf() -> Iterator[None]:
+    """Inside ``with``, asammdf cannot be imported, unless it or python-can has been already."""
+    if "can" not in sys.modules and _ASAMMDF not in sys.modules:
+        # None makes an import fail (reference of the language, 5.3.1).
+        sys.modules[_ASAMMDF] = None  # type: ignore[assignment]
+    try:
+        yield
+    finally:
+        allow_asammdf()
+
+
+def allow_asammdf() -> None:
+    """End :func:`without_asammdf`, for a command that needs asammdf."""
+    if sys.modules.get(_ASAMMDF, ...) is None:
+        del sys.modules[_ASAMMDF]

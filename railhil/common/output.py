@@ -12,8 +12,7 @@ from rich.measure import Measurement
 from rich.table import Column, Table
 from rich.text import Text
 
-from railhil.common.plain_text import plain
-from railhil.common.streams import discard_output
+from railhil.common.streams import discard_output, plain
 
 #: Width of output into a file or pipe unless COLUMNS is set.
 _FILE_COLUMNS = 100

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 from railhil.bus.can_settings import HUB_INTERFACE
 from railhil.bus.select import LOCAL, BusChoice
 from railhil.common.errors import InputError, Words
-from railhil.common.whole_file import whole_file
+from railhil.common.user_files import whole_file
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.system import system_named
 

@@ -14,8 +14,8 @@ from typing import Any
 from railhil.bus.ident import PROFILES
 from railhil.common.build import machine
 from railhil.common.held_code import place_of
-from railhil.common.plain_text import plain
-from railhil.common.whole_file import whole_file, write_synced
+from railhil.common.streams import plain
+from railhil.common.user_files import whole_file, write_synced
 from railhil.judge.criteria import limited
 from railhil.judge.events.event import EVENTS, FAULT, LOST, MISSED_POLL, REFUSED, write_events
 from railhil.judge.events.summary import counts_said, explained, reactions, summary, why

@@ -12,7 +12,7 @@ from railhil.common.errors import InputError, Words
 from railhil.common.exit_codes import PASS, guarded
 from railhil.common.output import Output
 from railhil.common.streams import accept_any_text, flush_output, print_json
-from railhil.common.whole_file import check_writable, whole_file
+from railhil.common.user_files import check_writable, whole_file
 from railhil.controller_node.high_speed.training import Recipe
 from railhil.judge.record import checked_record
 from railhil.learning.command import LAWS, arguments

@@ -14,8 +14,8 @@ from railhil.bus.select import arguments_from_config, choose_bus
 from railhil.cli.watched import Watched, named_scenario
 from railhil.common.errors import InputError, Words
 from railhil.common.exit_codes import ending_signals
-from railhil.common.orphans import end_with_parent
 from railhil.common.output import Output
+from railhil.common.python_process import end_with_parent
 from railhil.panel.following import FollowedRun
 from railhil.panel.live import LiveRun
 from railhil.panel.operator import Operator

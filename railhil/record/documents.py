@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, model_validator
 
 from railhil.common.errors import InputError, Words
-from railhil.common.given_file import given_text
+from railhil.common.user_files import given_text
 from railhil.scenarios.validation import validated
 
 #: Names in a run folder.

@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any, Final, NamedTuple
 
 from railhil.common.errors import InputError, Words
-from railhil.common.whole_file import DRAFTS, whole_file, write_synced
+from railhil.common.user_files import DRAFTS, whole_file, write_synced
 from railhil.record.framelog import sha256_of
 from railhil.record.signature import HASH_LIST as HASH_LIST
 from railhil.record.signature import SIGNATURE as SIGNATURE
@@ -82,7 +82,7 @@ def write_hash_list(folder: Path, instead: Mapping[str, Path] | None = None, onl
 
 @contextmanager
 def listed_file(path: Path) -> Iterator[Path]:
-    """:func:`railhil.common.whole_file.whole_file`, which also enters the file into the list of its folder if that has
+    """:func:`railhil.common.user_files.whole_file`, which also enters the file into the list of its folder if that has
     one; a signed list stays as it is.
 
     :raises InputError: the file is in a signed list, or the list is damaged.

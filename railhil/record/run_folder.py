@@ -13,7 +13,7 @@ from typing import Any
 
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import TOOL_ERROR
-from railhil.common.whole_file import whole_file
+from railhil.common.user_files import whole_file
 from railhil.dbc import DBC, PORTS
 from railhil.dbc.text import dbc_text, table_text
 from railhil.scenarios.model import AnyScenario

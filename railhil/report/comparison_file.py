@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from railhil.common.whole_file import whole_file
+from railhil.common.user_files import whole_file
 from railhil.judge.judging import judging_of
 from railhil.record.documents import COMPARISON
 from railhil.record.hash_list import HASH_LIST, HASH_LIST_KEY, write_hash_list

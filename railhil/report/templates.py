@@ -8,7 +8,7 @@ from typing import Final
 from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined, Template
 
 from railhil.charts import static_text
-from railhil.common.plain_text import plain
+from railhil.common.streams import plain
 
 
 def script() -> str:

@@ -15,7 +15,7 @@ from railhil.common.exit_codes import INVALID, PASS, guarded
 from railhil.common.extras import install_command
 from railhil.common.output import Output, table
 from railhil.common.streams import accept_any_text, add_json_argument, flush_output, print_json
-from railhil.common.whole_file import check_writable
+from railhil.common.user_files import check_writable
 from railhil.record.run_folder import not_written
 from railhil.reproduce.comparison import FOLLOWS, FOLLOWS_NOT, IN_PART, Table
 from railhil.reproduce.document import PAGE, RUNS, describe_pictures, make_document, write_page

@@ -15,7 +15,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from railhil.common.whole_file import whole_file
+from railhil.common.user_files import whole_file
 from railhil.record.run_folder import not_written
 from railhil.reproduce.comparison import Line, Table
 from railhil.reproduce.paper import Entry, Measurement, Paper, Results

@@ -15,7 +15,7 @@ from typing import Any
 
 from railhil.common.errors import InputError
 from railhil.common.held_code import OURS, held_sha256
-from railhil.common.whole_file import whole_file
+from railhil.common.user_files import whole_file
 from railhil.reproduce.paper import Entry, Measurement, Paper, Results
 from railhil.study.pool import each, stop_code, stopped_by
 

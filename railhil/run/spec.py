@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from railhil.bus.can_settings import HUB_INTERFACE
-from railhil.common.choices import BUSES
+from railhil.common.command_line import BUSES
 from railhil.common.errors import InputError
 from railhil.controller_node.laws import find
 from railhil.controller_node.laws.parameters import law_parameters

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from railhil.common.errors import InputError, Words, did_you_mean
-from railhil.common.given_file import given_text
+from railhil.common.user_files import given_text
 from railhil.faults import FAULT
 from railhil.scenarios.settings import SET, layer
 from railhil.scenarios.tomlfile import parsed_toml

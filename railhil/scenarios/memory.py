@@ -26,8 +26,7 @@ from typing import Any, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from railhil.common.errors import InputError, Words, near_file
-from railhil.common.given_file import given_bytes
-from railhil.common.whole_file import write_synced
+from railhil.common.user_files import given_bytes, write_synced
 from railhil.scenarios.validation import validated
 
 VERSION = 1

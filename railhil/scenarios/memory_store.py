@@ -21,8 +21,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from railhil.common.errors import InputError, Words
-from railhil.common.given_file import given_bytes
-from railhil.common.whole_file import check_writable, locked, sync_folder, write_synced
+from railhil.common.user_files import check_writable, given_bytes, locked, sync_folder, write_synced
 from railhil.scenarios.memory import (
     LINE_DEFAULT,
     SLOT_A,

@@ -12,8 +12,20 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-from railhil.common.choices import ARITHMETICS, BUSES, INDEXINGS, PACES, USUAL_SCENARIO
-from railhil.common.command_line import RATE, RUN_NUMBER_MAX, SEED_MAX, TASK_PERIOD_MAX_MS, rate, seconds, whole_number
+from railhil.common.command_line import (
+    ARITHMETICS,
+    BUSES,
+    INDEXINGS,
+    PACES,
+    RATE,
+    RUN_NUMBER_MAX,
+    SEED_MAX,
+    TASK_PERIOD_MAX_MS,
+    USUAL_SCENARIO,
+    rate,
+    seconds,
+    whole_number,
+)
 from railhil.common.errors import InputError
 from railhil.common.patience import APPEAR_S, PATIENCE_S
 from railhil.scenarios.handed import HANDED

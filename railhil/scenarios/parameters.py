@@ -25,7 +25,7 @@ from typing import Any
 from pydantic import BaseModel, ConfigDict, Field
 
 from railhil.common.errors import InputError, Words, near_file
-from railhil.common.given_file import given_text
+from railhil.common.user_files import given_text
 from railhil.scenarios.tomlfile import parsed_toml, toml_table, toml_value
 from railhil.scenarios.validation import validated
 

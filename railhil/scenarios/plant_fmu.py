@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from railhil.common.errors import InputError, Words
-from railhil.common.given_file import open_given
+from railhil.common.user_files import open_given
 
 OPTION, MAP_OPTION = "--plant-fmu", "--fmu-map"
 #: Largest archive of an FMU.

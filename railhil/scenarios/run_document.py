@@ -14,11 +14,23 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from railhil.common.choices import ARITHMETICS, BUSES, INDEXINGS, PACES, USUAL_LAW, USUAL_SCENARIO
-from railhil.common.command_line import APPEAR_MAX_S, RATE_MAX, RATE_MIN, RUN_NUMBER_MAX, SEED_MAX, TASK_PERIOD_MAX_MS
+from railhil.common.command_line import (
+    APPEAR_MAX_S,
+    ARITHMETICS,
+    BUSES,
+    INDEXINGS,
+    PACES,
+    RATE_MAX,
+    RATE_MIN,
+    RUN_NUMBER_MAX,
+    SEED_MAX,
+    TASK_PERIOD_MAX_MS,
+    USUAL_LAW,
+    USUAL_SCENARIO,
+)
 from railhil.common.errors import Faults, InputError, Words, did_you_mean, near_file
-from railhil.common.given_file import given_text
 from railhil.common.patience import PATIENCE_S
+from railhil.common.user_files import given_text
 from railhil.faults import FAULT
 from railhil.scenarios.load import load_any, stable_name
 from railhil.scenarios.memory import Memory, memory_from_json

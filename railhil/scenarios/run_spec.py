@@ -14,8 +14,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from railhil.common.choices import USUAL_LAW, USUAL_SCENARIO
-from railhil.common.command_line import RATE
+from railhil.common.command_line import RATE, USUAL_LAW, USUAL_SCENARIO
 from railhil.common.errors import Faults, InputError
 from railhil.common.patience import APPEAR_S, PATIENCE_S
 from railhil.scenarios.model import AnyScenario
@@ -37,7 +36,7 @@ class LawSpec:
     """One law and how it is run.
 
     :param controller: name of the law.
-    :param arithmetic: one of :data:`railhil.common.choices.ARITHMETICS`.
+    :param arithmetic: one of :data:`railhil.common.command_line.ARITHMETICS`.
     :param indexing: set-points by ``time`` or by ``distance``.
     :param parameters: parameters of the law from a file; None: its own.
     :param task_period_ms: simulation time between two readings of the controller's mailboxes; 0: each frame at once.

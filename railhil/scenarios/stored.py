@@ -16,7 +16,7 @@ from typing import Any
 from pydantic import TypeAdapter, ValidationError
 
 from railhil.common.errors import InputError, Words
-from railhil.common.given_file import given_text
+from railhil.common.user_files import given_text
 from railhil.scenarios.layers import DATA
 from railhil.scenarios.model import AnyScenario, PublishedScore, Scenario
 from railhil.scenarios.system import DEFAULT, system_named

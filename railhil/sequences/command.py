@@ -9,8 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from railhil.batch.nodes import kernel_of, one_by_one
-from railhil.common.choices import USUAL_SCENARIO
-from railhil.common.command_line import OneLineParser, whole_number
+from railhil.common.command_line import USUAL_SCENARIO, OneLineParser, whole_number
 from railhil.common.errors import InputError
 from railhil.common.extras import install_command
 from railhil.common.output import Output

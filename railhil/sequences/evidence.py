@@ -24,7 +24,7 @@ from typing import Any, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from railhil.common.errors import InputError, Words
-from railhil.common.whole_file import write_synced
+from railhil.common.user_files import write_synced
 from railhil.dbc import ContractError
 from railhil.judge.cross_check import check_folder
 from railhil.record.documents import CERTIFICATE, read_certificate

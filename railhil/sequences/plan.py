@@ -9,8 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import railhil
-from railhil.common.choices import USUAL_SCENARIO
-from railhil.common.command_line import SEED_MAX
+from railhil.common.command_line import SEED_MAX, USUAL_SCENARIO
 from railhil.common.errors import InputError, Words
 from railhil.controller_node.law_controller import maker_of
 from railhil.controller_node.laws import find

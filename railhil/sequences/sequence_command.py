@@ -15,7 +15,7 @@ from pathlib import Path
 from railhil.bus.can_settings import add_bus_arguments, named_bus
 from railhil.bus.select import LOCAL
 from railhil.cli.panel import add_page_argument, panel_process, require_websockets
-from railhil.cli.run_options import add_arguments, run_spec, run_system
+from railhil.cli.run import add_arguments, run_spec, run_system
 from railhil.common.command_line import OneLineParser, parse, whole_number
 from railhil.common.digits import count_of
 from railhil.common.errors import InputError

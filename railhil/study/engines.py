@@ -14,7 +14,7 @@ from railhil.common.digits import count_of
 from railhil.common.errors import InputError, Words
 from railhil.common.exit_codes import INVALID
 from railhil.common.extras import need
-from railhil.common.orphans import end_with_parent
+from railhil.common.python_process import end_with_parent
 from railhil.study.work import Task, run_task
 
 Parts = Generator[tuple[str, bytes], None, None]

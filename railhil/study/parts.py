@@ -25,7 +25,7 @@ import pyarrow as pa
 
 from railhil.common.digits import count_of
 from railhil.common.errors import InputError, Words
-from railhil.common.whole_file import DRAFTS, sync_folder, write_synced
+from railhil.common.user_files import DRAFTS, sync_folder, write_synced
 from railhil.record.framelog import sha256_of
 from railhil.record.hash_list import HASH_LIST, enter, read_hash_list, write_hash_list, write_hashes
 from railhil.record.run_folder import RecordFailed, not_written, run_folder

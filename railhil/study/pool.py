@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from typing import TypeVar
 
 from railhil.common.exit_codes import ending_signals, finish_undisturbed
-from railhil.common.orphans import end_with_parent
+from railhil.common.python_process import end_with_parent
 
 T = TypeVar("T")
 R = TypeVar("R")

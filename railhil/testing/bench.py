@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from railhil import library
-from railhil.common.choices import USUAL_SCENARIO
+from railhil.common.command_line import USUAL_SCENARIO
 from railhil.common.errors import InputError, Words
 from railhil.record.documents import CERTIFICATE
 from railhil.record.hash_list import REPORT

@@ -11,7 +11,7 @@ from dataclasses import replace
 from hypothesis import strategies as st
 
 from railhil.bus.select import LOCAL
-from railhil.common.choices import USUAL_SCENARIO
+from railhil.common.command_line import USUAL_SCENARIO
 from railhil.faults.capability import life_signal, why_not
 from railhil.faults.language import fault_text
 from railhil.faults.model import COUNT, NAME, PPM, SHARE, TIME, Fault, Parameter, Place, Trigger, Value, Word

@@ -21,7 +21,7 @@ from railhil.common.errors import InputError, Words
 from railhil.common.exit_codes import PASS, guarded
 from railhil.common.output import Output
 from railhil.common.streams import accept_any_text, flush_output, print_json
-from railhil.common.whole_file import check_writable, whole_file
+from railhil.common.user_files import check_writable, whole_file
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.parameters import load_parameters

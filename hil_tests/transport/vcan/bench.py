@@ -19,13 +19,13 @@ from pathlib import Path
 from typing import Any
 
 from railhil.bus.administrator import REPLY_NS
-from railhil.bus.injector.processes import kill_this_process, stop_this_process
 from railhil.bus.link import Link, Timeouts, open_link
 from railhil.bus.link.outage import TIMEOUTS
 from railhil.bus.local import LocalBus
 from railhil.bus.select import BusChoice
 from railhil.common.exit_codes import guarded
 from railhil.common.patience import Lifelines
+from railhil.common.python_process import kill_this_process, stop_this_process
 from railhil.common.scheduling import cycle
 from railhil.controller_node.ato.node import ControllerNode
 from railhil.controller_node.faulty import controller_of, write_fault_log

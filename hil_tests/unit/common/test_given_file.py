@@ -9,7 +9,7 @@ import pytest
 
 from hil_tests.support.cli import complaint, railhil
 from railhil.common.errors import InputError
-from railhil.common.given_file import given_bytes, given_text
+from railhil.common.user_files import given_bytes, given_text
 from railhil.scenarios.tomlfile import DEPTH_MAX, parsed_toml
 
 

@@ -14,7 +14,7 @@ import pytest
 from railhil.bus.errors import BusLost
 from railhil.bus.link import Link
 from railhil.common.exit_codes import INVALID, guarded
-from railhil.common.whole_file import check_writable, whole_file
+from railhil.common.user_files import check_writable, whole_file
 from railhil.controller_node import command as controller
 from railhil.controller_node.ato.node import ControllerNode
 from railhil.controller_node.telemetry_file import write_telemetry

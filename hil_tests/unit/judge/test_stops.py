@@ -10,7 +10,7 @@ import pytest
 
 from hil_tests.support.recordings import row_of
 from hil_tests.support.scores import made_score
-from railhil.cli.show import print_scores
+from railhil.cli.result_printer import print_scores
 from railhil.common.output import Output
 from railhil.judge.folder import junit
 from railhil.judge.journey import stop_of

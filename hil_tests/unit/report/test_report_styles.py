@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from railhil.cli.run_options import law_names
+from railhil.cli.run import law_names
 from railhil.common.law_order import LAW_ORDER, in_order
 from railhil.report.styles import Style, styles
 from railhil.scenarios.model import Scenario

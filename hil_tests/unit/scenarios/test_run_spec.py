@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from hil_tests.support.paths import TEST_DATA
-from railhil.cli.run_options import add_arguments, run_spec
+from railhil.cli.run import add_arguments, run_spec
 from railhil.common.errors import InputError
 from railhil.record.documents import read_certificate
 from railhil.scenarios.parameters import ParameterSet, load_parameters

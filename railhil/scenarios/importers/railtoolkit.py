@@ -27,7 +27,7 @@ from pydantic import BaseModel, ConfigDict, Field, Strict
 
 from railhil.common.errors import InputError, Words
 from railhil.common.extras import missing
-from railhil.common.given_file import given_text
+from railhil.common.user_files import given_text
 from railhil.scenarios.importers.section import Stop, StopLine
 from railhil.scenarios.model import Effort, Line, Train
 from railhil.scenarios.profiles import merged

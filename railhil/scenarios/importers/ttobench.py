@@ -14,7 +14,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field, Strict
 
 from railhil.common.errors import InputError, Words
-from railhil.common.given_file import given_text
+from railhil.common.user_files import given_text
 from railhil.scenarios.importers.section import Stop, StopLine
 from railhil.scenarios.model import Line, Profile
 from railhil.scenarios.validation import validated

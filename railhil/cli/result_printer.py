@@ -1,0 +1,138 @@
+"""Prints results of runs: scores beside the published ones, assumptions of the scenario, the verdict, the next step."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+from rich.table import Table
+
+from railhil.common.digits import count_of
+from railhil.common.output import Output, table
+from railhil.judge.judging import judging_of
+from railhil.judge.result import Result
+from railhil.judge.score import Score
+from railhil.record.hash_list import REPORT
+from railhil.report.facts import parameters_sentence
+from railhil.report.recorded import RecordedRun
+from railhil.report.tables import published_text
+from railhil.report.timing import answers_sentence, jitter_sentence, scheduling_sentence
+from railhil.scenarios.model import AnyScenario, watch_sentence
+
+#: Below this width columns are separated by one space, so that no number is truncated.
+_TIGHT_COLUMNS = 66
+_COLOURS = {"PASS": "bold green", "FAIL": "bold red"}
+
+
+def score_table(scenario: AnyScenario, found: Sequence[tuple[str, Score]], tight: bool = False) -> Table:
+    """Measured scores by label, then the rows of the published table (time and stop error without sign, as
+    published)."""
+    rows, criteria = table(tight), judging_of(scenario).criteria
+    rows.add_column("")
+    for criterion in criteria:
+        rows.add_column(criterion.heading, justify="right", no_wrap=True)
+    for label, score in found:
+        values = (criterion.shown(score.values[criterion.key]) for criterion in criteria)
+        rows.add_row(label, *values, style="bold")
+    for row in scenario.published:
+        values = (published_text(row, criterion) for criterion in criteria)
+        rows.add_row(f"{row.controller} (published)", *values)
+    return rows
+
+
+def print_scores(console: Output, scenario: AnyScenario, found: Sequence[tuple[str, Score]]) -> None:
+    """Title and table of completed runs, nothing if there are none; then the stops of runs with several."""
+    if any(value is not None for _, score in found for value in score.values.values()):
+        console.say(scenario.title, style="italic")
+        console.print(score_table(scenario, found, tight=console.width < _TIGHT_COLUMNS))
+    for label, score in found:
+        for stop in score.listed_stops:
+            error = "" if stop.error_m is None else f" {stop.error_m:+.4f} m"
+            console.say(f"{label}: stop {stop.planned.name}{error} {stop.verdict}")
+
+
+def print_watch(console: Output, scenario: AnyScenario) -> None:
+    """One line if the scenario's watches are weaker than usual, which makes the verdict less meaningful."""
+    if sentence := watch_sentence(scenario):
+        console.say(sentence, style="bold yellow")
+
+
+def print_verdict(console: Output, verdict: str, line: str) -> None:
+    """One line: the verdict and its reason."""
+    console.say(f"{verdict}: {line}" if line else verdict, style=_COLOURS.get(verdict, "bold yellow"))
+
+
+def assumed(scenario: AnyScenario, folder: Path, verbose: bool) -> list[str]:
+    """The scenario's choices where its sources give no value: one summary line, or all of them.
+
+    :param folder: the run folder; its report lists them.
+    """
+    sentences = scenario.assumptions
+    if verbose or not sentences:
+        return [f"assumed: {sentence}" for sentence in sentences]
+    where = f"listed in {folder / REPORT}" if (folder / REPORT).is_file() else f"railhil scenarios {scenario.name}"
+    return [f"assumed: {len(sentences)} choices of the scenario that its sources leave open ({where}, or --verbose)"]
+
+
+def next_step(run: RecordedRun, folder: Path) -> str:
+    """What to try after a FAIL, depending on the cause; empty for other verdicts and for a foreign controller."""
+    certificate = run.certificate
+    if run.verdict != "FAIL" or certificate.get("foreign") or certificate.get("attached"):
+        return ""
+    if advice := judging_of(run.scenario).advice(run, folder):
+        return advice
+    shown = folder / REPORT
+    return f"next: {shown} shows where" if shown.is_file() else f"next: railhil report {folder} draws the run"
+
+
+def print_result(
+    console: Output,
+    run: RecordedRun,
+    result: Result,
+    notes: Sequence[str],
+    report: str,
+    verbose: bool,
+) -> None:
+    """Table, facts of the run, verdict and, after a FAIL, what to try.
+
+    :param notes: lines on what else has come of the run.
+    :param verbose: print all that the scenario assumes, and how long the command took after the last frame.
+    :param report: the line about ``report.html``, empty if none was requested.
+    """
+    scenario, folder = run.scenario, result.place
+    print_scores(console, scenario, [(f"{run.label} {run.certificate['arithmetic']} (measured)", result.score)])
+    console.say(f"parameters: {parameters_sentence(run)}", style="dim")
+    for line in assumed(scenario, folder, verbose):
+        console.say(line, style="dim")
+    print_watch(console, scenario)
+    console.say(
+        f"{result.sim_time_s:.2f} s simulated in {result.wall_time_s:.2f} s = {result.speed_factor:.0f} times "
+        f"real time, {count_of(result.frames, 'frame')} on {result.transport}, "
+        f"first frame after {result.first_frame_s:.2f} s"
+    )
+    if verbose:
+        after_s = (time.monotonic_ns() - result.last_frame_ns) / 1e9
+        console.say(f"all files written {after_s:.2f} s after the last frame")
+    if result.timing is not None and result.timing.jitter is not None:
+        timing = result.timing.as_json()
+        if result.timing.pace:
+            console.say(result.timing.pace, style="bold yellow")
+        console.say(f"{jitter_sentence(timing['lateness'])} (measured by the {timing['source']})")
+        console.say(f"answers: {answers_sentence(timing)}")
+        console.say(f"scheduling: {scheduling_sentence(timing)}")
+    if result.summary is not None:
+        console.say(f"arithmetic: {result.summary.sentence()}")
+    console.say(f"frames.log sha256 {result.frames_sha256}")
+    if result.other_frames:
+        console.say(f"without {count_of(result.other_frames, 'frame')} of others: sha256 {result.telegrams_sha256}")
+    console.say(f"run folder {folder}")
+    for line in notes:
+        console.say(line)
+    if report:
+        console.say(report)
+    if run.caution:
+        console.say(run.caution, style="bold yellow")
+    print_verdict(console, run.verdict, run.line)
+    if advice := next_step(run, folder):
+        console.say(advice)
