@@ -30,18 +30,20 @@ class LocalBus:
 
     def send(self, frames: Sequence[Frame]) -> None:
         """Deliver frames to every node; answers reach the administrator and the other nodes in bus order."""
-        for frame in frames:
-            self._deliver(frame, None)
+        self._deliver(frames, None)
 
-    def _deliver(self, frame: Frame, sender: Callable[[Frame], list[Frame]] | None) -> None:
-        answers: list[tuple[Frame, Callable[[Frame], list[Frame]]]] = []
-        for node in self._nodes:
-            if node is not sender and (found := node(frame)):
-                answers += [(answer, node) for answer in found]
-        # As on a bus, a frame reaches every node before any answer to it does.
-        for answer, node in answers:
-            self._inbox.append(answer)
-            self._deliver(answer, node)
+    def _deliver(self, frames: Sequence[Frame], sender: Callable[[Frame], list[Frame]] | None) -> None:
+        nodes = [node for node in self._nodes if node is not sender]
+        for frame in frames:
+            if sender is not None:
+                self._inbox.append(frame)
+            answered = []
+            for node in nodes:
+                if answers := node(frame):
+                    answered.append((answers, node))
+            # As on a bus, a frame reaches every node before any answer to it does.
+            for answers, node in answered:
+                self._deliver(answers, node)
 
     def receive(self, timeout_s: float | None) -> list[Frame]:
         """Answers since the last call; nothing can arrive later, so the time-out is not waited for."""

@@ -19,14 +19,14 @@ class OwnFrames:
     telegram is one nevertheless.
     """
 
-    __slots__ = ("_flags",)
+    __slots__ = ("flags",)
 
     def __init__(self, contract: Contract) -> None:
-        #: By identifier: the flags that a frame has there.
-        self._flags = {can_id: 0 for port in contract.ports for can_id in port.can_ids}
-        self._flags |= {port.fd_id: FD for port in contract.ports}
-        self._flags |= dict.fromkeys((contract.poll_id, contract.device_status_id), 0)
+        #: By identifier: the flags that a frame has there, beside BRS.
+        self.flags = {can_id: 0 for port in contract.ports for can_id in port.can_ids}
+        self.flags |= {port.fd_id: FD for port in contract.ports}
+        self.flags |= dict.fromkeys((contract.poll_id, contract.device_status_id), 0)
 
     def __contains__(self, frame: Frame) -> bool:
         can_id, _, flags = frame
-        return self._flags.get(can_id) == flags & ~BRS
+        return self.flags.get(can_id) == flags & ~BRS

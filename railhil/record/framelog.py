@@ -11,7 +11,7 @@ import os
 from collections.abc import Callable, Iterator, Sequence
 from functools import lru_cache
 from io import BytesIO
-from itertools import repeat
+from itertools import pairwise, repeat
 from pathlib import Path
 from typing import Any, Final, cast
 
@@ -20,6 +20,7 @@ import numpy.typing as npt
 
 from railhil.bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame, quick_frame
 from railhil.bus.hub.columns import PACKED
+from railhil.bus.hub.wire import SFF_MASK
 from railhil.bus.own_frames import OwnFrames
 from railhil.common.errors import InputError
 from railhil.dbc import Contract
@@ -33,7 +34,6 @@ LOG_NAME: Final = "frames.log"
 _ERROR_ID: Final = 0x20000080
 _NS_PER_US: Final = 1000
 _DATA_BYTES: Final = 8
-_FIELDS: Final = len(Frame._fields)
 #: Simulation times are 64 bit.
 _TIME_MAX_NS: Final = (1 << 63) - 1
 #: Longest line: 64 bytes of CAN FD in hexadecimal, with time stamp, channel and identifier.
@@ -84,8 +84,8 @@ class LateLines:
 
     def __init__(self, write: Callable[[str], object]) -> None:
         self._write = write
-        # Lines, or how many of the frames below; then the fields of frames taken one by one: objects that the garbage
-        # collector need not look at.
+        # Lines, or how many of the frames below; then time, identifier and data of frames taken one by one, which the
+        # garbage collector does not look at.
         self._waiting: list[str | int] = []
         self._single: list[int | bytes] = []
         self._frames: list[npt.NDArray[Any]] = []
@@ -98,28 +98,30 @@ class LateLines:
         self._waiting.append(text)
 
     def frame(self, time_ns: int, frame: Frame) -> None:
-        """Take one frame as those of :meth:`add`.
+        """Take one frame.
 
         :param time_ns: simulation time.
         """
-        times_ns = self._times_ns
-        if times_ns and times_ns[-1] == time_ns:
-            self._counts[-1] += 1
+        can_id, data, flags = frame
+        if flags or can_id > SFF_MASK or len(data) > _DATA_BYTES:
+            self.write(log_line(time_ns, frame))
         else:
-            times_ns.append(time_ns)
-            self._counts.append(1)
-        self._single += frame
+            self._single += time_ns, can_id, data
 
     def _put_together(self) -> None:
         """Make an array of the frames taken one by one."""
         if self._single:
-            ids, data = self._single[::_FIELDS], cast("list[bytes]", self._single[1::_FIELDS])
+            times_ns, ids = np.array(self._single[::3], np.int64), self._single[1::3]
+            data = cast("list[bytes]", self._single[2::3])
             self._single = []
             frames = np.empty(len(ids), PACKED)
             frames["can_id"] = ids
             frames["length"] = list(map(len, data))
             padded = b"".join([block.ljust(_DATA_BYTES, b"\0") for block in data])
             frames["data"] = np.frombuffer(padded, np.uint8).reshape(-1, _DATA_BYTES)
+            bounds = [0, *(np.flatnonzero(times_ns[1:] != times_ns[:-1]) + 1).tolist(), len(ids)]
+            self._times_ns += times_ns[bounds[:-1]].tolist()
+            self._counts += [end - begin for begin, end in pairwise(bounds)]
             self._frames.append(frames)
             self._waiting.append(len(frames))
 

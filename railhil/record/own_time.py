@@ -65,9 +65,7 @@ class _Again(Session):
     def __init__(self, scenario: AnyScenario, contract: Contract) -> None:
         super().__init__(scenario, str, RunSpec(), contract=contract)
         self.kept: list[Timed] = []
-
-    def _keep(self, time_ns: int, frame: Frame) -> None:
-        self.kept.append((time_ns, frame))
+        self._keep = lambda time_ns, frame: self.kept.append((time_ns, frame))
 
 
 def own_time(log: Path, scenario: AnyScenario, contract: Contract) -> OwnTime:

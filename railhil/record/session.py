@@ -11,11 +11,10 @@ from array import array
 from collections import deque
 from collections.abc import Callable, Sequence
 from operator import itemgetter
-from typing import Final
 
 from railhil.bus.codes import Event, FaultOrder, SupCommand
-from railhil.bus.frame import Frame
-from railhil.bus.hub.wire import CLASSIC_SIZE, SFF_MASK, pack_frames, unpack_frames
+from railhil.bus.frame import BRS, Frame
+from railhil.bus.hub.wire import CLASSIC_SIZE, pack_frames, unpack_frames
 from railhil.bus.ident import CtlIdent, Ident, PltIdent, Role, SupIdent, make_ident
 from railhil.bus.layout import Telegram
 from railhil.bus.lifesign import MAX_STEP
@@ -34,8 +33,6 @@ from railhil.record.truth_clock import TruthClock
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import system_named
-
-_DATA_BYTES: Final = 8
 
 
 @mypyc_attr(allow_interpreted_subclasses=True)
@@ -80,7 +77,8 @@ class Session:
         #: Newest handshake telegram of each other node.
         self._heard: dict[str, Ident] = {}
         self._write = write
-        self._late = late
+        # Records a frame with its time.
+        self._keep: Callable[[int, Frame], object] = self._write_line if late is None else late.frame
         self._on_progress = on_progress
         self._life = 0
         if operator is None and run.orders:
@@ -117,7 +115,6 @@ class Session:
         self._responder.on(RunEvent, self._event)
         self._clock = self._responder.clock
         self._poll_id = contract.poll_id
-        self._own = OwnFrames(contract)
         self._status_id = contract.device_status_id
         self._clock_ids = {clock_port.address, clock_port.fd_id}
         opening = contract.port(PltIdent.PORT)
@@ -127,9 +124,8 @@ class Session:
         self._time = self._truth_clock or self._clock
         self._truth_ids = self._truth_clock.truth_ids if self._truth_clock is not None else set()
         # All other frames, which are the majority, are recorded without inspection.
-        self._seen_ids = {self._status_id, self._poll_id}
-        self._seen_ids |= self._truth_ids
-        self._seen_ids |= {can_id for port in sinks for can_id in (*port.can_ids, port.fd_id)}
+        seen_ids = {self._status_id, self._poll_id, *self._truth_ids}
+        seen_ids |= {can_id for port in sinks for can_id in (*port.can_ids, port.fd_id)}
         #: Frames under the supervisor's own identifiers that came from the bus, by port.
         self.foreign_frames = {port.name: ForeignFrames() for port in contract.ports if port.source == "supervisor"}
         self._own_ids = {
@@ -138,13 +134,15 @@ class Session:
             if port.name in self.foreign_frames
             for can_id in (*port.can_ids, port.fd_id)
         }
-        self._seen_ids |= self._own_ids.keys()
+        # By identifier: their flags, as one of the contract's frames.
+        own = OwnFrames(contract).flags
+        self._seen = {can_id: own[can_id] for can_id in (*seen_ids, *self._own_ids)}
         self._packets: Packets | None = None
         self._may_wait = False
         if late is not None:
             pace = b"" if self._pace is None else self._pace.data
             self._packets = Packets(
-                self._responder, contract, self._seen_ids, pace, self._pace_ticks, self._truth_clock, late
+                self._responder, contract, self._seen, pace, self._pace_ticks, self._truth_clock, late
             )
             # Where the poll of SUP_CMD moves a time, it is a frame like any other.
             paces = self._pace == self._packets.command_poll if self._pace else schedule.ticks(SupCmd.PORT) <= MAX_STEP
@@ -190,8 +188,8 @@ class Session:
 
     def handle(self, frame: Frame) -> list[Frame]:
         """Take one frame in bus order: record it, return the answer to a poll of the supervisor."""
-        if frame[0] in self._seen_ids and frame in self._own:
-            can_id = frame[0]
+        can_id, _, flags = frame
+        if self._seen.get(can_id) == flags & ~BRS:
             if can_id in self._clock_ids:
                 self._is_others = not self.recording
                 # Under faults too: TIME_SYNC is judged by it.
@@ -212,21 +210,17 @@ class Session:
             else:
                 return self._handle_own(frame)
         if self.recording:
+            self.frames += 1
             self._keep(self._time.now_ns, frame)
         return []
 
-    def _keep(self, time_ns: int, frame: Frame) -> None:
-        """Record a frame."""
-        self.frames += 1
-        if self._late is not None and not frame[2] and frame[0] <= SFF_MASK and len(frame[1]) <= _DATA_BYTES:
-            self._late.frame(time_ns, frame)
-        else:
-            self._write(log_line(time_ns, frame))
+    def _write_line(self, time_ns: int, frame: Frame) -> None:
+        self._write(log_line(time_ns, frame))
 
     def take(self, frames: Sequence[Frame]) -> list[Frame]:
         """:meth:`handle` for frames in bus order; returns the answers to all polls of the supervisor among them."""
         answers: list[Frame] = []
-        seen = self._seen_ids
+        seen = self._seen
         lines: list[str] = []
         time_ns = -1
         stamp = ""
@@ -319,6 +313,7 @@ class Session:
         if self.recording and not scan:
             # The device status scan continues until all nodes have appeared: bus management, not part of the record.
             for item in (frame, *answers):
+                self.frames += 1
                 self._keep(time_ns, item)
         return answers
 
