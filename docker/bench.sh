@@ -226,7 +226,7 @@ panel)
     end_with_verdict
     ;;
 door)
-    python3 -m railhil.panel.door /bus/panel.sock 8765 &
+    python3 -m railhil.panel.tcp_to_unix /bus/panel.sock 8765 &
     end_with_verdict
     ;;
 *)

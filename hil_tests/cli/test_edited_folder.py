@@ -213,7 +213,7 @@ def test_another_verdict_in_the_certificate_is_said(here: Railhil, copy: Path) -
     verified = here("verify", copy, "--json")
     assert (verified.exit_code, len(verified.json["remarks"])) == (0, 1)
     assert said in library.open_run(copy).notes[0]
-    assert said in RecordedRuns([str(copy)]).header()["runs"][0]["facts"]["verdict"]
+    assert said in RecordedRuns([str(copy)]).describe()["runs"][0]["facts"]["verdict"]
 
 
 @pytest.mark.parametrize("change", ["a failure more", "another number"])

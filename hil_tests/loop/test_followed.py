@@ -18,7 +18,7 @@ from railhil.bus.codes import SupCommand
 from railhil.bus.frame import Frame
 from railhil.bus.telegrams import SupCmd
 from railhil.common.exit_codes import FAIL, PASS
-from railhil.panel.following import FollowedRun
+from railhil.panel.receiver import LogFollower
 from railhil.record.framelog import read_log
 from railhil.record.trace import trace_of
 from railhil.run.local import LocalRun
@@ -51,7 +51,7 @@ def test_a_panel_that_is_gone_changes_nothing(tmp_path: Path, how: signal.Signal
     wait_for(lambda: len(ours) == 1 or set(panel.cpu_affinity()) != ours)
     processors = set(panel.cpu_affinity())
     panel.send_signal(how)
-    followed = FollowedRun(wait_for(lambda: (folder / "frames.log").exists() and folder))
+    followed = LogFollower(wait_for(lambda: (folder / "frames.log").exists() and folder))
     heard: list[Frame] = []
 
     def has_paused() -> bool:

@@ -11,9 +11,9 @@ from railhil.bench import local_run
 from railhil.bus.errors import BusLost
 from railhil.bus.frame import Frame
 from railhil.live.bus_follower import Listener
-from railhil.panel.declared import layout_of
-from railhil.panel.heard_bus import HeardBus
-from railhil.panel.values import Rows
+from railhil.panel.bus_statistics import BusStatistics
+from railhil.panel.layout import make_layout
+from railhil.panel.rows import Rows
 from railhil.record.framelog import read_log
 from railhil.scenarios.load import load
 from railhil.scenarios.system import system_named
@@ -30,18 +30,18 @@ class Recorded:
         self.frames = [frame for _, frame in read_log(folder / "frames.log")]
         system = system_named(self.scenario.system)
         self.contract = system.contract
-        self.layout = layout_of(self.scenario, system.contract, None)
-        self.rows = Rows(self.scenario, self.layout).of(self.trace)
+        self.layout = make_layout(self.scenario, system.contract, None)
+        self.rows = Rows(self.scenario, self.layout).make(self.trace)
 
     def heard(self, frames: list[Frame], look: int) -> np.ndarray:
         """Rows of a listener that takes so many frames at a time."""
-        heard = HeardBus(self.contract)
+        heard = BusStatistics(self.contract)
         listener, last_s, found = Listener(self.scenario, self.contract, heard), -1.0, []
         made = Rows(self.scenario, self.layout)
         for start in range(0, len(frames), look):
             listener.take(frames[start : start + look])
             trace = heard.next_trace()
-            rows = made.of(trace, last_s, listener.now_s) if listener.knows_time else made.of(trace)[:0]
+            rows = made.make(trace, last_s, listener.now_s) if listener.knows_time else made.make(trace)[:0]
             if len(rows):
                 last_s = rows[-1, 0]
                 found.append(rows)

@@ -53,7 +53,7 @@ def test_lichtblicks_client_reads_values_clock_and_service(client, tmp_path, sub
 
     async def visited() -> dict[str, Any]:
         live = LiveRun(Watched(run.scenario, "ipfc"), Receiver({}, lambda config, name: Slow()))
-        live.command = lambda command: ""  # type: ignore[method-assign]
+        live.execute = lambda command: ""  # type: ignore[method-assign]
         bridge = FoxgloveBridge(live, "right", 0)
         server = await bridge.listen()
         command = ["node", str(client), f"ws://127.0.0.1:{bridge.port}", subprotocol, "right", "800"]

@@ -24,7 +24,7 @@ from websockets.typing import Subprotocol
 
 from railhil.bus.ros2 import MESSAGE_ENCODING, SCHEMA_ENCODING, Field, Message, PortMessage, ros_name
 from railhil.panel.live import LiveRun
-from railhil.panel.wire import POLICY_VIOLATION, TooDeep, is_token, parsed
+from railhil.panel.wire import POLICY_VIOLATION, TooDeep, is_token, parse_object
 from railhil.record.trace import FloatArray, Trace
 
 #: Newest name first, as clients offer them.
@@ -89,7 +89,7 @@ class FoxgloveBridge:
             self._serve,
             "127.0.0.1",
             self.port,
-            process_request=_refused,
+            process_request=_refuse,
             subprotocols=SUBPROTOCOLS,
             compression=None,
             max_size=1 << 16,
@@ -216,7 +216,7 @@ class FoxgloveBridge:
 
     def _asked(self, viewer: Viewer, text: str) -> str | None:
         try:
-            asked = parsed(text)
+            asked = parse_object(text)
             if asked["op"] == "subscribe":
                 known = {_SIGNALS_ID, *self._ports}
                 wanted = {_number(one["channelId"]): _number(one["id"]) for one in asked["subscriptions"]}
@@ -238,12 +238,12 @@ class FoxgloveBridge:
             if (opcode, service, encoding) != (_SERVICE_REQUEST, _ORDER_SERVICE, b"cdr") or not self._token:
                 raise ValueError("no such service")
             token, text = _strings(payload)
-            command = parsed(text)
+            command = parse_object(text)
         except TooDeep:
             raise
         except (struct.error, ValueError) as error:
             return json.dumps({"op": "status", "level": _WARNING, "message": f"service call: {error}"})
-        why = self._live.command(command) if is_token(token, self._token) else "wrong token"
+        why = self._live.execute(command) if is_token(token, self._token) else "wrong token"
         body = why.encode() + b"\0"
         response = _CDR_HEADER + struct.pack("<?3xI", not why, len(body)) + body
         return struct.pack("<BIII", _SERVICE_RESPONSE, service, call, 3) + b"cdr" + response
@@ -256,7 +256,7 @@ def _number(found: Any) -> int:
     return found
 
 
-def _refused(connection: ServerConnection, request: Request) -> Response | None:
+def _refuse(connection: ServerConnection, request: Request) -> Response | None:
     """Any page of the web could connect to a port of this machine: those of others are refused."""
     for origin in request.headers.get_all("Origin"):
         scheme, _, rest = origin.partition("://")

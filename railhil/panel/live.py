@@ -1,4 +1,5 @@
-"""A run while it is made, as messages for the pages."""
+"""A run while it is made, as messages for the pages: its rows, and its events (milestones, levels of the watches,
+interlocks)."""
 
 from __future__ import annotations
 
@@ -10,24 +11,103 @@ from typing import Any
 
 import numpy as np
 
+from railhil.bus.codes import Event
 from railhil.bus.frame import Frame
+from railhil.bus.telegrams import RunEvent
 from railhil.cli.watched import Watched
 from railhil.dbc import house_contract
+from railhil.judge.judging import judging_of
 from railhil.live.bus_follower import Listener
-from railhil.panel.declared import NO_LAYOUT, Layout, layout_of
-from railhil.panel.frame_list import FrameList
-from railhil.panel.heard_bus import WATCHED_FRAMES, HeardBus
-from railhil.panel.history import History
-from railhil.panel.kinds import kinds_of
-from railhil.panel.live_events import LiveEvents
-from railhil.panel.operator import Operator
+from railhil.panel.bus_statistics import WATCHED_FRAMES, BusStatistics, FrameList
+from railhil.panel.layout import NO_LAYOUT, Layout, make_layout
+from railhil.panel.operator import Operator, list_fault_kinds
 from railhil.panel.receiver import Receiver
-from railhil.panel.values import Rows
-from railhil.panel.wire import APPEND, REPLACE, batch
+from railhil.panel.rows import History, Rows
+from railhil.panel.wire import APPEND, REPLACE, encode_batch
 from railhil.record.trace import FloatArray, Trace
-from railhil.scenarios.model import Timing
+from railhil.scenarios.model import AnyScenario, Timing
 from railhil.scenarios.system import System, system_named
 from railhil.scenarios.unknown import UnknownScenario
+
+#: Kept for pages that come later.
+EVENTS_MAX = 1000
+
+
+class LiveEvents:
+    """Events of one run after the other. One event is a dict: ``time_s``, ``kind``, ``source``, ``text``, ``rank``."""
+
+    def __init__(self, scenario: AnyScenario, system: System, layout: Layout) -> None:
+        self._scenario = scenario
+        self._judging = judging_of(scenario)
+        self._own = {number: name for name, number in system.events.items()}
+        self._lamps = layout.lamps
+        self.all: list[dict[str, Any]] = []
+        self.restart()
+
+    def restart(self) -> None:
+        """Another run begins."""
+        self.all = []
+        self._number = 0
+        self._levels: dict[str, tuple[int, int]] = {}
+        self._states: dict[tuple[str, str], int] = {}
+
+    def add(self, time_s: float, kind: str, source: str, text: str, rank: int = 0) -> dict[str, Any]:
+        """Take an event from elsewhere."""
+        event = {"time_s": time_s, "kind": kind, "source": source, "text": text, "rank": rank}
+        self.all.append(event)
+        del self.all[:-EVENTS_MAX]
+        return event
+
+    def find(self, trace: Trace) -> list[dict[str, Any]]:
+        """Events in the telegrams of a trace that begins with the newest ones of the trace before."""
+        found = [*self._find_milestones(trace), *self._find_levels(trace), *self._find_interlocks(trace)]
+        return sorted(found, key=lambda event: float(event["time_s"]))
+
+    def _find_milestones(self, trace: Trace) -> list[dict[str, Any]]:
+        found = []
+        numbers = trace.raw(RunEvent.PORT, "EventNumber").tolist()
+        codes = trace.raw(RunEvent.PORT, "RunEvent").tolist()
+        times_s = trace.values(RunEvent.PORT, "EventTime").tolist()
+        for number, code, time_s in zip(numbers, codes, times_s, strict=True):
+            if number > self._number:
+                self._number = number
+                known = Event(code).name.lower() if code in Event._value2member_map_ else self._own.get(code, str(code))
+                found.append(self.add(time_s, "milestone", "plant", known.replace("_", " ")))
+        return found
+
+    def _find_levels(self, trace: Trace) -> list[dict[str, Any]]:
+        found = []
+        for watch in self._judging.watches:
+            if not trace.has(watch.port, watch.level):
+                continue
+            levels = trace.raw(watch.port, watch.level).tolist()
+            has_cause = trace.has(watch.port, watch.cause)
+            causes = trace.raw(watch.port, watch.cause).tolist() if has_cause else [0] * len(levels)
+            for time_s, level, cause in zip(trace.times_s(watch.port).tolist(), levels, causes, strict=True):
+                if self._levels.get(watch.name, (watch.ladder[0], 0)) == (level, cause):
+                    continue
+                self._levels[watch.name] = (level, cause)
+                word = trace.word(watch.port, watch.level, level)
+                why = trace.word(watch.port, watch.cause, cause) if has_cause else ""
+                text = word.replace("_", " ")
+                rank = watch.ladder.index(level) if level in watch.ladder and why not in watch.start else 0
+                if rank and why:
+                    text += f": {watch.said(self._scenario, word, why)}"
+                found.append(self.add(time_s, "level", watch.name, text, rank))
+        return found
+
+    def _find_interlocks(self, trace: Trace) -> list[dict[str, Any]]:
+        found = []
+        for lamp in self._lamps:
+            times_s = trace.times_s(lamp.port).tolist()
+            for time_s, raw in zip(times_s, trace.raw(lamp.port, lamp.signal).tolist(), strict=True):
+                if self._states.get((lamp.port, lamp.signal), lamp.normal) != raw:
+                    self._states[lamp.port, lamp.signal] = raw
+                    word = trace.word(lamp.port, lamp.signal, raw)
+                    text = f"{lamp.label}: {'as usual again' if raw == lamp.normal else word}"
+                    found.append(self.add(time_s, "interlock", lamp.port, text))
+        return found
+
 
 #: Least wall time between two states (time, counters), and two lists of frames for pages that show them: every second
 #: look.
@@ -61,10 +141,10 @@ class LiveRun:
         self._scenario = scenario
         self.contract = contract = house_contract() if system is None else system.contract
         unknown = UnknownScenario("", "", Timing(base_tick_ns=contract.base_tick_ns))
-        self.layout: Layout = NO_LAYOUT if scenario is None else layout_of(scenario, contract, notes)
+        self.layout: Layout = NO_LAYOUT if scenario is None else make_layout(scenario, contract, notes)
         self._rows = None if scenario is None else Rows(scenario, self.layout, notes)
         self._events = None if scenario is None or system is None else LiveEvents(scenario, system, self.layout)
-        self.heard = HeardBus(contract)
+        self.heard = BusStatistics(contract)
         self.listener = Listener(scenario or unknown, contract, self.heard)
         self._list = FrameList(contract)
         self._history = History(1 + len(self.layout.columns), self.layout.position)
@@ -77,7 +157,7 @@ class LiveRun:
         self.fresh_trace = Trace(contract)
         self.scenario_name = "" if scenario is None else scenario.name
 
-    def header(self) -> dict[str, Any]:
+    def describe(self) -> dict[str, Any]:
         """What a page is told first."""
         facts = {} if self._scenario is None else {"scenario": self._scenario.name, "system": self._scenario.system}
         name = self.scenario_name or "a run that is not known yet"
@@ -88,11 +168,11 @@ class LiveRun:
             "commands": self._operator is not None,
         }
 
-    def past(self) -> list[str | bytes]:
+    def read_past(self) -> list[str | bytes]:
         """Everything so far, for a page that has just come."""
-        messages: list[str | bytes] = [batch(REPLACE, 0, self._history.rows)]
+        messages: list[str | bytes] = [encode_batch(REPLACE, 0, self._history.rows)]
         messages.append(json.dumps({"events": [] if self._events is None else self._events.all, "replace": True}))
-        messages += [json.dumps(self._state()), json.dumps(self._frames())]
+        messages += [json.dumps(self._make_state()), json.dumps(self._make_frame_list())]
         return messages
 
     def look(self) -> list[str | bytes]:
@@ -105,45 +185,45 @@ class LiveRun:
             self._watched.has_further_faults = self._operator.report.get("faults", own) != own
         if self._watched.take(frames):
             self._show()
-            messages += [json.dumps({"header": self.header()}), *self.past()]
+            messages += [json.dumps({"header": self.describe()}), *self.read_past()]
         if frames or self.receiver.lacks_before or self.receiver.lacks_within:
-            messages += self._taken(frames)
+            messages += self._take(frames)
         if self._operator is not None:
             messages += [json.dumps({"answer": answer}) for answer in self._operator.look()]
         now_s = time.monotonic()
         if now_s - self._state_s >= STATE_S:
             self._state_s = now_s
-            messages.append(json.dumps(self._state()))
+            messages.append(json.dumps(self._make_state()))
         if now_s - self._list_s >= LIST_S:
             self._list_s = now_s
-            messages.append(json.dumps(self._frames()))
+            messages.append(json.dumps(self._make_frame_list()))
         return messages
 
-    def frames(self) -> str:
-        """See :meth:`railhil.panel.server.Source.frames`."""
+    def list_frames(self) -> str:
+        """See :meth:`railhil.panel.server.PageSource.list_frames`."""
         now_s = time.monotonic()
         if now_s - self._frames_s < STATE_S:
             return ""
         self._frames_s = now_s
-        return json.dumps(self._frames())
+        return json.dumps(self._make_frame_list())
 
-    def command(self, command: dict[str, Any]) -> str:
+    def execute(self, command: dict[str, Any]) -> str:
         """Pass a command to the supervisor; returns why not, empty if it was."""
         if self._operator is None:
             return "no supervisor takes commands here: start the run with railhil run --panel"
-        return self._operator.command(command)
+        return self._operator.execute(command)
 
-    def kinds(self) -> list[dict[str, Any]]:
+    def list_kinds(self) -> list[dict[str, Any]]:
         """Kinds of faults that take values during the run."""
         report = {} if self._operator is None else self._operator.report
-        return kinds_of(report.get("faults", ()))
+        return list_fault_kinds(report.get("faults", ()))
 
     def watch(self, can_ids: set[int]) -> None:
         """Keep raw frames of these identifiers."""
         kept = self.heard.watched
         self.heard.watched = {one: kept.get(one, deque(maxlen=WATCHED_FRAMES)) for one in can_ids}
 
-    def _taken(self, frames: list[Frame]) -> list[str | bytes]:
+    def _take(self, frames: list[Frame]) -> list[str | bytes]:
         listener, receiver, messages = self.listener, self.receiver, list[str | bytes]()
         if receiver.lacks_before or receiver.lacks_within:
             listener.hole()
@@ -153,7 +233,7 @@ class LiveRun:
         if listener.run != self._run:
             self._run, self._last_s, self._last = listener.run, -1.0, None
             self._history.clear()
-            messages.append(batch(REPLACE, 0, self._history.rows))
+            messages.append(encode_batch(REPLACE, 0, self._history.rows))
             if self._events is not None:
                 self._events.restart()
             messages.append(json.dumps({"events": [], "replace": True}))
@@ -161,29 +241,29 @@ class LiveRun:
         if self._rows is None or self._events is None:
             return messages
         if now_s is None:
-            return messages + self._gap(self._rows)
-        rows = self._rows.of(trace, self._last_s, now_s)
+            return messages + self._end_curves(self._rows)
+        rows = self._rows.make(trace, self._last_s, now_s)
         self.fresh_rows, self.fresh_trace = rows, trace
         if len(rows):
             drawn = self._rows.with_gaps(rows, self._last)
             self._last, self._last_s = rows[-1], float(rows[-1, 0])
-            messages.append(self._drawn(drawn))
+            messages.append(self._draw(drawn))
         if self._rows.is_over(self._last_s, now_s):
-            messages += self._gap(self._rows)
-        if found := self._events.of(trace):
+            messages += self._end_curves(self._rows)
+        if found := self._events.find(trace):
             messages.append(json.dumps({"events": found}))
         return messages
 
-    def _gap(self, rows: Rows) -> list[str | bytes]:
+    def _end_curves(self, rows: Rows) -> list[str | bytes]:
         """Nothing that is not heard stands still."""
         last, self._last = self._last, None
-        return [] if last is None else [self._drawn(rows.gap_after(last[None]))]
+        return [] if last is None else [self._draw(rows.gap_after(last[None]))]
 
-    def _drawn(self, rows: FloatArray) -> bytes:
+    def _draw(self, rows: FloatArray) -> bytes:
         self._history.add(rows)
-        return batch(APPEND, 0, rows)
+        return encode_batch(APPEND, 0, rows)
 
-    def _notices(self) -> list[str]:
+    def _list_notices(self) -> list[str]:
         """What must be said large."""
         found = [self._watched.warning]
         if dropped := self.receiver.dropped:
@@ -192,16 +272,16 @@ class LiveRun:
             found.append("the time is not known yet: nothing is drawn before TIME_SYNC has told it")
         return [one for one in found if one]
 
-    def _frames(self) -> dict[str, Any]:
-        return {"frames": self._list.rows(self.listener, self.heard), "raw": self._list.watched(self.heard)}
+    def _make_frame_list(self) -> dict[str, Any]:
+        return {"frames": self._list.list_rows(self.listener, self.heard), "raw": self._list.list_watched(self.heard)}
 
-    def _state(self) -> dict[str, Any]:
+    def _make_state(self) -> dict[str, Any]:
         listener, heard = self.listener, self.heard
         return {
             "state": {
                 "time_s": listener.now_s,
                 "run": self._watched.run,
-                "notices": self._notices(),
+                "notices": self._list_notices(),
                 "bus": self.receiver.trouble,
                 "load": heard.load,
                 "frames": heard.frame_count,

@@ -1,4 +1,5 @@
-"""The panel's end of the supervisor's socket (:mod:`railhil.live.panel_socket`)."""
+"""What an operator of the panel may do: commands over the supervisor's socket (:mod:`railhil.live.panel_socket`), and
+the kinds of faults to which he may give values of his own during a run."""
 
 from __future__ import annotations
 
@@ -6,6 +7,8 @@ import contextlib
 import json
 import socket
 import time
+from collections.abc import Iterable
+from math import isfinite
 from typing import Any
 
 #: Wall time between two greetings; the supervisor tells those that have greeted it.
@@ -33,7 +36,7 @@ class Operator:
         self._send({"do": "hello"})
         self.close()
 
-    def command(self, command: dict[str, Any]) -> str:
+    def execute(self, command: dict[str, Any]) -> str:
         """Pass on a command; returns why not, empty if it was."""
         if command.get("do") not in COMMANDS:
             return f"no such command: {command.get('do')}"
@@ -85,3 +88,46 @@ class Operator:
                 self.close()
             return False
         return True
+
+
+def list_fault_kinds(texts: Iterable[str]) -> list[dict[str, Any]]:
+    """The kinds among the faults of a run that are triggered by hand, each once, in their order.
+
+    ``name``: place and word; ``tail``: its count and what else is fixed; ``parameters``: name, meaning, ``keyword``
+    before it (empty: none), ``value`` as prepared, ``usual`` value (empty: none), ``unit`` of a number without one,
+    ``range`` (empty: any), all as texts of the fault language, and whether it is ``fixed`` (a name).
+    """
+    # The language is loaded only when somebody uses it.
+    from railhil.faults.language import parse
+    from railhil.faults.model import NAME, Fault, Parameter
+    from railhil.faults.notation import UNITS, number_text, place_text, value_text
+    from railhil.faults.operator_values import parameters_of
+
+    def shown(fault: Fault, one: Parameter) -> dict[str, Any]:
+        is_name = one.unit == NAME
+        limits = [number_text(limit, one.unit) if isfinite(limit) else "" for limit in (one.low, one.high)]
+        return {
+            "name": one.name,
+            "meaning": one.meaning,
+            "keyword": one.keyword,
+            "value": value_text(fault.values[one.name], one.unit),
+            "usual": "" if one.usual is None else value_text(one.usual, one.unit),
+            "unit": "" if is_name else next(iter(UNITS[one.unit])),
+            "range": "" if is_name or not any(limits) else f"{limits[0]} to {limits[1]}".strip(),
+            "fixed": is_name,
+        }
+
+    found: dict[tuple[str, str, str], dict[str, Any]] = {}
+    for fault in map(parse, texts):
+        if fault.trigger.kind != "manual" or not parameters_of(fault):
+            continue
+        names = [str(fault.values[one.name]) for one in parameters_of(fault) if one.unit == NAME]
+        tail = [f"x{fault.count}"] if fault.count is not None else []
+        tail += [f"after {fault.after}"] if fault.after else []
+        tail += [f"units {','.join(map(str, fault.units))}"] if fault.units else []
+        name = f"{place_text(fault.place)} {fault.what}"
+        parameters = [shown(fault, one) for one in parameters_of(fault)]
+        fixed = " ".join(tail)
+        kind = {"name": name, "tail": fixed, "parameters": parameters}
+        found.setdefault((name, fixed, " ".join(names)), kind)
+    return list(found.values())

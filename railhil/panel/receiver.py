@@ -1,10 +1,13 @@
-"""The bus as the panel reads it: without waiting, never sending, and opened again when it comes back."""
+"""The frames that the panel reads: of a bus, without waiting, never sending, and opened again when it comes back; or of
+the log of a run that is being made, where the run has no bus to join."""
 
 from __future__ import annotations
 
 import os
 import time
+from collections import Counter
 from collections.abc import Callable, Mapping
+from pathlib import Path
 from typing import Any, Protocol
 
 from railhil.bus.can_settings import HUB_INTERFACE
@@ -12,6 +15,7 @@ from railhil.bus.errors import BusLost, BusUnavailable
 from railhil.bus.frame import Frame
 from railhil.bus.link import open_link
 from railhil.bus.link.passive import be_passive
+from railhil.record.framelog import LOG_NAME, frames_of
 
 #: Frames taken at one look; of more than these the oldest are dropped. A real-time run at 1x sends about 60.
 LOOK_FRAMES = 8000
@@ -23,7 +27,7 @@ _BULK_FRAMES = 256
 _LOOK_PACKETS = 400
 
 
-class Source(Protocol):
+class FrameSource(Protocol):
     """What frames are read from."""
 
     @property
@@ -37,7 +41,7 @@ class Source(Protocol):
         """Leave it."""
 
 
-def open_listening(config: dict[str, Any], name: str) -> Source:
+def open_listening(config: dict[str, Any], name: str) -> FrameSource:
     """A bus that is only listened to.
 
     :raises BusUnavailable: it cannot be opened.
@@ -57,7 +61,7 @@ class Receiver:
     def __init__(
         self,
         config: dict[str, Any],
-        open_bus: Callable[[dict[str, Any], str], Source] = open_listening,
+        open_bus: Callable[[dict[str, Any], str], FrameSource] = open_listening,
         waits: bool = False,
     ) -> None:
         self._packets = 1 if waits else _LOOK_PACKETS
@@ -69,7 +73,7 @@ class Receiver:
             self._path = str(config.get("channel", ""))
             self._config |= {"coalesce_frames": _BULK_FRAMES, "connect_timeout": 0.0}
         self._open_bus = open_bus
-        self._link: Source | None = None
+        self._link: FrameSource | None = None
         self._was_there = self._was_open = False
         self._retry_s = 0.0
         self._lost_before = 0
@@ -88,7 +92,7 @@ class Receiver:
         """Frames that have arrived since the last look, oldest first; see :attr:`lacks_before`,
         :attr:`lacks_within`."""
         self.lacks_before = self.lacks_within = False
-        if self._link is None and not self._opened():
+        if self._link is None and not self._open():
             return []
         assert self._link is not None
         frames: list[Frame] = []
@@ -118,7 +122,7 @@ class Receiver:
             self._link.close()
             self._link = None
 
-    def _opened(self) -> bool:
+    def _open(self) -> bool:
         now_s = time.monotonic()
         is_there = bool(self._path) and os.path.exists(self._path)
         is_new, self._was_there = is_there and not self._was_there, is_there
@@ -137,3 +141,63 @@ class Receiver:
         self._was_open = True
         self.trouble = ""
         return True
+
+
+#: Read at one look: about 8000 classic frames.
+LOOK_BYTES = 360_000
+#: What may wait to be read, about 350 000 frames; of more the oldest lines are left out.
+BACKLOG_BYTES = 16 << 20
+_SKIP_BYTES = 1 << 20
+
+
+class LogFollower:
+    """The frames of ``frames.log`` in a run folder, in the order of the bus.
+
+    ``counters["rx_lost"]``: lines left out because there were too many.
+
+    :raises BusUnavailable: the run has not begun, or its log cannot be read.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self._path = path = folder / LOG_NAME
+        try:
+            self._stream = path.open("rb", buffering=0)
+        except FileNotFoundError:
+            raise BusUnavailable(f"run {folder} has not begun") from None
+        except OSError as error:
+            raise BusUnavailable(f"{path}: {(error.strerror or str(error)).lower()}") from None
+        self.counters: Counter[str] = Counter()
+        #: Beginning of a line whose end is not written yet.
+        self._begun = b""
+
+    def receive(self, timeout_s: float | None = 0.0) -> list[Frame]:
+        """The next frames, oldest first, at most :data:`LOOK_BYTES` of lines; never waits.
+
+        :raises BusLost: it is no log of a run.
+        """
+        self._skip()
+        text = self._begun + self._stream.read(LOOK_BYTES)
+        whole = text.rfind(b"\n") + 1
+        self._begun = text[whole:]
+        try:
+            return frames_of(text[:whole])
+        except (ValueError, IndexError):
+            raise BusLost(f"{self._path}: found lines that are no frames, allowed: the log of a run") from None
+
+    def _skip(self) -> None:
+        """Count the lines that are too many, without reading what they say."""
+        unread = os.fstat(self._stream.fileno()).st_size - self._stream.tell() - BACKLOG_BYTES
+        if unread <= 0:
+            return
+        while unread > 0 and (part := self._stream.read(min(unread, _SKIP_BYTES))):
+            unread -= len(part)
+            self.counters["rx_lost"] += part.count(b"\n")
+        # Where it stops is inside a line, as a rule.
+        rest = self._stream.read(LOOK_BYTES)
+        self.counters["rx_lost"] += 1
+        self._begun = b""
+        self._stream.seek(rest.find(b"\n") + 1 - len(rest), os.SEEK_CUR)
+
+    def close(self) -> None:
+        """Close the file."""
+        self._stream.close()

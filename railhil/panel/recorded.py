@@ -15,11 +15,10 @@ from railhil.common.errors import InputError
 from railhil.judge.cross_check import check_folder
 from railhil.judge.events.event import LEVEL, MISSED_POLL, START, RecordedEvent
 from railhil.judge.record import Record, checked_record
-from railhil.panel.declared import Chart, Layout, layout_of
-from railhil.panel.growing import Growing
-from railhil.panel.learning import learning_charts, run_folders
-from railhil.panel.values import Rows
-from railhil.panel.wire import REPLACE, batch
+from railhil.panel.layout import Chart, Layout, make_layout
+from railhil.panel.live_sequence import LiveSequence, find_run_folders, make_learning_charts
+from railhil.panel.rows import Rows
+from railhil.panel.wire import REPLACE, encode_batch
 from railhil.record.documents import read_certificate
 from railhil.record.trace import FloatArray
 from railhil.report.display_columns import ShownColumn
@@ -36,7 +35,7 @@ class RecordedRuns:
     """
 
     def __init__(self, folders: Sequence[str]) -> None:
-        asked, (folders, every) = list(folders), run_folders(folders)
+        asked, (folders, every) = list(folders), find_run_folders(folders)
         records = [checked_record(folder, None) for folder in folders]
         for place in map(Path, set(every).difference(folders)):
             # Of a sequence only two runs are read as records; the charts over its runs show them all.
@@ -46,36 +45,36 @@ class RecordedRuns:
             if record.scenario.system != first.system:
                 allowed = f"a run of system {first.system}, as in {folders[0]}"
                 raise InputError(folder, "system", record.scenario.system, allowed)
-        layouts = [_layout(record) for record in records]
-        self.layout = union(layouts)
+        layouts = [_make_layout(record) for record in records]
+        self.layout = merge_layouts(layouts)
         # Runs of a sequence differ in their numbers.
-        self._names = _names(records) if asked == folders else [Path(folder).name for folder in folders]
+        self._names = _name_runs(records) if asked == folders else [Path(folder).name for folder in folders]
         self._records = records
-        self._learning = learning_charts(first, every)
-        self._growing = Growing(first, asked)
+        self._learning = make_learning_charts(first, every)
+        self._growing = LiveSequence(first, asked)
         self._rows = [
-            thinned(_placed(_rows(one, layout), layout, self.layout), self.layout.position)
+            thin_rows(_arrange(_make_rows(one, layout), layout, self.layout), self.layout.position)
             for one, layout in zip(records, layouts, strict=True)
         ]
 
-    def header(self) -> dict[str, Any]:
+    def describe(self) -> dict[str, Any]:
         """What a page is told first."""
         runs = [
-            {"name": name, "facts": {"scenario": one.scenario.name, "verdict": _verdict(name, one)}}
+            {"name": name, "facts": {"scenario": one.scenario.name, "verdict": _describe_verdict(name, one)}}
             for name, one in zip(self._names, self._records, strict=True)
         ]
         return {"kind": "recorded", "runs": runs, "layout": self.layout.as_json(), "learning": self._learning}
 
-    def past(self) -> list[str | bytes]:
+    def read_past(self) -> list[str | bytes]:
         """All rows and events."""
         several = len(self._records) > 1
         events = [
-            _event(event, f"{name} " if several else "")
+            _describe_event(event, f"{name} " if several else "")
             for name, record in zip(self._names, self._records, strict=True)
             for event in record.events
         ]
         events.sort(key=lambda event: float(event["time_s"]))
-        rows: list[str | bytes] = [batch(REPLACE, number, rows) for number, rows in enumerate(self._rows)]
+        rows: list[str | bytes] = [encode_batch(REPLACE, number, rows) for number, rows in enumerate(self._rows)]
         return [*rows, json.dumps({"events": events, "replace": True})]
 
     def look(self) -> list[str | bytes]:
@@ -86,23 +85,23 @@ class RecordedRuns:
         self._learning = charts
         return [json.dumps({"learning": charts})]
 
-    def frames(self) -> str:
+    def list_frames(self) -> str:
         """There is no bus."""
         return ""
 
-    def command(self, command: dict[str, Any]) -> str:
+    def execute(self, command: dict[str, Any]) -> str:
         """A recorded run takes no orders."""
         return "a recorded run takes no orders"
 
     def watch(self, can_ids: set[int]) -> None:
         """Frames are not shown."""
 
-    def kinds(self) -> list[dict[str, Any]]:
+    def list_kinds(self) -> list[dict[str, Any]]:
         """A recorded run takes no faults."""
         return []
 
 
-def thinned(rows: FloatArray, position: int = -1) -> FloatArray:
+def thin_rows(rows: FloatArray, position: int = -1) -> FloatArray:
     """At most about :data:`ROWS_MAX` rows: of each part of a longer table its smallest and its largest values; a gap
     remains one.
 
@@ -124,7 +123,7 @@ def thinned(rows: FloatArray, position: int = -1) -> FloatArray:
     return found
 
 
-def union(layouts: Sequence[Layout]) -> Layout:
+def merge_layouts(layouts: Sequence[Layout]) -> Layout:
     """One layout for runs whose laws report different notes: all columns, charts merged by title and unit."""
     columns: list[ShownColumn] = []
     for layout in layouts:
@@ -154,17 +153,17 @@ def union(layouts: Sequence[Layout]) -> Layout:
     )
 
 
-def _layout(record: Record) -> Layout:
+def _make_layout(record: Record) -> Layout:
     notes: Sequence[Mapping[str, Any]] | None = record.certificate.get("notes")
-    return layout_of(record.scenario, record.trace.contract, notes)
+    return make_layout(record.scenario, record.trace.contract, notes)
 
 
-def _rows(record: Record, layout: Layout) -> FloatArray:
+def _make_rows(record: Record, layout: Layout) -> FloatArray:
     made = Rows(record.scenario, layout, record.certificate.get("notes"))
-    return made.with_gaps(made.of(record.trace))
+    return made.with_gaps(made.make(record.trace))
 
 
-def _placed(rows: FloatArray, layout: Layout, wanted: Layout) -> FloatArray:
+def _arrange(rows: FloatArray, layout: Layout, wanted: Layout) -> FloatArray:
     """Rows with the columns of another layout, NaN where a run has none."""
     at = {column.name: place for place, column in enumerate(layout.columns, 1)}
     found = np.full((len(rows), 1 + len(wanted.columns)), np.nan)
@@ -175,19 +174,19 @@ def _placed(rows: FloatArray, layout: Layout, wanted: Layout) -> FloatArray:
     return found
 
 
-def _names(records: Sequence[Record]) -> list[str]:
+def _name_runs(records: Sequence[Record]) -> list[str]:
     runs = [recorded_run(one) for one in records]
     return [f"{run.scenario.name} {run.label}" if len(runs) == 1 else run.label for run in told_apart(runs)]
 
 
-def _verdict(name: str, record: Record) -> str:
+def _describe_verdict(name: str, record: Record) -> str:
     missed = record.trace.missed_polls
     polls = count_of(record.trace.polls, "poll")
     said = f"{name}: {record.verdict}, {missed} of {polls} missed ({record.folder.name})"
     return "; ".join((said, *record.notes))
 
 
-def _event(event: RecordedEvent, run: str) -> dict[str, Any]:
+def _describe_event(event: RecordedEvent, run: str) -> dict[str, Any]:
     words = [event.level, event.detail or event.cause]
     text = ": ".join(word.replace("_", " ") for word in words if word)
     if event.kind == MISSED_POLL:

@@ -1,16 +1,20 @@
-"""The page's server: static files and one WebSocket, on loopback, in one thread.
+"""The page's server: static files and one WebSocket, on loopback, in one thread; and what one command line serves.
 
-A page is served what is new as long as it keeps up; to one that does not, rows are left out and counted.
+A page is served what is new as long as it keeps up; to one that does not, rows are left out and counted. What only some
+command lines need is loaded for them alone.
 """
 
 from __future__ import annotations
 
+import argparse
 import asyncio
 import json
-from collections.abc import Callable, Sequence
+import secrets
+from collections.abc import Callable, Mapping, Sequence
 from http import HTTPStatus
 from importlib.resources import files
-from typing import Any, Protocol
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Protocol
 
 from websockets.asyncio.server import Server, ServerConnection, broadcast, serve, unix_serve
 from websockets.datastructures import Headers
@@ -18,7 +22,20 @@ from websockets.exceptions import ConnectionClosed
 from websockets.http11 import Request, Response
 from websockets.typing import Subprotocol
 
-from railhil.panel.wire import POLICY_VIOLATION, SUBPROTOCOL, TooDeep, is_token, parsed
+from railhil.bus.can_settings import named_bus
+from railhil.bus.select import arguments_from_config, choose_bus
+from railhil.cli.watched import Watched, named_scenario
+from railhil.common.errors import InputError, Words
+from railhil.common.exit_codes import ending_signals
+from railhil.common.output import Output
+from railhil.common.python_process import end_with_parent
+from railhil.panel.live import LiveRun
+from railhil.panel.operator import Operator
+from railhil.panel.receiver import LogFollower, Receiver
+from railhil.panel.wire import POLICY_VIOLATION, SUBPROTOCOL, TooDeep, is_token, parse_object
+
+if TYPE_CHECKING:
+    from railhil.panel.foxglove import FoxgloveBridge
 
 #: Batches a second at most; a look costs about the same however little has come.
 RATE_HZ = 10.0
@@ -36,29 +53,29 @@ _FILES = {
 }
 
 
-class Source(Protocol):
+class PageSource(Protocol):
     """What is shown."""
 
-    def header(self) -> dict[str, Any]:
+    def describe(self) -> dict[str, Any]:
         """What a page is told first."""
 
-    def past(self) -> list[str | bytes]:
+    def read_past(self) -> list[str | bytes]:
         """Everything so far."""
 
     def look(self) -> list[str | bytes]:
         """What is new; called :data:`RATE_HZ` times a second."""
 
-    def frames(self) -> str:
+    def list_frames(self) -> str:
         """The list of frames for the pages that show it; called after a look, empty if it is not due yet."""
 
-    def command(self, command: dict[str, Any]) -> str:
+    def execute(self, command: dict[str, Any]) -> str:
         """Carry out a command of a page with the right token; returns why not, empty if it was."""
 
     def watch(self, can_ids: set[int]) -> None:
         """Keep raw frames of these identifiers."""
 
-    def kinds(self) -> list[dict[str, Any]]:
-        """Kinds of faults that take values during the run (:func:`railhil.panel.kinds.kinds_of`)."""
+    def list_kinds(self) -> list[dict[str, Any]]:
+        """Kinds of faults that take values during the run (:func:`railhil.panel.operator.list_fault_kinds`)."""
 
 
 class Page:
@@ -78,7 +95,7 @@ class PanelServer:
     :param socket: listen at this Unix socket instead of ``port``, under which something else publishes it.
     """
 
-    def __init__(self, source: Source, token: str, port: int, socket: str | None = None) -> None:
+    def __init__(self, source: PageSource, token: str, port: int, socket: str | None = None) -> None:
         self._source = source
         self._socket = socket
         self.token = token
@@ -98,7 +115,7 @@ class PanelServer:
         :raises OSError: it cannot be opened.
         """
         how: dict[str, Any] = {
-            "process_request": self._static,
+            "process_request": self._serve_file,
             "subprotocols": [Subprotocol(SUBPROTOCOL)],
             "compression": None,
             "max_size": 1 << 16,
@@ -125,7 +142,7 @@ class PanelServer:
             for message in self._source.look():
                 self._tell(message, pages)
             showing = [page for page in pages if page.shows_frames]
-            if showing and (text := self._source.frames()):
+            if showing and (text := self._source.list_frames()):
                 self._tell(text, showing)
             beside()
             due_s = max(due_s + 1.0 / RATE_HZ, loop.time())
@@ -143,10 +160,10 @@ class PanelServer:
         if takes:
             broadcast(takes, message)
 
-    def _static(self, connection: ServerConnection, request: Request) -> Response | None:
+    def _serve_file(self, connection: ServerConnection, request: Request) -> Response | None:
         path = request.path.partition("?")[0]
         if path == "/ws":
-            return self._refused(connection, request)
+            return self._check_origin(connection, request)
         if path not in _FILES:
             found = HTTPStatus.NO_CONTENT if path == "/favicon.ico" else HTTPStatus.NOT_FOUND
             return connection.respond(found, "" if found is HTTPStatus.NO_CONTENT else "not found\n")
@@ -165,7 +182,7 @@ class PanelServer:
         )
         return Response(HTTPStatus.OK.value, HTTPStatus.OK.phrase, headers, body)
 
-    def _refused(self, connection: ServerConnection, request: Request) -> Response | None:
+    def _check_origin(self, connection: ServerConnection, request: Request) -> Response | None:
         """A page of somebody else must not talk to this server, under whatever name it reaches it."""
         own = {f"http://{host}:{self.port}" for host in ("127.0.0.1", "localhost", "[::1]")}
         origins = request.headers.get_all("Origin")
@@ -178,14 +195,14 @@ class PanelServer:
             await connection.close(1002, f"subprotocol {SUBPROTOCOL} only")
             return
         page = Page(connection)
-        await connection.send(json.dumps({"header": self._source.header() | {"commands": bool(self.token)}}))
-        for message in self._source.past():
+        await connection.send(json.dumps({"header": self._source.describe() | {"commands": bool(self.token)}}))
+        for message in self._source.read_past():
             await connection.send(message)
         self._pages[connection] = page
         try:
             async for text in connection:
                 try:
-                    answer = self._asked(page, parsed(text))
+                    answer = self._answer(page, parse_object(text))
                 except TooDeep as error:
                     await connection.close(POLICY_VIOLATION, str(error))
                     return
@@ -199,7 +216,7 @@ class PanelServer:
             del self._pages[connection]
             self._watch()
 
-    def _asked(self, page: Page, asked: dict[str, Any]) -> dict[str, Any] | None:
+    def _answer(self, page: Page, asked: dict[str, Any]) -> dict[str, Any] | None:
         if "watch" in asked:
             page.watched = asked["watch"] if isinstance(asked["watch"], int) else None
             self._watch()
@@ -208,14 +225,81 @@ class PanelServer:
             page.shows_frames = asked["frames"] is True
             return None
         if "kinds" in asked:
-            return {"kinds": self._source.kinds()}
+            return {"kinds": self._source.list_kinds()}
         token = asked.pop("token", None)
         if not self.token:
             return {"refused": "this page takes no commands"}
         if not is_token(token, self.token):
             return {"refused": "wrong token: open the address that the command has printed"}
-        why = self._source.command(asked)
+        why = self._source.execute(asked)
         return {"refused": why} if why else {"done": asked.get("do", "")}
 
     def _watch(self) -> None:
         self._source.watch({page.watched for page in self._pages.values() if page.watched is not None})
+
+
+def serve_panel(namespace: argparse.Namespace) -> int:
+    """Serve until SIGINT or SIGTERM; returns the exit code.
+
+    :raises InputError: scenario or record cannot be loaded.
+    :raises OSError: a port cannot be opened.
+    """
+    if namespace.child:
+        end_with_parent()
+    if any(Path(text).is_dir() for text in namespace.what):
+        if namespace.foxglove is not None:
+            allowed = "the run on a bus; for a recorded one railhil export --mcap"
+            raise InputError("command line", "--foxglove", Words("beside run folders"), allowed)
+        from railhil.panel.recorded import RecordedRuns
+
+        runs = RecordedRuns(namespace.what)
+        return asyncio.run(_serve(PanelServer(runs, "", namespace.port), Output(stderr=True)))
+    if len(namespace.what) > 1:
+        raise InputError("command line", "SCENARIO", Words(" ".join(namespace.what)), "one scenario, or run folders")
+    named = named_scenario(next(iter(namespace.what), None), namespace.set, namespace.fault)
+    operator = Operator(namespace.operator) if namespace.operator else None
+    receiver = _make_receiver(named_bus(namespace), namespace.follow)
+    source = LiveRun(Watched(named, namespace.controller), receiver, operator)
+    token = secrets.token_urlsafe(16) if operator else ""
+    port = namespace.public_port if namespace.socket and namespace.public_port else namespace.port
+    bridge: FoxgloveBridge | None = None
+    if namespace.foxglove is not None:
+        from railhil.panel.foxglove import FoxgloveBridge
+
+        bridge = FoxgloveBridge(source, token, namespace.foxglove)
+    panel = PanelServer(source, token, port, namespace.socket)
+    # A record waits for who reads it, a bus does not; viewers of the bridge are not counted.
+    panel.looks_alone = namespace.follow is None or bridge is not None
+    return asyncio.run(_serve(panel, Output(stderr=True), bridge, operator))
+
+
+def _make_receiver(given: Mapping[str, Any], follow: str | None) -> Receiver:
+    if follow is None:
+        return Receiver(choose_bus(given).config)
+    if given:
+        found = Words(" ".join(arguments_from_config(given)) or "a timing")
+        raise InputError("command line", "--follow", found, "no option of a bus beside it")
+    folder = Path(follow)
+    return Receiver({}, lambda config, name: LogFollower(folder), waits=True)
+
+
+async def _serve(
+    panel: PanelServer, console: Output, bridge: FoxgloveBridge | None = None, operator: Operator | None = None
+) -> int:
+    servers = [await panel.listen()]
+    console.say(f"panel: {panel.address}{f'#token={panel.token}' if panel.token else ''}")
+    if bridge is not None:
+        servers.append(await bridge.listen())
+        console.say(f"foxglove: ws://127.0.0.1:{bridge.port}")
+    stopped: list[int] = []
+    loop = asyncio.get_running_loop()
+    for number in ending_signals():
+        loop.add_signal_handler(number, stopped.append, int(number))
+    if operator is not None:
+        # The run begins now.
+        operator.greet()
+    await panel.run(lambda: bool(stopped), bridge.tell if bridge is not None else lambda: None)
+    for server in servers:
+        server.close()
+        await server.wait_closed()
+    return 128 + stopped[0]

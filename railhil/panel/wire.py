@@ -22,7 +22,7 @@ POLICY_VIOLATION = 1008
 APPEND, REPLACE = 1, 2
 
 
-def batch(kind: int, run: int, rows: FloatArray) -> bytes:
+def encode_batch(kind: int, run: int, rows: FloatArray) -> bytes:
     """A batch of rows of shape (n, 1 + columns), time first."""
     count, width = rows.shape
     times = np.ascontiguousarray(rows[:, 0], dtype="<f8").tobytes()
@@ -34,7 +34,7 @@ class TooDeep(ValueError):
     """JSON that is nested so deeply that nobody who means well has written it: its sender is not talked to."""
 
 
-def parsed(text: str | bytes) -> dict[str, Any]:
+def parse_object(text: str | bytes) -> dict[str, Any]:
     """The object of a message.
 
     :raises TooDeep: it cannot be read.

@@ -43,7 +43,7 @@ async def visited(run: Recorded, subprotocol: str, sent: list[str | bytes], look
     """What a client is told that sends all this and then sees so many looks of 200 frames each."""
     parts = [part for look in range(looks) for part in (run.frames[200 * look : 200 * look + 200], [])]
     live = LiveRun(Watched(run.scenario, "ipfc"), Receiver({}, lambda config, name: ScriptedLink(*parts)))
-    live.command = lambda command: "" if command["do"] == "stop" else "not that"  # type: ignore[method-assign]
+    live.execute = lambda command: "" if command["do"] == "stop" else "not that"  # type: ignore[method-assign]
     bridge = FoxgloveBridge(live, TOKEN, 0)
     server = await bridge.listen()
     told: dict[str, list[Any]] = {"json": [], "binary": []}

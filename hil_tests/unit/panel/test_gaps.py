@@ -13,11 +13,10 @@ from hil_tests.support.panel import ScriptedLink
 from railhil.bench import local_run
 from railhil.bus.frame import Frame
 from railhil.cli.watched import Watched
-from railhil.panel.history import ROWS_MAX, History, is_gap
 from railhil.panel.live import LiveRun
 from railhil.panel.receiver import LOOK_FRAMES, Receiver
-from railhil.panel.recorded import thinned
-from railhil.panel.values import Rows
+from railhil.panel.recorded import thin_rows
+from railhil.panel.rows import HISTORY_ROWS_MAX, History, Rows, is_gap
 from railhil.record.framelog import read_log
 from railhil.record.trace import FloatArray, trace_of
 from railhil.scenarios.load import load_any
@@ -73,7 +72,7 @@ def is_true(ride: Ride, live: LiveRun, rows: FloatArray) -> None:
 
 
 def notices(live: LiveRun) -> str:
-    state = next(json.loads(text)["state"] for text in live.past() if isinstance(text, str) and "state" in text)
+    state = next(json.loads(text)["state"] for text in live.read_past() if isinstance(text, str) and "state" in text)
     return " ".join(state["notices"])
 
 
@@ -88,7 +87,7 @@ def test_who_joins_late_draws_nothing_before_the_time_is_known(ride: Ride) -> No
     early, none = shown(ride, ride.from_s(21.0)[:300])
     assert len(none) == 0
     assert "time is not known" in notices(early)
-    assert json.loads(next(text for text in early.past() if "state" in str(text)))["state"]["time_s"] is None
+    assert json.loads(next(text for text in early.read_past() if "state" in str(text)))["state"]["time_s"] is None
 
 
 def test_frames_dropped_at_a_look_are_a_gap_and_are_said(ride: Ride) -> None:
@@ -145,7 +144,7 @@ def test_a_truth_that_is_missing_is_a_gap_of_a_recorded_run_too(ride: Ride) -> N
     trace = trace_of((round(at * 1e9), one) for at, one in heard if not (10 < at < 16 and one.can_id in truth))
     live, _ = shown(ride, [])
     made = Rows(ride.scenario, live.layout)
-    rows = made.with_gaps(made.of(trace))
+    rows = made.with_gaps(made.make(trace))
     gaps = rows[is_gap(rows, live.layout.position)]
     assert gaps[:, 0].tolist() == pytest.approx([10.0], abs=0.1)
 
@@ -170,7 +169,7 @@ def test_a_column_of_a_silent_port_is_a_gap(ride: Ride, port: str, column: str, 
     heard = without(ride, port, 10.0, 16.0)
     live, rows = shown(ride, *chunks([frame for _, frame in heard], 500))
     made = Rows(ride.scenario, live.layout)
-    recorded = made.with_gaps(made.of(trace_of(heard)))
+    recorded = made.with_gaps(made.make(trace_of(heard)))
     place = 1 + next(at for at, one in enumerate(live.layout.columns) if one.name == column)
     for table in (rows, recorded):
         begun = table[table[:, 0] > 2.0]
@@ -195,7 +194,7 @@ def test_a_gap_of_one_column_outlives_thinning() -> None:
     rows = np.ones((200_000, 4))
     rows[:, 0] = np.arange(len(rows))
     rows[77_777, 2] = np.nan
-    found = thinned(rows, 2)
+    found = thin_rows(rows, 2)
     assert np.isnan(found).sum(axis=0).tolist() == [0, 0, 1, 0]
 
 
@@ -204,14 +203,14 @@ def test_a_gap_outlives_thinning() -> None:
     rows[:, 0] = np.arange(len(rows))
     rows[77_777, 1:3] = np.nan
     assert is_gap(rows, 2).sum() == 1
-    found = thinned(rows, 2)
+    found = thin_rows(rows, 2)
     assert len(found) <= 40_000
     assert is_gap(found, 2).sum() == 1
     assert np.isfinite(found[:, [0, 3]]).all()
     history = History(4, 2)
     for part in np.split(rows, 200):
         history.add(part)
-    assert len(history.rows) <= ROWS_MAX
+    assert len(history.rows) <= HISTORY_ROWS_MAX
     assert history.stride > 4
     assert is_gap(history.rows, 2).sum() == 1
 
@@ -230,7 +229,7 @@ def test_nothing_is_taken_for_a_run_before_the_plant_has_told(ride: Ride) -> Non
     live = LiveRun(Watched(None), Receiver({}, lambda config, name: link))
     live.look()
     assert live.layout.columns == ()
-    assert live.header()["runs"][0]["name"] == "a run that is not known yet"
+    assert live.describe()["runs"][0]["name"] == "a run that is not known yet"
     assert "has not told" in notices(live)
     live.look()
     # PLT_IDENT is repeated: who joins late knows the scenario's hash, the law and the seed.

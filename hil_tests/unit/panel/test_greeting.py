@@ -56,7 +56,7 @@ def test_commands_that_come_with_the_greeting_are_kept(tmp_path: Path) -> None:
     with PanelSocket(tmp_path / "desk") as desk:
         operator = Operator(str(tmp_path / "desk"))
         operator.report = {"phase": "waiting"}
-        assert not operator.command({"do": "pause"})
+        assert not operator.execute({"do": "pause"})
         operator.greet()
         assert desk.is_greeted(1.0)
         assert desk.is_greeted(0.0)

@@ -14,13 +14,13 @@ from railhil.bus.frame import Frame
 from railhil.cli.watched import Watched
 from railhil.live.bus_follower import Listener
 from railhil.panel import live as live_module
-from railhil.panel.declared import ERROR, layout_of
-from railhil.panel.heard_bus import HeardBus
-from railhil.panel.history import ROWS_MAX, History
+from railhil.panel.bus_statistics import BusStatistics
+from railhil.panel.layout import ERROR, make_layout
 from railhil.panel.live import LiveRun
 from railhil.panel.operator import Operator
 from railhil.panel.receiver import LOOK_FRAMES, Receiver
-from railhil.panel.recorded import thinned
+from railhil.panel.recorded import thin_rows
+from railhil.panel.rows import HISTORY_ROWS_MAX, History
 from railhil.scenarios.load import load_any
 from railhil.scenarios.system import names, system_named
 
@@ -61,7 +61,7 @@ def test_the_time_goes_on_without_the_clock_port(run):
 
 
 def test_polls_and_load_are_counted(run):
-    heard = HeardBus(run.contract)
+    heard = BusStatistics(run.contract)
     listener = Listener(run.scenario, run.contract, heard)
     notch = set(run.contract.port("NOTCH_CMD").can_ids)
     listener.take(frame for number, frame in enumerate(run.frames) if frame.can_id not in notch or number < 2000)
@@ -147,13 +147,13 @@ def test_a_socket_without_a_hub_is_tried_now_and_then(tmp_path):
 
 def test_memory_is_bounded():
     history = History(3)
-    for start in range(0, 10 * ROWS_MAX, 1000):
+    for start in range(0, 10 * HISTORY_ROWS_MAX, 1000):
         rows = np.arange(start, start + 1000, dtype=float)[:, None].repeat(3, axis=1)
         history.add(rows)
     kept = history.rows[:, 0]
-    assert len(kept) <= ROWS_MAX
+    assert len(kept) <= HISTORY_ROWS_MAX
     assert kept[0] == 0
-    assert kept[-1] > 9.9 * ROWS_MAX
+    assert kept[-1] > 9.9 * HISTORY_ROWS_MAX
     assert (np.diff(kept) > 0).all()
 
 
@@ -161,7 +161,7 @@ def test_a_long_record_keeps_its_extremes():
     rows = np.zeros((200_000, 2))
     rows[:, 0] = np.arange(len(rows))
     rows[123_457, 1], rows[77_777, 1] = 9.0, -9.0
-    found = thinned(rows)
+    found = thin_rows(rows)
     assert len(found) <= 40_000
     assert (found[:, 1].min(), found[:, 1].max()) == (-9.0, 9.0)
     assert (np.diff(found[:, 0]) >= 0).all()
@@ -171,14 +171,14 @@ def test_every_system_has_a_layout_from_what_it_declares():
     scenarios = {"ato": "lvshun_tieshan", "hst1": "jinan_xuzhou", "emu3": "jinan_xuzhou_emu3", "stop": "yizhuang_stop"}
     for name in set(names()) & scenarios.keys():
         scenario, system = load_any(scenarios[name]), system_named(name)
-        layout = layout_of(scenario, system.contract, None)
+        layout = make_layout(scenario, system.contract, None)
         assert layout.speed >= 0
         assert layout.position >= 0
         assert layout.command >= 0
         assert layout.tracks
         assert layout.charts[0].title == "speed"
     contract = system_named("emu3").contract
-    emu3 = [column.name for column in layout_of(load_any("jinan_xuzhou_emu3"), contract, None).columns]
+    emu3 = [column.name for column in make_layout(load_any("jinan_xuzhou_emu3"), contract, None).columns]
     assert {"true_speed1_mps", "true_speed3_mps", "coupler1_kn", "coupler2_kn"} <= set(emu3)
 
 
@@ -189,7 +189,7 @@ def test_state_and_list_of_frames_do_not_come_at_every_look(run, monkeypatch):
     told, lists = [], 0
     for _ in range(20):
         told += [next(iter(json.loads(message))) for message in live.look()]
-        lists += bool(live.frames())
+        lists += bool(live.list_frames())
         now_s[0] += 0.1
     assert (told.count("state"), told.count("frames"), lists) == (10, 2, 10)
 
@@ -199,7 +199,7 @@ def test_pages_are_told_events_and_frames(run):
     live.look()
     events = [event["text"] for event in live._events.all]
     assert "departed" in events
-    rows = {row[1]: row for row in live._list.rows(live.listener, live.heard)}
+    rows = {row[1]: row for row in live._list.list_rows(live.listener, live.heard)}
     assert rows["TRN_SPEED"][2] > 100
     assert rows["TRN_SPEED"][3] == 10.0
     assert "TrainSpeed" in rows["TRN_SPEED"][6]
@@ -217,7 +217,7 @@ def test_a_run_with_faults_of_the_operator_is_no_other_scenario(run: Recorded) -
         live = LiveRun(Watched(other), receiver, operator)
         live.look()
         operator.report = {"phase": "running", "faults": faults}
-        told = [json.loads(message) for message in live.past() if isinstance(message, str)]
+        told = [json.loads(message) for message in live.read_past() if isinstance(message, str)]
         found += [bool(one["state"]["notices"]) for one in told if "state" in one]
         assert live.layout.target >= 0 if faults else live.layout.target == -1
     assert found == [True, False]

@@ -13,13 +13,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from railhil.panel.kinds import kinds_of
-from railhil.panel.wire import APPEND, SUBPROTOCOL, batch
+from railhil.panel.operator import list_fault_kinds
+from railhil.panel.wire import APPEND, SUBPROTOCOL, encode_batch
 
 websockets = pytest.importorskip("websockets", reason="MISSING CAPABILITY websockets")
 
-from railhil.panel.door import opened  # noqa: E402
 from railhil.panel.server import PanelServer  # noqa: E402
+from railhil.panel.tcp_to_unix import open_gateway  # noqa: E402
 
 TOKEN = "right"
 
@@ -32,28 +32,28 @@ class ScriptedSource:
         self.watched: set[int] = set()
         self.lists = 0
 
-    def header(self) -> dict[str, Any]:
+    def describe(self) -> dict[str, Any]:
         return {"kind": "live"}
 
-    def past(self) -> list[str | bytes]:
+    def read_past(self) -> list[str | bytes]:
         return ["{}"]
 
     def look(self) -> list[str | bytes]:
         return []
 
-    def frames(self) -> str:
+    def list_frames(self) -> str:
         self.lists += 1
         return json.dumps({"frames": self.lists})
 
-    def command(self, command: dict[str, Any]) -> str:
+    def execute(self, command: dict[str, Any]) -> str:
         self.commands.append(command)
         return "" if command.get("do") != "fail" else "it cannot be"
 
     def watch(self, can_ids: set[int]) -> None:
         self.watched = can_ids
 
-    def kinds(self) -> list[dict[str, Any]]:
-        return kinds_of(["TRN_SPEED loss @manual"])
+    def list_kinds(self) -> list[dict[str, Any]]:
+        return list_fault_kinds(["TRN_SPEED loss @manual"])
 
 
 def served(visit: Callable[[PanelServer, ScriptedSource], Any], token: str = TOKEN) -> ScriptedSource:
@@ -204,7 +204,7 @@ def test_the_page_may_load_nothing_from_elsewhere():
 
 def test_a_batch_is_times_then_columns():
     rows = np.array([[0.5, 1.0, np.nan], [1.5, 3.0, 4.0]])
-    data = batch(APPEND, 3, rows)
+    data = encode_batch(APPEND, 3, rows)
     assert struct.unpack("<4I", data[:16]) == (APPEND, 3, 2, 2)
     assert np.frombuffer(data, "<f8", 2, 16).tolist() == [0.5, 1.5]
     np.testing.assert_array_equal(np.frombuffer(data, "<f4", 4, 32), np.array([1, 3, np.nan, 4], dtype=np.float32))
@@ -213,7 +213,7 @@ def test_a_batch_is_times_then_columns():
 def test_a_door_leads_to_a_panel_at_a_socket(tmp_path):
     async def all_of_it() -> None:
         source, socket = ScriptedSource(), str(tmp_path / "panel.sock")
-        door = await opened(socket, "127.0.0.1", 0)
+        door = await open_gateway(socket, "127.0.0.1", 0)
         port = door.sockets[0].getsockname()[1]
         panel = PanelServer(source, TOKEN, port, socket)
         with pytest.raises((websockets.InvalidMessage, websockets.InvalidHandshake, OSError, EOFError)):

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from railhil.common.errors import InputError
-from railhil.panel.learning import learning_charts, run_folders
+from railhil.panel.live_sequence import find_run_folders, make_learning_charts
 from railhil.panel.recorded import RecordedRuns
 from railhil.scenarios.load import load_any
 from railhil.sequences.sequence_command import _page, main
@@ -28,7 +28,7 @@ def sequence(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_a_sequence_is_its_first_and_last_run_and_what_it_learned(sequence: Path) -> None:
-    header = RecordedRuns([str(sequence)]).header()
+    header = RecordedRuns([str(sequence)]).describe()
     assert [run["name"] for run in header["runs"]] == ["run001", "run002"]
     charts = {chart["title"]: chart for chart in header["learning"]}
     numbers, errors, upper, lower = charts["stop error by run"]["data"]
@@ -47,9 +47,9 @@ def test_a_page_of_a_sequence_that_is_being_recorded_gets_each_run_as_it_ends(
     night = tmp_path / "night"
     shutil.copytree(sequence, night, ignore=shutil.ignore_patterns("run002"))
     now_s = [100.0]
-    monkeypatch.setattr("railhil.panel.growing.time.monotonic", lambda: now_s[0])
+    monkeypatch.setattr("railhil.panel.live_sequence.time.monotonic", lambda: now_s[0])
     source = RecordedRuns([str(night)])
-    assert source.header()["learning"] == []
+    assert source.describe()["learning"] == []
 
     def after(seconds: float) -> list[str | bytes]:
         now_s[0] += seconds
@@ -63,7 +63,7 @@ def test_a_page_of_a_sequence_that_is_being_recorded_gets_each_run_as_it_ends(
     (message,) = after(1.0)
     charts = json.loads(message)["learning"]
     assert charts[0]["data"][0] == [1, 2]
-    assert source.header()["learning"] == charts == RecordedRuns([str(sequence)]).header()["learning"]
+    assert source.describe()["learning"] == charts == RecordedRuns([str(sequence)]).describe()["learning"]
     assert after(1.0) == []
 
 
@@ -89,13 +89,13 @@ def test_the_page_of_a_sequence_is_served_as_soon_as_a_run_has_ended(
 def test_runs_beside_each_other_learn_only_if_they_are_of_one_sequence(sequence: Path) -> None:
     scenario = load_any("yizhuang_stop")
     first, second = (str(sequence / name) for name in ("run001", "run002"))
-    assert len(learning_charts(scenario, [second, first])) > 1
-    assert learning_charts(scenario, [first]) == []
-    assert learning_charts(scenario, [first, first]) == []
+    assert len(make_learning_charts(scenario, [second, first])) > 1
+    assert make_learning_charts(scenario, [first]) == []
+    assert make_learning_charts(scenario, [first, first]) == []
 
 
 def test_a_sequence_without_a_finished_run_is_refused(tmp_path: Path) -> None:
     (tmp_path / "sequence.json").write_text("{}")
     (tmp_path / "run001").mkdir()
     with pytest.raises(InputError, match="without a finished run"):
-        run_folders([str(tmp_path)])
+        find_run_folders([str(tmp_path)])

@@ -1,7 +1,9 @@
-"""Runs of a law that learns, for a page: its errors and its memory by the number of the run."""
+"""Runs of a law that learns: its errors and its memory by the number of the run, also of a sequence that is being
+recorded, as soon as another run has ended."""
 
 from __future__ import annotations
 
+import time
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -17,7 +19,7 @@ from railhil.scenarios.model import AnyScenario
 SEQUENCE, _RUNS = "sequence.json", "run[0-9]*"
 
 
-def run_folders(texts: Sequence[str]) -> tuple[list[str], list[str]]:
+def find_run_folders(texts: Sequence[str]) -> tuple[list[str], list[str]]:
     """The run folders that are meant: whose curves are shown, and all of them.
 
     Of a recorded sequence, the curves of its first and its last run are shown.
@@ -41,7 +43,7 @@ def run_folders(texts: Sequence[str]) -> tuple[list[str], list[str]]:
     return shown, every
 
 
-def learning_charts(scenario: AnyScenario, folders: Sequence[str]) -> list[dict[str, Any]]:
+def make_learning_charts(scenario: AnyScenario, folders: Sequence[str]) -> list[dict[str, Any]]:
     """Charts over the number of the run: what the system measures over sequences, and each number in the memory.
 
     ``data`` of a chart: numbers of the runs, then a list for each of its ``series``, None where there is no value.
@@ -63,7 +65,7 @@ def learning_charts(scenario: AnyScenario, folders: Sequence[str]) -> list[dict[
             record = read_record(folder / MEMORY_AFTER)
         except BadRecord as bad:
             raise bad.error from None
-        runs[number] = {**score["scores"], **score["signed"]}, dict(_numbers(record.values))
+        runs[number] = {**score["scores"], **score["signed"]}, dict(_find_numbers(record.values))
     if len(runs) < 2 or len(laws) > 1:
         return []
     numbers = sorted(runs)
@@ -86,13 +88,53 @@ def learning_charts(scenario: AnyScenario, folders: Sequence[str]) -> list[dict[
     return charts
 
 
-def _numbers(values: Any, name: str = "") -> Iterator[tuple[str, float]]:
+def _find_numbers(values: Any, name: str = "") -> Iterator[tuple[str, float]]:
     """What a memory holds besides counters, keys and histories: each number with a decimal point, by its place."""
     if isinstance(values, Mapping):
         for key, value in values.items():
-            yield from _numbers(value, f"{name} {key}".strip())
+            yield from _find_numbers(value, f"{name} {key}".strip())
     elif isinstance(values, list) and all(isinstance(one, Mapping) for one in values):
         for place, one in enumerate(values, start=1):
-            yield from _numbers(one, name if len(values) == 1 else f"{name} {place}")
+            yield from _find_numbers(one, name if len(values) == 1 else f"{name} {place}")
     elif isinstance(values, float):
         yield name, values
+
+
+#: Wall time between two looks at a folder.
+_LOOK_S = 0.5
+
+
+class LiveSequence:
+    """The sequences among some folders; one that is complete does not change any more, and looking costs one stat.
+
+    :param folders: as they were asked for.
+    """
+
+    def __init__(self, scenario: AnyScenario, folders: Sequence[str]) -> None:
+        self._scenario = scenario
+        self._folders = list(folders)
+        self._files = [path for folder in folders if (path := Path(folder) / SEQUENCE).is_file()]
+        self._stamps = self._read_stamps()
+        self._look_s = time.monotonic()
+
+    def look(self) -> list[dict[str, Any]] | None:
+        """The charts of :func:`make_learning_charts`, if another run has ended since the last look;
+        else None."""
+        now_s = time.monotonic()
+        if not self._files or now_s - self._look_s < _LOOK_S:
+            return None
+        self._look_s = now_s
+        stamps = self._read_stamps()
+        if stamps == self._stamps:
+            return None
+        try:
+            charts = make_learning_charts(self._scenario, find_run_folders(self._folders)[1])
+        except InputError:
+            # The next run is being written: at the next look it is whole, or has not begun.
+            return None
+        self._stamps = stamps
+        return charts
+
+    def _read_stamps(self) -> list[int]:
+        # ``railhil sequence run`` writes it anew after each run, when the folder of the run is complete.
+        return [path.stat().st_mtime_ns if path.exists() else 0 for path in self._files]

@@ -70,7 +70,7 @@ class Layout:
 NO_LAYOUT = Layout((), (), (), (), -1, -1, -1, -1)
 
 
-def layout_of(scenario: AnyScenario, contract: Contract, notes: Sequence[Mapping[str, Any]] | None) -> Layout:
+def make_layout(scenario: AnyScenario, contract: Contract, notes: Sequence[Mapping[str, Any]] | None) -> Layout:
     """The layout for a scenario.
 
     :param notes: the law's declaration of its notes, as in a certificate; None: not known.
@@ -81,31 +81,31 @@ def layout_of(scenario: AnyScenario, contract: Contract, notes: Sequence[Mapping
     columns = [
         replace(one, kind=STATE) if one.kind == SIGNAL and one.name.endswith("_level") else one for one in shown.columns
     ]
-    columns += [_further(name, _unit(contract, port, signal)) for name, port, signal in judging.shown]
+    columns += [_make_column(name, _find_unit(contract, port, signal)) for name, port, signal in judging.shown]
     names = [column.name for column in columns]
     speed, target, position, command = (
         names.index(name) if name else -1 for name in (shown.speed, shown.target, shown.position, shown.command)
     )
     if speed >= 0 and target >= 0:
         columns.append(ShownColumn(ERROR, "tracking error", _SPEED, 1.0, SIGNAL))
-    lamps = _lamps(judging, contract, len(columns))
+    lamps = _make_lamps(judging, contract, len(columns))
     columns += [ShownColumn(f"{lamp.port}.{lamp.signal}", lamp.label, "", 1.0, LAMP) for lamp in lamps]
     tracks = tuple(at for at, one in enumerate(columns) if one.kind == LEVEL)
-    return Layout(tuple(columns), _charts(columns, command), tracks, lamps, speed, target, position, command)
+    return Layout(tuple(columns), _make_charts(columns, command), tracks, lamps, speed, target, position, command)
 
 
-def _further(name: str, unit: str) -> ShownColumn:
+def _make_column(name: str, unit: str) -> ShownColumn:
     """A column that only the panel has."""
     label = name.rpartition("_")[0].replace("_", " ") if unit else name.replace("_", " ")
     is_speed = unit == _MPS
     return ShownColumn(name, label, _SPEED if is_speed else unit, 3.6 if is_speed else 1.0, SIGNAL)
 
 
-def _unit(contract: Contract, port: str, signal: str) -> str:
+def _find_unit(contract: Contract, port: str, signal: str) -> str:
     return next(item.unit for item in contract.port(port).signals if item.name == signal)
 
 
-def _charts(columns: Sequence[ShownColumn], command: int) -> tuple[Chart, ...]:
+def _make_charts(columns: Sequence[ShownColumn], command: int) -> tuple[Chart, ...]:
     """Curves of signals and notes; the position is that of the train in the page's own picture."""
     places = {column.name: at for at, column in enumerate(columns)}
     curves = [column for column in columns if column.kind in (SIGNAL, NOTE)]
@@ -117,7 +117,7 @@ def _charts(columns: Sequence[ShownColumn], command: int) -> tuple[Chart, ...]:
     )
 
 
-def _lamps(judging: Judging, contract: Contract, before: int) -> tuple[Lamp, ...]:
+def _make_lamps(judging: Judging, contract: Contract, before: int) -> tuple[Lamp, ...]:
     """The lamps, whose columns follow so many others."""
     found = [
         (item.port, name, normal)
@@ -127,11 +127,11 @@ def _lamps(judging: Judging, contract: Contract, before: int) -> tuple[Lamp, ...
     ]
     return tuple(
         # A number that is 0 in normal operation says that there is none of something.
-        Lamp(port, name, _label(name) if normal else f"no {_label(name)}", normal, before + place)
+        Lamp(port, name, _make_label(name) if normal else f"no {_make_label(name)}", normal, before + place)
         for place, (port, name, normal) in enumerate(found)
     )
 
 
-def _label(name: str) -> str:
+def _make_label(name: str) -> str:
     """Words of a signal's name: ``DoorsClosedLocked`` -> ``doors closed locked``."""
     return "".join(f" {letter.lower()}" if letter.isupper() else letter for letter in name).strip()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from railhil.faults.language import parse, with_hand
 from railhil.judge.reactions.by_hand import faults_by_hand
-from railhil.panel.kinds import kinds_of
+from railhil.panel.operator import list_fault_kinds
 from railhil.record.fault_overrides import prepared_for
 from railhil.scenarios.load import load_any
 
@@ -14,7 +14,7 @@ def test_each_kind_has_its_parameters_with_unit_and_range() -> None:
         "TRN_SPEED loss 5% @manual combine id T1b", "TRN_SPEED loss @manual", "safety_loop off @manual",
         "TRN_POS delay 20ms @manual x3", "TRN_SPEED loss @20s", "TRN_SPEED masquerade PLT_STAT @manual",
     ]  # fmt: skip
-    loss, delay, masquerade = kinds_of(texts)
+    loss, delay, masquerade = list_fault_kinds(texts)
     assert (loss["name"], loss["tail"]) == ("TRN_SPEED loss", "")
     assert [(one["keyword"], one["value"], one["unit"], one["range"]) for one in loss["parameters"]] == [
         ("", "5%", "%", "0% to 100%"), ("gemodel", "0%", "%", "0% to 100%"), ("gemodel", "100%", "%", "0% to 100%")
@@ -25,7 +25,7 @@ def test_each_kind_has_its_parameters_with_unit_and_range() -> None:
 
 def test_the_whole_catalogue_can_be_offered_and_is_taken_as_it_stands() -> None:
     faults = faults_by_hand(load_any("lvshun_tieshan"))
-    kinds = kinds_of(faults)
+    kinds = list_fault_kinds(faults)
     assert len(kinds) >= 25
     for kind in kinds:
         groups: dict[str, list[str]] = {}

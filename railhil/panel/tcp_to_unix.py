@@ -1,4 +1,4 @@
-"""``python -m railhil.panel.door SOCKET PORT``: from a published port of a container to a panel without network.
+"""``python -m railhil.panel.tcp_to_unix SOCKET PORT``: from a published port of a container to a panel without network.
 
 The containers of a bench share a network namespace that nobody can reach. The panel therefore listens at a Unix socket
 in their common volume (``railhil panel --socket``), and this program, alone in a container with a network, passes bytes
@@ -18,7 +18,7 @@ from railhil.common.exit_codes import guarded
 _CHUNK_BYTES = 1 << 16
 
 
-async def _passed(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+async def _pass(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
     """Pass everything on until the end, or until one side has gone."""
     with contextlib.suppress(OSError):
         while data := await reader.read(_CHUNK_BYTES):
@@ -27,40 +27,40 @@ async def _passed(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) ->
     writer.close()
 
 
-async def opened(socket: str, host: str, port: int) -> asyncio.Server:
+async def open_gateway(socket: str, host: str, port: int) -> asyncio.Server:
     """Listen at ``host`` and ``port``, and connect each visitor to the socket.
 
     :raises OSError: the port cannot be opened.
     """
 
-    async def visited(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+    async def connect(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         try:
             inside, outside = await asyncio.open_unix_connection(socket)
         except OSError:
             # The panel has not begun, or has ended: the page tries again.
             writer.close()
             return
-        await asyncio.gather(_passed(reader, outside), _passed(inside, writer))
+        await asyncio.gather(_pass(reader, outside), _pass(inside, writer))
 
-    return await asyncio.start_server(visited, host, port)
+    return await asyncio.start_server(connect, host, port)
 
 
 def main(words: Sequence[str] | None = None) -> int:
     """Pass bytes until a signal."""
     parser = OneLineParser(
-        prog="python -m railhil.panel.door", description="A port of a container for a panel's socket."
+        prog="python -m railhil.panel.tcp_to_unix", description="A port of a container for a panel's socket."
     )
     parser.add_argument("socket", help="of railhil panel --socket")
     parser.add_argument("port", type=whole_number(1, 65535), help="of all addresses of the container")
     namespace = parser.parse_args(words)
 
-    async def served() -> None:
-        server = await opened(namespace.socket, "0.0.0.0", namespace.port)
+    async def serve() -> None:
+        server = await open_gateway(namespace.socket, "0.0.0.0", namespace.port)
         await server.serve_forever()
 
-    asyncio.run(served())
+    asyncio.run(serve())
     return 0
 
 
 if __name__ == "__main__":
-    sys.exit(guarded("python -m railhil.panel.door", main))
+    sys.exit(guarded("python -m railhil.panel.tcp_to_unix", main))

@@ -1,20 +1,79 @@
-"""Rows of the page's columns from telegrams: while they come, and of a whole record."""
+"""Rows of the page's columns from telegrams: while they come, of a whole record, and of a run since its beginning."""
 
 from __future__ import annotations
 
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from railhil.judge.judging import judging_of
 from railhil.judge.signals import table_of
-from railhil.panel.declared import LAMP, Layout
-from railhil.panel.history import is_gap
+from railhil.panel.layout import LAMP, Layout
 from railhil.record.sampling import Sampler, gap_after, holding_s, silences
 from railhil.record.trace import FloatArray, Trace
 from railhil.report.display_columns import ERROR
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.system import system_named
+
+#: Rows kept at most; then the older ones become half as dense.
+HISTORY_ROWS_MAX = 24_000
+
+
+def is_gap(rows: FloatArray, position: int) -> npt.NDArray[np.bool_]:
+    """Which rows stand for a gap: nothing is known but time and position, shape (n,).
+
+    :param position: place of its column; -1: there is none.
+    """
+    known = ~np.isnan(rows[:, 1:])
+    if position >= 0:
+        known[:, position] = False
+    return np.asarray(~known.any(axis=1))
+
+
+class History:
+    """Rows of one run; ``stride``: every how many rows one is kept, besides those of gaps.
+
+    :param position: place of its column; -1: there is none.
+    """
+
+    def __init__(self, width: int, position: int = -1) -> None:
+        self._position = position
+        self._rows: FloatArray = np.empty((HISTORY_ROWS_MAX, width))
+        self._count = 0
+        self._seen = 0
+        self.stride = 1
+
+    def add(self, rows: FloatArray) -> None:
+        """Append rows in the order of time."""
+        number = self._seen + np.arange(len(rows))
+        picked = rows[(number % self.stride == 0) | is_gap(rows, self._position)]
+        self._seen += len(rows)
+        for start in range(0, len(picked), HISTORY_ROWS_MAX // 2):
+            part = picked[start : start + HISTORY_ROWS_MAX // 2]
+            if self._count + len(part) > HISTORY_ROWS_MAX:
+                self._halve()
+            self._rows[self._count : self._count + len(part)] = part
+            self._count += len(part)
+
+    @property
+    def rows(self) -> FloatArray:
+        """The kept rows, shape (n, width)."""
+        return self._rows[: self._count]
+
+    def clear(self) -> None:
+        """Begin again."""
+        self._count = self._seen = 0
+        self.stride = 1
+
+    def _halve(self) -> None:
+        even, odd = self._rows[: self._count : 2].copy(), self._rows[1 : self._count : 2]
+        gaps = is_gap(odd, self._position)
+        kept = even
+        kept[: len(odd)][gaps] = odd[gaps]
+        self._count = len(kept)
+        self._rows[: self._count] = kept
+        self.stride *= 2
 
 
 class Rows:
@@ -32,7 +91,7 @@ class Rows:
         self._factors = np.array([1.0, *(column.factor for column in plain)])
         self._has_error = any(column.name == ERROR for column in layout.columns)
 
-    def of(self, trace: Trace, after_s: float = -1.0, before_s: float = np.inf) -> FloatArray:
+    def make(self, trace: Trace, after_s: float = -1.0, before_s: float = np.inf) -> FloatArray:
         """One row for each telegram of the truth: time in s, then the columns in their shown units.
 
         :param after_s, before_s: only rows later than the one and earlier than the other; the present tick is not
@@ -42,11 +101,11 @@ class Rows:
         layout = self._layout
         _, table = table_of(self._judging, self._scenario, trace, self._notes, self._holds_s)
         table = table[(table[:, 0] > after_s) & (table[:, 0] < before_s)]
-        time_s, told = table[:, 0], table.shape[1]
+        time_s, width = table[:, 0], table.shape[1]
         rows: FloatArray = np.empty((len(table), 1 + len(layout.columns)))
-        rows[:, :told] = table
+        rows[:, :width] = table
         sampler = Sampler(trace, time_s, self._holds_s)
-        for place, (_, port, signal) in enumerate(self._judging.shown, start=told):
+        for place, (_, port, signal) in enumerate(self._judging.shown, start=width):
             rows[:, place] = sampler.signal(port, signal)
         plain = len(self._factors)
         rows[:, :plain] *= self._factors
@@ -57,7 +116,7 @@ class Rows:
         return rows
 
     def gap_after(self, rows: FloatArray) -> FloatArray:
-        """For each row the one that says that nothing is known from then on (:func:`railhil.panel.history.is_gap`)."""
+        """For each row the one that says that nothing is known from then on (:func:`is_gap`)."""
         position = self._layout.position
         return gap_after(rows, 1 + position if position >= 0 else -1)
 
