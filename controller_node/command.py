@@ -20,10 +20,10 @@ from railhil.controller_node.faulty import controller_of, write_fault_log
 from railhil.controller_node.laws import find
 from railhil.controller_node.serve import FIRST_FRAME_S, run_controller
 from railhil.controller_node.telemetry_file import check_writable, law_document, write_telemetry
-from railhil.scenarios.handed import HANDED, taken
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.options import add_law_options, add_option, add_options, law_spec, patience_help
 from railhil.scenarios.run_spec import LawSpec
+from railhil.scenarios.scenario_pipe import OPTION, received_scenario
 from railhil.scenarios.system import System, system_named
 
 
@@ -42,7 +42,7 @@ def arguments() -> argparse.ArgumentParser:
     add_option(parser, "--seed", help="seed of the run, which only faults use here")
     said = f"wall time for the first frame of the bench (default {FIRST_FRAME_S:g} s)"
     add_option(parser, "--appear-timeout", default=FIRST_FRAME_S, help=said)
-    add_options(parser, "--sent-file", HANDED)
+    add_options(parser, "--sent-file", OPTION)
     add_option(parser, "--patience", help=patience_help("the bus administrator, which may wait for another node,"))
     add_priority_argument(parser, 0, "default 0")
     add_bus_arguments(parser)
@@ -51,7 +51,7 @@ def arguments() -> argparse.ArgumentParser:
 
 def _scenario(namespace: argparse.Namespace) -> AnyScenario:
     if namespace.handed_scenario is not None:
-        return taken(namespace.handed_scenario)
+        return received_scenario(namespace.handed_scenario)
     from railhil.scenarios.load import load_any
 
     return load_any(namespace.scenario, namespace.set, namespace.fault)

@@ -20,9 +20,9 @@ from railhil.common.patience import Lifelines
 from railhil.common.scheduling import NODE_PRIORITY, cycle
 from railhil.common.user_files import check_writable
 from railhil.plant_sim.node import PlantNode
-from railhil.scenarios.handed import HANDED, taken
 from railhil.scenarios.options import add_fmu_options, add_options, add_run_options, named_fmu, run_spec
 from railhil.scenarios.run_spec import LawSpec
+from railhil.scenarios.scenario_pipe import OPTION, received_scenario
 
 
 def arguments() -> argparse.ArgumentParser:
@@ -34,7 +34,7 @@ def arguments() -> argparse.ArgumentParser:
     parser.add_argument(
         "--timing-file", type=Path, metavar="FILE", help="realtime: write lateness and latencies there at the end"
     )
-    add_options(parser, "--fault-log", "--lifeline", "--sent-file", HANDED)
+    add_options(parser, "--fault-log", "--lifeline", "--sent-file", OPTION)
     add_priority_argument(parser, None, f"default {NODE_PRIORITY} with --pace realtime, else 0")
     add_bus_arguments(parser)
     return parser
@@ -86,7 +86,7 @@ def main(words: Sequence[str] | None = None) -> int:
         _check_timing_file(namespace.timing_file, namespace.pace)
     # The plant does not depend on the law.
     run = replace(run_spec(namespace, LawSpec()), plant_fmu=named_fmu(namespace))
-    scenario = run.load() if namespace.handed_scenario is None else taken(namespace.handed_scenario)
+    scenario = run.load() if namespace.handed_scenario is None else received_scenario(namespace.handed_scenario)
     choice = choose_bus(named_bus(namespace))
     print(f"plant: {choice.transport} ({choice.reason})", file=sys.stderr)
     priority = namespace.realtime_priority

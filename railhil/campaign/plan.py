@@ -13,7 +13,7 @@ from railhil.common.command_line import SEED_MAX, USUAL_SCENARIO
 from railhil.common.errors import InputError, Words, did_you_mean
 from railhil.judge.criteria import Criterion
 from railhil.judge.judging import Judging, judging_of
-from railhil.scenarios.design_seeds import chosen_on
+from railhil.judge.training_seeds import chosen_on
 from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.parameters import ParameterSet, load_parameters

@@ -145,7 +145,7 @@ class Nodes:
         """Nodes that have ended."""
         return [node for node in self.nodes if node.exit_code() is not None]
 
-    def blamed(self) -> Node | None:
+    def failed_node(self) -> Node | None:
         """Of the nodes that have ended, the probable cause: a killed one, and the hub before all others."""
         roles = ("hub", "plant", "controller")
         return min(self.ended(), key=lambda node: (not node.was_killed, roles.index(node.role)), default=None)

@@ -50,7 +50,7 @@ def open_recorder(
     try:
         link = open_bus(choice.config | waiting | (_bulk_reading(choice) if lockstep else {}), "supervisor")
     except BusUnavailable:
-        if (node := nodes.blamed()) is not None:
+        if (node := nodes.failed_node()) is not None:
             if node.was_killed:
                 raise BusLost(f"{node.role} lost before the run: {node.last_words()}") from None
             raise BusUnavailable(node.last_words()) from None
@@ -257,7 +257,7 @@ class Recorder:
 
     def who_died(self, nodes: Nodes) -> str:
         """The node that is missing, and why; empty if none is."""
-        dead = nodes.blamed()
+        dead = nodes.failed_node()
         at = f"at simulation time {self._session.sim_time_s:.2f} s" if self._session.recording else "before the run"
         if (dead is None or not dead.was_killed) and (role := nodes.suspended()):
             return f"{role} lost {at}: suspended by a signal (SIGSTOP) or a debugger"

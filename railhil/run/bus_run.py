@@ -198,7 +198,7 @@ class BusRun(Run):
 
     def _verdict_line(self, nodes: Nodes, counters: dict[str, int]) -> tuple[str, bool]:
         """The line that explains a run without a score, and whether it was refused as bad input."""
-        blamed = nodes.blamed()
+        blamed = nodes.failed_node()
         killed = blamed is not None and blamed.was_killed
         refusals = [] if killed else [node for node in nodes.ended() if node.exit_code() == USAGE]
         if refusals and not (self.spec.start_up.foreign and self.session.disagreements):

@@ -13,9 +13,9 @@ from railhil.faults import parse_faults
 from railhil.live.processes import Nodes
 from railhil.record.run_folder import TELEMETRY, TIMING
 from railhil.record.senders import sent_file
-from railhil.scenarios.handed import handed
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
+from railhil.scenarios.scenario_pipe import offered_scenario
 
 
 def _scheduling(run: RunSpec, priority: int) -> list[str]:
@@ -60,7 +60,7 @@ def start_nodes(
     faulty = bool(scenario.faults)
     logged = ["--fault-log", str(folder)] if faulty else []
     patience = ["--patience", str(run.patience_s)]
-    with handed(scenario) as (words, inherits):
+    with offered_scenario(scenario) as (words, inherits):
 
         def start(role: str, module: str, own: Sequence[str], watches: Sequence[str] = ()) -> None:
             bus = choice.arguments if pipes is None else ["-i", HUB_INTERFACE, "-c", pipes.ends[role].channel]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -10,13 +10,14 @@ from typing import TYPE_CHECKING, Any
 
 from railhil.common.errors import InputError, Words, did_you_mean, near_file
 from railhil.scenarios import model
-from railhil.scenarios.blame import blamed
 from railhil.scenarios.canonical import judged_sha256, scenario_sha256
 from railhil.scenarios.fault_rows import faults_of_rows
 from railhil.scenarios.keys import USUAL
 from railhil.scenarios.layers import DATA, Layers, Without, shipped_name, shipped_names, short_name
+from railhil.scenarios.settings import SET
 from railhil.scenarios.stored import document, scenario_of
 from railhil.scenarios.system import DEFAULT, System, system_named
+from railhil.scenarios.validation import dotted
 
 if TYPE_CHECKING:
     from railhil.scenarios.reference import Key
@@ -69,7 +70,7 @@ def load_any(name_or_path: str | Path, settings: Sequence[str] = (), faults: Seq
     try:
         return _read(layers)
     except InputError as error:
-        raise blamed(layers, error, loads) from error.__cause__
+        raise invalid_key(layers, error, loads) from error.__cause__
 
 
 def _read(layers: Layers) -> model.AnyScenario:
@@ -137,3 +138,38 @@ class TrainScenarios:
         from railhil.scenarios.reference import keys
 
         return [key for key in keys() if key.name in USUAL]
+
+
+#: Number of load attempts for one message.
+_TRIES_MAX = 60
+
+
+def invalid_key(layers: Layers, error: InputError, loads: Callable[[Without], bool]) -> InputError:
+    """The error to report: with the user's file and key that caused it, if there is one.
+
+    A check names the key that fails, which may be in a shipped file: a speed limit set below a shipped target curve
+    would be reported as an error of the curve. The shipped file is valid by itself, so the key to report is the one
+    without which the scenario loads.
+
+    :param loads: tells whether the scenario loads without one key of one of its files.
+    """
+    own = [(path, keys) for path, keys in layers.leaves() if _higher(path, Path(error.file))]
+    section = error.key.partition(".")[0]
+    # Keys closest to the one that fails come first, then whole tables, then whole files.
+    own.sort(key=lambda leaf: leaf[1][0] != section)
+    tables = list(dict.fromkeys((path, keys[:1]) for path, keys in own))
+    files = list(dict.fromkeys((path, ()) for path, _ in own))
+    for path, keys in dict.fromkeys([*own, *tables, *files][:_TRIES_MAX]):
+        if loads((path, keys)):
+            found = layers.value(path, keys)
+            allowed = f"what goes with {Path(error.file).name}"
+            return InputError(path, dotted(keys), found, allowed, f"{error.key}: {error.difference}")
+    return error
+
+
+def _higher(path: Path, broken: Path) -> bool:
+    """Whether a file has priority over the one named by a check: the command line over all files, own files over
+    shipped ones."""
+    if broken == SET or path == broken:
+        return False
+    return path == SET or (broken.is_relative_to(DATA) and not path.is_relative_to(DATA))

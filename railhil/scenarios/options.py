@@ -28,10 +28,10 @@ from railhil.common.command_line import (
 )
 from railhil.common.errors import InputError
 from railhil.common.patience import APPEAR_S, PATIENCE_S
-from railhil.scenarios.handed import HANDED
 from railhil.scenarios.orders import ORDER
 from railhil.scenarios.plant_fmu import MAP_OPTION, OPTION, PlantFmu
 from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.scenarios.scenario_pipe import OPTION as SCENARIO_PIPE
 from railhil.scenarios.settings import canonical_fault, setting
 from railhil.scenarios.system import System
 
@@ -121,7 +121,7 @@ _DECLARED: Final[Mapping[str, Mapping[str, Any]]] = {
     "--fault-log": {"type": Path, "metavar": "FOLDER", "help": "write there what the faults did (the run folder)"},
     "--lifeline": {"type": _lifeline, "action": "append", "default": [], "help": argparse.SUPPRESS},
     "--sent-file": {"type": Path, "help": argparse.SUPPRESS},
-    HANDED: {"type": int, "metavar": "DESCRIPTOR", "help": argparse.SUPPRESS},
+    SCENARIO_PIPE: {"type": int, "metavar": "DESCRIPTOR", "help": argparse.SUPPRESS},
 }  # fmt: skip
 _OF_THE_LAW = ("--arithmetic", "--indexing", "--task-period-ms")
 _OF_THE_RUN = (

@@ -15,7 +15,7 @@ from railhil.controller_node.law_controller import maker_of
 from railhil.controller_node.laws import find
 from railhil.controller_node.laws.memory import require_memory
 from railhil.judge.judging import Judging, judging_of
-from railhil.scenarios.design_seeds import chosen_on
+from railhil.judge.training_seeds import chosen_on
 from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.parameters import load_parameters

@@ -14,7 +14,7 @@ from railhil.common.errors import InputError, Words
 from railhil.common.output import Output, table
 from railhil.controller_node.laws import load
 from railhil.judge.criteria import ATO_CRITERIA, OVERSPEED, STOP_ERROR, Criterion, limited
-from railhil.scenarios.design_seeds import chosen_on
+from railhil.judge.training_seeds import chosen_on
 from railhil.scenarios.model import watch_sentence
 from railhil.scenarios.parameters import ParameterSet
 from railhil.tuning.objective import Scale, objective

@@ -8,9 +8,8 @@ import pytest
 
 from railhil.common.errors import InputError
 from railhil.controller_node.high_speed.laws.delay_gpc import DelayGpc
-from railhil.judge.training_seeds import check_unseen, seed_was_trained
+from railhil.judge.training_seeds import check_unseen, chosen_on, seed_was_trained
 from railhil.record.telemetry import LawOrigin
-from railhil.scenarios.design_seeds import chosen_on
 from railhil.scenarios.load import load_any
 from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.run_spec import LawSpec, RunSpec

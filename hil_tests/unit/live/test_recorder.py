@@ -205,15 +205,15 @@ def test_last_words(tmp_path: Path, code: int, said: str, words: str) -> None:
 
 def test_the_one_that_was_ended_is_blamed_and_the_hub_before_all(tmp_path: Path) -> None:
     nodes = Nodes(tmp_path)
-    assert nodes.blamed() is None
+    assert nodes.failed_node() is None
     nodes.nodes = [
         node_that(3, "", tmp_path, "plant"),
         node_that(143, "", tmp_path),
         node_that(None, "", tmp_path, "hub"),
     ]
-    assert nodes.blamed() is nodes.nodes[1]
+    assert nodes.failed_node() is nodes.nodes[1]
     nodes.nodes.append(node_that(-9, "", tmp_path, "hub"))
-    assert nodes.blamed() is nodes.nodes[3]
+    assert nodes.failed_node() is nodes.nodes[3]
 
 
 @pytest.mark.parametrize(

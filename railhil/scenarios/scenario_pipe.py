@@ -14,11 +14,11 @@ from contextlib import contextmanager
 from railhil.scenarios.model import AnyScenario
 
 #: Option of plant and controller, for the command that starts all nodes.
-HANDED = "--handed-scenario"
+OPTION = "--handed-scenario"
 
 
 @contextmanager
-def handed(scenario: AnyScenario) -> Iterator[tuple[list[str], list[int]]]:
+def offered_scenario(scenario: AnyScenario) -> Iterator[tuple[list[str], list[int]]]:
     """The words of a node's command line, and the descriptors that it must inherit.
 
     Both are empty for a scenario of a system that plugs in, if it cannot be pickled.
@@ -32,13 +32,13 @@ def handed(scenario: AnyScenario) -> Iterator[tuple[list[str], list[int]]]:
     try:
         with open(descriptor, "wb", closefd=False) as stream:
             stream.write(document)
-        yield [HANDED, str(descriptor)], [descriptor]
+        yield [OPTION, str(descriptor)], [descriptor]
     finally:
         os.close(descriptor)
 
 
-def taken(descriptor: int) -> AnyScenario:
-    """The scenario behind a descriptor of :func:`handed`."""
+def received_scenario(descriptor: int) -> AnyScenario:
+    """The scenario behind a descriptor of :func:`offered_scenario`."""
     # The descriptor's position is shared with the other node.
     document = os.pread(descriptor, os.fstat(descriptor).st_size, 0)
     os.close(descriptor)
