@@ -182,6 +182,7 @@ def test_a_certificate_is_compared_with_what_lies_beside_it(
             checked_record(str(earlier), None)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("keys", "words"),
     [

@@ -162,6 +162,7 @@ def without_position(scenario: Scenario, tmp_path_factory: pytest.TempPathFactor
     return folder
 
 
+@pytest.mark.slow
 def test_a_law_without_a_position_brakes_for_positions_that_are_wrong_and_never_for_none(
     scenario: Scenario, without_position: Path
 ) -> None:
@@ -179,6 +180,7 @@ def test_a_law_without_a_position_brakes_for_positions_that_are_wrong_and_never_
     assert twins.node.guard.level is SpeedWatchLevel.NORMAL
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("tick_ns", [500_000, 7_000_000])
 def test_the_ramps_lose_nothing_with_any_tick(scenario: Scenario, tmp_path: Path, tick_ns: int) -> None:
     """Service brake for want of a speed, and back: from a ramp of less than a code from one poll to the next on."""

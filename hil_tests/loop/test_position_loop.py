@@ -160,6 +160,7 @@ def test_less_than_a_second_is_bridged(tmp_path: Path, fault: Fault) -> None:
     assert run.score.values["stop_error_m"] < 0.05
 
 
+@pytest.mark.slow
 @pytest.mark.faults
 def test_position_that_comes_back_is_used_again(tmp_path: Path) -> None:
     # Far enough from the stopping point to make up for the time lost.

@@ -58,6 +58,7 @@ def test_the_plugin_loads_no_library() -> None:
     assert "railhil.testing.settings" in found
 
 
+@pytest.mark.slow
 def test_a_suite_and_its_report(suite: pytest.Pytester) -> None:
     done = run_suite(
         suite.path,
@@ -115,6 +116,7 @@ def test_over_processes_of_xdist(suite: pytest.Pytester) -> None:
         assert [path.name for path in folder.iterdir()] == ["certificate.json"], name
 
 
+@pytest.mark.slow
 def test_faults_of_a_suite(suite: pytest.Pytester) -> None:
     """Faults in ids, in the JUnit report and in the marker; what they disturb is no error of the test."""
     suite.makepyfile(
@@ -263,6 +265,7 @@ def test_ids_have_no_spaces_and_users_override_the_fixtures(pytester: pytest.Pyt
     done.stdout.fnmatch_lines(["*test_fault[[]speed_stuck_@60s_for_2s] PASSED*"])
 
 
+@pytest.mark.slow
 def test_settings_come_from_three_sources(pytester: pytest.Pytester, monkeypatch: pytest.MonkeyPatch) -> None:
     pytester.makeini("[pytest]\nrailhil_bus = hub\nrailhil_seeds = 1\nrailhil_runs = there\n")
     monkeypatch.setenv("RAILHIL_SEEDS", "2")

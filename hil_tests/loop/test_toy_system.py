@@ -227,6 +227,7 @@ def test_what_knows_only_railhils_own_train_says_so(site: Path, words: tuple[str
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.slow
 def test_plot_draws_the_signals_of_the_system(site: Path, recorded: Path, tmp_path: Path) -> None:
     pictures = [tmp_path / name for name in ("picture.svg", "again.svg", "picture.png")]
     for picture in pictures:

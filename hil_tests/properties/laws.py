@@ -86,6 +86,8 @@ class LawProperties:
             singles = [c.step(k, int(v), int(x)) for c, v, x in zip(alone, speed, position, strict=True)]
             assert [single.notch_code for single in singles] == together.notch_code.tolist()
             assert [single.error_raw for single in singles] == together.error_raw.tolist()
+            notes = [tuple(values[train] for values in together.notes) for train in range(4)]
+            assert [single.notes for single in singles] == notes
             if k % 7 == 3:
                 sent = generator.integers(-1792, 1793, 4)
                 batch.sent(sent)
@@ -148,6 +150,7 @@ class LawProperties:
 
     # -- on the train -------------------------------------------------------------------------------------------------
 
+    @pytest.mark.slow
     @pytest.mark.parametrize("name", YIZHUANG)
     def test_takes_a_train_from_station_to_station(self, name: str) -> None:
         scenario = load(name)

@@ -7,6 +7,8 @@ from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
+import pytest
+
 from hil_tests.properties.laws import SEEDS, LawProperties
 from railhil.batch import Case, run_batch
 from railhil.controller_node.arithmetic import make
@@ -86,6 +88,7 @@ def test_every_registered_law_inherits_them() -> None:
     assert sorted(tested) == sorted(names())
 
 
+@pytest.mark.slow
 def test_the_law_that_reads_balises_is_the_one_that_stops() -> None:
     """The inputs of track laws arrive: with worn wheels no other law can know the train's position."""
     scenario = load("lvshun_tieshan_worn_wheels")

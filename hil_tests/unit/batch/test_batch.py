@@ -130,6 +130,7 @@ def test_the_compiled_loop_is_what_the_interpreter_makes_of_it(short, tmp_path):
     assert done.stdout.strip() == str([(run.notch_digest, run.scores) for run in here])
 
 
+@pytest.mark.slow
 def test_an_unperturbed_batch_differs_in_its_noise_only(short):
     scores = same_as_the_bench(Case(short, LawSpec(arithmetic="iq"), perturbed=False), (1, 2))
     assert abs(scores[0].values["energy_kj"] - scores[1].values["energy_kj"]) < 0.05 * scores[0].values["energy_kj"]

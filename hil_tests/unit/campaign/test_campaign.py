@@ -68,6 +68,7 @@ def test_manifest_and_summary(finished, short):
     assert summary["warnings"] == []
 
 
+@pytest.mark.slow
 def test_chunks_do_not_change_results(campaign, finished, short):
     done = campaign(short, *SAME, "--chunk", "7", "--out", "mine")
     assert done.exit_code == 0
@@ -174,6 +175,7 @@ def test_other_code_and_another_scenario_are_refused(campaign, tmp_path):
     assert 'campaign.code_sha256: found "' in campaign("--resume", "mine").one_line()
 
 
+@pytest.mark.slow
 def test_parameters_have_rows_of_their_own(campaign, short, tmp_path):
     tuned = tmp_path / "tuned.toml"
     tuned.write_text('law = "ipfc"\n[parameters]\n[training]\nscenario = "benchmark_quick"\nseeds = [1001]\n')

@@ -141,7 +141,6 @@ def test_a_text_without_a_time_takes_the_given_one() -> None:
     assert parse("pantograph off", trigger=Trigger("manual")) == parse("pantograph off @manual")
 
 
-_FRACTIONS = st.floats(0, 1, allow_nan=False).map(lambda value: value + 0.0)
 _TIMES = st.floats(0.001, 1e4).filter(lambda value: value > 0)
 
 

@@ -142,6 +142,7 @@ def test_a_length_that_no_frame_has(can_id: int, length: int) -> None:
     both.demand_the_same([], [])
 
 
+@pytest.mark.slow
 def test_healthy_frames_are_looked_at_together(monkeypatch: pytest.MonkeyPatch) -> None:
     """Wherever packets end."""
 
@@ -171,6 +172,7 @@ def test_a_classic_frame_with_the_identifier_of_an_fd_frame_moves_no_time() -> N
     both.demand_the_same(frames, [])
 
 
+@pytest.mark.slow
 @settings(max_examples=300, deadline=None)
 @given(data=st.data(), faults=st.sampled_from([(), FAULTS]))
 def test_whatever_is_wrong_with_the_frames_both_ways_record_the_same(

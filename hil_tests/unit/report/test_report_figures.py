@@ -321,6 +321,7 @@ def test_narrow_dark_and_printed(opened: tuple[Any, str, list[str]]) -> None:
     page.close()
 
 
+@pytest.mark.slow
 def test_runs_of_a_law_with_other_parameters_or_arithmetic_are_distributions_of_their_own(run: RecordedRun) -> None:
     tuned = {"sha256": "1a2b3c4d" + "0" * 56, "training": {"seeds": [1]}}
     how = ({}, {"parameters": tuned}, {"arithmetic": "float64"}, {"perturbed": True})

@@ -143,10 +143,10 @@ def test_no_traction_next_to_the_stop() -> None:
     assert stopping.notch_raw == rolling.notch_raw
 
 
-@pytest.mark.parametrize("indexing", ["time", "distance"])
 @pytest.mark.parametrize("name", ["lvshun_tieshan", "yizhuang_01_songjiazhuang_xiaocun"])
-def test_train_stops_in_fixed_point_within_the_limits_of_speed(name: str, indexing: str) -> None:
-    stops_in_fixed_point("fuzzy_pid", name, indexing, 1)
+def test_train_stops_with_set_points_over_distance_within_the_limits_of_speed(name: str) -> None:
+    """Those over time: hil_tests/properties."""
+    stops_in_fixed_point("fuzzy_pid", name, "distance", 1)
 
 
 def test_rules_help_the_train() -> None:

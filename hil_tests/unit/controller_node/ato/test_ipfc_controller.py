@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hil_tests.support.closed_loop import SCENARIO, closed_loop, flat
+from hil_tests.support.closed_loop import SCENARIO, closed_loop
 from railhil.common.errors import InputError
 from railhil.controller_node.arithmetic import make, names
 from railhil.controller_node.ato.controller import BatchController, Controller
@@ -13,41 +13,13 @@ from railhil.controller_node.ato.loop import ControlLoop
 from railhil.scenarios.run_spec import LawSpec
 
 
-@pytest.mark.long
-@pytest.mark.parametrize("indexing", ["time", "distance"])
-@pytest.mark.parametrize("arithmetic", names())
-def test_many_trains_equal_each_alone(arithmetic: str, indexing: str) -> None:
-    """100 random steps of 4 trains, two of them at speeds and leaps that no train has."""
-    generator = np.random.Generator(np.random.PCG64(20210825))
-    batch = BatchController(SCENARIO, 4, LawSpec("ipfc", arithmetic, indexing=indexing))
-    alone = [Controller(SCENARIO, LawSpec("ipfc", arithmetic, indexing=indexing)) for _ in range(4)]
-    for k in range(100, 200):
-        speed = np.array([generator.integers(0, 220_000), generator.integers(0, 3_000_000), 180_339, 180_340])
-        speed[2:] += generator.integers(-20, 21, 2)
-        position = generator.integers(0, 30_000_000, 4)
-        together = batch.step(k, speed, position)
-        assert {values.dtype for values in (together.notch_code, *together.notes)} == {np.dtype(np.int64)}
-        for train, controller in enumerate(alone):
-            single = controller.step(k, int(speed[train]), int(position[train]))
-            assert single.notch_code == together.notch_code[train]
-            assert single.notes == tuple(values[train] for values in together.notes)
-            assert single.error_raw == together.error_raw[train]
-    for train, controller in enumerate(alone):
-        states = [flat(batch._loop.state), flat(controller._loop.state)]
-        assert [np.broadcast_to(leaf, 4)[train] for leaf in states[0]] == states[1]
-    expected_flags = 0
-    for train, controller in enumerate(alone):
-        expected_flags |= controller.step(200, int(speed[train]), int(position[train])).overflow_flags
-    assert batch.step(200, speed, position).overflow_flags == expected_flags
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("arithmetic", names())
 def test_softening_adapts_equally_for_many_and_for_one(arithmetic: str) -> None:
     """Errors that shrink to next to nothing within one period, the notch held at 0 meanwhile."""
-    trains = 60
+    trains = 20
     batch = BatchController(SCENARIO, trains, LawSpec("ipfc", arithmetic))
-    target = 180_341 - np.arange(trains)
+    target = 180_341 - 3 * np.arange(trains)
     apart, close = target - 2000, target
     batch.step(100, apart, apart)
     batch.sent(np.zeros(trains, dtype=np.int64))

@@ -73,6 +73,7 @@ def test_without_an_element_a_figure_gets_worse(element: str, figure: str, times
     assert upper(element) > times * upper("IPFC+")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["yizhuang_01_songjiazhuang_xiaocun", "yizhuang_05_yizhuang_qiao_yizhuang_wenhuayuan"])
 def test_another_line_with_all_balises_before_the_stop(name: str) -> None:
     figures = without(load(name), "IPFC+", 40, 1000, "iq")
@@ -80,6 +81,7 @@ def test_another_line_with_all_balises_before_the_stop(name: str) -> None:
     assert figures.stop_error_m[1] <= 0.05
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("period_s", [0.2, 1.0])
 def test_other_control_periods(period_s: float) -> None:
     timing = replace(WORN.timing, control_period_ns=round(period_s * 1e9))

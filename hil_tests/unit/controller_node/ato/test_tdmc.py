@@ -160,10 +160,10 @@ def test_train_needs_the_ramp_in_the_correction() -> None:
     assert without.values["itae"] > 5 * with_ramp.values["itae"]
 
 
-@pytest.mark.parametrize("indexing", ["time", "distance"])
 @pytest.mark.parametrize("name", ["lvshun_tieshan", "yizhuang_01_songjiazhuang_xiaocun"])
-def test_train_stops_in_fixed_point_within_the_limits_of_speed(name: str, indexing: str) -> None:
-    stops_in_fixed_point("tdmc", name, indexing, 0.5)
+def test_train_stops_with_set_points_over_distance_within_the_limits_of_speed(name: str) -> None:
+    """Those over time: hil_tests/properties."""
+    stops_in_fixed_point("tdmc", name, "distance", 0.5)
 
 
 def test_a_speed_that_falls_to_zero_saturates_and_does_not_wrap() -> None:

@@ -13,9 +13,8 @@ import pytest
 
 from railhil.bench import coupled_run, direct_run
 from railhil.common.errors import InputError
-from railhil.controller_node.arithmetic import make, names
+from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.float64 import Float64
-from railhil.controller_node.ato.controller import BatchController, Controller
 from railhil.controller_node.ato.laws.tpfc1 import TABLE as TABLE1
 from railhil.controller_node.ato.laws.tpfc1 import Tpfc1Parameters
 from railhil.controller_node.ato.laws.tpfc2 import TABLE as TABLE2
@@ -144,24 +143,6 @@ def test_ramp_above_the_threshold_of_the_paper(change: float, code: int) -> None
     assert outputs.notes[0] == code
 
 
-@pytest.mark.parametrize("arithmetic", names())
-@pytest.mark.parametrize("name", LAWS)
-def test_many_trains_equal_each_alone(name: str, arithmetic: str) -> None:
-    generator = np.random.Generator(np.random.PCG64(3))
-    batch = BatchController(SCENARIO, 3, LawSpec(name, arithmetic))
-    alone = [Controller(SCENARIO, LawSpec(name, arithmetic)) for _ in range(3)]
-    bases = set()
-    for k in range(0, 390, 13):
-        speed, position = generator.integers(0, 220_000, 3), np.zeros(3, dtype=np.int64)
-        together = batch.step(k, speed, position)
-        for train, controller in enumerate(alone):
-            single = controller.step(k, int(speed[train]), 0)
-            assert single.notch_code == together.notch_code[train]
-            assert single.notes == tuple(values[train] for values in together.notes)
-            bases.add(single.notes[0])
-    assert bases == ({1, 5} if name == "tpfc1" else {2})
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("name", LAWS)
 def test_fixed_point_follows_float64_on_the_same_inputs(name: str) -> None:
@@ -188,7 +169,7 @@ def test_fixed_point_follows_float64_on_the_same_inputs(name: str) -> None:
     assert differences.count(0) >= 0.99 * len(codes)
 
 
-@pytest.mark.parametrize("scenario", ["lvshun_tieshan", "yizhuang_01", "yizhuang_05", "yizhuang_12"])
+@pytest.mark.parametrize("scenario", ["lvshun_tieshan", "yizhuang_12"])
 @pytest.mark.parametrize("name", LAWS)
 def test_closed_loop_stops_near_the_mark(name: str, scenario: str) -> None:
     found = next(full for full in shipped() if full.startswith(scenario))
