@@ -12,8 +12,8 @@ from html import escape
 
 import numpy as np
 
+from railhil.charts.curve_points import find_deviation, pick_rows
 from railhil.charts.figure import Area, Chart, Curve, Figure, FloatArray, Look, Point, extent, looks, ticks
-from railhil.charts.thinned import off_line, seen_rows
 from railhil.common.streams import plain
 
 _WIDTH_PX, _RIGHT_PX, _TOP_PX = 912, 18, 6
@@ -186,14 +186,14 @@ def _path(axes: _Axes, curve: Curve, look: Look, stretches: int) -> str:
     x, y = np.asarray(curve.x, dtype=np.float64), np.asarray(curve.y, dtype=np.float64)
     within = 0.0
     if len(x) and not curve.is_filled:
-        rows = seen_rows(y, len(y) if curve.is_step else stretches)
+        rows = pick_rows(y, len(y) if curve.is_step else stretches)
         if not _is_even(x):
             # Between two rows the place is on a line, too.
-            rows = np.union1d(rows, seen_rows(x, stretches))
+            rows = np.union1d(rows, pick_rows(x, stretches))
         if not curve.is_step:
             known = np.flatnonzero(np.isfinite(x) & np.isfinite(y))
             kept = np.flatnonzero(np.isin(known, rows))
-            within = off_line(kept, y[known], x[known]) if len(kept) else 0.0
+            within = find_deviation(kept, y[known], x[known]) if len(kept) else 0.0
         x, y = x[rows], y[rows]
     x, y = axes.scaled(x), axes.scaled(y)
     if curve.is_filled and len(x):

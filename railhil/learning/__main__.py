@@ -16,12 +16,11 @@ from railhil.common.user_files import check_writable, whole_file
 from railhil.controller_node.high_speed.training import Recipe
 from railhil.judge.record import checked_record
 from railhil.learning.command import LAWS, arguments
-from railhil.learning.document import document, notes
-from railhil.learning.models import learn
+from railhil.learning.models import describe_training, render_file, train_models
 
 
 @contextmanager
-def _complaining(path: Path) -> Iterator[None]:
+def _refuse_unwritable(path: Path) -> Iterator[None]:
     """Report a file that cannot be written as bad input."""
     try:
         yield
@@ -44,22 +43,22 @@ def main(words: Sequence[str] | None = None) -> int:
         law = LAWS[namespace.kind]
         file = Path(namespace.out or f"{law}_{record.scenario.name}.toml")
         # Check before the work, not after it.
-        with _complaining(file):
+        with _refuse_unwritable(file):
             check_writable(file)
         ridge = None if namespace.pinv else namespace.ridge
         recipe = Recipe("bp" if namespace.kind == "bp" else "elm", namespace.hidden, ridge, namespace.seed)
-        learned = learn(record, recipe, namespace.period)
-        noted = notes(record, recipe, namespace.period, learned)
-        with _complaining(file), whole_file(file) as draft:
-            draft.write_text(document(law, record, learned, noted), encoding="utf-8")
-        for period_s, error in learned.errors.items():
+        models = train_models(record, recipe, namespace.period)
+        notes = describe_training(record, recipe, namespace.period, models)
+        with _refuse_unwritable(file), whole_file(file) as draft:
+            draft.write_text(render_file(law, record, models, notes), encoding="utf-8")
+        for period_s, error in models.errors.items():
             console.say(
                 f"one step of {period_s:g} s: {error.linear_kmh:.4f} km/h by the linear model, "
                 f"{error.integrated_kmh:.4f} km/h with the network"
             )
         console.say(f"written: {file}")
         if namespace.json:
-            print_json({"law": law, "file": str(file), "networks": len(learned.networks), **noted})
+            print_json({"law": law, "file": str(file), "networks": len(models.networks), **notes})
         return PASS
     finally:
         flush_output()

@@ -1,18 +1,27 @@
-"""Networks for every power unit of a recorded run, and how well they explain samples that they were not trained on."""
+"""Networks for every power unit of a recorded run, how well they explain samples that they were not trained on, and the
+weights file: a parameter file of the law (:mod:`railhil.scenarios.parameters`), the same bytes each time."""
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from importlib.metadata import version
+from typing import Any
 
 from railhil.common.digits import count_of
 from railhil.common.errors import InputError, Words
 from railhil.controller_node.high_speed.model import pade_zoh
 from railhil.controller_node.high_speed.modelling import HELD_OUT, PERIODS_S, ModelError, rows_of, trained
 from railhil.controller_node.high_speed.network import Network
-from railhil.controller_node.high_speed.training import Recipe, Rows
+from railhil.controller_node.high_speed.training import BP_DECAY, BP_ITERATIONS, Recipe, Rows
 from railhil.judge.record import Record
-from railhil.learning.series import Series, series_of
+from railhil.learning.series import Series, read_series
+from railhil.record.framelog import log_sha256
+
+_HEAD = "# Written by railhil train-model from a recorded run. For railhil run --parameters.\n"
+#: Digits of the errors.
+_DIGITS = 5
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,11 +34,11 @@ class Unit:
 
     def rows(self, period_s: float, phase_s: float) -> Rows:
         """Training data at a sampling period."""
-        return rows_of(pade_zoh(self.delay_s, self.lag_s, period_s), *self.series.sampled(period_s, phase_s))
+        return rows_of(pade_zoh(self.delay_s, self.lag_s, period_s), *self.series.sample(period_s, phase_s))
 
 
 @dataclass(frozen=True, slots=True)
-class Learned:
+class TrainedModels:
     """``networks``: one for each unit. Of the first unit: number of ``rows``, ``errors`` by sampling period in s."""
 
     networks: tuple[Network, ...]
@@ -37,7 +46,7 @@ class Learned:
     rows: int
 
 
-def units_of(record: Record) -> list[Unit]:
+def find_units(record: Record) -> list[Unit]:
     """The power units of a record.
 
     :raises InputError: the record's system has none.
@@ -47,28 +56,26 @@ def units_of(record: Record) -> list[Unit]:
     if not tables:
         raise InputError(record.log, "system", scenario.system, "a system of high-speed trains: hst1 or emu3")
     return [
-        Unit(table.traction_delay_s, table.lag_s, series_of(scenario, record.trace, number, len(tables)))
+        Unit(table.traction_delay_s, table.lag_s, read_series(scenario, record.trace, number, len(tables)))
         for number, table in enumerate(tables, 1)
     ]
 
 
-def learn(record: Record, recipe: Recipe, period_s: float) -> Learned:
+def train_models(record: Record, recipe: Recipe, period_s: float) -> TrainedModels:
     """Train a network for each power unit.
 
     :param period_s: sampling period of the law that will use them.
     :raises InputError: the record is of another system or too short.
     """
-    units = units_of(record)
+    units = find_units(record)
     phases = [unit.series.phase_s(period_s) for unit in units]
-    networks = [
-        _trained(record, unit, recipe, period_s, phase_s)[0] for unit, phase_s in zip(units, phases, strict=True)
-    ]
+    networks = [_train(record, unit, recipe, period_s, phase_s)[0] for unit, phase_s in zip(units, phases, strict=True)]
     first = units[0]
-    errors = {at_s: _trained(record, first, recipe, at_s, phases[0])[1] for at_s in PERIODS_S}
-    return Learned(tuple(networks), errors, len(first.rows(period_s, phases[0])))
+    errors = {at_s: _train(record, first, recipe, at_s, phases[0])[1] for at_s in PERIODS_S}
+    return TrainedModels(tuple(networks), errors, len(first.rows(period_s, phases[0])))
 
 
-def _trained(record: Record, unit: Unit, recipe: Recipe, period_s: float, phase_s: float) -> tuple[Network, ModelError]:
+def _train(record: Record, unit: Unit, recipe: Recipe, period_s: float, phase_s: float) -> tuple[Network, ModelError]:
     rows = unit.rows(period_s, phase_s)
     if len(rows) < 2 * HELD_OUT:
         found = Words(f"{count_of(len(rows), 'sample')} of {period_s:g} s")
@@ -79,3 +86,67 @@ def _trained(record: Record, unit: Unit, recipe: Recipe, period_s: float, phase_
         raise InputError(
             "command line", "--ridge", recipe.ridge, "one that determines all weights", str(error)
         ) from None
+
+
+def describe_training(record: Record, recipe: Recipe, period_s: float, models: TrainedModels) -> dict[str, Any]:
+    """How the networks were made; no date and no path. Errors in km/h, by sampling period in s."""
+    solver = "" if recipe.kind == "bp" else " --pinv" if recipe.ridge is None else f" --ridge {recipe.ridge:g}"
+    options = f"--hidden {recipe.hidden}{solver} --seed {recipe.seed} --period {period_s:g}"
+    method: dict[str, Any] = {"ridge": recipe.ridge} if recipe.ridge is not None else {"pinv": True}
+    if recipe.kind == "bp":
+        method = {"method": f"L-BFGS-B of scipy {version('scipy')}", "decay": BP_DECAY, "iterations": BP_ITERATIONS}
+    return {
+        "railhil": version("railhil"),
+        "options": options,
+        "record_sha256": log_sha256(record.log),
+        "scenario_sha256": record.scenario.sha256,
+        "driver": record.certificate["controller"],
+        "sample_period_s": period_s,
+        "hidden": recipe.hidden,
+        "seed": recipe.seed,
+        **method,
+        "samples": models.rows,
+        "samples_not_trained_on": HELD_OUT,
+        "period_s": list(models.errors),
+        "rmse_linear_kmh": [_round(error.linear_kmh) for error in models.errors.values()],
+        "rmse_integrated_kmh": [_round(error.integrated_kmh) for error in models.errors.values()],
+    }
+
+
+def _round(value: float) -> float:
+    return float(f"{value:.{_DIGITS}g}")
+
+
+def render_file(law: str, record: Record, models: TrainedModels, notes: Mapping[str, Any]) -> str:
+    """The text of the file."""
+    return (
+        f"{_HEAD}law = {_render_value(law)}\n"
+        + "".join(_render_network(network) for network in models.networks)
+        + _render_table("training", {"scenario": record.scenario.name, "seeds": [record.certificate["seed"]]})
+        + _render_table("training.notes", notes)
+    )
+
+
+def _render_network(network: Network) -> str:
+    values = {item.name: getattr(network, item.name) for item in fields(network)}
+    return "\n[[parameters.networks]]\n" + "".join(f"{key} = {_render_value(value)}\n" for key, value in values.items())
+
+
+def _render_table(title: str, values: Mapping[str, Any]) -> str:
+    return f"\n[{title}]\n" + "".join(f"{key} = {_render_value(value)}\n" for key, value in values.items())
+
+
+def _render_value(value: Any) -> str:
+    if isinstance(value, str):
+        # Escapes of JSON are escapes of TOML.
+        return json.dumps(value)
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, tuple | list):
+        inner = [_render_value(item) for item in value]
+        return f"[{', '.join(inner)}]" if not value or not isinstance(value[0], tuple) else _render_rows(inner)
+    return repr(value)
+
+
+def _render_rows(rows: list[str]) -> str:
+    return "[\n" + "".join(f"  {row},\n" for row in rows) + "]"

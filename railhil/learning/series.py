@@ -37,7 +37,7 @@ class Series:
         places = np.round((changed % period_s) / _INSTANT_S).astype(np.int64) % round(period_s / _INSTANT_S)
         return float(np.bincount(places).argmax()) * _INSTANT_S if len(places) else 0.0
 
-    def sampled(self, period_s: float, phase_s: float) -> tuple[FloatArray, FloatArray]:
+    def sample(self, period_s: float, phase_s: float) -> tuple[FloatArray, FloatArray]:
         """Speeds at the sampling instants and mean commands of the periods that begin there; both (n,).
 
         Between two telegrams the speed is interpolated.
@@ -53,7 +53,7 @@ class Series:
         return np.interp(instants, self.speed_s, self.speed_mps)[:-1], commands
 
 
-def series_of(scenario: Any, trace: Trace, unit: int, units: int) -> Series:
+def read_series(scenario: Any, trace: Trace, unit: int, units: int) -> Series:
     """The series of a power unit.
 
     :param unit: from 1; with one unit the readings and commands of the interface have no number.
@@ -61,8 +61,8 @@ def series_of(scenario: Any, trace: Trace, unit: int, units: int) -> Series:
     """
     interface: Interface = system_named(scenario.system).part("interface")
     end = f"_{unit}" if units > 1 else ""
-    speed = _telegram(scenario.system, interface.readings, f"speed{end}")
-    command = _telegram(scenario.system, interface.commands, f"u{end}")
+    speed = _find_telegram(scenario.system, interface.readings, f"speed{end}")
+    command = _find_telegram(scenario.system, interface.commands, f"u{end}")
     for kind, _ in (speed, command):
         if trace.count(kind.PORT) < 2:
             raise InputError("record", kind.PORT, Words("no telegrams"), "a record of a run with its controller")
@@ -74,7 +74,7 @@ def series_of(scenario: Any, trace: Trace, unit: int, units: int) -> Series:
     )
 
 
-def _telegram(system: str, items: Any, name: str) -> tuple[type[Telegram], str]:
+def _find_telegram(system: str, items: Any, name: str) -> tuple[type[Telegram], str]:
     """Telegram and signal of a reading or command."""
     found = next((item for item in items if item.name == name), None)
     if found is None:

@@ -26,14 +26,14 @@ def test_a_command_that_never_changes_has_the_instant_0() -> None:
 
 
 def test_samples_are_the_speed_and_the_whole_command_of_the_period() -> None:
-    speeds, commands = series().sampled(1.0, 0.2)
+    speeds, commands = series().sample(1.0, 0.2)
     assert speeds == pytest.approx(0.5 * (0.2 + np.arange(len(speeds))))
     # A telegram that comes a tick later does not dilute the command.
     assert commands == pytest.approx(0.01 * (1.0 + np.arange(len(speeds))))
 
 
 def test_longer_periods_have_mean_commands_and_shorter_ones_interpolated_speeds() -> None:
-    _, commands = series().sampled(2.0, 0.2)
+    _, commands = series().sample(2.0, 0.2)
     assert commands == pytest.approx(0.01 * (1.5 + 2.0 * np.arange(len(commands))))
-    speeds, _ = series().sampled(0.5, 0.2)
+    speeds, _ = series().sample(0.5, 0.2)
     assert speeds == pytest.approx(0.5 * (0.2 + 0.5 * np.arange(len(speeds))))

@@ -15,8 +15,7 @@ from railhil.common.errors import InputError
 from railhil.controller_node.high_speed.learned import WEIGHTS, shipped_networks
 from railhil.controller_node.high_speed.training import Recipe
 from railhil.judge.record import Record
-from railhil.learning.document import document, notes
-from railhil.learning.models import learn
+from railhil.learning.models import describe_training, render_file, train_models
 from railhil.record.trace import Trace
 from railhil.scenarios.load import load_any
 from railhil.scenarios.parameters import ParameterSet, load_parameters
@@ -61,12 +60,12 @@ def plain(tmp_path_factory: pytest.TempPathFactory) -> Record:
 def test_the_shipped_network_is_what_its_command_makes(tmp_path: Path) -> None:
     record = recorded(tmp_path, 1, load_parameters(WEIGHTS / "driver.toml"))
     recipe = Recipe(seed=2)
-    learned = learn(record, recipe, 1.0)
+    learned = train_models(record, recipe, 1.0)
     assert learned.networks == shipped_networks("elm_ngpc", "hst1")
     # Modelling: with the network better at every period, and the file says so.
     assert all(error.integrated_kmh < 0.7 * error.linear_kmh for error in learned.errors.values())
     file = tmp_path / "elm.toml"
-    file.write_text(document("elm_ngpc", record, learned, notes(record, recipe, 1.0, learned)))
+    file.write_text(render_file("elm_ngpc", record, learned, describe_training(record, recipe, 1.0, learned)))
     given, shipped = load_parameters(file), load_parameters(WEIGHTS / "elm_ngpc_hst1.toml")
     assert given.values == shipped.values
     assert given.training_seeds == frozenset({1})
@@ -79,7 +78,7 @@ def test_the_shipped_network_is_what_its_command_makes(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_without_dither_the_pseudo_inverse_fits_best_and_controls_worst(plain: Record, tmp_path: Path) -> None:
     """Reading D14: a negative test of the specification."""
-    learned = learn(plain, Recipe(ridge=None), 1.0)
+    learned = train_models(plain, Recipe(ridge=None), 1.0)
     shipped = tomllib.loads((WEIGHTS / "elm_ngpc_hst1.toml").read_text())["training"]["notes"]
     assert learned.errors[1.0].integrated_kmh < shipped["rmse_integrated_kmh"][1]
     values = {"networks": [asdict(network) for network in learned.networks]}
@@ -102,14 +101,14 @@ def test_a_record_that_is_too_short_is_one_line() -> None:
     run = direct_run(load_any("hst_short"), RunSpec(law=LawSpec("pid", "float64")))
     record = Record(Path("frames.log"), load_any("hst_short"), run.trace)
     with pytest.raises(InputError, match=r"frames.log: length: found \d+ samples of 1 s, allowed at least 600"):
-        learn(record, Recipe(), 1.0)
+        train_models(record, Recipe(), 1.0)
 
 
 def test_a_record_of_another_system_is_one_line() -> None:
     scenario = load_any("lvshun_tieshan")
     record = Record(Path("frames.log"), scenario, Trace())
     with pytest.raises(InputError, match="system: found 'ato', allowed a system of high-speed trains: hst1 or emu3"):
-        learn(record, Recipe(), 1.0)
+        train_models(record, Recipe(), 1.0)
 
 
 @pytest.mark.parametrize(

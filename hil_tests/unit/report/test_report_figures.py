@@ -16,7 +16,7 @@ from hil_tests.support.browser import browser
 from hil_tests.support.recordings import recorded_folder
 from hil_tests.support.scores import with_values
 from hil_tests.support.svg_paths import path_points
-from railhil.charts.thinned import seen_rows
+from railhil.charts.curve_points import pick_rows
 from railhil.judge.events.event import FAULT, LEVEL, LOST, RecordedEvent
 from railhil.judge.signals import write_signals
 from railhil.report import page as report_page
@@ -63,12 +63,12 @@ def test_a_thinned_curve_is_the_same_line() -> None:
     time = np.arange(20_000)
     wave = 30 * np.sin(time / 900) + rng.normal(0, 0.3, len(time))
     wave[7_777] = 55.0
-    rows = seen_rows(wave, 500)
+    rows = pick_rows(wave, 500)
     assert len(rows) <= 2 * 500 + 2 + 500
     assert {0, len(wave) - 1, 7_777} <= set(rows.tolist())
     assert wave[rows].min() == pytest.approx(wave.min(), abs=0.02)
     smooth = 30 * np.sin(time / 900)
-    rows = seen_rows(smooth, 500)
+    rows = pick_rows(smooth, 500)
     assert len(rows) < 500
     assert np.abs(np.interp(time, rows, smooth[rows]) - smooth).max() < 0.05
 
@@ -76,18 +76,18 @@ def test_a_thinned_curve_is_the_same_line() -> None:
 def test_a_level_keeps_every_change_and_a_gap_stays_one() -> None:
     level = np.zeros(5_000)
     level[100:103], level[4_000:] = 2, 1
-    rows = seen_rows(level, 50)
+    rows = pick_rows(level, 50)
     np.testing.assert_array_equal(np.interp(np.arange(5_000), rows, level[rows]), level)
     wave = np.sin(np.arange(5_000) / 50.0)
     wave[2_000:2_500] = np.nan
-    rows = seen_rows(wave, 100)
+    rows = pick_rows(wave, 100)
     gap = (rows >= 2_000) & (rows < 2_500)
     assert gap.any()
     assert np.isnan(wave[rows[gap]]).all()
     assert not np.isnan(wave[rows[~gap]]).any()
     assert rows[~gap][rows[~gap] < 2_000].max() > 1_940
     level[:50] = np.nan
-    rows = seen_rows(level, 50)
+    rows = pick_rows(level, 50)
     assert np.isnan(level[rows[rows < 50]]).all()
     assert not np.isnan(level[rows[rows >= 50]]).any()
 

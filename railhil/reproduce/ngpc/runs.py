@@ -12,7 +12,7 @@ import numpy as np
 from railhil.bus.high_speed import wire
 from railhil.controller_node.high_speed.training import Recipe
 from railhil.judge.record import Record
-from railhil.learning.models import learn
+from railhil.learning.models import train_models
 from railhil.library import Outcome
 from railhil.record.telemetry import read_summary
 from railhil.record.trace import FloatArray
@@ -184,7 +184,7 @@ def measure(outcome: Outcome) -> dict[str, float | None]:
     if _DITHER in ((outcome.certificate.get("parameters") or {}).get("values") or {}):
         log = outcome.folder / "frames.log"
         record = Record(log, outcome.scenario, outcome.trace, "", dict(outcome.certificate))
-        for period_s, error in learn(record, Recipe(), _PERIOD_S).errors.items():
+        for period_s, error in train_models(record, Recipe(), _PERIOD_S).errors.items():
             found[model_error("linear", period_s)] = error.linear_kmh
             found[model_error("integrated", period_s)] = error.integrated_kmh
     if outcome.certificate["arithmetic"] == _COUNTED:

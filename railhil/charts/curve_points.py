@@ -11,13 +11,13 @@ from railhil.charts.figure import FloatArray
 
 Rows: TypeAlias = npt.NDArray[np.int64]
 #: Deviation between the line and one of the extremes that is left out, as a share of the curve's range. How far the
-#: rows between the extremes are from the line, :func:`off_line` says of each curve.
+#: rows between the extremes are from the line, :func:`find_deviation` says of each curve.
 TOLERANCE = 2e-4
 #: A curve that keeps its value most of the time keeps so many changes at least.
 _CHANGES = 600
 
 
-def seen_rows(values: FloatArray, stretches: int, tolerance: float = TOLERANCE) -> Rows:
+def pick_rows(values: FloatArray, stretches: int, tolerance: float = TOLERANCE) -> Rows:
     """Rows that are needed to draw a curve; first and last are among them.
 
     A curve that keeps its value most of the time keeps every change; any other one the extremes of each stretch of
@@ -80,7 +80,7 @@ def _bent(rows: Rows, values: FloatArray, allowed: float) -> Rows:
     return rows[np.unique(kept)]
 
 
-def off_line(rows: Rows, values: FloatArray, time_s: npt.NDArray[Any]) -> float:
+def find_deviation(rows: Rows, values: FloatArray, time_s: npt.NDArray[Any]) -> float:
     """The largest distance of a value from the line between the kept rows, rounded up to two digits; 0: there is none.
 
     :param values: shape (n,), NaN: no value, which is at no distance.
