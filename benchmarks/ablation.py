@@ -16,7 +16,7 @@ from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
-from railhil.batch import BatchResult, Case, run_batch
+from railhil.batch import BatchResult, Case
 from railhil.common.command_line import SEED_MAX, OneLineParser, parse, whole_number
 from railhil.common.exit_codes import guarded
 from railhil.controller_node.arithmetic import names as arithmetics
@@ -24,6 +24,7 @@ from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.run_spec import LawSpec
+from railhil.systems.ato.batch import run_batch
 
 LAW = "ipfc_plus"
 #: What is switched off or replaced, and the parameters that do it.

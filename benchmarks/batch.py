@@ -10,13 +10,14 @@ from typing import Any
 import numpy as np
 
 from benchmarks.figures import Figure, MeasurementError, Setting
-from railhil.batch import CHUNK, Case, lanes, run_batch
-from railhil.batch.engine import Engine
-from railhil.batch.kernel import run_period
-from railhil.batch.noise import standard_noise
-from railhil.batch.setup import trains
+from railhil.batch import Case
 from railhil.bench import direct_run
 from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.systems.ato.batch import CHUNK, lanes, run_batch
+from railhil.systems.ato.batch.engine import Engine
+from railhil.systems.ato.batch.kernel import run_period
+from railhil.systems.ato.batch.noise import standard_noise
+from railhil.systems.ato.batch.setup import trains
 
 TITLE = "batch"
 METHOD = (

@@ -11,7 +11,8 @@ from time import process_time
 from benchmarks.figures import Figure, MeasurementError, Setting
 from hil_tests.support.cli import command
 from hil_tests.support.dask_cluster import loopback_cluster
-from railhil.batch import Case, run_batch
+from railhil.batch import Case
+from railhil.systems.ato.batch import run_batch
 from railhil.campaign.plan import Chunk, Plan, Request, make_plan
 from railhil.campaign.rows import table_of
 from railhil.campaign.study import CAMPAIGN

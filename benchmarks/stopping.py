@@ -20,7 +20,7 @@ from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
-from railhil.batch import BatchResult, Case, run_batch
+from railhil.batch import BatchResult, Case
 from railhil.common.command_line import SEED_MAX, OneLineParser, parse, whole_number
 from railhil.common.exit_codes import guarded
 from railhil.controller_node.arithmetic import names as arithmetics
@@ -31,6 +31,7 @@ from railhil.scenarios.options import add_option
 from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.perturb import perturbed
 from railhil.scenarios.run_spec import LawSpec
+from railhil.systems.ato.batch import run_batch
 
 LAW = "ipfc_plus_stop"
 #: What is switched off, and the parameters that do it.

@@ -10,7 +10,7 @@ At the instant of each tick
 5. otherwise the train advances to the next tick.
 
 The plant process (:mod:`railhil.plant_sim.node`) uses it on a bus, ``coupled_run`` (:mod:`railhil.run.coupled`) with
-only a law. The batch (:mod:`railhil.batch.kernel`) has a compiled copy; tests check that it gives the same runs.
+only a law. The batch of ``ato`` has a compiled copy; tests check that it gives the same runs.
 """
 
 from __future__ import annotations

@@ -19,11 +19,12 @@ from numpy.typing import NDArray
 import railhil
 from hil_tests.support.cli import railhil as command
 from hil_tests.support.paths import ROOT
-from railhil.batch import BatchResult, Case, run_batch
+from railhil.batch import BatchResult, Case
 from railhil.batch.statistics import estimate
 from railhil.scenarios.load import load
 from railhil.scenarios.parameters import ParameterSet, load_parameters
 from railhil.scenarios.run_spec import LawSpec
+from railhil.systems.ato.batch import run_batch
 
 LVSHUN = "lvshun_tieshan"
 WORN = "lvshun_tieshan_worn_wheels"

@@ -12,7 +12,7 @@ import pytest
 
 from hil_tests.support.exported import SANITIZED, checked, compiled, written
 from railhil.audit.shadow import compare_codes, errors, shadow_run
-from railhil.batch import Case, run_batch, trace_digest
+from railhil.batch import Case
 from railhil.bench import direct_run, local_run
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.ato.controller import BatchController, Controller
@@ -26,6 +26,8 @@ from railhil.scenarios.model import Perturbations, Scenario
 from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.perturb import perturbed
 from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.systems.ato.batch import run_batch
+from railhil.systems.ato.batch.digest import trace_digest
 
 YIZHUANG = (
     "yizhuang_01_songjiazhuang_xiaocun",

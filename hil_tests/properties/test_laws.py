@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from hil_tests.properties.laws import SEEDS, LawProperties
-from railhil.batch import Case, run_batch
+from railhil.batch import Case
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.ato.loop import ControlLoop
 from railhil.controller_node.laws import load as load_law
@@ -19,6 +19,7 @@ from railhil.controller_node.program.record import record
 from railhil.scenarios.load import load
 from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.run_spec import LawSpec
+from railhil.systems.ato.batch import run_batch
 
 
 class PredictiveProperties(LawProperties):

@@ -47,7 +47,7 @@ for command in sys.argv[1:]:
 _COMPILES = """
 import numpy as np
 from railhil.batch.compiled import FUNCTIONS
-from railhil.batch.noise import standard_noise
+from railhil.systems.ato.batch.noise import standard_noise
 from railhil.scenarios import streams
 from railhil.scenarios.counted_normals import key_of, normals
 found = standard_noise([3], np.arange(99))[:, 0]

@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from railhil.bus.telegrams import NotchCmd
 from railhil.judge.judging import Judging
 from railhil.judge.score import Score
-from railhil.record.trace import Trace
-from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 
 Floats: TypeAlias = NDArray[np.float64]
@@ -100,21 +96,3 @@ def result_of(
         zero_divisions=counts["zero_divisions"],
         notch_digest=tuple(digests),
     )
-
-
-def notch_digest(codes: ArrayLike) -> str:
-    """First 16 hexadecimal digits of the SHA-256 of notch codes (1/256, one for each control period) as int16."""
-    return hashlib.sha256(np.asarray(codes, dtype="<i2").tobytes()).hexdigest()[:_DIGITS]
-
-
-def control_codes(scenario: Scenario, trace: Trace) -> Ints:
-    """Notch codes of a recorded run: that of the first poll in each control period."""
-    codes = trace.raw(NotchCmd.PORT, "NotchCmd")
-    times_ns = np.rint(trace.times_s(NotchCmd.PORT) * 1e9).astype(np.int64)
-    first = np.diff(times_ns // scenario.timing.control_period_ns, prepend=-1) > 0
-    return np.asarray(codes[first])
-
-
-def trace_digest(scenario: Scenario, trace: Trace) -> str:
-    """:func:`notch_digest` of a recorded run."""
-    return notch_digest(control_codes(scenario, trace))

@@ -17,23 +17,14 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from math import nan
 from pathlib import Path
-from types import FunctionType
+from types import FunctionType, ModuleType
 from typing import Any
 
 import numpy as np
 
-from railhil.common import compilable
+from railhil.common import compilable, floats
 from railhil.common.compilable import F, field_types, interpreted, result_type, source_of
 from railhil.common.extras import missing
-from railhil.judge import measures
-from railhil.plant_sim import forces
-
-# Importing them registers their marked functions with numba.
-from railhil.plant_sim.ato import command_watch, dynamics, sensors, train_checks
-from railhil.plant_sim.high_speed import dynamics as high_speed_dynamics
-from railhil.plant_sim.high_speed import watch as high_speed_watch
-from railhil.plant_sim.stop import brake as stopping_brake
-from railhil.scenarios import counted_normals, target
 
 try:
     import numba
@@ -63,9 +54,17 @@ def _as_marked(function: Callable[..., Any]) -> Callable[..., Any]:
     return lambda *given: source
 
 
-for _functions, _options in ((compilable.INLINE, _INLINE), (compilable.ASIDE, _ASIDE)):
-    for _function in _functions:
-        overload(_function, jit_options=_options, strict=False)(_as_marked(_function))
+#: Marked functions that numba knows.
+_KNOWN: set[Callable[..., Any]] = set()
+
+
+def _register() -> None:
+    """Tell numba of the functions that have been marked since the last time."""
+    for functions, options in ((compilable.INLINE, _INLINE), (compilable.ASIDE, _ASIDE)):
+        for function in functions:
+            if function not in _KNOWN:
+                _KNOWN.add(function)
+                overload(function, jit_options=options, strict=False)(_as_marked(function))
 
 
 def straight(function: Any) -> Callable[..., Any]:
@@ -125,6 +124,9 @@ def _every(condition: Any) -> Callable[..., Any]:
 for _function, _instead in ((bisect_right, _bisect_right), (compilable.chosen, _chosen), (compilable.every, _every)):
     overload(_function, jit_options=_INLINE, strict=False)(_instead)
 
+# Marked functions of modules that are imported later are registered before the first call of a loop.
+_register()
+
 
 @dataclass(frozen=True, slots=True)
 class Kept:
@@ -144,7 +146,7 @@ class Kept:
 FUNCTIONS: list[Kept] = []
 
 
-def _folder(*sources: str) -> tuple[Path, bool]:
+def _folder(*sources: ModuleType | str) -> tuple[Path, bool]:
     """The folder with the machine code of functions, and whether it can be written.
 
     numba checks only the file of the function itself; this folder is named after the contents of every file whose
@@ -152,19 +154,8 @@ def _folder(*sources: str) -> tuple[Path, bool]:
     """
     # numba's own subfolder is named after the path of the source.
     digest = hashlib.sha256(f"{np.__version__} {__file__}".encode())
-    plant = (
-        dynamics,
-        forces,
-        sensors,
-        command_watch,
-        train_checks,
-        high_speed_dynamics,
-        high_speed_watch,
-        stopping_brake,
-    )
-    modules = (*plant, counted_normals, target, measures, compilable)
-    for path in (Path(__file__), *map(source_of, modules), *map(Path, sources)):
-        digest.update(path.read_bytes())
+    for source in (__file__, compilable, floats, *sources):
+        digest.update((source_of(source) if isinstance(source, ModuleType) else Path(source)).read_bytes())
     home = os.environ.get("NUMBA_CACHE_DIR") or os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")
     folder = Path(home) / "railhil" / f"batch-{digest.hexdigest()[:16]}"
     try:
@@ -196,6 +187,7 @@ def _kept(function: Callable[..., Any], folder: Path, kept: bool) -> Callable[..
         nonlocal kernel, loaded
         if not loaded:
             loaded = True
+            _register()
             try:
                 return kernel(*given)
             except _DAMAGED:
@@ -207,10 +199,10 @@ def _kept(function: Callable[..., Any], folder: Path, kept: bool) -> Callable[..
     return call
 
 
-def cached(*sources: str) -> Callable[[Callable[..., Any]], Any]:
+def cached(*sources: ModuleType | str) -> Callable[[Callable[..., Any]], Any]:
     """Decorator: compile a function and cache the machine code on disk between processes.
 
-    :param sources: files beside those of the plant whose functions may be compiled into it.
+    :param sources: modules and files whose functions and constants are compiled into it.
     """
     folder, kept = _folder(*sources)
 
@@ -221,7 +213,7 @@ def cached(*sources: str) -> Callable[[Callable[..., Any]], Any]:
     return decorate
 
 
-def cached_text(text: str, name: str, *sources: str) -> Callable[..., Any]:
+def cached_text(text: str, name: str, *sources: ModuleType | str) -> Callable[..., Any]:
     """The function of an emitted text; the text is kept beside its machine code, so a traceback shows it.
 
     :param name: of the function.

@@ -9,7 +9,7 @@ from contextlib import closing, contextmanager
 from functools import partial
 from typing import Any
 
-from railhil.batch import KERNEL, say_compiling
+from railhil.batch import say_compiling
 from railhil.common.digits import count_of
 from railhil.common.errors import InputError, Words
 from railhil.common.exit_codes import INVALID
@@ -74,7 +74,7 @@ def _joblib(tasks: Sequence[Task], work: Work, jobs: int, say: Say) -> Parts:
 
 @contextmanager
 def running(
-    name: str, jobs: int, scheduler: str | None, say: Say, *, work: Work = run_task, kernel: str | None = KERNEL
+    name: str, jobs: int, scheduler: str | None, say: Say, *, work: Work = run_task, kernel: str | None = None
 ) -> Iterator[Engine]:
     """The engine of that name, ready to work.
 

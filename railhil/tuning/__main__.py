@@ -72,6 +72,7 @@ def _scenario(namespace: argparse.Namespace, otherwise: str = "") -> Scenario:
 
 def _evaluate(namespace: argparse.Namespace, file: Path, console: Output) -> Evaluation:
     from railhil.batch import Case, say_compiling
+    from railhil.batch.nodes import kernel_of
     from railhil.tuning.document import changes
     from railhil.tuning.evaluation import evaluate, show
 
@@ -82,7 +83,7 @@ def _evaluate(namespace: argparse.Namespace, file: Path, console: Output) -> Eva
     for change in changes(given, scenario.system):
         console.say(f"note: {change}")
     case = Case(scenario, LawSpec(given.law, namespace.arithmetic, namespace.indexing))
-    say_compiling(Output(stderr=True).say)
+    say_compiling(Output(stderr=True).say, kernel_of(scenario))
     found = evaluate(case, given, _seeds(namespace), namespace.allow_training_seeds)
     show(console, found)
     return found
@@ -90,6 +91,7 @@ def _evaluate(namespace: argparse.Namespace, file: Path, console: Output) -> Eva
 
 def _tune(namespace: argparse.Namespace, console: Output) -> int:
     from railhil.batch import say_compiling
+    from railhil.batch.nodes import kernel_of
     from railhil.tuning.document import document
     from railhil.tuning.search import Box, Protocol, search
     from railhil.tuning.trials import ARITHMETIC
@@ -115,7 +117,7 @@ def _tune(namespace: argparse.Namespace, console: Output) -> int:
     # Check before the work, not after it.
     with _complaining(file):
         check_writable(file)
-    say_compiling(Output(stderr=True).say)
+    say_compiling(Output(stderr=True).say, kernel_of(scenario))
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
     shown = Console(stderr=True)
     with Progress(*columns, console=shown, transient=True, disable=not shown.is_terminal) as bar:

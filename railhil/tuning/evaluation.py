@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from rich.table import Table
 
-from railhil.batch import BatchResult, Case, run_batch
+from railhil.batch import BatchResult, Case
 from railhil.batch.statistics import quantile
 from railhil.common.errors import InputError, Words
 from railhil.common.output import Output, table
@@ -17,6 +17,7 @@ from railhil.judge.criteria import ATO_CRITERIA, OVERSPEED, STOP_ERROR, Criterio
 from railhil.judge.training_seeds import chosen_on
 from railhil.scenarios.model import watch_sentence
 from railhil.scenarios.parameters import ParameterSet
+from railhil.scenarios.system import system_named
 from railhil.tuning.objective import Scale, objective
 
 _QUANTILES = (("median", 0.5), ("p95", 0.95))
@@ -58,6 +59,7 @@ def evaluate(case: Case, given: ParameterSet, seeds: range, allow_training_seeds
     """
     if not allow_training_seeds:
         check_seeds(case, given, seeds)
+    run_batch = system_named(case.scenario.system).part("batch")
     tuned, default = (run_batch(replace(case, law=replace(case.law, parameters=each)), seeds) for each in (given, None))
     return Evaluation(case, given, tuple(sorted({*given.seen(seeds), *_designed_on(case, seeds)})), default, tuned)
 

@@ -7,8 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from railhil.batch import CHUNK, Case
-from railhil.batch.engine import Engine
+from railhil.batch import Case
 from railhil.common.errors import InputError
 from railhil.controller_node.program.model import LawProgram
 from railhil.controller_node.program.record import record
@@ -16,6 +15,8 @@ from railhil.judge.score import Score
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.run_spec import LawSpec
+from railhil.systems.ato.batch import CHUNK
+from railhil.systems.ato.batch.engine import Engine
 from railhil.tuning.objective import Scale, objective
 from railhil.tuning.stacked import StackedLoop, shape
 

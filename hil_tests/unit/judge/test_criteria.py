@@ -11,7 +11,7 @@ import pytest
 
 import railhil
 from hil_tests.support.paths import ROOT
-from railhil.batch import Case, run_batch
+from railhil.batch import Case
 from railhil.judge.criteria import (
     ATO_CRITERIA,
     STOP_ERROR,
@@ -26,6 +26,7 @@ from railhil.judge.criteria import (
     with_sign,
 )
 from railhil.scenarios.model import Scenario
+from railhil.systems.ato.batch import run_batch
 
 HEADROOM = Criterion("headroom_m", "headroom", "m3", 1, lambda run: 3.0, "high", Limit(lambda scenario: 2.0, 2))
 

@@ -14,7 +14,7 @@ import pytest
 from benchmarks.figures import QUICK_TOML
 from hil_tests.support.plug import plug_in
 from hil_tests.support.scores import made_score, with_values
-from railhil.batch import Case, run_batch
+from railhil.batch import Case
 from railhil.bench import local_run
 from railhil.common.errors import InputError
 from railhil.controller_node import laws
@@ -30,6 +30,7 @@ from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.parameters import ParameterSet, load_parameters
 from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.systems.ato.batch import run_batch
 from railhil.tuning.document import document
 from railhil.tuning.objective import OVERSPEED, TERM_MAX, Scale, objective, run_cost
 from railhil.tuning.search import Box, Found, Protocol, search

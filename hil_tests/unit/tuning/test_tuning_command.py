@@ -14,7 +14,7 @@ import pytest
 from benchmarks.figures import QUICK_TOML
 from hil_tests.support.cli import railhil
 from hil_tests.support.scores import with_values
-from railhil.batch import Case, run_batch
+from railhil.batch import Case
 from railhil.common.errors import InputError
 from railhil.controller_node import laws
 from railhil.judge.criteria import ATO_CRITERIA, STOP_ERROR
@@ -23,6 +23,7 @@ from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.parameters import ParameterSet, load_parameters
 from railhil.scenarios.run_spec import LawSpec
+from railhil.systems.ato.batch import run_batch
 from railhil.tuning import __main__ as tool
 from railhil.tuning.command import seed_list
 from railhil.tuning.evaluation import Evaluation, better, evaluate, quantiles, worse

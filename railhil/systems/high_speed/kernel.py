@@ -11,6 +11,7 @@ from railhil.batch import compiled
 from railhil.bus import high_speed
 from railhil.bus.high_speed import TRUE_PER_UNIT
 from railhil.common.compilable import larger, smaller
+from railhil.plant_sim.high_speed import dynamics, watch
 from railhil.plant_sim.high_speed import train as train_module
 from railhil.plant_sim.high_speed.dynamics import Drive, Grades, UnitMotion, coupler_n, joined, moved
 from railhil.plant_sim.high_speed.train import REMEMBERED, STEP_S
@@ -19,8 +20,8 @@ from railhil.plant_sim.high_speed.watch import brake_looked_at
 #: Columns of the truth before those of units and couplers.
 SPEED, DRIVE, STANDS, UNITS = range(4)
 COUPLER_MAX = 0x7FFF
-#: Files whose constants are compiled into the loop.
-_SOURCES = (__file__, str(train_module.__file__), str(high_speed.__file__))
+#: Sources of the machine code.
+_SOURCES = (__file__, dynamics, train_module, watch, high_speed)
 
 
 class Common(NamedTuple):

@@ -11,13 +11,15 @@ from railhil.batch import compiled
 from railhil.bus import stopping
 from railhil.bus.stopping import MM, SAMPLE_S, SAMPLES
 from railhil.common.compilable import larger, smaller
+from railhil.plant_sim.high_speed import watch
 from railhil.plant_sim.high_speed.watch import brake_looked_at
+from railhil.plant_sim.stop import brake
 from railhil.plant_sim.stop import train as train_module
 from railhil.plant_sim.stop.brake import Course, Going, Motion, achieved, gone_on
 from railhil.plant_sim.stop.train import SPEED_RAW_MAX, TICK_S
 
-#: Files whose constants are compiled into the loop.
-_SOURCES = (__file__, str(train_module.__file__), str(stopping.__file__))
+#: Sources of the machine code.
+_SOURCES = (__file__, brake, train_module, watch, stopping)
 #: Columns of the record.
 POSITION, SPEED, DRIVE = range(3)
 

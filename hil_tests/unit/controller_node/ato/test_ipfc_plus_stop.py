@@ -12,7 +12,7 @@ import pytest
 
 from benchmarks import stopping
 from hil_tests.unit.controller_node.ato.test_ipfc_plus import faulty
-from railhil.batch import BatchResult, Case, run_batch
+from railhil.batch import BatchResult, Case
 from railhil.bench import direct_run
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.ato.balise_odometer import BaliseOdometer
@@ -27,6 +27,7 @@ from railhil.controller_node.program.record import record
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.target import Target
+from railhil.systems.ato.batch import run_batch
 
 LAW = stopping.LAW
 WORN = load("lvshun_tieshan_worn_wheels")

@@ -9,7 +9,7 @@ import pytest
 
 from benchmarks.figures import QUICK_TOML
 from hil_tests.support.batch import same_as_the_bench
-from railhil.batch import Case, run_batch, trace_digest
+from railhil.batch import Case
 from railhil.batch.nodes import batch_of
 from railhil.batch.perturbed_runs import FIRST_SEED, outcomes
 from railhil.bench import direct_run, local_run, unrecorded_run
@@ -17,6 +17,8 @@ from railhil.common.errors import InputError
 from railhil.scenarios.load import load, load_any
 from railhil.scenarios.model import Effort, Scenario, Uniform
 from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.systems.ato.batch import run_batch
+from railhil.systems.ato.batch.digest import trace_digest
 
 
 def braked() -> Scenario:

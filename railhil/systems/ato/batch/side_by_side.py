@@ -12,12 +12,12 @@ from math import inf
 from typing import Any, NamedTuple
 
 from railhil.batch import compiled
-from railhil.batch import lanes as at
-from railhil.batch.lanes import LANES
-from railhil.batch.train import constants_of, forces_of, motion_of, truth_of
 from railhil.plant_sim.ato import dynamics, train_checks
 from railhil.plant_sim.ato.dynamics import FREE, Lag
 from railhil.plant_sim.forces import EffortLimit, GradeTable
+from railhil.systems.ato.batch import lanes as at
+from railhil.systems.ato.batch.lanes import LANES
+from railhil.systems.ato.batch.train import constants_of, forces_of, motion_of, truth_of
 
 _step = compiled.straight(dynamics.step)
 _applied_n = compiled.straight(dynamics.applied_n)
@@ -29,7 +29,7 @@ _acceleration_mps2 = compiled.straight(dynamics.acceleration_mps2)
 
 
 class Numbers(NamedTuple):
-    """The numbers of :class:`railhil.batch.layout.Common` that are needed here: a call with all of its tables takes as
+    """The numbers of :class:`.layout.Common` that are needed here: a call with all of its tables takes as
     long as a loop."""
 
     step_s: float

@@ -1,6 +1,6 @@
 """One train of a block at one tick, in the order of ``Plant.advance``, with the plant's own functions.
 
-:mod:`railhil.batch.side_by_side` computes the ticks in which nothing but motion happens.
+:mod:`railhil.systems.ato.batch.side_by_side` computes the ticks in which nothing but motion happens.
 """
 
 from __future__ import annotations
@@ -11,9 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from railhil.batch import compiled, curve
-from railhil.batch import lanes as at
-from railhil.batch.layout import READ_BALISES, READ_ODOMETER, READ_SPEED
+from railhil.batch import compiled
 from railhil.bus.codes import Event
 from railhil.bus.telegrams import STOP_LEG_MIN_M
 from railhil.common.compilable import larger, smaller
@@ -29,6 +27,9 @@ from railhil.plant_sim.ato.plant import NOTCH_LSB_PER_NOTCH, SLIVER_TICKS
 from railhil.plant_sim.ato.sensors import odometer_reading_mm, speed_reading_01mmps
 from railhil.plant_sim.ato.train_checks import ForceState, forces_step, is_beyond_authority, is_running, is_weak
 from railhil.plant_sim.forces import GradeTable, TrainConstants
+from railhil.systems.ato.batch import curve
+from railhil.systems.ato.batch import lanes as at
+from railhil.systems.ato.batch.layout import READ_BALISES, READ_ODOMETER, READ_SPEED
 
 _COMPLETE, _NOT_STOPPED = float(Event.ENDED_COMPLETE), float(Event.ENDED_NOT_STOPPED)
 #: Raw SIM_TRUTH: scales of position, speed and forces, and the largest force.

@@ -15,11 +15,8 @@ import pytest
 from benchmarks.figures import QUICK_TOML
 from hil_tests.support.batch import same_as_the_bench
 from hil_tests.support.plug import plug_in
-from railhil.batch import Case, kernel, run_batch, say_compiling, trace_digest
+from railhil.batch import Case, say_compiling
 from railhil.batch.compiled import FUNCTIONS, Kept
-from railhil.batch.engine import Engine
-from railhil.batch.lanes import LANES
-from railhil.batch.noise import standard_noise
 from railhil.bench import coupled_run, direct_run, local_run
 from railhil.common.errors import InputError
 from railhil.controller_node.arithmetic import make
@@ -32,6 +29,11 @@ from railhil.plant_sim.ato.sensors import AxleSensors
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Balise
 from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.systems.ato.batch import kernel, run_batch
+from railhil.systems.ato.batch.digest import trace_digest
+from railhil.systems.ato.batch.engine import Engine
+from railhil.systems.ato.batch.lanes import LANES
+from railhil.systems.ato.batch.noise import standard_noise
 
 SCENARIOS = (
     "lvshun_tieshan",
@@ -118,7 +120,8 @@ def test_the_compiled_loop_is_what_the_interpreter_makes_of_it(short, tmp_path):
     ]
     (tmp_path / "quick.toml").write_text(QUICK_TOML)
     code = (
-        "from railhil.batch import Case, run_batch; from railhil.scenarios.load import load;"
+        "from railhil.batch import Case; from railhil.systems.ato.batch import run_batch;"
+        "from railhil.scenarios.load import load;"
         "from railhil.scenarios.run_spec import LawSpec;"
         f"short = load({str(tmp_path / 'quick.toml')!r});"
         "laws = [LawSpec('ipfc', 'float64', indexing) for indexing in ('time', 'distance')];"
@@ -264,9 +267,9 @@ def test_noise_is_that_of_the_sensors():
 
 def test_without_numba_one_line_says_what_to_install(short, monkeypatch):
     monkeypatch.setitem(sys.modules, "numba", None)
-    for name in ("compiled", "kernel", "engine"):
-        monkeypatch.delitem(sys.modules, f"railhil.batch.{name}", raising=False)
-        monkeypatch.delattr(f"railhil.batch.{name}", raising=False)
+    for name in ("batch.compiled", "systems.ato.batch.kernel", "systems.ato.batch.engine"):
+        monkeypatch.delitem(sys.modules, f"railhil.{name}", raising=False)
+        monkeypatch.delattr(f"railhil.{name}", raising=False)
     with pytest.raises(InputError, match=r"^batch: module numba.*: found not installed, allowed .* -m pip install "):
         run_batch(Case(short), [1])
 
@@ -293,14 +296,14 @@ def test_compiling_is_said_before_it_begins_and_only_then(tmp_path, monkeypatch)
     said: list[str] = []
     functions = [Kept("run_period", tmp_path, True)]
     monkeypatch.setattr("railhil.batch.compiled.FUNCTIONS", functions)
-    say_compiling(said.append)
+    say_compiling(said.append, kernel.__name__)
     assert said == ["compiling the batch of trains (once for this machine; up to a minute) ..."]
     (tmp_path / "batch_x").mkdir()
     (tmp_path / "batch_x" / "kernel.run_period-236.py311.nbi").touch()
-    say_compiling(said.append)
+    say_compiling(said.append, kernel.__name__)
     assert len(said) == 1
     functions.append(Kept("stand_to_the_end", Path("/proc/none"), False))
-    say_compiling(said.append)
+    say_compiling(said.append, kernel.__name__)
     assert "in every process, as /proc/none cannot be written" in said[1]
 
 

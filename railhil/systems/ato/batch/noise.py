@@ -12,7 +12,7 @@ from railhil.batch import compiled
 from railhil.scenarios import counted_normals, streams
 
 
-@compiled.cached(__file__)
+@compiled.cached(__file__, counted_normals)
 def _draw(keys: Any, ticks: Any, numbers: Any) -> None:
     for row in range(ticks.size):
         for column in range(keys.size):

@@ -55,7 +55,7 @@ class EmittedProgram:
             np.array(emitted.limits, dtype=np.int64),
             *(np.array(table, dtype=kind) for table in emitted.tables),
         )
-        self._function = compiled.cached_text(emitted.text, program.name, str(law_parts.__file__))
+        self._function = compiled.cached_text(emitted.text, program.name, law_parts)
         self._kind = kind
         #: Number of outputs that are no state.
         self.answers = sum(not is_state(name) for name, _ in program.outputs)

@@ -10,10 +10,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from railhil.batch.case import Case, control_codes
+from railhil.batch.case import Case
 from railhil.controller_node.arithmetic.base import DIVISION_BY_ZERO, SATURATION, WRAP
 from railhil.judge.score import Score
 from railhil.run.local import unrecorded_run
+from railhil.systems.ato.batch.digest import control_codes
 
 
 def left_the_healthy_path(score: Score) -> bool:

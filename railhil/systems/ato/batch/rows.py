@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 
 from railhil.batch import compiled
-from railhil.batch import lanes as at
-from railhil.batch.train import TRUTH_LSB, grades_of
 from railhil.common.compilable import larger, smaller
 from railhil.judge.measures import limits_under_train
 from railhil.plant_sim.ato.command_watch import GOOD_AFTER_SERVICE_BRAKE, CommandWatchLevel
+from railhil.systems.ato.batch import lanes as at
+from railhil.systems.ato.batch.train import TRUTH_LSB, grades_of
 
 #: A limit of the score is looked up this long before it changes.
 _SPARE_M = 0.001

@@ -10,8 +10,6 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from railhil.batch import lanes as at
-from railhil.batch.layout import Common, PerTrain
 from railhil.bus.schedule import Schedule
 from railhil.bus.telegrams import CtlStat, NotchCmd, SimTruth, TrnPos
 from railhil.controller_node.ato.loop import POSITION_MAX_01MM, limited_01mm
@@ -30,6 +28,8 @@ from railhil.scenarios.model import Effort, Scenario
 from railhil.scenarios.perturb import unit_draws, with_draws
 from railhil.scenarios.profiles import front_speed_limit
 from railhil.scenarios.target import Target
+from railhil.systems.ato.batch import lanes as at
+from railhil.systems.ato.batch.layout import Common, PerTrain
 
 Ints: TypeAlias = NDArray[np.int64]
 
@@ -166,7 +166,7 @@ class Trains:
     balises: BalisePasses
 
     def column(self, quantity: int) -> NDArray[np.float64]:
-        """A quantity of :mod:`railhil.batch.lanes` of all trains, shape (N,)."""
+        """A quantity of :mod:`railhil.systems.ato.batch.lanes` of all trains, shape (N,)."""
         count = self.tables.order.size
         return np.array(self.tables.blocks[:, quantity : quantity + at.LANES].reshape(-1)[:count])
 

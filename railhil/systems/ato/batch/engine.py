@@ -9,13 +9,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from railhil.batch import lanes
 from railhil.batch.case import Case
-from railhil.batch.emitted_law import loop_of
-from railhil.batch.kernel import run_period, stand_to_the_end
-from railhil.batch.layout import READ_ENDED
-from railhil.batch.noise import standard_noise
-from railhil.batch.setup import Times, Trains, common, status_tick, trains
 from railhil.bus.codes import Event
 from railhil.bus.telegrams import SimTruth
 from railhil.controller_node.arithmetic.base import DIVISION_BY_ZERO, SATURATION, WRAP
@@ -26,6 +20,12 @@ from railhil.judge.journey import ErrorGrid, stop_of
 from railhil.judge.score import Measured, Score, judged
 from railhil.plant_sim.any_plant import PlantError
 from railhil.record.status import WRAP_FAILURE
+from railhil.systems.ato.batch import lanes
+from railhil.systems.ato.batch.emitted_law import loop_of
+from railhil.systems.ato.batch.kernel import run_period, stand_to_the_end
+from railhil.systems.ato.batch.layout import READ_ENDED
+from railhil.systems.ato.batch.noise import standard_noise
+from railhil.systems.ato.batch.setup import Times, Trains, common, status_tick, trains
 
 Ints: TypeAlias = NDArray[np.int64]
 #: Scale of instants (s) and positions (m) in RUN_EVENT, and of accelerations in SIM_TRUTH.

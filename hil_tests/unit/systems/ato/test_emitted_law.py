@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from railhil.batch.emitted_law import EmittedLoop, EmittedProgram, loop_of
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import DIVISION_BY_ZERO, SATURATION, WRAP, Constant, Curve
 from railhil.controller_node.ato.loop import ControlLoop
@@ -20,6 +19,7 @@ from railhil.controller_node.program.tracer import Tracer
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec
 from railhil.scenarios.system import system_named
+from railhil.systems.ato.batch.emitted_law import EmittedLoop, EmittedProgram, loop_of
 
 SCENARIO = load("lvshun_tieshan")
 ARITHMETICS = ("iq", "float64", "float32")

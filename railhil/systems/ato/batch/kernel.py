@@ -3,8 +3,8 @@
 It repeats the order defined in :mod:`railhil.plant_sim.cycle`, and ``Plant.advance``: each pass of the loop handles the
 end of the run at a tick, watch and motion, then, at the next tick, the readings that are due. The law is computed
 before the pass that begins a control period. The bus is healthy: every command is accepted. Trains to which nothing but
-motion happens are computed side by side (:mod:`railhil.batch.side_by_side`), every other one by itself
-(:mod:`railhil.batch.train`); the tests of the batch compare both with ``coupled_run`` and the nodes.
+motion happens are computed side by side (:mod:`railhil.systems.ato.batch.side_by_side`), every other one by itself
+(:mod:`railhil.systems.ato.batch.train`); the tests of the batch compare both with ``coupled_run`` and the nodes.
 """
 
 from __future__ import annotations
@@ -12,12 +12,12 @@ from __future__ import annotations
 from math import inf
 from typing import Any
 
-from railhil.batch import compiled, curve, lanes, layout, rows, side_by_side, train
-from railhil.batch import lanes as at
-from railhil.batch.lanes import LANES
+from railhil.batch import compiled
 from railhil.common.compilable import larger, smaller
+from railhil.judge import measures
 from railhil.judge.measures import error_kmh
-from railhil.plant_sim.ato import events, plant
+from railhil.plant_sim import forces
+from railhil.plant_sim.ato import command_watch, dynamics, events, plant, sensors, train_checks
 from railhil.plant_sim.ato.command_watch import (
     GOOD_AFTER_SERVICE_BRAKE,
     CommandWatchLevel,
@@ -26,12 +26,15 @@ from railhil.plant_sim.ato.command_watch import (
 )
 from railhil.plant_sim.ato.dynamics import lag
 from railhil.plant_sim.ato.plant import SLIVER_TICKS
+from railhil.scenarios import target
+from railhil.systems.ato.batch import curve, lanes, layout, rows, side_by_side, train
+from railhil.systems.ato.batch import lanes as at
+from railhil.systems.ato.batch.lanes import LANES
 
-#: Sources of the machine code, in addition to the functions shared with the bench.
-_SOURCES = (
-    __file__,
-    *(str(module.__file__) for module in (curve, lanes, layout, rows, side_by_side, train, events, plant)),
-)
+#: Sources of the machine code.
+_LOOPS = (curve, lanes, layout, rows, side_by_side, train)
+_PLANT = (command_watch, dynamics, events, forces, plant, sensors, train_checks, target, measures)
+_SOURCES = (__file__, *_LOOPS, *_PLANT)
 
 #: Compiled, a level is a number.
 _NORMAL: Any = int(CommandWatchLevel.NORMAL)

@@ -1,0 +1,78 @@
+"""The batch of ``ato``: thousands of runs of one scenario under one law in one process, equal to the bench bit for bit.
+
+The plant's own functions are compiled (:mod:`railhil.common.compilable`), the law steps on arrays; the notch codes and
+the scores of each run are those of :func:`railhil.bench.direct_run` with the same seed, and so of the real bench on
+a healthy bus. A run that ends in an emergency brake is repeated through the nodes of the bench
+(:mod:`.replay`), which takes a second. Of the faults of a scenario it computes a mass, a gradient and a resistance that
+differ from the start to the end (:func:`railhil.faults.capability.is_constant`). Needs numba (extra ``campaign``).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from railhil.batch.case import BatchResult, Case, column
+from railhil.controller_node.arithmetic.base import DIVISION_BY_ZERO, SATURATION, WRAP
+from railhil.judge.criteria import ATO_CRITERIA, OVERSPEED, with_sign
+from railhil.systems.ato.batch.digest import notch_digest
+from railhil.systems.ato.batch.replay import left_the_healthy_path, replayed
+
+if TYPE_CHECKING:
+    from railhil.systems.ato.batch.engine import BatchRuns
+
+#: Runs computed together: their state stays in the processor's cache, and the Python overhead is shared.
+CHUNK = 2048
+#: Seeds travel as 32 bit in the handshake.
+_SEED_MAX = 2**32 - 1
+
+
+def run_batch(case: Case, seeds: Sequence[int], *, keep_notches: bool = False, chunk: int = CHUNK) -> BatchResult:
+    """Run a case with each seed, any number of them.
+
+    :param keep_notches: keep the notch codes of each run.
+    :param chunk: number of runs computed together; the results do not depend on it.
+    :raises scenarios.errors.InputError: numba is missing, the law does not fit, or a fault needs the nodes.
+    :raises ValueError: a seed outside 32 bit.
+    :raises plant_sim.plant.PlantError: the simulation failed.
+    """
+    # Imported only here: numba is an extra, and a case or a digest does not need it.
+    from railhil.systems.ato.batch.engine import Engine
+
+    if any(not 0 <= seed <= _SEED_MAX for seed in seeds):
+        raise ValueError(f"seeds must lie inside 0..{_SEED_MAX}")
+    engine = Engine(case)
+    chunks = [engine.run(seeds[i : i + chunk]) for i in range(0, len(seeds), chunk)]
+    return _result(case, seeds, chunks, keep_notches)
+
+
+def _result(case: Case, seeds: Sequence[int], chunks: list[BatchRuns], keep_notches: bool) -> BatchResult:
+    scores = [score for chunk in chunks for score in chunk.scores]
+    codes = [chunk.codes[:steps, i].copy() for chunk in chunks for i, steps in enumerate(chunk.steps)]
+    counts = {
+        kind: np.concatenate([np.zeros(0, dtype=np.int64), *(chunk.counts[kind] for chunk in chunks)])
+        for kind in (WRAP, SATURATION, DIVISION_BY_ZERO)
+    }
+    for run, seed in enumerate(seeds):
+        if left_the_healthy_path(scores[run]):
+            scores[run], codes[run], counted = replayed(case, int(seed))
+            for kind, count in counted.items():
+                counts[kind][run] = count
+
+    return BatchResult(
+        seed=np.array(seeds, dtype=np.int64),
+        scores=tuple(scores),
+        values={criterion.key: column([score.values[criterion.key] for score in scores]) for criterion in ATO_CRITERIA},
+        signed={key: column([score.signed[key] for score in scores]) for key in with_sign()},
+        extras={OVERSPEED.key: column([score.extras[OVERSPEED.key] for score in scores])},
+        passed=np.array([score.verdict == "PASS" for score in scores], dtype=bool),
+        ended=tuple(score.ended for score in scores),
+        failures=tuple(score.failures for score in scores),
+        wraps=counts[WRAP],
+        saturations=counts[SATURATION],
+        zero_divisions=counts[DIVISION_BY_ZERO],
+        notch_digest=tuple(notch_digest(run) for run in codes),
+        notch_codes=tuple(codes) if keep_notches else None,
+    )
