@@ -12,7 +12,6 @@ from benchmarks.figures import Figure, MeasurementError, Setting
 from hil_tests.support.cli import command
 from hil_tests.support.dask_cluster import loopback_cluster
 from railhil.batch import Case
-from railhil.systems.ato.batch import run_batch
 from railhil.campaign.plan import Chunk, Plan, Request, make_plan
 from railhil.campaign.rows import table_of
 from railhil.campaign.study import CAMPAIGN
@@ -20,6 +19,7 @@ from railhil.study.engines import running
 from railhil.study.parts import opened
 from railhil.study.table import file_bytes
 from railhil.study.work import task_of
+from railhil.systems.ato.batch import run_batch
 
 TITLE = "campaign"
 METHOD = (
