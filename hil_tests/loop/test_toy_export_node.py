@@ -161,6 +161,7 @@ def twins(site: Path, folder: Path, seed: int) -> dict[str, int]:
     return dict(counted)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [0, 1, 2, 3])
 def test_the_c_node_answers_as_ours_on_any_bus(site: Path, exported: Path, tmp_path: Path, seed: int) -> None:
     copy = tmp_path / "c"
@@ -182,6 +183,7 @@ def test_the_c_node_takes_telegrams_without_life_sign_and_check_variable_as_ours
     assert {"duplicate", "out_of_order", "gap", "check_variable"}.isdisjoint(counted)
 
 
+@pytest.mark.slow
 def test_the_c_node_reads_and_writes_any_bits_and_tells_the_law_what_was_sent(site: Path, tmp_path: Path) -> None:
     copy = changed(site, tmp_path, {"laws.py": KEEPING, "wire.py": PLAIN_FORCES, "ports.toml": CROOKED})
     folder = tmp_path / "c"

@@ -329,6 +329,7 @@ def test_effect_compares_each_draw_with_its_own_twin(sound):
     assert found["energy_kj"].met
 
 
+@pytest.mark.slow
 def test_a_wrap_in_a_perturbed_run_misses_a_bar_that_the_nominal_run_meets(short, sound):
     result = audit(short, Options(runs=2))
     assert {bar.found for bar in result.bars if bar.name == "wraps in the perturbed runs"} == {"0"}

@@ -187,6 +187,7 @@ def test_foreign_dbc_beside_the_table_is_refused(tmp_path):
         load_contract(tmp_path / "ports.toml")
 
 
+@pytest.mark.slow
 def test_candump_piped_into_cantools_decode():
     """A user without our code: candump text in, signals out."""
     frames = TelegramSource(wire_contract().port("TRN_SPEED")).frames(

@@ -94,7 +94,7 @@ def test_a_log_that_ends_inside_a_telegram_or_before_an_answer(tmp_path: Path) -
         demand_the_same(tmp_path, frames[end - 40 : end])
 
 
-@settings(max_examples=250)
+@settings(max_examples=100)
 @given(frames=changed_records(recorded, LINES), part_bytes=st.sampled_from((100, 500, 2000, 1 << 20)))
 def test_whatever_is_wrong_with_a_record_both_ways_find_the_same(frames: Recorded, part_bytes: int) -> None:
     with TemporaryDirectory() as folder, pytest.MonkeyPatch.context() as patch:
@@ -111,14 +111,14 @@ def test_whatever_is_wrong_with_a_record_both_ways_find_the_same(frames: Recorde
         Frame(0x7FF, bytes(8)),
     ],
 )
-@pytest.mark.parametrize("part_bytes", [2000, 300, 1 << 20])
+@pytest.mark.parametrize("part_bytes", [300, 1 << 20])
 def test_a_part_that_is_not_classic_between_others(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, strange: Frame, part_bytes: int
 ) -> None:
     """Wherever it stands in a telegram, and whatever of the telegram is in the part before."""
     monkeypatch.setattr("railhil.record.framelog._PART_BYTES", part_bytes)
     frames = list(recorded()[200:400])
-    for at in range(60, 130):
+    for at in range(60, 90):
         demand_the_same(tmp_path, [*frames[:at], (frames[at][0], strange), *frames[at:]])
 
 
@@ -162,6 +162,7 @@ def test_a_block_twice_is_not_the_other_one_with_the_same_data(tmp_path: Path) -
     demand_the_same(tmp_path, [(0, block), (0, block), (0, trailer)])
 
 
+@pytest.mark.slow
 def test_every_wrong_bit_and_every_exchange_of_a_cycle(tmp_path: Path) -> None:
     """Of 40 frames, among them telegrams of one frame and of several."""
     frames = list(recorded()[200:240])

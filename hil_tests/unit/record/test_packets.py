@@ -173,7 +173,7 @@ def test_a_classic_frame_with_the_identifier_of_an_fd_frame_moves_no_time() -> N
 
 
 @pytest.mark.slow
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=100, deadline=None)
 @given(data=st.data(), faults=st.sampled_from([(), FAULTS]))
 def test_whatever_is_wrong_with_the_frames_both_ways_record_the_same(
     data: st.DataObject, faults: tuple[str, ...]

@@ -119,6 +119,7 @@ auxiliary_power_kw = 100
 """
 
 
+@pytest.mark.slow
 def test_the_wheels_count_for_the_length_of_a_run(tmp_path: Path) -> None:
     path = tmp_path / "long.toml"
     path.write_text(LONG, encoding="utf-8")

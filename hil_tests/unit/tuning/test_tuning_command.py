@@ -47,6 +47,7 @@ def short(quick: Path) -> Scenario:
     return load(str(quick))
 
 
+@pytest.mark.slow
 def test_evaluation_refuses_training_seeds(short: Scenario) -> None:
     case = Case(short, LawSpec("ipfc", "float64"))
     given = ParameterSet("ipfc", {"model_gain_mps": 0.08}, Path("tuned.toml"), short.name, frozenset({0, 1}))
@@ -60,6 +61,7 @@ def test_evaluation_refuses_training_seeds(short: Scenario) -> None:
     assert other.default.scores == run_batch(case, (2, 3)).scores
 
 
+@pytest.mark.slow
 def test_a_set_that_is_worse_on_other_runs_is_laid_aside(
     quick: Path, short: Scenario, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

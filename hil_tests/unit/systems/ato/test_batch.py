@@ -284,6 +284,7 @@ CREEPING = (
 )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "law", "arithmetic", "seed"), CREEPING)
 def test_a_train_that_creeps_to_a_stand_has_stopped(name, law, arithmetic, seed):
     (found,) = same_as_the_bench(Case(load(name), LawSpec(law, arithmetic)), (seed,))

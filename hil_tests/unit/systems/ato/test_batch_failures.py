@@ -141,6 +141,7 @@ def with_faults(folder: Path, *faults: str) -> Scenario:
     return load_any(str(path), (), faults)
 
 
+@pytest.mark.slow
 def test_a_mismatch_from_the_start_is_computed_like_in_the_nodes(tmp_path):
     """Mass, gradient and resistance with values drawn for each seed."""
     case = Case(with_faults(tmp_path, *CONSTANT_FAULTS), LawSpec(arithmetic="float64"))
