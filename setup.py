@@ -1,7 +1,8 @@
 """The packages of railhil, some of which lie beside ``railhil/``, and the compiled build, which nobody needs.
 
 ``[tool.setuptools.package-dir]`` in pyproject.toml says in which folder a package lies. ``python setup.py tree`` makes
-links to them in one folder, ``build/tree``, for mypy, pyright and import-linter, which do not read that table.
+links to them in one folder, ``build/tree``, for mypy, pyright and import-linter, which do not read that table. Each
+call also writes the declarations of telegram classes for type checkers (:mod:`railhil.dbc.stubs`); git ignores them.
 
 ``RAILHIL_COMPILED=1 pip install .`` compiles the modules below by mypyc. Sources are installed in any case:
 ``RAILHIL_PURE=1`` runs them. Not compiled, although each frame passes them: classes made from the port table
@@ -14,6 +15,7 @@ import os
 import shutil
 import sys
 import tomllib
+from importlib import import_module
 from pathlib import Path
 
 from setuptools import find_namespace_packages, setup
@@ -141,6 +143,8 @@ if lost := [folder for folder in FOLDERS.values() if not Path(folder, "__init__.
         f"railhil cannot be built: found no package in {', '.join(lost)}, which must be folders with an __init__.py; "
         "clone the repository again, or take the source archive of a release"
     )
+sys.path.insert(0, str(Path(__file__).parent))
+import_module("railhil.dbc.stubs").write_stubs(Path())
 if sys.argv[1:2] == ["tree"]:
     lay_out(*sys.argv[2:])
     raise SystemExit

@@ -15,8 +15,8 @@ from railhil.bus.frame import Frame, to_message
 from railhil.bus.layout import Telegram
 from railhil.bus.mvb import TelegramSource, check_sequence
 from railhil.bus.store import TrafficStore
-from railhil.bus.telegrams import SimTruth, TrnSpeed
 from railhil.record.framelog import log_line
+from railhil.wire.ato import SimTruth, TrnSpeed
 
 TITLE = "codec"
 METHOD = (

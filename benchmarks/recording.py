@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from railhil.bus.telegrams import NotchCmd
 from railhil.controller_node.ato.controller import Controller
 from railhil.plant_sim.ato.plant import Plant
 from railhil.scenarios.model import Scenario
+from railhil.wire.ato import NotchCmd
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,24 +3,14 @@
 from __future__ import annotations
 
 import zlib
-from dataclasses import dataclass
-from enum import IntEnum
 from typing import ClassVar
 
-from railhil.bus.layout import CHECK_CORRECT, FLAG_FALSE, FLAG_TRUE, Telegram, flag, signal
+from railhil.bus import telegrams
+from railhil.bus.layout import FLAG_TRUE, flag
+from railhil.bus.telegrams import Role as Role
 from railhil.common import command_line
 from railhil.common.plug_ins import entries
 from railhil.dbc import Contract, wire_contract
-from railhil.dbc.contract import WIRE_VERSION
-
-
-class Role(IntEnum):
-    """The three nodes; the numbers of controller and supervisor are also their MVB device addresses."""
-
-    PLANT = 0
-    CONTROLLER = 1
-    SUPERVISOR = 2
-
 
 #: Codes of ``arithmetic``, ``indexing`` and ``pace`` in the handshake.
 ARITHMETICS = ("none", *command_line.ARITHMETICS)
@@ -37,36 +27,12 @@ _LAW_MAX = 0xFFF
 PACES = ("none", *command_line.PACES)
 
 
-@dataclass(slots=True)
-class Ident(Telegram):
-    """What a node is about to run; one layout for PLT_IDENT, CTL_IDENT and SUP_IDENT.
+class Ident(telegrams.Ident):
+    """What a node is about to run; one layout for PLT_IDENT, CTL_IDENT and SUP_IDENT."""
 
-    ::
-
-          0    1    2    3    4    5    6    7
-        +-------------------+-------------------+
-        |   scenario hash   |     wire hash     |
-        +-------------------+-------------------+
-          8    9    10   11   12     13          14                 15
-        +-------------------+--------------+---------------+-------------------+
-        |       seed        |  law   arith |role  index per| chk pace version  |
-        +-------------------+--------------+---------------+-------------------+
-    """
-
-    PORT: ClassVar[str] = "PLT_IDENT"
-    #: The node that is the source of the port.
-    ROLE: ClassVar[Role] = Role.PLANT
-    scenario_hash: int = signal("{p}ScenarioHash")
-    wire_hash: int = signal("{p}WireHash")
-    seed: int = signal("{p}Seed")
-    law: int = signal("{p}Law")
-    role: int = signal("{p}Role")
-    arithmetic: int = signal("{p}Arithmetic")
-    indexing: int = signal("{p}Indexing")
-    perturbed: int = signal("{p}Perturbed", FLAG_FALSE)
-    check: int = signal("{p}IdentChk", CHECK_CORRECT)
-    pace: int = signal("{p}Pace")
-    version: int = signal("{p}Version", WIRE_VERSION)
+    __slots__ = ()
+    #: The node that is the source of the port; its number, but that of the plant, is also its MVB device address.
+    ROLE: ClassVar[Role]
 
     @property
     def is_own(self) -> bool:
@@ -112,27 +78,25 @@ def _law_shown(code: int) -> str:
     return " or ".join(laws_of_code(code)) or f"{code:03x} (no installed law with its own parameters)"
 
 
-@dataclass(slots=True)
-class PltIdent(Ident):
-    """PLT_IDENT, see :class:`Ident`."""
+class PltIdent(Ident, telegrams.PltIdent):
+    """PLT_IDENT."""
 
-    PORT: ClassVar[str] = "PLT_IDENT"
-
-
-@dataclass(slots=True)
-class CtlIdent(Ident):
-    """CTL_IDENT, see :class:`Ident`."""
-
-    PORT: ClassVar[str] = "CTL_IDENT"
-    ROLE: ClassVar[Role] = Role.CONTROLLER
+    __slots__ = ()
+    ROLE = Role.PLANT
 
 
-@dataclass(slots=True)
-class SupIdent(Ident):
-    """SUP_IDENT, see :class:`Ident`."""
+class CtlIdent(Ident, telegrams.CtlIdent):
+    """CTL_IDENT."""
 
-    PORT: ClassVar[str] = "SUP_IDENT"
-    ROLE: ClassVar[Role] = Role.SUPERVISOR
+    __slots__ = ()
+    ROLE = Role.CONTROLLER
+
+
+class SupIdent(Ident, telegrams.SupIdent):
+    """SUP_IDENT."""
+
+    __slots__ = ()
+    ROLE = Role.SUPERVISOR
 
 
 _CLASSES: dict[Role, type[Ident]] = {Role.PLANT: PltIdent, Role.CONTROLLER: CtlIdent, Role.SUPERVISOR: SupIdent}

@@ -1,4 +1,8 @@
-"""Packing of telegram classes: a telegram is one dataclass whose fields are the raw integers of its signals."""
+"""Packing of telegram classes: a telegram is one dataclass whose fields are the raw integers of its signals.
+
+The classes are usually made from the port table (:mod:`railhil.bus.made`); one written by hand is bound to its port by
+:meth:`Telegram.bound`.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +12,7 @@ from typing import Any, ClassVar, Self
 
 from railhil.bus.codec import codec_text
 from railhil.common.generated_source import compile_source
-from railhil.dbc import Port, Signal, wire_contract
+from railhil.dbc import Port, Signal
 
 #: Code points of a 2-bit check variable.
 CHECK_ERRONEOUS, CHECK_CORRECT, CHECK_FORCED, CHECK_UNDEFINED = range(4)
@@ -22,15 +26,18 @@ def flag(value: bool) -> int:
 
 
 def signal(name: str, default: int = 0) -> Any:
-    """Declare a telegram field for the DBC signal ``name`` (``{p}``: first word of the port's name)."""
+    """Declare a telegram field for a signal whose port table names another field, or none.
+
+    :param name: of the signal, with ``{p}`` for the first word of the port's name.
+    """
     return dataclasses.field(default=default, metadata={"signal": name})
 
 
 class Telegram:
     """Base of all telegram classes: ``encode`` to process data, ``decode`` back.
 
-    Subclasses are dataclasses of raw integers; their ``PORT`` names the port whose signals they carry. Values that do
-    not fit a signal are a programming error: ``encode`` raises OverflowError, it never wraps silently.
+    Subclasses are dataclasses of raw integers, one for each signal of their port, whose name is ``PORT``. Values that
+    do not fit a signal are a programming error: ``encode`` raises OverflowError, it never wraps silently.
 
     Each class gets an ``encode`` and a ``decode`` of its own (:meth:`make_codec`) when one of them is used, or when a
     node expects its telegrams.
@@ -60,26 +67,25 @@ class Telegram:
 
     @classmethod
     def port(cls) -> Port:
-        """The port table entry of this telegram."""
-        return cls._port or wire_contract().port(cls.PORT)
+        """The port table entry of this telegram.
+
+        :raises TypeError: the class is not bound to a port.
+        """
+        if cls._port is None:
+            raise TypeError(f"{cls.__name__}: found no port, allowed a class bound to one ({cls.__name__}.bound)")
+        return cls._port
 
     @classmethod
-    def bound(cls, port: Port) -> type[Self]:
+    def bound(cls, port: Port, name: str = "") -> type[Self]:
         """This layout bound to a port: that of one unit among several, or of another system.
 
+        :param name: of the new class.
         :raises TypeError: the fields are not the signals of the port.
         """
         members = {"PORT": port.name, "_port": port, "__slots__": (), "__doc__": cls.__doc__}
-        made: type[Self] = type(f"{cls.__name__}_{port.name}", (cls,), members)
+        made: type[Self] = type(name or f"{cls.__name__}_{port.name}", (cls,), members)
         made.signals()
         return made
-
-    @classmethod
-    def signal_names(cls) -> list[tuple[str, str]]:
-        """``(field name, name of its DBC signal)`` of every field."""
-        prefix = cls.PORT.split("_")[0].capitalize()
-        fields = dataclasses.fields(cls)  # type: ignore[arg-type]
-        return [(item.name, item.metadata["signal"].replace("{p}", prefix)) for item in fields]
 
     @classmethod
     def signals(cls) -> tuple[tuple[str, Signal], ...]:
@@ -90,10 +96,16 @@ class Telegram:
         if "_signals" not in vars(cls):
             port = cls.port()
             by_name = {item.name: item for item in port.signals}
-            names = cls.signal_names()
-            if strange := [name for _, name in names if name not in by_name]:
-                raise TypeError(f"port {port.name} lacks signals of {cls.__name__}: {', '.join(strange)}")
-            found = [(field, by_name.pop(name)) for field, name in names]
+            by_field = {item.field_name: item.name for item in port.signals}
+            prefix = port.name.split("_")[0].capitalize()
+            found = []
+            for item in dataclasses.fields(cls):  # type: ignore[arg-type]
+                declared = item.metadata.get("signal", "").replace("{p}", prefix)
+                entry = by_name.pop(declared or by_field.get(item.name, item.name), None)
+                if entry is None:
+                    strange = declared or item.name
+                    raise TypeError(f"port {port.name} lacks signals of {cls.__name__}: {strange}")
+                found.append((item.name, entry))
             if by_name:
                 raise TypeError(f"{cls.__name__} lacks signals of port {port.name}: {', '.join(by_name)}")
             cls._signals = tuple(found)

@@ -26,12 +26,15 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
+from typing import Protocol
 
 #: Octets of the trailer: version, sequence counter, CRC.
 TRAILER_BYTES = 6
 CRC_BYTES = 4
 #: Version of the protocol, part of the identity of a source.
 PROTOCOL_VERSION = 2
+#: Major version of the user data of the bench's safe telegrams.
+SAFE_DATA_VERSION = 1
 #: Generator polynomial of the safety code (IEC 61784-3-3), without its highest term.
 POLYNOMIAL = 0xF4ACFB13
 _MASK = 0xFFFF_FFFF
@@ -215,3 +218,20 @@ class SafeSink:
         else:
             self._channel_failed = False
         return Validity.ERROR if self._channel_failed else Validity.FRESH
+
+
+class SafeTelegram(Protocol):
+    """A safe telegram of the bench: the simulation time of its source in base ticks, modulo 2^24, in two fields."""
+
+    tick_high: int
+    tick_low: int
+
+
+def safe_tick(telegram: SafeTelegram) -> int:
+    """Simulation time of the source in base ticks, modulo 2^24."""
+    return telegram.tick_high << 16 | telegram.tick_low
+
+
+def safe_tick_fields(tick: int) -> dict[str, int]:
+    """The fields that hold the time of a safe telegram."""
+    return {"tick_high": tick >> 16 & 0xFF, "tick_low": tick & 0xFFFF}

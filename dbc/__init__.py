@@ -1,7 +1,7 @@
 """The wire contract: ports, telegram layouts, and the equivalent DBC file for other tools."""
 
 from railhil.dbc.contract import DBC, PORTS, Contract, ContractError, Port, Signal
-from railhil.dbc.house import house_contract, system_contract
+from railhil.dbc.house import house_contract, own_ports, system_contract
 from railhil.dbc.read import load_contract, recorded_contract, wire_contract
 
 __all__ = [
@@ -13,6 +13,7 @@ __all__ = [
     "Signal",
     "house_contract",
     "load_contract",
+    "own_ports",
     "recorded_contract",
     "system_contract",
     "wire_contract",

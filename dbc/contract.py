@@ -8,10 +8,9 @@ from dataclasses import dataclass, field
 #: Data bits of a slave frame by F_code 0..4 (IEC 61375-3-1, process data).
 DATA_BITS = {0: 16, 1: 32, 2: 64, 3: 128, 4: 256}
 #: Code points of a 2-bit check variable and of an ANTIVALENT2 flag.
+CHECK_CORRECT = 1
 CHECK_VALUES = {0: "erroneous", 1: "correct", 2: "forced", 3: "undefined"}
 ANTIVALENT_VALUES = {0: "error", 1: "false", 2: "true", 3: "undefined"}
-#: Version of the wire contract, sent in the handshake.
-WIRE_VERSION = 6
 
 #: Names of the port table and of its DBC, here and in a run folder.
 PORTS, DBC = "ports.toml", "railhil.dbc"
@@ -32,6 +31,9 @@ class Signal:
 
     ``byte`` and ``msb`` locate its most significant bit in the whole telegram, ``length`` is in bits;
     physical value = raw * ``scale`` in ``unit``.
+
+    ``field_name`` and ``default``: its field in the telegram class, and the raw value there in a new telegram.
+    ``codes``: name and members of the enumeration of its values, if it has one. No layout depends on these.
     """
 
     name: str
@@ -46,6 +48,9 @@ class Signal:
     comment: str = ""
     check: str = ""
     values: Mapping[int, str] = field(default_factory=dict)
+    field_name: str = field(default="", compare=False)
+    default: int = field(default=0, compare=False)
+    codes: tuple[str, Mapping[str, int]] | None = field(default=None, compare=False)
 
     @property
     def block(self) -> int:
@@ -69,7 +74,8 @@ class Signal:
 class Port:
     """One MVB port: a logical address with one source, sent as one telegram.
 
-    ``period_ns`` is 0 for telegrams without a period (events without repetition, the handshake).
+    ``period_ns`` is 0 for telegrams without a period (events without repetition, the handshake). ``telegram``: name of
+    its telegram class; ``layout``: that of the class that it shares with other ports (empty: none).
     """
 
     name: str
@@ -82,6 +88,8 @@ class Port:
     signals: tuple[Signal, ...]
     #: Sent only in scenarios that ask for it.
     optional: bool = False
+    telegram: str = field(default="", compare=False)
+    layout: str = field(default="", compare=False)
     _signals: dict[str, Signal] = field(init=False, repr=False, compare=False)
     _cuts: dict[str, tuple[int, int, int]] = field(init=False, repr=False, compare=False)
 
@@ -107,6 +115,11 @@ class Port:
     def has(self, name: str) -> bool:
         """Whether the telegram has this signal."""
         return name in self._signals
+
+    @property
+    def codes(self) -> dict[str, Mapping[str, int]]:
+        """The enumerations of its signals, each with its members."""
+        return dict(signal.codes for signal in self.signals if signal.codes)
 
     @property
     def life(self) -> Signal | None:

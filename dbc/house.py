@@ -16,6 +16,12 @@ def house_contract() -> Contract:
     return parsed_contract(HOUSE, Path(__file__).with_name(HOUSE).read_text(encoding="utf-8"))
 
 
+def own_ports(contract: Contract) -> list[Port]:
+    """The ports of a system beside those of the house."""
+    house = {port.name for port in house_contract().ports}
+    return [port for port in contract.ports if port.name not in house]
+
+
 def _check_same(file: str, port: Port, house: Port) -> None:
     """Whether a port of the bench is as in every system; what its comments say is free.
 

@@ -17,6 +17,7 @@ from typing import Any
 
 from railhil.dbc.contract import (
     ANTIVALENT_VALUES,
+    CHECK_CORRECT,
     CHECK_VALUES,
     DATA_BITS,
     DBC,
@@ -33,7 +34,20 @@ _FOLDER = Path(__file__).parent
 _AT = re.compile(r"^(\d+)\.([0-7]):(\d+)$")
 
 
-def _signal(file: str, port: str, entry: Mapping[str, Any], prefix: str) -> Signal:
+def _camel_case(name: str) -> str:
+    return "".join(word.capitalize() for word in name.split("_"))
+
+
+def _field(name: str, check: str, is_only_check: bool) -> str:
+    """Field of a telegram class for a signal whose table does not name one: ``life``, ``check``, or its name."""
+    if name.endswith("Life"):
+        return "life"
+    if check == "chk" and is_only_check:
+        return "check"
+    return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name.replace("{p}", "")).lower()
+
+
+def _signal(file: str, port: str, entry: Mapping[str, Any], prefix: str, is_only_check: bool) -> Signal:
     match = _AT.match(str(entry.get("at", "")))
     if match is None:
         raise ContractError(
@@ -43,6 +57,10 @@ def _signal(file: str, port: str, entry: Mapping[str, Any], prefix: str) -> Sign
     values = {"chk": CHECK_VALUES, "antivalent": ANTIVALENT_VALUES}.get(check) or {
         int(key): str(text) for key, text in entry.get("values", {}).items()
     }
+    codes = None
+    if name := entry.get("enum"):
+        members = {**values, **{int(key): str(text) for key, text in entry.get("more_values", {}).items()}}
+        codes = str(name), {text.upper(): key for key, text in members.items()}
     return Signal(
         name=str(entry["name"]).replace("{p}", prefix),
         byte=int(match[1]),
@@ -56,6 +74,9 @@ def _signal(file: str, port: str, entry: Mapping[str, Any], prefix: str) -> Sign
         comment=str(entry.get("comment", "")),
         check=check,
         values=values,
+        field_name=str(entry.get("field") or _field(str(entry["name"]), check, is_only_check)),
+        default=int(entry.get("default", CHECK_CORRECT if check == "chk" else 0)),
+        codes=codes,
     )
 
 
@@ -179,10 +200,11 @@ def _ports(file: str, table: Mapping[str, Any]) -> list[Port]:
     ports: list[Port] = []
     for entry in table["port"]:
         name = str(entry["name"])
-        entries = entry["signals"]
+        entries, layout = entry["signals"], ""
         if isinstance(entries, str):
-            entries = table["shared"][entries]
+            layout, entries = _camel_case(entries), table["shared"][entries]
         prefix = name.split("_")[0].capitalize()
+        is_only_check = [item.get("check") for item in entries].count("chk") == 1
         port = Port(
             name=name,
             address=int(entry["address"]),
@@ -191,8 +213,10 @@ def _ports(file: str, table: Mapping[str, Any]) -> list[Port]:
             source=str(entry["source"]),
             mode=str(entry["mode"]),
             comment=str(entry["comment"]),
-            signals=tuple(_signal(file, name, item, prefix) for item in entries),
+            signals=tuple(_signal(file, name, item, prefix, is_only_check) for item in entries),
             optional=bool(entry.get("optional", False)),
+            telegram=str(entry.get("telegram") or _camel_case(name)),
+            layout=layout,
         )
         ports.append(_checked(file, port))
     return ports

@@ -5,17 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Final
 
-from railhil.bus.codes import Event
+from railhil.bus.codes import EVENT_COPIES, EVENT_SPACING_NS, Event
 from railhil.bus.layout import Telegram
-from railhil.bus.telegrams import EVENT_COPIES, EVENT_SPACING_NS, RunEvent
+from railhil.bus.telegrams import RunEvent
 
 _NUMBER_MASK: Final = 0xFFFF
 
 
 class Milestones:
-    """Sends each milestone :data:`railhil.bus.telegrams.EVENT_COPIES` times under one number.
+    """Sends each milestone :data:`railhil.bus.codes.EVENT_COPIES` times under one number.
 
-    The first telegram is sent at once, the others at intervals of :data:`railhil.bus.telegrams.EVENT_SPACING_NS` (in
+    The first telegram is sent at once, the others at intervals of :data:`railhil.bus.codes.EVENT_SPACING_NS` (in
     whole ticks, at least one). For the milestone that ends the run there is no later tick: all its telegrams are sent
     at once, after the outstanding repetitions of earlier milestones.
 
@@ -54,4 +54,4 @@ class Milestones:
 
     def _numbered(self, event: int, instant_01ms: int, position_01mm: int) -> RunEvent:
         self._number = self._number % _NUMBER_MASK + 1
-        return RunEvent(event, instant_01ms, position_01mm, self._number)
+        return RunEvent(event, self._number, instant_01ms, position_01mm)

@@ -6,7 +6,7 @@ fault disturbs: at the plant the port that opens the ticks, as it is before any 
 
 from __future__ import annotations
 
-from railhil.bus.codes import Event, FaultOrder
+from railhil.bus.codes import Event, FaultOrder, ends_run
 from railhil.bus.frame import Frame
 from railhil.bus.schedule import Schedule
 from railhil.bus.store import TrafficStore
@@ -153,5 +153,5 @@ class Follower:
         code = event.event
         known = Event(code).name.lower() if code in Event._value2member_map_ else self._own_events.get(code, "")
         self._events.append(known)
-        if code in Event._value2member_map_ and Event(code).ends_run:
+        if ends_run(code):
             self.ended = Event(code)

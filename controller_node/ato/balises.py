@@ -6,9 +6,9 @@ from collections import Counter
 from typing import Final
 
 from railhil.bus.layout import CHECK_CORRECT
-from railhil.bus.telegrams import BalisePassed
 from railhil.controller_node.ato.loop import NO_BALISE, limited_01mm
 from railhil.controller_node.laws.base import BALISE_ERROR_MAX_M, WHEEL_ERROR_MAX, BaliseReading
+from railhil.wire.ato import BalisePassed
 
 _WORD_MM: Final = 0x1_0000
 #: The largest error of a wheel is one part of so many.

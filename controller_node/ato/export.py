@@ -8,10 +8,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
-from railhil.bus.safe_telegrams import SAFE_DATA_VERSION, NotchSdt, SpeedSdt
 from railhil.bus.schedule import Schedule
-from railhil.bus.sdt import source_identity
-from railhil.bus.telegrams import NotchCmd, TrnPos, TrnSpeed
+from railhil.bus.sdt import SAFE_DATA_VERSION, source_identity
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Arithmetic
 from railhil.controller_node.ato import balises, odometer, track_info
@@ -43,6 +41,7 @@ from railhil.controller_node.program.record import record
 from railhil.dbc import Port
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec
+from railhil.wire.ato import NotchCmd, NotchSdt, SpeedSdt, TrnPos, TrnSpeed
 
 _BALISE_WORDS = ";\n * last balise: number (0: none yet), surveyed position, odometer reading when passed (0.1 mm)"
 _ARITHMETIC = "iq"

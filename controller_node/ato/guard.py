@@ -9,11 +9,8 @@ from __future__ import annotations
 from collections import Counter
 from typing import Final
 
-from railhil.bus.codes import CtlCause
 from railhil.bus.layout import CHECK_CORRECT
 from railhil.bus.lifesign import Life, LifeSign
-from railhil.bus.safe_telegrams import SpeedSdt
-from railhil.bus.telegrams import TrkInfo, TrnSpeed
 from railhil.controller_node.ato.channel import (
     CHANNEL_WINDOW_MS,
     DISORDER_MAX_MS,
@@ -39,6 +36,7 @@ from railhil.controller_node.ato.track_info import TrackInfo
 from railhil.controller_node.ecan import BitCounter, MessageAge
 from railhil.dbc import wire_contract
 from railhil.scenarios.model import Scenario
+from railhil.wire.ato import CtlCause, SpeedSdt, TrkInfo, TrnSpeed
 
 #: Raw speeds beyond this are implausible for a train on this bench (0.1 mm/s, 150 m/s).
 SPEED_MAX_01MMPS: Final = 1_500_000

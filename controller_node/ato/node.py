@@ -5,27 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, Final
 
-from railhil.bus.codes import ControllerFlag, CtlMode, Event
+from railhil.bus.codes import ControllerFlag, Event, ends_run
 from railhil.bus.ident import CtlIdent, Ident, Role, make_ident
 from railhil.bus.layout import FLAG_FALSE, FLAG_TRUE, Telegram, flag
 from railhil.bus.reception import Document, reception
 from railhil.bus.responder import Reading, Responder
-from railhil.bus.safe_telegrams import SAFE_DATA_VERSION, NotchSdt, SpeedSdt, safe_tick_fields
 from railhil.bus.schedule import Schedule
-from railhil.bus.sdt import SafeSource, source_identity
-from railhil.bus.telegrams import (
-    HEADROOM_UNUSED,
-    NO_QUANTITY,
-    BalisePassed,
-    CtlStat,
-    NotchCmd,
-    PltStat,
-    RunEvent,
-    TimeSync,
-    TrkInfo,
-    TrnPos,
-    TrnSpeed,
-)
+from railhil.bus.sdt import SAFE_DATA_VERSION, SafeSource, safe_tick_fields, source_identity
+from railhil.bus.telegrams import RunEvent, TimeSync
 from railhil.common.errors import InputError
 from railhil.controller_node.ato.balises import Balises
 from railhil.controller_node.ato.controller import Controller, ControlOutput
@@ -38,6 +25,20 @@ from railhil.controller_node.laws.note import slots
 from railhil.dbc import wire_contract
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec
+from railhil.wire.ato import (
+    BalisePassed,
+    CtlMode,
+    CtlStat,
+    NotchCmd,
+    NotchSdt,
+    PltStat,
+    SpeedSdt,
+    TelemetryHeadroom,
+    TelemetryIndex,
+    TrkInfo,
+    TrnPos,
+    TrnSpeed,
+)
 
 #: Mode told at each level of the watch, by its number.
 _MODES: Final = (CtlMode.RUNNING, CtlMode.HOLD, CtlMode.TRACTION_CUT, CtlMode.SERVICE_BRAKE, CtlMode.EMERGENCY)
@@ -234,7 +235,7 @@ class ControllerNode:
 
     def _event(self, reading: Reading[RunEvent]) -> None:
         code = reading.telegram.event
-        if code in Event._value2member_map_ and Event(code).ends_run:
+        if ends_run(code):
             self.ended = Event(code)
 
     def _control(self) -> None:
@@ -289,9 +290,9 @@ class ControllerNode:
             return CtlStat(overflow_flags=self._lost_flag(), ready=flag(False), life=self._stat_life)
         telemetry = self.controller.telemetry
         index, maximum = divmod(self._shown, 2)
-        self._shown = (self._shown + 1) % (2 * min(len(telemetry.quantities), NO_QUANTITY))
+        self._shown = (self._shown + 1) % (2 * min(len(telemetry.quantities), TelemetryIndex.NONE))
         quantity = telemetry.row(index)
-        headroom_bits = HEADROOM_UNUSED if quantity.headroom_bits is None else quantity.headroom_bits
+        headroom_bits = TelemetryHeadroom.UNUSED if quantity.headroom_bits is None else quantity.headroom_bits
         extreme_raw = (quantity.maximum_raw if maximum else quantity.minimum_raw) or 0
         told = self._note_slots
         return CtlStat(

@@ -18,13 +18,12 @@ from __future__ import annotations
 from collections import Counter
 from typing import Final
 
-from railhil.bus.codes import CtlCause
 from railhil.bus.layout import CHECK_CORRECT
 from railhil.bus.lifesign import Life, LifeSign
 from railhil.bus.schedule import Schedule
-from railhil.bus.telegrams import TrnPos
 from railhil.controller_node.ato.loop import POSITION_MAX_01MM
 from railhil.scenarios.model import DISTANCE_MAX_M, POSITION_AGE_MAX_MS, Scenario
+from railhil.wire.ato import CtlCause, TrnPos
 
 #: Longest time on dead reckoning (reaction to the loss of position only: 1 s, then service brake).
 RECKONING_MAX_NS: Final = POSITION_AGE_MAX_MS * 1_000_000

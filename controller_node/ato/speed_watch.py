@@ -29,8 +29,8 @@ from __future__ import annotations
 from enum import IntEnum
 from typing import Final, NamedTuple
 
-from railhil.bus.codes import CtlCause
 from railhil.scenarios.model import Scenario
+from railhil.wire.ato import CtlCause
 
 GOOD_AFTER_TRACTION_CUT: Final = 5
 GOOD_AFTER_SERVICE_BRAKE: Final = 10

@@ -10,12 +10,11 @@ from __future__ import annotations
 
 from typing import Final
 
-from railhil.bus.codes import CtlCause
 from railhil.bus.layout import CHECK_CORRECT
 from railhil.bus.schedule import Schedule
-from railhil.bus.telegrams import TrkInfo
 from railhil.controller_node.ato.speed_watch import Finding, SpeedWatchLevel
 from railhil.scenarios.model import Scenario
+from railhil.wire.ato import CtlCause, TrkInfo
 
 #: Periods without a telegram after which the traction is cut, as in the trains of the other systems.
 CUT_PERIODS: Final = 3

@@ -14,7 +14,11 @@ from typing import Annotated, Any, ClassVar, Generic, Literal, NamedTuple, TypeV
 
 from pydantic import Field
 
-from railhil.bus.high_speed import (
+from railhil.common.errors import InputError
+from railhil.controller_node.arithmetic.base import Arithmetic, Constant, T
+from railhil.controller_node.high_speed.interface import COMMAND_Q, NOTE_COUNT_Q
+from railhil.controller_node.vector.law import Answer, VectorLaw
+from railhil.wire.power_units import (
     ACCEL_PER_MPS2,
     BRAKE,
     COAST,
@@ -25,10 +29,6 @@ from railhil.bus.high_speed import (
     SPEED_PER_MPS,
     TRACTION,
 )
-from railhil.common.errors import InputError
-from railhil.controller_node.arithmetic.base import Arithmetic, Constant, T
-from railhil.controller_node.high_speed.interface import COMMAND_Q, NOTE_COUNT_Q
-from railhil.controller_node.vector.law import Answer, VectorLaw
 
 LoopState = TypeVar("LoopState")
 

@@ -6,9 +6,9 @@ steps of 0.25 s), ``ref0`` (the present one), ``emergency``. Commands, for each 
 
 from __future__ import annotations
 
-from railhil.bus.high_speed import NOTES, PREVIEW, SAFE, wire
 from railhil.bus.layout import Telegram
 from railhil.controller_node.vector.law import Command, Interface, Note, Reading
+from railhil.wire.power_units import NOTES, PREVIEW, SAFE, wire
 
 #: Q of the commands (0.001 m/s2) and of the notes' counts inside a law.
 COMMAND_Q = 16

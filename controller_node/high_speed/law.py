@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from railhil.bus.high_speed import ACCEL_PER_MPS2, PREVIEW, PREVIEW_STEP_S
 from railhil.common.errors import InputError
 from railhil.controller_node.arithmetic.base import Arithmetic, Constant, T
 from railhil.controller_node.high_speed.base import (
@@ -19,6 +18,7 @@ from railhil.controller_node.high_speed.base import (
 )
 from railhil.controller_node.high_speed.core import Core, Sample, Unit
 from railhil.controller_node.high_speed.reals import Reals
+from railhil.wire.power_units import ACCEL_PER_MPS2, PREVIEW, PREVIEW_STEP_S
 
 #: Runs on which ``railhil.systems.high_speed.tuning`` chose parameters: its training seed.
 #: Scenarios of the journey, with which parameters are chosen.

@@ -3,7 +3,7 @@
 Readings, in this order: ``speed1`` to ``speed5`` (mm/s, the oldest first, 3.2 ms apart, the last one of the instant of
 the telegram), ``speed_count``, ``speed_valid``, ``slide``; ``odometer`` (mm since the start of the run), ``balise``,
 ``balise_odometer``; ``load`` (percent), ``wet``, ``standstill``, ``doors``, ``run`` (number of this run, 0: not known);
-``report_run``, ``report_error`` (mm); ``level`` (:class:`railhil.bus.stopping.BrakeLevel`, what the train does of
+``report_run``, ``report_error`` (mm); ``level`` (``BrakeLevel``, what the train does of
 itself). Commands: ``u`` (mm/s2, brake negative), ``start`` (0.1 ms after the poll), ``valid``. Lengths among the notes
 are in mm, the variance in 0.0001 m2.
 
@@ -16,7 +16,8 @@ Beyond that the node sends ``valid`` 0, and the train acts by itself.
 
 from __future__ import annotations
 
-from railhil.bus.stopping import (
+from railhil.controller_node.vector.law import Command, Interface, Note, Reading
+from railhil.wire.stop import (
     AtoState,
     BrakeCommand,
     BrakeStatus,
@@ -26,7 +27,6 @@ from railhil.bus.stopping import (
     StopReport,
     TrainState,
 )
-from railhil.controller_node.vector.law import Command, Interface, Note, Reading
 
 #: Q of the command, of its start instant, and of lengths and speeds among the notes, inside a law.
 COMMAND_Q = 16

@@ -13,7 +13,6 @@ from typing import Annotated, Any, ClassVar, Generic, NamedTuple
 
 from pydantic import Field
 
-from railhil.bus.stopping import BrakeLevel
 from railhil.controller_node.arithmetic.base import Arithmetic, Constant, T
 from railhil.controller_node.laws.memory import NOTHING, Remembered
 from railhil.controller_node.stop.approach import Approach
@@ -25,6 +24,7 @@ from railhil.controller_node.stop.readings import COUNT_MAX, Gap, Inputs, Measur
 from railhil.controller_node.stop.stages import Stages
 from railhil.controller_node.stop.told import Told
 from railhil.controller_node.vector.law import Answer, VectorLaw
+from railhil.wire.stop import BrakeLevel
 
 
 @dataclass(frozen=True)

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Generic, NamedTuple
 
-from railhil.bus.stopping import MM, SAMPLES
 from railhil.controller_node.arithmetic.base import T
 from railhil.controller_node.stop.interface import STOP
 from railhil.controller_node.stop.numbers import DISTANCE_Q, GAIN_Q, SPEED_Q, Numbers
+from railhil.wire.stop_counts import MM, SAMPLES
 
 #: For so many cycles without speed the last one is held; then the train must not begin to brake by it.
 HELD_CYCLES = 3

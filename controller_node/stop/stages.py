@@ -1,13 +1,13 @@
-"""The stages of a run (:class:`railhil.bus.stopping.Stage`), each from that of the last cycle: at most one change."""
+"""The stages of a run (``Stage``), each from that of the last cycle: at most one change."""
 
 from __future__ import annotations
 
 from typing import Generic
 
-from railhil.bus.stopping import Stage
 from railhil.controller_node.arithmetic.base import T
 from railhil.controller_node.stop.numbers import DISTANCE_Q, SPEED_Q, Numbers
 from railhil.controller_node.stop.readings import Measured
+from railhil.wire.stop import Stage
 
 #: The brake is armed when it will begin within this distance, m.
 _ARMED_M = 60.0

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import Generic
 
-from railhil.bus.stopping import MM, START_PER_S, VARIANCE_PER_M2
 from railhil.controller_node.arithmetic.base import T
 from railhil.controller_node.laws.memory import Remembered
 from railhil.controller_node.stop.interface import COMMAND_Q, NOTE_Q, START_Q
 from railhil.controller_node.stop.learning import VARIANCE_Q, Record
 from railhil.controller_node.stop.numbers import ACCEL_Q, DISTANCE_Q, GAIN_Q, SPEED_Q, TIME_Q, Numbers
 from railhil.controller_node.vector.law import Answer
+from railhil.wire.stop_counts import MM, START_PER_S, VARIANCE_PER_M2
 
 #: Lengths among the notes are limited to this, m.
 _TOLD_M = 8000.0

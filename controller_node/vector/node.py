@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import partial
 from typing import Any
 
-from railhil.bus.codes import Event
+from railhil.bus.codes import Event, ends_run
 from railhil.bus.frame import Frame
 from railhil.bus.ident import CtlIdent, Ident, Role, make_ident
 from railhil.bus.layout import Telegram
@@ -127,7 +127,7 @@ class VectorNode:
 
     def _event(self, reading: Reading[RunEvent]) -> None:
         number = reading.telegram.event
-        if number in Event._value2member_map_ and Event(number).ends_run:
+        if ends_run(number):
             self.ended = Event(number)
 
     def _control(self) -> bool:

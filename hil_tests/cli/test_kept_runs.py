@@ -20,7 +20,6 @@ from hil_tests.support.cli import Done, command, railhil, wait_for
 from railhil.bus.ident import Role, make_ident
 from railhil.bus.mvb import TelegramSource
 from railhil.bus.select import BusChoice
-from railhil.bus.telegrams import SimTruth
 from railhil.dbc import wire_contract
 from railhil.judge.folder import RecordFailed, write_folder
 from railhil.record.framelog import FrameLog, log_line, read_log
@@ -28,6 +27,7 @@ from railhil.record.trace import Trace
 from railhil.run.bus_run import BusRun
 from railhil.run.conclusion import result_of
 from railhil.scenarios.run_spec import RunSpec
+from railhil.wire.ato import SimTruth
 
 
 def interruptible() -> None:

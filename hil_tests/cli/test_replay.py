@@ -13,12 +13,12 @@ from hil_tests.support.recordings import certified, tampered
 from hil_tests.support.short_runs import RUN_2M_TOML
 from railhil import library
 from railhil.bench import local_run
-from railhil.bus.telegrams import NotchCmd, TrnSpeed
 from railhil.record.framelog import read_log
 from railhil.run.replay import replay
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.stored import read_scenario
+from railhil.wire.ato import NotchCmd, TrnSpeed
 
 
 @pytest.fixture(scope="module")

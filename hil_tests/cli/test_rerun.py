@@ -14,7 +14,7 @@ from hil_tests.support.recordings import certified, rewritten, tampered
 from hil_tests.support.short_runs import RUN_2M_TOML
 from railhil import library
 from railhil.bus.ident import CtlIdent
-from railhil.bus.telegrams import NotchCmd
+from railhil.wire.ato import NotchCmd
 
 
 @pytest.fixture(scope="module")

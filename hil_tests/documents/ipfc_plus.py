@@ -17,9 +17,8 @@ from hil_tests.loop.test_position_loop import Fault, changed, late, run_with, si
 from hil_tests.unit.controller_node.ato.test_ipfc_plus import faulty
 from railhil.batch import BatchResult
 from railhil.batch.statistics import estimate
-from railhil.bus.codes import CtlMode
-from railhil.bus.telegrams import BalisePassed, NotchCmd, TrnPos
 from railhil.scenarios.load import load
+from railhil.wire.ato import BalisePassed, CtlMode, NotchCmd, TrnPos
 
 _LAWS = ("ipfc_plus", "ipfc_plus_stop")
 

@@ -13,7 +13,6 @@ import pytest
 import railhil
 from hil_tests.support.short_runs import RUN_2M_TOML
 from railhil.bench import Result, local_run
-from railhil.bus.telegrams import NotchCmd, TrnSpeed
 from railhil.common.errors import InputError
 from railhil.judge.counters import unchecked, unreconciled
 from railhil.judge.invariants import broken
@@ -23,6 +22,7 @@ from railhil.record.trace import NodeCounters, Trace
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.wire.ato import NotchCmd, TrnSpeed
 
 pytestmark = pytest.mark.faults
 

@@ -10,17 +10,18 @@ import pytest
 from hil_tests.support.cli import railhil
 from hil_tests.support.short_runs import RUN_72M_TOML
 from railhil.bench import local_run
-from railhil.bus.codes import CtlMode, Event
+from railhil.bus.codes import Event
 from railhil.bus.frame import FD, Frame
 from railhil.bus.layout import Telegram
 from railhil.bus.mvb import TelegramSource, master_frame
 from railhil.bus.responder import Responder
-from railhil.bus.telegrams import CtlStat, NotchCmd, RunEvent, TimeSync, TrkInfo, TrnSpeed
+from railhil.bus.telegrams import RunEvent, TimeSync
 from railhil.common.errors import InputError
 from railhil.controller_node.ato import node as node_module
 from railhil.controller_node.ato.node import ControllerNode
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.wire.ato import CtlMode, CtlStat, NotchCmd, TrkInfo, TrnSpeed
 
 MS = 1_000_000
 NOTCH_POLL = master_frame(NotchCmd.port().f_code, NotchCmd.port().address)
@@ -149,7 +150,7 @@ def test_time_and_end_of_the_run_do_not_wait_for_the_task(lvshun):
     for life in (1, 2):
         feeder.tick(TimeSync(seconds_s=7, life=life))
     assert feeder.node.responder.clock.now_ns == 7_000 * MS
-    feeder.tick(RunEvent(Event.ENDED_COMPLETE, 0, 0), speed=False)
+    feeder.tick(RunEvent(Event.ENDED_COMPLETE), speed=False)
     assert feeder.node.ended is Event.ENDED_COMPLETE
 
 

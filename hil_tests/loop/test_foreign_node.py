@@ -18,12 +18,11 @@ from hil_tests.support.foreign import (
     without_telemetry,
 )
 from hil_tests.support.replay import TIME_ATTACKS, Choice, TimeAttack
-from railhil.bus.codes import CtlCause, CtlMode, Event
+from railhil.bus.codes import Event
 from railhil.bus.frame import Frame
 from railhil.bus.ident import CtlIdent, Role
 from railhil.bus.local import LocalBus
 from railhil.bus.mvb import F_DEVICE_STATUS, TelegramSource, check_sequence, master_frame
-from railhil.bus.telegrams import BalisePassed, NotchCmd, TrkInfo, TrnPos, TrnSpeed
 from railhil.controller_node.ato.node import ControllerNode
 from railhil.controller_node.ato.speed_watch import SpeedWatchLevel
 from railhil.dbc import wire_contract
@@ -32,6 +31,7 @@ from railhil.record.session import Session
 from railhil.scenarios.canonical import scenario_sha256
 from railhil.scenarios.model import Safety, Scenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.wire.ato import BalisePassed, CtlCause, CtlMode, NotchCmd, TrkInfo, TrnPos, TrnSpeed
 
 pytestmark = pytest.mark.needs_compiler
 

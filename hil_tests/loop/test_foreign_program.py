@@ -22,12 +22,13 @@ from railhil.bus.codes import Event
 from railhil.bus.frame import EXTENDED, Frame
 from railhil.bus.hub.client import HubBus
 from railhil.bus.mvb import F_DEVICE_STATUS, device_status_frame, master_frame
-from railhil.bus.telegrams import CtlStat, NotchCmd, RunEvent, SimTruth
+from railhil.bus.telegrams import RunEvent
 from railhil.dbc import wire_contract
 from railhil.record.framelog import read_log
 from railhil.record.trace import trace_of
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.wire.ato import CtlStat, NotchCmd, SimTruth
 
 pytestmark = [pytest.mark.needs_compiler, pytest.mark.loop]
 

@@ -8,11 +8,10 @@ from pathlib import Path
 import pytest
 
 from hil_tests.support.foreign import CNode, export_node, without_telemetry
-from railhil.bus.codes import CtlCause, CtlMode
 from railhil.bus.frame import Frame
 from railhil.bus.local import LocalBus
 from railhil.bus.mvb import TelegramSource, master_frame, parse_master_frame
-from railhil.bus.telegrams import CtlStat, NotchCmd, TimeSync, TrkInfo, TrnPos, TrnSpeed
+from railhil.bus.telegrams import TimeSync
 from railhil.controller_node.ato.node import ControllerNode
 from railhil.controller_node.ato.speed_watch import SpeedWatchLevel
 from railhil.dbc import wire_contract
@@ -23,6 +22,7 @@ from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario, TargetCurve
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.target import Target
+from railhil.wire.ato import CtlCause, CtlMode, CtlStat, NotchCmd, TrkInfo, TrnPos, TrnSpeed
 
 pytestmark = pytest.mark.needs_compiler
 

@@ -12,14 +12,14 @@ import numpy as np
 import pytest
 
 from railhil.bench import Result, local_run
-from railhil.bus.codes import CtlMode, Event
+from railhil.bus.codes import Event
 from railhil.bus.frame import ERROR, EXTENDED, FD, REMOTE, Frame
 from railhil.bus.mvb import TelegramSource
 from railhil.bus.store import CAUSES
-from railhil.bus.telegrams import NotchCmd, SimTruth, TrnSpeed
 from railhil.dbc import wire_contract
 from railhil.plant_sim.ato.command_watch import CommandWatchLevel
 from railhil.scenarios.model import Scenario
+from railhil.wire.ato import CtlMode, NotchCmd, SimTruth, TrnSpeed
 
 SPEED_ID = TrnSpeed.port().address
 #: When the losses begin; from tick LOSS_TICK + 16 on, the tick of a TIME_SYNC is lost first.

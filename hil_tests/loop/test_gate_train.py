@@ -12,13 +12,13 @@ from railhil.bus.frame import Frame
 from railhil.bus.layout import CHECK_ERRONEOUS
 from railhil.bus.local import LocalBus
 from railhil.bus.mvb import TelegramSource
-from railhil.bus.telegrams import NotchCmd
 from railhil.controller_node.ato.node import ControllerNode
 from railhil.plant_sim.ato.command_watch import CommandWatchLevel
 from railhil.plant_sim.node import PlantNode
 from railhil.record.session import Session
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.wire.ato import NotchCmd
 
 NOTCH_ID = NotchCmd.port().address
 Wire = Callable[[Frame], list[Frame]]

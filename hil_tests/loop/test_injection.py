@@ -12,10 +12,10 @@ import pytest
 from hil_tests.support.injected import NOTCH, SPEED, Runs, frames, hits, log, runs_with_faults
 from hil_tests.support.short_runs import RUN_2M_TOML
 from railhil.bench import Result
-from railhil.bus.codes import CtlMode, FaultOrder
+from railhil.bus.codes import FaultOrder
 from railhil.bus.injector.controller_side import FaultyController
 from railhil.bus.mvb import TelegramSource
-from railhil.bus.telegrams import CtlStat, NotchCmd, RunEvent, TrnPos, TrnSpeed
+from railhil.bus.telegrams import RunEvent
 from railhil.common.errors import InputError
 from railhil.controller_node.ato.node import ControllerNode
 from railhil.controller_node.faulty import controller_of
@@ -25,6 +25,7 @@ from railhil.record.framelog import read_log
 from railhil.run.local import LocalRun
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.wire.ato import CtlMode, CtlStat, NotchCmd, TrnPos, TrnSpeed
 
 pytestmark = pytest.mark.faults
 

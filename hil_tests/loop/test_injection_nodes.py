@@ -11,12 +11,13 @@ from hil_tests.support.disturbed import disturbed_run
 from hil_tests.support.injected import NOTCH, SPEED, Runs, frames, runs_with_faults
 from hil_tests.support.short_runs import RUN_2M_TOML
 from railhil.bench import local_run
-from railhil.bus.codes import CtlMode, Event
+from railhil.bus.codes import Event
 from railhil.bus.frame import ERROR, FD, REMOTE, Frame
-from railhil.bus.telegrams import NotchCmd, SimTruth, SupCmd, TimeSync, TrnPos, TrnWatch
+from railhil.bus.telegrams import SupCmd, TimeSync
 from railhil.dbc import wire_contract
 from railhil.record.framelog import read_log
 from railhil.scenarios.load import load
+from railhil.wire.ato import CtlMode, NotchCmd, SimTruth, TrnPos, TrnWatch
 
 pytestmark = pytest.mark.faults
 

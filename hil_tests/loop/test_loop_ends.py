@@ -7,13 +7,13 @@ import dataclasses
 import numpy as np
 import pytest
 
-from railhil.bus.codes import Event
+from railhil.bus.codes import EVENT_COPIES, Event
 from railhil.bus.errors import PeerSilent
 from railhil.bus.frame import Frame
 from railhil.bus.ident import CtlIdent, PltIdent
 from railhil.bus.local import LocalBus
 from railhil.bus.mvb import TelegramSource, master_frame
-from railhil.bus.telegrams import EVENT_COPIES, CtlStat, NotchCmd, RunEvent, SimTruth
+from railhil.bus.telegrams import RunEvent
 from railhil.controller_node.ato.node import ControllerNode
 from railhil.judge.score import score
 from railhil.plant_sim.ato import dynamics
@@ -23,6 +23,7 @@ from railhil.plant_sim.node import PlantNode
 from railhil.record.session import Session
 from railhil.record.trace import Trace
 from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.wire.ato import CtlStat, NotchCmd, SimTruth
 
 NOTCH_POLL = master_frame(NotchCmd.port().f_code, NotchCmd.port().address)
 STATUS_POLL = master_frame(CtlStat.port().f_code, CtlStat.port().address)
@@ -190,11 +191,11 @@ def test_score_survives_repeated_telegrams_and_unknown_events(lvshun):
         position_01mm = stopped_01mm * min(tick, 19500) // 19500
         for _ in range(2 if tick in (0, 400) else 1):
             trace.add(SimTruth.PORT, tick * 10_000_000, SimTruth(position_01mm, speed).encode())
-    unknown = bytearray(RunEvent(0, 0, 0, 1).encode())
+    unknown = bytearray(RunEvent(0, 1, 0, 0).encode())
     unknown[0] |= 0xF0
     trace.add(RunEvent.PORT, 0, bytes(unknown))
-    trace.add(RunEvent.PORT, 0, RunEvent(Event.STOPPED, 1_950_000, stopped_01mm, 2).encode())
-    trace.add(RunEvent.PORT, 0, RunEvent(Event.ENDED_COMPLETE, 0, 0, 3).encode())
+    trace.add(RunEvent.PORT, 0, RunEvent(Event.STOPPED, 2, 1_950_000, stopped_01mm).encode())
+    trace.add(RunEvent.PORT, 0, RunEvent(Event.ENDED_COMPLETE, 3, 0, 0).encode())
     found = score(lvshun, trace)
     assert found.verdict == "PASS"
     assert np.isfinite([found.values["itae"], found.values["energy_kj"], found.values["comfort"]]).all()
@@ -207,7 +208,7 @@ def test_a_record_with_a_hole_is_no_run(lvshun, lost_ticks, verdict):
     for tick in range(0, 1000, 2):
         if not 500 < tick <= 500 + lost_ticks:
             trace.add(SimTruth.PORT, tick * 10_000_000, SimTruth(tick * 1000, 100).encode())
-    trace.add(RunEvent.PORT, 9_980_000_000, RunEvent(Event.ENDED_NOT_STOPPED, 99_800, 0, 1).encode())
+    trace.add(RunEvent.PORT, 9_980_000_000, RunEvent(Event.ENDED_NOT_STOPPED, 1, 99_800, 0).encode())
     found = score(lvshun, trace)
     assert found.verdict == verdict
     if verdict == "INVALID":

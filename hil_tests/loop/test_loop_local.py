@@ -9,12 +9,12 @@ from hil_tests.support.short_runs import RUN_72M_TOML
 from railhil.bench import Result, direct_run, local_run
 from railhil.bus.codes import Event
 from railhil.bus.frame import Frame
-from railhil.bus.telegrams import CtlStat, NotchCmd, SimTruth, TrnSpeed
 from railhil.controller_node.ato.node import MAILBOXES, ControllerNode
 from railhil.dbc import wire_contract
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.wire.ato import CtlStat, NotchCmd, SimTruth, TrnSpeed
 
 
 @pytest.fixture(scope="module")

@@ -19,11 +19,11 @@ import pytest
 from hil_tests.support.cli import Started, node_of, railhil, wait_for
 from hil_tests.support.short_runs import RUN_72M_TOML
 from railhil.bench import local_run
-from railhil.bus.telegrams import NotchCmd
 from railhil.record.framelog import read_log, sha256_of
 from railhil.record.trace import trace_of
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import RunSpec
+from railhil.wire.ato import NotchCmd
 
 pytestmark = pytest.mark.loop
 

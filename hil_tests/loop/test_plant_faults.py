@@ -10,12 +10,12 @@ import pytest
 from hil_tests.support.cli import railhil
 from hil_tests.support.short_runs import RUN_72M_TOML
 from railhil.bench import Result, local_run
-from railhil.bus.codes import CtlMode, FaultOrder
+from railhil.bus.codes import FaultOrder
 from railhil.bus.frame import Frame
 from railhil.bus.layout import CHECK_ERRONEOUS
 from railhil.bus.local import LocalBus
 from railhil.bus.mvb import TelegramSource
-from railhil.bus.telegrams import NotchCmd, SimTruth, SupCmd, TrnPos, TrnSpeed, TrnWatch
+from railhil.bus.telegrams import SupCmd
 from railhil.controller_node.ato.node import ControllerNode
 from railhil.plant_sim.any_plant import PlantError
 from railhil.plant_sim.ato.command_watch import CommandWatchLevel
@@ -23,6 +23,7 @@ from railhil.plant_sim.node import PlantNode
 from railhil.record.session import Session
 from railhil.scenarios.load import load_any
 from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.wire.ato import CtlMode, NotchCmd, SimTruth, TrnPos, TrnSpeed, TrnWatch
 
 pytestmark = pytest.mark.faults
 

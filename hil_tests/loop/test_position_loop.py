@@ -17,15 +17,15 @@ import pytest
 
 from hil_tests.support.paths import ROOT
 from railhil.bench import Result, direct_run, local_run
-from railhil.bus.codes import CtlCause, CtlMode, Event
+from railhil.bus.codes import Event
 from railhil.bus.frame import Frame
 from railhil.bus.layout import CHECK_CORRECT, Telegram
 from railhil.bus.mvb import TelegramSource
-from railhil.bus.telegrams import BalisePassed, CtlStat, NotchCmd, SimTruth, TrnPos, TrnSpeed
 from railhil.common.errors import InputError
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Balise, Scenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.wire.ato import BalisePassed, CtlCause, CtlMode, CtlStat, NotchCmd, SimTruth, TrnPos, TrnSpeed
 
 WORN = load("lvshun_tieshan_worn_wheels")
 #: 94 s; coasts from 36 s, brakes from 70 s on.

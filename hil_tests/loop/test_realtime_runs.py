@@ -17,12 +17,12 @@ import pytest
 from benchmarks.figures import QUICK_TOML
 from hil_tests.support.cli import Done, Started, railhil, wait_for
 from hil_tests.support.short_runs import RUN_2M_TOML
-from railhil.bus.codes import Event
-from railhil.bus.telegrams import NotchCmd, SimTruth
+from railhil.bus.codes import Event, ends_run
 from railhil.common.scheduling import HUB_PRIORITY, NODE_PRIORITY, RECORDER_PRIORITY, permitted_priority
 from railhil.judge.jitter import LATE_SHARE_MAX
 from railhil.record.framelog import read_log
 from railhil.record.trace import trace_of
+from railhil.wire.ato import NotchCmd, SimTruth
 
 pytestmark = [pytest.mark.loop, pytest.mark.slow]
 
@@ -187,7 +187,7 @@ def test_a_hub_that_stands_still_across_the_end_delivers_the_last_second(scenari
     assert "lost at simulation time" not in done.out
     trace = trace_of(read_log(out / "frames.log"))
     # Without the hub the train has had no commands; how the plant sees that depends on how long it was.
-    assert Event(trace.raw("RUN_EVENT", "RunEvent")[-1]).ends_run
+    assert ends_run(trace.raw("RUN_EVENT", "RunEvent")[-1])
     assert np.diff(trace.times_s("TRN_SPEED")).max() == pytest.approx(0.01), "nothing is missing in the record"
 
 

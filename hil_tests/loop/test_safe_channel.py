@@ -12,13 +12,11 @@ import pytest
 from hil_tests.support.cli import railhil
 from hil_tests.support.short_runs import RUN_72M_TOML
 from railhil.bench import direct_run, local_run
-from railhil.bus.codes import CtlCause, CtlMode, Event, WatchCause
+from railhil.bus.codes import Event
 from railhil.bus.frame import Frame
 from railhil.bus.local import LocalBus
 from railhil.bus.mvb import TelegramSource
-from railhil.bus.safe_telegrams import SAFE_DATA_VERSION, NotchSdt, SpeedSdt
-from railhil.bus.sdt import SafeSource, source_identity
-from railhil.bus.telegrams import NotchCmd, TrnSpeed
+from railhil.bus.sdt import SAFE_DATA_VERSION, SafeSource, source_identity
 from railhil.common.errors import InputError
 from railhil.controller_node.ato.node import ControllerNode
 from railhil.plant_sim.ato.command_watch import CommandWatchLevel
@@ -27,6 +25,7 @@ from railhil.record.session import Session
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Safety, Scenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.wire.ato import CtlCause, CtlMode, NotchCmd, NotchSdt, SpeedSdt, TrnSpeed, WatchCause
 
 #: The train is under traction.
 ATTACK_TICK = 1000

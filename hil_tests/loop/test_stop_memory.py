@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 
 from hil_tests.support.stops import SHORT
-from railhil.bus.stopping import BrakeCommand, IlcStatus
 from railhil.scenarios.load import load_any
 from railhil.scenarios.memory import FAULTS, Memory, Record, Stored
 from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.sequences.one import OneRun, runner_of, sequence, sequences, through_nodes
 from railhil.sequences.plan import run_specs
+from railhil.wire.stop import BrakeCommand, IlcStatus
 
 pytestmark = [pytest.mark.loop, pytest.mark.slow, pytest.mark.faults]
 

@@ -20,7 +20,6 @@ from railhil.bench import Result, direct_run, local_run
 from railhil.bus.codes import Event
 from railhil.bus.frame import Frame
 from railhil.bus.local import LocalBus
-from railhil.bus.stopping import Stage
 from railhil.cli.commands import parser
 from railhil.cli.faults import entry_run
 from railhil.cli.run import run_spec
@@ -37,6 +36,7 @@ from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.system import system_named
 from railhil.systems.stop import panels
 from railhil.systems.stop.approach import Approach
+from railhil.wire.stop import Stage
 
 #: Ports of the bench's own nodes, which a run without a bus has not; it leaves open where the run ended.
 NOT_COUPLED = ("SUP_CMD", "PLT_IDENT", "SUP_IDENT", "RUN_EVENT")

@@ -10,16 +10,17 @@ import pytest
 
 from benchmarks.figures import QUICK_TOML
 from railhil.bench import Result, local_run
-from railhil.bus.codes import Event
+from railhil.bus.codes import EVENT_COPIES, Event
 from railhil.bus.frame import Frame
 from railhil.bus.mvb import TelegramSource
-from railhil.bus.telegrams import EVENT_COPIES, RunEvent, SimTruth, TrnSpeed
+from railhil.bus.telegrams import RunEvent
 from railhil.judge.score import Score, score
 from railhil.plant_sim.milestones import Milestones
 from railhil.record.framelog import read_log
 from railhil.record.trace import Trace, trace_of
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario
+from railhil.wire.ato import SimTruth, TrnSpeed
 
 pytestmark = pytest.mark.faults
 
@@ -181,19 +182,24 @@ def truth_of(run: Result, events: list[RunEvent]) -> Trace:
     return trace
 
 
+def stop_of(instant_01ms: int, position_01mm: int) -> RunEvent:
+    return RunEvent(Event.STOPPED, instant_01ms=instant_01ms, position_01mm=position_01mm)
+
+
 def test_a_stop_that_the_truth_does_not_show_is_no_stop(short: Scenario, passed: Result) -> None:
     place = int(passed.trace.raw(RunEvent.PORT, "EventPos")[EVENT_COPIES])
     instant = int(passed.trace.raw(RunEvent.PORT, "EventTime")[EVENT_COPIES])
+    end = RunEvent(Event.ENDED_COMPLETE, instant_01ms=instant, position_01mm=place)
     for at, where, words in (
         (40_000, place, "record: STOPPED at 3.46 m, but SIM_TRUTH shows the train at 1.7"),
         (instant, 79_983, "record: STOPPED at 8.00 m, but SIM_TRUTH shows the train at"),
         (instant, 20_000, "record: STOPPED at 2.00 m, but SIM_TRUTH shows the train at"),
     ):
-        trace = truth_of(passed, [RunEvent(Event.STOPPED, at, where), RunEvent(Event.ENDED_COMPLETE, instant, place)])
+        trace = truth_of(passed, [stop_of(at, where), end])
         found = score(short, trace)
         assert found.verdict == "INVALID"
         assert found.failures[0].startswith(words)
-    trace = truth_of(passed, [RunEvent(Event.STOPPED, instant, place), RunEvent(Event.ENDED_COMPLETE, instant, place)])
+    trace = truth_of(passed, [stop_of(instant, place), end])
     assert score(short, trace).verdict == "PASS"
 
 
@@ -205,8 +211,8 @@ def test_a_stop_in_full_motion_is_none(short: Scenario, speed_mps: float, verdic
         moving = tick > 402
         position = 20_000 + (round(max(0, tick - 402) * speed_mps * 100) if moving else 0)
         trace.add(SimTruth.PORT, tick * 10_000_000, SimTruth(position, round(speed_mps * 1e4) * moving).encode())
-    trace.add(RunEvent.PORT, 4_020_000_000, RunEvent(Event.STOPPED, 40_160, 20_000, 1).encode())
-    trace.add(RunEvent.PORT, 5_000_000_000, RunEvent(Event.ENDED_COMPLETE, 50_000, 0, 2).encode())
+    trace.add(RunEvent.PORT, 4_020_000_000, RunEvent(Event.STOPPED, 1, 40_160, 20_000).encode())
+    trace.add(RunEvent.PORT, 5_000_000_000, RunEvent(Event.ENDED_COMPLETE, 2, 50_000, 0).encode())
     plan = replace(short.plan, stop_error_max_m=1.0)
     found = score(replace(short, plan=plan), trace)
     assert found.verdict == verdict, found.failures
@@ -216,7 +222,7 @@ def test_a_stop_in_full_motion_is_none(short: Scenario, speed_mps: float, verdic
 
 
 def test_a_standstill_without_a_stop_is_no_run(short: Scenario, passed: Result) -> None:
-    last = RunEvent(Event.ENDED_NOT_STOPPED, 90_000, 0)
+    last = RunEvent(Event.ENDED_NOT_STOPPED, instant_01ms=90_000)
     found = score(short, truth_of(passed, [last]))
     stands_s = passed.trace.times_s(SimTruth.PORT)[np.flatnonzero(passed.trace.raw(SimTruth.PORT, "TrueSpeed") == 0)]
     first_s = stands_s[stands_s > 4][0]
@@ -232,8 +238,8 @@ def test_a_train_that_creeps_to_its_stand_has_stopped_there(short: Scenario) -> 
         for tick in range(0, 1000, 2):
             speed = 0 if 400 <= tick < 700 or (not goes_on and tick >= 700) else 3000
             trace.add(SimTruth.PORT, tick * 10_000_000, SimTruth(min(20_000, 50 * tick), speed).encode())
-        trace.add(RunEvent.PORT, 0, RunEvent(Event.STOPPED, round(stopped_s * 1e4), 20_000, 1).encode())
-        trace.add(RunEvent.PORT, 0, RunEvent(Event.ENDED_COMPLETE, 100_000, 0, 2).encode())
+        trace.add(RunEvent.PORT, 0, RunEvent(Event.STOPPED, 1, round(stopped_s * 1e4), 20_000).encode())
+        trace.add(RunEvent.PORT, 0, RunEvent(Event.ENDED_COMPLETE, 2, 100_000, 0).encode())
         return score(short, trace).verdict
 
     assert verdict(4.0, False) == verdict(6.0, False) == verdict(6.9, True) == "PASS"
@@ -264,7 +270,7 @@ def test_a_milestone_is_repeated_at_its_spacing_and_the_last_one_at_once(tick_ms
 
 def test_the_frames_of_a_milestone_are_these() -> None:
     """The layout, written out: event, number, instant, position beyond 214 km."""
-    frames = TelegramSource(RunEvent.port()).frames(RunEvent(2, 288_600_000, 4_000_000_001, 3).encode())
+    frames = TelegramSource(RunEvent.port()).frames(RunEvent(2, 3, 288_600_000, 4_000_000_001).encode())
     assert [f"{frame.can_id:x}#{frame.data.hex()}" for frame in frames[:2]] == [
         "160#020000031133afc0",
         "161#0000ee6b28010000",

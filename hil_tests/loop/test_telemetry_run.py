@@ -18,7 +18,6 @@ from hil_tests.support.short_runs import RUN_72M_TOML
 from railhil.bench import local_run
 from railhil.bus.codes import ControllerFlag
 from railhil.bus.mvb import master_frame
-from railhil.bus.telegrams import CtlStat, NotchCmd, SimTruth
 from railhil.common.exit_codes import FAIL, PASS
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Constant
@@ -35,6 +34,7 @@ from railhil.record.trace import Trace
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec, StartUp
+from railhil.wire.ato import CtlStat, NotchCmd, SimTruth
 
 #: v^2 in Q28 does not fit into int32 above this speed, km/h.
 _WRAPS_ABOVE_KMH = math.sqrt(8)

@@ -14,7 +14,6 @@ from railhil.bench import Result
 from railhil.bus.frame import Frame
 from railhil.bus.mvb import TelegramSource, master_frame
 from railhil.bus.store import TrafficStore
-from railhil.bus.telegrams import HEADROOM_UNUSED, NO_QUANTITY, CtlStat
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import DIVISION_BY_ZERO, SATURATION, WRAP
 from railhil.controller_node.ato.node import ControllerNode
@@ -26,6 +25,7 @@ from railhil.record.telemetry import shown_telemetry
 from railhil.record.trace import Trace
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec
+from railhil.wire.ato import CtlStat, TelemetryHeadroom, TelemetryIndex
 
 
 def answer(node: ControllerNode, telegram: type[Any]) -> Any:
@@ -58,9 +58,9 @@ def test_each_quantity_is_shown_twice_in_a_row(nominal: Result) -> None:
     shown, maximum, extreme, headroom = (
         nominal.trace.raw(CtlStat.PORT, f"Telemetry{name}") for name in ("Index", "Maximum", "Extreme", "Headroom")
     )
-    first = int(np.argmax(shown != NO_QUANTITY))
+    first = int(np.argmax(shown != TelemetryIndex.NONE))
     quantities = nominal.telemetry["quantities"]
-    assert set(shown[:first].tolist()) <= {NO_QUANTITY}
+    assert set(shown[:first].tolist()) <= {TelemetryIndex.NONE}
     assert shown[first:].tolist() == [i // 2 % len(quantities) for i in range(len(shown) - first)]
     assert maximum[first:].tolist() == [i % 2 for i in range(len(shown) - first)]
     for index, quantity in enumerate(quantities):
@@ -107,10 +107,10 @@ def test_floats_have_no_headroom_on_the_wire(lvshun: Scenario, nominal: Result) 
     assert any(row.minimum for row in node.controller.telemetry.rows)
     for _ in range(2 * len(node.controller.telemetry.quantities)):
         status = answer(node, CtlStat)
-        assert (status.telemetry_headroom_bits, status.telemetry_extreme) == (HEADROOM_UNUSED, 0)
+        assert (status.telemetry_headroom_bits, status.telemetry_extreme) == (TelemetryHeadroom.UNUSED, 0)
         assert status.step_cycles == 0
     fresh = answer(ControllerNode(lvshun, LawSpec()), CtlStat)
-    assert (fresh.telemetry_index, fresh.telemetry_headroom_bits) == (NO_QUANTITY, HEADROOM_UNUSED)
+    assert (fresh.telemetry_index, fresh.telemetry_headroom_bits) == (TelemetryIndex.NONE, TelemetryHeadroom.UNUSED)
 
 
 def test_extremes_of_every_size_and_the_first_127_quantities(lvshun: Scenario, nominal: Result) -> None:
@@ -118,7 +118,7 @@ def test_extremes_of_every_size_and_the_first_127_quantities(lvshun: Scenario, n
     sizes = [0, 1, 2, 0x7FFF, 0x8000, 0xFFFF, 0x10000, 0x12345, 0x7FFF_FFFE, 0x7FFF_FFFF]
     values = [*sizes, *(-size for size in sizes[1:]), -(2**31)]
     pairs = [(low, high) for low in values for high in values if low <= high][-130:]
-    assert (-(2**31), 2**31 - 1) in pairs[:NO_QUANTITY]
+    assert (-(2**31), 2**31 - 1) in pairs[: TelemetryIndex.NONE]
     node = running_node(lvshun, nominal)
     like = node.controller.telemetry.quantities[0]
     telemetry = Telemetry([dataclasses.replace(like, name=f"x{i}") for i in range(len(pairs))])
@@ -189,7 +189,7 @@ def test_each_quantity_counts_as_it_was_last_shown() -> None:
     for index, maximum, extreme, headroom_bits, wrapped, flags in (
         (0, 0, -12, 18, 0, 0),
         (0, 1, 8, 17, 0, 8),
-        (1, 0, 0, HEADROOM_UNUSED, 0, 0),
+        (1, 0, 0, TelemetryHeadroom.UNUSED, 0, 0),
         (1, 1, 20_000, 3, 0, 0),
         (0, 0, -32_768, 4, 1, 1),
     ):

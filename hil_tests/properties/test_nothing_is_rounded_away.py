@@ -11,10 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from railhil.bus.clock import BusClock
-from railhil.bus.safe_telegrams import SAFE_DATA_VERSION, SpeedSdt
 from railhil.bus.schedule import Schedule
-from railhil.bus.sdt import SafeSource, source_identity
-from railhil.bus.telegrams import TrnSpeed
+from railhil.bus.sdt import SAFE_DATA_VERSION, SafeSource, source_identity
 from railhil.controller_node.ato.channel import CHANNEL_WINDOW_MS, Debt
 from railhil.controller_node.ato.guard import Guard
 from railhil.controller_node.ato.plausibility import Motion, MotionLimits
@@ -22,6 +20,7 @@ from railhil.controller_node.ato.safe_speed import SafeSpeed
 from railhil.controller_node.ato.speed_watch import Ladder, SpeedWatchLevel
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Safety
+from railhil.wire.ato import SpeedSdt, TrnSpeed
 
 SCENARIO = load("lvshun_tieshan")
 S = 1_000_000_000

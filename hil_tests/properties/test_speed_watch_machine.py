@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, rule
 
 from hil_tests.support.speed_seen import Seen
-from railhil.bus.codes import CtlCause
 from railhil.controller_node.ato.speed_watch import Ladder, Reception, SpeedWatchState, command, observe
 from railhil.scenarios.load import load
+from railhil.wire.ato import CtlCause
 
 LADDER = Ladder.of(load("lvshun_tieshan"))
 FULL, SERVICE, RAMP_PER_S = 7 * 256, LADDER.service_code, LADDER.ramp_code_per_s

@@ -9,7 +9,7 @@ import pytest
 
 from hil_tests.support.gate_sweeps import SWEEPS
 from hil_tests.support.store_sweeps import PORTS, STORE_SWEEPS
-from railhil.bus.telegrams import TrkInfo, TrnPos
+from railhil.wire.ato import TrkInfo, TrnPos
 
 
 @pytest.mark.parametrize(

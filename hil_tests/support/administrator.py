@@ -11,7 +11,7 @@ from railhil.bus.frame import Frame
 from railhil.bus.layout import Telegram
 from railhil.bus.mvb import TelegramSource, master_frame
 from railhil.bus.store import TrafficStore
-from railhil.bus.telegrams import CtlStat, NotchCmd, TrnPos, TrnSpeed
+from railhil.wire.ato import CtlStat, NotchCmd, TrnPos, TrnSpeed
 
 NOTCH, STAT = NotchCmd.port(), CtlStat.port()
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from railhil.bus.clock import BusClock
-from railhil.bus.telegrams import TrnSpeed
+from railhil.wire.ato import TrnSpeed
 
 TICK_NS = 10_000_000
 POLL_TICKS = 2

@@ -8,13 +8,14 @@ from pathlib import Path
 
 from hil_tests.support.foreign import CNode, without_telemetry
 from railhil.bus.mvb import TelegramSource, master_frame
-from railhil.bus.telegrams import CtlStat, NotchCmd, TimeSync, TrkInfo, TrnSpeed
+from railhil.bus.telegrams import TimeSync
 from railhil.controller_node.ato.node import ControllerNode
 from railhil.dbc import wire_contract
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario, TargetCurve, WatchLimits
 from railhil.scenarios.run_spec import LawSpec
 from railhil.scenarios.target import Target
+from railhil.wire.ato import CtlStat, NotchCmd, TrkInfo, TrnSpeed
 
 #: Off, coast, brake: short, because every frame passes two controllers.
 _SHORT = TargetCurve(((0.0, 0.0), (1.0, 1.0), (7.0, 1.0), (8.0, 0.0), (11.0, 0.0), (12.0, -1.0)))

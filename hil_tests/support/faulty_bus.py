@@ -7,9 +7,8 @@ from collections.abc import Container, Mapping
 
 from railhil.bus.frame import EXTENDED, REMOTE, Frame
 from railhil.bus.mvb import TelegramSource, check_sequence
-from railhil.bus.safe_telegrams import SpeedSdt
-from railhil.bus.telegrams import TrnSpeed
 from railhil.dbc import wire_contract
+from railhil.wire.ato import SpeedSdt, TrnSpeed
 
 _POLL = wire_contract().poll_id
 

@@ -16,13 +16,13 @@ from railhil.bus.frame import ERROR, EXTENDED, FD, REMOTE, Frame
 from railhil.bus.hub.wire import EFF_FLAG, ERR_FLAG, RTR_FLAG
 from railhil.bus.ident import CtlIdent
 from railhil.bus.local import LocalBus
-from railhil.bus.telegrams import CtlStat
 from railhil.controller_node.ato.node import ControllerNode
 from railhil.controller_node.export import make_bundle, write_bundle
 from railhil.plant_sim.node import PlantNode
 from railhil.record.session import Session
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.wire.ato import CtlStat
 
 #: The controller around the law; the program additionally has sockets and a loop.
 PORTABLE = (

@@ -9,11 +9,10 @@ from types import ModuleType
 from typing import Any
 
 from hil_tests.support.guard_sweeps import GUARD_SWEEPS
-from railhil.bus.codes import WatchCause
-from railhil.bus.telegrams import NotchCmd
 from railhil.controller_node.ato import guard
 from railhil.plant_sim.ato import gate
 from railhil.scenarios.load import load
+from railhil.wire.ato import NotchCmd, WatchCause
 
 SCENARIO = load("lvshun_tieshan")
 MS = 1_000_000

@@ -11,9 +11,6 @@ from fractions import Fraction
 from types import ModuleType, SimpleNamespace
 from typing import Any
 
-from railhil.bus.codes import CtlCause
-from railhil.bus.safe_telegrams import SpeedSdt
-from railhil.bus.telegrams import TrkInfo, TrnSpeed
 from railhil.controller_node.ato.odometer import Odometer
 from railhil.controller_node.ato.safe_speed import SafeSpeed
 from railhil.controller_node.ato.speed_watch import (
@@ -28,6 +25,7 @@ from railhil.controller_node.ato.speed_watch import (
 )
 from railhil.controller_node.ecan import BitCounter
 from railhil.scenarios.load import load
+from railhil.wire.ato import CtlCause, SpeedSdt, TrkInfo, TrnSpeed
 
 SCENARIO = load("lvshun_tieshan")
 MS = 1_000_000

@@ -10,10 +10,10 @@ import pytest
 from hil_tests.support.short_runs import RUN_2M_TOML, RUN_72M_TOML
 from railhil.bench import Result, local_run
 from railhil.bus.frame import Frame
-from railhil.bus.telegrams import NotchCmd, TrnSpeed
 from railhil.record.framelog import read_log
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import RunSpec
+from railhil.wire.ato import NotchCmd, TrnSpeed
 
 Runs = Callable[..., Result]
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from railhil.bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame
 from railhil.bus.mvb import master_frame
-from railhil.bus.telegrams import NotchCmd
 from railhil.dbc import wire_contract
+from railhil.wire.ato import NotchCmd
 
 CONTRACT = wire_contract()
 _BUS = (CONTRACT.poll_id, CONTRACT.device_status_id)

@@ -7,7 +7,8 @@ from collections.abc import Callable
 from railhil.bus.clock import to_time_sync
 from railhil.bus.frame import Frame
 from railhil.bus.mvb import TelegramSource, master_frame
-from railhil.bus.telegrams import NotchCmd, TimeSync, TrnSpeed
+from railhil.bus.telegrams import TimeSync
+from railhil.wire.ato import NotchCmd, TrnSpeed
 
 #: The time to send at a poll of NOTCH_CMD: (the plant's TIME_SYNC so far, number of the poll since the attack began).
 Choice = Callable[[list[TimeSync], int], TimeSync]

@@ -13,8 +13,8 @@ from typing import Any
 from railhil.bus import lifesign, store
 from railhil.bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame
 from railhil.bus.mvb import TelegramSource
-from railhil.bus.telegrams import TrnSpeed
 from railhil.dbc import Port, wire_contract
+from railhil.wire.ato import TrnSpeed
 
 MS = 1_000_000
 #: A telegram of each size; the port table uses F1 to F3 only.

@@ -29,10 +29,10 @@ from enum import IntEnum
 from math import inf
 from typing import Final, NamedTuple
 
-from railhil.bus.codes import WatchCause
 from railhil.common.compilable import compilable_functions
 from railhil.common.floats import larger, smaller
 from railhil.scenarios.model import WatchLimits
+from railhil.wire.ato import WatchCause
 
 #: Good commands in a row that end TRACTION_CUT.
 GOOD_AFTER_TRACTION_CUT: Final = 5

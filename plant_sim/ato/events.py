@@ -16,7 +16,7 @@ EventKind = Literal["departed", "stopped", "emergency", "balise", "watch"]
 class PlantEvent:
     """Something that happened inside a tick, at its exact instant and true position of the train's front.
 
-    ``departed``: first motion; ``stopped``: standstill after at least :data:`railhil.bus.telegrams.STOP_LEG_MIN_M`;
+    ``departed``: first motion; ``stopped``: standstill after at least :data:`railhil.bus.codes.STOP_LEG_MIN_M`;
     ``emergency``: the emergency brake was applied; ``watch``: the level of the train's watch changed; ``balise``: the
     front passed ``balise`` with the odometer at ``odometer_mm``.
     """

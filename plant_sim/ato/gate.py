@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections import Counter
 from typing import Final
 
-from railhil.bus.codes import WatchCause
 from railhil.bus.layout import CHECK_CORRECT, FLAG_FALSE
 from railhil.bus.lifesign import Life, LifeSign
-from railhil.bus.telegrams import NotchCmd
+from railhil.wire.ato import NotchCmd, WatchCause
 
 #: Number of commands with a wrong check variable among the last :data:`RECENT` that is suspicious.
 BAD_FOR_SUSPICION: Final = 3

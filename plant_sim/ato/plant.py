@@ -6,8 +6,7 @@ from collections import deque
 from math import inf, isfinite
 from typing import Final
 
-from railhil.bus.codes import WatchCause
-from railhil.bus.telegrams import STOP_LEG_MIN_M
+from railhil.bus.codes import STOP_LEG_MIN_M
 from railhil.common.mypyc import mypyc_attr
 from railhil.plant_sim import force_tables
 from railhil.plant_sim.any_plant import PlantError
@@ -29,6 +28,7 @@ from railhil.plant_sim.ato.status import TrainStatus
 from railhil.plant_sim.ato.train_checks import OwnChecks
 from railhil.scenarios.model import Balise, Profile, Scenario, profile_value
 from railhil.scenarios.profiles import front_speed_limit
+from railhil.wire.ato import WatchCause
 
 #: Notch codes per notch.
 NOTCH_LSB_PER_NOTCH: Final = 256

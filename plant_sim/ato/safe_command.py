@@ -9,11 +9,10 @@ from __future__ import annotations
 
 from collections import Counter
 
-from railhil.bus.safe_telegrams import SAFE_DATA_VERSION, NotchSdt, safe_tick
 from railhil.bus.schedule import Schedule
-from railhil.bus.sdt import SafeSink, SinkLimits, Validity, source_identity
-from railhil.bus.telegrams import NotchCmd
+from railhil.bus.sdt import SAFE_DATA_VERSION, SafeSink, SinkLimits, Validity, safe_tick, source_identity
 from railhil.scenarios.model import Scenario
+from railhil.wire.ato import NotchCmd, NotchSdt
 
 
 class SafeCommand:

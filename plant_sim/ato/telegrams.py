@@ -12,22 +12,13 @@ import numpy as np
 from railhil.bus.clock import rate_to_10th, to_time_sync
 from railhil.bus.codes import TimeState
 from railhil.bus.layout import CHECK_ERRONEOUS, Telegram, flag
-from railhil.bus.safe_telegrams import SAFE_DATA_VERSION, SpeedSdt, safe_tick_fields
-from railhil.bus.sdt import SafeSource, source_identity
-from railhil.bus.telegrams import (
-    BalisePassed,
-    PltStat,
-    SimTruth,
-    TimeSync,
-    TrkInfo,
-    TrnPos,
-    TrnSpeed,
-    TrnWatch,
-)
+from railhil.bus.sdt import SAFE_DATA_VERSION, SafeSource, safe_tick_fields, source_identity
+from railhil.bus.telegrams import TimeSync
 from railhil.common.floats import rounded
 from railhil.plant_sim.ato.plant import Plant
 from railhil.scenarios.model import Profile, Scenario, profile_value
 from railhil.scenarios.target import Target
+from railhil.wire.ato import BalisePassed, PltStat, SimTruth, SpeedSdt, TrkInfo, TrnPos, TrnSpeed, TrnWatch
 
 #: 100 % of a BIPOLAR2.16 value.
 _BIPOLAR_FULL: Final = 0x4000

@@ -5,10 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from railhil.bus.codes import WatchCause
 from railhil.bus.layout import Telegram
-from railhil.bus.safe_telegrams import NotchSdt
-from railhil.bus.telegrams import CtlStat, NotchCmd
 from railhil.common.mypyc import mypyc_attr
 from railhil.plant_sim.ato.command_watch import CommandWatchState
 from railhil.plant_sim.ato.gate import CommandGate
@@ -18,6 +15,7 @@ from railhil.plant_sim.ato.safe_command import SafeCommand
 from railhil.plant_sim.ato.telegrams import TrainTelegrams
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.perturb import perturbed
+from railhil.wire.ato import CtlStat, NotchCmd, NotchSdt, WatchCause
 
 
 @mypyc_attr(allow_interpreted_subclasses=True)

@@ -23,13 +23,13 @@ from __future__ import annotations
 from math import exp, inf
 from typing import Final, NamedTuple
 
-from railhil.bus.codes import WatchCause
 from railhil.common.compilable import compilable_functions
 from railhil.common.floats import larger, smaller
 from railhil.common.mypyc import mypyc_attr
 from railhil.plant_sim.ato.dynamics import Motion
 from railhil.plant_sim.forces import TrainConstants, effort_limit_n
 from railhil.scenarios.model import Scenario
+from railhil.wire.ato import WatchCause
 
 #: Share of the actuator's pole that is taken for granted.
 SLOWEST: Final = 0.9

@@ -16,7 +16,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import Any
 
-from railhil.bus.high_speed import SPEED_PER_MPS, UnitCause, UnitLevel
 from railhil.bus.layout import CHECK_ERRONEOUS, Telegram
 from railhil.faults.activity import Activity
 from railhil.faults.model import Fault
@@ -26,6 +25,8 @@ from railhil.plant_sim.faults.readings import FaultySensor, quantity_of
 from railhil.plant_sim.high_speed.dynamics import Drive, UnitLimits, UnitMotion, drive
 from railhil.plant_sim.high_speed.plant import HighSpeedPlant
 from railhil.plant_sim.high_speed.train import STEP_S, PowerUnit, UnitData
+from railhil.wire.high_speed import UnitCause, UnitLevel
+from railhil.wire.power_units import SPEED_PER_MPS
 
 #: Places of the mutations.
 _MUTATIONS = ("gain", "lag", "delay")

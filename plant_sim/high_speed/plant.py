@@ -8,13 +8,14 @@ from math import isfinite
 from typing import Any
 
 from railhil.bus.codes import Event
-from railhil.bus.high_speed import ACCEL_PER_MPS2, TRUE_PER_UNIT, UnitLevel, wire
 from railhil.bus.layout import CHECK_CORRECT, CHECK_ERRONEOUS, Telegram
 from railhil.plant_sim.any_plant import PlantError
 from railhil.plant_sim.high_speed.dynamics import available_of
 from railhil.plant_sim.high_speed.train import SPEED_RAW_MAX, HighSpeedTrain, Wayside
 from railhil.plant_sim.high_speed.watch import STALE_PERIODS, UnitWatch
 from railhil.plant_sim.timed_run import TimedEnd, TimedPlant
+from railhil.wire.high_speed import UnitLevel
+from railhil.wire.power_units import ACCEL_PER_MPS2, TRUE_PER_UNIT, wire
 
 #: The train has arrived when it stands and the target is below this speed.
 ARRIVED_MPS = 0.5
@@ -107,8 +108,8 @@ class HighSpeedPlant(TimedPlant):
         kind = self._wire.reference
         now, *ahead = self.wayside.preview_raw(self.tick)
         index, self._samples = self._samples & 0xFF, self._samples + 1
-        made: Telegram = kind(*ahead, now, index, life=self.next_life(kind.PORT))
-        return made
+        points = {f"ref{step}": raw for step, raw in enumerate(ahead, 1)}
+        return kind(**points, ref0=now, index=index, life=self.next_life(kind.PORT))
 
     def _event(self) -> Telegram:
         kind = self._wire.event

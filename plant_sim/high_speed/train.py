@@ -6,7 +6,6 @@ from collections.abc import Iterable
 from itertools import pairwise
 from typing import NamedTuple
 
-from railhil.bus.high_speed import PREVIEW, PREVIEW_STEP_S, SPEED_PER_MPS
 from railhil.plant_sim.high_speed.dynamics import (
     GRAVITY_MPS2,
     Coupler,
@@ -24,6 +23,7 @@ from railhil.plant_sim.high_speed.surroundings import Normals, Wind, drawn_grade
 from railhil.scenarios import streams
 from railhil.systems.high_speed.target import GRID_S, SpeedCurve, emergency_curve, journey_curve
 from railhil.systems.high_speed.task import HighSpeedTask, UnitTable
+from railhil.wire.power_units import PREVIEW, PREVIEW_STEP_S, SPEED_PER_MPS
 
 #: Simulation step.
 STEP_S = 0.01

@@ -11,8 +11,9 @@ braking told, less than 0.4 of it done for 2 s  traction cut to the end of the r
 
 from __future__ import annotations
 
-from railhil.bus.high_speed import SAFE, UnitCause, UnitLevel
 from railhil.common.compilable import compilable
+from railhil.wire.high_speed import UnitCause, UnitLevel
+from railhil.wire.power_units import SAFE
 
 #: Periods of a command without a new life sign after which the unit acts by itself.
 STALE_PERIODS = 3

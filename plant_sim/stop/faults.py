@@ -19,7 +19,6 @@ from collections.abc import Sequence
 from typing import Any
 
 from railhil.bus.layout import CHECK_ERRONEOUS, Telegram
-from railhil.bus.stopping import MM, SAMPLE_S, BrakeCause, BrakeLevel, Odo, SpeedRaw
 from railhil.faults.activity import Activity
 from railhil.faults.model import Fault
 from railhil.plant_sim.faults.acceleration_side import AccelerationSide
@@ -30,6 +29,8 @@ from railhil.plant_sim.stop.draws import RunDraw, TrainDraw
 from railhil.plant_sim.stop.plant import StopPlant
 from railhil.plant_sim.stop.train import Passed, StopTrain
 from railhil.scenarios.model import Balise
+from railhil.wire.stop import BrakeCause, BrakeLevel, Odo, SpeedRaw
+from railhil.wire.stop_counts import MM, SAMPLE_S
 
 #: Places of the mutations.
 _MUTATIONS = ("gain", "lag", "delay", "adhesion")

@@ -6,7 +6,6 @@ from bisect import bisect_right
 from functools import partial
 from typing import Any
 
-from railhil.bus.stopping import SAMPLE_S
 from railhil.common.errors import InputError, Words
 from railhil.plant_sim.fmu.model import Fmu
 from railhil.plant_sim.fmu.names import Input, Quantities
@@ -16,6 +15,7 @@ from railhil.plant_sim.stop.draws import RunDraw, TrainDraw
 from railhil.plant_sim.stop.plant import StopPlant
 from railhil.plant_sim.stop.train import StopTrain
 from railhil.scenarios.plant_fmu import PlantFmu
+from railhil.wire.stop_counts import SAMPLE_S
 
 QUANTITIES = Quantities(
     {

@@ -8,11 +8,14 @@ from typing import Any
 
 from railhil.bus.codes import Event
 from railhil.bus.layout import CHECK_CORRECT, CHECK_ERRONEOUS, Telegram
-from railhil.bus.stopping import (
-    CONTRACT,
-    MM,
-    START_PER_S,
-    TRUE_PER_UNIT,
+from railhil.common.errors import InputError
+from railhil.plant_sim.any_plant import PlantError
+from railhil.plant_sim.ato.run_end import BRAKING_MAX_NS
+from railhil.plant_sim.stop.draws import RunDraw, TrainDraw, drawn_run, drawn_train
+from railhil.plant_sim.stop.train import SPEED_RAW_MAX, StopTrain
+from railhil.plant_sim.stop.watch import StopWatch
+from railhil.plant_sim.timed_run import TimedEnd, TimedPlant
+from railhil.wire.stop import (
     AtoState,
     BrakeCommand,
     BrakeLevel,
@@ -25,13 +28,7 @@ from railhil.bus.stopping import (
     TrueData,
     Truth,
 )
-from railhil.common.errors import InputError
-from railhil.plant_sim.any_plant import PlantError
-from railhil.plant_sim.ato.run_end import BRAKING_MAX_NS
-from railhil.plant_sim.stop.draws import RunDraw, TrainDraw, drawn_run, drawn_train
-from railhil.plant_sim.stop.train import SPEED_RAW_MAX, StopTrain
-from railhil.plant_sim.stop.watch import StopWatch
-from railhil.plant_sim.timed_run import TimedEnd, TimedPlant
+from railhil.wire.stop_counts import CONTRACT, MM, START_PER_S, TRUE_PER_UNIT
 
 TICK_NS = 16_000_000
 #: The doors open this long after the standstill.

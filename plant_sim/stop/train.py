@@ -6,11 +6,12 @@ from collections import deque
 from math import exp, sqrt
 from typing import Any, NamedTuple
 
-from railhil.bus.stopping import CONTRACT, MM, SAMPLE_S, SAMPLES, SpeedRaw
 from railhil.plant_sim.high_speed.surroundings import Normals
 from railhil.plant_sim.stop.brake import GRAVITY_MPS2, Course, Going, Motion, achieved, gone_on
 from railhil.plant_sim.stop.draws import RunDraw, TrainDraw
 from railhil.scenarios import streams
+from railhil.wire.stop import SpeedRaw
+from railhil.wire.stop_counts import CONTRACT, MM, SAMPLE_S, SAMPLES
 
 TICK_S = SAMPLES * SAMPLE_S
 SPEED_RAW_MAX = CONTRACT.port(SpeedRaw.PORT).signal("Speed5").raw_range[1]

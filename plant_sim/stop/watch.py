@@ -12,8 +12,8 @@ braking told, less than 0.4 of it done for 2 s   emergency brake to the end of t
 
 from __future__ import annotations
 
-from railhil.bus.stopping import BrakeCause, BrakeLevel
 from railhil.plant_sim.high_speed.watch import STALE_PERIODS, answer_ticks, brake_looked_at, share_of
+from railhil.wire.stop import BrakeCause, BrakeLevel
 
 #: Commands below this are braking.
 BRAKING_MPS2 = -0.02

@@ -17,7 +17,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from railhil.bus.codes import Event
+from railhil.bus.codes import ends_run
 from railhil.bus.telegrams import RunEvent
 from railhil.common.digits import count_of
 from railhil.faults import parse_faults
@@ -154,11 +154,7 @@ def _is_the_rest(trace: Trace, port: str, after: int) -> bool:
     if after >= len(times_ns):
         return after == len(times_ns)
     kinds = trace.raw(RunEvent.PORT, "RunEvent").tolist()
-    ends_ns = [
-        time_ns
-        for time_ns, kind in zip(trace.times_ns(RunEvent.PORT), kinds, strict=True)
-        if kind in Event._value2member_map_ and Event(kind).ends_run
-    ]
+    ends_ns = [time_ns for time_ns, kind in zip(trace.times_ns(RunEvent.PORT), kinds, strict=True) if ends_run(kind)]
     return bool(ends_ns) and times_ns[after] >= min(ends_ns)
 
 

@@ -21,9 +21,7 @@ from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from railhil.bus.codes import CtlMode
 from railhil.bus.ident import PltIdent
-from railhil.bus.telegrams import NotchCmd, SimTruth, TrnPos, TrnSpeed, TrnWatch
 from railhil.common.digits import count_of
 from railhil.faults import parse_faults
 from railhil.judge.counters import unreconciled
@@ -34,6 +32,7 @@ from railhil.judge.record_checks import UNCLEAR, Unseen
 from railhil.record.trace import FloatArray, Trace
 from railhil.scenarios.model import Scenario
 from railhil.systems.ato.events import received
+from railhil.wire.ato import CtlMode, NotchCmd, SimTruth, TrnPos, TrnSpeed, TrnWatch
 
 if TYPE_CHECKING:
     from railhil.faults.model import Fault

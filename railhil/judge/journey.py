@@ -14,12 +14,12 @@ import numpy as np
 import numpy.typing as npt
 
 from railhil.bus.schedule import Schedule
-from railhil.bus.telegrams import SimTruth
 from railhil.judge import measures
 from railhil.judge.stops import PlannedStop, ScoredStop, scored_stops, standstills_of
 from railhil.record.trace import FloatArray
 from railhil.scenarios.model import RunPlan, Scenario
 from railhil.scenarios.target import Target
+from railhil.wire.ato import SimTruth
 
 #: Name of the single stop of this train where stops are listed.
 STOP_NAME = "stopping point"

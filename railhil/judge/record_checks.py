@@ -12,10 +12,10 @@ import math
 
 import numpy as np
 
-from railhil.bus.codes import Event
+from railhil.bus.codes import STOP_LEG_MIN_M, Event
 from railhil.bus.ident import PACES, PltIdent
 from railhil.bus.schedule import Schedule
-from railhil.bus.telegrams import STOP_LEG_MIN_M, RunEvent
+from railhil.bus.telegrams import RunEvent
 from railhil.common.digits import beside
 from railhil.faults.truth import HOLE_MAX_S
 from railhil.judge.events.telegrams import Gap, gaps, outages

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from railhil.bus.codes import Event
+from railhil.bus.codes import Event, ends_run
 from railhil.bus.ident import INDEXINGS, CtlIdent
-from railhil.bus.telegrams import CtlStat, NotchCmd, RunEvent, SimTruth
+from railhil.bus.telegrams import RunEvent
 from railhil.common.digits import beside
 from railhil.faults import parse_faults
 from railhil.judge import measures
@@ -27,6 +27,7 @@ from railhil.judge.stops import ScoredStop
 from railhil.record.status import Status, wrap_failure
 from railhil.record.trace import Trace
 from railhil.scenarios.model import Scenario
+from railhil.wire.ato import CtlStat, NotchCmd, SimTruth
 
 if TYPE_CHECKING:
     from railhil.faults.model import Fault
@@ -157,7 +158,7 @@ def score(scenario: Scenario, trace: Trace) -> Score:
         silenced is complete when the train stands; its verdict is FAIL.
     """
     events = _events(trace)
-    ended = next((event for event in sorted(events, reverse=True) if event.ends_run), None)
+    ended = next((event for event in sorted(events, reverse=True) if ends_run(event)), None)
     time_s = trace.times_s(SimTruth.PORT)
     truth = {
         "position": trace.values(SimTruth.PORT, "TruePos"),

@@ -79,4 +79,4 @@ def _find_telegram(system: str, items: Any, name: str) -> tuple[type[Telegram], 
     found = next((item for item in items if item.name == name), None)
     if found is None:
         raise InputError("record", "system", system, f"a system whose laws have {name}: hst1 or emu3")
-    return found.telegram, dict(found.telegram.signal_names())[found.field]
+    return found.telegram, dict(found.telegram.signals())[found.field].name

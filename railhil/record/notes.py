@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from railhil.bus.telegrams import CtlStat
 from railhil.record.trace import FloatArray, Trace
+from railhil.wire.ato import CtlStat
 
 #: UNIPOLAR2.16: 1/16384.
 _UNIPOLAR2 = 2.0**-14

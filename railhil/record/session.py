@@ -12,7 +12,7 @@ from collections import deque
 from collections.abc import Callable, Sequence
 from operator import itemgetter
 
-from railhil.bus.codes import Event, FaultOrder, SupCommand
+from railhil.bus.codes import Event, FaultOrder, SupCommand, ends_run
 from railhil.bus.frame import BRS, Frame
 from railhil.bus.hub.wire import CLASSIC_SIZE, pack_frames, unpack_frames
 from railhil.bus.ident import CtlIdent, Ident, PltIdent, Role, SupIdent, make_ident
@@ -319,7 +319,7 @@ class Session:
 
     def _event(self, reading: Reading[RunEvent]) -> None:
         code = reading.telegram.event
-        if self.recording and code in Event._value2member_map_ and Event(code).ends_run:
+        if self.recording and ends_run(code):
             self.ending = Event(code)
 
     def _take_ident(self, reading: Reading[Ident]) -> None:

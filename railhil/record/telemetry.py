@@ -18,13 +18,13 @@ import numpy as np
 
 from railhil.bus.codes import ControllerFlag
 from railhil.bus.ident import CtlIdent
-from railhil.bus.telegrams import HEADROOM_UNUSED, NO_QUANTITY
 from railhil.record.notes import ReportedNote, told_notes
 from railhil.record.run_folder import TELEMETRY
 from railhil.record.status import Status
 from railhil.record.trace import Trace
 from railhil.scenarios.memory import Record
 from railhil.scenarios.run_spec import StartUp
+from railhil.wire.ato import TelemetryHeadroom, TelemetryIndex
 
 
 @dataclass(frozen=True, slots=True)
@@ -270,9 +270,9 @@ def _quantities(trace: Trace, port: str) -> tuple[dict[str, int | bool | None], 
     for index, maximum, extreme, bits, *events in zip(
         *(trace.raw(port, f"Telemetry{name}").tolist() for name in _IN_TURNS), strict=True
     ):
-        if index != NO_QUANTITY:
+        if index != TelemetryIndex.NONE:
             row = shown.setdefault(index, {"index": index, "minimum_raw": None, "maximum_raw": None})
-            known = bits != HEADROOM_UNUSED
+            known = bits != TelemetryHeadroom.UNUSED
             row["maximum_raw" if maximum else "minimum_raw"] = extreme << 16 >> bits if known else None
             row["headroom_bits"] = bits if known else None
             row.update(zip(("wrapped", "saturated", "zero_division"), map(bool, events), strict=True))

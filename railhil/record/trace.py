@@ -238,9 +238,9 @@ class Trace:
     def _ident(self, telegram: type[Ident]) -> Ident | None:
         known = {entry.name for entry in self.contract.port(telegram.PORT).signals}
         columns = {
-            name: self.raw(telegram.PORT, signal).tolist()
-            for name, signal in telegram.signal_names()
-            if signal in known
+            name: self.raw(telegram.PORT, signal.name).tolist()
+            for name, signal in telegram.signals()
+            if signal.name in known
         }
         idents = (
             telegram(**{name: values[index] for name, values in columns.items()})

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from railhil.bus.ident import INDEXINGS, CtlIdent, PltIdent
-from railhil.bus.telegrams import CtlStat, NotchCmd, SimTruth
 from railhil.judge.events.event import RecordedEvent
 from railhil.judge.events.summary import explained
 from railhil.judge.judging import judging_of
@@ -23,6 +22,7 @@ from railhil.record.trace import FloatArray, Trace
 from railhil.scenarios.model import PublishedScore, Scenario
 from railhil.scenarios.parameters import DIGEST_DIGITS
 from railhil.scenarios.target import target_of
+from railhil.wire.ato import CtlStat, NotchCmd, SimTruth
 
 #: A curve needs two points.
 _POINTS_MIN = 2

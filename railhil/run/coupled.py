@@ -14,7 +14,6 @@ from railhil.bus.codes import Event
 from railhil.bus.ident import Role, make_ident
 from railhil.bus.layout import Telegram
 from railhil.bus.schedule import Schedule
-from railhil.bus.telegrams import NotchCmd, SimTruth, TrnPos, TrnSpeed
 from railhil.common.errors import InputError, Words
 from railhil.controller_node.ato.controller import Controller
 from railhil.controller_node.ato.loop import NO_BALISE, limited_01mm
@@ -38,6 +37,7 @@ from railhil.scenarios.model import AnyScenario, Scenario
 from railhil.scenarios.perturb import perturbed
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.system import System, system_named
+from railhil.wire.ato import NotchCmd, SimTruth, TrnPos, TrnSpeed
 
 _LIFE_MASK = 0xF
 

@@ -16,7 +16,6 @@ from typing import Annotated, Any, ClassVar, Generic, NamedTuple
 import numpy as np
 from pydantic import Field
 
-from railhil.bus.high_speed import ACCEL_PER_MPS2, PREVIEW, PREVIEW_STEP_S
 from railhil.common.errors import InputError, Words
 from railhil.controller_node.arithmetic.base import Arithmetic, Constant, Problem, T
 from railhil.controller_node.high_speed.base import (
@@ -34,6 +33,7 @@ from railhil.controller_node.high_speed.qp_solver import daqp_solver
 from railhil.controller_node.high_speed.reals import Reals
 from railhil.controller_node.high_speed.train_lines import TrainLines
 from railhil.controller_node.high_speed.train_model import CouplerModel, Prediction, TrainModel, UnitModel
+from railhil.wire.power_units import ACCEL_PER_MPS2, PREVIEW, PREVIEW_STEP_S
 
 
 @dataclass(frozen=True)

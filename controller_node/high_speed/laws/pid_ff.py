@@ -12,10 +12,10 @@ from typing import Annotated, Any, ClassVar
 
 from pydantic import Field
 
-from railhil.bus.high_speed import PREVIEW_STEP_S
 from railhil.controller_node.arithmetic.base import Arithmetic, T
 from railhil.controller_node.high_speed.base import ACCEL_Q, SPEED_Q, LoopAnswer, LoopInputs
 from railhil.controller_node.high_speed.laws.pid import Pid, PidParameters, PidState
+from railhil.wire.power_units import PREVIEW_STEP_S
 
 _GAIN_Q = 20
 

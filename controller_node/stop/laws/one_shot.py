@@ -11,10 +11,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from railhil.bus.stopping import MM, SAMPLES, Stage
 from railhil.controller_node.arithmetic.base import Arithmetic, Constant, T
 from railhil.controller_node.high_speed.reals import Reals
 from railhil.controller_node.vector.law import Answer, VectorLaw
+from railhil.wire.stop import Stage
+from railhil.wire.stop_counts import MM, SAMPLES
 
 #: Feedback of the speed while it is held.
 _TRACK_PER_S = 0.4

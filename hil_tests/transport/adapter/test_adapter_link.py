@@ -16,8 +16,8 @@ from railhil.bus.link.single import SingleLink
 from railhil.bus.link.slcan import STALE_NS, SlcanLink
 from railhil.bus.link.slcanline import from_line, to_line
 from railhil.bus.mvb import TelegramSource
-from railhil.bus.telegrams import NotchCmd
 from railhil.machines.adapter.terminal import Terminal
+from railhil.wire.ato import NotchCmd
 
 _WAIT_S = 5.0
 #: Long enough that a frame without an answer is stale.

@@ -15,7 +15,7 @@ from hil_tests.support.cli import command, railhil
 from hil_tests.support.warm import run_module
 from hil_tests.transport.vcan.bench import counters_of, run_on
 from railhil.bench import local_run
-from railhil.bus.codes import Event
+from railhil.bus.codes import Event, ends_run
 from railhil.bus.link import Timeouts
 from railhil.judge.result import Result
 from railhil.record.framelog import read_log
@@ -100,7 +100,7 @@ def realtime(
 def assert_whole(result: Result, folder: Path, move_file: Path) -> None:
     """The record ends with the run, and the score comes out of it again."""
     trace = trace_of(read_log(folder / "frames.log"))
-    assert Event(trace.raw("RUN_EVENT", "RunEvent")[-1]).ends_run
+    assert ends_run(trace.raw("RUN_EVENT", "RunEvent")[-1])
     assert set((np.diff(trace.raw("TRN_SPEED", "SpeedLife")) % 16).tolist()) == {1}
     again = railhil("score", folder / "frames.log", "--scenario", move_file, "--json").json
     assert again["verdict"] == result.score.verdict

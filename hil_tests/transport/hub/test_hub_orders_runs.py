@@ -21,7 +21,6 @@ from railhil.bus.hub.client import HubBus
 from railhil.bus.hub.orders import Order
 from railhil.bus.link import Link
 from railhil.bus.link.batch import BatchLink
-from railhil.bus.telegrams import NotchCmd, SimTruth
 from railhil.controller_node.ato.node import ControllerNode
 from railhil.controller_node.serve import serve
 from railhil.plant_sim.node import PlantNode
@@ -31,6 +30,7 @@ from railhil.record.trace import Trace, trace_of
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.wire.ato import NotchCmd, SimTruth
 
 pytestmark = [pytest.mark.loop, pytest.mark.faults]
 

@@ -13,8 +13,9 @@ from railhil.bus.codes import Event
 from railhil.bus.frame import Frame
 from railhil.bus.layout import Telegram
 from railhil.bus.mvb import TelegramSource, master_frame
-from railhil.bus.telegrams import NotchCmd, RunEvent, SimTruth, SupCmd, TrnWatch
+from railhil.bus.telegrams import RunEvent, SupCmd
 from railhil.dbc import wire_contract
+from railhil.wire.ato import NotchCmd, SimTruth, TrnWatch
 
 pytestmark = pytest.mark.faults
 
@@ -27,7 +28,7 @@ def forged(telegram: Telegram) -> list[Frame]:
 TIMES = 3
 FORGED: list[tuple[list[Frame], str]] = [
     (forged(SimTruth(19_983, 0)), "9 frames on SIM_TRUTH that the plant did not send, first at 0."),
-    (forged(RunEvent(Event.STOPPED, 40_000, 19_983, 2)), "9 frames on RUN_EVENT that the plant did not send"),
+    (forged(RunEvent(Event.STOPPED, 2, 40_000, 19_983)), "9 frames on RUN_EVENT that the plant did not send"),
     (forged(NotchCmd(7 * 256, life=3)), "3 frames on NOTCH_CMD that the controller did not send, first at 0."),
     (forged(SupCmd(2)), "3 frames on SUP_CMD that the supervisor did not send, first at 0."),
 ]

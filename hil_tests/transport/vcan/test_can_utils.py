@@ -18,12 +18,12 @@ from railhil.bus.frame import ERROR, Frame
 from railhil.bus.link import open_link
 from railhil.bus.mvb import F_DEVICE_STATUS
 from railhil.bus.order import BusOrder
-from railhil.bus.telegrams import NotchCmd
 from railhil.controller_node.ato.node import ControllerNode
 from railhil.dbc import wire_contract
 from railhil.record.framelog import read_log
 from railhil.record.trace import trace_of
 from railhil.scenarios.run_spec import LawSpec
+from railhil.wire.ato import NotchCmd
 
 pytestmark = [pytest.mark.needs_socketcan, pytest.mark.timeout(600), pytest.mark.usefixtures("can_utils")]
 

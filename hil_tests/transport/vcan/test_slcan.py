@@ -25,7 +25,6 @@ from railhil.bench import local_run
 from railhil.bus.frame import Frame
 from railhil.bus.link import Link, open_link
 from railhil.bus.mvb import TelegramSource
-from railhil.bus.telegrams import NotchCmd
 from railhil.machines.adapter.device import Build
 from railhil.machines.adapter.emulator import Emulator
 from railhil.machines.adapter.terminal import Terminal
@@ -33,6 +32,7 @@ from railhil.scenarios.model import Scenario, TargetCurve
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.target import Target
 from railhil.testing.health import disturbed
+from railhil.wire.ato import NotchCmd
 
 pytestmark = [pytest.mark.needs_socketcan, pytest.mark.timeout(600)]
 

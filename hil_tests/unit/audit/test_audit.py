@@ -25,7 +25,6 @@ from railhil.audit.tables import show
 from railhil.batch.perturbed_runs import Outcomes
 from railhil.bench import local_run
 from railhil.bus.frame import Frame
-from railhil.bus.telegrams import TrnSpeed
 from railhil.common.errors import InputError
 from railhil.common.output import Output
 from railhil.controller_node.arithmetic import make
@@ -38,6 +37,7 @@ from railhil.judge.criteria import ATO_CRITERIA
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.systems.ato import ATO
+from railhil.wire.ato import TrnSpeed
 
 FULL = load("lvshun_tieshan")
 IQ: Any = type(make("iq"))

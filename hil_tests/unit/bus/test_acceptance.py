@@ -9,8 +9,9 @@ from typing import Any
 import pytest
 
 from railhil.bus.acceptance import Acceptance, checks_of, life_of
-from railhil.bus.telegrams import NotchCmd, RunEvent, TrnSpeed
+from railhil.bus.telegrams import RunEvent
 from railhil.common.errors import InputError
+from railhil.wire.ato import NotchCmd, TrnSpeed
 
 
 def test_what_a_layout_has() -> None:

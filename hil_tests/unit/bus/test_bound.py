@@ -10,8 +10,8 @@ from hil_tests.unit.dbc.test_system_contract import TOY
 from railhil.bus.layout import CHECK_CORRECT, Telegram, signal
 from railhil.bus.mvb import TelegramSource
 from railhil.bus.store import TrafficStore
-from railhil.bus.telegrams import TrnSpeed
 from railhil.dbc import system_contract
+from railhil.wire.ato import TrnSpeed
 
 CONTRACT = system_contract(TOY)
 

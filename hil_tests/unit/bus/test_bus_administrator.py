@@ -11,7 +11,7 @@ from railhil.bus.errors import PeerSilent
 from railhil.bus.frame import ERROR, REMOTE, Frame
 from railhil.bus.mvb import TelegramSource, master_frame
 from railhil.bus.schedule import Schedule
-from railhil.bus.telegrams import CtlStat, NotchCmd, TrnPos, TrnSpeed
+from railhil.wire.ato import CtlStat, NotchCmd, TrnPos, TrnSpeed
 
 
 @pytest.fixture

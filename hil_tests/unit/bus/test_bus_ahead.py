@@ -13,7 +13,7 @@ from railhil.bus.hub.wire import unpack_frames
 from railhil.bus.layout import Telegram
 from railhil.bus.mvb import TelegramSource, master_frame
 from railhil.bus.store import TrafficStore
-from railhil.bus.telegrams import NotchCmd, TrnPos, TrnSpeed
+from railhil.wire.ato import NotchCmd, TrnPos, TrnSpeed
 
 NOTCH = NotchCmd.port()
 POLL = master_frame(NOTCH.f_code, NOTCH.address)

@@ -11,7 +11,7 @@ from railhil.bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame
 from railhil.bus.mvb import TelegramSource
 from railhil.bus.responder import Responder
 from railhil.bus.schedule import Schedule
-from railhil.bus.telegrams import NotchCmd, TrnSpeed
+from railhil.wire.ato import NotchCmd, TrnSpeed
 
 
 def frame_of(tick: int, *, fd: bool = False) -> Frame:

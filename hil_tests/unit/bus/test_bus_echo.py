@@ -17,7 +17,7 @@ from railhil.bus.link import Link, open_link
 from railhil.bus.link.echo import EchoLink
 from railhil.bus.mvb import device_status_frame, master_frame
 from railhil.bus.store import TrafficStore
-from railhil.bus.telegrams import NotchCmd, TrnSpeed
+from railhil.wire.ato import NotchCmd, TrnSpeed
 
 POLL = master_frame(NotchCmd.port().f_code, NotchCmd.port().address)
 SPEED = Frame(TrnSpeed.port().can_ids[0], bytes(8))

@@ -15,10 +15,11 @@ from railhil.bus.injector.node_faults import NodeFaults
 from railhil.bus.link import errorframe
 from railhil.bus.mvb import master_frame
 from railhil.bus.schedule import Schedule
-from railhil.bus.telegrams import NotchCmd, SupCmd
+from railhil.bus.telegrams import SupCmd
 from railhil.dbc import wire_contract
 from railhil.faults.language import parse
 from railhil.faults.model import Injection, Random
+from railhil.wire.ato import NotchCmd
 
 POLL = master_frame(NotchCmd.port().f_code, NotchCmd.port().address)
 OTHER = Frame(0x100, bytes(8))

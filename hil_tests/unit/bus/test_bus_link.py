@@ -19,7 +19,7 @@ from railhil.bus.link import Link, open_link
 from railhil.bus.link.batch import BatchLink
 from railhil.bus.link.single import SingleLink
 from railhil.bus.mvb import TelegramSource
-from railhil.bus.telegrams import TrkInfo, TrnSpeed
+from railhil.wire.ato import TrkInfo, TrnSpeed
 
 # -- frames and messages ----------------------------------------------------------------------------------------------
 

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from railhil.bus.frame import Frame
 from railhil.bus.mvb import TelegramSource, master_frame
 from railhil.bus.order import BusOrder
-from railhil.bus.telegrams import CtlStat, NotchCmd, TrnSpeed
+from railhil.wire.ato import CtlStat, NotchCmd, TrnSpeed
 
 SPEED = TelegramSource(TrnSpeed.port()).frames(TrnSpeed(1).encode())
 NOTCH = TelegramSource(NotchCmd.port()).frames(NotchCmd(1).encode())

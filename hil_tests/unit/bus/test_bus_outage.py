@@ -19,11 +19,11 @@ from railhil.bus.link.outage import Timeouts
 from railhil.bus.link.single import SingleLink
 from railhil.bus.local import LocalBus
 from railhil.bus.mvb import F_DEVICE_STATUS, TelegramSource, device_status_frame, master_frame
-from railhil.bus.telegrams import TrnSpeed
 from railhil.controller_node.ato.node import ControllerNode
 from railhil.controller_node.ato.speed_watch import SpeedWatchLevel
 from railhil.plant_sim.node import PlantNode
 from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.wire.ato import TrnSpeed
 
 _TICK_NS = 10_000_000
 _BUS_OFF = Frame(0x40, bytes(8), ERROR)

@@ -30,7 +30,6 @@ from railhil.bus.local import LocalBus
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import FAIL, INVALID, PASS, TOOL_ERROR, USAGE, ending_signals, exit_code_of, guarded
 from railhil.dbc import ContractError, wire_contract
-from railhil.dbc.contract import WIRE_VERSION
 
 SHA_A, SHA_B = "0123456789abcdef" * 4, "fedcba9876543210" * 4
 
@@ -68,7 +67,7 @@ def test_another_dbc_and_version_are_named_with_both_values() -> None:
     ours = wire_contract().sha256[:8]
     assert plant.differences(other) == [
         f"DBC differs: plant {ours}, controller deadbeef",
-        f"wire version differs: plant {WIRE_VERSION:08x}, controller 00000009",
+        f"wire version differs: plant {PltIdent().version:08x}, controller 00000009",
     ]
 
 

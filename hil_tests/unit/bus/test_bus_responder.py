@@ -17,8 +17,9 @@ from railhil.bus.mvb import TelegramSource, check_sequence, master_frame, parse_
 from railhil.bus.responder import Reading, Responder
 from railhil.bus.schedule import Schedule
 from railhil.bus.store import NEVER_NS
-from railhil.bus.telegrams import CtlStat, NotchCmd, SupCmd, TimeSync, TrnPos, TrnSpeed
+from railhil.bus.telegrams import SupCmd, TimeSync
 from railhil.dbc import wire_contract
+from railhil.wire.ato import CtlStat, NotchCmd, TrnPos, TrnSpeed
 
 TICK_NS = 10_000_000
 DEVICE = 1

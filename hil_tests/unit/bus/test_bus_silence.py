@@ -14,8 +14,9 @@ from railhil.bus.layout import Telegram
 from railhil.bus.mvb import TelegramSource, master_frame
 from railhil.bus.responder import Responder, slow_port
 from railhil.bus.schedule import Schedule
-from railhil.bus.telegrams import NotchCmd, PltStat, TimeSync, TrkInfo, TrnPos, TrnSpeed
+from railhil.bus.telegrams import TimeSync
 from railhil.dbc import wire_contract
+from railhil.wire.ato import NotchCmd, PltStat, TrkInfo, TrnPos, TrnSpeed
 
 TICK_NS = 10_000_000
 SCHEDULE = Schedule.from_contract(TICK_NS, {})

@@ -27,11 +27,12 @@ from railhil.bus.injector.rewriting import (
     with_signal,
 )
 from railhil.bus.mvb import TelegramSource, check_sequence
-from railhil.bus.telegrams import TimeSync, TrkInfo, TrnPos, TrnSpeed
+from railhil.bus.telegrams import TimeSync
 from railhil.dbc import Port, Signal
 from railhil.faults.activity import Activity
 from railhil.faults.capability import life_signal
 from railhil.faults.language import parse
+from railhil.wire.ato import TrkInfo, TrnPos, TrnSpeed
 
 S = 1_000_000_000
 SPEED = TrnSpeed.port()

@@ -16,10 +16,11 @@ from railhil.bus.injector.controller_side import FaultyController
 from railhil.bus.injector.node_faults import NodeFaults
 from railhil.bus.mvb import TelegramSource, master_frame
 from railhil.bus.schedule import Schedule
-from railhil.bus.telegrams import CtlStat, NotchCmd, RunEvent, SupCmd, TimeSync, TrnSpeed
+from railhil.bus.telegrams import RunEvent, SupCmd, TimeSync
 from railhil.dbc import Contract, Port, wire_contract
 from railhil.faults.language import parse
 from railhil.faults.model import Injection
+from railhil.wire.ato import CtlStat, NotchCmd, TrnSpeed
 
 MS = 1_000_000
 CONTRACT = wire_contract()

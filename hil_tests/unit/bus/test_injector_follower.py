@@ -5,15 +5,16 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from railhil.bus.codes import CtlMode, Event, FaultOrder
+from railhil.bus.codes import Event, FaultOrder
 from railhil.bus.frame import Frame
 from railhil.bus.injector.follower import Follower, raw_of
 from railhil.bus.layout import Telegram
 from railhil.bus.mvb import TelegramSource
 from railhil.bus.schedule import Schedule
-from railhil.bus.telegrams import NotchCmd, RunEvent, SimTruth, SupCmd, TimeSync, TrnPos, TrnSpeed, TrnWatch
+from railhil.bus.telegrams import RunEvent, SupCmd, TimeSync
 from railhil.dbc import Signal, wire_contract
 from railhil.faults.model import Injection, Truth
+from railhil.wire.ato import CtlMode, NotchCmd, SimTruth, TrnPos, TrnSpeed, TrnWatch
 
 MS = 1_000_000
 TICK_NS = 10 * MS

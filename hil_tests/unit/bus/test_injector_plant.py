@@ -14,10 +14,11 @@ from railhil.bus.injector.plant_side import FaultyEndpoint
 from railhil.bus.link import errorframe
 from railhil.bus.mvb import TelegramSource
 from railhil.bus.schedule import Schedule
-from railhil.bus.telegrams import SupCmd, TimeSync, TrnPos, TrnSpeed
+from railhil.bus.telegrams import SupCmd, TimeSync
 from railhil.dbc import wire_contract
 from railhil.faults.language import parse
 from railhil.faults.model import Injection
+from railhil.wire.ato import TrnPos, TrnSpeed
 
 MS = 1_000_000
 CONTRACT = wire_contract()

@@ -13,10 +13,11 @@ from railhil.bus.injector.node_faults import NodeFaults, nodes_of, ports_of
 from railhil.bus.injector.rewriting import Telegram, data_of, shown
 from railhil.bus.mvb import TelegramSource
 from railhil.bus.schedule import Schedule
-from railhil.bus.telegrams import CtlStat, NotchCmd, TimeSync, TrkInfo, TrnPos, TrnSpeed
+from railhil.bus.telegrams import TimeSync
 from railhil.dbc import Port, wire_contract
 from railhil.faults.language import parse
 from railhil.faults.model import Fault, Injection, Place, Trigger, Truth
+from railhil.wire.ato import CtlStat, NotchCmd, TrkInfo, TrnPos, TrnSpeed
 
 MS = 1_000_000
 CONTRACT = wire_contract()

@@ -12,12 +12,12 @@ from railhil.bus.mvb import TelegramSource, master_frame
 from railhil.bus.order import BusOrder
 from railhil.bus.own_frames import OwnFrames
 from railhil.bus.store import TrafficStore
-from railhil.bus.telegrams import NotchCmd
 from railhil.record.senders import Findings, Senders
 from railhil.record.session import Session
 from railhil.record.trace import TraceReader
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import RunSpec
+from railhil.wire.ato import NotchCmd
 
 OWN = OwnFrames(CONTRACT)
 NOTCH = NotchCmd.port()

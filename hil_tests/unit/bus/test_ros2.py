@@ -7,9 +7,9 @@ import pytest
 
 from railhil.bus.layout import Telegram
 from railhil.bus.ros2 import HEADER, Field, Message, PortMessage, ros_name
-from railhil.bus.telegrams import SimTruth, TrnPos, TrnSpeed
 from railhil.dbc import Port, wire_contract
 from railhil.scenarios.system import names, system_named
+from railhil.wire.ato import SimTruth, TrnPos, TrnSpeed
 
 _SIZES = {"8": 1, "16": 2, "32": 4, "64": 8}
 

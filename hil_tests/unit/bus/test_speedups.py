@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import dataclasses
 import random
 
 import pytest
 
-from railhil.bus import ident, safe_telegrams, telegrams
+from railhil.bus import ident
+from railhil.bus import telegrams as house_telegrams
 from railhil.bus.frame import Frame, quick_frame
 from railhil.bus.layout import Telegram
 from railhil.bus.mvb import check_sequence, parse_master_frame
@@ -19,10 +19,11 @@ from railhil.plant_sim.ato.telegrams import TrainTelegrams
 from railhil.record.framelog import log_line
 from railhil.scenarios.load import load
 from railhil.scenarios.target import Target
+from railhil.wire import ato as telegrams
 
 CLASSES = [
     kind
-    for module in (telegrams, safe_telegrams, ident)
+    for module in (house_telegrams, telegrams, ident)
     for kind in vars(module).values()
     if isinstance(kind, type) and issubclass(kind, Telegram) and "PORT" in vars(kind)
 ]
@@ -31,12 +32,9 @@ CLASSES = [
 @pytest.mark.parametrize("kind", CLASSES, ids=lambda kind: kind.PORT)
 def test_each_signal_stands_in_its_place_and_nothing_else_fits(kind: type[Telegram]) -> None:
     port = kind.port()
-    signals = {signal.name.removeprefix(port.name.split("_")[0].capitalize()): signal for signal in port.signals}
-    signals |= {signal.name: signal for signal in port.signals}
-    fields = {field.name: field for field in dataclasses.fields(kind)}  # type: ignore[arg-type]
-    empty = dict.fromkeys(fields, 0)
-    for name, field in fields.items():
-        signal = signals[field.metadata["signal"].removeprefix("{p}")]
+    signals = {signal.field_name: signal for signal in port.signals}
+    empty = dict.fromkeys(signals, 0)
+    for name, signal in signals.items():
         lowest, highest = signal.raw_range
         for value in (lowest, highest, lowest // 3, highest // 3):
             word = int.from_bytes(kind(**(empty | {name: value})).encode())

@@ -10,8 +10,8 @@ from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 from railhil.bus.frame import ERROR, EXTENDED, FD, REMOTE, Frame
 from railhil.bus.mvb import TelegramSource
 from railhil.bus.store import ASSEMBLY_NS, CAUSES, NEVER_NS, TrafficStore
-from railhil.bus.telegrams import SimTruth, TrkInfo, TrnPos, TrnSpeed
 from railhil.dbc import wire_contract
+from railhil.wire.ato import SimTruth, TrkInfo, TrnPos, TrnSpeed
 
 SINKS = [wire_contract().port(name) for name in ("TRN_SPEED", "TRN_POS", "TRK_INFO")]
 

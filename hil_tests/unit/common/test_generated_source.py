@@ -7,8 +7,8 @@ import traceback
 
 import pytest
 
-from railhil.bus.telegrams import TrnSpeed
 from railhil.common.generated_source import compile_source
+from railhil.wire.ato import TrnSpeed
 
 
 def test_functions_see_the_names_and_each_other() -> None:

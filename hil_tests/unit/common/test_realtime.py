@@ -20,6 +20,7 @@ from types import SimpleNamespace
 import pytest
 
 from hil_tests.support.paths import ROOT
+from railhil.bus.codes import ends_run
 from railhil.bus.local import LocalBus
 from railhil.common import scheduling as realtime
 from railhil.common.scheduling import HUB_PRIORITY, NODE_PRIORITY, RECORDER_PRIORITY, cycle, permitted_priority, said_in
@@ -274,7 +275,7 @@ def realtime_record(scenario: Scenario) -> list[str]:
     session = Session(scenario, lines.append, RunSpec(pace="realtime"))
     node = ControllerNode(scenario, LawSpec())
     plant = PlantNode(scenario, RunSpec(pace="realtime", rate=100.0), LocalBus([node.handle, session.handle]))
-    assert plant.run().ends_run
+    assert ends_run(plant.run())
     assert plant.administrator.counters["missed_polls"] == 0
     return lines
 

@@ -12,13 +12,13 @@ from hypothesis import strategies as st
 
 from hil_tests.mutation.in_memory import survivors
 from railhil.bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame
-from railhil.bus.telegrams import TrnSpeed
 from railhil.controller_node.ato.guard import Guard
 from railhil.controller_node.ato.speed_watch import SpeedWatchLevel
 from railhil.controller_node.ecan import module, timestamp
 from railhil.controller_node.ecan.mailboxes import Mailbox
 from railhil.controller_node.ecan.module import Ecan
 from railhil.controller_node.ecan.timestamp import BitCounter, MessageAge
+from railhil.wire.ato import TrnSpeed
 
 RATE = 500_000
 MS = 1_000_000

@@ -28,11 +28,11 @@ from hil_tests.support.exported import (
     written,
 )
 from railhil.bench import Result, local_run
-from railhil.bus.telegrams import CtlStat
 from railhil.controller_node.arithmetic.base import INT32_MAX, INT32_MIN
 from railhil.controller_node.export import Bundle
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.wire.ato import CtlStat
 
 pytestmark = pytest.mark.needs_compiler
 

@@ -14,13 +14,13 @@ import pytest
 
 from hil_tests.support.closed_loop import SCENARIO, closed_loop, flat
 from railhil.bus.responder import Reading
-from railhil.bus.telegrams import NotchCmd, TrnPos, TrnSpeed
 from railhil.controller_node.arithmetic.base import Constant
 from railhil.controller_node.arithmetic.iq import C28, Portable
 from railhil.controller_node.ato.controller import Controller
 from railhil.controller_node.ato.node import ControllerNode
 from railhil.controller_node.ato.speed_watch import SpeedWatchLevel
 from railhil.scenarios.run_spec import LawSpec
+from railhil.wire.ato import NotchCmd, TrnPos, TrnSpeed
 
 
 class NoFloat:

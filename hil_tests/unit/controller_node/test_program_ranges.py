@@ -16,7 +16,7 @@ from hil_tests.support import shipped
 from hil_tests.support.cli import railhil
 from hil_tests.support.plug import plug_in
 from railhil.bus.mvb import TelegramSource, master_frame
-from railhil.bus.telegrams import NotchCmd, TimeSync, TrnPos, TrnSpeed
+from railhil.bus.telegrams import TimeSync
 from railhil.common.errors import InputError
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Constant, Curve
@@ -34,6 +34,7 @@ from railhil.controller_node.program.tracer import Tracer
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec
+from railhil.wire.ato import NotchCmd, TrnPos, TrnSpeed
 
 SCENARIO = load("lvshun_tieshan")
 CURVE = Curve.sampled("fall", lambda x: 1 - x * x, 24, 24)

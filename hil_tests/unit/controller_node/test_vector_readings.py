@@ -12,10 +12,11 @@ from railhil.bus.layout import CHECK_CORRECT, Telegram, signal
 from railhil.bus.mvb import TelegramSource
 from railhil.bus.responder import Responder
 from railhil.bus.schedule import Schedule
-from railhil.bus.telegrams import RunEvent, TimeSync, TrnPos, TrnSpeed
+from railhil.bus.telegrams import RunEvent, TimeSync
 from railhil.common.errors import InputError
 from railhil.controller_node.vector.law import Interface, Reading
 from railhil.controller_node.vector.readings import Readings
+from railhil.wire.ato import TrnPos, TrnSpeed
 
 TICK_NS = 10_000_000
 AGE_MAX_MS = 50

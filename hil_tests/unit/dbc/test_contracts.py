@@ -1,4 +1,4 @@
-"""Project rules that can be checked automatically: imports, module size, swallowed exceptions, telegram diagrams."""
+"""Project rules that can be checked automatically: imports, module size, swallowed exceptions."""
 
 from __future__ import annotations
 
@@ -7,11 +7,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-import pytest
-
 from hil_tests.support.paths import ROOT, make_tree
-from railhil.bus import ident, safe_telegrams, telegrams
-from railhil.bus.layout import Telegram
 
 PACKAGES = (
     "dbc",
@@ -57,30 +53,3 @@ def test_no_exception_is_swallowed_in_silence() -> None:
                 if node.type is None or (bare and empty):
                     silent.append(f"{path.relative_to(ROOT)}:{node.lineno}")
     assert silent == []
-
-
-def telegram_classes() -> list[type[Telegram]]:
-    found = [
-        item
-        for module in (telegrams, safe_telegrams, ident)
-        for item in vars(module).values()
-        if isinstance(item, type) and issubclass(item, Telegram) and item is not Telegram
-    ]
-    return sorted(found, key=lambda item: item.__name__)
-
-
-@pytest.mark.parametrize("telegram", telegram_classes(), ids=lambda item: item.__name__)
-def test_every_telegram_draws_its_layout(telegram: type[Telegram]) -> None:
-    text = telegram.__doc__ or ""
-    if "see :class:`Ident`" in text:
-        text = ident.Ident.__doc__ or ""
-    _, mark, drawing = text.partition("::\n")
-    assert mark, telegram.__name__
-    assert drawing.count("+-") >= 2
-    assert drawing.count("|") >= 2
-
-
-def test_there_are_telegrams_for_all_ports() -> None:
-    from railhil.dbc import wire_contract
-
-    assert {item.PORT for item in telegram_classes()} == {port.name for port in wire_contract().ports}

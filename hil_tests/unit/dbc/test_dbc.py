@@ -6,7 +6,6 @@ import dataclasses
 import subprocess
 import sys
 from functools import cache
-from typing import ClassVar
 
 import cantools
 import pytest
@@ -14,8 +13,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import railhil.bus.ident
-import railhil.bus.safe_telegrams
 import railhil.bus.telegrams
+import railhil.wire.ato
 from hil_tests.support.candump import candump_line
 from hil_tests.support.paths import ROOT
 from railhil.bus.layout import Telegram, signal
@@ -30,7 +29,7 @@ FOLDER = ROOT / "dbc"
 CLASSES = list(
     {
         kind.PORT: kind
-        for module in (railhil.bus.telegrams, railhil.bus.safe_telegrams, railhil.bus.ident)
+        for module in (railhil.bus.telegrams, railhil.wire.ato, railhil.bus.ident)
         for kind in vars(module).values()
         if isinstance(kind, type) and issubclass(kind, Telegram) and "PORT" in vars(kind)
     }.values()
@@ -46,15 +45,8 @@ def telegrams() -> st.SearchStrategy[Telegram]:
     """Random telegrams of every class, over the whole raw range of each signal."""
 
     def of_class(cls: type[Telegram]) -> st.SearchStrategy[Telegram]:
-        ranges = [item.raw_range for item in cls.port().signals]
-        names = [name for name, _ in cls().items()]
-        by_order = {item.name: item.raw_range for item in cls.port().signals}
-        assert len(names) == len(by_order) == len(ranges)
-        prefix = cls.PORT.split("_")[0].capitalize()
-        fields = dataclasses.fields(cls)
-        return st.tuples(
-            *[st.integers(*by_order[item.metadata["signal"].replace("{p}", prefix)]) for item in fields]
-        ).map(lambda values: cls(*values))
+        ranges = {item.field_name: st.integers(*item.raw_range) for item in cls.port().signals}
+        return st.fixed_dictionaries(ranges).map(lambda values: cls(**values))
 
     return st.one_of([of_class(cls) for cls in CLASSES])
 
@@ -71,11 +63,12 @@ def test_dbc_file_is_what_the_port_table_describes():
 def test_a_telegram_class_that_lacks_signals_of_its_port_is_refused():
     @dataclasses.dataclass(slots=True)
     class Short(Telegram):
-        PORT: ClassVar[str] = "TRN_SPEED"
-        speed_01mmps: int = signal("TrainSpeed")
+        speed_01mmps: int = 0
         check: int = signal("SpeedChk")
 
     with pytest.raises(TypeError, match="lacks signals of port TRN_SPEED: SpeedSpare, SpeedLife"):
+        Short.bound(wire_contract().port("TRN_SPEED"))
+    with pytest.raises(TypeError, match="Short: found no port"):
         Short().encode()
 
 
@@ -83,13 +76,13 @@ def test_a_telegram_of_somebody_else_is_packed_alike():
     """Its fields may have the names that the codec uses for other things."""
 
     @dataclasses.dataclass(slots=True)
-    class Theirs(Telegram):
-        PORT: ClassVar[str] = "TRN_SPEED"
+    class Layout(Telegram):
         word: int = signal("TrainSpeed")
         kind: int = signal("SpeedChk")
         telegram: int = signal("SpeedSpare")
         data: int = signal("SpeedLife")
 
+    Theirs = Layout.bound(wire_contract().port("TRN_SPEED"))
     telegram = Theirs(-70_000, 1, 2, 3)
     assert telegram.encode() == (-70_000).to_bytes(3, signed=True) + bytes([0b01_10_0011])
     assert Theirs.decode(telegram.encode()) == telegram
@@ -122,7 +115,7 @@ def test_cantools_decodes_every_frame_and_agrees(telegram, fd):
 
 def test_value_that_does_not_fit_is_refused():
     with pytest.raises(OverflowError, match=r"TRN_SPEED\.speed_01mmps: found 8388608, allowed -8388608\.\.8388607"):
-        railhil.bus.telegrams.TrnSpeed(1 << 23).encode()
+        railhil.wire.ato.TrnSpeed(1 << 23).encode()
 
 
 @pytest.mark.parametrize("port", wire_contract().ports, ids=lambda port: port.name)
@@ -191,7 +184,7 @@ def test_foreign_dbc_beside_the_table_is_refused(tmp_path):
 def test_candump_piped_into_cantools_decode():
     """A user without our code: candump text in, signals out."""
     frames = TelegramSource(wire_contract().port("TRN_SPEED")).frames(
-        railhil.bus.telegrams.TrnSpeed(200_000, life=9).encode()
+        railhil.wire.ato.TrnSpeed(200_000, life=9).encode()
     )
     done = subprocess.run(
         [sys.executable, "-m", "cantools", "decode", str(FOLDER / "railhil.dbc")],

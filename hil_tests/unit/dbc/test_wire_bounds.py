@@ -12,7 +12,7 @@ from railhil.bus.codes import Event
 from railhil.bus.layout import Telegram
 from railhil.bus.mvb import TelegramSource
 from railhil.bus.store import TrafficStore
-from railhil.bus.telegrams import BalisePassed, CtlStat, RunEvent, SimTruth, TimeSync, TrkInfo, TrnPos
+from railhil.bus.telegrams import RunEvent, TimeSync
 from railhil.common.errors import InputError
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.ato.loop import ControlLoop
@@ -23,6 +23,7 @@ from railhil.record.trace import Trace
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec
 from railhil.scenarios.schema import DISTANCE_MAX_M, RUNNING_TIME_MAX_S, PlanTable
+from railhil.wire.ato import BalisePassed, CtlStat, SimTruth, TrkInfo, TrnPos
 
 #: Over the stopping point by this, and as much later; the plant goes on for some minutes after the timetable.
 _OVER_M, _OVER_S = 20_000.0, 1200.0
@@ -73,7 +74,7 @@ def test_every_periodic_telegram_of_the_plant_at_the_far_end(longest: Scenario, 
 def test_milestones_and_balises_at_the_far_end() -> None:
     instant, place = round((RUNNING_TIME_MAX_S + _OVER_S) * 1e4), round((DISTANCE_MAX_M + _OVER_M) * 1e4)
     for telegram in (
-        RunEvent(Event.STOPPED, instant, place, 65_535),
+        RunEvent(Event.STOPPED, 65_535, instant, place),
         BalisePassed(255, round((DISTANCE_MAX_M + _OVER_M) * 1000), 65_535),
         to_time_sync(instant // 100, 10_000_000, rate_10th=255, state=3, life=15),
         CtlStat(step_count=round(RUNNING_TIME_MAX_S / 0.2) & 0xFFFF),
@@ -87,7 +88,7 @@ def test_the_record_reads_what_was_sent() -> None:
     truths = [(0, 0), (2**31, 1_000_000), (4_200_000_000, -1), (-5, 0), (2**33 - 1, 2**23 - 1), (-(2**33), -(2**23))]
     for position, speed in truths:
         trace.add(SimTruth.PORT, 0, SimTruth(position, speed).encode())
-        trace.add(RunEvent.PORT, 0, RunEvent(2, abs(position) % 2**32, position, 7).encode())
+        trace.add(RunEvent.PORT, 0, RunEvent(2, 7, abs(position) % 2**32, position).encode())
     assert trace.raw(SimTruth.PORT, "TruePos").tolist() == [position for position, _ in truths]
     assert trace.raw(SimTruth.PORT, "TrueSpeed").tolist() == [speed for _, speed in truths]
     assert trace.raw(RunEvent.PORT, "EventPos").tolist() == [position for position, _ in truths]

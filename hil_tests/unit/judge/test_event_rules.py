@@ -11,12 +11,10 @@ import pytest
 from hil_tests.support.disturbed import damaged
 from hil_tests.support.paths import TEST_DATA
 from hil_tests.support.told import told
-from railhil.bus.codes import CtlCause, CtlMode, WatchCause
 from railhil.bus.frame import ERROR, EXTENDED, Frame
 from railhil.bus.ident import PltIdent, Role
 from railhil.bus.layout import CHECK_CORRECT, FLAG_FALSE, FLAG_TRUE, Telegram
 from railhil.bus.mvb import TelegramSource, master_frame
-from railhil.bus.telegrams import NotchCmd, PltStat, TrnPos, TrnSpeed, TrnWatch
 from railhil.controller_node.ato.guard import SPEED_MAX_01MMPS
 from railhil.dbc import recorded_contract, wire_contract
 from railhil.judge.events.derive import events_of
@@ -26,6 +24,7 @@ from railhil.record.trace import Trace, trace_of
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario
 from railhil.systems.ato.events import SPEED_RANGE_01MMPS
+from railhil.wire.ato import CtlCause, CtlMode, NotchCmd, PltStat, TrnPos, TrnSpeed, TrnWatch, WatchCause
 
 TICK_NS = 10_000_000
 

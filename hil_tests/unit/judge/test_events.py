@@ -22,7 +22,6 @@ from hil_tests.support.recordings import row_of
 from hil_tests.support.short_runs import RUN_72M_TOML
 from hil_tests.support.told import told
 from railhil.bus.frame import Frame
-from railhil.bus.telegrams import NotchCmd, TrnPos, TrnSpeed
 from railhil.judge.events.derive import events_of
 from railhil.judge.events.event import COLUMNS
 from railhil.judge.events.summary import explained, summary, why
@@ -33,6 +32,7 @@ from railhil.report.recorded import RecordedRun
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.wire.ato import NotchCmd, TrnPos, TrnSpeed
 
 #: Events of every run.
 USUAL = [("train", "start", "no_command"), *(("plant", "milestone", name) for name in ("departed", "stopped"))]

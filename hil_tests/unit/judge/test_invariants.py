@@ -8,15 +8,14 @@ from typing import Any
 
 import pytest
 
-from railhil.bus.codes import CtlMode
 from railhil.bus.ident import PltIdent, Role, make_ident
-from railhil.bus.telegrams import NotchCmd, SimTruth, TrnPos, TrnSpeed, TrnWatch
 from railhil.judge.invariants import GOOD_NEEDED, broken
 from railhil.judge.score import score
 from railhil.plant_sim.ato.command_watch import GOOD_AFTER_SERVICE_BRAKE as TRAIN_AFTER_BRAKE
 from railhil.plant_sim.ato.command_watch import GOOD_AFTER_TRACTION_CUT as TRAIN_AFTER_CUT
 from railhil.record.trace import NodeCounters, Trace
 from railhil.scenarios.load import load, load_any
+from railhil.wire.ato import CtlMode, NotchCmd, SimTruth, TrnPos, TrnSpeed, TrnWatch
 
 SCENARIO = load("lvshun_tieshan")
 TICK_NS = 10_000_000

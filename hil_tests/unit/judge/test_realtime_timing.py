@@ -14,7 +14,7 @@ from hil_tests.support.recordings import recorded_folder
 from hil_tests.support.short_runs import RUN_2M_TOML
 from railhil.bus.frame import Frame
 from railhil.bus.mvb import TelegramSource, master_frame
-from railhil.bus.telegrams import NotchCmd, SupCmd
+from railhil.bus.telegrams import SupCmd
 from railhil.cli import commands
 from railhil.common.command_line import parse
 from railhil.common.errors import InputError
@@ -43,6 +43,7 @@ from railhil.report.page import page
 from railhil.report.recorded import RecordedRun
 from railhil.run.conclusion import late_reason
 from railhil.scenarios.load import load
+from railhil.wire.ato import NotchCmd
 
 SCHEDULING = {"plant": "SCHED_FIFO 40, memory locked", "supervisor": "normal scheduling"}
 

@@ -11,7 +11,7 @@ import pytest
 
 from railhil.bus.codes import Event
 from railhil.bus.ident import Role, make_ident
-from railhil.bus.telegrams import CtlStat, RunEvent, SimTruth, TrnWatch
+from railhil.bus.telegrams import RunEvent
 from railhil.dbc import Contract, wire_contract
 from railhil.faults.truth import HOLE_MAX_S
 from railhil.judge import record_checks as witness
@@ -21,6 +21,7 @@ from railhil.judge.score import score
 from railhil.record.trace import Trace
 from railhil.scenarios.load import load
 from railhil.scenarios.model import TargetCurve
+from railhil.wire.ato import CtlStat, SimTruth, TrnWatch
 
 LVSHUN = load("lvshun_tieshan")
 #: 0.5 m/s2 for 2 s and back to rest, at 2 m after 4 s; 10 m/s allowed.
@@ -58,7 +59,7 @@ def record(
             trace.add(SimTruth.PORT, ms * 1_000_000, other.encode())
     for place, (event, instant_01ms, where_01mm) in enumerate(events):
         number = place + 1 if numbers is None else numbers[place]
-        trace.add(RunEvent.PORT, instant_01ms * 100_000, RunEvent(event, instant_01ms, where_01mm, number).encode())
+        trace.add(RunEvent.PORT, instant_01ms * 100_000, RunEvent(event, number, instant_01ms, where_01mm).encode())
     return trace
 
 

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from railhil.bus.codes import Event
+from railhil.bus.codes import Event, ends_run
 from railhil.bus.errors import PeerSilent
 from railhil.bus.frame import Frame
 from railhil.bus.local import LocalBus
@@ -97,7 +97,7 @@ def test_a_plant_waits_for_its_own_interface_and_not_for_the_supervisor(run_2m: 
     # Two and a half periods of the poll, 20 ms: fewer than 20 polls, also of a plant that makes up for lost time.
     plant = PlantNode(run_2m, run, bus, reply_ns=2_000_000, silence_ns=0)
     if is_down:
-        assert plant.run().ends_run
+        assert ends_run(plant.run())
         assert plant.administrator.counters["missed_polls"] >= 20
     else:
         with pytest.raises(PeerSilent, match=r"supervisor silent for 0\.02 s"):

@@ -9,7 +9,7 @@ import pytest
 from railhil.bus.codes import Event
 from railhil.bus.layout import CHECK_CORRECT, CHECK_ERRONEOUS, Telegram
 from railhil.bus.schedule import Schedule
-from railhil.bus.telegrams import CtlStat, NotchCmd, SimTruth, SupCmd, TimeSync, TrnPos, TrnSpeed
+from railhil.bus.telegrams import SupCmd, TimeSync
 from railhil.dbc import Port
 from railhil.plant_sim.any_plant import PlantError
 from railhil.plant_sim.ato.events import PlantEvent
@@ -20,6 +20,7 @@ from railhil.plant_sim.cycle import TickLoop
 from railhil.plant_sim.milestones import Milestones
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Balise, Scenario
+from railhil.wire.ato import CtlStat, NotchCmd, SimTruth, TrnPos, TrnSpeed
 
 
 def scenario_of(running_time_s: float) -> Scenario:

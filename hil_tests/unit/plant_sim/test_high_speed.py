@@ -8,7 +8,6 @@ from typing import Any
 
 import pytest
 
-from railhil.bus.high_speed import SAFE, UnitCause, UnitLevel
 from railhil.faults.language import parse
 from railhil.faults.words import CLEAR, words_at
 from railhil.plant_sim.high_speed import train as train_module
@@ -32,6 +31,8 @@ from railhil.scenarios.system import system_named
 from railhil.systems.high_speed import HST1
 from railhil.systems.high_speed.target import emergency_curve, journey_curve
 from railhil.systems.high_speed.task import CouplerTable
+from railhil.wire.high_speed import UnitCause, UnitLevel
+from railhil.wire.power_units import SAFE
 
 SCENARIO: Any = load_any("hst_short")
 TASK = SCENARIO.task

@@ -7,8 +7,8 @@ from types import SimpleNamespace
 import pytest
 
 from railhil.bus.layout import CHECK_CORRECT, Telegram
-from railhil.bus.telegrams import NotchCmd, TrnSpeed
 from railhil.plant_sim.timed_run import TimedPlant
+from railhil.wire.ato import NotchCmd, TrnSpeed
 
 SCENARIO = SimpleNamespace(timing=SimpleNamespace(base_tick_ns=10_000_000), task=SimpleNamespace(duration_s=1.0))
 

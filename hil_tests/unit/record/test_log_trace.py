@@ -14,13 +14,13 @@ from hil_tests.support.changed_records import Recorded, changed_records, recorde
 from hil_tests.support.other_frames import OTHERS
 from railhil.bus.frame import ERROR, EXTENDED, REMOTE, Frame
 from railhil.bus.mvb import TelegramSource
-from railhil.bus.telegrams import SimTruth
 from railhil.dbc import wire_contract
 from railhil.record.blf_writer import write_blf
 from railhil.record.framelog import log_line, log_sha256, read_log, telegrams_sha256
 from railhil.record.log_trace import trace_of_log
 from railhil.record.senders import Senders
 from railhil.record.trace import Trace, TraceReader, trace_of
+from railhil.wire.ato import SimTruth
 
 #: Lines of the record that is changed.
 LINES = 120

@@ -18,13 +18,14 @@ from railhil.bus.codes import Event
 from railhil.bus.frame import ERROR, EXTENDED, REMOTE, Frame
 from railhil.bus.hub.wire import CLASSIC_SIZE, pack_frame, unpack_frames
 from railhil.bus.mvb import TelegramSource, master_frame
-from railhil.bus.telegrams import RunEvent, TrnSpeed
+from railhil.bus.telegrams import RunEvent
 from railhil.dbc import wire_contract
 from railhil.record.framelog import FrameLog, LateLines, log_line
 from railhil.record.packets import PACKED, Packets
 from railhil.record.session import Session
 from railhil.scenarios.load import load_any
 from railhil.scenarios.run_spec import RunSpec
+from railhil.wire.ato import TrnSpeed
 
 #: Faults of the port that opens the ticks, and of another one: the recorder then keeps another time.
 FAULTS = ("TRN_SPEED loss @1s x3 combine", "TRN_SPEED corrupt @2s x2 combine", "TRN_POS loss @3s x3")

@@ -12,11 +12,11 @@ from railhil.bus.hub.wire import pack_frames
 from railhil.bus.layout import Telegram
 from railhil.bus.mvb import F_DEVICE_STATUS, TelegramSource, master_frame
 from railhil.bus.sent import SentFrames
-from railhil.bus.telegrams import NotchCmd, PltStat, SimTruth, TrnSpeed
 from railhil.dbc import wire_contract
 from railhil.record.framelog import CHANNEL, log_line
 from railhil.record.log_columns import classic_columns
 from railhil.record.senders import EqualFrames, Findings, Senders, read_sent, sent_file
+from railhil.wire.ato import NotchCmd, PltStat, SimTruth, TrnSpeed
 
 TICK_NS = 10_000_000
 POLL = master_frame(NotchCmd.port().f_code, NotchCmd.port().address)

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from hil_tests.support.recordings import recorded_folder
-from railhil.bus.telegrams import CtlStat
 from railhil.judge.signals import signal_table
 from railhil.record.notes import note_values, notes_of, told_notes
 from railhil.record.trace import Trace
 from railhil.report.page import page
 from railhil.report.recorded import RecordedRun
 from railhil.scenarios.model import Scenario
+from railhil.wire.ato import CtlStat
 
 TURN = {
     "signal": "Note3",

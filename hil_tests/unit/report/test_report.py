@@ -14,7 +14,6 @@ import pytest
 from hil_tests.support.html import Reader
 from hil_tests.support.recordings import recorded_folder, row_of
 from hil_tests.support.scores import with_values
-from railhil.bus.telegrams import CtlStat, NotchCmd
 from railhil.bus.transports import limits, limits_of
 from railhil.dbc import wire_contract
 from railhil.judge.score import score
@@ -28,6 +27,7 @@ from railhil.scenarios.model import Scenario
 from railhil.systems.ato import panels as ato_panels
 from railhil.systems.ato.judging import JUDGING, stopped_within
 from railhil.systems.ato.panels import Drawn
+from railhil.wire.ato import CtlStat, NotchCmd
 
 
 @pytest.fixture(scope="module")

@@ -10,7 +10,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from railhil.bus.high_speed import wire
 from railhil.common.errors import InputError
 from railhil.controller_node.laws import find
 from railhil.library import Outcome
@@ -35,6 +34,7 @@ from railhil.reproduce.paper import Entry, Measurement, Results
 from railhil.scenarios.load import load_any
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.system import system_named
+from railhil.wire.power_units import wire
 
 SEEDS = (1, 2)
 UNITS_PORTS = (wire(3).truth.PORT,)

@@ -22,7 +22,6 @@ from dataclasses import replace
 from math import copysign, inf
 from typing import NamedTuple
 
-from railhil.bus.codes import WatchCause
 from railhil.plant_sim.ato import dynamics
 from railhil.plant_sim.ato.dynamics import Lag, Motion, Window
 from railhil.plant_sim.ato.faults.drive import Side, capped, shared
@@ -31,6 +30,7 @@ from railhil.plant_sim.ato.train_checks import OwnChecks
 from railhil.plant_sim.faults.injections import Injections
 from railhil.plant_sim.forces import TrainConstants, effort_limit_n
 from railhil.scenarios.model import Scenario, Train
+from railhil.wire.ato import WatchCause
 
 #: Rotating mass as a share of the mass, for a train whose data has less.
 _ROTATING_MIN = 0.01

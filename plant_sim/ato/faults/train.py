@@ -6,10 +6,7 @@ from collections.abc import Callable, Sequence
 from math import nan
 from typing import Any
 
-from railhil.bus.codes import CtlMode
 from railhil.bus.layout import CHECK_ERRONEOUS, Telegram
-from railhil.bus.safe_telegrams import SpeedSdt
-from railhil.bus.telegrams import BalisePassed, NotchCmd, TrnPos, TrnSpeed
 from railhil.faults.capability import MISMATCHES
 from railhil.faults.model import Fault
 from railhil.plant_sim import force_tables
@@ -24,6 +21,7 @@ from railhil.plant_sim.faults.mismatch import Mismatch
 from railhil.plant_sim.faults.readings import FaultyReader, FaultySensor, UnreadBalise, quantity_of
 from railhil.scenarios.model import Balise, Scenario
 from railhil.scenarios.perturb import perturbed
+from railhil.wire.ato import BalisePassed, CtlMode, NotchCmd, SpeedSdt, TrnPos, TrnSpeed
 
 #: Modes of the controller as events.
 _MODES = {int(mode): mode.name.lower() for mode in CtlMode}

@@ -9,7 +9,6 @@ from pathlib import Path
 
 import numpy as np
 
-from railhil.bus.high_speed import wire
 from railhil.controller_node.high_speed.training import Recipe
 from railhil.judge.record import Record
 from railhil.learning.models import train_models
@@ -21,6 +20,7 @@ from railhil.reproduce.paper import Entry, read_text
 from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.systems.high_speed.ride import Ride
+from railhil.wire.power_units import wire
 
 TEXT = read_text(__package__)
 #: The law of the paper with one unit, its comparators, the baselines that a law with a network is judged against, and

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from railhil.bus.codes import CtlMode
 from railhil.bus.layout import FLAG_TRUE
-from railhil.bus.telegrams import NotchCmd, PltStat, TrnPos, TrnSpeed, TrnWatch
 from railhil.judge.events.declared import Interlocks, Received, Watch
 from railhil.scenarios.model import Scenario
+from railhil.wire.ato import CtlMode, NotchCmd, PltStat, TrnPos, TrnSpeed, TrnWatch
 
 _NOTCH_LSB_PER_NOTCH = 256
 #: Speeds that the controller accepts (0.1 mm/s); a test compares with :mod:`railhil.controller_node.ato.guard`.

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from railhil.bus.telegrams import CtlStat, NotchCmd, SimTruth, TrkInfo, TrnPos, TrnSpeed
 from railhil.common.digits import beside
 from railhil.common.law_order import LAW_ORDER
 from railhil.judge.counters import unchecked, unreconciled
@@ -21,6 +20,7 @@ from railhil.report.recorded import RecordedRun, wanted_mps
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.system import system_named
 from railhil.systems.ato.events import INTERLOCKS, WATCHES, received
+from railhil.wire.ato import CtlStat, NotchCmd, SimTruth, TrkInfo, TrnPos, TrnSpeed
 
 #: The shipped law that knows the train's position.
 _WITH_POSITION = "ipfc_plus"

@@ -17,7 +17,6 @@ from railhil.batch.case import BatchResult, Case, result_of
 from railhil.batch.columns import Columns
 from railhil.batch.coupled import digest_of, run_coupled
 from railhil.bus.codes import Event
-from railhil.bus.high_speed import ACCEL_PER_MPS2, SPEED_PER_MPS, TRUE_PER_UNIT, wire
 from railhil.bus.schedule import Schedule
 from railhil.bus.telegrams import RunEvent
 from railhil.controller_node.arithmetic import make
@@ -34,6 +33,7 @@ from railhil.scenarios.system import system_named
 from railhil.systems.high_speed import EVENTS
 from railhil.systems.high_speed.fleet import Waysides, made, noise_normals, wind_normals
 from railhil.systems.high_speed.kernel import COUPLER_MAX, DRIVE, SPEED, STANDS, UNITS, advance_fleet
+from railhil.wire.power_units import ACCEL_PER_MPS2, SPEED_PER_MPS, TRUE_PER_UNIT, wire
 
 #: Runs computed together; a journey of an hour takes about 1 MB for each, three units twice that.
 CHUNK = 64

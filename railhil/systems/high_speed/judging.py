@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 
 from railhil.bus.codes import Event
-from railhil.bus.high_speed import UnitLevel, Wire, wire
 from railhil.bus.telegrams import RunEvent
 from railhil.common.digits import count_of
 from railhil.judge.criteria import DID_NOT_STOP, Criterion, Limit, scores, unscored
@@ -19,6 +18,8 @@ from railhil.record.status import Status, wrap_failure
 from railhil.record.trace import Trace
 from railhil.systems.high_speed.ride import SCORED_FROM_MPS, Ride
 from railhil.systems.high_speed.target import journey_curve
+from railhil.wire.high_speed import UnitLevel
+from railhil.wire.power_units import Wire, wire
 
 RMSE = Criterion(
     "rmse_kmh", "RMSE", "km/h", 4, Ride.rmse_kmh, limit=Limit(lambda scenario: scenario.task.rmse_max_kmh, 0)

@@ -8,20 +8,20 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 from railhil.batch import compiled
-from railhil.bus import high_speed
-from railhil.bus.high_speed import TRUE_PER_UNIT
 from railhil.common.compilable import larger, smaller
 from railhil.plant_sim.high_speed import dynamics, watch
 from railhil.plant_sim.high_speed import train as train_module
 from railhil.plant_sim.high_speed.dynamics import Drive, Grades, UnitMotion, coupler_n, joined, moved
 from railhil.plant_sim.high_speed.train import REMEMBERED, STEP_S
 from railhil.plant_sim.high_speed.watch import brake_looked_at
+from railhil.wire import power_units
+from railhil.wire.power_units import TRUE_PER_UNIT
 
 #: Columns of the truth before those of units and couplers.
 SPEED, DRIVE, STANDS, UNITS = range(4)
 COUPLER_MAX = 0x7FFF
 #: Sources of the machine code.
-_SOURCES = (__file__, dynamics, train_module, watch, high_speed)
+_SOURCES = (__file__, dynamics, train_module, watch, power_units)
 
 
 class Common(NamedTuple):

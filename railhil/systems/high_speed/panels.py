@@ -7,11 +7,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from railhil.bus.high_speed import NOTES, wire
 from railhil.charts.figure import TARGET, TIME, Chart, Curve, Figure
 from railhil.record.trace import FloatArray
 from railhil.report.styles import Style, styles
 from railhil.systems.high_speed.ride import Ride
+from railhil.wire.power_units import NOTES, wire
 
 _KMH = 3.6
 _PLACE = "position (km)"

@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from railhil.bus.high_speed import Wire, wire
 from railhil.bus.telegrams import RunEvent
 from railhil.record.trace import FloatArray, Trace
 from railhil.systems.high_speed import EVENTS
+from railhil.wire.power_units import Wire, wire
 
 #: Below this target speed the run is not scored: the holding brake acts, and no linear model is valid.
 SCORED_FROM_MPS = 0.5

@@ -21,7 +21,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
-from railhil.bus.high_speed import ACCEL_PER_MPS2
 from railhil.common.exit_codes import guarded
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.vector.controller import VectorLoop
@@ -29,6 +28,7 @@ from railhil.plant_sim.high_speed.train import HighSpeedTrain, Wayside
 from railhil.scenarios.load import load_any
 from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.system import system_named
+from railhil.wire.power_units import ACCEL_PER_MPS2
 
 SCENARIO = "jinan_xuzhou"
 #: Seed of the training run, and evaluations for each law.

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from railhil.bus.codes import Event
-from railhil.bus.stopping import BrakeCommand, Truth
 from railhil.bus.telegrams import RunEvent
 from railhil.judge.record_checks import STAMP_ERROR_MAX_S
 from railhil.record.trace import FloatArray, Trace
+from railhil.wire.stop import BrakeCommand, Truth
 
 #: The jerk is taken over this time.
 _JERK_S = 0.192

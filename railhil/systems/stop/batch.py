@@ -18,18 +18,6 @@ from railhil.batch.columns import Columns
 from railhil.batch.coupled import command_digest, digest_of, run_coupled
 from railhil.batch.stacked import StackedLaw
 from railhil.bus.codes import Event
-from railhil.bus.stopping import (
-    CONTRACT,
-    MM,
-    START_PER_S,
-    TRUE_PER_UNIT,
-    AtoState,
-    BrakeCommand,
-    BrakeStatus,
-    StopReport,
-    TrainState,
-    Truth,
-)
 from railhil.bus.telegrams import RunEvent
 from railhil.common.digits import count_of
 from railhil.common.output import Output
@@ -47,6 +35,8 @@ from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import system_named
 from railhil.systems.stop.fleet import made
 from railhil.systems.stop.kernel import DRIVE, POSITION, SPEED, advance_stops
+from railhil.wire.stop import AtoState, BrakeCommand, BrakeStatus, StopReport, TrainState, Truth
+from railhil.wire.stop_counts import CONTRACT, MM, START_PER_S, TRUE_PER_UNIT
 
 #: Runs computed together; each takes about 0.4 MB.
 CHUNK = 256

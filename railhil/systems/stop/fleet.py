@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from railhil.bus.stopping import SAMPLES
 from railhil.plant_sim.high_speed.watch import answer_ticks, share_of
 from railhil.plant_sim.stop.draws import RunDraw, drawn_run, drawn_train
 from railhil.plant_sim.stop.train import TICK_S, course_of, start_of, wander_of
 from railhil.scenarios import streams
 from railhil.scenarios.run_spec import RunSpec
 from railhil.systems.stop.kernel import Common, Fleet
+from railhil.wire.stop_counts import SAMPLES
 
 #: Commands that may be on their way beside those of the delay: one begins within a tick, one has just come.
 _MORE = 4

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from railhil.bus.codes import Event
-from railhil.bus.stopping import BrakeCommand, BrakeLevel, BrakeStatus, Odo, SpeedRaw, StopReport, Truth
 from railhil.bus.telegrams import RunEvent
 from railhil.judge.criteria import DID_NOT_STOP, Criterion, Limit, SequenceMeasure, scores, unscored
 from railhil.judge.events.declared import Watch
@@ -18,6 +17,7 @@ from railhil.judge.score import Score
 from railhil.record.status import Status, wrap_failure
 from railhil.record.trace import Trace
 from railhil.systems.stop.approach import Approach
+from railhil.wire.stop import BrakeCommand, BrakeLevel, BrakeStatus, Odo, SpeedRaw, StopReport, Truth
 
 #: Median in fixed point against float64: a stop is as exact as lengths on the bus are, whatever the law makes of it.
 _AUDIT_ALLOWED_M = 0.001

@@ -8,8 +8,6 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 from railhil.batch import compiled
-from railhil.bus import stopping
-from railhil.bus.stopping import MM, SAMPLE_S, SAMPLES
 from railhil.common.compilable import larger, smaller
 from railhil.plant_sim.high_speed import watch
 from railhil.plant_sim.high_speed.watch import brake_looked_at
@@ -17,9 +15,11 @@ from railhil.plant_sim.stop import brake
 from railhil.plant_sim.stop import train as train_module
 from railhil.plant_sim.stop.brake import Course, Going, Motion, achieved, gone_on
 from railhil.plant_sim.stop.train import SPEED_RAW_MAX, TICK_S
+from railhil.wire import stop_counts
+from railhil.wire.stop_counts import MM, SAMPLE_S, SAMPLES
 
 #: Sources of the machine code.
-_SOURCES = (__file__, brake, train_module, watch, stopping)
+_SOURCES = (__file__, brake, train_module, watch, stop_counts, str(stop_counts.TABLE))
 #: Columns of the record.
 POSITION, SPEED, DRIVE = range(3)
 

@@ -7,11 +7,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from railhil.bus.stopping import AtoState, BrakeCommand, SpeedRaw, Stage
 from railhil.charts.figure import TIME, ZERO, Area, Chart, Curve, Figure, Look
 from railhil.record.trace import FloatArray
 from railhil.report.styles import Style, styles
 from railhil.systems.stop.approach import Approach
+from railhil.wire.stop import AtoState, BrakeCommand, SpeedRaw, Stage
 
 _KMH = 3.6
 #: Margins above this many metres are outside the figure: what matters is where the margin reaches 0.

@@ -6,10 +6,10 @@ from dataclasses import replace
 
 import pytest
 
-from railhil.bus.telegrams import NotchCmd, TrnSpeed
 from railhil.controller_node.ato import channel
 from railhil.controller_node.ato.channel import Debt, Latency
 from railhil.scenarios.load import load
+from railhil.wire.ato import NotchCmd, TrnSpeed
 
 SCENARIO = load("lvshun_tieshan")
 MS = 1_000_000

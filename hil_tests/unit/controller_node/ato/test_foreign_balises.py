@@ -10,10 +10,10 @@ from hypothesis import strategies as st
 
 from hil_tests.support.exported import STRICT
 from hil_tests.support.foreign import build, export_node
-from railhil.bus.telegrams import BalisePassed, TrnPos
 from railhil.controller_node.ato.balises import Balises
 from railhil.controller_node.ato.odometer import Odometer
 from railhil.scenarios.load import load
+from railhil.wire.ato import BalisePassed, TrnPos
 
 pytestmark = pytest.mark.needs_compiler
 

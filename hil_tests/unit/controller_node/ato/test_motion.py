@@ -9,11 +9,11 @@ from math import exp
 
 import pytest
 
-from railhil.bus.codes import CtlCause
 from railhil.controller_node.ato import plausibility
 from railhil.controller_node.ato.plausibility import Motion, MotionLimits, found
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Effort
+from railhil.wire.ato import CtlCause
 
 SCENARIO = load("lvshun_tieshan")
 MS = 1_000_000

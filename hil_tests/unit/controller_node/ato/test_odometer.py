@@ -9,13 +9,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from railhil.bus.codes import CtlCause
-from railhil.bus.telegrams import BalisePassed, TrnPos
 from railhil.controller_node.ato.balises import Balises
 from railhil.controller_node.ato.loop import NO_BALISE
 from railhil.controller_node.ato.odometer import Odometer
 from railhil.controller_node.laws.base import BaliseReading
 from railhil.scenarios.load import load
+from railhil.wire.ato import BalisePassed, CtlCause, TrnPos
 
 SCENARIO = load("lvshun_tieshan")
 MS = 1_000_000

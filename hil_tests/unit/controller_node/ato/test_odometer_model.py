@@ -6,11 +6,10 @@ import random
 from collections import Counter
 from dataclasses import replace
 
-from railhil.bus.codes import CtlCause
-from railhil.bus.telegrams import TrnPos
 from railhil.controller_node.ato import odometer as checked
 from railhil.controller_node.ato.odometer import Odometer
 from railhil.scenarios.load import load
+from railhil.wire.ato import CtlCause, TrnPos
 
 MS = 1_000_000
 S = 1_000_000_000

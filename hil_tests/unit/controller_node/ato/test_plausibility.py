@@ -7,14 +7,13 @@ from typing import Any
 
 import pytest
 
-from railhil.bus.codes import CtlCause
-from railhil.bus.telegrams import TrkInfo, TrnPos, TrnSpeed
 from railhil.controller_node.ato.guard import Guard
 from railhil.controller_node.ato.odometer import Odometer
 from railhil.controller_node.ato.plausibility import MotionLimits
 from railhil.controller_node.ato.speed_watch import SpeedWatchLevel
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Effort
+from railhil.wire.ato import CtlCause, TrkInfo, TrnPos, TrnSpeed
 
 SCENARIO = load("lvshun_tieshan")
 LIMITS = MotionLimits.of(SCENARIO)

@@ -11,7 +11,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hil_tests.support.speed_seen import Seen
-from railhil.bus.codes import CtlCause
 from railhil.controller_node.ato.speed_watch import (
     LEVELS,
     Finding,
@@ -24,6 +23,7 @@ from railhil.controller_node.ato.speed_watch import (
     stronger,
 )
 from railhil.scenarios.load import load
+from railhil.wire.ato import CtlCause
 
 SCENARIO = load("lvshun_tieshan")
 LADDER = Ladder.of(SCENARIO)

@@ -6,11 +6,10 @@ from dataclasses import replace
 
 import pytest
 
-from railhil.bus.codes import CtlCause
-from railhil.bus.telegrams import TrkInfo
 from railhil.controller_node.ato.speed_watch import Finding, SpeedWatchLevel
 from railhil.controller_node.ato.track_info import TrackInfo
 from railhil.scenarios.load import load
+from railhil.wire.ato import CtlCause, TrkInfo
 
 SCENARIO = load("lvshun_tieshan")
 MS = 1_000_000

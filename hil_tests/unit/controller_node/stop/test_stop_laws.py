@@ -8,7 +8,6 @@ from typing import Any
 
 import pytest
 
-from railhil.bus.stopping import BrakeLevel, Stage
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.laws.memory import Remembered
 from railhil.controller_node.stop.distance import StoppingDistance
@@ -17,6 +16,7 @@ from railhil.controller_node.stop.laws.ilc_stop import IlcStop, IlcStopParameter
 from railhil.controller_node.stop.laws.reaim import Reaim, ReaimParameters
 from railhil.controller_node.stop.numbers import Numbers
 from railhil.systems.stop.task import StopTask
+from railhil.wire.stop import BrakeLevel, Stage
 
 NAMES = [reading.name for reading in STOP.readings]
 NOTES = [note.name for note in STOP.notes]

@@ -7,12 +7,12 @@ from dataclasses import replace
 import pytest
 
 from hil_tests.support.plant_faults import SCENARIO, commanded, fault, faulty, moving, shown
-from railhil.bus.codes import WatchCause
 from railhil.faults.model import Fault
 from railhil.plant_sim.ato.command_watch import CommandWatchLevel
 from railhil.plant_sim.ato.faults.train import FaultyTrain
 from railhil.plant_sim.ato.plant import Plant
 from railhil.scenarios.model import Scenario
+from railhil.wire.ato import WatchCause
 
 TRAIN = SCENARIO.train
 WEIGHT_N = TRAIN.mass_kg * TRAIN.gravity_mps2

@@ -8,7 +8,6 @@ from typing import Any
 import pytest
 
 from hil_tests.support.plant_faults import SCENARIO, fault
-from railhil.bus.codes import WatchCause
 from railhil.faults.model import Fault
 from railhil.plant_sim.ato import dynamics
 from railhil.plant_sim.ato.dynamics import Motion, Window
@@ -17,6 +16,7 @@ from railhil.plant_sim.ato.faults.forces import Allowed, Demand, FaultyForces, F
 from railhil.plant_sim.faults.injections import Injections
 from railhil.plant_sim.force_tables import train_constants
 from railhil.scenarios.model import Effort
+from railhil.wire.ato import WatchCause
 
 TICK_NS, TICK_S = 100_000_000, 0.1
 #: 1 t, 10 kN; a notch code is 1 N. Traction of 500 N, a brake of 800 N, of both half at 20 m/s.

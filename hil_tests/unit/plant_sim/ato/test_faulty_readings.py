@@ -9,13 +9,12 @@ import pytest
 
 from hil_tests.support.plant_faults import SCENARIO, commanded, fault, faulty, shown
 from railhil.bus.layout import CHECK_CORRECT, CHECK_ERRONEOUS
-from railhil.bus.safe_telegrams import SpeedSdt
-from railhil.bus.telegrams import TrnPos, TrnSpeed
 from railhil.faults.model import Draw, Fault
 from railhil.faults.sensors import Reading
 from railhil.plant_sim.faults.injections import Injections
 from railhil.plant_sim.faults.readings import FaultySensor, quantity_of
 from railhil.scenarios.fault_list import drawn
+from railhil.wire.ato import SpeedSdt, TrnPos, TrnSpeed
 
 TICK_NS = 10_000_000
 SPEED = quantity_of(TrnSpeed, "speed_01mmps", 1e4)

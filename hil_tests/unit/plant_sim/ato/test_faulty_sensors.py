@@ -8,12 +8,12 @@ from typing import Any
 
 from hil_tests.support.plant_faults import fault, made, said
 from hil_tests.support.scripted import Scripted
-from railhil.bus.telegrams import TrnSpeed
 from railhil.faults.model import Fault
 from railhil.faults.sensors import Quantity, Reading
 from railhil.plant_sim.faults.injections import Injections
 from railhil.plant_sim.faults.readings import FaultyReader, FaultySensor, UnreadBalise, quantity_of
 from railhil.scenarios.model import Balise
+from railhil.wire.ato import TrnSpeed
 
 QUANTITY = Quantity(100.0, -1000, 999)
 

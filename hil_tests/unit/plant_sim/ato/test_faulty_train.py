@@ -7,9 +7,7 @@ from dataclasses import replace
 import pytest
 
 from hil_tests.support.plant_faults import SCENARIO, commanded, fault, faulty, moving, shown
-from railhil.bus.codes import WatchCause
 from railhil.bus.layout import CHECK_ERRONEOUS
-from railhil.bus.telegrams import BalisePassed, TrnPos, TrnSpeed
 from railhil.common.errors import InputError
 from railhil.faults.model import Draw, Fault, Trigger, Word
 from railhil.faults.words import CLEAR, words_at
@@ -20,6 +18,7 @@ from railhil.plant_sim.faults.mismatch import Mismatch
 from railhil.scenarios.load import load_any
 from railhil.scenarios.model import Balise
 from railhil.systems.ato import ATO
+from railhil.wire.ato import BalisePassed, TrnPos, TrnSpeed, WatchCause
 
 TRAIN = SCENARIO.train
 WEIGHT_N = TRAIN.mass_kg * TRAIN.gravity_mps2

@@ -8,10 +8,7 @@ from dataclasses import replace
 import pytest
 
 from hil_tests.support.plant_faults import SCENARIO, commanded, fault, faulty, moving, shown
-from railhil.bus.codes import CtlMode, WatchCause
 from railhil.bus.layout import CHECK_CORRECT, CHECK_ERRONEOUS
-from railhil.bus.safe_telegrams import NotchSdt
-from railhil.bus.telegrams import BalisePassed, NotchCmd, TrnWatch
 from railhil.faults.model import Trigger, Value
 from railhil.plant_sim.any_plant import PlantError
 from railhil.plant_sim.ato.dynamics import Window
@@ -21,6 +18,7 @@ from railhil.plant_sim.ato.plant import Plant
 from railhil.plant_sim.ato.status import LINE_VOLTAGE_MIN_PERCENT
 from railhil.scenarios.model import Balise
 from railhil.scenarios.perturb import perturbed
+from railhil.wire.ato import BalisePassed, CtlMode, NotchCmd, NotchSdt, TrnWatch, WatchCause
 
 
 @pytest.mark.parametrize("field", ["power_on", "pantograph_up", "main_breaker_closed"])

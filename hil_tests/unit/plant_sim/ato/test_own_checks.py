@@ -8,7 +8,6 @@ from typing import Any
 
 import pytest
 
-from railhil.bus.codes import WatchCause
 from railhil.plant_sim.ato import train_checks as checks_of_train
 from railhil.plant_sim.ato.dynamics import Motion
 from railhil.plant_sim.ato.train_checks import (
@@ -26,6 +25,7 @@ from railhil.plant_sim.ato.train_checks import (
 from railhil.plant_sim.force_tables import train_constants
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Effort
+from railhil.wire.ato import WatchCause
 
 SCENARIO = load("lvshun_tieshan")
 CHECKS = TrainChecks(5, 1000.0, 0.5, 100.0, 2, 0.5, 0.25, 20)

@@ -9,8 +9,6 @@ from typing import Any
 import pytest
 
 from railhil.bench import direct_run
-from railhil.bus.codes import WatchCause
-from railhil.bus.telegrams import NotchCmd
 from railhil.common.errors import InputError
 from railhil.plant_sim.ato import dynamics
 from railhil.plant_sim.ato.command_watch import SUSPICIONS, CommandWatchLevel
@@ -23,6 +21,7 @@ from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.perturb import perturbed
 from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.wire.ato import NotchCmd, WatchCause
 
 SCENARIO = load("lvshun_tieshan")
 EMERGENCY = CommandWatchLevel.EMERGENCY

@@ -7,12 +7,12 @@ from itertools import pairwise
 
 import pytest
 
-from railhil.bus.codes import WatchCause
 from railhil.plant_sim.ato.command_watch import CommandWatchLevel
 from railhil.plant_sim.ato.events import PlantEvent
 from railhil.plant_sim.ato.plant import Plant
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Line
+from railhil.wire.ato import WatchCause
 
 TICK_S = 0.01
 SCENARIO = load("lvshun_tieshan")

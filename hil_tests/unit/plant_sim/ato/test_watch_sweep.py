@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from itertools import product
 
-from railhil.bus.codes import WatchCause
 from railhil.plant_sim.ato import command_watch
 from railhil.plant_sim.ato.command_watch import (
     INITIAL,
@@ -17,6 +16,7 @@ from railhil.plant_sim.ato.command_watch import (
     watch_ticks,
 )
 from railhil.scenarios.model import WatchLimits
+from railhil.wire.ato import WatchCause
 
 LIMITS = WatchTicks(2, 4, 7, 11)
 BOTH = (False, True)

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from hil_tests.support.stops import EXACT, FLAT, stop_scenario
-from railhil.bus.stopping import BrakeCause, BrakeLevel
 from railhil.faults.language import parse
 from railhil.plant_sim.stop.faults import FaultyStopPlant
 from railhil.plant_sim.stop.watch import StopWatch
+from railhil.wire.stop import BrakeCause, BrakeLevel
 
 TICK_NS = 16_000_000
 HOLD_TICKS = 63

@@ -16,13 +16,13 @@ from railhil.batch.columns import Columns
 from railhil.batch.coupled import command_digest, digest_of
 from railhil.batch.nodes import batch_of, kernel_of
 from railhil.bench import Result, direct_run, unrecorded_run
-from railhil.bus.high_speed import wire
 from railhil.common.errors import InputError
 from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec
 from railhil.systems.high_speed import batch
 from railhil.systems.high_speed.batch import run_high_speed
+from railhil.wire.power_units import wire
 
 LAWS = ("pid", "mm_gpc", "elm_ngpc", "delay_gpc")
 BRAKING = ("task.start_s=3530", "task.rmse_max_kmh=90")

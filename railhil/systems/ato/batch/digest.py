@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from railhil.batch.case import Ints
-from railhil.bus.telegrams import NotchCmd
 from railhil.record.trace import Trace
 from railhil.scenarios.model import Scenario
+from railhil.wire.ato import NotchCmd
 
 #: Hexadecimal digits of a digest.
 _DIGITS = 16

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from railhil.batch.case import Case
 from railhil.bus.codes import Event
-from railhil.bus.telegrams import SimTruth
 from railhil.controller_node.arithmetic.base import DIVISION_BY_ZERO, SATURATION, WRAP
 from railhil.controller_node.ato.loop import NO_BALISE, POSITION_MAX_01MM
 from railhil.controller_node.laws.base import NOTCH_Q, BaliseReading
@@ -26,6 +25,7 @@ from railhil.systems.ato.batch.kernel import run_period, stand_to_the_end
 from railhil.systems.ato.batch.layout import READ_ENDED
 from railhil.systems.ato.batch.noise import standard_noise
 from railhil.systems.ato.batch.setup import Times, Trains, common, status_tick, trains
+from railhil.wire.ato import SimTruth
 
 Ints: TypeAlias = NDArray[np.int64]
 #: Scale of instants (s) and positions (m) in RUN_EVENT, and of accelerations in SIM_TRUTH.

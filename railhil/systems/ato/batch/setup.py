@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railhil.bus.schedule import Schedule
-from railhil.bus.telegrams import CtlStat, NotchCmd, SimTruth, TrnPos
 from railhil.controller_node.ato.loop import POSITION_MAX_01MM, limited_01mm
 from railhil.judge.journey import ErrorGrid
 from railhil.plant_sim import force_tables
@@ -30,6 +29,7 @@ from railhil.scenarios.profiles import front_speed_limit
 from railhil.scenarios.target import Target
 from railhil.systems.ato.batch import lanes as at
 from railhil.systems.ato.batch.layout import Common, PerTrain
+from railhil.wire.ato import CtlStat, NotchCmd, SimTruth, TrnPos
 
 Ints: TypeAlias = NDArray[np.int64]
 

@@ -12,8 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from railhil.batch import compiled
-from railhil.bus.codes import Event
-from railhil.bus.telegrams import STOP_LEG_MIN_M
+from railhil.bus.codes import STOP_LEG_MIN_M, Event
 from railhil.common.compilable import larger, smaller
 from railhil.judge.measures import error_kmh, limits_under_train, work_j
 from railhil.plant_sim.ato.command_watch import (
