@@ -26,7 +26,7 @@ from railhil.bench import direct_run
 from railhil.common.command_line import SEED_MAX, OneLineParser, parse, whole_number
 from railhil.common.exit_codes import guarded
 from railhil.controller_node.vector.controller import VectorController
-from railhil.reproduce.ngpc.runs import WINDOWS_S, windows_rmse_kmh
+from railhil.reproduce.ngpc.runs import WINDOWS_S, compute_windows_rmse_kmh
 from railhil.scenarios.load import load_any
 from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.run_spec import LawSpec, RunSpec
@@ -113,7 +113,7 @@ def measured(scenario: Any, name: str, law: str, values: Mapping[str, Any], seed
     if scenario.task.emergency is not None:
         rmse_kmh = found["emergency_rmse_kmh"]
     elif scenario.faults:
-        rmse_kmh = windows_rmse_kmh(ride)
+        rmse_kmh = compute_windows_rmse_kmh(ride)
     every = round(1.0 / (ride.time_s[1] - ride.time_s[0]))
     largest = float(np.abs(np.diff(ride.command_mps2[::every])).max())
     wanted = [rmse_kmh, found["max_error_kmh"], found["slope_mps3"], largest, found["energy_kwh"]]

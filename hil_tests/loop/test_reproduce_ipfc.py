@@ -18,7 +18,7 @@ from hil_tests.support.published import PUBLISHED_SHA256
 from railhil.reproduce.comparison import FOLLOWS, FOLLOWS_NOT, OPEN
 from railhil.reproduce.document import make_document, read_document, render_csv, render_page, write_page
 from railhil.reproduce.ipfc import PAPER
-from railhil.reproduce.ipfc.runs import USUAL, laws
+from railhil.reproduce.ipfc.runs import USUAL, list_laws
 from railhil.reproduce.measurement import measure_paper
 from railhil.reproduce.paper import Entry, Results
 
@@ -106,7 +106,7 @@ def test_a_run_that_never_stops_is_shown(written: dict[str, Any]) -> None:
 @pytest.mark.slow
 def test_the_bench_measures_what_the_page_says(made: Results, written: dict[str, Any]) -> None:
     there = {run["run"]: run for run in written["runs"]}
-    assert len(made.runs) == len(laws())
+    assert len(made.runs) == len(list_laws())
     for name, run in made.runs.items():
         assert run.values == there[name]["measured"], name
         assert run.sha256 == there[name]["sha256"]
@@ -125,4 +125,4 @@ def test_figures_are_drawn_from_the_runs(made: Results, written: dict[str, Any],
     for name in ("page.md", "results.json"):
         assert (tmp_path / name).read_bytes() == (FOLDER / name).read_bytes(), WRITE
     for picture in pictures[1:]:
-        assert all(f">{law}<" in picture.svg for law in laws())
+        assert all(f">{law}<" in picture.svg for law in list_laws())

@@ -110,23 +110,23 @@ class FoxgloveBridge:
             self._run = live.listener.run
             self._accepted.clear()
             for viewer in self._viewers.values():
-                self._send(viewer, json.dumps(self._info()))
+                self._send(viewer, json.dumps(self._describe_server()))
         if not len(live.fresh_rows):
             return
         time_ns = live.listener.clock.now_ns
         for viewer in self._viewers.values():
             self._send(viewer, struct.pack("<BQ", _TIME, time_ns))
-        self._signals(live.fresh_rows)
-        self._full(live.fresh_trace)
+        self._send_signals(live.fresh_rows)
+        self._send_telegrams(live.fresh_trace)
 
-    def _signals(self, rows: FloatArray) -> None:
+    def _send_signals(self, rows: FloatArray) -> None:
         step = -(-len(rows) // ROWS_A_LOOK)
         for row in rows[::-step][::-1]:
             self._publish(
                 _SIGNALS_ID, round(float(row[0]) * 1e9), self._columns.packed((row[1:] / self._factors).tolist())
             )
 
-    def _full(self, trace: Trace) -> None:
+    def _send_telegrams(self, trace: Trace) -> None:
         wanted = {channel for viewer in self._viewers.values() for channel in viewer.channels if channel >= _FULL_ID}
         for number in sorted(wanted):
             port = self._ports[number]
@@ -160,13 +160,13 @@ class FoxgloveBridge:
 
     def _readvertise(self) -> None:
         """Something else is shown from now on: tell the viewers which channels have gone and which are new."""
-        before = self._channels()
+        before = self._list_channels()
         self._prepare()
-        now = self._channels()
+        now = self._list_channels()
         gone = [one["id"] for one in before if one not in now]
         texts = [
             json.dumps({"op": "unadvertise", "channelIds": gone}),
-            json.dumps(self._info()),
+            json.dumps(self._describe_server()),
             json.dumps({"op": "advertise", "channels": [one for one in now if one not in before]}),
         ]
         for viewer in self._viewers.values():
@@ -181,15 +181,17 @@ class FoxgloveBridge:
             await connection.close(1002, f"subprotocols: {', '.join(SUBPROTOCOLS)}")
             return
         viewer = Viewer(connection)
-        await connection.send(json.dumps(self._info()))
-        await connection.send(json.dumps({"op": "advertise", "channels": self._channels()}))
+        await connection.send(json.dumps(self._describe_server()))
+        await connection.send(json.dumps({"op": "advertise", "channels": self._list_channels()}))
         if self._token:
-            await connection.send(json.dumps({"op": "advertiseServices", "services": [_service()]}))
+            await connection.send(json.dumps({"op": "advertiseServices", "services": [_describe_service()]}))
         self._viewers[connection] = viewer
         try:
             async for message in connection:
                 try:
-                    answer = self._called(message) if isinstance(message, bytes) else self._asked(viewer, message)
+                    answer = (
+                        self._call_service(message) if isinstance(message, bytes) else self._answer(viewer, message)
+                    )
                 except TooDeep as error:
                     await connection.close(POLICY_VIOLATION, str(error))
                     return
@@ -200,7 +202,7 @@ class FoxgloveBridge:
         finally:
             del self._viewers[connection]
 
-    def _info(self) -> dict[str, Any]:
+    def _describe_server(self) -> dict[str, Any]:
         return {
             "op": "serverInfo",
             "name": "railhil",
@@ -210,16 +212,19 @@ class FoxgloveBridge:
             "sessionId": f"{self._live.session}-{self._run}",
         }
 
-    def _channels(self) -> list[dict[str, Any]]:
-        full = [_channel(number, f"/full/{port.name}", self._messages[number]) for number, port in self._ports.items()]
-        return [_channel(_SIGNALS_ID, "/railhil/signals", self._columns), *full]
+    def _list_channels(self) -> list[dict[str, Any]]:
+        full = [
+            _describe_channel(number, f"/full/{port.name}", self._messages[number])
+            for number, port in self._ports.items()
+        ]
+        return [_describe_channel(_SIGNALS_ID, "/railhil/signals", self._columns), *full]
 
-    def _asked(self, viewer: Viewer, text: str) -> str | None:
+    def _answer(self, viewer: Viewer, text: str) -> str | None:
         try:
             asked = parse_object(text)
             if asked["op"] == "subscribe":
                 known = {_SIGNALS_ID, *self._ports}
-                wanted = {_number(one["channelId"]): _number(one["id"]) for one in asked["subscriptions"]}
+                wanted = {_read_number(one["channelId"]): _read_number(one["id"]) for one in asked["subscriptions"]}
                 viewer.channels |= {channel: number for channel, number in wanted.items() if channel in known}
             elif asked["op"] == "unsubscribe":
                 gone = set(asked["subscriptionIds"])
@@ -230,14 +235,14 @@ class FoxgloveBridge:
             return json.dumps({"op": "status", "level": _WARNING, "message": "not understood"})
         return None
 
-    def _called(self, data: bytes) -> str | bytes:
+    def _call_service(self, data: bytes) -> str | bytes:
         """An order of a viewer: token, and a command of the page as JSON (``{"do": "inject", "fault": 1}``)."""
         try:
             opcode, service, call, length = struct.unpack_from("<BIII", data)
             encoding, payload = data[13 : 13 + length], data[13 + length :]
             if (opcode, service, encoding) != (_SERVICE_REQUEST, _ORDER_SERVICE, b"cdr") or not self._token:
                 raise ValueError("no such service")
-            token, text = _strings(payload)
+            token, text = _read_strings(payload)
             command = parse_object(text)
         except TooDeep:
             raise
@@ -249,7 +254,7 @@ class FoxgloveBridge:
         return struct.pack("<BIII", _SERVICE_RESPONSE, service, call, 3) + b"cdr" + response
 
 
-def _number(found: Any) -> int:
+def _read_number(found: Any) -> int:
     """A number that a viewer has chosen, which goes back to it in 32 bit. Raises ValueError."""
     if not isinstance(found, int) or not 0 <= found < 1 << 32:
         raise ValueError("no number of 32 bit")
@@ -267,7 +272,7 @@ def _refuse(connection: ServerConnection, request: Request) -> Response | None:
     return None
 
 
-def _channel(number: int, topic: str, message: Message) -> dict[str, Any]:
+def _describe_channel(number: int, topic: str, message: Message) -> dict[str, Any]:
     return {
         "id": number,
         "topic": topic,
@@ -278,7 +283,7 @@ def _channel(number: int, topic: str, message: Message) -> dict[str, Any]:
     }
 
 
-def _service() -> dict[str, Any]:
+def _describe_service() -> dict[str, Any]:
     def half(name: str, schema: str) -> dict[str, str]:
         return {"encoding": "cdr", "schemaName": name, "schemaEncoding": "ros2msg", "schema": schema}
 
@@ -293,7 +298,7 @@ def _service() -> dict[str, Any]:
     }
 
 
-def _strings(payload: bytes) -> tuple[str, str]:
+def _read_strings(payload: bytes) -> tuple[str, str]:
     """The two strings of a request.
 
     :raises ValueError, struct.error: it is none.

@@ -245,7 +245,7 @@ class LiveRun:
         rows = self._rows.make(trace, self._last_s, now_s)
         self.fresh_rows, self.fresh_trace = rows, trace
         if len(rows):
-            drawn = self._rows.with_gaps(rows, self._last)
+            drawn = self._rows.insert_gaps(rows, self._last)
             self._last, self._last_s = rows[-1], float(rows[-1, 0])
             messages.append(self._draw(drawn))
         if self._rows.is_over(self._last_s, now_s):

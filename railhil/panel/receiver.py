@@ -41,7 +41,7 @@ class FrameSource(Protocol):
         """Leave it."""
 
 
-def open_listening(config: dict[str, Any], name: str) -> FrameSource:
+def open_passive_bus(config: dict[str, Any], name: str) -> FrameSource:
     """A bus that is only listened to.
 
     :raises BusUnavailable: it cannot be opened.
@@ -61,7 +61,7 @@ class Receiver:
     def __init__(
         self,
         config: dict[str, Any],
-        open_bus: Callable[[dict[str, Any], str], FrameSource] = open_listening,
+        open_bus: Callable[[dict[str, Any], str], FrameSource] = open_passive_bus,
         waits: bool = False,
     ) -> None:
         self._packets = 1 if waits else _LOOK_PACKETS

@@ -160,7 +160,7 @@ def _make_layout(record: Record) -> Layout:
 
 def _make_rows(record: Record, layout: Layout) -> FloatArray:
     made = Rows(record.scenario, layout, record.certificate.get("notes"))
-    return made.with_gaps(made.make(record.trace))
+    return made.insert_gaps(made.make(record.trace))
 
 
 def _arrange(rows: FloatArray, layout: Layout, wanted: Layout) -> FloatArray:

@@ -124,7 +124,7 @@ class Rows:
         """Whether the row of ``last_s``, the newest one, says nothing of now any more."""
         return bool(len(silences(np.array([last_s, now_s]), self._truth_holds_s)))
 
-    def with_gaps(self, rows: FloatArray, before: FloatArray | None = None) -> FloatArray:
+    def insert_gaps(self, rows: FloatArray, before: FloatArray | None = None) -> FloatArray:
         """The rows, with one for each gap between them: no line is drawn over it.
 
         :param before: the row before them, shape (1 + columns,); None: there is none.

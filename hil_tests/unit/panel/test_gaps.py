@@ -144,7 +144,7 @@ def test_a_truth_that_is_missing_is_a_gap_of_a_recorded_run_too(ride: Ride) -> N
     trace = trace_of((round(at * 1e9), one) for at, one in heard if not (10 < at < 16 and one.can_id in truth))
     live, _ = shown(ride, [])
     made = Rows(ride.scenario, live.layout)
-    rows = made.with_gaps(made.make(trace))
+    rows = made.insert_gaps(made.make(trace))
     gaps = rows[is_gap(rows, live.layout.position)]
     assert gaps[:, 0].tolist() == pytest.approx([10.0], abs=0.1)
 
@@ -169,7 +169,7 @@ def test_a_column_of_a_silent_port_is_a_gap(ride: Ride, port: str, column: str, 
     heard = without(ride, port, 10.0, 16.0)
     live, rows = shown(ride, *chunks([frame for _, frame in heard], 500))
     made = Rows(ride.scenario, live.layout)
-    recorded = made.with_gaps(made.make(trace_of(heard)))
+    recorded = made.insert_gaps(made.make(trace_of(heard)))
     place = 1 + next(at for at, one in enumerate(live.layout.columns) if one.name == column)
     for table in (rows, recorded):
         begun = table[table[:, 0] > 2.0]

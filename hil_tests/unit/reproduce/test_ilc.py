@@ -19,7 +19,15 @@ from railhil.reproduce.document import make_document, read_document, render_csv,
 from railhil.reproduce.experiments import SequenceSet
 from railhil.reproduce.ilc import PAPER, runs
 from railhil.reproduce.ilc.findings import ACCEPTANCE, BARS
-from railhil.reproduce.ilc.memory_faults import DETECTED, FAULTS, RECOVERED, SEEN, UNDETECTED, MemoryFaults, value_name
+from railhil.reproduce.ilc.memory_faults import (
+    DETECTED,
+    FAULTS,
+    RECOVERED,
+    SEEN,
+    UNDETECTED,
+    MemoryFaults,
+    fault_figure,
+)
 from railhil.reproduce.paper import PAPERS, Measurement, Results, find_paper
 from railhil.scenarios.parameters import load_parameters
 from railhil.sequences import one as one_by_one
@@ -70,8 +78,8 @@ def made(**others: Values) -> Results:
         elif key == runs.MEMORY:
             found[key] = {}
             for fault in FAULTS:
-                found[key][value_name(fault, SEEN)] = float(fault in DETECTED)
-                found[key][value_name(fault, RECOVERED)] = 4.0
+                found[key][fault_figure(fault, SEEN)] = float(fault in DETECTED)
+                found[key][fault_figure(fault, RECOVERED)] = 4.0
         else:
             found[key] = learned(5.0, 0.11)
     found[runs.filter_key(runs.NONE)] = of_each_run(lambda number: max(0.24, 5.0 * 0.65 ** (number - 1)))
@@ -180,7 +188,7 @@ def test_a_set_has_the_runs_of_its_sequences(tmp_path: Path) -> None:
         alone = [*sequence(scenario, specs, runner_of(scenario))]
         assert [(run.digest, run.left.sha256) for run in row] == [(run.digest, run.left.sha256) for run in alone]
     values = runs.measure(found.outcome)
-    errors = runs.errors_of(found.outcome.runs)
+    errors = runs.find_errors(found.outcome.runs)
     assert values[runs.of_run(runs.MEAN, 2)] == pytest.approx(float(abs(errors[:, 1]).mean()))
     assert values[runs.NOT_STOPPED] == 0.0
     assert values[runs.CONVERGED] is None
@@ -215,7 +223,7 @@ def test_damaged_memories(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> No
     spec = short(runs.PAPER_CASE).spec
     found = MemoryFaults(5, 1, before=2, after=1).make(spec, tmp_path)
     values = found.outcome
-    assert {fault: values[value_name(fault, SEEN)] for fault in FAULTS} == {
+    assert {fault: values[fault_figure(fault, SEEN)] for fault in FAULTS} == {
         fault: float(fault in DETECTED) for fault in FAULTS
     }
     scenario = spec.load()
@@ -223,7 +231,7 @@ def test_damaged_memories(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> No
     assert values["none: error_m"] == alone[2].score.signed["stop_error_m"]
     # The other slot has one run less; without any the train stops as in its first run.
     assert values["both records damaged: error_m"] > values["newest record damaged: error_m"] > values["none: error_m"]
-    assert {values[value_name(fault, "recovered")] for fault in FAULTS} == {None}
+    assert {values[fault_figure(fault, "recovered")] for fault in FAULTS} == {None}
     # Where runs are made one by one, they begin with the given memory, too.
     monkeypatch.setattr(one_by_one, "sequence_batch_of", lambda scenario: None)
     specs = run_specs(spec, scenario, 5, 3)[2:]

@@ -12,7 +12,7 @@ from railhil.report import pictures as panels
 from railhil.report.pictures import Picture, svg
 from railhil.report.styles import Style
 from railhil.reproduce.ilc import runs
-from railhil.reproduce.ilc.findings import PRINTED, READINGS, mean_errors
+from railhil.reproduce.ilc.findings import PRINTED, READINGS, find_mean_errors
 from railhil.reproduce.ilc.runs import EPSILONS_M, MEAN, P95, PAPER_CASE, RMS, epsilon_key, filter_key, of_run
 from railhil.reproduce.paper import Results
 
@@ -89,7 +89,7 @@ def _figure_6(results: Results) -> Picture:
 def _table_2(results: Results) -> Picture:
     def errors(axes: Axes) -> None:
         for number, (learned, cycle_ms, label) in enumerate(READINGS):
-            _curve(axes, EPSILONS_M, [*mean_errors(results, learned, cycle_ms).values()], number, label)
+            _curve(axes, EPSILONS_M, [*find_mean_errors(results, learned, cycle_ms).values()], number, label)
         for epsilon_m, (error_m, _) in PRINTED["table_2"].items():
             _mark_printed(axes, float(epsilon_m), error_m)
         axes.set(ylabel="mean error (m)", xlabel="eps (m)", ylim=(0, None))

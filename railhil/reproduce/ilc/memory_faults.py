@@ -80,7 +80,7 @@ UNDETECTED = tuple(name for name in FAULTS if name.startswith("undetected"))
 DETECTED = tuple(name for name in FAULTS if name != "none" and name not in UNDETECTED)
 
 
-def value_name(fault: str, figure: str) -> str:
+def fault_figure(fault: str, figure: str) -> str:
     """Name of a figure of a fault."""
     return f"{fault}: {figure}"
 
@@ -118,7 +118,7 @@ class MemoryFaults:
             for place, _, run in sequences(scenario, [one[self.before :] for one in specs], begun):
                 rows[place].append(run)
             every += rows
-            found |= {value_name(fault, name): value for name, value in _figures(rows).items()}
+            found |= {fault_figure(fault, name): value for name, value in _figures(rows).items()}
         return summarize_sequences(every, found)
 
 

@@ -184,7 +184,7 @@ def measure(outcome: Any) -> dict[str, float | None]:
     from railhil.batch.statistics import at_most
     from railhil.sequences.summary import runs_to_converge, spread, tail_runs
 
-    errors = errors_of(outcome.runs)
+    errors = find_errors(outcome.runs)
     runs = errors.shape[1]
     last = errors[:, -tail_runs(runs) :]
     found: dict[str, float | None] = {}
@@ -209,7 +209,7 @@ def measure(outcome: Any) -> dict[str, float | None]:
     return found
 
 
-def errors_of(runs: Sequence[Sequence[Any]]) -> NDArray[np.float64]:
+def find_errors(runs: Sequence[Sequence[Any]]) -> NDArray[np.float64]:
     """True stop errors, m, overshoot positive; shape (sequences, runs), NaN where a train did not stop."""
     return np.array([[run.score.signed["stop_error_m"] for run in sequence] for sequence in runs], dtype=np.float64)
 

@@ -34,15 +34,15 @@ PRINTED = TEXT.published
 
 
 @cache
-def scenario() -> Scenario:
+def load_scenario() -> Scenario:
     """The scenario of every run."""
     return load(SCENARIO)
 
 
 @cache
-def laws() -> tuple[str, ...]:
+def list_laws() -> tuple[str, ...]:
     """The laws of Table 2 in its order."""
-    return tuple(row.controller for row in scenario().published)
+    return tuple(row.controller for row in load_scenario().published)
 
 
 def key(law: str, arithmetic: str, seed: int) -> str:
@@ -50,7 +50,7 @@ def key(law: str, arithmetic: str, seed: int) -> str:
     return f"{law}-{arithmetic}-{seed}"
 
 
-def middle(results: Results, law: str, arithmetic: str, name: str) -> float | None:
+def find_median(results: Results, law: str, arithmetic: str, name: str) -> float | None:
     """A figure of a law: the median over the seeds, which is the figure itself for one seed."""
     return results.over([key(law, arithmetic, seed) for seed in results.seeds], name)
 
@@ -65,7 +65,7 @@ def plan(seeds: Sequence[int]) -> list[Entry]:
         )
         for seed in seeds
         for arithmetic in ARITHMETICS
-        for law in laws()
+        for law in list_laws()
     ]
 
 
@@ -79,20 +79,20 @@ class Drawable:
 
 def curves(outcome: Outcome) -> Drawable:
     """What the figures show of a run."""
-    return Drawable(_curves(outcome), score(scenario(), outcome.trace))
+    return Drawable(_curves(outcome), score(load_scenario(), outcome.trace))
 
 
 def _curves(outcome: Outcome) -> Curves:
-    return recorded_curves(scenario(), outcome.trace, outcome.certificate.get("notes"))
+    return recorded_curves(load_scenario(), outcome.trace, outcome.certificate.get("notes"))
 
 
 def measure(outcome: Outcome) -> dict[str, float | None]:
     """The five scores, and the figures above; :data:`ADAPTED` only of a law that reports a satisfaction."""
     found: dict[str, float | None] = dict(outcome.scores)
     drawn = _curves(outcome)
-    until_s = scenario().plan.running_time_s
+    until_s = load_scenario().plan.running_time_s
     error_kmh = drawn.error_kmh[drawn.time_s <= until_s]
-    period_s = scenario().timing.control_period_ns / 1e9
+    period_s = load_scenario().timing.control_period_ns / 1e9
     at_s = np.arange(period_s, until_s + period_s / 2, period_s)
     change_kmh = np.diff(np.interp(at_s, drawn.time_s, drawn.error_kmh))
     found[RMS_ERROR] = float(np.sqrt(np.mean(error_kmh**2)))

@@ -75,25 +75,25 @@ _FIGURES = {NORMAL: (8, 9), EMERGENCY: (10, 11), MUTATION: (12, 13)}
 _EMERGENCY_KM = (209.0, 215.0)
 
 
-def _keys(situation: str, law: str, results: Results) -> list[str]:
+def _list_keys(situation: str, law: str, results: Results) -> list[str]:
     return keys_of(situation, law, results.seeds)
 
 
-def _spread(keys: Callable[[Results], list[str]], name: str, results: Results) -> tuple[float | None, ...]:
+def _find_spread(keys: Callable[[Results], list[str]], name: str, results: Results) -> tuple[float | None, ...]:
     return results.spread(keys(results), name)
 
 
-def _mean(results: Results, situation: str, law: str, name: str) -> float | None:
+def _find_mean(results: Results, situation: str, law: str, name: str) -> float | None:
     """Mean of a figure over the seeds whose runs were made."""
-    return results.spread(_keys(situation, law, results), name)[0]
+    return results.spread(_list_keys(situation, law, results), name)[0]
 
 
-def _band(situation: str, law: str, least: float | None, most: float, name: str = "") -> Band:
+def _make_band(situation: str, law: str, least: float | None, most: float, name: str = "") -> Band:
     """Bounds of the mean of a figure over the seeds, by default of how well the target is followed."""
     name = name or SITUATIONS[situation].rmse
     unit, digits = ("m", 1) if name == STOP_M else ("km/h", 4)
-    needs = partial(_keys, situation, law)
-    measured = partial(_spread, needs, name)
+    needs = partial(_list_keys, situation, law)
+    measured = partial(_find_spread, needs, name)
     return Band(
         f"{situation}, {_TITLES[name]}", law, unit, digits, least, most, needs, measured, unmade="not all runs made"
     )
@@ -101,18 +101,18 @@ def _band(situation: str, law: str, least: float | None, most: float, name: str 
 
 #: Bands and bounds that railhil's own specification sets for its laws.
 BANDS = (
-    _band(NORMAL, RESIDUAL, 0.09, 0.12),
-    _band(NORMAL, ELM, 0.14, 0.21),
-    _band(NORMAL, PID, 0.17, 0.22),
-    _band(NORMAL, MULTI_MODEL, 0.11, 0.15),
-    _band(NORMAL, ADAPTIVE, 0.13, 0.20),
-    _band(EMERGENCY, ELM, 0.24, 0.33),
-    _band(EMERGENCY, MULTI_MODEL, 0.69, 0.79),
-    *(_band(EMERGENCY, law, 4380.0, 4420.0, STOP_M) for law in (ELM, MULTI_MODEL, ADAPTIVE, RESIDUAL, DELAY)),
-    _band(NORMAL, DELAY, None, 0.072),
-    _band(EMERGENCY, DELAY, None, 0.197),
-    _band(MUTATION, DELAY, None, 0.168),
-    _band(LATER, DELAY, None, 0.31),
+    _make_band(NORMAL, RESIDUAL, 0.09, 0.12),
+    _make_band(NORMAL, ELM, 0.14, 0.21),
+    _make_band(NORMAL, PID, 0.17, 0.22),
+    _make_band(NORMAL, MULTI_MODEL, 0.11, 0.15),
+    _make_band(NORMAL, ADAPTIVE, 0.13, 0.20),
+    _make_band(EMERGENCY, ELM, 0.24, 0.33),
+    _make_band(EMERGENCY, MULTI_MODEL, 0.69, 0.79),
+    *(_make_band(EMERGENCY, law, 4380.0, 4420.0, STOP_M) for law in (ELM, MULTI_MODEL, ADAPTIVE, RESIDUAL, DELAY)),
+    _make_band(NORMAL, DELAY, None, 0.072),
+    _make_band(EMERGENCY, DELAY, None, 0.197),
+    _make_band(MUTATION, DELAY, None, 0.168),
+    _make_band(LATER, DELAY, None, 0.31),
 )
 
 
@@ -120,33 +120,33 @@ def compare(results: Results) -> list[Table]:
     """All tables."""
     periods = tuple(f"{period_s:g} s" for period_s in PERIODS_S)
     return [
-        TEXT.table("modelling", periods, _modelling_lines(results)),
-        TEXT.table("tracking", _OVER_SEEDS, _tracking_lines(results)),
-        TEXT.table("stop", _OVER_SEEDS, _stop_lines(results)),
-        TEXT.table("bands", _OVER_SEEDS, _band_lines(results)),
-        TEXT.table("units", _OVER_SEEDS, _unit_lines(results)),
-        TEXT.table("effort", ("cycles",), _effort_lines(results)),
+        TEXT.table("modelling", periods, _make_modelling_lines(results)),
+        TEXT.table("tracking", _OVER_SEEDS, _make_tracking_lines(results)),
+        TEXT.table("stop", _OVER_SEEDS, _make_stop_lines(results)),
+        TEXT.table("bands", _OVER_SEEDS, _make_band_lines(results)),
+        TEXT.table("units", _OVER_SEEDS, _make_unit_lines(results)),
+        TEXT.table("effort", ("cycles",), _make_effort_lines(results)),
     ]
 
 
-def _count(results: Results, keys: Sequence[str]) -> str:
+def _count_runs(results: Results, keys: Sequence[str]) -> str:
     """How many runs the figures come from, in words."""
     return count_of(len(results.made(keys)), "run")
 
 
-def _model_errors(results: Results, kind: str) -> tuple[float | None, ...]:
+def _find_model_errors(results: Results, kind: str) -> tuple[float | None, ...]:
     """Mean modelling error over the seeds for each sampling period, km/h."""
     keys = [record_key(results.seeds[0])]
     return tuple(results.over(keys, model_error(kind, period_s), fmean) for period_s in PERIODS_S)
 
 
-def _effort(results: Results, law: str) -> float | None:
+def _compute_effort(results: Results, law: str) -> float | None:
     """Cycles of a law's control period, in units of those of ELM-NGPC."""
     return quotient(*(results.value(effort_key(name), CYCLES) for name in (law, ELM)))
 
 
-def _modelling_lines(results: Results) -> Iterator[Line]:
-    linear, integrated = (_model_errors(results, kind) for kind in ("linear", "integrated"))
+def _make_modelling_lines(results: Results) -> Iterator[Line]:
+    linear, integrated = (_find_model_errors(results, kind) for kind in ("linear", "integrated"))
     linear_kmh, integrated_kmh = PRINTED["linear_kmh"], PRINTED["integrated_kmh"]
     yield Line("linear model", "RMSE", "km/h", 4, linear_kmh, linear, 3)
     yield Line("integrated model", "RMSE", "km/h", 4, integrated_kmh, integrated)
@@ -155,44 +155,44 @@ def _modelling_lines(results: Results) -> Iterator[Line]:
     yield Line("linear by integrated", "quotient", "", 2, linear_kmh / integrated_kmh, ratios, remark=remark)
 
 
-def _tracking_lines(results: Results) -> Iterator[Line]:
+def _make_tracking_lines(results: Results) -> Iterator[Line]:
     for situation, one in SITUATIONS.items():
         in_windows = one.rmse == WINDOWS
         titled = [("RMSE in the windows" if in_windows else "RMSE", one.rmse), ("largest error", WIDEST)]
         titled += [("RMSE over the run", WHOLE)] if in_windows else []
         for title, name in titled:
             for law in one.laws:
-                keys = _keys(situation, law, results)
+                keys = _list_keys(situation, law, results)
                 if results.made(keys):
-                    found, remark = results.spread(keys, name), _count(results, keys)
+                    found, remark = results.spread(keys, name), _count_runs(results, keys)
                     yield Line(law, f"{situation}, {title}", "km/h", 4, None, found, remark=remark)
 
 
-def _stop_lines(results: Results) -> Iterator[Line]:
+def _make_stop_lines(results: Results) -> Iterator[Line]:
     for law in LAWS:
-        found = results.spread(_keys(EMERGENCY, law, results), STOP_M)
+        found = results.spread(_list_keys(EMERGENCY, law, results), STOP_M)
         yield Line(law, "emergency stop", "m", 1, PRINTED["stop_m"] if law == ELM else None, found, 0)
 
 
-def _band_lines(results: Results) -> Iterator[Line]:
-    return (band.line(results, f" ({_count(results, band.needs(results))})") for band in BANDS)
+def _make_band_lines(results: Results) -> Iterator[Line]:
+    return (band.line(results, f" ({_count_runs(results, band.needs(results))})") for band in BANDS)
 
 
-def _unit_lines(results: Results) -> Iterator[Line]:
+def _make_unit_lines(results: Results) -> Iterator[Line]:
     for title, name, unit, digits in _UNIT_FIGURES:
         for kind, law, loop in UNITS:
             if kind == "free" and name == COUPLER_KN:
                 continue
             keys = [units_key(kind, law, loop, seed) for seed in results.seeds]
             item = f"{law}, {'a loop for each unit' if loop == 'unit' else 'one loop on the mean'}"
-            found, remark = results.spread(keys, name), _count(results, keys)
+            found, remark = results.spread(keys, name), _count_runs(results, keys)
             yield Line(item, f"{kind} units, {title}", unit, digits, None, found, remark=remark)
 
 
-def _effort_lines(results: Results) -> Iterator[Line]:
+def _make_effort_lines(results: Results) -> Iterator[Line]:
     minutes = PRINTED["minutes"]
     for law in (BP, ADAPTIVE):
-        yield Line(law, "by that of ELM-NGPC", "", 2, minutes[law] / minutes[ELM], (_effort(results, law),))
+        yield Line(law, "by that of ELM-NGPC", "", 2, minutes[law] / minutes[ELM], (_compute_effort(results, law),))
 
 
 def check(results: Results) -> Iterator[Finding]:
@@ -213,7 +213,7 @@ def _name_band(band: Band) -> str:
 
 
 def _check_model(results: Results) -> Finding:
-    found = tuple(map(quotient, _model_errors(results, "linear"), _model_errors(results, "integrated")))
+    found = tuple(map(quotient, _find_model_errors(results, "linear"), _find_model_errors(results, "integrated")))
     said = ", ".join(f"{decimal(value, 2)} at {period:g} s" for value, period in zip(found, PERIODS_S, strict=True))
     holds = [is_less(1, value) for value in found]
     return Finding("model", f"by a factor of {said}.", holds, [record_key(results.seeds[0])])
@@ -221,8 +221,8 @@ def _check_model(results: Results) -> Finding:
 
 def _check_laws(results: Results) -> Iterator[Finding]:
     for statement, situation, name, other in _COMPARED:
-        count = min(len(_keys(situation, law, results)) for law in (ELM, other))
-        both = [_keys(situation, law, results)[:count] for law in (ELM, other)]
+        count = min(len(_list_keys(situation, law, results)) for law in (ELM, other))
+        both = [_list_keys(situation, law, results)[:count] for law in (ELM, other)]
         own, theirs = (results.over(keys, name, fmean) for keys in both)
         unit = "m" if name == STOP_M else "km/h"
         held = own is not None and (theirs is None or own < theirs)
@@ -231,48 +231,48 @@ def _check_laws(results: Results) -> Iterator[Finding]:
 
 
 def _check_stop(results: Results) -> Finding:
-    found = _mean(results, EMERGENCY, ELM, STOP_M)
+    found = _find_mean(results, EMERGENCY, ELM, STOP_M)
     held = found is not None and found <= PRINTED["stop_max_m"]
-    return Finding("stop", f"{decimal(found, 1)} m.", [held], _keys(EMERGENCY, ELM, results))
+    return Finding("stop", f"{decimal(found, 1)} m.", [held], _list_keys(EMERGENCY, ELM, results))
 
 
 def _check_effort(results: Results) -> Finding:
-    found = {law: _effort(results, law) for law in (BP, ADAPTIVE)}
+    found = {law: _compute_effort(results, law) for law in (BP, ADAPTIVE)}
     said = ", ".join(f"{law} {decimal(value, 2)} times the cycles of {ELM}" for law, value in found.items())
     holds = [is_less(1, value) for value in found.values()]
     return Finding("effort", f"{said}.", holds, [effort_key(law) for law in (ELM, BP, ADAPTIVE)])
 
 
 def _check_calm(results: Results, laws: Sequence[str]) -> Finding:
-    found = [_mean(results, CALM, law, WHOLE) for law in laws]
+    found = [_find_mean(results, CALM, law, WHOLE) for law in laws]
     holds = [is_less(*both) for both in pairwise(found)] if None not in found else [False]
     said = ", ".join(f"{law} {decimal(value, 4)}" for law, value in zip(laws, found, strict=True))
-    needs = [one for law in laws for one in _keys(CALM, law, results)]
+    needs = [one for law in laws for one in _list_keys(CALM, law, results)]
     return Finding("calm", f"RMSE in km/h, {said}.", holds, needs)
 
 
-def _unit_keys(results: Results, kind: str, law: str, loop: str) -> list[str]:
+def _list_unit_keys(results: Results, kind: str, law: str, loop: str) -> list[str]:
     return [units_key(kind, law, loop, seed) for seed in results.seeds]
 
 
-def _needed_units(results: Results, wanted: str) -> list[str]:
-    return [one for kind, law, loop in UNITS if kind == wanted for one in _unit_keys(results, kind, law, loop)]
+def _list_needed_units(results: Results, wanted: str) -> list[str]:
+    return [one for kind, law, loop in UNITS if kind == wanted for one in _list_unit_keys(results, kind, law, loop)]
 
 
 def _check_units(results: Results) -> Finding:
-    own, theirs = (results.spread(_unit_keys(results, "free", law, "unit"), UNITS_RMSE)[0] for law in (ELM, PID))
+    own, theirs = (results.spread(_list_unit_keys(results, "free", law, "unit"), UNITS_RMSE)[0] for law in (ELM, PID))
     said = (
         f"RMSE of all units without couplers, mean over {len(results.seeds)} seeds: {ELM} {decimal(own, 4)} km/h, "
         f"PID {decimal(theirs, 4)} km/h."
     )
-    return Finding("units", said, [is_less(own, theirs)], _needed_units(results, "free"))
+    return Finding("units", said, [is_less(own, theirs)], _list_needed_units(results, "free"))
 
 
 def _check_coupler(results: Results) -> Finding:
     said: list[str] = []
     ratios: list[float | None] = []
     for law in (PID, ELM):
-        keys = [_unit_keys(results, "coupled", law, loop) for loop in ("unit", "mean")]
+        keys = [_list_unit_keys(results, "coupled", law, loop) for loop in ("unit", "mean")]
         three, one = (results.spread(of_loop, COUPLER_KN)[0] for of_loop in keys)
         pairs = zip(*keys, strict=True)
         of_law = [quotient(*(results.value(one, COUPLER_KN) for one in pair)) for pair in pairs]
@@ -282,7 +282,7 @@ def _check_coupler(results: Results) -> Finding:
         ratios += of_law
     text = f"means over {len(results.seeds)} seeds and the ratios of each: {'; '.join(said)}."
     holds = [ratio is not None and ratio >= 2 for ratio in ratios]
-    return Finding("coupler", text, holds, _needed_units(results, "coupled"))
+    return Finding("coupler", text, holds, _list_needed_units(results, "coupled"))
 
 
 def draw(results: Results) -> Sequence[Picture]:
@@ -292,18 +292,18 @@ def draw(results: Results) -> Sequence[Picture]:
     """
     from railhil.report.pictures import printed
 
-    drawn = {situation: _drawn(results, situation) for situation in _FIGURES}
-    return printed([_figure(situation, runs) for situation, runs in drawn.items() if runs])
+    drawn = {situation: _find_drawn(results, situation) for situation in _FIGURES}
+    return printed([_make_figure(situation, runs) for situation, runs in drawn.items() if runs])
 
 
-def _drawn(results: Results, situation: str) -> dict[str, Drawable]:
+def _find_drawn(results: Results, situation: str) -> dict[str, Drawable]:
     """Curves of each law whose run was drawn."""
     keys = {law: key(situation, law, results.seeds[0]) for law in DRAWN}
     found = {law: results.runs[one].curves for law, one in keys.items() if one in results.runs}
     return {law: curves for law, curves in found.items() if isinstance(curves, Drawable)}
 
 
-def _figure(situation: str, runs: dict[str, Drawable]) -> Figure:
+def _make_figure(situation: str, runs: dict[str, Drawable]) -> Figure:
     from railhil.charts.figure import FREE, TARGET, Chart, Curve, Figure
     from railhil.report.styles import styles
 

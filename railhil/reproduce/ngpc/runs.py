@@ -180,7 +180,7 @@ def measure(outcome: Outcome) -> dict[str, float | None]:
     are counted the cycles."""
     found: dict[str, float | None] = dict(outcome.scores)
     if outcome.scenario.faults:
-        found[WINDOWS] = windows_rmse_kmh(Ride.of(outcome.scenario, outcome.trace))
+        found[WINDOWS] = compute_windows_rmse_kmh(Ride.of(outcome.scenario, outcome.trace))
     if _DITHER in ((outcome.certificate.get("parameters") or {}).get("values") or {}):
         log = outcome.folder / "frames.log"
         record = Record(log, outcome.scenario, outcome.trace, "", dict(outcome.certificate))
@@ -193,7 +193,7 @@ def measure(outcome: Outcome) -> dict[str, float | None]:
     return found
 
 
-def windows_rmse_kmh(ride: Ride) -> float | None:
+def compute_windows_rmse_kmh(ride: Ride) -> float | None:
     """RMSE of the speed inside the windows of the mutation, as far as the run is scored there; None: it is not."""
     time_s = ride.time_s
     inside = np.any([(time_s >= begin_s) & (time_s < begin_s + long_s) for begin_s, long_s in WINDOWS_S], axis=0)
