@@ -51,10 +51,10 @@ class Administrator:
     :param reply_ns: real time: wall time after which an answer is too late.
     :param patience_s: lockstep: wall time for an answer whose owner is not known to have ended.
     :param contract: of the run's system; None: that of railhil's own train.
-    :param ahead: lockstep: passes published telegrams on before they are sent
-        (:attr:`railhil.bus.link.Link.ahead`); None: they wait for the next ``flush`` or poll.
+    :param send_early: lockstep: passes published telegrams on before they are sent; False: not now. None: they wait for
+        the next ``flush`` or poll.
     :param packed: the endpoint for frames as they are packed; in lockstep it is used for all that is sent in the run,
-        and its way ahead for ``ahead``.
+        and its own ``send_early`` for published telegrams.
     :param unread: port that nobody reads before the end of the run; it is passed on with the next telegram or poll.
     """
 
@@ -70,7 +70,7 @@ class Administrator:
         patience_s: float = PATIENCE_S,
         reply_ns: int = REPLY_NS,
         contract: Contract | None = None,
-        ahead: Callable[[Sequence[Frame]], bool] | None = None,
+        send_early: Callable[[Sequence[Frame]], bool] | None = None,
         packed: PackedEnd | None = None,
         unread: str = "",
     ) -> None:
@@ -88,7 +88,7 @@ class Administrator:
         self._own = OwnFrames(contract)
         self._last_ids = {port.name: (port.can_ids[-1], port.fd_id) for port in contract.ports}
         self._queue: list[Frame] = []
-        self._ahead = None if pacer.rate else ahead
+        self._send_early = None if pacer.rate else send_early
         self._packed = None if pacer.rate else packed
         # Instead of the queue.
         self._packet = b""
@@ -104,14 +104,14 @@ class Administrator:
             packet = self._packet + self._sources[telegram.PORT].packed(telegram.encode())
             # Emptied first, as below.
             self._packet = b""
-            if self._unread == telegram.PORT or not packed.pass_ahead(packet):
+            if self._unread == telegram.PORT or not packed.send_early(packet):
                 self._packet = packet
             return
         self._queue.extend(self._sources[telegram.PORT].frames(telegram.encode()))
-        if self._ahead is not None and self._unread != telegram.PORT:
+        if self._send_early is not None and self._unread != telegram.PORT:
             # Emptied first, as below.
             queue, self._queue = self._queue, []
-            if not self._ahead(queue):
+            if not self._send_early(queue):
                 self._queue = queue
 
     def flush(self) -> None:

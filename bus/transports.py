@@ -24,7 +24,7 @@ _SINGLE = "railhil.bus.link.single:SingleLink"
 
 def _of_the_hub() -> str:
     # Only tables of transports need it.
-    from railhil.bus.hub.modelled import sentence
+    from railhil.bus.hub.model_limits import sentence
 
     return sentence()
 
@@ -126,7 +126,7 @@ TRANSPORTS = (
         "udp_multicast",
         ("udp_multicast",),
         "neither delivery nor order guaranteed: a run may end as INVALID at any time; never tried here",
-        link="railhil.bus.link.echo:EchoLink",
+        link="railhil.bus.link.single:EchoLink",
     ),
     Transport("", (), "an adapter that this bench does not know: timing and losses are the adapter's and its driver's"),
 )

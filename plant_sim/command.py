@@ -106,7 +106,6 @@ def main(words: Sequence[str] | None = None) -> int:
             appear_s=namespace.appear_timeout,
             fault_log=namespace.fault_log,
             disturber=link.disturber,
-            ahead=link.ahead,
             packed=link.packed,
         )
         try:

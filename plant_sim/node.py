@@ -12,7 +12,7 @@ from railhil.bus.clock import Pacer
 from railhil.bus.codes import Event, SupCommand
 from railhil.bus.errors import PeerSilent
 from railhil.bus.frame import Frame
-from railhil.bus.hub.orders import Disturber
+from railhil.bus.hub.disturbances import Disturber
 from railhil.bus.ident import Role, make_ident
 from railhil.bus.layout import Telegram
 from railhil.bus.link.base import PackedEnd
@@ -51,9 +51,8 @@ class PlantNode:
         the limit is longer.
     :param fault_log: the run folder, for the log of the faults of this node; None: no log is written.
     :param disturber: takes the orders of faults of the bus; None: they are not acted out (a replay).
-    :param ahead: the endpoint's own way to pass telegrams on early (:attr:`railhil.bus.link.Link.ahead`); not used with
-        faults, which change what is sent.
-    :param packed: the same endpoint for packed frames (:attr:`railhil.bus.link.Link.packed`); not used with faults.
+    :param packed: the same endpoint for packed frames (:attr:`railhil.bus.link.Link.packed`). With faults, which change
+        what is sent, only what they leave is sent early there.
     """
 
     def __init__(
@@ -68,7 +67,6 @@ class PlantNode:
         silence_ns: int = SILENCE_NS,
         fault_log: Path | None = None,
         disturber: Disturber | None = None,
-        ahead: Callable[[Sequence[Frame]], bool] | None = None,
         packed: PackedEnd | None = None,
     ) -> None:
         system = system_named(scenario.system)
@@ -90,6 +88,7 @@ class PlantNode:
         schedule = Schedule.from_contract(self._tick_ns, scenario.timing.port_period_ns, contract)
         #: What is injected into what the plant sends; None: nothing.
         self.faults: NodeFaults | None = None
+        send_early: Callable[[Sequence[Frame]], bool] | None = None
         if scenario.faults:
             # What injects faults is loaded only for a run with faults: it takes a tenth of the start of a node.
             from railhil.bus.injector.node_faults import NodeFaults
@@ -99,8 +98,8 @@ class PlantNode:
             injection = injection_of(scenario, run.seed)
             assert injection is not None
             self.faults = NodeFaults(injection, contract, schedule, "plant", fault_log)
-            endpoint = faulty = FaultyEndpoint(endpoint, self.faults, contract, disturber, ahead)
-            ahead, packed = faulty.ahead, None
+            endpoint = faulty = FaultyEndpoint(endpoint, self.faults, contract, disturber, packed)
+            send_early, packed = faulty.send_early, None
         polled = [port for port in contract.ports if port.mode == "poll"]
         self._store = TrafficStore(polled)
         self.administrator = Administrator(
@@ -113,7 +112,7 @@ class PlantNode:
             reply_ns=reply_ns,
             patience_s=run.patience_s,
             contract=contract,
-            ahead=ahead,
+            send_early=send_early,
             packed=packed,
             # For the score.
             unread="" if system.truth is None else system.truth.port,
@@ -169,7 +168,7 @@ class PlantNode:
         if self.faults is not None:
             self.faults.write()
         if self.injections is not None and self._fault_log is not None:
-            from railhil.bus.injector.log import INSIDE
+            from railhil.bus.injector.activities import INSIDE
 
             self.injections.log.write(self._fault_log, INSIDE, self.injections.activities)
 

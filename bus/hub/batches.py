@@ -16,10 +16,17 @@ from railhil.bus.errors import BusUnavailable
 from railhil.bus.frame import EXTENDED, Frame
 from railhil.bus.hub import wire
 from railhil.bus.hub.address import HUB_START_S, default_channel, parse_channel
-from railhil.bus.hub.connection import HubConnection, ReadinessFd
-from railhil.bus.hub.failures import PLAIN, QueueFull, SendTimeout
-from railhil.bus.hub.joining import ANSWER_TIMEOUT_S, connected, exchange_hello
-from railhil.bus.hub.orders import Notices, Order
+from railhil.bus.hub.connection import (
+    ANSWER_TIMEOUT_S,
+    PLAIN,
+    HubConnection,
+    QueueFull,
+    ReadinessFd,
+    SendTimeout,
+    connected,
+    exchange_hello,
+)
+from railhil.bus.hub.disturbances import Notices, Order
 
 
 class HubClient:
@@ -27,8 +34,8 @@ class HubClient:
 
     Frames are never lost: sending blocks while the hub cannot take more, and a receiver that falls behind
     by more than the hub's limit (64 MiB unless set otherwise) is disconnected with
-    :class:`~railhil.bus.hub.failures.HubLost`, after it has read the packets received before. All clients see the same
-    total order.
+    :class:`~railhil.bus.hub.connection.HubLost`, after it has read the packets received before. All clients see the
+    same total order.
 
     A client opened without ``fd=True`` does receive CAN FD frames, it only cannot send them.
 
@@ -69,7 +76,7 @@ class HubClient:
         needs 4096). ``bitrate``: checked against the hub's bit rate model, ignored if it has none; other settings of
         real interfaces (such as sample points) have no meaning here and are ignored.
 
-        Raises :class:`~railhil.bus.hub.failures.HubUnavailable`.
+        Raises :class:`~railhil.bus.hub.connection.HubUnavailable`.
         """
         self._link: HubConnection | None = None
         self._readiness: ReadinessFd | None = None
@@ -144,8 +151,8 @@ class HubClient:
 
         ``timeout_s``: seconds for the whole list, None waits for ever; 0 tries once. ``even_full``: give the
         hub also what a full transmit queue does not take; it discards it and tells who waits for it. Raises
-        :class:`SendTimeout`, :class:`~railhil.bus.hub.failures.HubLost`, and before anything is sent ValueError for an
-        impossible frame.
+        :class:`SendTimeout`, :class:`~railhil.bus.hub.connection.HubLost`, and before anything is sent ValueError for
+        an impossible frame.
         """
         deadline_s = None if timeout_s is None else time.monotonic() + timeout_s
         for packet in self._packets(frames):
@@ -169,7 +176,7 @@ class HubClient:
         """All frames of the next packet that pass the filters; [] after the timeout (None waits for ever), and after a
         notice of a hub with ``--faults``.
 
-        The rest of a packet partly read as messages comes first. Raises :class:`~railhil.bus.hub.failures.HubLost`.
+        The rest of a packet partly read as messages comes first. Raises :class:`~railhil.bus.hub.connection.HubLost`.
         """
         deadline_s = None if timeout_s is None else time.monotonic() + timeout_s
         while self._packet or self._next_packet(deadline_s):
@@ -192,9 +199,9 @@ class HubClient:
         return role in self._here
 
     def order(self, order: Order) -> None:
-        """Disturb the bus from the next packet on; see :mod:`railhil.bus.hub.orders`.
+        """Disturb the bus from the next packet on; see :mod:`railhil.bus.hub.disturbances`.
 
-        Raises :class:`~railhil.bus.hub.failures.Refused` if the hub takes no orders, and as :meth:`send_frames`.
+        Raises :class:`~railhil.bus.hub.connection.Refused` if the hub takes no orders, and as :meth:`send_frames`.
         """
         if self.notices is None:
             raise self.failures.refused(f"{self.channel_info}: takes no orders, it must be started with --faults")

@@ -13,37 +13,37 @@ from typing import Any
 
 import can
 
-from railhil.bus.hub import failures as plain
+from railhil.bus.hub import connection as plain
 from railhil.bus.hub import wire
 from railhil.bus.hub.batches import HubClient
 from railhil.bus.hub.cancontroller import ERROR_PASSIVE
-from railhil.bus.hub.orders import Host
+from railhil.bus.hub.disturbances import Host
 
 #: Name in ``Message.channel``: neutral, so that a log does not depend on the path of the socket.
 CHANNEL_NAME = "railhil"
 
 
 class HubLost(plain.HubLost, can.CanOperationError):
-    """:class:`railhil.bus.hub.failures.HubLost` for python-can."""
+    """:class:`railhil.bus.hub.connection.HubLost` for python-can."""
 
 
 class SendTimeout(plain.SendTimeout, can.CanOperationError, can.CanTimeoutError):
-    """:class:`railhil.bus.hub.failures.SendTimeout` for python-can."""
+    """:class:`railhil.bus.hub.connection.SendTimeout` for python-can."""
 
 
 class QueueFull(plain.QueueFull, can.CanOperationError):
-    """:class:`railhil.bus.hub.failures.QueueFull` for python-can."""
+    """:class:`railhil.bus.hub.connection.QueueFull` for python-can."""
 
     def __init__(self, message: str) -> None:
         super().__init__(message, error_code=errno.ENOBUFS)
 
 
 class Refused(plain.Refused, can.CanOperationError):
-    """:class:`railhil.bus.hub.failures.Refused` for python-can."""
+    """:class:`railhil.bus.hub.connection.Refused` for python-can."""
 
 
 class HubUnavailable(plain.HubUnavailable, can.CanInitializationError):
-    """:class:`railhil.bus.hub.failures.HubUnavailable` for python-can."""
+    """:class:`railhil.bus.hub.connection.HubUnavailable` for python-can."""
 
 
 class HubBus(HubClient, can.BusABC):

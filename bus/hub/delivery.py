@@ -5,12 +5,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from railhil.bus.hub.disturbance import Disturbance
+from railhil.bus.hub.disturbances import order_of
+from railhil.bus.hub.disturbed_bus import Disturbance
 from railhil.bus.hub.membership import Membership
-from railhil.bus.hub.model import WireModel
-from railhil.bus.hub.orders import order_of
 from railhil.bus.hub.ports import PortFault, SwitchPort
 from railhil.bus.hub.wire import OWN_MARK, decode_notice
+from railhil.bus.hub.wire_model import WireModel
 
 
 class Delivery:

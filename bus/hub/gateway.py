@@ -8,7 +8,7 @@ the control path, and nothing else reads the link meanwhile.
 ::
 
                     +--------------- BusPort ---------------+
-    switch -------- | queue ----------------> Link.offer ---|----> bus
+    switch -------- | queue ----------------> GatewayLink.offer|----> bus
            <------- | Link.receive(0) <-- descriptor -------|<----
                     | arrivals <- thread: Link.receive, open |
                     +---------------------------------------+
@@ -27,8 +27,7 @@ from collections.abc import Callable
 
 from railhil.bus.errors import BusLost
 from railhil.bus.frame import ERROR, FD, Frame
-from railhil.bus.hub.arrivals import Arrivals
-from railhil.bus.hub.backlog import Backlog
+from railhil.bus.hub.gateway_queues import Arrivals, Backlog
 from railhil.bus.hub.ports import SwitchPort
 from railhil.bus.hub.portspec import PortSpec, descriptor_of, open_port, open_port_again, takes_fd
 from railhil.bus.hub.wire import pack_frames, unpack_frames
@@ -54,8 +53,8 @@ class BusPort(SwitchPort):
     without CAN FD), ``local_error_frames`` (not forwarded), ``rx_lost`` (frames of the bus that the switch did not read
     in time), in addition to those of the link.
 
-    :param lossless: for lockstep: frames wait for a full or missing bus (:mod:`railhil.bus.hub.backlog`); otherwise
-        they wait briefly for a full one and not at all for a missing one, so that nothing old is sent later.
+    :param lossless: for lockstep: frames wait for a full or missing bus (:mod:`railhil.bus.hub.gateway_queues`);
+        otherwise they wait briefly for a full one and not at all for a missing one, so that nothing old is sent later.
     :param report: called with one line.
     :raises BusUnavailable: the bus cannot be opened.
     """

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import select
 import socket
+import time
 from collections.abc import Callable, Sequence
 
 from railhil.bus.hub.address import describe
 from railhil.bus.hub.coalesce import coalescer_of
-from railhil.bus.hub.disturbance import Disturbance
-from railhil.bus.hub.guests import Guests
+from railhil.bus.hub.disturbed_bus import Disturbance
 from railhil.bus.hub.ports import SocketPort, StreamPort, SwitchPort
 from railhil.bus.hub.wire import decode_hello, encode_hello, encode_roles, role_of
+from railhil.bus.wallclock import WallClock
 
 MAX_CLIENTS = 256
 READ = select.EPOLLIN
@@ -205,3 +206,43 @@ class Membership:
                 # Built again for each port: a port that is dropped here is no longer listed.
                 here = encode_roles([member.role for member in self.members if member.role is not None])
                 self._tell(port, here)
+
+
+#: Wall time for the hello of a client.
+HELLO_S = 5.0
+#: When one more connects, the one that has been silent for longest is disconnected.
+MAX_GUESTS = 64
+
+
+class Guests:
+    """The clients that have not said hello yet, in the order in which they have connected.
+
+    They are few, and not for long, so that they keep nobody out.
+
+    :ivar waiting: by client, when it must have said hello (monotonic clock); the loop of the hub asks each time whether
+        there is one.
+    """
+
+    def __init__(self, wall: WallClock = time) -> None:
+        self._wall = wall
+        self.waiting: dict[SwitchPort, int] = {}
+
+    @property
+    def due_ns(self) -> int | None:
+        """When the next one must have said hello (monotonic clock); None without guests."""
+        return next(iter(self.waiting.values()), None)
+
+    def add(self, port: SwitchPort) -> SwitchPort | None:
+        """Note a new client; returns the one that must make room for it, if any."""
+        oldest = next(iter(self.waiting)) if len(self.waiting) >= MAX_GUESTS else None
+        self.waiting[port] = self._wall.monotonic_ns() + round(HELLO_S * 1e9)
+        return oldest
+
+    def remove(self, port: SwitchPort) -> None:
+        """Forget a client: it has said hello, or has left."""
+        self.waiting.pop(port, None)
+
+    def late(self) -> list[SwitchPort]:
+        """The clients whose time for a hello is over."""
+        now_ns = self._wall.monotonic_ns()
+        return [port for port, due_ns in self.waiting.items() if due_ns <= now_ns]

@@ -12,7 +12,8 @@ from typing import Any
 from railhil.bus.errors import BusUnavailable
 from railhil.bus.hub.address import parse_channel
 from railhil.bus.hub.batches import HubClient
-from railhil.bus.link import Link, open_link
+from railhil.bus.link import open_link
+from railhil.bus.link.base import GatewayLink
 
 #: Beginning of the hub's messages.
 PROGRAM = "railhil hub"
@@ -120,7 +121,7 @@ def _identity(interface: str, channel: str) -> str:
     return f"{interface}:{os.path.realpath(device) if '/' in device or os.path.lexists(device) else channel}"
 
 
-def open_port(spec: PortSpec, lossless: bool) -> Link:
+def open_port(spec: PortSpec, lossless: bool) -> GatewayLink:
     """Open the bus of a port at the start; waits for a hub.
 
     Raises :class:`BusUnavailable` with one line.
@@ -128,7 +129,7 @@ def open_port(spec: PortSpec, lossless: bool) -> Link:
     return _opened(spec, lossless, {"connect_timeout": _HUB_START_S} | spec.config)
 
 
-def open_port_again(spec: PortSpec, lossless: bool) -> Link | None:
+def open_port_again(spec: PortSpec, lossless: bool) -> GatewayLink | None:
     """Open the bus of a port after an outage, without waiting; None if it is not available."""
     # A SocketCAN interface that is not up can be opened, and would report this only at the first read.
     if spec.config["interface"] == "socketcan":
@@ -142,17 +143,19 @@ def open_port_again(spec: PortSpec, lossless: bool) -> Link | None:
         return None
 
 
-def _opened(spec: PortSpec, lossless: bool, config: dict[str, Any]) -> Link:
+def _opened(spec: PortSpec, lossless: bool, config: dict[str, Any]) -> GatewayLink:
     if spec.config["interface"] != _HUB_INTERFACE:
         config = spec.config
     elif not lossless:
         config["send_buffer_bytes"] = _HUB_SEND_BUFFER_BYTES
     link = open_link(config, PROGRAM)
+    if not isinstance(link, GatewayLink):
+        raise BusUnavailable(f"port {link.where}: found a bus of one run, allowed one that a gateway can share")
     link.lossless = lossless
     return link
 
 
-def takes_fd(link: Link) -> bool:
+def takes_fd(link: GatewayLink) -> bool:
     """Whether CAN FD frames can be sent there."""
     if isinstance(link.bus, HubClient):
         return link.bus.takes_fd
@@ -161,7 +164,7 @@ def takes_fd(link: Link) -> bool:
     return link.bus.protocol is not can.CanProtocol.CAN_20
 
 
-def descriptor_of(link: Link) -> int | None:
+def descriptor_of(link: GatewayLink) -> int | None:
     """The descriptor that becomes readable when frames arrive, if the interface has a reliable one."""
     if not link.has_descriptor:
         return None

@@ -10,10 +10,10 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any, Self
 
 from railhil.bus.hub.address import Address, file_identity, listen, parse_channel, remove_socket_file
-from railhil.bus.hub.disturbance import Disturbance
-from railhil.bus.hub.model import WireModel
+from railhil.bus.hub.disturbed_bus import Disturbance
 from railhil.bus.hub.portspec import PROGRAM, PortSpec
 from railhil.bus.hub.switch import Switch
+from railhil.bus.hub.wire_model import WireModel
 from railhil.common.exit_codes import ending_signals
 from railhil.common.streams import plain
 
@@ -47,8 +47,8 @@ def serve(
     sent by priority of their identifiers. ``queue_limit_bytes``: how far a client may fall behind before it is
     disconnected. ``ports``: other buses to which frames are forwarded in both directions; ``lossless``: frames for them
     wait when they are full or down (lockstep) instead of being dropped. ``faults``: model the CAN controllers and the
-    two lines of the clients, and take orders that disturb them (:mod:`railhil.bus.hub.orders`); ``restart_ms``: wall
-    time after which a bus-off controller restarts by itself (0: only by order).
+    two lines of the clients, and take orders that disturb them (:mod:`railhil.bus.hub.disturbances`); ``restart_ms``:
+    wall time after which a bus-off controller restarts by itself (0: only by order).
 
     A stop first delivers, for at most a second, what clients had already sent. At the start the hub waits for another
     hub behind a port; a stop ends that wait too.

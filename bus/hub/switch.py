@@ -15,12 +15,11 @@ from collections.abc import Callable, Sequence
 
 from railhil.bus.hub.coalesce import HOLD_S
 from railhil.bus.hub.delivery import Delivery
-from railhil.bus.hub.disturbance import Disturbance
-from railhil.bus.hub.guests import HELLO_S
-from railhil.bus.hub.membership import READ, WRITE, Membership
-from railhil.bus.hub.model import WireModel
+from railhil.bus.hub.disturbed_bus import Disturbance
+from railhil.bus.hub.membership import HELLO_S, READ, WRITE, Membership
 from railhil.bus.hub.ports import PortClosed, PortFault, SwitchPort
 from railhil.bus.hub.wire import NOTICE_LENGTH_BIT, fault_of
+from railhil.bus.hub.wire_model import WireModel
 from railhil.common.digits import count_of
 from railhil.common.exit_codes import ending_signals
 

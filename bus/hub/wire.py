@@ -30,7 +30,7 @@ followed by that many bytes):
 
        hub -> client   {"roles": ["controller", "plant"]}
 
-5. on a hub with ``--faults``, *orders* (:mod:`railhil.bus.hub.orders`) and, to clients that asked for it
+5. on a hub with ``--faults``, *orders* (:mod:`railhil.bus.hub.disturbances`) and, to clients that asked for it
    (``"hears_faults": true``), *notices*: the client's own state when it has changed, an order for which there was
    nobody, and nodes that did not get the client's packet of that number (counted from 1) or whose packet did not get to
    the client. JSON in UTF-8 of odd length, as 4; beside them such clients get error frames::

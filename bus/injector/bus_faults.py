@@ -1,8 +1,8 @@
-"""Faults of the bus itself: error frames, error-passive, broken lines.
+"""Faults of the bus itself: error frames, error-passive, broken lines, foreign frames that load it.
 
-What they do is the hub's model of CAN controllers and lines (:mod:`railhil.bus.hub.orders`). The plant gives the orders
-between its own frames, so they have their place in the total order and a run stays the same bytes. A fault counts as a
-hit what the plant's own CAN controller reports: error frames, its state, the line from which it takes
+Error frames, states and lines are those of the hub's model (:mod:`railhil.bus.hub.disturbances`). The plant gives the
+orders between its own frames, so they have their place in the total order and a run stays the same bytes. A fault
+counts as a hit what the plant's own CAN controller reports: error frames, its state, the line from which it takes
 frames, answers that cannot come.
 
 Plant and controller are disturbed, the supervisor is not: it judges. For the same reason the plant never becomes
@@ -16,7 +16,8 @@ from typing import Self
 
 from railhil.bus.frame import Frame
 from railhil.bus.hub.cancontroller import ERROR_PASSIVE
-from railhil.bus.hub.orders import Disturber, Order
+from railhil.bus.hub.disturbances import Disturber, Order
+from railhil.bus.injector.activities import Activities
 from railhil.bus.injector.node_faults import NodeFaults
 from railhil.bus.link import errorframe
 from railhil.bus.mvb import parse_master_frame
@@ -159,3 +160,33 @@ def _dead(fault: Fault, random: Random) -> list[tuple[str, str]]:
     if fault.what == "loose" and random.random() >= fault.parameter("share"):
         return []
     return [(who, line) for who in ((_PLANT, _CONTROLLER, "supervisor") if fault.what == "short" else (_CONTROLLER,))]
+
+
+#: Identifier of the foreign frames: no port has it, and it loses every arbitration against the ports.
+FOREIGN_ID = 0x7E0
+#: Bits of a frame with 8 bytes and 11 bit identifier, without stuff bits, with the pause behind it.
+FRAME_BITS = 111
+
+
+class Flood:
+    """Foreign frames of a given share of the bus, evenly over the instants.
+
+    :param bit_rate: of the bus in bit/s.
+    """
+
+    def __init__(self, activity: Activity, bit_rate: int) -> None:
+        self._activity = activity
+        self._bit_rate = bit_rate
+        self._sent = 0
+
+    def frames(self, activities: Activities) -> list[Frame]:
+        """The frames of the instant that begins."""
+        one = self._activity
+        if not one.active or one.begun_ns is None:
+            return []
+        per_s = one.fault.parameter("share") * self._bit_rate / FRAME_BITS
+        due = int((activities.now_ns - one.begun_ns) / 1e9 * per_s) + 1
+        count, self._sent = due - self._sent, due
+        if count > 0:
+            activities.note(one, "", f"{count} x {FOREIGN_ID:03X}")
+        return [Frame(FOREIGN_ID, (self._sent - index).to_bytes(8)) for index in range(count)]

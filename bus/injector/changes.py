@@ -7,7 +7,7 @@ from typing import Protocol
 
 from railhil.bus.frame import FD, REMOTE, Frame
 from railhil.bus.injector.follower import raw_of
-from railhil.bus.injector.rewriting import (
+from railhil.bus.injector.telegram_frames import (
     Telegram,
     checks_of,
     data_of,

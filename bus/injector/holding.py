@@ -6,10 +6,12 @@ a later answer: on this bus a poll has one answer, so each telegram sent late me
 
 from __future__ import annotations
 
-from railhil.bus.injector.rewriting import Telegram
+from railhil.bus.injector.telegram_frames import Telegram
 from railhil.faults.activity import Activity
 from railhil.faults.model import Random
 
+#: Words of :class:`Holding`.
+HOLDING = ("loss", "delay", "duplicate", "reorder", "slow")
 LOST, LATER, AGAIN = "lost", "later", "again"
 
 

@@ -10,7 +10,7 @@ from railhil.bus.frame import Frame
 from railhil.bus.injector.activities import Activities
 from railhil.bus.injector.follower import Follower
 from railhil.bus.injector.port_faults import SILENT, PortFaults
-from railhil.bus.injector.rewriting import is_whole
+from railhil.bus.injector.telegram_frames import is_whole
 from railhil.bus.schedule import Schedule
 from railhil.bus.telegrams import TimeSync
 from railhil.dbc import Contract, Port

@@ -6,11 +6,11 @@ import time
 from collections.abc import Callable, Sequence
 
 from railhil.bus.frame import Frame
-from railhil.bus.hub.orders import Disturber
-from railhil.bus.injector.bus_faults import BusFaults
-from railhil.bus.injector.flood import Flood
+from railhil.bus.hub.disturbances import Disturber
+from railhil.bus.hub.wire import pack_frames
+from railhil.bus.injector.bus_faults import BusFaults, Flood
 from railhil.bus.injector.node_faults import NodeFaults
-from railhil.bus.link import Endpoint
+from railhil.bus.link.base import Endpoint, PackedEnd
 from railhil.common.python_process import kill_this_process, stop_this_process
 from railhil.dbc import Contract
 
@@ -19,7 +19,7 @@ class FaultyEndpoint:
     """:class:`railhil.bus.link.Endpoint` of the plant.
 
     :param disturber: takes the orders of faults of the bus; None: there are none, or they are not acted out (a replay).
-    :param ahead: the link's way for frames that go ahead (:attr:`railhil.bus.link.Link.ahead`); None: there is none.
+    :param packed: the link for packed frames, which can send them early; None: it has none.
     :param kill: ends the process at once.
     :param stop: stops the process for a time on the wall clock in s; ``sleep``: ``clock.wall pause``.
     """
@@ -30,7 +30,7 @@ class FaultyEndpoint:
         faults: NodeFaults,
         contract: Contract,
         disturber: Disturber | None = None,
-        ahead: Callable[[Sequence[Frame]], bool] | None = None,
+        packed: PackedEnd | None = None,
         *,
         kill: Callable[[], None] = kill_this_process,
         stop: Callable[[float], None] = stop_this_process,
@@ -43,10 +43,10 @@ class FaultyEndpoint:
         self._pauses = faults.at("clock", "pause")
         self._floods = [Flood(one, contract.bit_rate) for one in faults.at("bus", "load")]
         self._bus = None if disturber is None else BusFaults.of(faults, disturber, contract)
-        #: As ``ahead``, for what the faults leave; the rest of it is sent with what comes next.
-        self.ahead = None if ahead is None or disturber is not None else self._ahead
-        self._onward = ahead
-        # What the faults have left and has not gone ahead.
+        #: Sends early what the faults leave; the rest of it is sent with what comes next. None: it cannot.
+        self.send_early = None if packed is None or disturber is not None else self._send_early
+        self._packed = packed
+        # What the faults have left and was not sent early.
         self._left: list[Frame] = []
         self._kill = kill
         self._stop = stop
@@ -80,10 +80,10 @@ class FaultyEndpoint:
                 self._bus.sending(leaving)
             self._endpoint.send(leaving)
 
-    def _ahead(self, frames: Sequence[Frame]) -> bool:
+    def _send_early(self, frames: Sequence[Frame]) -> bool:
         leaving = self._left + self._passed(frames)
         self._left = []
-        if leaving and self._onward is not None and not self._onward(leaving):
+        if leaving and self._packed is not None and not self._packed.send_early(b"".join(pack_frames(leaving))):
             self._left = leaving
         return True
 
@@ -111,8 +111,8 @@ class FaultyEndpoint:
             if one.active:
                 activities.note(one, "running", "killed")
                 self.faults.write()
-                if self._onward is not None:
-                    # A link with a way ahead holds back what the record does not have yet.
+                if self._packed is not None:
+                    # The link holds back what the record does not have yet.
                     self._endpoint.send([])
                 self._kill()
         for one in self._stops:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Protocol
 
-from railhil.bus.injector.activities import Activities
+from railhil.bus.injector.activities import Activities, Hit
 from railhil.bus.injector.changes import (
     Change,
     ChecksChange,
@@ -14,17 +14,14 @@ from railhil.bus.injector.changes import (
     TimeChange,
 )
 from railhil.bus.injector.follower import Follower
-from railhil.bus.injector.holding import Holding, Silence
-from railhil.bus.injector.log import Hit
-from railhil.bus.injector.rewriting import Telegram, shown
+from railhil.bus.injector.holding import HOLDING, Holding, Silence
+from railhil.bus.injector.telegram_frames import Telegram, shown
 from railhil.dbc import Contract, Port
 from railhil.faults.activity import Activity
 from railhil.faults.capability import life_signal, signal_of
 from railhil.faults.model import Injection
 from railhil.faults.words import CLEAR
 
-#: Words that lose telegrams or hold them back.
-HOLDING = ("loss", "delay", "duplicate", "reorder", "slow")
 #: Words of the bus that keep frames from leaving.
 SILENT = ("off", "down", "full")
 _LEVELS = ("command", "clock", "telegram", "bus")

@@ -9,7 +9,7 @@ interface         link                   an interface that fails
 the hub           :mod:`railhil.bus.link.batch`  ends the node: the run is gone with it
 ``socketcan``     :mod:`railhil.bus.link.kernel` is waited for (:mod:`railhil.bus.link.outage`) and opened again
 ``slcan``         :mod:`railhil.bus.link.slcan`  is waited for and opened again
-``udp_multicast`` :mod:`railhil.bus.link.echo`   is waited for and opened again; own frames are kept from the node
+``udp_multicast`` :mod:`railhil.bus.link.single`   is waited for and opened again; own frames are kept from the node
 any other         :mod:`railhil.bus.link.single` is waited for and opened again
 ================= ====================== ==========================================================================
 """

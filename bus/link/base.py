@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from railhil.bus.hub.batches import HubClient
 
     # The hub's models import the error frames of this package.
-    from railhil.bus.hub.orders import Disturber
+    from railhil.bus.hub.disturbances import Disturber
 
 _TROUBLE: Final = (
     "outages", "bus_off", "error_frames", "send_dropped", "send_retries", "rx_lost", "garbage", "adapter_stuck",
@@ -71,8 +71,11 @@ class PackedEnd(Protocol):
     def send_packed(self, packet: bytes) -> None:
         """:meth:`Link.send`."""
 
-    def pass_ahead(self, packet: bytes) -> bool:
-        """:attr:`Link.ahead`."""
+    def send_early(self, packet: bytes) -> bool:
+        """Pass frames to the controller before :meth:`send_packed` would, so that it can work beside this node.
+
+        The recorder gets them with what is sent next. False: not now, they have to be sent.
+        """
 
     def receive_packed(self, timeout_s: float | None) -> bytes:
         """:meth:`Link.receive`."""
@@ -126,40 +129,13 @@ class Link(ABC):
         return None
 
     @property
-    def ahead(self) -> Callable[[Sequence[Frame]], bool] | None:
-        """Passes frames to the controller before :meth:`send` would, so that it can work beside this node; False: not
-        now, they have to be sent. Who records gets them with what is sent next. None: there is no such way."""
-        return None
-
-    @property
     def packed(self) -> PackedEnd | None:
         """The same link for packed frames; None: there is no such way."""
         return None
 
-    @property
-    def has_rest(self) -> bool:
-        """True while the interface has accepted only part of a frame; :meth:`offer` and :meth:`receive` pass on the
-        rest."""
-        return False
-
-    @property
-    def has_descriptor(self) -> bool:
-        """Whether ``bus.fileno()`` becomes readable when frames have arrived, and :meth:`receive` respects its
-        time-out."""
-        return True
-
     @abstractmethod
     def send(self, frames: Sequence[Frame]) -> None:
         """See :meth:`Endpoint.send`."""
-
-    @abstractmethod
-    def offer(self, frames: Sequence[Frame]) -> int:
-        """Pass on as many of the frames, from the first, as the interface accepts without blocking; returns how many.
-
-        Without frames, pass on only the rest of a frame that it has accepted in part.
-
-        :raises BusLost: like :meth:`send`.
-        """
 
     @abstractmethod
     def receive(self, timeout_s: float | None) -> list[Frame]:
@@ -195,3 +171,29 @@ class Link(ABC):
 
     def _lost(self, reason: str) -> BusLost:
         return BusLost(f"{self.where}: {reason}")
+
+
+@mypyc_attr(allow_interpreted_subclasses=True)
+class GatewayLink(Link):
+    """A link that the hub's gateway can use: it accepts frames without blocking."""
+
+    @property
+    def has_rest(self) -> bool:
+        """True while the interface has accepted only part of a frame; :meth:`offer` and :meth:`receive` pass on the
+        rest."""
+        return False
+
+    @property
+    def has_descriptor(self) -> bool:
+        """Whether ``bus.fileno()`` becomes readable when frames have arrived, and :meth:`receive` respects its
+        time-out."""
+        return True
+
+    @abstractmethod
+    def offer(self, frames: Sequence[Frame]) -> int:
+        """Pass on as many of the frames, from the first, as the interface accepts without blocking; returns how many.
+
+        Without frames, pass on only the rest of a frame that it has accepted in part.
+
+        :raises BusLost: like :meth:`send`.
+        """

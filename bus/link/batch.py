@@ -11,8 +11,8 @@ from railhil.bus.errors import BusError
 from railhil.bus.frame import ERROR, Frame
 from railhil.bus.hub.batches import HubClient
 from railhil.bus.hub.cancontroller import ERROR_PASSIVE
-from railhil.bus.hub.orders import Disturber, Host, Notices, Order
-from railhil.bus.link.base import Link
+from railhil.bus.hub.disturbances import Disturber, Host, Notices, Order
+from railhil.bus.link.base import GatewayLink
 from railhil.bus.link.errorframe import BUS_OFF, describe
 from railhil.bus.link.outage import TIMEOUTS, Timeouts
 from railhil.bus.transports import Opening
@@ -24,7 +24,7 @@ _LOOK_S = 0.0005
 
 
 @mypyc_attr(allow_interpreted_subclasses=True)
-class BatchLink(Link):
+class BatchLink(GatewayLink):
     """:class:`~railhil.bus.link.base.Link` on an interface with ``send_frames``, ``offer_frames``, ``recv_frames`` and
     ``notices``.
 
@@ -87,11 +87,11 @@ class BatchLink(Link):
 
     @property
     def host(self) -> Host:
-        """See :class:`~railhil.bus.hub.orders.Disturber`."""
+        """See :class:`~railhil.bus.hub.disturbances.Disturber`."""
         return Host() if self._notices is None else self._notices.host
 
     def order(self, order: Order) -> None:
-        """See :class:`~railhil.bus.hub.orders.Disturber`."""
+        """See :class:`~railhil.bus.hub.disturbances.Disturber`."""
         try:
             self._order(order)
         except self.failures as error:
@@ -128,7 +128,7 @@ class BatchLink(Link):
         self.counters["sent"] += len(frames)
 
     def offer(self, frames: Sequence[Frame]) -> int:
-        """See :meth:`Link.offer`."""
+        """See :meth:`GatewayLink.offer`."""
         try:
             taken = self._offer_batch(frames)
         except self.failures as error:

@@ -66,7 +66,7 @@ class KernelLink(SingleLink):
 
     @property
     def has_descriptor(self) -> bool:
-        """See :attr:`Link.has_descriptor`."""
+        """See :attr:`GatewayLink.has_descriptor`."""
         return True
 
     def _use_socket(self) -> None:

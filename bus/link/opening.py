@@ -59,3 +59,12 @@ def open_link(config: dict[str, Any], name: str = "bus", *, timeouts: Timeouts =
         if isinstance(error, OSError) and error.errno == errno.EAFNOSUPPORT and config.get("interface") == "socketcan":
             reason = "this kernel has no CAN (railhil vcan -- COMMAND gives a command one, with vcan0)"
         raise BusUnavailable(f"bus {where} cannot be opened: {reason}") from error
+
+
+def be_passive(link: Link) -> None:
+    """Tell the interface not even to acknowledge, where it can be told; who calls this sends nothing in any case."""
+    # An interface of python-can has loaded it.
+    can = sys.modules.get("can")
+    if can is not None and isinstance(link.bus, can.BusABC):
+        with contextlib.suppress(NotImplementedError, AttributeError):
+            link.bus.state = can.BusState.PASSIVE

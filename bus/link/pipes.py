@@ -12,8 +12,8 @@ has happened since its last poll of the supervisor.
 A write of at most PIPE_BUF bytes is atomic: frames of two writers do not mix. The controller is written to before the
 supervisor is asked, whose answer comes to it from there.
 
-Nobody answers the plant's telegrams, so they may go to the controller before (:attr:`PipeLink.ahead`): it takes them in
-while the plant makes the next.
+Nobody answers the plant's telegrams, so they may go to the controller before (:meth:`PipeLink.send_early`): it takes
+them in while the plant makes the next.
 
 The pipes have no name: only processes that inherited them can use them, and the kernel removes them with the last one.
 """
@@ -32,7 +32,7 @@ from railhil.bus.errors import BusLost, BusUnavailable
 from railhil.bus.frame import Frame
 from railhil.bus.hub.wire import CLASSIC_SIZE, ROLES, pack_frame, pack_frames, unpack_frames
 from railhil.bus.link.base import Link, PackedEnd
-from railhil.bus.link.turn import ASLEEP, AWAKE, Turn
+from railhil.bus.link.spin_wait import ASLEEP, AWAKE, SpinWait
 from railhil.bus.select import PIPES
 from railhil.bus.supervisor_polls import supervisor_polls
 from railhil.bus.transports import Opening
@@ -174,7 +174,7 @@ class PipeLink(Link):
         # Those whose writers have not ended.
         self._inboxes = [*ends.inboxes]
         sleep = ASLEEP if self._is_recorder else AWAKE
-        self._turn = Turn(ends.inboxes, moves=role == "controller", sleep=sleep)
+        self._spin_wait = SpinWait(ends.inboxes, moves=role == "controller", sleep=sleep)
         # Where what is sent goes at once, in this order; the plant's record waits.
         self._usual = [end for name, end in ends.others.items() if not self._is_plant or name != _SUPERVISOR]
         self._record = ends.others[_SUPERVISOR] if self._is_plant else -1
@@ -222,17 +222,10 @@ class PipeLink(Link):
             if packet[-CLASSIC_SIZE:] in self._asks:
                 self._write_record()
 
-    @property
-    def ahead(self) -> Callable[[Sequence[Frame]], bool] | None:
-        """See :attr:`Link.ahead`; only while the plant is awake, for then the controller has a processor of its own."""
-        return self._ahead if self._is_plant else None
-
-    def _ahead(self, frames: Sequence[Frame]) -> bool:
-        return self.pass_ahead(b"".join(pack_frames(frames)))
-
-    def pass_ahead(self, packet: bytes) -> bool:
-        """:attr:`ahead` for packed frames."""
-        if not self._turn.is_awake or len(packet) > _WRITE_BYTES:
+    def send_early(self, packet: bytes) -> bool:
+        """See :meth:`PackedEnd.send_early`; only while the plant is awake: then the controller has a processor of its
+        own."""
+        if not self._spin_wait.is_awake or len(packet) > _WRITE_BYTES:
             return False
         try:
             os.write(self._usual[0], packet)
@@ -273,11 +266,6 @@ class PipeLink(Link):
         except BrokenPipeError:
             self._has_gone(end)
 
-    def offer(self, frames: Sequence[Frame]) -> int:
-        """See :meth:`Link.offer`; all are accepted."""
-        self.send(frames)
-        return len(frames)
-
     def receive(self, timeout_s: float | None) -> list[Frame]:
         """See :meth:`Link.receive`; all that has arrived.
 
@@ -291,7 +279,7 @@ class PipeLink(Link):
         :raises BusLost: no other node is left (not for the supervisor, which has started them), or what has arrived is
             not made of frames.
         """
-        ready = self._turn.wait(None if timeout_s is None else timeout_s * 1000)
+        ready = self._spin_wait.wait(None if timeout_s is None else timeout_s * 1000)
         if not ready and self._held and timeout_s != 0:
             # Nobody may answer any more.
             self._write_record()
@@ -310,7 +298,7 @@ class PipeLink(Link):
             return b""
         if not packet:
             # All its writers have ended.
-            self._turn.leave(inbox)
+            self._spin_wait.leave(inbox)
             self._inboxes.remove(inbox)
             if not self._inboxes and not self._is_recorder:
                 raise self._lost("the other nodes have ended")

@@ -9,12 +9,13 @@ import contextlib
 import errno
 import struct
 import time
+from collections import deque
 from collections.abc import Callable, Sequence
 
 import can
 
 from railhil.bus.frame import ERROR, Frame, from_message, to_message
-from railhil.bus.link.base import Link
+from railhil.bus.link.base import GatewayLink
 from railhil.bus.link.errorframe import BUS_OFF, RESTARTED, describe
 from railhil.bus.link.outage import TIMEOUTS, Outage, Timeouts
 from railhil.bus.transports import Opening
@@ -32,7 +33,7 @@ _FULL = (errno.ENOBUFS, errno.EAGAIN)
 
 
 @mypyc_attr(allow_interpreted_subclasses=True)
-class SingleLink(Link):
+class SingleLink(GatewayLink):
     """:class:`~railhil.bus.link.base.Link` on an interface that sends and receives single frames.
 
     :param reopen: reopens the interface after a failure; None: a failure is final.
@@ -100,7 +101,7 @@ class SingleLink(Link):
             self._send_one(frame, give_up_s)
 
     def offer(self, frames: Sequence[Frame]) -> int:
-        """See :meth:`Link.offer`."""
+        """See :meth:`GatewayLink.offer`."""
         taken = 0
         try:
             if self.has_rest and self._outage is None:
@@ -149,7 +150,7 @@ class SingleLink(Link):
         self.bus.send(to_message(frame), timeout=_SEND_TIMEOUT_S)
 
     def _put_rest(self) -> None:
-        """Pass on the rest of a frame, see :attr:`Link.has_rest`."""
+        """Pass on the rest of a frame, see :attr:`GatewayLink.has_rest`."""
 
     # -- receiving ------------------------------------------------------------------------------------------------
 
@@ -301,3 +302,44 @@ def _is_full(error: BaseException) -> bool:
     if codes & set(_FULL) or isinstance(error, can.CanTimeoutError):
         return True
     return type(error.__cause__).__name__ == "SerialTimeoutException"
+
+
+#: Maximum number of sent frames whose echo is awaited; beyond it the oldest are assumed lost.
+_REMEMBERED_FRAMES = 1024
+
+
+class EchoLink(SingleLink):
+    """:class:`~railhil.bus.link.single.SingleLink` that hides the node's own frames from it."""
+
+    def __init__(
+        self,
+        bus: can.BusABC,
+        reopen: Callable[[], can.BusABC] | None = None,
+        say: Callable[[str], None] | None = None,
+        *,
+        timeouts: Timeouts = TIMEOUTS,
+        wall: WallClock = time,
+    ) -> None:
+        super().__init__(bus, reopen, say, timeouts=timeouts, wall=wall)
+        self._own: deque[Frame] = deque(maxlen=_REMEMBERED_FRAMES)
+
+    def _put(self, frame: Frame) -> None:
+        super()._put(frame)
+        self._own.append(frame)
+
+    def _get(self, timeout_s: float | None) -> list[Frame]:
+        deadline_s = None if timeout_s is None else self._wall.monotonic() + timeout_s
+        while frames := super()._get(timeout_s):
+            if others := [frame for frame in frames if not self._is_own(frame)]:
+                return others
+            # An own frame is no reason to return early.
+            if deadline_s is not None:
+                timeout_s = max(0.0, deadline_s - self._wall.monotonic())
+        return []
+
+    def _is_own(self, frame: Frame) -> bool:
+        try:
+            self._own.remove(frame)
+        except ValueError:
+            return False
+        return True

@@ -92,12 +92,12 @@ class SlcanLink(SingleLink):
 
     @property
     def has_descriptor(self) -> bool:
-        """See :attr:`Link.has_descriptor`."""
+        """See :attr:`GatewayLink.has_descriptor`."""
         return True
 
     @property
     def has_rest(self) -> bool:
-        """See :attr:`Link.has_rest`."""
+        """See :attr:`GatewayLink.has_rest`."""
         return bool(self._rest)
 
     def _use_port(self) -> None:

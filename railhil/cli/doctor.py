@@ -17,7 +17,7 @@ import can
 from railhil.bus.can_settings import add_bus_arguments, named_bus
 from railhil.bus.configured import configured
 from railhil.bus.errors import BusLost, BusUnavailable
-from railhil.bus.hub.modelled import HUB
+from railhil.bus.hub.model_limits import HUB
 from railhil.bus.link import open_link
 from railhil.bus.select import BusChoice, choose_bus, own_pipes
 from railhil.bus.transports import limits

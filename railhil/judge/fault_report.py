@@ -87,7 +87,7 @@ def fault_outcomes(folder: Path, scenario: AnyScenario, seed: int) -> list[Fault
     """
     if not scenario.faults:
         return []
-    from railhil.bus.injector.log import FILE_NAME
+    from railhil.bus.injector.activities import FILE_NAME
     from railhil.bus.injector.node_faults import nodes_of
     from railhil.scenarios.fault_list import injection_of
 
@@ -138,7 +138,7 @@ def missing_logs(folder: Path, scenario: AnyScenario) -> list[str]:
     """Logs of faults that the nodes of a run have yet to write into its folder, by their file names."""
     if not scenario.faults:
         return []
-    from railhil.bus.injector.log import FILE_NAME, INSIDE
+    from railhil.bus.injector.activities import FILE_NAME, INSIDE
     from railhil.bus.injector.node_faults import nodes_of
     from railhil.scenarios.fault_list import injection_of
 
@@ -204,7 +204,7 @@ def _rows(path: Path) -> Iterable[_Row]:
 
 
 def _text(rows: Sequence[_Row]) -> str:
-    from railhil.bus.injector.log import COLUMNS
+    from railhil.bus.injector.activities import COLUMNS
 
     buffer = io.StringIO()
     writer = csv.writer(buffer, lineterminator="\n")

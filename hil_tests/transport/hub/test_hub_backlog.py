@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from hil_tests.support.clock import SetClock
 from railhil.bus.frame import FD, Frame
-from railhil.bus.hub import backlog
-from railhil.bus.hub.backlog import Backlog
+from railhil.bus.hub import gateway_queues
+from railhil.bus.hub.gateway_queues import Backlog
 from railhil.bus.hub.wire import pack_frames, unpack_frames
 
 PLAIN = Frame(0x123, b"plain")
@@ -35,7 +35,7 @@ def test_backlog_gives_out_in_order_what_is_not_stale() -> None:
         waiting.add([Frame(k, b"") for k in range(3)])
         wall.now_ns = 1
         waiting.add([Frame(k, b"") for k in range(3, 6)])
-        wall.now_ns = backlog.STALE_NS + 1
+        wall.now_ns = gateway_queues.STALE_NS + 1
         assert waiting.drop_stale() == (0 if lossless else 3)
         while waiting:
             waiting.give(take_two)
@@ -46,8 +46,8 @@ def test_backlog_gives_out_in_order_what_is_not_stale() -> None:
 def test_backlog_is_bounded_and_the_oldest_make_room() -> None:
     waiting = Backlog(lossless=True)
     assert waiting.add([Frame(1, b"")]) == 0
-    assert waiting.add([Frame(2, b"")] * (backlog.LIMIT_FRAMES - 1)) == 0
+    assert waiting.add([Frame(2, b"")] * (gateway_queues.LIMIT_FRAMES - 1)) == 0
     assert waiting.add([Frame(3, b"")]) == 1
-    assert waiting.frames == backlog.LIMIT_FRAMES
-    assert waiting.drop_all() == backlog.LIMIT_FRAMES
+    assert waiting.frames == gateway_queues.LIMIT_FRAMES
+    assert waiting.drop_all() == gateway_queues.LIMIT_FRAMES
     assert not waiting

@@ -12,7 +12,7 @@ import pytest
 
 from hil_tests.support.hub import PATIENCE_S, running_hub
 from railhil.bus.frame import Frame
-from railhil.bus.hub import guests
+from railhil.bus.hub import membership
 from railhil.bus.hub.address import listen, parse_channel
 from railhil.bus.hub.client import HubBus, HubUnavailable
 from railhil.bus.hub.connection import HubLost
@@ -129,11 +129,12 @@ def test_silent_sockets_keep_nobody_out() -> None:
             assert other.recv_frames(PATIENCE_S) == [Frame(0x200, b"alive")]
         for sock in silent:
             sock.close()
-        assert hub.stderr().count("no hello yet, and others want to connect") >= MAX_CLIENTS + 44 - guests.MAX_GUESTS
+        refused = hub.stderr().count("no hello yet, and others want to connect")
+        assert refused >= MAX_CLIENTS + 44 - membership.MAX_GUESTS
 
 
 def test_a_client_without_hello_is_disconnected_in_time(socket_folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(guests, "HELLO_S", 0.1)
+    monkeypatch.setattr(membership, "HELLO_S", 0.1)
     listener, address = listen(parse_channel(str(socket_folder / "hub.sock")))
     lines: list[str] = []
     switch = Switch(listener, queue_limit_bytes=1 << 20, properties={}, report=lines.append)

@@ -24,7 +24,7 @@ from hil_tests.support.hub import (
 )
 from railhil.bus.errors import BusUnavailable
 from railhil.bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame
-from railhil.bus.hub import backlog
+from railhil.bus.hub import gateway_queues
 from railhil.bus.hub.client import HubBus
 from railhil.bus.hub.portspec import parse_port, parse_ports
 from railhil.bus.hub.wire import pack_frame
@@ -198,11 +198,11 @@ def test_frames_that_nobody_takes_over_make_room_and_are_counted() -> None:
     port, lines = opened_port("virtual:gateway-full")
     other = can.Bus(interface="virtual", channel="gateway-full")
     try:
-        for number in range(backlog.LIMIT_FRAMES + 10):
+        for number in range(gateway_queues.LIMIT_FRAMES + 10):
             other.send(can.Message(arbitration_id=1, data=number.to_bytes(4, "big"), is_extended_id=False))
         wait_for(lambda: port.counters["rx_lost"] == 10, PATIENCE_S)
         numbers = [int.from_bytes(frame.data, "big") for frame in taken(port, lambda frames: True)]
-        assert numbers == list(range(10, backlog.LIMIT_FRAMES + 10))
+        assert numbers == list(range(10, gateway_queues.LIMIT_FRAMES + 10))
         assert len(lines) == 1
         assert "frames are lost, the hub does not carry them in time" in lines[0]
         assert port.statistics().endswith("frames in, 0 out, 0 outages, rx_lost 10")

@@ -9,10 +9,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from railhil.bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame
-from railhil.bus.hub.bitlength import arbitration_key, crc15, frame_bits, stuff_bit_positions
-from railhil.bus.hub.model import PENDING_LIMIT_FRAMES, WireModel
 from railhil.bus.hub.ports import SwitchPort
 from railhil.bus.hub.wire import pack_frame, unpack_frames
+from railhil.bus.hub.wire_model import (
+    PENDING_LIMIT_FRAMES,
+    WireModel,
+    arbitration_key,
+    crc15,
+    frame_bits,
+    stuff_bit_positions,
+)
 
 
 def _stuffed(bits: str) -> str:

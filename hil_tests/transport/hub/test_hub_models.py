@@ -11,8 +11,8 @@ import pytest
 
 from hil_tests.support.hub import PATIENCE_S, running_hub
 from railhil.bus.frame import Frame
-from railhil.bus.hub.bitlength import frame_bits
 from railhil.bus.hub.connection import SendTimeout
+from railhil.bus.hub.wire_model import frame_bits
 
 _SLOW_BITRATE_BPS = 10_000
 

@@ -15,8 +15,7 @@ from railhil.bus.frame import ERROR, Frame
 from railhil.bus.hub.cancontroller import BUS_OFF, ERROR_ACTIVE, ERROR_PASSIVE
 from railhil.bus.hub.cli import add_arguments, run
 from railhil.bus.hub.client import HubBus
-from railhil.bus.hub.lines import GUARD_FRAMES
-from railhil.bus.hub.orders import Host, Notices, Order
+from railhil.bus.hub.disturbances import GUARD_FRAMES, Host, Notices, Order
 from railhil.bus.hub.wire import encode_notice
 from railhil.bus.link.errorframe import describe
 from railhil.bus.local import LocalBus

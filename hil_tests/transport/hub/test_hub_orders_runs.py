@@ -18,7 +18,7 @@ from railhil.bench import local_run
 from railhil.bus.codes import Event
 from railhil.bus.errors import PeerSilent
 from railhil.bus.hub.client import HubBus
-from railhil.bus.hub.orders import Order
+from railhil.bus.hub.disturbances import Order
 from railhil.bus.link import Link
 from railhil.bus.link.batch import BatchLink
 from railhil.controller_node.ato.node import ControllerNode

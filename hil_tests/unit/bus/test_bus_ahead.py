@@ -1,4 +1,4 @@
-"""What the bus administrator publishes goes ahead where the link has a way for it: order, and nothing twice."""
+"""What the bus administrator publishes is sent early where the link can: order, and nothing twice."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ def frames_of(telegram: Telegram) -> list[Frame]:
     return TelegramSource(type(telegram).port()).frames(telegram.encode())
 
 
-class WayAhead:
-    """A link with a way ahead: what went it, and what was sent; a poll is answered at once."""
+class EarlyLink:
+    """A link that can send early: what it sent so, and what else; a poll is answered at once."""
 
     is_down = False
     is_private = True
@@ -34,7 +34,7 @@ class WayAhead:
         self.packets: list[list[Frame]] = []
         self.is_open = True
 
-    def ahead(self, frames: Sequence[Frame]) -> bool:
+    def send_early(self, frames: Sequence[Frame]) -> bool:
         if self.is_open:
             self.passed += frames
         return self.is_open
@@ -53,16 +53,18 @@ class WayAhead:
 
 
 @pytest.fixture
-def link() -> WayAhead:
-    return WayAhead()
+def link() -> EarlyLink:
+    return EarlyLink()
 
 
-def made(link: WayAhead, rate: float = 0.0, unread: str = "") -> Administrator:
+def made(link: EarlyLink, rate: float = 0.0, unread: str = "") -> Administrator:
     ports = [TrnSpeed.port(), TrnPos.port()]
-    return Administrator(link, TrafficStore([NOTCH]), lambda: 0, Pacer(rate), ports, ahead=link.ahead, unread=unread)
+    return Administrator(
+        link, TrafficStore([NOTCH]), lambda: 0, Pacer(rate), ports, send_early=link.send_early, unread=unread
+    )
 
 
-def test_what_went_ahead_is_not_sent_again_with_the_poll(link: WayAhead) -> None:
+def test_what_was_sent_early_is_not_sent_again_with_the_poll(link: EarlyLink) -> None:
     administrator = made(link)
     administrator.publish(TrnSpeed(1))
     administrator.publish(TrnPos(2))
@@ -72,7 +74,7 @@ def test_what_went_ahead_is_not_sent_again_with_the_poll(link: WayAhead) -> None
     assert link.packets == [[POLL]]
 
 
-def test_what_nobody_reads_goes_with_the_next_telegram_or_poll(link: WayAhead) -> None:
+def test_what_nobody_reads_goes_with_the_next_telegram_or_poll(link: EarlyLink) -> None:
     administrator, position = made(link, unread=TrnPos.PORT), TelegramSource(TrnPos.port())
     administrator.publish(TrnPos(1))
     assert link.passed == []
@@ -83,14 +85,14 @@ def test_what_nobody_reads_goes_with_the_next_telegram_or_poll(link: WayAhead) -
     assert link.packets == [[*position.frames(TrnPos(3).encode()), POLL]]
 
 
-def test_nothing_is_sent_when_all_went_ahead(link: WayAhead) -> None:
+def test_nothing_is_sent_when_all_was_sent_early(link: EarlyLink) -> None:
     administrator = made(link)
     administrator.publish(TrnSpeed(1))
     administrator.flush()
     assert link.packets == []
 
 
-def test_what_cannot_go_ahead_is_queued_in_order(link: WayAhead) -> None:
+def test_what_cannot_be_sent_early_is_queued_in_order(link: EarlyLink) -> None:
     administrator = made(link)
     link.is_open = False
     administrator.publish(TrnSpeed(1))
@@ -104,7 +106,7 @@ def test_what_cannot_go_ahead_is_queued_in_order(link: WayAhead) -> None:
     assert link.packets == [frames_of(TrnSpeed(3))]
 
 
-def test_nothing_goes_ahead_in_real_time(link: WayAhead) -> None:
+def test_nothing_is_sent_early_in_real_time(link: EarlyLink) -> None:
     administrator = made(link, rate=1.0)
     administrator.publish(TrnSpeed(1))
     administrator.flush()
@@ -112,7 +114,7 @@ def test_nothing_goes_ahead_in_real_time(link: WayAhead) -> None:
 
 
 class PackedWay:
-    """A link for packed frames: what it was given, and what went ahead."""
+    """A link for packed frames: what it was given, and what it sent early."""
 
     is_down = False
     is_private = True
@@ -122,7 +124,7 @@ class PackedWay:
         self.packets: list[list[Frame]] = []
         self.is_open = True
 
-    def pass_ahead(self, packet: bytes) -> bool:
+    def send_early(self, packet: bytes) -> bool:
         if self.is_open:
             self.passed += unpack_frames(packet)
         return self.is_open
@@ -156,7 +158,7 @@ def of_packets(link: PackedWay, unread: str = "") -> Administrator:
     return Administrator(link, TrafficStore([NOTCH]), lambda: 0, Pacer(0.0), ports, packed=link, unread=unread)
 
 
-def test_packed_telegrams_go_ahead_and_polls_are_sent(packed: PackedWay) -> None:
+def test_packed_telegrams_are_sent_early_and_polls_are_sent(packed: PackedWay) -> None:
     administrator, position = of_packets(packed), TelegramSource(TrnPos.port())
     administrator.publish(TrnSpeed(1))
     administrator.publish(TrnPos(2))

@@ -9,8 +9,8 @@ from railhil.bus.errors import BusLost
 from railhil.bus.frame import Frame
 from railhil.bus.hub.batches import HubClient
 from railhil.bus.hub.cancontroller import BUS_OFF, ERROR_PASSIVE
-from railhil.bus.hub.failures import Refused
-from railhil.bus.hub.orders import Host, Notices, Order
+from railhil.bus.hub.connection import Refused
+from railhil.bus.hub.disturbances import Host, Notices, Order
 from railhil.bus.link import errorframe
 from railhil.bus.link.batch import BatchLink
 from railhil.bus.link.outage import Timeouts

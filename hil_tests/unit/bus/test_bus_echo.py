@@ -14,7 +14,7 @@ from railhil.bus.errors import BusOccupied
 from railhil.bus.frame import Frame, from_message, to_message
 from railhil.bus.ident import Role
 from railhil.bus.link import Link, open_link
-from railhil.bus.link.echo import EchoLink
+from railhil.bus.link.single import EchoLink
 from railhil.bus.mvb import device_status_frame, master_frame
 from railhil.bus.store import TrafficStore
 from railhil.wire.ato import NotchCmd, TrnSpeed

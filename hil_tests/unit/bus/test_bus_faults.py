@@ -9,7 +9,7 @@ import pytest
 
 from hil_tests.support.scripted import Scripted
 from railhil.bus.frame import REMOTE, Frame
-from railhil.bus.hub.orders import Host, Order
+from railhil.bus.hub.disturbances import Host, Order
 from railhil.bus.injector.bus_faults import BusFaults, need_orders
 from railhil.bus.injector.node_faults import NodeFaults
 from railhil.bus.link import errorframe

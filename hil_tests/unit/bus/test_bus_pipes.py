@@ -12,7 +12,7 @@ import pytest
 
 from railhil.bus.errors import BusLost
 from railhil.bus.frame import Frame
-from railhil.bus.hub.wire import CLASSIC_SIZE, ROLES, pack_frame
+from railhil.bus.hub.wire import CLASSIC_SIZE, ROLES, pack_frame, pack_frames
 from railhil.bus.ident import Role
 from railhil.bus.link import pipes as module
 from railhil.bus.link.pipes import Ends, PipeLink, Pipes
@@ -26,7 +26,7 @@ COMMAND = Frame(0x108, b"\x03")
 CLOCK = Frame(0x080, b"\x04")
 NODES = ("plant", "controller", "supervisor")
 
-Ahead = Callable[[Sequence[Frame]], bool]
+SendEarly = Callable[[Sequence[Frame]], bool]
 
 
 def descriptors() -> set[str]:
@@ -113,7 +113,7 @@ def test_it_never_stays_awake(links: dict[str, PipeLink]) -> None:
         links["plant"].send([SUPERVISOR_POLL])
         assert links["supervisor"].receive(10.0) == [SUPERVISOR_POLL]
         assert links["controller"].receive(10.0) == [SUPERVISOR_POLL]
-    assert not links["supervisor"]._turn.is_awake
+    assert not links["supervisor"]._spin_wait.is_awake
 
 
 def test_the_record_is_written_when_it_fills_a_write(links: dict[str, PipeLink]) -> None:
@@ -179,23 +179,19 @@ def test_frames_are_sent_and_received_as_they_are_packed(links: dict[str, PipeLi
 
 
 @pytest.fixture
-def ahead(links: dict[str, PipeLink]) -> Ahead:
-    """The plant's way ahead, while it is awake."""
+def send_early(links: dict[str, PipeLink]) -> SendEarly:
+    """Sends frames early from the plant, while it is awake."""
     plant = links["plant"]
-    plant._turn._asleep = 0
-    way = plant.ahead
-    assert way is not None
-    return way
+    plant._spin_wait._asleep = 0
+    return lambda frames: plant.send_early(b"".join(pack_frames(frames)))
 
 
-def test_only_the_plant_sends_ahead(links: dict[str, PipeLink]) -> None:
-    assert [role for role in NODES if links[role].ahead is not None] == ["plant"]
-
-
-def test_what_went_ahead_is_recorded_with_what_is_sent_next(links: dict[str, PipeLink], ahead: Ahead) -> None:
+def test_what_was_sent_early_is_recorded_with_what_is_sent_next(
+    links: dict[str, PipeLink], send_early: SendEarly
+) -> None:
     """The controller has it at once and only once, the record has it before the poll: one order for both."""
-    assert ahead([COMMAND])
-    assert ahead([CLOCK])
+    assert send_early([COMMAND])
+    assert send_early([CLOCK])
     assert heard(links) == {"plant": [], "controller": [COMMAND, CLOCK], "supervisor": []}
     links["plant"].send([POLL])
     links["plant"].send([])
@@ -205,52 +201,54 @@ def test_what_went_ahead_is_recorded_with_what_is_sent_next(links: dict[str, Pip
     assert links["supervisor"].receive(0.0) == [SUPERVISOR_POLL], "nothing twice"
 
 
-def test_a_poll_of_the_supervisor_brings_what_went_ahead(links: dict[str, PipeLink], ahead: Ahead) -> None:
-    assert ahead([COMMAND])
+def test_a_poll_of_the_supervisor_brings_what_was_sent_early(links: dict[str, PipeLink], send_early: SendEarly) -> None:
+    assert send_early([COMMAND])
     links["plant"].send([SUPERVISOR_POLL])
     assert links["supervisor"].receive(10.0) == [COMMAND, SUPERVISOR_POLL]
     assert links["controller"].receive(0.0) == [COMMAND, SUPERVISOR_POLL]
 
 
-def test_what_went_ahead_is_recorded_when_nothing_follows(links: dict[str, PipeLink], ahead: Ahead) -> None:
-    assert ahead([COMMAND])
+def test_what_was_sent_early_is_recorded_when_nothing_follows(
+    links: dict[str, PipeLink], send_early: SendEarly
+) -> None:
+    assert send_early([COMMAND])
     links["plant"].send([])
     assert heard(links) == {"plant": [], "controller": [COMMAND], "supervisor": [COMMAND]}
 
 
 @pytest.mark.parametrize("following", [[POLL], [POLL] * 250, [POLL] * 256, [POLL] * 600])
-def test_a_long_packet_follows_what_went_ahead(
-    links: dict[str, PipeLink], ahead: Ahead, following: list[Frame]
+def test_a_long_packet_follows_what_was_sent_early(
+    links: dict[str, PipeLink], send_early: SendEarly, following: list[Frame]
 ) -> None:
     """A write of more than PIPE_BUF bytes would not be whole: the record gets several."""
-    assert ahead([COMMAND] * 7)
+    assert send_early([COMMAND] * 7)
     links["plant"].send(following)
     links["plant"].send([])
     assert links["supervisor"].receive(0.0) == [COMMAND] * 7 + following
     assert links["controller"].receive(0.0) == [COMMAND] * 7 + following
 
 
-def test_no_more_goes_ahead_at_once_than_fits_one_write(links: dict[str, PipeLink], ahead: Ahead) -> None:
+def test_no_more_is_sent_early_at_once_than_fits_one_write(links: dict[str, PipeLink], send_early: SendEarly) -> None:
     most = select.PIPE_BUF // CLASSIC_SIZE
-    assert not ahead([COMMAND] * (most + 1))
-    assert ahead([COMMAND] * most)
-    assert ahead([CLOCK])
+    assert not send_early([COMMAND] * (most + 1))
+    assert send_early([COMMAND] * most)
+    assert send_early([CLOCK])
     links["plant"].send([])
     expected = [COMMAND] * most + [CLOCK]
     assert heard(links) == {"plant": [], "controller": expected, "supervisor": expected}
 
 
-def test_nothing_goes_ahead_of_a_node_that_sleeps(links: dict[str, PipeLink], ahead: Ahead) -> None:
-    links["plant"]._turn._asleep = 1
-    assert not ahead([COMMAND])
+def test_nothing_is_sent_early_of_a_node_that_sleeps(links: dict[str, PipeLink], send_early: SendEarly) -> None:
+    links["plant"]._spin_wait._asleep = 1
+    assert not send_early([COMMAND])
     assert heard(links) == {role: [] for role in NODES}
     assert links["plant"].counters["sent"] == 0
 
 
-def test_nothing_goes_ahead_into_a_full_inbox(links: dict[str, PipeLink], ahead: Ahead) -> None:
+def test_nothing_is_sent_early_into_a_full_inbox(links: dict[str, PipeLink], send_early: SendEarly) -> None:
     """As a whole or not at all: it is sent, and waited for, with the rest."""
     packets = 0
-    while ahead([COMMAND] * 200):
+    while send_early([COMMAND] * 200):
         links["plant"].send([])
         links["supervisor"].receive(0.0)
         packets += 1
@@ -262,20 +260,24 @@ def test_nothing_goes_ahead_into_a_full_inbox(links: dict[str, PipeLink], ahead:
     assert frames == [COMMAND] * 200 * packets
 
 
-def test_nothing_goes_ahead_to_a_controller_that_has_ended(links: dict[str, PipeLink], ahead: Ahead) -> None:
+def test_nothing_is_sent_early_to_a_controller_that_has_ended(
+    links: dict[str, PipeLink], send_early: SendEarly
+) -> None:
     links["controller"].close()
-    assert not ahead([COMMAND])
+    assert not send_early([COMMAND])
     links["plant"].send([COMMAND])
     links["plant"].send([])
     assert links["supervisor"].receive(0.0) == [COMMAND], "the train goes on without its controller"
 
 
-def test_the_list_of_what_was_sent_has_it_once(links: dict[str, PipeLink], ahead: Ahead, tmp_path: Path) -> None:
+def test_the_list_of_what_was_sent_has_it_once(
+    links: dict[str, PipeLink], send_early: SendEarly, tmp_path: Path
+) -> None:
     plant = links["plant"]
     plant.sent = SentFrames(tmp_path / "sent", "plant")
-    assert ahead([COMMAND])
+    assert send_early([COMMAND])
     links["controller"].close()
-    assert not ahead([CLOCK])
+    assert not send_early([CLOCK])
     plant.send([CLOCK, POLL])
     assert plant.sent._packed == b"".join(map(pack_frame, (COMMAND, CLOCK, POLL)))
 

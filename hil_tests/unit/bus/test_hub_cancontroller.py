@@ -10,9 +10,8 @@ from hil_tests.support.paths import ROOT
 from railhil.bus.frame import ERROR, Frame
 from railhil.bus.hub.cancontroller import BUS_OFF, ERROR_ACTIVE, ERROR_PASSIVE, CanController
 from railhil.bus.hub.cli import add_arguments
-from railhil.bus.hub.lines import GUARD_FRAMES, Lines
-from railhil.bus.hub.modelled import HUB, markdown, sentence
-from railhil.bus.hub.orders import Notices, Order, order_of
+from railhil.bus.hub.disturbances import GUARD_FRAMES, Lines, Notices, Order, order_of
+from railhil.bus.hub.model_limits import HUB, markdown, sentence
 from railhil.bus.link import errorframe
 from railhil.bus.link.errorframe import describe
 

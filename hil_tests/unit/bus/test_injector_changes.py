@@ -16,7 +16,7 @@ from railhil.bus.injector.changes import (
     TimeChange,
 )
 from railhil.bus.injector.follower import raw_of
-from railhil.bus.injector.rewriting import (
+from railhil.bus.injector.telegram_frames import (
     Telegram,
     checks_of,
     data_of,

@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from railhil.bus.frame import Frame
-from railhil.bus.hub.orders import Host, Order
+from railhil.bus.hub.disturbances import Host, Order
+from railhil.bus.hub.wire import unpack_frames
 from railhil.bus.injector.node_faults import NodeFaults
 from railhil.bus.injector.plant_side import FaultyEndpoint
 from railhil.bus.link import errorframe
@@ -78,7 +79,7 @@ class Bench:
         self.passed: list[Frame] = []
         self.acted: list[object] = []
         self.end = FaultyEndpoint(
-            self.wire, self.faults, CONTRACT, hub, self.onward,
+            self.wire, self.faults, CONTRACT, hub, self,
             kill=lambda: self.acted.append(
                 self.wire.sent[-1:] == [[]] and (folder is None or (folder / "faults-plant.csv").is_file())
             ),
@@ -86,11 +87,17 @@ class Bench:
             sleep=lambda time_s: self.acted.append(("sleep", time_s)),
         )  # fmt: skip
 
-    def onward(self, frames: Sequence[Frame]) -> bool:
-        """The way ahead of the link below."""
+    def send_early(self, packet: bytes) -> bool:
+        """The link below."""
         if self.is_open:
-            self.passed += frames
+            self.passed += unpack_frames(packet)
         return self.is_open
+
+    def send_packed(self, packet: bytes) -> None:
+        raise AssertionError("what the faults leave is sent as frames")
+
+    def receive_packed(self, timeout_s: float | None) -> bytes:
+        raise AssertionError("what arrives passes the faults as frames")
 
     def tick(self, *ticks: int, also: Sequence[Frame] = ()) -> list[tuple[int, bytes]]:
         """Send the frames of these ticks together; what leaves: identifier and first bytes."""
@@ -238,15 +245,15 @@ def test_a_load_below_one_frame_an_instant() -> None:
     assert [one[0] for one in Bench("bus load 11.1% @0s").tick(*range(0, 106, 15))].count(0x7E0) == 526
 
 
-def ahead(bench: Bench, *ticks: int) -> None:
+def send_early(bench: Bench, *ticks: int) -> None:
     for tick in ticks:
-        assert bench.end.ahead is not None
-        assert bench.end.ahead(speed(tick)), "what has passed the faults is never given back"
+        assert bench.end.send_early is not None
+        assert bench.end.send_early(speed(tick)), "what has passed the faults is never given back"
 
 
-def test_what_the_faults_leave_goes_ahead() -> None:
+def test_what_the_faults_leave_is_sent_early() -> None:
     bench = Bench("TRN_SPEED loss 100% @20ms for 20ms")
-    ahead(bench, 0, 1, 2, 3, 4)
+    send_early(bench, 0, 1, 2, 3, 4)
     assert bench.passed == [*speed(0), *speed(1), *speed(4)]
     assert bench.wire.sent == []
     bench.end.send([])
@@ -254,15 +261,15 @@ def test_what_the_faults_leave_goes_ahead() -> None:
     assert len(bench.said()) == 2
 
 
-def test_what_cannot_go_ahead_passes_the_faults_once_and_is_sent_in_order() -> None:
+def test_what_cannot_be_sent_early_passes_the_faults_once_and_is_sent_in_order() -> None:
     bench = Bench("TRN_SPEED loss 100% @10ms for 10ms", is_open=False)
-    ahead(bench, 0, 1, 2)
+    send_early(bench, 0, 1, 2)
     assert (bench.passed, bench.wire.sent) == ([], [])
     bench.is_open = True
-    ahead(bench, 3)
+    send_early(bench, 3)
     assert bench.passed == [*speed(0), *speed(2), *speed(3)]
     bench.is_open = False
-    ahead(bench, 4)
+    send_early(bench, 4)
     bench.end.send(speed(5))
     bench.end.send([])
     assert bench.wire.sent == [[*speed(4), *speed(5)]]
@@ -271,10 +278,10 @@ def test_what_cannot_go_ahead_passes_the_faults_once_and_is_sent_in_order() -> N
 
 def test_a_lost_telegram_alone_is_nothing_to_complete() -> None:
     bench = Bench("TRN_SPEED loss 100% @0s")
-    ahead(bench, 0, 1)
+    send_early(bench, 0, 1)
     bench.end.send([])
     assert (bench.passed, bench.wire.sent) == ([], [])
 
 
-def test_nothing_goes_ahead_where_the_bus_is_disturbed() -> None:
-    assert Bench(hub=Hub()).end.ahead is None
+def test_nothing_is_sent_early_where_the_bus_is_disturbed() -> None:
+    assert Bench(hub=Hub()).end.send_early is None

@@ -10,7 +10,7 @@ import pytest
 from railhil.bus.frame import Frame
 from railhil.bus.injector.follower import raw_of
 from railhil.bus.injector.node_faults import NodeFaults, nodes_of, ports_of
-from railhil.bus.injector.rewriting import Telegram, data_of, shown
+from railhil.bus.injector.telegram_frames import Telegram, data_of, shown
 from railhil.bus.mvb import TelegramSource
 from railhil.bus.schedule import Schedule
 from railhil.bus.telegrams import TimeSync

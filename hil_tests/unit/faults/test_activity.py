@@ -6,8 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from railhil.bus.injector.activities import Activities
-from railhil.bus.injector.log import Hit
+from railhil.bus.injector.activities import Activities, Hit
 from railhil.faults.activity import Activity
 from railhil.faults.language import parse
 from railhil.faults.operator_values import octets_of

@@ -12,7 +12,7 @@ import pytest
 from hil_tests.support.cli import railhil
 from railhil.bus import select
 from railhil.bus.can_settings import named_bus
-from railhil.bus.hub.modelled import HUB
+from railhil.bus.hub.model_limits import HUB
 from railhil.bus.transports import limits
 from railhil.cli.commands import parser
 from railhil.cli.doctor import facts

@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from hil_tests.support.plant_faults import SCENARIO, TICK_NS, fault, made, said
-from railhil.bus.injector.log import Hit
+from railhil.bus.injector.activities import Hit
 from railhil.common.errors import InputError
 from railhil.faults.language import parse
 from railhil.faults.model import Trigger

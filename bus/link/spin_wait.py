@@ -40,7 +40,7 @@ AWAKE: Final = Sleep()
 ASLEEP: Final = Sleep(starting=1 << 60)
 
 
-class Turn:
+class SpinWait:
     """Waits until one of some descriptors is readable.
 
     :param moves: use another processor while awake than while asleep: not awake before this process has been limited to

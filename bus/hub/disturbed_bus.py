@@ -12,8 +12,7 @@ from dataclasses import asdict
 
 from railhil.bus.frame import Frame
 from railhil.bus.hub.cancontroller import RECOVERY_BITS, CanController
-from railhil.bus.hub.lines import Lines
-from railhil.bus.hub.orders import Host, Order
+from railhil.bus.hub.disturbances import Host, Lines, Order
 from railhil.bus.hub.ports import SwitchPort
 from railhil.bus.hub.wire import CLASSIC_SIZE, FD_SIZE, encode_notice, pack_frame
 from railhil.bus.wallclock import WallClock

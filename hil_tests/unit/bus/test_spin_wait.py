@@ -9,7 +9,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from railhil.bus.link.turn import Sleep, Turn
+from railhil.bus.link.spin_wait import Sleep, SpinWait
 
 AT_ONCE = Sleep(starting=1, least=4, most=8)
 
@@ -31,7 +31,7 @@ def processors() -> Iterator[set[int]]:
     os.sched_setaffinity(0, before)
 
 
-def come(turn: Turn, pipe: tuple[int, int], after_s: float = 0.0) -> None:
+def come(turn: SpinWait, pipe: tuple[int, int], after_s: float = 0.0) -> None:
     """One turn that comes after a time."""
     if after_s:
         timer = threading.Timer(after_s, os.write, (pipe[1], b"x"))
@@ -44,7 +44,7 @@ def come(turn: Turn, pipe: tuple[int, int], after_s: float = 0.0) -> None:
     os.read(pipe[0], 1)
 
 
-def late(turn: Turn, pipe: tuple[int, int]) -> None:
+def late(turn: SpinWait, pipe: tuple[int, int]) -> None:
     """As many late turns as put a node to sleep."""
     for _ in range(3):
         assert turn.is_awake
@@ -52,7 +52,7 @@ def late(turn: Turn, pipe: tuple[int, int]) -> None:
     assert not turn.is_awake
 
 
-def sleeps(turn: Turn, pipe: tuple[int, int]) -> int:
+def sleeps(turn: SpinWait, pipe: tuple[int, int]) -> int:
     """Turns until it is awake."""
     turns = 0
     while not turn.is_awake:
@@ -63,7 +63,7 @@ def sleeps(turn: Turn, pipe: tuple[int, int]) -> int:
 
 
 def test_awake_after_the_start_and_as_long_as_turns_come_in_time(pipe: tuple[int, int]) -> None:
-    turn = Turn((pipe[0],), sleep=Sleep(starting=3))
+    turn = SpinWait((pipe[0],), sleep=Sleep(starting=3))
     assert sleeps(turn, pipe) == 3
     for _ in range(1000):
         come(turn, pipe)
@@ -71,7 +71,7 @@ def test_awake_after_the_start_and_as_long_as_turns_come_in_time(pipe: tuple[int
 
 
 def test_sleeps_longer_when_it_is_late_again(pipe: tuple[int, int]) -> None:
-    turn = Turn((pipe[0],), sleep=AT_ONCE)
+    turn = SpinWait((pipe[0],), sleep=AT_ONCE)
     come(turn, pipe)
     found = []
     for _ in range(3):
@@ -82,7 +82,7 @@ def test_sleeps_longer_when_it_is_late_again(pipe: tuple[int, int]) -> None:
 
 @pytest.mark.parametrize("starting", [0, 9])
 def test_a_time_out_is_kept_awake_and_asleep(pipe: tuple[int, int], starting: int) -> None:
-    turn = Turn((pipe[0],), sleep=Sleep(starting=starting))
+    turn = SpinWait((pipe[0],), sleep=Sleep(starting=starting))
     assert not turn.wait(0)
     begun_s = time.monotonic()
     assert not turn.wait(30)
@@ -95,7 +95,7 @@ def test_the_end_of_the_other_side_is_a_turn(pipe: tuple[int, int]) -> None:
     os.close(writing)
     try:
         for starting in (0, 9):
-            assert Turn((reading,), sleep=Sleep(starting=starting)).wait(5000)
+            assert SpinWait((reading,), sleep=Sleep(starting=starting)).wait(5000)
     finally:
         os.close(reading)
 
@@ -105,7 +105,7 @@ def test_awake_it_leaves_the_shared_processor_and_asleep_it_returns(
 ) -> None:
     if len(processors) < 2:
         pytest.skip("MISSING CAPABILITY two processors")
-    turn = Turn((pipe[0],), moves=True, sleep=AT_ONCE)
+    turn = SpinWait((pipe[0],), moves=True, sleep=AT_ONCE)
     shared = {min(processors)}
     os.sched_setaffinity(0, shared)
     come(turn, pipe)
@@ -117,7 +117,7 @@ def test_awake_it_leaves_the_shared_processor_and_asleep_it_returns(
 def test_it_stays_asleep_until_it_has_been_placed(pipe: tuple[int, int], processors: set[int]) -> None:
     if len(processors) < 2:
         pytest.skip("MISSING CAPABILITY two processors")
-    turn = Turn((pipe[0],), moves=True, sleep=AT_ONCE)
+    turn = SpinWait((pipe[0],), moves=True, sleep=AT_ONCE)
     for _ in range(20):
         come(turn, pipe)
         assert not turn.is_awake
@@ -134,7 +134,7 @@ def test_who_need_not_move_stays(pipe: tuple[int, int], processors: set[int]) ->
     for moves in (False, True):
         if moves:
             os.sched_setaffinity(0, only)
-        turn = Turn((pipe[0],), moves=moves, sleep=AT_ONCE)
+        turn = SpinWait((pipe[0],), moves=moves, sleep=AT_ONCE)
         os.sched_setaffinity(0, only)
         come(turn, pipe)
         late(turn, pipe)
