@@ -1,20 +1,24 @@
-"""The interface through which the audit uses the controller of any system.
+"""The controller of any system: a law on one arithmetic, its program, telemetry and cost.
 
 :class:`~railhil.controller_node.ato.controller.Controller` and
-:class:`~railhil.controller_node.vector.controller.VectorController` implement it.
+:class:`~railhil.controller_node.vector.controller.VectorController` are subclasses.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, ClassVar, Protocol
 
 from railhil.common.errors import InputError, Words
+from railhil.common.mypyc import mypyc_attr
+from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Arithmetic, Counters
-from railhil.controller_node.cost import Cost
-from railhil.controller_node.program.model import LawProgram
-from railhil.controller_node.program.ranges import Interval
+from railhil.controller_node.compiled_law import compile_law
+from railhil.controller_node.cost import cost_of
+from railhil.controller_node.laws.fault import law_fault
+from railhil.controller_node.program.ranges import Interval, refuse_wraps
+from railhil.controller_node.program.record import record_loop
 from railhil.controller_node.telemetry import Telemetry
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec
@@ -43,57 +47,84 @@ class Computed(Protocol):
         """One code for each command, in the order of :attr:`LawController.commands`."""
 
 
-class LawController(Protocol):
-    """One law on one arithmetic; inputs and outputs are raw integers of the bus."""
+@mypyc_attr(allow_interpreted_subclasses=True)
+class LawController:
+    """One law on one arithmetic; inputs and outputs are raw integers of the bus.
 
-    telemetry: Telemetry
-    cost: Cost
-    #: Program of the law, recorded for this arithmetic.
-    program: LawProgram
+    A subclass has ``step``, one control period, which returns a :class:`Computed`, and ``sent``, which passes the codes
+    really sent, one for each command, to the law if they are not those that ``step`` returned. ``telemetry`` is up to
+    date after each of them; ``cost`` is that of every control period.
 
-    @property
-    def arithmetic(self) -> Arithmetic[Any]:
-        """The arithmetic on which the law runs."""
+    :param law: a law of the system and how it is run; in ``iq`` (C28x fixed point) there is no float between the
+        arguments of ``step`` and its result.
+    :param arithmetic: a fresh one to use instead of the one named by ``law``.
+    :param may_wrap: accept a law in which an operation may wrap.
+    :raises InputError: as the class :attr:`loop`; an operation of the law may wrap in fixed point for something on the
+        wire. In ``step`` and ``sent``: the law has raised.
+    """
 
-    @property
-    def law(self) -> Any:
-        """The law, with ``constants`` and ``state_bounds``."""
+    #: Class of the :class:`~railhil.controller_node.law_loop.LawLoop`, made from scenario, law and arithmetic.
+    loop: ClassVar[type[Any]]
+    #: The law's outputs.
+    commands: tuple[CommandCode, ...]
+    #: Raw range of each input of the law's program, by name, for anything that may be on the wire.
+    wire: Mapping[str, Interval]
 
-    @property
-    def commands(self) -> tuple[CommandCode, ...]:
-        """The law's outputs."""
-
-    @property
-    def wire(self) -> Mapping[str, Interval]:
-        """Raw range of each input of the law's program, by name, for anything that may be on the wire."""
+    def __init__(
+        self,
+        scenario: AnyScenario,
+        law: LawSpec,
+        arithmetic: Arithmetic[Any] | None = None,
+        *,
+        may_wrap: bool = False,
+    ) -> None:
+        #: The arithmetic on which the law runs.
+        self.arithmetic = number = arithmetic or make(law.arithmetic)
+        self._loop: Any = self.loop(scenario, law, number)
+        #: The law, with ``constants`` and ``state_bounds``.
+        self.law = self._loop.law
+        #: Program of the law, recorded for this arithmetic.
+        self.program = program = record_loop(self.loop, scenario, law, wide=number.wide)
+        ranges = None
+        if not number.wide and not may_wrap:
+            ranges = refuse_wraps(program, self.law, f"at {self._loop.made_for}", self.wire)
+        self._loop.compiled = compile_law(program, self.law, number, ranges)
+        # Telemetry starts here, after the law's constants have been made.
+        number.noted = []
+        self.telemetry = Telemetry(program.quantities)
+        self.cost = cost_of(program, number, scenario.timing.control_period_ns)
 
     @property
     def counters(self) -> Counters:
         """Wraps, saturations and divisions by zero since the controller was made."""
+        return self.arithmetic.counters
 
-    # The arguments depend on the controller: the law's inputs, and the codes really sent instead of its own.
-    def step(self, *given: Any, **named: Any) -> Computed:
-        """One control period."""
+    @property
+    def state(self) -> Any:
+        """State of the law; None before the first step."""
+        return self._loop.state
 
-    def sent(self, *codes: Any, **named: Any) -> None:
-        """Pass the codes really sent, one for each command, to the law."""
+    def kept(self) -> dict[str, Any] | None:
+        """Key and values of the law's memory after the last step; None for a law that keeps none.
+
+        :raises InputError: the law has raised, or answers what no file can hold.
+        """
+        found: dict[str, Any] | None = self._loop.kept()
+        return found
+
+    def failed(self, error: Exception, function: str) -> InputError:
+        """The error line for a law that raised in a run, with the last quantity that it named in this period."""
+        named = self.telemetry.quantities[: len(self.arithmetic.noted or ())]
+        last = named[-1].name if named else None
+        return law_fault(self._loop.name, type(self.law), error, function, last)
 
 
-class MakesControllers(Protocol):
-    """Class of a :class:`LawController`; the class attribute ``computes`` of a controller's node refers to it."""
-
-    def __call__(
-        self, scenario: Any, law: LawSpec, arithmetic: Arithmetic[Any], *, may_wrap: bool = False
-    ) -> LawController:
-        """Make one on a fresh arithmetic; ``may_wrap``: accept also a law in which an operation may wrap."""
-
-
-def maker_of(system: System, scenario: AnyScenario) -> MakesControllers:
-    """Class that makes the controllers of a system.
+def maker_of(system: System, scenario: AnyScenario) -> type[Any]:
+    """The :class:`LawController` of a system.
 
     :raises InputError: the system's controller has no class attribute ``computes``.
     """
-    maker: MakesControllers | None = getattr(system.part("controller"), "computes", None)
+    maker: type[Any] | None = getattr(system.part("controller"), "computes", None)
     if maker is None:
         found = Words(f"{system.name}, whose controller is {system.controller}")
         raise InputError(scenario.name, "system", found, "a controller with a class attribute computes, as VectorNode")

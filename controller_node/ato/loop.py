@@ -2,23 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from typing import Any, Final
 
 from railhil.common.command_line import INDEXINGS
-from railhil.common.errors import InputError, Words
+from railhil.common.errors import InputError
 from railhil.common.mypyc import mypyc_attr
-from railhil.common.plug_ins import plugged_in
 from railhil.controller_node.arithmetic.base import Arithmetic, Constant, T
 from railhil.controller_node.ato.setpoint import SetPoints
 from railhil.controller_node.compiled_law import Values
-from railhil.controller_node.law_state import LawState
+from railhil.controller_node.law_loop import LawLoop, starting
 from railhil.controller_node.laws import load
-from railhil.controller_node.laws.base import SPEED_Q, BaliseReading, Law, LawInputs, LawOutputs, TrackInputs
-from railhil.controller_node.laws.fault import place
-from railhil.controller_node.laws.memory import kept, memory_arguments
-from railhil.controller_node.laws.parameters import law_parameters
+from railhil.controller_node.laws.base import NOTCH_Q, SPEED_Q, BaliseReading, LawInputs, LawOutputs, TrackInputs
+from railhil.controller_node.program.model import BALISE_INPUTS, Kind
+from railhil.controller_node.program.tracer import FormatError, Tracer
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec
 
@@ -42,26 +38,8 @@ def limited_01mm(position_mm: int) -> int:
 NO_BALISE: Final[BaliseReading[int]] = BaliseReading(0, 0, 0)
 
 
-@contextmanager
-def _starting(name: str, kind: type[Law[Any, Any]], scenario: Scenario) -> Iterator[None]:
-    """Turn any exception raised while a law is made, or a horizon too large for the memory, into one line about the
-    law."""
-    try:
-        with plugged_in():
-            yield
-    except InputError:
-        raise
-    except Exception as error:
-        # A law is code that somebody plugs in, and may raise anything.
-        period_s, notch_max = scenario.timing.control_period_ns / 1e9, scenario.train.notch_max
-        allowed = f"a law that can be made for {period_s:g} s and {notch_max:g} notches"
-        at = place(kind, error)
-        cause = f"{type(error).__name__}: {error}{f', at {at}' if at else ''}"
-        raise InputError("controller", name, Words("a law that fails at its start"), allowed, cause) from error
-
-
 @mypyc_attr(allow_interpreted_subclasses=True)
-class ControlLoop(LawState[T]):
+class ControlLoop(LawLoop[T]):
     """Law, set-points and state on one arithmetic; operands are those of the arithmetic, wire values whole numbers.
 
     :param arithmetic: a fresh one; the one named by ``law`` is ignored.
@@ -75,12 +53,8 @@ class ControlLoop(LawState[T]):
         law: LawSpec,
         arithmetic: Arithmetic[T],
     ) -> None:
-        super().__init__(arithmetic)
-        self._scenario = scenario
-        #: Name by which the law was requested.
-        self.name = name = law.controller
-        self._memory = law.memory
-        kind, indexing = load(name), law.indexing
+        name, indexing = law.controller, law.indexing
+        kind = load(name)
         if indexing in INDEXINGS and indexing not in kind.indexings:
             raise InputError("indexing", name, indexing, f"{' or '.join(kind.indexings)} with this law")
         longest_m = POSITION_MAX_01MM / 1e4 / scenario.wheel_factor_max
@@ -88,10 +62,10 @@ class ControlLoop(LawState[T]):
         if (kind.track or law.over_distance) and distance_m > longest_m:
             allowed = f"at most {longest_m:g} m for {name} with set-points by {indexing}: it uses the position"
             raise InputError(scenario.name, "plan.distance_m", distance_m, allowed)
-        given = law_parameters(name, kind, law.parameters)
-        with _starting(name, kind, scenario):
-            remembered = memory_arguments(name, kind, scenario, law.memory)
-            self.law: Law[T, Any] = kind(arithmetic, scenario, given, *remembered)
+        period_s, notch_max = scenario.timing.control_period_ns / 1e9, scenario.train.notch_max
+        super().__init__(scenario, law, arithmetic, kind, f"{period_s:g} s and {notch_max:g} notches")
+        with starting(name, kind, self.made_for):
+            # A horizon may be too large for the memory.
             self.set_points = SetPoints(arithmetic, scenario, indexing, self.law.horizon)
         self._kmh = arithmetic.const(_KMH_PER_01MMPS)
 
@@ -145,6 +119,29 @@ class ControlLoop(LawState[T]):
         """Tell the law which notch (Q ``NOTCH_Q``) was really sent since its last step."""
         self.state = self.law.with_sent(self.state, notch)
 
-    def kept(self) -> dict[str, Any] | None:
-        """What the law wants kept of the run, see :func:`railhil.controller_node.laws.memory.kept`."""
-        return kept(self.name, self.law, self._scenario, self.state, self._memory)
+    def answered(self, state: Any, inputs: Any) -> tuple[Any, Any]:
+        """The law's step.
+
+        :raises FormatError: its notes are not those that it declares.
+        """
+        after, outputs = super().answered(state, inputs)
+        declared = self.law.notes
+        if len(outputs.notes) != len(declared):
+            raise FormatError(f"step answers {len(outputs.notes)} notes, the law declares {len(declared)}")
+        for note, value in zip(declared, outputs.notes, strict=True):
+            if not self.arithmetic.wide and value.q is not None and value.q != note.q:
+                raise FormatError(f"note {note.name} is Q{value.q}, declared Q{note.q}")
+        return after, outputs
+
+    def traced_inputs(self, tracer: Tracer) -> Any:
+        """Number of the period, speed, position and, for a law with ``track``, the last balise."""
+        k = tracer.input("k", None, Kind.INDEX)
+        speed, position = tracer.input("speed_01mmps", 0), tracer.input("position_01mm", 0)
+        balise: BaliseReading[Any] = NO_BALISE
+        if self.law.track:
+            balise = BaliseReading(*(tracer.input(name, 0) for name in BALISE_INPUTS))
+        return self.inputs(k, speed, position, balise)
+
+    def traced_commands(self, tracer: Tracer) -> Any:
+        """The notch."""
+        return tracer.input("notch", NOTCH_Q)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import replace
 from typing import Any
 
 from railhil.bus.acceptance import checks_of, life_of
@@ -28,7 +29,8 @@ from railhil.controller_node.export.names import Names, identifier, literal, wid
 from railhil.controller_node.export.node_header import octets
 from railhil.controller_node.export.templates import SHARED
 from railhil.controller_node.program.model import Value
-from railhil.controller_node.vector.controller import VectorController, VectorLoop, vector_program
+from railhil.controller_node.program.record import record_loop
+from railhil.controller_node.vector.controller import VectorController, VectorLoop
 from railhil.controller_node.vector.law import Interface, raw_range
 from railhil.controller_node.vector.node import ports_of, refuse_indexing
 from railhil.controller_node.vector.readings import sources_of
@@ -78,7 +80,7 @@ class InterfaceControl(Control):
         self.system = system = system_named(scenario.system)
         self._interface: Interface = system.part("interface")
         refuse_indexing(system, law)
-        self.programs = vector_program(system, scenario, law.controller, law.parameters, None, wide=False)
+        self.programs = record_loop(VectorLoop, scenario, replace(law, memory=None))
         interface = self._interface
         readings, commands = Names(), Names()
         given = [(reading.name, readings.new(reading.name)) for reading in interface.readings]
@@ -147,8 +149,7 @@ class InterfaceControl(Control):
         return found
 
     def loop(self, number: Arithmetic[int]) -> Loop:
-        law = self.law
-        return VectorLoop(self.system, self.scenario, law.controller, number, law.parameters, None)
+        return VectorLoop(self.scenario, replace(self.law, memory=None), number)
 
     def runs(self, play: Play | None) -> Iterator[Iterable[Period]]:
         """A run of the bench, random readings over their whole range, and the limits of the readings."""

@@ -8,7 +8,6 @@ from typing import Any, ClassVar, Generic, NamedTuple, TypeVar
 
 from railhil.controller_node.arithmetic.base import Arithmetic, Constant, T
 from railhil.controller_node.laws.note import Note
-from railhil.scenarios.model import Scenario
 
 State = TypeVar("State")
 
@@ -72,20 +71,19 @@ class LawOutputs(NamedTuple, Generic[T]):
     notes: tuple[T, ...] = ()
 
 
-class Law(ABC, Generic[T, State]):
+class ControlLaw(ABC, Generic[T, State]):
     """A control law bound to an arithmetic and to its constants; it keeps no state of its own.
 
     ``step`` is a pure function without branches: operations of the arithmetic on named quantities, and no Python branch
     that depends on data, so the same code serves one train, N trains and an export.
     """
 
-    #: Name of the entry point.
+    #: Name by which it is requested.
     name: ClassVar[str]
     #: Set-point indexings with which the law works.
-    indexings: ClassVar[tuple[str, ...]] = ("time", "distance")
-    #: True for a law that uses ``LawInputs.track``.
-    track: ClassVar[bool] = False
-    #: Its notes in CTL_STAT: at most one bit field and two other figures.
+    indexings: ClassVar[tuple[str, ...]] = ("time",)
+    #: Its notes in CTL_STAT: at most one bit field and two other figures. A law of an ``Interface`` has none: its notes
+    #: are those of the interface.
     notes: ClassVar[tuple[Note, ...]] = ()
     #: Frozen dataclass of the law's parameters: the defaults are published or textbook values, the types give the range
     #: that a file may set (``Annotated[float, Field(ge=0, le=1)]``).
@@ -96,19 +94,20 @@ class Law(ABC, Generic[T, State]):
     parameters_origin: ClassVar[str] = "origin not stated"
     #: Perturbed runs used to choose the defaults: name of the scenario, seeds. The law is not evaluated on them.
     design_seeds: ClassVar[Mapping[str, range]] = {}
+    #: True: the law has no fixed-point formats and needs float64 or float32.
+    floating: ClassVar[bool] = False
+    #: True: its steps ask a solver (:meth:`~railhil.controller_node.arithmetic.base.Arithmetic.solve`). Such a law is
+    #: also ``floating`` and needs an arithmetic that solves: float64. Its recorded program contains the solution as one
+    #: operation, so it has no C and no audit.
+    solver: ClassVar[bool] = False
 
     @abstractmethod
-    def __init__(self, arithmetic: Arithmetic[T], scenario: Scenario, parameters: Any = None) -> None:
+    def __init__(self, arithmetic: Arithmetic[T], scenario: Any, parameters: Any = None) -> None:
         """Bind the law to its constants.
 
-        :param scenario: the nominal scenario: train, line and timetable as known to the controller.
+        :param scenario: a nominal scenario of the law's system: train, line and task as known to the controller.
         :param parameters: a :attr:`parameters_type`; None: its defaults.
         """
-
-    @property
-    @abstractmethod
-    def horizon(self) -> int:
-        """Number of future set-points, in control periods, in ``LawInputs.preview``."""
 
     @property
     @abstractmethod
@@ -122,20 +121,8 @@ class Law(ABC, Generic[T, State]):
         """
         return {}
 
-    @abstractmethod
-    def start(self, inputs: LawInputs[T]) -> State:
-        """State before the first step, from the inputs of that step."""
-
-    @abstractmethod
-    def step(self, state: State, inputs: LawInputs[T]) -> tuple[State, LawOutputs[T]]:
-        """One control period."""
-
-    @abstractmethod
-    def with_sent(self, state: State, notch: T) -> State:
-        """The state if a notch other than the law's (Q ``NOTCH_Q``) was really sent."""
-
     @classmethod
-    def memory_key(cls, scenario: Scenario) -> str:
+    def memory_key(cls, scenario: Any) -> str:
         """Key of the law's memory from run to run (train, platform, ...); empty: it keeps none.
 
         A law with a key is constructed with one more argument, ``memory``
@@ -145,7 +132,7 @@ class Law(ABC, Generic[T, State]):
         return ""
 
     @classmethod
-    def check_memory(cls, scenario: Scenario, values: Mapping[str, Any]) -> None:
+    def check_memory(cls, scenario: Any, values: Mapping[str, Any]) -> None:
         """Refuse stored values with which the law must not begin, although they are undamaged: out of range, missing.
 
         :param values: as :meth:`memory` returned them, after JSON.
@@ -158,3 +145,28 @@ class Law(ABC, Generic[T, State]):
         :param state: after its last step; numbers of the arithmetic are converted by :meth:`Arithmetic.raw`.
         """
         return {}
+
+
+class Law(ControlLaw[T, State]):
+    """A law of the system ``ato``: speed and set-points in, a notch out."""
+
+    indexings: ClassVar[tuple[str, ...]] = ("time", "distance")
+    #: True for a law that uses ``LawInputs.track``.
+    track: ClassVar[bool] = False
+
+    @property
+    @abstractmethod
+    def horizon(self) -> int:
+        """Number of future set-points, in control periods, in ``LawInputs.preview``."""
+
+    @abstractmethod
+    def start(self, inputs: LawInputs[T]) -> State:
+        """State before the first step, from the inputs of that step."""
+
+    @abstractmethod
+    def step(self, state: State, inputs: LawInputs[T]) -> tuple[State, LawOutputs[T]]:
+        """One control period."""
+
+    @abstractmethod
+    def with_sent(self, state: State, notch: T) -> State:
+        """The state if a notch other than the law's (Q ``NOTCH_Q``) was really sent."""

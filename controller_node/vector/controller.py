@@ -7,28 +7,15 @@ from dataclasses import dataclass
 from typing import Any
 
 from railhil.common.errors import InputError, Words
-from railhil.common.plug_ins import plugged_in
-from railhil.controller_node.arithmetic import make
-from railhil.controller_node.arithmetic.base import INT32_MAX, INT32_MIN, Arithmetic, Constant, Counters, T
-from railhil.controller_node.compiled_law import compile_law
-from railhil.controller_node.cost import cost_of
-from railhil.controller_node.law_controller import CommandCode
-from railhil.controller_node.law_state import LawState
+from railhil.controller_node.arithmetic.base import INT32_MAX, INT32_MIN, Arithmetic, Constant, T
+from railhil.controller_node.law_controller import CommandCode, LawController
+from railhil.controller_node.law_loop import LawLoop
 from railhil.controller_node.laws import find
-from railhil.controller_node.laws.fault import law_fault, place
-from railhil.controller_node.laws.memory import kept, memory_arguments
-from railhil.controller_node.laws.parameters import law_parameters
-from railhil.controller_node.program.model import LawProgram, Value
-from railhil.controller_node.program.ranges import refuse_wraps
-from railhil.controller_node.program.record import recorded
 from railhil.controller_node.program.tracer import Tracer
-from railhil.controller_node.telemetry import Telemetry
 from railhil.controller_node.vector.law import Answer, Interface, VectorLaw, raw_range
-from railhil.scenarios.memory import Memory
 from railhil.scenarios.model import AnyScenario
-from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.run_spec import LawSpec
-from railhil.scenarios.system import System, system_named
+from railhil.scenarios.system import system_named
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,48 +30,20 @@ class VectorOutput:
     overflow_flags: int
 
 
-class VectorLoop(LawState[T]):
+class VectorLoop(LawLoop[T]):
     """Law and state on one arithmetic.
 
-    :raises InputError: there is no such law for this system, it cannot be constructed for this scenario, or the
-        parameters or the memory belong to another law.
+    :raises InputError: there is no such law for this system; or as :class:`~railhil.controller_node.law_loop.LawLoop`.
     """
 
-    def __init__(
-        self,
-        system: System,
-        scenario: AnyScenario,
-        law: str,
-        arithmetic: Arithmetic[T],
-        given: ParameterSet | None,
-        memory: Memory | None,
-    ) -> None:
-        super().__init__(arithmetic)
-        self._scenario = scenario
-        self._memory = memory
-        #: Name by which the law was requested.
-        self.name = law
+    def __init__(self, scenario: AnyScenario, law: LawSpec, arithmetic: Arithmetic[T]) -> None:
+        system = system_named(scenario.system)
         self.interface: Interface = system.part("interface")
-        kind = find(law, system.laws, VectorLaw)
-        if kind.solver and not arithmetic.solves:
-            allowed = "float64: this law is computed by a solver, which has no fixed point, single precision or C"
-            raise InputError("controller", f"{law}, arithmetic", Words(arithmetic.name), allowed)
-        if kind.floating and not arithmetic.wide:
-            allowed = "float64 or float32: this law has no fixed-point formats"
-            raise InputError("controller", f"{law}, arithmetic", Words("fixed point"), allowed)
-        parameters = law_parameters(law, kind, given)
-        try:
-            remembered = memory_arguments(law, kind, scenario, memory)
-            with plugged_in():
-                self.law: VectorLaw[T, Any] = kind(arithmetic, scenario, parameters, *remembered)
-        except InputError:
-            raise
-        except Exception as error:
-            # A law is plug-in code and may raise anything.
-            at = place(kind, error)
-            cause = f"{type(error).__name__}: {error}{f', at {at}' if at else ''}"
-            allowed = f"a law that can be made for {scenario.name}"
-            raise InputError("controller", law, Words("a law that fails at its start"), allowed, cause) from error
+        kind = find(law.controller, system.laws, VectorLaw)
+        period_s = scenario.timing.control_period_ns / 1e9
+        if not arithmetic.wide:
+            _refuse_wide_readings(self.interface)
+        super().__init__(scenario, law, arithmetic, kind, f"{period_s:g} s on {scenario.name}")
         self._bounds = [
             tuple(arithmetic.const(Constant(f"{command.name}_{end}", raw / 2**command.q, command.q, "port table"))
                   for end, raw in zip(("lowest", "highest"), command.bounds, strict=True))
@@ -127,7 +86,7 @@ class VectorLoop(LawState[T]):
         told = [self.arithmetic.from_raw(raw, command.q) for command, raw in commands]
         self.state = self.law.with_sent(self.state, told)
 
-    def answered(self, state: Any, inputs: tuple[T, ...]) -> tuple[Any, Answer[T]]:
+    def answered(self, state: Any, inputs: Any) -> tuple[Any, Any]:
         """The law's step; its commands are rounded and limited to their bounds."""
         ar = self.arithmetic
         after, answer = self.law.step(state, inputs)
@@ -142,9 +101,13 @@ class VectorLoop(LawState[T]):
         )
         return after, Answer(commands, notes)
 
-    def kept(self) -> dict[str, Any] | None:
-        """The law's memory to keep after the run, see :func:`railhil.controller_node.laws.memory.kept`."""
-        return kept(self.name, self.law, self._scenario, self.state, self._memory)
+    def traced_inputs(self, tracer: Tracer) -> Any:
+        """The readings."""
+        return self.inputs([tracer.input(reading.name, reading.q) for reading in self.interface.readings])
+
+    def traced_commands(self, tracer: Tracer) -> Any:
+        """The commands."""
+        return tuple(tracer.input(command.name, command.q) for command in self.interface.commands)
 
 
 def _rounded(ar: Arithmetic[T], value: T, law_q: int, q: int) -> T:
@@ -164,43 +127,10 @@ def _refuse_wide_readings(interface: Interface) -> None:
             raise InputError("interface", f"reading {reading.name}", found, allowed)
 
 
-class _Traced:
-    """A vector loop with the interface that the recorder of programs expects of a law."""
+class VectorController(LawController):
+    """Controller of a system whose laws have an ``Interface``."""
 
-    def __init__(self, loop: VectorLoop[Value]) -> None:
-        self.start = loop.law.start
-        self.step = loop.answered
-        self.with_sent = loop.law.with_sent
-
-
-def vector_program(
-    system: System, scenario: AnyScenario, law: str, given: ParameterSet | None, memory: Memory | None, wide: bool
-) -> LawProgram:
-    """Programs of a law for several units, see :func:`railhil.controller_node.program.record.record`."""
-    tracer = Tracer(wide)
-    loop: VectorLoop[Value] = VectorLoop(system, scenario, law, tracer, given, memory)
-    interface = loop.interface
-    if not wide:
-        _refuse_wide_readings(interface)
-
-    def inputs() -> tuple[Value, ...]:
-        return loop.inputs([tracer.input(reading.name, reading.q) for reading in interface.readings])
-
-    def told() -> tuple[Value, ...]:
-        return tuple(tracer.input(command.name, command.q) for command in interface.commands)
-
-    return recorded(tracer, law, type(loop.law), _Traced(loop), inputs, told)
-
-
-class VectorController:
-    """Controller of one system, see :class:`railhil.controller_node.law_controller.LawController`.
-
-    :param law: a law of the system, with its options.
-    :param arithmetic: a fresh arithmetic, used instead of the one that ``law`` names.
-    :param may_wrap: accept also a law in which an operation may wrap.
-    :raises InputError: as :class:`VectorLoop`; an operation of the law may wrap in fixed point for some reading. In
-        :meth:`step` and :meth:`sent`: the law has raised.
-    """
+    loop = VectorLoop
 
     def __init__(
         self,
@@ -210,47 +140,20 @@ class VectorController:
         *,
         may_wrap: bool = False,
     ) -> None:
-        system, name, given = system_named(scenario.system), law.controller, law.parameters
-        self.arithmetic = self._number = number = arithmetic or make(law.arithmetic)
-        self._loop: VectorLoop[Any] = VectorLoop(system, scenario, name, number, given, law.memory)
-        self.law = self._loop.law
         #: Inputs and outputs of the law.
-        self.interface = interface = self._loop.interface
-        self.wire = {reading.name: raw_range(reading.telegram, reading.field) for reading in interface.readings}
-        self.commands = tuple(CommandCode(item.name, item.q, item.unit) for item in interface.commands)
-        self.program = program = vector_program(system, scenario, name, given, law.memory, number.wide)
-        ranges = None
-        if not number.wide and not may_wrap:
-            period_s = scenario.timing.control_period_ns / 1e9
-            ranges = refuse_wraps(program, self.law, f"at {period_s:g} s on {scenario.name}", self.wire)
-        self._loop.compiled = compile_law(program, self.law, number, ranges)
-        # Telemetry starts here, after the law's constants have been made.
-        number.noted = []
-        self.telemetry = Telemetry(program.quantities)
-        self.cost = cost_of(program, number, scenario.timing.control_period_ns)
-
-    @property
-    def counters(self) -> Counters:
-        """Wraps, saturations and divisions by zero since the controller was made."""
-        return self._number.counters
-
-    @property
-    def state(self) -> Any:
-        """State of the law; None before the first step."""
-        return self._loop.state
-
-    def kept(self) -> dict[str, Any] | None:
-        """See :meth:`railhil.controller_node.ato.controller.Controller.kept`."""
-        return self._loop.kept()
+        self.interface: Interface = system_named(scenario.system).part("interface")
+        self.wire = {item.name: raw_range(item.telegram, item.field) for item in self.interface.readings}
+        self.commands = tuple(CommandCode(item.name, item.q, item.unit) for item in self.interface.commands)
+        super().__init__(scenario, law, arithmetic, may_wrap=may_wrap)
 
     def step(self, raws: Sequence[int]) -> VectorOutput:
         """One control period, from one raw integer for each reading."""
-        number, interface = self._number, self.interface
+        number, interface = self.arithmetic, self.interface
         try:
             _, answer = self._loop.step(raws)
         except Exception as fault:
             # A law is plug-in code: any exception is reported as the law's, with file and line.
-            raise self._failed(fault, "step") from fault
+            raise self.failed(fault, "step") from fault
         commands = zip(interface.commands, answer.commands, strict=True)
         notes = zip(interface.notes, answer.notes, strict=True)
         output = VectorOutput(
@@ -272,10 +175,5 @@ class VectorController:
             self._loop.sent(raws)
         except Exception as fault:
             # A law is plug-in code: any exception is reported as the law's, with file and line.
-            raise self._failed(fault, "with_sent") from fault
-        self.telemetry.take(self._number)
-
-    def _failed(self, error: Exception, function: str) -> InputError:
-        named = self.telemetry.quantities[: len(self._number.noted or ())]
-        last = named[-1].name if named else None
-        return law_fault(self._loop.name, type(self._loop.law), error, function, last)
+            raise self.failed(fault, "with_sent") from fault
+        self.telemetry.take(self.arithmetic)

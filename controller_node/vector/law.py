@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from abc import abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar, Generic, NamedTuple, TypeVar
+from typing import Generic, NamedTuple
 
 from railhil.bus.layout import Telegram
-from railhil.controller_node.arithmetic.base import Arithmetic, Constant, T
-
-State = TypeVar("State")
+from railhil.controller_node.arithmetic.base import T
+from railhil.controller_node.laws.base import ControlLaw, State
 
 
 def raw_range(telegram: type[Telegram], field: str) -> tuple[int, int]:
@@ -116,48 +115,8 @@ class Answer(NamedTuple, Generic[T]):
     notes: tuple[T, ...] = ()
 
 
-class VectorLaw(ABC, Generic[T, State]):
-    """A control law bound to an arithmetic and to its constants; it keeps no state of its own.
-
-    ``step`` is pure and straight-line, as in :class:`railhil.controller_node.laws.base.Law`, so the same code serves
-    every arithmetic, the telemetry and the interval analysis.
-    """
-
-    #: Name of the entry point.
-    name: ClassVar[str]
-    #: Frozen dataclass of the law's parameters, see :class:`railhil.controller_node.laws.base.Law`.
-    parameters_type: ClassVar[type[Any]]
-    #: Origin of the defaults.
-    parameters_origin: ClassVar[str] = "origin not stated"
-    #: Perturbed runs used to choose the defaults: name of the scenario, seeds.
-    design_seeds: ClassVar[Mapping[str, range]] = {}
-    #: Empty: the notes of a vector law are those of its system's interface.
-    notes: ClassVar[tuple[Any, ...]] = ()
-    #: True: the law has no fixed-point formats and needs float64 or float32.
-    floating: ClassVar[bool] = False
-    #: True: its steps ask a solver (:meth:`~railhil.controller_node.arithmetic.base.Arithmetic.solve`). Such a law is
-    #: also ``floating`` and needs an arithmetic that solves: float64. Its recorded program contains the solution as one
-    #: operation, so it has no C and no audit.
-    solver: ClassVar[bool] = False
-    #: Set-point indexings with which the law works: only time for vector laws.
-    indexings: ClassVar[tuple[str, ...]] = ("time",)
-
-    @abstractmethod
-    def __init__(self, arithmetic: Arithmetic[T], scenario: Any, parameters: Any = None) -> None:
-        """Bind the law to its constants.
-
-        :param scenario: a scenario of the law's system.
-        :param parameters: a :attr:`parameters_type`; None: its defaults.
-        """
-
-    @property
-    @abstractmethod
-    def constants(self) -> tuple[Constant, ...]:
-        """Every constant of the law."""
-
-    def state_bounds(self) -> dict[str, tuple[float, float]]:
-        """Bounds of state variables derived by the law's author, in physical units, by name (``speed[0]``)."""
-        return {}
+class VectorLaw(ControlLaw[T, State]):
+    """A law of a system with an ``Interface``: its readings in, its commands and notes out."""
 
     @abstractmethod
     def start(self, readings: Sequence[T]) -> State:
@@ -170,28 +129,3 @@ class VectorLaw(ABC, Generic[T, State]):
     def with_sent(self, state: State, commands: Sequence[T]) -> State:
         """The state if commands other than the law's (Q ``q`` of the interface) were really sent."""
         return state
-
-    @classmethod
-    def memory_key(cls, scenario: Any) -> str:
-        """Key of the law's memory from run to run (train, platform, ...); empty: it keeps none.
-
-        A law with a key is constructed with one more argument, ``memory``
-        (:class:`railhil.controller_node.laws.memory.Remembered`): what :meth:`memory` returned at the end of its last
-        run, and where it was stored. Its program is recorded with that memory too, so that its formats are checked.
-        """
-        return ""
-
-    @classmethod
-    def check_memory(cls, scenario: Any, values: Mapping[str, Any]) -> None:
-        """Refuse stored values with which the law must not begin, although they are undamaged: out of range, missing.
-
-        :param values: as :meth:`memory` returned them, after JSON.
-        :raises Exception: of any kind; its text says what is wrong. Another record is then used, or none.
-        """
-
-    def memory(self, state: State) -> Mapping[str, Any]:
-        """The memory to keep after the run: a dict of numbers, strings and lists that JSON can hold.
-
-        :param state: after its last step; numbers of the arithmetic are converted by :meth:`Arithmetic.raw`.
-        """
-        return {}

@@ -21,9 +21,9 @@ from numpy.typing import NDArray
 from railhil.common.errors import InputError, Words
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Arithmetic
-from railhil.controller_node.law_controller import CommandCode, Computed, LawController, maker_of
+from railhil.controller_node.law_controller import CommandCode, Computed, maker_of
 from railhil.controller_node.program.model import Quantity
-from railhil.controller_node.telemetry import VALUE_BITS
+from railhil.controller_node.telemetry import VALUE_BITS, Telemetry
 from railhil.judge.result import Result
 from railhil.run.local import unrecorded_run
 from railhil.scenarios.model import AnyScenario
@@ -42,15 +42,15 @@ class Watched:
     def __init__(self, scenario: AnyScenario, law: LawSpec, arithmetic: Arithmetic[Any]) -> None:
         self.arithmetic = arithmetic
         made = maker_of(system_named(scenario.system), scenario)
-        self.controller: LawController = made(scenario, law, arithmetic, may_wrap=True)
-        self.telemetry = self.controller.telemetry
+        self.controller: Any = made(scenario, law, arithmetic, may_wrap=True)
+        self.telemetry: Telemetry = self.controller.telemetry
         self._history = self.telemetry.history = []
         #: One code for each command, raw.
         self.codes: list[tuple[int, ...]] = []
 
     def step(self, *given: Any) -> Computed:
         """One control period."""
-        computed = self.controller.step(*given)
+        computed: Computed = self.controller.step(*given)
         self.codes.append(computed.commands)
         return computed
 

@@ -17,7 +17,6 @@ from railhil.controller_node.program.tracer import Tracer
 from railhil.controller_node.vector.controller import VectorLoop
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec
-from railhil.scenarios.system import System
 
 #: Anything that can be compared.
 Shape = tuple[Any, ...]
@@ -49,7 +48,7 @@ class _Shaper(Tracer):
         return a
 
 
-def shape_of(system: System, scenario: AnyScenario, law: LawSpec) -> Shape:
+def shape_of(scenario: AnyScenario, law: LawSpec) -> Shape:
     """Operations of a law of an ``Interface``, with what they are done on, and its constants by name.
 
     A constant of its construction counts by its name, format and place, any other one by its value.
@@ -57,14 +56,13 @@ def shape_of(system: System, scenario: AnyScenario, law: LawSpec) -> Shape:
     :raises InputError: as :class:`railhil.controller_node.vector.controller.VectorLoop`.
     """
     tracer = _Shaper(make(law.arithmetic).wide)
-    loop: VectorLoop[Value] = VectorLoop(system, scenario, law.controller, tracer, law.parameters, law.memory)
+    loop: VectorLoop[Value] = VectorLoop(scenario, law, tracer)
     made = list(tracer.constants)
     places = {id(constant): place for place, constant in enumerate(made)}
-    interface = loop.interface
-    given = loop.inputs([tracer.input(reading.name, reading.q) for reading in interface.readings])
+    given = loop.traced_inputs(tracer)
     state = loop.law.start(given)
     after, answer = loop.answered(state, given)
-    told = loop.law.with_sent(after, [tracer.input(command.name, command.q) for command in interface.commands])
+    told = loop.law.with_sent(after, loop.traced_commands(tracer))
 
     def operand(value: Value) -> Any:
         constant = value.constant

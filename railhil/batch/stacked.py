@@ -17,7 +17,6 @@ from railhil.controller_node.arithmetic.base import Arithmetic, Constant
 from railhil.controller_node.vector.controller import VectorLoop
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec
-from railhil.scenarios.system import System
 
 
 def _recording(arithmetic: Arithmetic[Any]) -> tuple[Arithmetic[Any], list[Constant]]:
@@ -56,9 +55,9 @@ class StackedLaw:
     :raises InputError: as :class:`railhil.controller_node.vector.controller.VectorLoop`.
     """
 
-    def __init__(self, system: System, scenario: AnyScenario, laws: Sequence[LawSpec]) -> None:
+    def __init__(self, scenario: AnyScenario, laws: Sequence[LawSpec]) -> None:
         def made(law: LawSpec, arithmetic: Arithmetic[Any]) -> VectorLoop[Any]:
-            return VectorLoop(system, scenario, law.controller, arithmetic, law.parameters, law.memory)
+            return VectorLoop(scenario, law, arithmetic)
 
         self.own: list[VectorLoop[Any]] = []
         rows: list[list[Constant]] = []
@@ -66,7 +65,7 @@ class StackedLaw:
             arithmetic, seen = _recording(make(law.arithmetic))
             self.own.append(made(law, arithmetic))
             rows.append(seen)
-        self.differs = _difference(system, scenario, laws)
+        self.differs = _difference(scenario, laws)
         self.loop: VectorLoop[Any] | None = None
         if not self.differs:
             columns = iter(list(zip(*rows, strict=True)))
@@ -80,13 +79,13 @@ class StackedLaw:
         self.own[train].state = _own(state, train)
 
 
-def _difference(system: System, scenario: AnyScenario, laws: Sequence[LawSpec]) -> str:
+def _difference(scenario: AnyScenario, laws: Sequence[LawSpec]) -> str:
     """In what the laws differ beside the values of their constants; empty: in nothing."""
     first: Shape = ()
     for law in laws:
         if law is laws[0]:
-            first = shape_of(system, scenario, law)
-        elif law != laws[0] and (shape := shape_of(system, scenario, law)) != first:
+            first = shape_of(scenario, law)
+        elif law != laws[0] and (shape := shape_of(scenario, law)) != first:
             return "constants" if shape[0] != first[0] else "operations"
     return ""
 

@@ -29,7 +29,6 @@ from railhil.plant_sim.any_plant import PlantError
 from railhil.plant_sim.high_speed.plant import ARRIVED_MPS
 from railhil.plant_sim.high_speed.train import SPEED_RAW_MAX
 from railhil.plant_sim.timed_run import due_tick_of
-from railhil.scenarios.system import system_named
 from railhil.systems.high_speed import EVENTS
 from railhil.systems.high_speed.fleet import Waysides, made, noise_normals, wind_normals
 from railhil.systems.high_speed.kernel import COUPLER_MAX, DRIVE, SPEED, STANDS, UNITS, advance_fleet
@@ -123,10 +122,7 @@ class _Runs:
         self._number.per_train = self._counts
         #: Control period of the first wrap of each train, -1: none.
         self._first_wrap = np.full(len(seeds), -1, dtype=np.int64)
-        law, system = case.law, system_named(scenario.system)
-        self._loop: VectorLoop[Any] = VectorLoop(
-            system, scenario, law.controller, self._number, law.parameters, law.memory
-        )
+        self._loop: VectorLoop[Any] = VectorLoop(scenario, case.law, self._number)
         self._seeds = seeds
         periods = self._due_tick // self._every + 1
         self._commands = np.zeros((len(seeds), periods, len(self._loop.interface.commands)), dtype=np.int64)

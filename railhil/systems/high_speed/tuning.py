@@ -27,7 +27,6 @@ from railhil.controller_node.vector.controller import VectorLoop
 from railhil.plant_sim.high_speed.train import HighSpeedTrain, Wayside
 from railhil.scenarios.load import load_any
 from railhil.scenarios.parameters import ParameterSet
-from railhil.scenarios.system import system_named
 from railhil.wire.power_units import ACCEL_PER_MPS2
 
 SCENARIO = "jinan_xuzhou"
@@ -86,9 +85,9 @@ def journey(scenario: Any, law: str, seed: int, values: Mapping[str, Any] | None
     :param values: parameters that differ from the law's defaults.
     :raises InputError: the law refuses them.
     """
-    system, task = system_named(scenario.system), scenario.task
+    task = scenario.task
     given = ParameterSet(law, values, Path("tuning")) if values else None
-    loop: Any = VectorLoop(system, scenario, law, make("float64"), given, None)
+    loop: Any = VectorLoop(scenario, LawSpec(law, parameters=given), make("float64"))
     tick_s, period_s = (ns / 1e9 for ns in (scenario.timing.base_tick_ns, scenario.timing.control_period_ns))
     ticks = round(period_s / tick_s)
     train, wayside = HighSpeedTrain(task, seed, tick_s), Wayside(task, tick_s)

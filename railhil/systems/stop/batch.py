@@ -32,7 +32,6 @@ from railhil.plant_sim.timed_run import due_tick_of
 from railhil.run.coupled import direct_run
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
-from railhil.scenarios.system import system_named
 from railhil.systems.stop.fleet import made
 from railhil.systems.stop.kernel import DRIVE, POSITION, SPEED, advance_stops
 from railhil.wire.stop import AtoState, BrakeCommand, BrakeStatus, StopReport, TrainState, Truth
@@ -138,7 +137,7 @@ class _Runs:
         #: Tick at which each run ends.
         self._due = np.full(len(specs), last, dtype=np.int64)
         self._commands = np.zeros((len(specs), ticks, 3), dtype=np.int64)
-        self._laws = StackedLaw(system_named(scenario.system), scenario, [spec.law for spec in specs])
+        self._laws = StackedLaw(scenario, [spec.law for spec in specs])
         self._counts = {kind: np.zeros(len(specs), dtype=np.int64) for kind in COUNTS.values()}
         self._ended_counts = {kind: np.zeros(len(specs), dtype=np.int64) for kind in COUNTS.values()}
         #: Tick of the first wrap of each train, -1: none.

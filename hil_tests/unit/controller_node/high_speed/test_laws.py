@@ -15,7 +15,6 @@ from railhil.controller_node.vector.controller import VectorController, VectorLo
 from railhil.scenarios.load import load_any
 from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.run_spec import LawSpec
-from railhil.scenarios.system import system_named
 from railhil.systems.high_speed.tuning import journey
 
 SHORT: Any = load_any("hst_short")
@@ -28,7 +27,7 @@ def given(law, **values):
 
 def loop(law, arithmetic="float64", scenario=SHORT, **values):
     parameters = given(law, **values) if values else None
-    return VectorLoop(system_named("hst1"), scenario, law, make(arithmetic), parameters, None)
+    return VectorLoop(scenario, LawSpec(law, parameters=parameters), make(arithmetic))
 
 
 @pytest.mark.parametrize("law", ["gpc", "res_ngpc", "mm_gpc", "a_gpc"])
@@ -106,7 +105,7 @@ def test_the_integral_of_the_pid_does_not_drift_in_single_precision():
 
 @pytest.mark.parametrize("law", LAWS)
 def test_the_law_runs_on_arrays_as_on_one_train(law):
-    one, many = loop(law), VectorLoop(system_named("hst1"), SHORT, law, make("float64", batch=True), None, None)
+    one, many = loop(law), VectorLoop(SHORT, LawSpec(law), make("float64", batch=True))
     for raws in readings(20):
         (_, single), (_, several) = one.step(raws), many.step([np.full(3, raw) for raw in raws])
         assert np.broadcast_to(several.commands[0], 3).tolist() == [single.commands[0]] * 3
