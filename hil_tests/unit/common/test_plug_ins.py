@@ -10,7 +10,7 @@ import pytest
 
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import Signalled
-from railhil.common.plug_ins import EndsInterpreter, plugged_in
+from railhil.common.plug_ins import SHIPPED, EndsInterpreter, entries, plugged_in
 from railhil.library import run
 
 
@@ -49,3 +49,10 @@ def test_a_law_that_ends_the_interpreter_is_bad_input(
     sys.modules.pop("ending", None)
     with pytest.raises(InputError, match=said):
         run("lvshun_tieshan", controller="ends", arithmetic="float64")
+
+
+@pytest.mark.parametrize("group", SHIPPED)
+def test_a_shipped_law_is_its_module(group: str) -> None:
+    laws = {name: entry.load() for name, entry in entries(group).items() if entry.module.startswith(SHIPPED[group])}
+    assert laws
+    assert {name: law.name for name, law in laws.items()} == {name: name for name in laws}
