@@ -10,7 +10,7 @@ import numpy as np
 from benchmarks.figures import Figure, MeasurementError, Setting, median, p99
 from benchmarks.recording import Recording, record
 from railhil.controller_node.arithmetic import make
-from railhil.controller_node.ato.controller import BatchController, Controller
+from railhil.controller_node.ato.controller import WIRE, BatchController, Controller
 from railhil.controller_node.ato.loop import ControlLoop
 from railhil.controller_node.compiled_law import compile_law
 from railhil.controller_node.laws.base import NOTCH_Q
@@ -45,7 +45,7 @@ def _scalar_us(
         controller = Controller(scenario, LawSpec(arithmetic=arithmetic))
         number = make(arithmetic)
         loop: ControlLoop[Any] = ControlLoop(scenario, LawSpec(), number)
-        ranges = None if number.wide else analyse_law(controller.program, loop.law.state_bounds())
+        ranges = None if number.wide else analyse_law(controller.program, loop.law.state_bounds(), WIRE)
         loop.compiled = compile_law(controller.program, loop.law, number, ranges)
         interpreted: ControlLoop[Any] = ControlLoop(scenario, LawSpec(), make(arithmetic))
         for k, (speed, position) in enumerate(zip(recording.speeds_01mmps, recording.positions_01mm, strict=True)):

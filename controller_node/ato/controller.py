@@ -11,13 +11,23 @@ from numpy.typing import NDArray
 from railhil.common.mypyc import mypyc_attr
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Arithmetic
-from railhil.controller_node.ato.loop import NO_BALISE, ControlLoop
+from railhil.controller_node.ato.guard import SPEED_MAX_01MMPS
+from railhil.controller_node.ato.loop import NO_BALISE, POSITION_MAX_01MM, ControlLoop
 from railhil.controller_node.law_controller import CommandCode, LawController
 from railhil.controller_node.laws.base import NOTCH_Q, SPEED_Q, BaliseReading
 from railhil.controller_node.laws.note import on_wire, on_wire_batch
-from railhil.controller_node.program.ranges import WIRE
+from railhil.controller_node.program.ranges import Interval
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec
+
+#: Range of the values passed to the law, whatever is on the wire: larger speeds are refused, positions limited.
+WIRE: dict[str, Interval] = {
+    "speed_01mmps": (0, SPEED_MAX_01MMPS),
+    "position_01mm": (-POSITION_MAX_01MM, POSITION_MAX_01MM),
+    "balise": (0, 255),
+    "balise_01mm": (-POSITION_MAX_01MM, POSITION_MAX_01MM),
+    "balise_odometer_01mm": (-POSITION_MAX_01MM, POSITION_MAX_01MM),
+}
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,23 +13,12 @@ from typing import Protocol
 
 from railhil.common.errors import InputError, Words
 from railhil.controller_node.arithmetic.base import INT32_MAX, INT32_MIN
-from railhil.controller_node.ato.guard import SPEED_MAX_01MMPS
-from railhil.controller_node.ato.loop import POSITION_MAX_01MM
 from railhil.controller_node.program.model import Kind, LawProgram, Operation, Program, Value
 
 #: Smallest and largest raw integer.
 Interval = tuple[int, int]
 
 INT32: Interval = (INT32_MIN, INT32_MAX)
-
-#: Range of the values passed to the law, whatever is on the wire: larger speeds are refused, positions limited.
-WIRE: dict[str, Interval] = {
-    "speed_01mmps": (0, SPEED_MAX_01MMPS),
-    "position_01mm": (-POSITION_MAX_01MM, POSITION_MAX_01MM),
-    "balise": (0, 255),
-    "balise_01mm": (-POSITION_MAX_01MM, POSITION_MAX_01MM),
-    "balise_odometer_01mm": (-POSITION_MAX_01MM, POSITION_MAX_01MM),
-}
 
 #: A state that still grows after this many periods is considered unbounded.
 _PERIODS = 64
@@ -181,7 +170,7 @@ class LawRanges:
 
 
 def analyse_law(
-    program: LawProgram, state_bounds: Mapping[str, tuple[float, float]], wire: Mapping[str, Interval] = WIRE
+    program: LawProgram, state_bounds: Mapping[str, tuple[float, float]], wire: Mapping[str, Interval]
 ) -> LawRanges:
     """Intervals of a law that runs indefinitely on inputs inside ``wire``.
 
@@ -219,7 +208,7 @@ class Bounded(Protocol):
         """See :meth:`railhil.controller_node.laws.base.Law.state_bounds`."""
 
 
-def refuse_wraps(program: LawProgram, law: Bounded, at: str, wire: Mapping[str, Interval] = WIRE) -> LawRanges:
+def refuse_wraps(program: LawProgram, law: Bounded, at: str, wire: Mapping[str, Interval]) -> LawRanges:
     """Refuse to start a law in fixed point if one of its operations may wrap: a wrapped notch turns full brake into
     full traction.
 

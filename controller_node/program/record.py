@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from railhil.common.plug_ins import plugged_in
-from railhil.controller_node.law_loop import LawLoop
 from railhil.controller_node.laws.fault import law_fault
 from railhil.controller_node.program.leaves import leaves, like
 from railhil.controller_node.program.model import LawProgram, Program, Value
 from railhil.controller_node.program.tracer import FormatError, Tracer
 from railhil.scenarios.run_spec import LawSpec
 from railhil.scenarios.system import system_named
+
+if TYPE_CHECKING:
+    from railhil.controller_node.law_loop import LawLoop
 
 #: Functions of a law whose names differ from those of their programs.
 _FUNCTIONS = {"sent": "with_sent", "first step": "step"}

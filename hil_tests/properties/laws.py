@@ -15,7 +15,7 @@ from railhil.audit.shadow import compare_codes, errors, shadow_run
 from railhil.batch import Case
 from railhil.bench import direct_run, local_run
 from railhil.controller_node.arithmetic import make
-from railhil.controller_node.ato.controller import BatchController, Controller
+from railhil.controller_node.ato.controller import WIRE, BatchController, Controller
 from railhil.controller_node.laws import load as load_law
 from railhil.controller_node.laws.base import Law
 from railhil.controller_node.laws.parameters import law_parameters
@@ -114,7 +114,7 @@ class LawProperties:
             given = ParameterSet(self.law, corner, Path("corner"))
             law = kind(make("float64"), scenario, law_parameters(self.law, kind, given))
             program = record(scenario, LawSpec(self.law, indexing=kind.indexings[0], parameters=given))
-            assert analyse_law(program, law.state_bounds()).may_wrap == [], corner
+            assert analyse_law(program, law.state_bounds(), WIRE).may_wrap == [], corner
 
     def test_own_parameters_lie_inside_the_search(self) -> None:
         own = self.kind().parameters_type()

@@ -19,7 +19,7 @@ from railhil.common.generated_source import compile_source
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Constant
 from railhil.controller_node.arithmetic.float32 import FLT_MAX, FLT_MIN
-from railhil.controller_node.ato.controller import Controller
+from railhil.controller_node.ato.controller import WIRE, Controller
 from railhil.controller_node.ato.laws.ipfc import Ipfc
 from railhil.controller_node.compiled_law import compile_law
 from railhil.controller_node.laws import load as load_law
@@ -180,7 +180,7 @@ class Careful(Ipfc[Any]):
 def _compiled(law: Any, arithmetic: str) -> Any:
     number = make(arithmetic)
     program = record(SCENARIO, LawSpec(), wide=number.wide)
-    ranges = None if number.wide else analyse_law(program, law.state_bounds())
+    ranges = None if number.wide else analyse_law(program, law.state_bounds(), WIRE)
     return compile_law(program, law, number, ranges)
 
 

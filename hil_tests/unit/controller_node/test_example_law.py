@@ -14,6 +14,7 @@ from hil_tests.support.exported import STRICT, checked, compiled, written
 from hil_tests.support.paths import ROOT
 from railhil.bench import direct_run
 from railhil.controller_node.arithmetic import make
+from railhil.controller_node.ato.controller import WIRE
 from railhil.controller_node.ato.loop import ControlLoop
 from railhil.controller_node.laws import load as load_law
 from railhil.controller_node.laws.base import NOTCH_RAW_Q
@@ -76,7 +77,7 @@ def test_no_operation_can_wrap_inside_the_bounds_of_its_search(corner: int, tmp_
     path.write_text(f'law = "pi"\n[parameters]\n{lines}\n', encoding="utf-8")
     parameters = load_parameters(path)
     bounds = ControlLoop(SCENARIO, LawSpec("pi", parameters=parameters), make("iq")).law.state_bounds()
-    assert not analyse_law(record(SCENARIO, LawSpec("pi", parameters=parameters)), bounds).may_wrap
+    assert not analyse_law(record(SCENARIO, LawSpec("pi", parameters=parameters)), bounds, WIRE).may_wrap
 
 
 def test_its_integral_stands_still_while_another_notch_is_sent() -> None:

@@ -20,7 +20,7 @@ from railhil.bus.telegrams import TimeSync
 from railhil.common.errors import InputError
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Constant, Curve
-from railhil.controller_node.ato.controller import BatchController, Controller
+from railhil.controller_node.ato.controller import WIRE, BatchController, Controller
 from railhil.controller_node.ato.laws.ipfc import Ipfc
 from railhil.controller_node.ato.loop import ControlLoop
 from railhil.controller_node.ato.node import ControllerNode
@@ -28,7 +28,7 @@ from railhil.controller_node.laws import load as load_law
 from railhil.controller_node.laws import names
 from railhil.controller_node.program.leaves import leaves
 from railhil.controller_node.program.model import Program
-from railhil.controller_node.program.ranges import WIRE, analyse, analyse_law
+from railhil.controller_node.program.ranges import analyse, analyse_law
 from railhil.controller_node.program.record import record
 from railhil.controller_node.program.tracer import Tracer
 from railhil.scenarios.load import load
@@ -123,7 +123,7 @@ def at_period(scenario: Scenario, period_s: float) -> Scenario:
 def test_no_operation_of_a_law_can_wrap(name: str, period_s: float, indexing: str) -> None:
     scenario = at_period(SCENARIO, period_s)
     law = load_law(name)(make("float64"), scenario)
-    ranges = analyse_law(record(scenario, LawSpec(name, indexing=indexing)), law.state_bounds())
+    ranges = analyse_law(record(scenario, LawSpec(name, indexing=indexing)), law.state_bounds(), WIRE)
     assert [(operation.op, interval) for operation, interval in ranges.may_wrap] == []
 
 
@@ -133,14 +133,14 @@ def test_no_operation_can_wrap_on_any_shipped_scenario_and_a_long_overtime(name:
     scenario = load(name)
     scenario = replace(scenario, plan=replace(scenario.plan, overtime_max_s=600.0))
     law = load_law("ipfc")(make("float64"), scenario)
-    assert not analyse_law(record(scenario, LawSpec(indexing=indexing)), law.state_bounds()).may_wrap
+    assert not analyse_law(record(scenario, LawSpec(indexing=indexing)), law.state_bounds(), WIRE).may_wrap
 
 
 def test_a_notch_range_beyond_the_formats_is_found() -> None:
     scenario = replace(SCENARIO, train=replace(SCENARIO.train, notch_max=20.0))
     law = load_law("ipfc")(make("float64"), scenario)
     assert "dot" in {
-        operation.op for operation, _ in analyse_law(record(scenario, LawSpec()), law.state_bounds()).may_wrap
+        operation.op for operation, _ in analyse_law(record(scenario, LawSpec()), law.state_bounds(), WIRE).may_wrap
     }
 
 
@@ -216,7 +216,7 @@ def test_crossed_limits_and_a_curve_beyond_its_table() -> None:
 
 
 def test_a_law_without_known_state_bounds_has_none() -> None:
-    assert analyse_law(record(SCENARIO, LawSpec()), {}).may_wrap
+    assert analyse_law(record(SCENARIO, LawSpec()), {}, WIRE).may_wrap
 
 
 @pytest.mark.parametrize("indexing", ["time", "distance"])
@@ -224,7 +224,7 @@ def test_a_law_under_wild_inputs_stays_inside_its_bounds(indexing: str) -> None:
     program = record(SCENARIO, LawSpec(indexing=indexing))
     number = make("iq")
     loop: ControlLoop[int] = ControlLoop(SCENARIO, LawSpec(indexing=indexing), number)
-    ranges = analyse_law(program, loop.law.state_bounds())
+    ranges = analyse_law(program, loop.law.state_bounds(), WIRE)
     noted = number.noted = []
     draw = random.Random(7)
     outputs = dict(program.step.outputs)

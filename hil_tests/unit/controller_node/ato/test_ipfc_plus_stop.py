@@ -16,6 +16,7 @@ from railhil.batch import BatchResult, Case
 from railhil.bench import direct_run
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.ato.balise_odometer import BaliseOdometer
+from railhil.controller_node.ato.controller import WIRE
 from railhil.controller_node.ato.ipfc_plus_constants import WHEEL_Q
 from railhil.controller_node.ato.ipfc_plus_stop_constants import IpfcPlusStopParameters, stop_constants
 from railhil.controller_node.ato.ipfc_plus_stop_design import StopWeights, stop_gains
@@ -203,4 +204,4 @@ def test_nothing_can_wrap_on_a_train_with_many_notches(period_s: float) -> None:
     timing = replace(WORN.timing, control_period_ns=round(period_s * 1e9))
     scenario = replace(WORN, timing=timing, train=replace(WORN.train, notch_max=40.0))
     law = ControlLoop(scenario, LawSpec(LAW, "iq"), make("iq")).law
-    assert not analyse_law(record(scenario, LawSpec(LAW, "iq")), law.state_bounds()).may_wrap
+    assert not analyse_law(record(scenario, LawSpec(LAW, "iq")), law.state_bounds(), WIRE).may_wrap

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from railhil.batch import compiled, law_parts
 from railhil.controller_node.arithmetic import make
+from railhil.controller_node.ato.controller import WIRE
 from railhil.controller_node.ato.loop import NO_BALISE, ControlLoop
 from railhil.controller_node.compiled_law import is_shipped
 from railhil.controller_node.laws import load
@@ -173,7 +174,7 @@ def _programs(scenario: Scenario, law: LawSpec) -> tuple[tuple[EmittedProgram, E
     program = record(scenario, law, wide=one.wide)
     inputs, step = None, None
     if not one.wide:
-        ranges = analyse_law(program, ControlLoop(scenario, law, one).law.state_bounds())
+        ranges = analyse_law(program, ControlLoop(scenario, law, one).law.state_bounds(), WIRE)
         if ranges.may_wrap:
             return None
         inputs, step = ranges.inputs, ranges.step
