@@ -27,6 +27,7 @@ from railhil.controller_node.vector.controller import VectorLoop
 from railhil.plant_sim.high_speed.train import HighSpeedTrain, Wayside
 from railhil.scenarios.load import load_any
 from railhil.scenarios.parameters import ParameterSet
+from railhil.scenarios.run_spec import LawSpec
 from railhil.wire.power_units import ACCEL_PER_MPS2
 
 SCENARIO = "jinan_xuzhou"
