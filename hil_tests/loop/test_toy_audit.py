@@ -11,7 +11,7 @@ import pytest
 
 from hil_tests.support.toy_system import SCENARIO, install_toy, railhil
 
-pytestmark = pytest.mark.loop
+pytestmark = [pytest.mark.loop, pytest.mark.slow]
 
 COMMANDS = ["force[0]", "force[1]"]
 _NO_BATCH = "no batch of trains for system two_carts: {} perturbed runs in each of two arithmetics go through the nodes"

@@ -15,7 +15,7 @@ import pytest
 from hil_tests.support.toy_export import KEEPING, PLAIN_FORCES, changed, export
 from hil_tests.support.toy_system import SCENARIO, install_toy, railhil
 
-pytestmark = [pytest.mark.loop, pytest.mark.needs_compiler]
+pytestmark = [pytest.mark.loop, pytest.mark.slow, pytest.mark.needs_compiler]
 
 
 @pytest.fixture(scope="module")

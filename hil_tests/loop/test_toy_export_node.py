@@ -15,7 +15,7 @@ from hil_tests.support.foreign import PROGRAM_INTERFACE, SANITIZED, build, forei
 from hil_tests.support.toy_export import KEEPING, PLAIN_FORCES, changed, export
 from hil_tests.support.toy_system import SCENARIO, install_toy, python, railhil
 
-pytestmark = [pytest.mark.loop, pytest.mark.needs_compiler]
+pytestmark = [pytest.mark.loop, pytest.mark.slow, pytest.mark.needs_compiler]
 
 
 #: Our node and the C on the same frames of a bus that loses, damages, doubles, delays and repeats some and makes the
@@ -135,7 +135,6 @@ def run_folder(site: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-@pytest.mark.slow
 def test_the_c_node_over_the_hub_gives_the_bytes_of_our_own(
     site: Path, exported: Path, run_folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -161,7 +160,6 @@ def twins(site: Path, folder: Path, seed: int) -> dict[str, int]:
     return dict(counted)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("seed", [0, 1, 2, 3])
 def test_the_c_node_answers_as_ours_on_any_bus(site: Path, exported: Path, tmp_path: Path, seed: int) -> None:
     copy = tmp_path / "c"
@@ -183,7 +181,6 @@ def test_the_c_node_takes_telegrams_without_life_sign_and_check_variable_as_ours
     assert {"duplicate", "out_of_order", "gap", "check_variable"}.isdisjoint(counted)
 
 
-@pytest.mark.slow
 def test_the_c_node_reads_and_writes_any_bits_and_tells_the_law_what_was_sent(site: Path, tmp_path: Path) -> None:
     copy = changed(site, tmp_path, {"laws.py": KEEPING, "wire.py": PLAIN_FORCES, "ports.toml": CROOKED})
     folder = tmp_path / "c"

@@ -15,7 +15,7 @@ from mcap.reader import make_reader
 
 from hil_tests.support.toy_system import SCENARIO, certificate, install_toy, python, railhil
 
-pytestmark = pytest.mark.loop
+pytestmark = [pytest.mark.loop, pytest.mark.slow]
 
 _IN_PROCESS = """
 import json, sys
@@ -68,7 +68,6 @@ def recorded(site: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-@pytest.mark.slow
 def test_in_process_in_fixed_point_and_in_float(site: Path, recorded: Path, tmp_path: Path) -> None:
     """Both arithmetics drive the carts to their targets; in fixed point the record equals that of the hub's run."""
     runs = python(site, _IN_PROCESS, str(SCENARIO), str(tmp_path))
@@ -80,7 +79,6 @@ def test_in_process_in_fixed_point_and_in_float(site: Path, recorded: Path, tmp_
     assert runs[1][2] != runs[0][2]
 
 
-@pytest.mark.slow
 def test_it_is_repeated_and_both_nodes_are_replayed(site: Path, recorded: Path) -> None:
     """The run over the hub, again in one process; each node driven by its record."""
     done = railhil(site, "rerun", str(recorded))
@@ -156,7 +154,6 @@ def test_report_has_the_panel_of_the_system(site: Path, recorded: Path, tmp_path
         assert foreign not in text
 
 
-@pytest.mark.slow
 def test_a_perturbed_run_draws_what_the_system_draws(site: Path, recorded: Path, tmp_path: Path) -> None:
     """The same over the hub and in one process."""
     folders = [tmp_path / "hub", tmp_path / "local"]
@@ -177,7 +174,6 @@ def test_ports_of_the_system(site: Path, recorded: Path) -> None:
     assert "NOTCH_CMD" not in done.stdout
 
 
-@pytest.mark.slow
 def test_compare(site: Path, tmp_path: Path) -> None:
     """Compares one law with two sets of parameters."""
     soft = tmp_path / "soft.toml"
@@ -192,7 +188,6 @@ def test_compare(site: Path, tmp_path: Path) -> None:
     assert rows[0]["published"] == {"error_m": 0.001, "stretch_m": 0.2}
 
 
-@pytest.mark.slow
 def test_campaign_goes_through_the_nodes_and_says_so(site: Path, tmp_path: Path) -> None:
     """Its figures are those of the run over the hub with the same seed."""
     folder = tmp_path / "campaign"
@@ -227,7 +222,6 @@ def test_what_knows_only_railhils_own_train_says_so(site: Path, words: tuple[str
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.slow
 def test_plot_draws_the_signals_of_the_system(site: Path, recorded: Path, tmp_path: Path) -> None:
     pictures = [tmp_path / name for name in ("picture.svg", "again.svg", "picture.png")]
     for picture in pictures:

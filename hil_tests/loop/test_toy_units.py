@@ -10,7 +10,7 @@ import pytest
 
 from hil_tests.support.toy_system import SCENARIO, certificate, install_toy, python, railhil
 
-pytestmark = pytest.mark.loop
+pytestmark = [pytest.mark.loop, pytest.mark.slow]
 
 #: One second of a cart's telegrams is lost, stuck, or marked invalid by its check variable.
 _FAULTY = """
@@ -124,7 +124,6 @@ count = 5
 """
 
 
-@pytest.mark.slow
 @pytest.mark.faults
 def test_faults_of_a_unit_are_injected_alike_over_the_hub_and_in_process(site: Path, tmp_path: Path) -> None:
     path = tmp_path / "faulty.toml"
@@ -171,7 +170,6 @@ class Counting(Apart):
 """
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("arithmetic", ["iq", "float64"])
 def test_a_law_over_several_units_keeps_a_memory_too(site: Path, tmp_path: Path, arithmetic: str) -> None:
     """Over the hub and in one process: the same bytes."""

@@ -7,7 +7,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.special import ndtri
-from scipy.stats import kstest
 
 from railhil.scenarios.counted_normals import beyond_median, far, key_of, near, normal_at, normals, words
 
@@ -56,6 +55,9 @@ def test_a_block_is_a_part_of_the_sequence(key: int, first: int, count: int) -> 
 
 
 def test_the_numbers_are_normal_and_streams_are_independent() -> None:
+    # Every process that collects the tests would load it.
+    from scipy.stats import kstest
+
     noise = [normals(key_of(seed, stream), 0, 50_000) for seed in (0, 1) for stream in (1, 2)]
     for numbers in noise:
         assert kstest(numbers, "norm").pvalue > 0.01

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from scipy.linalg import expm
-from scipy.signal import cont2discrete
 
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.high_speed.model import (
@@ -32,6 +31,9 @@ def transfer(delay_s: float) -> tuple[list[float], list[float]]:
 @pytest.mark.parametrize("period_s", [0.1, 0.2, 0.5, 1.0])
 @pytest.mark.parametrize(("mine", "method"), [(pade_zoh, "zoh"), (bilinear, "bilinear")])
 def test_the_sampled_model_is_that_of_scipy(mine, method, delay_s, period_s):
+    # Every process that collects the tests would load it.
+    from scipy.signal import cont2discrete
+
     numerator, denominator, _ = cont2discrete(transfer(delay_s), period_s, method)
     found = mine(delay_s, LAG_S, period_s)
     assert found.a == pytest.approx(denominator[1:], abs=1e-9)

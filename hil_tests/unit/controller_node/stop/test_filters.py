@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 import pytest
 from scipy.linalg import solve_discrete_are
-from scipy.signal import lfilter
 
 from railhil.common.errors import InputError
 from railhil.controller_node.arithmetic import make
@@ -130,6 +129,9 @@ def test_errors_at_50_mm_per_s(name, cruise_mmps, braking_mmps):
 
 
 def test_the_low_pass_is_the_textbook_filter():
+    # Every process that collects the tests would load it.
+    from scipy.signal import lfilter
+
     speeds = 10.0 + np.random.default_rng(6).standard_normal(500)
     b, a = taps("butterworth2_2hz_b"), taps("butterworth2_2hz_a")
     rest = speeds[0] * np.array([1.0 - b[0], b[2] - a[2]])
