@@ -46,13 +46,13 @@ def law_fault(name: str, kind: type[Any], error: Exception, function: str, quant
 
     :param name: the name by which the law was requested.
     :param function: name of the law's function that was called.
-    :param quantity: the last quantity that the law had named, None for none.
+    :param quantity: the last quantity that the law had named, None for none; empty: it is not known.
     """
     if isinstance(error, InputError):
         return error
-    after = f"after quantity {quantity}" if quantity else "before its first quantity"
+    after = ", before its first quantity" if quantity is None else f", after quantity {quantity}" if quantity else ""
     cause = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
-    key = f"law {name}, {function}, {after}"
+    key = f"law {name}, {function}{after}"
     return InputError(
         place(kind, error) or _beginning(kind, function), key, Words("an operation that fails"), _ALLOWED, cause
     )

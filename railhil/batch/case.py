@@ -41,7 +41,8 @@ class Case:
 class BatchResult:
     """Results of N runs, arrays of shape (N,), in the order of the seeds.
 
-    ``values``, ``signed`` and ``extras`` as in :class:`railhil.judge.score.Score`, NaN where a run has none.
+    ``verdicts``: PASS, FAIL, or INVALID of a run that says nothing about the controller. ``values``, ``signed`` and
+    ``extras`` as in :class:`railhil.judge.score.Score`, NaN where a run has none.
     ``wraps``, ``saturations`` and ``zero_divisions`` are of the law's arithmetic in that run. ``notch_codes`` (1/256
     notch, int16) only on request: one array for each run, one code for each control period.
     """
@@ -51,7 +52,7 @@ class BatchResult:
     values: Mapping[str, Floats]
     signed: Mapping[str, Floats]
     extras: Mapping[str, Floats]
-    passed: NDArray[np.bool_]
+    verdicts: tuple[str, ...]
     ended: tuple[str, ...]
     failures: tuple[tuple[str, ...], ...]
     wraps: Ints
@@ -59,6 +60,11 @@ class BatchResult:
     zero_divisions: Ints
     notch_digest: tuple[str, ...]
     notch_codes: tuple[NDArray[np.int16], ...] | None = None
+
+    @property
+    def passed(self) -> NDArray[np.bool_]:
+        """Which runs have passed."""
+        return np.array([verdict == "PASS" for verdict in self.verdicts], dtype=bool)
 
 
 def column(values: Sequence[float | None]) -> Floats:
@@ -81,14 +87,13 @@ def result_of(
     """
     reasons = missed or [None] * len(scores)
     signed = [criterion.signed for criterion in judging.criteria if criterion.signed is not None]
-    verdicts = [score.verdict == "PASS" and not why for score, why in zip(scores, reasons, strict=True)]
     return BatchResult(
         seed=np.array(seeds, dtype=np.int64),
         scores=tuple(scores),
         values={item.key: column([score.values[item.key] for score in scores]) for item in judging.criteria},
         signed={key: column([score.signed[key] for score in scores]) for key in signed},
         extras={extra.key: column([score.extras[extra.key] for score in scores]) for extra in judging.extras},
-        passed=np.array(verdicts, dtype=bool),
+        verdicts=tuple("INVALID" if why else score.verdict for score, why in zip(scores, reasons, strict=True)),
         ended=tuple(score.ended for score in scores),
         failures=tuple((*score.failures, *filter(None, (why,))) for score, why in zip(scores, reasons, strict=True)),
         wraps=counts["wraps"],

@@ -63,7 +63,9 @@ def _row(plan: Plan, label: str, law: Mapping[str, Any]) -> dict[str, Any]:
         score = law["scores"][criterion.key]
         values = [score[name]["value"] for name in ("median", "p95")]
         cells.append(", ".join(criterion.shown(None if value is None else float(value)) for value in values))
-    failures = "; ".join(f"{kind} ({count})" for kind, count in law["failures"].items())
+    invalid = law["invalid"]["reasons"] if "invalid" in law else {}
+    kinds = [*law["failures"].items(), *((f"INVALID: {kind}", count) for kind, count in invalid.items())]
+    failures = "; ".join(f"{kind} ({count})" for kind, count in kinds)
     return {"label": label, "cells": cells, "passed": percent(law["inside"]["pass"]["share"]), "failures": failures}
 
 

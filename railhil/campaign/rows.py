@@ -53,7 +53,7 @@ def table_of(label: str, result: Any, training: Sequence[int], judging: Judging)
     columns: dict[str, Any] = {
         "law": [label] * len(seeds),
         "seed": seeds,
-        "verdict": ["PASS" if passed else "FAIL" for passed in result.passed],
+        "verdict": list(result.verdicts),
         "ended": [str(ended) for ended in result.ended],
         "failures": [list(texts) for texts in result.failures],
         "notch_digest": [str(digest) for digest in result.notch_digest],

@@ -70,12 +70,20 @@ def _inside(summary: Mapping[str, Any], judging: Judging) -> Table:
     counts = {"not_stopped": "not\nstopped"} | {extra.counted: extra.heading for extra in judging.extras}
     counts |= {"runs_with_wraps": "with\nwraps"}
     counts = {key: head for key, head in counts.items() if all(key in law for law in summary["laws"].values())}
+    invalid = ["INVALID"] if any("invalid" in law for law in summary["laws"].values()) else []
     inside = [*map(key_of, criteria), all_limits(criteria)]
-    heads = [*(key.replace("_", " ") for key in inside), "PASS", *counts.values()]
+    heads = [
+        *(key.replace("_", " ") for key in inside),
+        "PASS",
+        *invalid,
+        *counts.values(),
+    ]
     made = columns(title, ("law",), heads)
     for label, law in summary["laws"].items():
         shares = [_share(law["inside"][key]) for key in (*inside, "pass")]
-        made.add_row(label, *shares, *(f"{law[key]:,}" for key in counts))
+        made.add_row(
+            label, *shares, *(f"{_invalid_runs(law):,}" for _ in invalid), *(f"{law[key]:,}" for key in counts)
+        )
     return made
 
 
@@ -115,16 +123,25 @@ def _errors(run: Mapping[str, Any], summary: Mapping[str, Any], criteria: Sequen
         for criterion, value, limit in values
         if value is not None
     )
-    failed = f"FAIL: {'; '.join(run['failures'])}" if run["failures"] else ""
+    failed = f"{run.get('verdict', 'FAIL')}: {'; '.join(run['failures'])}" if run["failures"] else ""
     return "; ".join(filter(None, (said, failed)))
 
 
 def _failures(summary: Mapping[str, Any]) -> Iterator[str]:
-    """For each law that has failed: in how many runs, and how."""
+    """For each law that has failed, or has runs that say nothing about it: in how many, and why."""
+    runs = count_of(summary["runs"], "run", spec=",")
     for label, law in summary["laws"].items():
-        if failed := summary["runs"] - law["inside"]["pass"]["runs"]:
+        if failed := summary["runs"] - law["inside"]["pass"]["runs"] - _invalid_runs(law):
             kinds = "; ".join(f"{kind} ({count:,})" for kind, count in law["failures"].items())
-            yield f"{label}: FAIL in {failed:,} of {count_of(summary['runs'], 'run', spec=',')}: {kinds}"
+            yield f"{label}: FAIL in {failed:,} of {runs}: {kinds}"
+        if invalid := _invalid_runs(law):
+            kinds = "; ".join(f"{kind} ({count:,})" for kind, count in law["invalid"]["reasons"].items())
+            yield f"{label}: INVALID in {invalid:,} of {runs}: {kinds}"
+
+
+def _invalid_runs(law: Mapping[str, Any]) -> int:
+    """Number of runs that say nothing about the controller."""
+    return int(law["invalid"]["runs"]) if "invalid" in law else 0
 
 
 def show(console: Output, summary: Mapping[str, Any], folder: Path, judging: Judging) -> None:

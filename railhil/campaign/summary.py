@@ -88,11 +88,18 @@ def _stops(limits: Sequence[Criterion], rows: pa.Table) -> dict[str, Any]:
     return found
 
 
+def _kinds(rows: pa.Table, chosen: NDArray[np.bool_]) -> dict[str, int]:
+    """How many of the chosen runs failed in each way."""
+    counts = {kind: int(np.count_nonzero(chosen[failed])) for kind, failed in failures_of(rows).items()}
+    return {kind: count for kind, count in counts.items() if count}
+
+
 def _law(plan: Plan, entry: Entry, rows: pa.Table) -> dict[str, Any]:
     limits = limited(plan.criteria, plan.scenario)
     inside = {key_of(criterion): criterion.inside(plan.scenario, numbers(rows, criterion.key)) for criterion in limits}
     everyone = np.ones(rows.num_rows, dtype=np.bool_)
-    passed = np.array(rows["verdict"].to_pylist()) == "PASS"
+    verdicts = np.array(rows["verdict"].to_pylist())
+    passed, invalid = verdicts == "PASS", verdicts == "INVALID"
     wraps = rows["wraps"].to_numpy()
     return {
         "controller": entry.law.controller,
@@ -108,7 +115,9 @@ def _law(plan: Plan, entry: Entry, rows: pa.Table) -> dict[str, Any]:
             "pass": _share(share(passed)),
         },
         # How many runs failed in each way; a run may fail in several.
-        "failures": {kind: len(failed) for kind, failed in failures_of(rows).items()},
+        "failures": _kinds(rows, ~invalid),
+        # Runs that say nothing about the controller, and why; without such a run there is no such key.
+        **({"invalid": {"runs": int(invalid.sum()), "reasons": _kinds(rows, invalid)}} if invalid.any() else {}),
         **_stops(limits, rows),
         **{extra.counted: int(np.count_nonzero(numbers(rows, extra.key) > 0)) for extra in plan.judging.extras},
         "runs_with_wraps": int(np.count_nonzero(wraps)),

@@ -92,6 +92,7 @@ def worst_runs(plan: Plan, entry: Entry, rows: pa.Table) -> list[dict[str, Any]]
                 **{limit_key(criterion): run[column_of(criterion)] for criterion in criteria},
                 **{extra.key: run[extra.key] for extra in plan.judging.extras},
                 "ended": run["ended"],
+                **({"verdict": "INVALID"} if run["verdict"] == "INVALID" else {}),
                 "failures": run["failures"],
                 "command": shlex.join(["railhil", "run", *plan.run(entry, run["seed"]).words]),
             }

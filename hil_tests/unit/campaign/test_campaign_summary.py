@@ -38,7 +38,7 @@ def made_result(seeds, stop_m, time_s, overspeed_mps=0.0, wraps=0):
         },
         signed={"time_error_s": time, "stop_error_m": stop},
         extras={"overspeed_mps": overspeed_mps * full},
-        passed=stopped & (abs(stop) <= 0.2),
+        verdicts=tuple("PASS" if one else "FAIL" for one in stopped & (abs(stop) <= 0.2)),
         ended=tuple("ended_complete" if one else "ended_not_stopped" for one in stopped),
         failures=tuple(() if one else ("not stopped",) for one in stopped),
         wraps=wraps * np.ones(len(stop), dtype=int),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from collections.abc import Sequence
 from types import SimpleNamespace
 from typing import Any
 
@@ -17,8 +18,8 @@ from railhil.campaign.summary import summary
 from railhil.common.output import Output
 
 
-def made(plan: Plan, values: dict[str, Any], failures: list[tuple[str, ...]]) -> pa.Table:
-    """Runs with these values by criterion (0.5 of all others) and these failures."""
+def made(plan: Plan, values: dict[str, Any], failures: list[tuple[str, ...]], verdicts: Sequence[str] = ()) -> pa.Table:
+    """Runs with these values by criterion (0.5 of all others), failures and verdicts (by the failures if empty)."""
     runs = len(failures)
     every = {one.key: np.full(runs, 0.5) for one in plan.criteria} | {
         key: np.array(column, dtype=float) for key, column in values.items()
@@ -28,7 +29,7 @@ def made(plan: Plan, values: dict[str, Any], failures: list[tuple[str, ...]]) ->
         values=every,
         signed={one.signed: every[one.key] for one in plan.criteria if one.signed},
         extras={extra.key: np.zeros(runs) for extra in plan.judging.extras},
-        passed=np.array([not one for one in failures]),
+        verdicts=tuple(verdicts or ("FAIL" if one else "PASS" for one in failures)),
         ended=("ended_complete",) * runs,
         failures=tuple(failures),
         notch_digest=("0" * 16,) * runs,
@@ -101,3 +102,24 @@ def test_one_failure_in_twenty_thousand_is_not_a_hundred_per_cent() -> None:
     plan = make_plan(Request("yizhuang_stop", runs=20_001))
     found = summary(plan, made(plan, {}, [("x",)] + [()] * 20_000))
     assert "99.995%" in printed(_inside(found, plan.judging))
+
+
+def test_a_run_that_says_nothing_about_the_law_is_no_failure(tmp_path: Any, capsys: Any) -> None:
+    plan = make_plan(Request("yizhuang_stop", runs=4))
+    never = "fault 1 never began: TRN_SPEED loss 30% @90s for 5s"
+    failures = [(), ("x",), (never,), ()]
+    found = summary(plan, made(plan, {}, failures, ["PASS", "FAIL", "INVALID", "PASS"]))
+    (law,) = found["laws"].values()
+    assert law["failures"] == {"x": 1}
+    assert law["invalid"]["runs"] == sum(law["invalid"]["reasons"].values()) == 1
+    assert law["inside"]["pass"]["runs"] == 2
+    show(Output(), found, tmp_path, plan.judging)
+    text = capsys.readouterr().out
+    assert "FAIL in 1 of 4 runs: x (1)" in text
+    assert "INVALID in 1 of 4 runs: fault N never began" in text
+    assert f"INVALID: {never}" in text
+    # Without such a run nothing of it is said.
+    found = summary(plan, made(plan, {}, [(), ("x",), (), ()]))
+    assert "invalid" not in next(iter(found["laws"].values()))
+    show(Output(), found, tmp_path, plan.judging)
+    assert "INVALID" not in capsys.readouterr().out

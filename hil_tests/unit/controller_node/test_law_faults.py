@@ -82,6 +82,13 @@ class Late(Failing):
         if isinstance(inputs.speed, (int, float)):
             Late.calls += 1
             1 / (5 - Late.calls)
+
+class LateOnArrays(Failing):
+    calls = 0
+    def fail(self, inputs):
+        if type(inputs.speed).__name__ == "ndarray":
+            LateOnArrays.calls += 1
+            2 / (5 - LateOnArrays.calls)
 """
 BROKEN = "raise RuntimeError('half installed')\n"
 ENTRIES = """\
@@ -101,6 +108,7 @@ formats = plugged_laws:Formats
 raising = plugged_laws:Raising
 silent = plugged_laws:Silent
 late = plugged_laws:Late
+late_on_arrays = plugged_laws:LateOnArrays
 """
 LINES = {
     "fussy": "controller: fussy: found a law that fails at its start, allowed a law that can be made for 0.5 s and 7 "
@@ -204,6 +212,16 @@ def test_a_run_whose_law_fails_keeps_its_record_and_ends_with_exit_code_2(plugge
     assert f"plugged_laws.py:{line_of('1 / (5')}: law late, step, after quantity mine: found an operation " in last
     assert (plugged / "run" / "frames.log").stat().st_size > 0
     assert (plugged / "run" / "certificate.json").is_file()
+
+
+@pytest.mark.slow
+def test_a_law_that_fails_in_a_later_step_of_a_campaign_is_told_where(plugged: Path) -> None:
+    words = ("--laws", "late_on_arrays", "--runs", "3", "--out", "mine")
+    done = railhil("campaign", "short.toml", *words, cwd=plugged)
+    assert done.exit_code == 2
+    at = f"plugged_laws.py:{line_of('2 / (5')}: law late_on_arrays, step: found an operation that fails"
+    assert at in done.err.splitlines()[-1]
+    assert "(ZeroDivisionError: division by zero)" in done.err
 
 
 @pytest.mark.slow

@@ -163,7 +163,7 @@ class _Runs:
             _, answer = self._loop.step(raws)
         except Exception as error:
             # A law is plug-in code and may raise anything.
-            raise law_fault(self._loop.name, type(self._loop.law), error, "step", None) from error
+            raise law_fault(self._loop.name, type(self._loop.law), error, "step", "") from error
         for column, (item, value) in enumerate(zip(self._loop.interface.commands, answer.commands, strict=True)):
             self._commands[:, period, column] = self._number.raw(value, item.q)
         self._first_wrap[(self._counts[WRAP] > 0) & (self._first_wrap < 0)] = period

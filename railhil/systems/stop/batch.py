@@ -235,7 +235,7 @@ class _Runs:
             _, answer = loop.step(self._readings(tick))
         except Exception as error:
             # A law is plug-in code and may raise anything.
-            raise law_fault(loop.name, type(loop.law), error, "step", None) from error
+            raise law_fault(loop.name, type(loop.law), error, "step", "") from error
         for column, (item, value) in enumerate(zip(loop.interface.commands, answer.commands, strict=True)):
             self._commands[:, tick, column] = loop.arithmetic.raw(value, item.q)
         self._first_wrap[(self._counts[WRAP] > 0) & (self._first_wrap < 0)] = tick

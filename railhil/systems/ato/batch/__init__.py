@@ -10,13 +10,14 @@ differ from the start to the end (:func:`railhil.faults.capability.is_constant`)
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from railhil.batch.case import BatchResult, Case, column
+from railhil.batch.case import BatchResult, Case, result_of
 from railhil.controller_node.arithmetic.base import DIVISION_BY_ZERO, SATURATION, WRAP
-from railhil.judge.criteria import ATO_CRITERIA, OVERSPEED, with_sign
+from railhil.judge.judging import judging_of
 from railhil.systems.ato.batch.digest import notch_digest
 from railhil.systems.ato.batch.replay import left_the_healthy_path, replayed
 
@@ -61,18 +62,6 @@ def _result(case: Case, seeds: Sequence[int], chunks: list[BatchRuns], keep_notc
             for kind, count in counted.items():
                 counts[kind][run] = count
 
-    return BatchResult(
-        seed=np.array(seeds, dtype=np.int64),
-        scores=tuple(scores),
-        values={criterion.key: column([score.values[criterion.key] for score in scores]) for criterion in ATO_CRITERIA},
-        signed={key: column([score.signed[key] for score in scores]) for key in with_sign()},
-        extras={OVERSPEED.key: column([score.extras[OVERSPEED.key] for score in scores])},
-        passed=np.array([score.verdict == "PASS" for score in scores], dtype=bool),
-        ended=tuple(score.ended for score in scores),
-        failures=tuple(score.failures for score in scores),
-        wraps=counts[WRAP],
-        saturations=counts[SATURATION],
-        zero_divisions=counts[DIVISION_BY_ZERO],
-        notch_digest=tuple(notch_digest(run) for run in codes),
-        notch_codes=tuple(codes) if keep_notches else None,
-    )
+    named = {"wraps": counts[WRAP], "saturations": counts[SATURATION], "zero_divisions": counts[DIVISION_BY_ZERO]}
+    found = result_of(judging_of(case.scenario), seeds, scores, named, [notch_digest(run) for run in codes])
+    return replace(found, notch_codes=tuple(codes) if keep_notches else None)

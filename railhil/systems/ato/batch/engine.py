@@ -13,7 +13,9 @@ from railhil.batch.case import Case
 from railhil.bus.codes import Event
 from railhil.controller_node.arithmetic.base import DIVISION_BY_ZERO, SATURATION, WRAP
 from railhil.controller_node.ato.loop import NO_BALISE, POSITION_MAX_01MM
+from railhil.controller_node.laws import load as load_law
 from railhil.controller_node.laws.base import NOTCH_Q, BaliseReading
+from railhil.controller_node.laws.fault import law_fault
 from railhil.judge import measures
 from railhil.judge.journey import ErrorGrid, stop_of
 from railhil.judge.score import Measured, Score, judged
@@ -68,6 +70,7 @@ class Engine:
         """Run the seeds together.
 
         :raises PlantError: the state of a train is no longer finite.
+        :raises InputError: the law has raised.
         """
         times, case = self.times, self._case
         fleet = trains(case.scenario, seeds, case.perturbed, times, len(self.grid.counts))
@@ -110,7 +113,12 @@ class Engine:
             )
         # A copy, because a loop may keep what it is given.
         position = np.minimum(np.maximum(odometer, -POSITION_MAX_01MM), POSITION_MAX_01MM)
-        _, outputs = self._loop.step(k, speed.copy(), position, balise)
+        law = self._case.law.controller
+        try:
+            _, outputs = self._loop.step(k, speed.copy(), position, balise)
+        except Exception as fault:
+            # A law is code that somebody plugs in: whatever it raises is said of it, with file and line.
+            raise law_fault(law, load_law(law), fault, "step", "") from fault
         raw = np.asarray(self._number.raw(outputs.notch, NOTCH_Q), dtype=np.int64)
         return np.broadcast_to(raw, passed.shape).copy()
 
