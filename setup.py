@@ -84,6 +84,7 @@ MODULES = [
     "railhil/controller_node/ecan/timestamp.py",
     "railhil/controller_node/law_controller.py",
     "railhil/controller_node/law_loop.py",
+    "railhil/controller_node/node.py",
     "railhil/controller_node/serve.py",
     "railhil/controller_node/telemetry.py",
     "railhil/faults/activity.py",

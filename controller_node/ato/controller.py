@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +28,7 @@ WIRE: dict[str, Interval] = {
     "balise_01mm": (-POSITION_MAX_01MM, POSITION_MAX_01MM),
     "balise_odometer_01mm": (-POSITION_MAX_01MM, POSITION_MAX_01MM),
 }
+_COMMANDS: Final = (CommandCode("notch", NOTCH_Q, "notch"),)
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,7 +68,7 @@ class Controller(LawController):
     """Controller of one train; ``law`` None: the default law."""
 
     loop: ClassVar[type[Any]] = ControlLoop
-    commands = (CommandCode("notch", NOTCH_Q, "notch"),)
+    commands = _COMMANDS
     wire = WIRE
 
     def __init__(
@@ -135,7 +136,7 @@ class BatchController(LawController):
     """
 
     loop: ClassVar[type[Any]] = ControlLoop
-    commands = Controller.commands
+    commands = _COMMANDS
     wire = WIRE
 
     def __init__(

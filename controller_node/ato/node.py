@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, Final
+from typing import Any, ClassVar, Final
 
-from railhil.bus.codes import ControllerFlag, Event, ends_run
-from railhil.bus.ident import CtlIdent, Ident, Role, make_ident
+from railhil.bus.codes import ControllerFlag
+from railhil.bus.ident import CtlIdent, Role
 from railhil.bus.layout import FLAG_FALSE, FLAG_TRUE, Telegram, flag
 from railhil.bus.reception import Document, reception
 from railhil.bus.responder import Reading, Responder
@@ -22,6 +22,7 @@ from railhil.controller_node.ato.track_info import TrackInfo
 from railhil.controller_node.ecan import BitCounter, Ecan, Mailbox, Receiver, mailbox_table
 from railhil.controller_node.laws import load
 from railhil.controller_node.laws.note import slots
+from railhil.controller_node.node import LawNode
 from railhil.dbc import wire_contract
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec
@@ -69,8 +70,8 @@ def end_of_authority_01mm(scenario: Scenario) -> int:
     return round((scenario.plan.distance_m + scenario.watch.end_of_authority_margin_m) * 1e4)
 
 
-class ControllerNode:
-    """Handles frames; it has no socket, so it runs in a process of its own or in memory.
+class ControllerNode(LawNode):
+    """A law behind a guard: mailboxes of the CAN module, checks of what they hold, and a watch that limits the notch.
 
     :param law: with a task period, the mailboxes are read by a task of that period; else each at once, by interrupt.
     :param controller: computes the notch instead of the law; None: the law.
@@ -79,7 +80,7 @@ class ControllerNode:
     """
 
     #: What computes the notch.
-    computes = Controller
+    computes: ClassVar[type[Any]] = Controller
 
     def __init__(
         self,
@@ -91,9 +92,7 @@ class ControllerNode:
         bit_rate: int | None = None,
     ) -> None:
         contract = wire_contract()
-        self.controller = controller or self.computes(scenario, law)
-        self.law = law
-        self.ended: Event | None = None
+        super().__init__(scenario, law, load(law.controller), controller)
         bit_rate = contract.bit_rate if bit_rate is None else bit_rate
         if bit_rate <= 0:
             raise InputError("command line", "--bitrate", bit_rate, "above 0")
@@ -103,19 +102,14 @@ class ControllerNode:
         if safe and law.task_period_ms:
             raise InputError("command line", "--task-period-ms", law.task_period_ms, "0 with safety.sdt")
         counter = BitCounter(bit_rate)
-        self.law_type: Any = load(law.controller)
         needed = self.law_type.track or law.over_distance
         self._odometer = Odometer(scenario, law.task_period_ms * _NS_PER_MS, needed=needed)
         self.guard = Guard(scenario, counter, self._odometer, TrackInfo(scenario))
         self._balises = Balises()
         # Only a law that is given balises has a position that they can contradict.
         self._end_01mm = end_of_authority_01mm(scenario) if self.law_type.track else None
-        self._control_ns = scenario.timing.control_period_ns
         self._note_slots = slots(self.controller.notes)
-        self._ident = make_ident(Role.CONTROLLER, scenario.sha256, **law.identity)
         self._output: ControlOutput | None = None
-        self._last_k = -1
-        self._steps = 0
         self._overruns = 0
         self._notch_life = 0
         self._stat_life = 0
@@ -130,7 +124,7 @@ class ControllerNode:
         if not fd:
             mailboxes_read = Receiver(mailboxes(safe), counter, law.task_period_ms * _NS_PER_MS)
             self.ecan = mailboxes_read.ecan
-        responder = self.responder = Responder(
+        responder = Responder(
             Role.CONTROLLER,
             Schedule.from_contract(scenario.timing.base_tick_ns, scenario.timing.port_period_ns),
             [contract.port(telegram.PORT) for telegram in (SAFE_MAILBOXES if safe else MAILBOXES)],
@@ -152,10 +146,7 @@ class ControllerNode:
         # The time may have gone on by more than the telegrams since the last poll tell: the watch must see that.
         for kind in (TimeSync, PltStat):
             responder.on(kind, self._look)
-        responder.on(RunEvent, self._event)
-        self._clock = responder.clock
-        #: Takes one frame in bus order; returns the answer to a poll of the controller.
-        self.handle = responder.handle
+        self.attach(responder)
 
     @property
     def lost_messages(self) -> int:
@@ -198,20 +189,15 @@ class ControllerNode:
                 port["lost"] = port.get("lost", 0) + lost
         return {**found, "by_task": bool(self.law.task_period_ms)}
 
-    @property
-    def lockstep(self) -> bool:
-        """True unless the pace is known to follow the wall clock."""
-        return not self._clock.rate
-
     def was_out(self, wall_ns: int) -> None:
         """The interface was down for ``wall_ns`` and now delivers frames again: the watch must see how old the speed
         is."""
-        self._clock.silence(wall_ns)
+        super().was_out(wall_ns)
         self.guard.look(self._clock.own_ns)
 
     def was_stopped(self, sim_ns: int) -> None:
         """It was stopped for ``sim_ns`` of simulation time: the watch must see how old the speed is."""
-        self._clock.elapsed(sim_ns)
+        super().was_stopped(sim_ns)
         self.guard.look(self._clock.own_ns)
 
     def _speed(self, reading: Reading[TrnSpeed]) -> None:
@@ -232,11 +218,6 @@ class ControllerNode:
 
     def _track(self, reading: Reading[TrkInfo]) -> None:
         self.guard.limit(reading.telegram, self._clock.own_ns)
-
-    def _event(self, reading: Reading[RunEvent]) -> None:
-        code = reading.telegram.event
-        if ends_run(code):
-            self.ended = Event(code)
 
     def _control(self) -> None:
         """Run the law when a control period has begun since the last step; it needs the time of the run."""
@@ -317,6 +298,3 @@ class ControllerNode:
 
     def _lost_flag(self) -> int:
         return ControllerFlag.MESSAGE_LOST if self.lost_messages else 0
-
-    def _own_ident(self) -> Ident:
-        return self._ident

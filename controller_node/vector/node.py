@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import Any
+from typing import Any, ClassVar
 
-from railhil.bus.codes import Event, ends_run
-from railhil.bus.frame import Frame
-from railhil.bus.ident import CtlIdent, Ident, Role, make_ident
+from railhil.bus.ident import CtlIdent, Role
 from railhil.bus.layout import Telegram
-from railhil.bus.responder import Reading, Responder
+from railhil.bus.responder import Responder
 from railhil.bus.schedule import Schedule
 from railhil.bus.telegrams import RunEvent, TimeSync
 from railhil.common.errors import InputError
 from railhil.controller_node.laws import find
+from railhil.controller_node.node import LawNode
 from railhil.controller_node.vector.controller import VectorController, VectorOutput
 from railhil.controller_node.vector.law import Interface, VectorLaw
 from railhil.controller_node.vector.readings import Readings
@@ -42,7 +41,7 @@ def refuse_indexing(system: System, law: LawSpec) -> None:
         raise InputError("command line", "--indexing", law.indexing, f"time with system {system.name}")
 
 
-class VectorNode:
+class VectorNode(LawNode):
     """See :class:`railhil.controller_node.any_controller.AnyController`; the system has a part ``interface``.
 
     :param controller: computes the commands; None: one is made for ``law``.
@@ -51,7 +50,7 @@ class VectorNode:
     """
 
     #: Class of the object that computes the commands.
-    computes = VectorController
+    computes: ClassVar[type[Any]] = VectorController
 
     def __init__(
         self,
@@ -67,30 +66,18 @@ class VectorNode:
         if law.task_period_ms:
             raise InputError("command line", "--task-period-ms", law.task_period_ms, f"0 with system {system.name}")
         refuse_indexing(system, law)
-        self.law = law
-        self.law_type: Any = find(law.controller, system.laws, VectorLaw)
-        self.controller = controller or self.computes(scenario, law)
-        self.ended: Event | None = None
+        super().__init__(scenario, law, find(law.controller, system.laws, VectorLaw), controller)
         self.lost_messages = 0
         self.lost_by_mailbox: dict[str, int] = {}
         self._interface: Interface = system.part("interface")
-        self._control_ns = scenario.timing.control_period_ns
-        self._ident = make_ident(
-            Role.CONTROLLER,
-            scenario.sha256,
-            **law.identity,
-            contract=contract,
-        )
         self._output: VectorOutput | None = None
-        self._last_k = -1
-        self._steps = 0
         self._stale = 0
         self._life: dict[str, int] = {}
         sent = dict.fromkeys(item.telegram for item in self._interface.commands)
         answers: dict[str, Any] = {kind.PORT: partial(self._command, kind) for kind in sent}
         answers |= {kind.PORT: partial(self._status, kind) for kind in self._interface.statuses}
         received, _ = ports_of(contract, self._interface)
-        self.responder = Responder(
+        responder = Responder(
             Role.CONTROLLER,
             Schedule.from_contract(scenario.timing.base_tick_ns, scenario.timing.port_period_ns, contract),
             received,
@@ -98,37 +85,14 @@ class VectorNode:
             fd=fd,
             contract=contract,
         )
-        self.responder.on(RunEvent, self._event)
-        self._clock = self.responder.clock
-        self._readings = Readings(self._interface, self.responder)
-
-    def handle(self, frame: Frame) -> list[Frame]:
-        """Take one frame in bus order; returns the answer to a poll of the controller."""
-        return self.responder.handle(frame)
+        self.attach(responder)
+        self._readings = Readings(self._interface, responder)
 
     @property
     def counters(self) -> dict[str, int]:
         """Counters of refused telegrams, by cause; ``stale``: safe commands sent because a reading was too old."""
         counted = self.responder.store.counters + self._readings.counters
         return {**counted, **({"stale": self._stale} if self._stale else {})}
-
-    @property
-    def lockstep(self) -> bool:
-        """True unless the pace is known to follow the wall clock."""
-        return not self._clock.rate
-
-    def was_out(self, wall_ns: int) -> None:
-        """Note that the interface was down for ``wall_ns``: the readings are older by that time."""
-        self._clock.silence(wall_ns)
-
-    def was_stopped(self, sim_ns: int) -> None:
-        """Note that it was stopped for ``sim_ns`` of simulation time: the readings are older by that time."""
-        self._clock.elapsed(sim_ns)
-
-    def _event(self, reading: Reading[RunEvent]) -> None:
-        number = reading.telegram.event
-        if ends_run(number):
-            self.ended = Event(number)
 
     def _control(self) -> bool:
         """Run the law if a control period has begun since its last step; returns whether its commands may be sent."""
@@ -158,6 +122,3 @@ class VectorNode:
 
     def _status(self, kind: type[Telegram]) -> Telegram:
         return status_telegram(self._interface, kind, self._output, self._steps, self._next_life(kind.PORT))
-
-    def _own_ident(self) -> Ident:
-        return self._ident

@@ -1,0 +1,69 @@
+"""What the controller's nodes of all systems have in common."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+from railhil.bus.codes import Event, ends_run
+from railhil.bus.ident import Ident, Role, make_ident
+from railhil.bus.responder import Reading, Responder
+from railhil.bus.telegrams import RunEvent
+from railhil.common.mypyc import mypyc_attr
+from railhil.scenarios.model import AnyScenario
+from railhil.scenarios.run_spec import LawSpec
+from railhil.scenarios.system import system_named
+
+
+@mypyc_attr(allow_interpreted_subclasses=True)
+class LawNode:
+    """Handles frames; it has no socket, so it runs in a process of its own or in memory. Base of the nodes, see also
+    :class:`railhil.controller_node.any_controller.AnyController`.
+
+    :param law_type: class of the law.
+    :param controller: computes the commands; None: one is made for ``law``.
+    :raises InputError: the law cannot be made.
+    """
+
+    #: Class of the object that computes the commands, a :class:`~railhil.controller_node.law_controller.LawController`.
+    computes: ClassVar[type[Any]]
+
+    def __init__(self, scenario: AnyScenario, law: LawSpec, law_type: type[Any], controller: Any) -> None:
+        self.controller: Any = controller or self.computes(scenario, law)
+        self.law = law
+        self.law_type: Any = law_type
+        self.ended: Event | None = None
+        contract = system_named(scenario.system).contract
+        self._ident = make_ident(Role.CONTROLLER, scenario.sha256, **law.identity, contract=contract)
+        self._control_ns = scenario.timing.control_period_ns
+        # Control period of the law's last step, and number of its steps.
+        self._last_k = -1
+        self._steps = 0
+
+    def attach(self, responder: Responder) -> None:
+        """Take frames and the time from a responder, and the end of the run."""
+        self.responder = responder
+        self._clock = responder.clock
+        #: Takes one frame in bus order; returns the answer to a poll of the controller.
+        self.handle = responder.handle
+        responder.on(RunEvent, self._event)
+
+    @property
+    def lockstep(self) -> bool:
+        """True unless the pace is known to follow the wall clock."""
+        return not self._clock.rate
+
+    def was_out(self, wall_ns: int) -> None:
+        """Note that the interface was down for ``wall_ns``: what was read is older by that time."""
+        self._clock.silence(wall_ns)
+
+    def was_stopped(self, sim_ns: int) -> None:
+        """Note that it was stopped for ``sim_ns`` of simulation time: what was read is older by that time."""
+        self._clock.elapsed(sim_ns)
+
+    def _event(self, reading: Reading[RunEvent]) -> None:
+        code = reading.telegram.event
+        if ends_run(code):
+            self.ended = Event(code)
+
+    def _own_ident(self) -> Ident:
+        return self._ident
