@@ -18,7 +18,7 @@ COUNTS       = build/test_counts
 COUNTED      = $(PART) --counts $(COUNTS)
 HERE         = not needs_socketcan and not needs_docker
 # A file at a time, so that what a module's tests share is made once; hil_tests/conftest.py puts the long ones first.
-# WORKERS more than there are cores, because some tests wait; each takes 14 s of processor time to find all tests.
+# WORKERS more than there are cores, because some tests wait; each takes 5 s of processor time to find all tests.
 SIDE_BY_SIDE = $(BIN)/pytest -q -n $$(($$(nproc) + $(WORKERS))) --dist loadfile --no-loadscope-reorder
 WORKERS      = 1
 # The half of the tests on kernel SocketCAN that runs on a kernel of its own, by file.

@@ -32,6 +32,7 @@ def _installed(made: Path, name: str, folder: Path) -> dict[str, str]:
     return {**os.environ, "PYTHONPATH": str(install(made / name, folder))}
 
 
+@pytest.mark.slow
 def test_law(made: Path, tmp_path: Path) -> None:
     environment = _installed(made, "old_law", tmp_path / "law")
     words = ("run", "--controller", "old_law", "--bus", "local", "--no-report", "--out", tmp_path / "run")
@@ -46,6 +47,7 @@ def test_law(made: Path, tmp_path: Path) -> None:
     assert done.returncode == 0, done.stdout
 
 
+@pytest.mark.slow
 def test_system(made: Path, tmp_path: Path) -> None:
     folder = made / "old_system"
     words = ("run", folder / "old_system.toml", "--bus", "local", "--no-report", "--out", tmp_path / "run")
@@ -66,6 +68,7 @@ def test_system(made: Path, tmp_path: Path) -> None:
     assert done.returncode == 0, done.stdout
 
 
+@pytest.mark.slow
 def test_scenario(made: Path, tmp_path: Path) -> None:
     """Its train passes the stop by 1.3 m with the usual law, then as now."""
     words = ("run", made / "old_scenario.toml", "--bus", "local", "--no-report", "--out", tmp_path / "run")

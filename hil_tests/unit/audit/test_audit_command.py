@@ -53,6 +53,7 @@ def short(tmp_path):
     return path
 
 
+@pytest.mark.slow
 @pytest.mark.loop
 def test_an_audit_from_the_command_line(short, tmp_path):
     done = railhil("audit", short, "--runs", "4", cwd=tmp_path)
@@ -65,6 +66,7 @@ def test_an_audit_from_the_command_line(short, tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["short.toml"]
 
 
+@pytest.mark.slow
 @pytest.mark.loop
 def test_json_of_an_audit_is_all_that_is_printed(short, tmp_path):
     done = railhil("audit", short, "--runs", "4", "--json", cwd=tmp_path)

@@ -36,6 +36,7 @@ def energy_tolerance_kj(found: list[float]) -> float:
     return NORMAL_95 * hypot(of_sample, of_reference)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("arithmetic", ["iq", "float64", "float32"])
 def test_medians_of_200_perturbed_runs(arithmetic):
     found = outcomes(load("lvshun_tieshan"), RUNS, LawSpec(arithmetic=arithmetic)).scores

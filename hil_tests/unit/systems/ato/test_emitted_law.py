@@ -61,6 +61,7 @@ def _same(spec: LawSpec) -> None:
         assert np.array_equal(emitted.step(*given)[1].notch, wanted)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("arithmetic", ARITHMETICS)
 def test_a_law_is_the_same(arithmetic: str) -> None:
     _same(LawSpec("tpfc2", arithmetic))

@@ -113,6 +113,7 @@ def test_trains_side_by_side_are_what_they_are_alone(way: str, by_distance: bool
         assert np.array_equal(getattr(together.tables, part), getattr(apart.tables, part)), part
 
 
+@pytest.mark.slow
 def test_nearly_all_of_a_run_is_side_by_side() -> None:
     """Else the batch would be slow, with the same results."""
     engine = Engine(Case(load(DRIVEN)))
