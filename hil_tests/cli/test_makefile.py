@@ -73,7 +73,9 @@ def test_a_failed_installation_is_none(tmp_path: Path) -> None:
 def _setup(folder: Path, hook: str) -> subprocess.CompletedProcess[str]:
     """A hook of pip's for the compiled build, in an environment without mypyc."""
     shutil.copy(ROOT / "setup.py", folder)
-    (folder / "railhil").mkdir(exist_ok=True)
+    # It writes the stubs of the telegram classes.
+    for name in ("bus", "railhil/wire"):
+        (folder / name).mkdir(parents=True, exist_ok=True)
     (folder / "railhil" / "__init__.py").touch()
     project = '[project]\nname = "railhil"\nversion = "0"\n[tool.setuptools.package-dir]\nrailhil = "railhil"\n'
     (folder / "pyproject.toml").write_text(project)
