@@ -12,7 +12,7 @@ from typing import Final
 from railhil.bus.layout import CHECK_CORRECT
 from railhil.bus.lifesign import MAX_STEP, LifeSign
 from railhil.bus.telegrams import TimeSync
-from railhil.bus.wallclock import WallClock
+from railhil.common.patience import WallClock
 from railhil.dbc import wire_contract
 
 _FRACTION: Final = 65536

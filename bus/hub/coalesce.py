@@ -10,7 +10,7 @@ from __future__ import annotations
 import time
 
 from railhil.bus.hub.wire import CLASSIC_SIZE, MAX_PACKET_SIZE
-from railhil.bus.wallclock import WallClock
+from railhil.common.patience import WallClock
 
 #: Longest time that a packet is held back.
 HOLD_S = 0.02

@@ -10,7 +10,7 @@ from collections import deque
 from collections.abc import Callable
 
 from railhil.bus.frame import Frame
-from railhil.bus.wallclock import WallClock
+from railhil.common.patience import WallClock
 
 #: Maximum number of frames waiting for one bus.
 LIMIT_FRAMES = 4096

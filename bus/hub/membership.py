@@ -12,7 +12,7 @@ from railhil.bus.hub.coalesce import coalescer_of
 from railhil.bus.hub.disturbed_bus import Disturbance
 from railhil.bus.hub.ports import SocketPort, StreamPort, SwitchPort
 from railhil.bus.hub.wire import decode_hello, encode_hello, encode_roles, role_of
-from railhil.bus.wallclock import WallClock
+from railhil.common.patience import WallClock
 
 MAX_CLIENTS = 256
 READ = select.EPOLLIN

@@ -16,8 +16,8 @@ from railhil.bus.link.base import GatewayLink
 from railhil.bus.link.errorframe import BUS_OFF, describe
 from railhil.bus.link.outage import TIMEOUTS, Timeouts
 from railhil.bus.transports import Opening
-from railhil.bus.wallclock import WallClock
 from railhil.common.mypyc import mypyc_attr
+from railhil.common.patience import WallClock
 
 #: Interval between two looks whether a full transmit queue has room again.
 _LOOK_S = 0.0005

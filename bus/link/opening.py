@@ -61,7 +61,7 @@ def open_link(config: dict[str, Any], name: str = "bus", *, timeouts: Timeouts =
         raise BusUnavailable(f"bus {where} cannot be opened: {reason}") from error
 
 
-def be_passive(link: Link) -> None:
+def listen_only(link: Link) -> None:
     """Tell the interface not even to acknowledge, where it can be told; who calls this sends nothing in any case."""
     # An interface of python-can has loaded it.
     can = sys.modules.get("can")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from dataclasses import dataclass
 
-from railhil.bus.wallclock import WallClock
+from railhil.common.patience import WallClock
 
 
 @dataclass(frozen=True, slots=True)

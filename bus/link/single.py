@@ -19,8 +19,8 @@ from railhil.bus.link.base import GatewayLink
 from railhil.bus.link.errorframe import BUS_OFF, RESTARTED, describe
 from railhil.bus.link.outage import TIMEOUTS, Outage, Timeouts
 from railhil.bus.transports import Opening
-from railhil.bus.wallclock import WallClock
 from railhil.common.mypyc import mypyc_attr
+from railhil.common.patience import WallClock
 
 #: Interval between attempts while the transmit queue is full (ENOBUFS), which python-can raises at once.
 _SEND_RETRY_S = 0.0005

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from itertools import combinations, pairwise
 from typing import Final
 
-from railhil.bus.load import POLL_BYTES
+from railhil.bus.schedule import POLL_BYTES
 from railhil.dbc import Contract, ContractError, Port
 
 #: Mailboxes of one eCAN module (in eCAN mode, each with its own acceptance mask).

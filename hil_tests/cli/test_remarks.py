@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from hil_tests.support.scores import made_score
-from railhil.cli.result_printer import assumed, next_step
+from railhil.cli.result_printer import assumption_lines, next_step
 from railhil.record.status import WRAP_FAILURE
 from railhil.record.trace import Trace
 from railhil.report.recorded import RecordedRun
@@ -26,13 +26,13 @@ def run(scenario: Scenario, *failures: str, verdict: str = "FAIL", **certificate
 
 
 def test_assumptions_are_one_line_that_points_at_the_report(lvshun: Scenario, tmp_path: Path) -> None:
-    (line,) = assumed(lvshun, tmp_path, verbose=False)
+    (line,) = assumption_lines(lvshun, tmp_path, verbose=False)
     assert f"assumed: {len(lvshun.assumptions)} choices" in line
     assert "railhil scenarios lvshun_tieshan" in line
     (tmp_path / "report.html").touch()
-    assert f"listed in {tmp_path / 'report.html'}" in assumed(lvshun, tmp_path, verbose=False)[0]
-    assert assumed(lvshun, tmp_path, verbose=True) == [f"assumed: {text}" for text in lvshun.assumptions]
-    assert assumed(replace(lvshun, assumptions=()), tmp_path, verbose=False) == []
+    assert f"listed in {tmp_path / 'report.html'}" in assumption_lines(lvshun, tmp_path, verbose=False)[0]
+    assert assumption_lines(lvshun, tmp_path, verbose=True) == [f"assumed: {text}" for text in lvshun.assumptions]
+    assert assumption_lines(replace(lvshun, assumptions=()), tmp_path, verbose=False) == []
 
 
 @pytest.mark.parametrize(

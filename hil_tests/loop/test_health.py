@@ -14,7 +14,7 @@ from hil_tests.support.health import disturbed_runs
 from railhil.bench import Result
 from railhil.judge.events.event import RecordedEvent
 from railhil.scenarios.run_spec import RunSpec
-from railhil.testing.health import disturbed_events
+from railhil.testing.result import disturbed_events
 
 
 @pytest.mark.parametrize(

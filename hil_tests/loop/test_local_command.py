@@ -28,7 +28,7 @@ from railhil.judge.folder import code_files
 from railhil.run.local import LocalRun
 from railhil.scenarios.load import load, load_any
 from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.testing.health import disturbed
+from railhil.testing.result import disturbed
 
 #: What processes leave of their own.
 _OF_PROCESSES = {"hub.txt", "plant.txt", "controller.txt"}

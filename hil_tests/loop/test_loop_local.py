@@ -134,7 +134,7 @@ def test_control_status_follows_the_law(nominal):
 
 def test_measured_bus_load_is_the_computed_one(nominal):
     """The record's bits per second against the load formula (events and handshake are the difference)."""
-    from railhil.bus.load import bus_load, longest_frame_bits
+    from railhil.bus.schedule import bus_load, longest_frame_bits
     from railhil.record.framelog import read_log
 
     assert nominal.log is not None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 
 class SetClock:
-    """:class:`railhil.bus.wallclock.WallClock` that moves by waiting and by ``now_ns``.
+    """:class:`railhil.common.patience.WallClock` that moves by waiting and by ``now_ns``.
 
     :param oversleep_ns: by how much each sleep is too long.
     """

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from railhil.bench import Result
-from railhil.testing.health import disturbed_run
+from railhil.testing.result import disturbed_run
 
 
 def disturbed_runs(folder: Path) -> dict[str, dict[str, int]]:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from functools import partial
 from typing import Any
 
+from railhil.plant_sim.fmu.determinism import place_of
 from railhil.plant_sim.fmu.model import Fmu
 from railhil.plant_sim.fmu.names import Input, Quantities
-from railhil.plant_sim.fmu.start import place_of
 from railhil.plant_sim.high_speed.dynamics import GRAVITY_MPS2, Drive, Grades, UnitLimits, UnitMotion, grade_mps2
 from railhil.plant_sim.high_speed.plant import HighSpeedPlant
 from railhil.plant_sim.high_speed.train import STEP_S

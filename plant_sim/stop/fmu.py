@@ -7,9 +7,9 @@ from functools import partial
 from typing import Any
 
 from railhil.common.errors import InputError, Words
+from railhil.plant_sim.fmu.determinism import place_of
 from railhil.plant_sim.fmu.model import Fmu
 from railhil.plant_sim.fmu.names import Input, Quantities
-from railhil.plant_sim.fmu.start import place_of
 from railhil.plant_sim.stop.brake import GRAVITY_MPS2, Course, Going, Motion
 from railhil.plant_sim.stop.draws import RunDraw, TrainDraw
 from railhil.plant_sim.stop.plant import StopPlant

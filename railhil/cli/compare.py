@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from railhil.cli.progress import Progress
-from railhil.cli.result_printer import assumed, print_scores, print_verdict, print_watch
+from railhil.cli.result_printer import assumption_lines, print_scores, print_verdict, print_watch
 from railhil.cli.run import add_arguments, law_names, run_spec, run_system
 from railhil.common.digits import count_of
 from railhil.common.errors import InputError, Words
@@ -187,7 +187,7 @@ def work(namespace: argparse.Namespace) -> int:
     sign_list(folder, namespace.sign)
     if remark := judging_of(scenario).remark([run.score for run in found]):
         console.say(f"runs that {remark}")
-    for line in assumed(scenario, folder, namespace.verbose):
+    for line in assumption_lines(scenario, folder, namespace.verbose):
         console.say(line, style="dim")
     print_watch(console, scenario)
     for run in found:

@@ -40,7 +40,7 @@ def run_into(folder: Path, spec: RunSpec, *, keep: bool = True) -> Result:
     return result
 
 
-def calm_run(base: RunSpec, out: Path) -> tuple[float, dict[str, Sent]]:
+def faultless_run(base: RunSpec, out: Path) -> tuple[float, dict[str, Sent]]:
     """Duration of the timetable in s, and what the run without faults sends, and when.
 
     :raises InputError, NeverBegan: as :func:`run_into`.
@@ -60,7 +60,7 @@ def pair_run(
 ) -> PairRun:
     """One random pair as a run; its folder is not kept: it can be made again from its faults.
 
-    :param calm: of :func:`calm_run`.
+    :param calm: of :func:`faultless_run`.
     """
 
     def is_possible(text: str) -> bool:
@@ -97,7 +97,7 @@ def pairs(
     stopped = 0
     try:
         with TemporaryDirectory(prefix="railhil-faults-") as out:
-            calm = calm_run(base, Path(out))
+            calm = faultless_run(base, Path(out))
             work = partial(pair_run, base, system, calm, Path(out))
             with each(work, numbers, jobs) as runs:
                 for run in runs:

@@ -23,8 +23,8 @@ from railhil.live.processes import nodes_processor
 from railhil.live.sockets import private_socket
 from railhil.run.make import Observer, Plan
 from railhil.scenarios.model import AnyScenario
+from railhil.scenarios.operator_commands import ORDER
 from railhil.scenarios.options import add_option
-from railhil.scenarios.orders import ORDER
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.settings import canonical_fault
 from railhil.scenarios.system import system_named

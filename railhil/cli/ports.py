@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from railhil.bus.load import bus_load
+from railhil.bus.schedule import bus_load
 from railhil.common.errors import InputError, Words
 from railhil.common.output import Output, table
 from railhil.common.streams import add_json_argument, print_json

@@ -63,7 +63,7 @@ def print_verdict(console: Output, verdict: str, line: str) -> None:
     console.say(f"{verdict}: {line}" if line else verdict, style=_COLOURS.get(verdict, "bold yellow"))
 
 
-def assumed(scenario: AnyScenario, folder: Path, verbose: bool) -> list[str]:
+def assumption_lines(scenario: AnyScenario, folder: Path, verbose: bool) -> list[str]:
     """The scenario's choices where its sources give no value: one summary line, or all of them.
 
     :param folder: the run folder; its report lists them.
@@ -103,7 +103,7 @@ def print_result(
     scenario, folder = run.scenario, result.place
     print_scores(console, scenario, [(f"{run.label} {run.certificate['arithmetic']} (measured)", result.score)])
     console.say(f"parameters: {parameters_sentence(run)}", style="dim")
-    for line in assumed(scenario, folder, verbose):
+    for line in assumption_lines(scenario, folder, verbose):
         console.say(line, style="dim")
     print_watch(console, scenario)
     console.say(

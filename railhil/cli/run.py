@@ -146,7 +146,7 @@ def spec_of(namespace: argparse.Namespace, environment: Mapping[str, str]) -> Ru
     return replace(RunSpec.from_layers(layers, faults), plant_fmu=fmu)
 
 
-def _asked(namespace: argparse.Namespace) -> RunSpec:
+def _read_spec(namespace: argparse.Namespace) -> RunSpec:
     """The run, with where and how it is made. Raises InputError for options that do not go together."""
     spec = spec_of(namespace, os.environ)
     given = [flag for flag, on in (("--attach", namespace.attach), ("--no-controller", namespace.no_controller)) if on]
@@ -180,7 +180,7 @@ def _asked(namespace: argparse.Namespace) -> RunSpec:
     return replace(spec, can=named_bus(namespace), start_up=how, out=namespace.out)
 
 
-def _looked_at(spec: RunSpec, scenario: AnyScenario, stderr: bool) -> RunSpec:
+def _with_determinism(spec: RunSpec, scenario: AnyScenario, stderr: bool) -> RunSpec:
     """The run with what its certificate says of its FMU, if it has one: whether it does the same twice.
 
     :param stderr: whether to say so there.
@@ -198,7 +198,7 @@ def _looked_at(spec: RunSpec, scenario: AnyScenario, stderr: bool) -> RunSpec:
     return replace(spec, plant_fmu=replace(spec.plant_fmu, same_twice=same, why=why))
 
 
-def made_again(path: Path, spec: RunSpec, result: Result) -> str:
+def compare_with_certificate(path: Path, spec: RunSpec, result: Result) -> str:
     """Whether a run repeated from a certificate has the same bytes; empty for another file, a run in real time and a
     changed run."""
     if path.suffix != ".json" or spec.is_realtime or spec != RunSpec.from_file(path, spec.plant_fmu):
@@ -228,7 +228,7 @@ class _Command(Observer):
 
 def work(namespace: argparse.Namespace) -> int:
     """Run, write the run folder, print; the exit code is the verdict."""
-    spec = _asked(namespace)
+    spec = _read_spec(namespace)
     check_key(namespace.sign)
     check_panel(namespace, spec)
     is_watched = namespace.panel is not None or namespace.operator is not None
@@ -240,7 +240,7 @@ def work(namespace: argparse.Namespace) -> int:
         from railhil.cli.ports import check_foreign_dbc
 
         check_foreign_dbc(namespace.dbc, system_named(scenario.system).contract)
-    spec = _looked_at(spec, scenario, namespace.json)
+    spec = _with_determinism(spec, scenario, namespace.json)
 
     @cache
     def console() -> Output:
@@ -264,7 +264,7 @@ def work(namespace: argparse.Namespace) -> int:
     sign_list(folder, namespace.sign)
     # Faults may have been typed while the run waited for its start.
     spec = replace(spec, faults=result.spec.faults)
-    again = "" if namespace.spec is None else made_again(namespace.spec, spec, result)
+    again = "" if namespace.spec is None else compare_with_certificate(namespace.spec, spec, result)
     # What was prepared for a hand that never came is not worth a line each.
     notes = [one.line for one in result.faults if one.begun_s is not None or not namespace.catalogue]
     notes += [*memory_lines(result), *([again] if again else [])]

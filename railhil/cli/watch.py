@@ -17,7 +17,7 @@ from railhil.bus.can_settings import HUB_INTERFACE, add_bus_arguments, named_bus
 from railhil.bus.errors import BusLost
 from railhil.bus.frame import Frame
 from railhil.bus.link import Link, open_link
-from railhil.bus.link.opening import be_passive
+from railhil.bus.link.opening import listen_only
 from railhil.bus.select import choose_bus
 from railhil.cli.watched import Watched, named_scenario
 from railhil.common.digits import count_of
@@ -87,7 +87,7 @@ def listening(config: dict[str, Any]) -> Link:
     if config.get("interface") == HUB_INTERFACE:
         config = {**config, "coalesce_frames": _BULK_FRAMES}
     link = open_link(config, "watch")
-    be_passive(link)
+    listen_only(link)
     return link
 
 

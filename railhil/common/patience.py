@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import select
 from collections.abc import Mapping
+from typing import Protocol
 
 #: Longest wall time for an answer from a node that is not known to have ended: on a machine with a load of 9 a process
 #: was observed to be stalled for 2 to 10 s.
@@ -41,3 +42,16 @@ class Lifelines:
         """Whether a node is known to have ended; also False for a node without a pipe."""
         end = self._ends.get(node)
         return end is not None and bool(select.select((end,), (), (), 0.0)[0])
+
+
+class WallClock(Protocol):
+    """Monotonic wall time and waiting; the module :mod:`time` is one."""
+
+    def monotonic(self) -> float:
+        """Monotonic wall time in s."""
+
+    def monotonic_ns(self) -> int:
+        """The same in ns."""
+
+    def sleep(self, seconds: float, /) -> None:
+        """Wait for this many seconds."""

@@ -8,7 +8,7 @@ from typing import Any
 
 from railhil.bus.frame import Frame
 from railhil.bus.injector.follower import raw_of
-from railhil.bus.load import longest_frame_bits
+from railhil.bus.schedule import longest_frame_bits
 from railhil.dbc import Contract, Signal
 from railhil.dbc.contract import ANTIVALENT_VALUES, CHECK_VALUES
 from railhil.live.bus_follower import BusObserver, Listener

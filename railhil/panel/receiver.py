@@ -14,7 +14,7 @@ from railhil.bus.can_settings import HUB_INTERFACE
 from railhil.bus.errors import BusLost, BusUnavailable
 from railhil.bus.frame import Frame
 from railhil.bus.link import open_link
-from railhil.bus.link.opening import be_passive
+from railhil.bus.link.opening import listen_only
 from railhil.record.framelog import LOG_NAME, frames_of
 
 #: Frames taken at one look; of more than these the oldest are dropped. A real-time run at 1x sends about 60.
@@ -47,7 +47,7 @@ def open_passive_bus(config: dict[str, Any], name: str) -> FrameSource:
     :raises BusUnavailable: it cannot be opened.
     """
     link = open_link(config, name)
-    be_passive(link)
+    listen_only(link)
     return link
 
 

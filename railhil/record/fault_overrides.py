@@ -7,7 +7,7 @@ from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 from railhil.common.errors import InputError
-from railhil.scenarios.orders import Order
+from railhil.scenarios.operator_commands import OperatorCommand
 
 
 class GivenValues:
@@ -38,17 +38,17 @@ class GivenValues:
         """Another fault was ordered."""
         self._sent = 0
 
-    def next(self, answer: int) -> Order | None:
+    def next(self, answer: int) -> OperatorCommand | None:
         """The order of a SUP_CMD."""
         if not self._waiting:
             return None
         fault, octets = self._waiting[0]
         if self._sent < len(octets):
             self._sent += 1
-            return Order(answer, "value", octets[self._sent - 1])
+            return OperatorCommand(answer, "value", octets[self._sent - 1])
         self._waiting.popleft()
         self._sent = 0
-        return Order(answer, "inject", fault)
+        return OperatorCommand(answer, "inject", fault)
 
 
 def prepared_for(

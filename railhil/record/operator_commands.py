@@ -13,7 +13,7 @@ from typing import Any, Protocol
 
 from railhil.bus.codes import FaultOrder, SupCommand
 from railhil.record.fault_overrides import GivenValues, prepared_for
-from railhil.scenarios.orders import Order, orders_of
+from railhil.scenarios.operator_commands import OperatorCommand, parse_commands
 
 #: Wall time for which an answer is held back during a pause; each of them is in the record.
 PAUSE_S = 1.0
@@ -51,7 +51,7 @@ class OperatorCommands:
     """
 
     def __init__(self, planned: Sequence[str], panel: Panel | None, lockstep: bool, faults: Sequence[str] = ()) -> None:
-        self._planned = orders_of(planned)
+        self._planned = parse_commands(planned)
         self._panel = panel
         self._lockstep = lockstep
         self._faults = list(faults)
@@ -104,12 +104,12 @@ class OperatorCommands:
                 self._ends_s[order.number] = sim_time_s + self._lasts_s.pop(order.number)
         return SupCommand.START, order.number, _FAULT_ORDERS[order.word]
 
-    def _next(self, number: int) -> Order | None:
+    def _next(self, number: int) -> OperatorCommand | None:
         if self._waiting:
             word, fault = self._waiting.popleft()
             self._given.interrupted()
-            return Order(number, word, fault)
-        return Order(number, "pause") if self._paused else self._given.next(number)
+            return OperatorCommand(number, word, fault)
+        return OperatorCommand(number, "pause") if self._paused else self._given.next(number)
 
     def _end_faults(self, sim_time_s: float) -> None:
         """Clear the faults whose duration is over: with the first SUP_CMD at or after its end."""

@@ -28,7 +28,7 @@ from railhil.common.command_line import (
 )
 from railhil.common.errors import InputError
 from railhil.common.patience import APPEAR_S, PATIENCE_S
-from railhil.scenarios.orders import ORDER
+from railhil.scenarios.operator_commands import ORDER
 from railhil.scenarios.plant_fmu import MAP_OPTION, OPTION, PlantFmu
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.scenario_pipe import OPTION as SCENARIO_PIPE

@@ -18,7 +18,7 @@ from railhil.common.command_line import RATE, USUAL_LAW, USUAL_SCENARIO
 from railhil.common.errors import Faults, InputError
 from railhil.common.patience import APPEAR_S, PATIENCE_S
 from railhil.scenarios.model import AnyScenario
-from railhil.scenarios.orders import ORDER, orders_of
+from railhil.scenarios.operator_commands import ORDER, parse_commands
 from railhil.scenarios.plant_fmu import KEY as FMU_KEY
 from railhil.scenarios.plant_fmu import PlantFmu, fmu_again
 from railhil.scenarios.settings import fault_words, set_words
@@ -151,7 +151,7 @@ class RunSpec:
     :param memory_store: folder with the law's memory (:mod:`railhil.scenarios.memory_store`): the run begins with it,
         and after a good run the memory that the law wants to keep is written to it. A repeated run does not write it:
         command line and certificate give only the memory with which the run began.
-    :param orders: of an operator, to be given again (:mod:`railhil.scenarios.orders`).
+    :param orders: of an operator, to be given again (:mod:`railhil.scenarios.operator_commands`).
     :param can: arguments of ``can.Bus`` that the user has named; without any, the bus is chosen.
     :param out: the run folder; None: ``runs/<utc>-<scenario>-<controller>``.
     """
@@ -191,7 +191,7 @@ class RunSpec:
 
         plant_fmu = fmu_again(document, file, fmu)
         found = validated(RunDocument, as_asked(document), lambda keys: file)
-        orders_of(found.orders, file)
+        parse_commands(found.orders, file)
         given = found.parameters
         parameters = None
         if given is not None:

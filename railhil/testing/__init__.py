@@ -8,8 +8,6 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from railhil.testing.units import kmh
-
 if TYPE_CHECKING:
     from railhil.testing.bench import Bench
     from railhil.testing.live import Live
@@ -24,6 +22,11 @@ _PLACES = {
     "faults": "railhil.testing.strategies",
 }
 __all__ = ["Bench", "Live", "Run", "faults", "kmh"]
+
+
+def kmh(speed: float) -> float:
+    """A speed in km/h, in m/s."""
+    return speed / 3.6
 
 
 def __getattr__(name: str) -> Any:

@@ -16,7 +16,7 @@ from railhil.bench import Result, local_run
 from railhil.scenarios.model import Scenario, TargetCurve
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.target import Target
-from railhil.testing.health import disturbed
+from railhil.testing.result import disturbed
 
 _TOOLS = ("candump", "cansend", "cangen", "canplayer", "ip")
 #: A move of 17 s and 48 m: up to 17 km/h, coast, brake. Short, because the machine is slow; the train departs and

@@ -16,7 +16,7 @@ from railhil.bus.link import Link, open_link
 from railhil.bus.mvb import F_DEVICE_STATUS, master_frame
 from railhil.dbc import wire_contract
 from railhil.scenarios.model import Scenario
-from railhil.testing.health import disturbed
+from railhil.testing.result import disturbed
 
 pytestmark = [pytest.mark.needs_socketcan, pytest.mark.timeout(600)]
 

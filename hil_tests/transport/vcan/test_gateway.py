@@ -19,7 +19,7 @@ from railhil.bus.hub.client import HubBus
 from railhil.bus.hub.portspec import parse_ports
 from railhil.bus.hub.server import serve
 from railhil.bus.link import Link, open_link
-from railhil.testing.health import disturbed
+from railhil.testing.result import disturbed
 
 pytestmark = [pytest.mark.needs_socketcan, pytest.mark.timeout(600)]
 

@@ -27,7 +27,7 @@ from railhil.common.exit_codes import PASS
 from railhil.scenarios.load import load_any
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.sequences.evidence import sequence_sha256
-from railhil.testing.health import disturbed
+from railhil.testing.result import disturbed
 
 pytestmark = [pytest.mark.needs_socketcan, pytest.mark.timeout(600)]
 

@@ -31,7 +31,7 @@ from railhil.machines.adapter.terminal import Terminal
 from railhil.scenarios.model import Scenario, TargetCurve
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.target import Target
-from railhil.testing.health import disturbed
+from railhil.testing.result import disturbed
 from railhil.wire.ato import NotchCmd
 
 pytestmark = [pytest.mark.needs_socketcan, pytest.mark.timeout(600)]

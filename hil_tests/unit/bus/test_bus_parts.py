@@ -25,8 +25,8 @@ from railhil.bus.ident import (
     make_ident,
 )
 from railhil.bus.lifesign import Life, LifeSign
-from railhil.bus.load import bus_load, longest_frame_bits, telegram_bits
 from railhil.bus.local import LocalBus
+from railhil.bus.schedule import bus_load, longest_frame_bits, telegram_bits
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import FAIL, INVALID, PASS, TOOL_ERROR, USAGE, ending_signals, exit_code_of, guarded
 from railhil.dbc import ContractError, wire_contract

@@ -18,8 +18,8 @@ import railhil.wire.ato
 from hil_tests.support.candump import candump_line
 from hil_tests.support.paths import ROOT
 from railhil.bus.layout import Telegram, signal
-from railhil.bus.load import bus_load, longest_frame_bits
 from railhil.bus.mvb import TelegramSource
+from railhil.bus.schedule import bus_load, longest_frame_bits
 from railhil.dbc import ContractError, load_contract, wire_contract
 from railhil.dbc.text import dbc_text
 from railhil.record.trace import Trace

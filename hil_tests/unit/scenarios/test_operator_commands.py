@@ -5,15 +5,21 @@ from __future__ import annotations
 import pytest
 
 from railhil.common.errors import InputError
-from railhil.scenarios.orders import Order, order_of, orders_of
+from railhil.scenarios.operator_commands import OperatorCommand, parse_command, parse_commands
 from railhil.scenarios.run_spec import RunSpec
 
 
 @pytest.mark.parametrize(
-    "one", [Order(2, "pause"), Order(75, "inject", 1), Order(75, "clear", 255), Order(999_999_999, "stop")]
+    "one",
+    [
+        OperatorCommand(2, "pause"),
+        OperatorCommand(75, "inject", 1),
+        OperatorCommand(75, "clear", 255),
+        OperatorCommand(999_999_999, "stop"),
+    ],
 )
 def test_a_text_is_read_as_it_is_written(one):
-    assert order_of(one.text) == one
+    assert parse_command(one.text) == one
 
 
 @pytest.mark.parametrize(
@@ -34,12 +40,12 @@ def test_a_text_is_read_as_it_is_written(one):
 )
 def test_other_texts_are_refused(text):
     with pytest.raises(InputError, match="order"):
-        order_of(text)
+        parse_command(text)
 
 
 def test_one_telegram_carries_one_order():
     with pytest.raises(InputError, match="there is '75 pause'"):
-        orders_of(["75 pause", "75 stop"])
+        parse_commands(["75 pause", "75 stop"])
 
 
 def test_a_run_keeps_its_orders_in_certificate_and_command(tmp_path):

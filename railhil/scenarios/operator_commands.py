@@ -1,6 +1,6 @@
-"""Orders of an operator in a run, as text: ``75 inject 1`` is sent with the 75th SUP_CMD of the run.
+"""Commands of an operator in a run, as text: ``75 inject 1`` is sent with the 75th SUP_CMD of the run.
 
-SUP_CMD is polled at fixed instants of simulation time, so the same orders make the same run again. ``76 value 61``
+SUP_CMD is polled at fixed instants of simulation time, so the same commands make the same run again. ``76 value 61``
 sends an octet of the values of the fault that is injected next (:mod:`railhil.faults.operator_values`).
 """
 
@@ -25,7 +25,7 @@ _ALLOWED = "'N inject FAULT', 'N clear FAULT', 'N value OCTET', 'N pause' or 'N 
 
 
 @dataclass(frozen=True, slots=True)
-class Order:
+class OperatorCommand:
     """One order: the number of the SUP_CMD that carries it (1 is the start), the word, the fault, the octet or 0."""
 
     answer: int
@@ -38,7 +38,7 @@ class Order:
         return f"{self.answer} {self.word}" + (f" {self.number}" if self.word in _LOWEST else "")
 
 
-def order_of(text: str, source: str | Path = ORDER) -> Order:
+def parse_command(text: str, source: str | Path = ORDER) -> OperatorCommand:
     """The order of a text.
 
     :param source: what errors name as its source.
@@ -46,7 +46,7 @@ def order_of(text: str, source: str | Path = ORDER) -> Order:
     """
     found = _TEXT.fullmatch(text)
     if found is not None:
-        one = Order(int(found["answer"]), found["word"], int(found["number"] or 0))
+        one = OperatorCommand(int(found["answer"]), found["word"], int(found["number"] or 0))
         lowest = _LOWEST.get(one.word)
         fits = not found["number"] if lowest is None else found["number"] and lowest <= one.number <= _NUMBER_MAX
         if one.answer >= 2 and one.word in WORDS and fits:
@@ -54,14 +54,14 @@ def order_of(text: str, source: str | Path = ORDER) -> Order:
     raise InputError(source, "order", text, _ALLOWED)
 
 
-def orders_of(texts: Iterable[str], source: str | Path = ORDER) -> dict[int, Order]:
+def parse_commands(texts: Iterable[str], source: str | Path = ORDER) -> dict[int, OperatorCommand]:
     """The orders of a run by the number of their SUP_CMD.
 
     :raises InputError: a text is none, or two are for one SUP_CMD.
     """
-    found: dict[int, Order] = {}
+    found: dict[int, OperatorCommand] = {}
     for text in texts:
-        one = order_of(text, source)
+        one = parse_command(text, source)
         if one.answer in found:
             raise InputError(source, "order", text, f"one order for each SUP_CMD (there is '{found[one.answer].text}')")
         found[one.answer] = one
