@@ -32,7 +32,7 @@ from railhil.controller_node.export.control import (
     Wire,
     Word,
 )
-from railhil.controller_node.export.names import wide
+from railhil.controller_node.export.text import wide
 from railhil.controller_node.laws import load
 from railhil.controller_node.laws.base import NOTCH_Q, BaliseReading
 from railhil.controller_node.laws.note import SLOTS, slots

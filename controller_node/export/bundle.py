@@ -12,14 +12,13 @@ from railhil.common.errors import InputError, Words
 from railhil.controller_node.ecan import mailbox_table
 from railhil.controller_node.export.body import NAMED_Q
 from railhil.controller_node.export.control import Control, Play, Source, Word
+from railhil.controller_node.export.headers import mailbox_header, node_header
 from railhil.controller_node.export.interface import InterfaceControl
-from railhil.controller_node.export.mailboxes import mailbox_header
-from railhil.controller_node.export.node_header import node_header
 from railhil.controller_node.export.note import memory_note
 from railhil.controller_node.export.reference import reference_log
-from railhil.controller_node.export.single_bundle import SingleBundle
+from railhil.controller_node.export.single import SingleBundle
 from railhil.controller_node.export.source import SourceWriter, c_name
-from railhil.controller_node.export.templates import template
+from railhil.controller_node.export.text import template
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec
 from railhil.scenarios.system import system_named

@@ -10,9 +10,8 @@ from railhil.controller_node.arithmetic.base import INT32_MAX, INT32_MIN
 from railhil.controller_node.export.bundle import Bundle, control_of
 from railhil.controller_node.export.control import Wire
 from railhil.controller_node.export.interface import wires_of
-from railhil.controller_node.export.names import Names
-from railhil.controller_node.export.single_bundle import SingleBundle
-from railhil.controller_node.export.templates import template
+from railhil.controller_node.export.single import SingleBundle
+from railhil.controller_node.export.text import Names, template
 from railhil.controller_node.vector.law import Interface
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec

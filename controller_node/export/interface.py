@@ -25,9 +25,8 @@ from railhil.controller_node.export.control import (
     Wire,
     Word,
 )
-from railhil.controller_node.export.names import Names, identifier, literal, wide
-from railhil.controller_node.export.node_header import octets
-from railhil.controller_node.export.templates import SHARED
+from railhil.controller_node.export.headers import octets
+from railhil.controller_node.export.text import SHARED, Names, identifier, literal, wide
 from railhil.controller_node.program.model import Value
 from railhil.controller_node.program.record import record_loop
 from railhil.controller_node.vector.controller import VectorController, VectorLoop

@@ -7,8 +7,8 @@ from railhil.controller_node.arithmetic.base import Constant
 from railhil.controller_node.cost import cost_of
 from railhil.controller_node.export.body import NAMED_Q
 from railhil.controller_node.export.control import Control, Source
-from railhil.controller_node.export.names import comment
 from railhil.controller_node.export.source import STACK_WORDS
+from railhil.controller_node.export.text import comment
 from railhil.controller_node.program.cycles import CPU_MHZ
 from railhil.controller_node.program.model import LawProgram
 

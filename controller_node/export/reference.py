@@ -12,7 +12,7 @@ from typing import Any
 from railhil.common.errors import InputError, Words
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.export.control import FLAG_SENT, Control, Period, Play
-from railhil.controller_node.export.names import comment
+from railhil.controller_node.export.text import comment
 from railhil.controller_node.program.evaluate import Evaluator
 from railhil.controller_node.program.leaves import leaves
 

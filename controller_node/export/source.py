@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 
 from railhil.controller_node.export.body import Body, Data, remark
 from railhil.controller_node.export.control import Control, Source
-from railhil.controller_node.export.names import LENGTH_MAX, Names, comment, identifier, literal
+from railhil.controller_node.export.text import LENGTH_MAX, Names, comment, identifier, literal
 from railhil.controller_node.program.model import Program, Value
 
 _PER_LINE = 5

@@ -19,7 +19,7 @@ from railhil.common.command_line import OneLineParser, parse
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import guarded
 from railhil.controller_node.export.bundle import Bundle, make_bundle, write_bundle
-from railhil.controller_node.export.single_bundle import SingleBundle, single_bundle
+from railhil.controller_node.export.single import SingleBundle, single_bundle
 from railhil.controller_node.laws import is_floating, names
 from railhil.controller_node.vector.node import refuse_indexing
 from railhil.scenarios.load import load_any

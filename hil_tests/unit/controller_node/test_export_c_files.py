@@ -12,8 +12,8 @@ from hil_tests.support.exported import STRICT, checked, compiled, written
 from railhil.controller_node.arithmetic.base import INT32_MIN
 from railhil.controller_node.ato.node import mailboxes
 from railhil.controller_node.ecan import Mailbox
-from railhil.controller_node.export.mailboxes import mailbox_header
-from railhil.controller_node.export.names import LENGTH_MAX, Names, comment, identifier, literal
+from railhil.controller_node.export.headers import mailbox_header
+from railhil.controller_node.export.text import LENGTH_MAX, Names, comment, identifier, literal
 from railhil.scenarios.load import load
 
 SCENARIO = load("lvshun_tieshan")

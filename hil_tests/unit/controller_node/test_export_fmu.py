@@ -21,7 +21,7 @@ from hil_tests.support.short_runs import RUN_72M_TOML
 from railhil.controller_node.export.bundle import make_bundle
 from railhil.controller_node.export.control import FLAG_BEGIN, FLAG_SENT
 from railhil.controller_node.export.fmu import write_fmu
-from railhil.controller_node.export.single_bundle import single_bundle
+from railhil.controller_node.export.single import single_bundle
 from railhil.scenarios.load import load_any
 from railhil.scenarios.run_spec import LawSpec
 

@@ -1,9 +1,10 @@
-"""Names and numbers in C: identifiers that differ in their first 31 characters, int32 literals."""
+"""Text of C files: identifiers that differ in their first 31 characters, numbers, comments, files with placeholders."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterable
+from importlib.resources import files
 
 from railhil.controller_node.arithmetic.base import INT32_MIN
 
@@ -65,3 +66,21 @@ def comment(text: str) -> str:
     """Text made safe for a C comment: one line, printable ASCII, no start or end of a comment."""
     plain = "".join(character if " " <= character <= "~" else "?" for character in " ".join(text.split()))
     return plain.replace("*/", "*?").replace("/*", "?*")
+
+
+#: Folder of the files common to every kind of control, package:folder.
+SHARED = "railhil.controller_node.export:c"
+
+
+def template(file: str, law: str, folder: str = SHARED, **places: str) -> str:
+    """Text of a file with its placeholders replaced.
+
+    :param law: name of the law in C; replaces ``@LAW@`` and, in capitals, ``@PREFIX@``.
+    :param folder: package:folder.
+    :param places: replacements for the other ``@NAME@`` placeholders.
+    """
+    package, _, path = folder.partition(":")
+    text = files(package).joinpath(path, file).read_text(encoding="ascii")
+    for name, words in {"LAW": law, "PREFIX": law.upper(), **places}.items():
+        text = text.replace(f"@{name}@", words)
+    return text

@@ -1,14 +1,17 @@
-"""The constants of the exported controller: ports, times, its identity in the handshake, and the system's own."""
+"""Headers of the exported controller: its constants (ports, times, identity, the system's own) and eCAN mailboxes."""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 from railhil.bus.ident import Role, make_ident
 from railhil.bus.lifesign import MAX_STEP
 from railhil.bus.mvb import master_word
 from railhil.bus.responder import slow_port
 from railhil.bus.schedule import Schedule
+from railhil.controller_node.ecan import Mailbox
 from railhil.controller_node.export.control import Control, Define
-from railhil.controller_node.export.names import comment, wide
+from railhil.controller_node.export.text import Names, comment, wide
 from railhil.dbc import Port
 
 
@@ -96,3 +99,53 @@ def _bus(control: Control, received: list[Port], sent: list[Port]) -> list[Defin
         Define("SLOW_PORT", "-1" if slow is None else f"RAILHIL_{slow.name}", "its life sign counts long silences"),
         Define("SLOW_TICKS", wide(slow_ticks)),
     ]
+
+
+def mailbox_header(law: str, table: Sequence[Mailbox]) -> str:
+    """Text of the header.
+
+    :param table: the checked table, in the order of the mailbox numbers.
+    """
+    names = Names("RAILHIL_MBX_")
+    guard = f"{law.upper()}_MAILBOXES_H"
+    rows = [
+        f"    {{{box.number}, {box.length}, {int(box.transmit)}, {int(box.overwrite)}, {int(box.extended)}, "
+        f"UINT32_C({box.can_id:#x}), UINT32_C({box.mask:#x})}}, /* {box.name} */"
+        for box in table
+    ]
+    numbers = [f"#define {names.new(box.name.upper())} {box.number}" for box in table]
+    return "\n".join(
+        [
+            f"/* {law}_mailboxes.h: mailboxes of the eCAN module of a TMS320F28335, made from the port table.",
+            " *",
+            " * can_id: identifier of the frame, 11 bits unless extended; a standard one is in bits 28 to 18 of",
+            " * MSGID. mask: identifier bits that are not compared (1 in LAM); if all are 0, AME stays 0.",
+            " * overwrite: OPC bit clear. All 32 mailboxes exist only in eCAN mode (SCB = 1). The chip has no 8-bit",
+            " * type: the payload is in MDL and MDH, its first byte in the highest bits with DBO = 0.",
+            " */",
+            f"#ifndef {guard}",
+            f"#define {guard}",
+            "",
+            "#include <stdint.h>",
+            "",
+            "typedef struct {",
+            "    uint16_t number;    /* 0..31 */",
+            "    uint16_t length;    /* data bytes (DLC) */",
+            "    uint16_t transmit;  /* 1 transmit, 0 receive */",
+            "    uint16_t overwrite; /* 1: a newer frame replaces an unread one */",
+            "    uint16_t extended;  /* 1: 29-bit identifier */",
+            "    uint32_t can_id;",
+            "    uint32_t mask;",
+            "} railhil_mailbox_t;",
+            "",
+            *numbers,
+            "",
+            f"#define RAILHIL_MAILBOX_COUNT {len(table)}u",
+            "static const railhil_mailbox_t railhil_mailboxes[RAILHIL_MAILBOX_COUNT] = {",
+            *rows,
+            "};",
+            "",
+            "#endif",
+            "",
+        ]
+    )
