@@ -127,14 +127,6 @@ class Figure:
     caption: str
     charts: Sequence[Chart]
 
-    @property
-    def svg(self) -> str:
-        """The charts as elements of a page."""
-        # A file drawn by matplotlib needs none of it.
-        from railhil.charts.svg import markup
-
-        return markup(self)
-
 
 def looks(curves: Sequence[Curve]) -> list[Look]:
     """The look of each curve of a chart."""

@@ -8,6 +8,7 @@ from typing import Final
 from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined, Template
 
 from railhil.charts import static_text
+from railhil.charts.svg import markup
 from railhil.common.streams import plain
 
 
@@ -41,4 +42,5 @@ def template(name: str, package: str = _HERE) -> Template:
         # Markup and drawings are already escaped.
         finalize=lambda value: plain(value) if type(value) is str else value,
     )
+    environment.filters["svg"] = markup
     return environment.get_template(name)

@@ -200,7 +200,7 @@ def test_no_figure_of_another_system_has_a_line_over_a_gap(system: str, tmp_path
         curves = [
             (middles[figure.charts[-1].x_label], path_points(d))
             for figure in figures
-            for d in re.findall(r'<path class="curve"[^>]* d="(M[^"]*)"/>', figure.svg)
+            for d in re.findall(r'<path class="curve"[^>]* d="(M[^"]*)"/>', markup(figure))
             if not d.endswith("H30")
         ]
         over = [bridges(x, y, middle) for middle, (x, y) in curves]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING
 
 from railhil.common.digits import percent
 from railhil.controller_node.stop.taps import taps
@@ -53,9 +52,6 @@ from railhil.reproduce.ilc.runs import (
     scatter_key,
 )
 from railhil.reproduce.paper import Results
-
-if TYPE_CHECKING:
-    from railhil.report.pictures import Picture
 
 PRINTED = TEXT.published
 _BENCH = ("bench",)
@@ -384,13 +380,3 @@ def _check_learning(results: Results) -> Finding:
         less.append(is_less(last, first))
         said.append(f"{title} {decimal(first, 4)} to {decimal(last, 4)} m")
     return Finding("learning", f"rms, {', '.join(said)}.", less, [key for _, *both, _ in _LEARNED for key in both])
-
-
-def draw(results: Results) -> Sequence[Picture]:
-    """Figure 6, table 2 as curves, and the learning of ours.
-
-    :raises ImportError: the extra [report] is not installed.
-    """
-    from railhil.reproduce.ilc.figures import draw
-
-    return draw(results)
