@@ -10,8 +10,7 @@ from railhil.audit.document import document
 from railhil.audit.result import Options, audit
 from railhil.audit.tables import show
 from railhil.batch import say_compiling
-from railhil.batch.nodes import batch_of, kernel_of, one_by_one
-from railhil.batch.perturbed_runs import FIRST_SEED
+from railhil.batch.nodes import batch_of
 from railhil.common.command_line import OneLineParser, parse, whole_number
 from railhil.common.exit_codes import FAIL, PASS, guarded
 from railhil.common.output import Output
@@ -25,6 +24,7 @@ from railhil.scenarios.options import add_option, add_options
 from railhil.scenarios.perturb import require_perturbations
 from railhil.scenarios.run_spec import LawSpec
 from railhil.scenarios.system import system_named
+from railhil.study.perturbed_runs import FIRST_SEED, how_made
 
 _RUNS_MAX = 100_000
 #: Default number of perturbed runs: with a batch, and through the nodes one after another.
@@ -62,19 +62,15 @@ def arguments() -> argparse.ArgumentParser:
 
 
 def _runs(namespace: argparse.Namespace, scenario: AnyScenario) -> int:
-    """Number of perturbed runs; prints whether they use a batch or the nodes."""
-    batch = batch_of(scenario)
-    runs: int = namespace.runs if namespace.runs is not None else _RUNS_NODES if batch is None else _RUNS
+    """Number of perturbed runs; prints how they are made."""
+    remark, kernel = how_made(scenario)
+    runs: int = namespace.runs if namespace.runs is not None else _RUNS_NODES if batch_of(scenario) is None else _RUNS
     if runs:
         require_perturbations(scenario, "--runs")
         say = Output(stderr=True).say
-        if batch is None:
-            how = f"{runs} perturbed runs in each of two arithmetics go through the nodes, one by one"
-            say(f"no batch of trains for system {scenario.system}: {how}")
-        elif why := one_by_one(scenario):
-            say(why)
-        elif (kernel := kernel_of(scenario)) is not None:
-            say_compiling(say, kernel)
+        if remark:
+            say(remark)
+        say_compiling(say, kernel)
     return runs
 
 

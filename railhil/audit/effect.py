@@ -6,13 +6,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from statistics import median
 
-from railhil.batch.perturbed_runs import Outcomes, outcomes
 from railhil.controller_node.arithmetic.base import Counters
 from railhil.judge.criteria import Criterion
 from railhil.judge.judging import judging_of
 from railhil.judge.score import Score
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec
+from railhil.study.perturbed_runs import FIRST_SEED, run_seeds
 
 #: Allowed difference of a median from that of float64, relative to the latter, if the criterion sets none.
 _ALLOWED_SHARE = 0.01
@@ -56,7 +56,7 @@ class Effect:
     counters: Counters
 
 
-def _effect(criterion: Criterion, audited: list[Score], reference: list[Score]) -> ScoreEffect:
+def _effect(criterion: Criterion, audited: Sequence[Score], reference: Sequence[Score]) -> ScoreEffect:
     name, allowed = criterion.key, criterion.audit_allowed
     pairs = [(a.values[name], b.values[name]) for a, b in zip(audited, reference, strict=True)]
     ours, theirs = [a for a, _ in pairs if a is not None], [b for _, b in pairs if b is not None]
@@ -74,11 +74,13 @@ def _effect(criterion: Criterion, audited: list[Score], reference: list[Score]) 
 
 def effect(scenario: AnyScenario, runs: int, law: LawSpec) -> Effect:
     """Run ``runs`` draws in each of the two arithmetics and compare the scores that apply to the scenario."""
-    audited, reference = (outcomes(scenario, runs, each) for each in (law, replace(law, arithmetic="float64")))
+    seeds = range(FIRST_SEED, FIRST_SEED + runs)
+    audited, reference = (run_seeds(scenario, each, seeds) for each in (law, replace(law, arithmetic="float64")))
+    counters = Counters(*(int(one.sum()) for one in (audited.wraps, audited.saturations, audited.zero_divisions)))
     criteria = [criterion for criterion in judging_of(scenario).criteria if criterion.applies(scenario)]
-    return compared(audited, reference, criteria)
+    return Effect(compared(audited.scores, reference.scores, criteria), counters)
 
 
-def compared(audited: Outcomes, reference: Outcomes, criteria: Sequence[Criterion]) -> Effect:
+def compared(audited: Sequence[Score], reference: Sequence[Score], criteria: Sequence[Criterion]) -> list[ScoreEffect]:
     """Compare the scores of the same draws."""
-    return Effect([_effect(criterion, audited.scores, reference.scores) for criterion in criteria], audited.arithmetic)
+    return [_effect(criterion, audited, reference) for criterion in criteria]

@@ -7,7 +7,6 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from railhil.batch.nodes import kernel_of, one_by_one
 from railhil.campaign.plan import ALL_LAWS, CHUNK_MAX, RUNS_MAX, Chunk, Plan, Request
 from railhil.common.command_line import SEED_MAX, OneLineParser, whole_number
 from railhil.common.errors import InputError
@@ -16,6 +15,7 @@ from railhil.common.output import Output
 from railhil.controller_node.laws import names as laws
 from railhil.scenarios.options import add_option, add_options
 from railhil.study.command import Command, add_folder_arguments, check_options, exit_codes
+from railhil.study.perturbed_runs import how_made
 from railhil.study.plan import Study
 
 if TYPE_CHECKING:
@@ -79,14 +79,6 @@ def check_combination(namespace: argparse.Namespace) -> None:
         raise InputError("command line", "--scheduler", namespace.scheduler, "only with --engine dask")
 
 
-def _how(plan: Plan) -> tuple[str, str | None]:
-    if plan.batch is None:
-        said = f"no batch of trains for system {plan.scenario.system}: every run goes through the nodes, one by one"
-    else:
-        said = one_by_one(plan.scenario)
-    return said, kernel_of(plan.scenario)
-
-
 def _verify(namespace: argparse.Namespace, plan: Plan) -> Iterator[Verified]:
     need("numba", "campaign")
     from railhil.campaign.verify import verify
@@ -112,7 +104,7 @@ COMMAND = Command(
     arguments,
     check_combination,
     engine=lambda namespace: (namespace.engine, namespace.jobs or -1),
-    how=_how,
+    how=lambda plan: how_made(plan.scenario),
     verify=_verify,
     # `railhil report DIR` writes it.
     report=lambda namespace, plan, made: "",

@@ -13,7 +13,6 @@ from railhil.common.command_line import SEED_MAX, USUAL_SCENARIO
 from railhil.common.errors import InputError, Words, did_you_mean
 from railhil.judge.criteria import Criterion
 from railhil.judge.judging import Judging, judging_of
-from railhil.judge.training_seeds import chosen_on
 from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.parameters import ParameterSet, load_parameters
@@ -21,7 +20,8 @@ from railhil.scenarios.perturb import require_perturbations
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.stored import any_judged_sha256
 from railhil.scenarios.system import System, system_named
-from railhil.study.plan import batch_sha256, bench_sha256, law_named, law_sha256, sha256_of_json
+from railhil.study.perturbed_runs import FIRST_SEED, check_unseen, training_seeds
+from railhil.study.plan import batch_sha256, bench_sha256, law_sha256, sha256_of_json
 
 #: Means every registered law, in the order of the tables; the others are compared with the first.
 ALL_LAWS = "all"
@@ -37,7 +37,7 @@ class Request:
     scenario: str = USUAL_SCENARIO
     settings: tuple[str, ...] = ()
     runs: int = 1000
-    first_seed: int = 1000
+    first_seed: int = FIRST_SEED
     laws: tuple[str, ...] = ()
     both: bool = False
     arithmetic: str = "float64"
@@ -138,13 +138,8 @@ class Plan:
         return RunSpec(self.request.scenario, self.request.settings, entry.law, seed, perturbed=True)
 
     def training(self, entry: Entry) -> list[int]:
-        """Seeds of the campaign on which the entry's parameters were tuned, or the law's own ones chosen.
-
-        The latter also with a parameter file, because parameters that it does not name keep the law's own values.
-        """
-        tuned = set() if entry.parameters is None else set(entry.parameters.seen(self.seeds))
-        declared = law_named(entry.law.controller, self.scenario.system).design_seeds
-        return sorted(tuned.union(chosen_on(declared, self.scenario, self.seeds)))
+        """Seeds of the campaign on which the entry's parameters were tuned, or the law's own ones chosen."""
+        return training_seeds(self.scenario, entry.law, self.seeds)
 
     @property
     def subject(self) -> dict[str, Any]:
@@ -225,16 +220,5 @@ def make_plan(request: Request) -> Plan:
     for entry in plan.entries:
         system.part("controller")(scenario, entry.law)
         if not request.allow_training_seeds:
-            _check_unseen(plan, entry)
+            check_unseen(scenario, entry.law, plan.seeds)
     return plan
-
-
-def _check_unseen(plan: Plan, entry: Entry) -> None:
-    """Refuse to evaluate parameters on runs that were used to find them. Raises InputError."""
-    if entry.parameters is not None:
-        entry.parameters.check_unseen(plan.seeds)
-    if seen := plan.training(entry):
-        origin = law_named(entry.law.controller, plan.scenario.system).parameters_origin
-        found = Words(f"seed {seen[0]}, on which {entry.law.controller}'s own parameters were chosen ({origin})")
-        allowed = "other seeds for an evaluation, or --allow-training-seeds, which every table then says"
-        raise InputError("command line", "--first-seed", found, allowed)

@@ -10,7 +10,6 @@ from typing import Annotated, Any
 import pyarrow as pa
 from pydantic import Field
 
-from railhil.batch.nodes import batch_of, run_nodes
 from railhil.campaign.plan import ALL_LAWS, CHUNK_MAX, RUNS_MAX, Chunk, Plan, Request, make_plan
 from railhil.campaign.rows import check_rows, schema, table_of
 from railhil.campaign.summary import summary
@@ -19,6 +18,7 @@ from railhil.controller_node.arithmetic import names as arithmetics
 from railhil.judge.judging import judging_of
 from railhil.scenarios import system as systems
 from railhil.study.manifest import Bounds, machine_and_list, one_of
+from railhil.study.perturbed_runs import run_seeds
 from railhil.study.plan import Study, batch_sha256, bench_sha256, law_sha256
 
 _LIBRARIES = ("numpy", "numba", "pyarrow", "scipy")
@@ -57,11 +57,8 @@ class ChunkWork:
         return bench_sha256(), batch_sha256(), law_sha256(self.chunk.entry.law.controller, self.scenario.system)
 
     def rows(self) -> pa.Table:
-        from railhil.batch import Case
-
         entry = self.chunk.entry
-        run = batch_of(self.scenario) or run_nodes
-        result = run(Case(self.scenario, entry.law), list(self.chunk.seeds))
+        result = run_seeds(self.scenario, entry.law, list(self.chunk.seeds))
         return table_of(entry.label, result, self.training, judging_of(self.scenario))
 
 

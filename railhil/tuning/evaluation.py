@@ -10,14 +10,11 @@ from rich.table import Table
 
 from railhil.batch import BatchResult, Case
 from railhil.batch.statistics import quantile
-from railhil.common.errors import InputError, Words
 from railhil.common.output import Output, table
-from railhil.controller_node.laws import load
 from railhil.judge.criteria import ATO_CRITERIA, OVERSPEED, STOP_ERROR, Criterion, limited
-from railhil.judge.training_seeds import chosen_on
 from railhil.scenarios.model import watch_sentence
 from railhil.scenarios.parameters import ParameterSet
-from railhil.scenarios.system import system_named
+from railhil.study.perturbed_runs import check_unseen, run_seeds, training_seeds
 from railhil.tuning.objective import Scale, objective
 
 _QUANTILES = (("median", 0.5), ("p95", 0.95))
@@ -37,31 +34,17 @@ class Evaluation:
     tuned: BatchResult
 
 
-def _designed_on(case: Case, seeds: range) -> list[int]:
-    """Seeds on which the law's own parameters were chosen, which still apply to those that the file does not name."""
-    return chosen_on(load(case.law.controller).design_seeds, case.scenario, seeds)
-
-
-def check_seeds(case: Case, given: ParameterSet, seeds: range) -> None:
-    """Refuse an evaluation on runs used to find the parameters, or the law's own ones. Raises InputError."""
-    given.check_unseen(seeds)
-    if designed := _designed_on(case, seeds):
-        found = Words(f"seed {designed[0]}, on which {case.law.controller}'s own parameters were chosen")
-        allowed = "other seeds for an evaluation, or --allow-training-seeds, which every table then says"
-        raise InputError("command line", "--first-seed", found, allowed)
-
-
 def evaluate(case: Case, given: ParameterSet, seeds: range, allow_training_seeds: bool = False) -> Evaluation:
     """Run both.
 
     :param case: the parameters of its law are ignored.
     :raises InputError: the parameters are not the law's, or were tuned on one of the seeds.
     """
+    laws = [replace(case.law, parameters=each) for each in (None, given)]
     if not allow_training_seeds:
-        check_seeds(case, given, seeds)
-    run_batch = system_named(case.scenario.system).part("batch")
-    tuned, default = (run_batch(replace(case, law=replace(case.law, parameters=each)), seeds) for each in (given, None))
-    return Evaluation(case, given, tuple(sorted({*given.seen(seeds), *_designed_on(case, seeds)})), default, tuned)
+        check_unseen(case.scenario, laws[1], seeds)
+    default, tuned = (run_seeds(case.scenario, law, seeds) for law in laws)
+    return Evaluation(case, given, tuple(training_seeds(case.scenario, laws[1], seeds)), default, tuned)
 
 
 def quantiles(result: BatchResult, criterion: Criterion) -> list[float]:

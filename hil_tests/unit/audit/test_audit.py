@@ -16,13 +16,12 @@ from hil_tests.support.scores import with_values
 from railhil.audit.bars import bars
 from railhil.audit.bounds import bounds_of
 from railhil.audit.document import document
-from railhil.audit.effect import ScoreEffect, compared, effect
+from railhil.audit.effect import Effect, ScoreEffect, compared, effect
 from railhil.audit.floor import floored
 from railhil.audit.result import Options, audit
 from railhil.audit.shadow import Codes, QuantityError, Shadowed, ShadowRun, Watched, compare_codes, errors, shadow_run
 from railhil.audit.standstill import look
 from railhil.audit.tables import show
-from railhil.batch.perturbed_runs import Outcomes
 from railhil.bench import local_run
 from railhil.bus.frame import Frame
 from railhil.common.errors import InputError
@@ -319,9 +318,7 @@ def test_effect_compares_each_draw_with_its_own_twin(sound):
         ]
         for itaes, stops_m in (((12.0, 11.0, 10.0), (0.1, 0.1, None)), ((10.0,) * 3, (0.1,) * 3))
     )
-    over_runs = compared(Outcomes(fixed, Counters(3, 30, 300)), Outcomes(real, Counters(7, 7, 7)), ATO_CRITERIA)
-    assert over_runs.counters == Counters(3, 30, 300)
-    found = {one.score: one for one in over_runs.scores}
+    found = {one.score: one for one in compared(fixed, real, ATO_CRITERIA)}
     itae = found["itae"]
     assert (itae.audited, itae.reference, itae.difference, itae.largest_single) == (11.0, 10.0, 1.0, 2.0)
     assert not itae.met
@@ -333,8 +330,8 @@ def test_effect_compares_each_draw_with_its_own_twin(sound):
 def test_a_wrap_in_a_perturbed_run_misses_a_bar_that_the_nominal_run_meets(short, sound):
     result = audit(short, Options(runs=2))
     assert {bar.found for bar in result.bars if bar.name == "wraps in the perturbed runs"} == {"0"}
-    wrapped = Outcomes([sound.run.score] * 2, Counters(1, 10, 2))
-    over_runs = compared(wrapped, wrapped, ATO_CRITERIA)
+    scores = [sound.run.score] * 2
+    over_runs = Effect(compared(scores, scores, ATO_CRITERIA), Counters(1, 10, 2))
     result = replace(result, effect=over_runs, bars=bars(sound, result.cost, over_runs=over_runs))
     found = {bar.name: (bar.found, bar.met) for bar in result.bars}
     assert found["wraps in the run"] == ("0", True)

@@ -11,12 +11,12 @@ from benchmarks.figures import QUICK_TOML
 from hil_tests.support.batch import same_as_the_bench
 from railhil.batch import Case
 from railhil.batch.nodes import batch_of
-from railhil.batch.perturbed_runs import FIRST_SEED, outcomes
 from railhil.bench import direct_run, local_run, unrecorded_run
 from railhil.common.errors import InputError
 from railhil.scenarios.load import load, load_any
 from railhil.scenarios.model import Effort, Scenario, Uniform
 from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.study.perturbed_runs import FIRST_SEED, run_seeds
 from railhil.systems.ato.batch import run_batch
 from railhil.systems.ato.batch.digest import trace_digest
 
@@ -166,6 +166,8 @@ def test_runs_with_other_faults_go_through_the_nodes(tmp_path, fault):
     for run in (lambda: run_batch(case, (4,)), lambda: direct_run(case.scenario)):
         with pytest.raises(InputError, match="other faults need the nodes"):
             run()
-    found, healthy = (outcomes(scenario, 1, case.law).scores[0] for scenario in (case.scenario, with_faults(tmp_path)))
+    found, healthy = (
+        run_seeds(scenario, case.law, [FIRST_SEED]).scores[0] for scenario in (case.scenario, with_faults(tmp_path))
+    )
     assert found == unrecorded_run(case.scenario, Case(case.scenario, case.law).run(FIRST_SEED)).score
     assert found != healthy

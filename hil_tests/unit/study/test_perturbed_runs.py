@@ -8,11 +8,10 @@ import pytest
 
 from benchmarks.figures import QUICK_TOML
 from hil_tests.support.plug import Wrapping, plug_in
-from railhil.batch.perturbed_runs import FIRST_SEED, outcomes
 from railhil.bench import direct_run, local_run
-from railhil.controller_node.arithmetic.base import Counters
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.study.perturbed_runs import FIRST_SEED, run_seeds
 
 
 @pytest.fixture
@@ -32,13 +31,13 @@ def test_a_direct_run_scores_as_one_with_telegrams(short, tmp_path, indexing):
 
 
 @pytest.mark.parametrize("arithmetic", ["iq", "float64"])
-def test_outcomes_are_those_of_single_runs(short, tmp_path, monkeypatch, arithmetic):
+def test_runs_of_many_seeds_are_those_of_single_runs(short, tmp_path, monkeypatch, arithmetic):
     plug_in(tmp_path, monkeypatch, wrapping=Wrapping)
     law = LawSpec("wrapping", arithmetic, "distance")
-    found = outcomes(short, 3, law)
+    found = run_seeds(short, law, range(FIRST_SEED, FIRST_SEED + 3))
     runs = [direct_run(short, RunSpec(law=law, seed=FIRST_SEED + i, perturbed=True)) for i in range(3)]
     assert [score.values for score in found.scores] == [run.score.values for run in runs]
     # 25 polls of 20 ms in a control period.
     wraps = sum(ceil(len(run.notches) / 25) for run in runs) if arithmetic == "iq" else 0
-    assert found.arithmetic == Counters(wraps, 0, 0)
+    assert [int(one.sum()) for one in (found.wraps, found.saturations, found.zero_divisions)] == [wraps, 0, 0]
     assert len({score.values["energy_kj"] for score in found.scores}) == 3

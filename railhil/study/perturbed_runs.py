@@ -1,0 +1,54 @@
+"""Perturbed runs of a law: made by the batch of its system or by the nodes, on seeds that its parameters have not
+seen."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from railhil.batch.case import BatchResult, Case
+from railhil.batch.nodes import batch_of, kernel_of, one_by_one, run_nodes
+from railhil.common.errors import InputError, Words
+from railhil.judge.training_seeds import chosen_on
+from railhil.scenarios.model import AnyScenario
+from railhil.scenarios.run_spec import LawSpec
+from railhil.study.plan import law_named
+
+#: Seed of the first run where the user names none; the others follow.
+FIRST_SEED = 1000
+
+
+def run_seeds(scenario: AnyScenario, law: LawSpec, seeds: Sequence[int]) -> BatchResult:
+    """A run with each seed: the same draws for every law and arithmetic.
+
+    :raises InputError: the law cannot be made, or has failed.
+    """
+    result: BatchResult = (batch_of(scenario) or run_nodes)(Case(scenario, law), seeds)
+    return result
+
+
+def how_made(scenario: AnyScenario) -> tuple[str, str | None]:
+    """A remark if the runs are made one by one, else empty; the module with the compiled loops, None without any."""
+    if batch_of(scenario) is None:
+        return f"no batch of trains for system {scenario.system}: every run goes through the nodes, one by one", None
+    return one_by_one(scenario), kernel_of(scenario)
+
+
+def training_seeds(scenario: AnyScenario, law: LawSpec, seeds: range) -> list[int]:
+    """Those of the seeds on which the law's parameters were tuned, or its own ones chosen.
+
+    The latter also with a parameter file, because parameters that it does not name keep the law's own values.
+    """
+    tuned = set() if law.parameters is None else set(law.parameters.seen(seeds))
+    declared = law_named(law.controller, scenario.system).design_seeds
+    return sorted(tuned.union(chosen_on(declared, scenario, seeds)))
+
+
+def check_unseen(scenario: AnyScenario, law: LawSpec, seeds: range) -> None:
+    """Refuse to evaluate parameters on runs that were used to find them. Raises InputError."""
+    if law.parameters is not None:
+        law.parameters.check_unseen(seeds)
+    if seen := training_seeds(scenario, law, seeds):
+        origin = law_named(law.controller, scenario.system).parameters_origin
+        found = Words(f"seed {seen[0]}, on which {law.controller}'s own parameters were chosen ({origin})")
+        allowed = "other seeds for an evaluation, or --allow-training-seeds, which every table then says"
+        raise InputError("command line", "--first-seed", found, allowed)
