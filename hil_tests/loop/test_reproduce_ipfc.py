@@ -16,7 +16,7 @@ import pytest
 from hil_tests.support.paths import ROOT
 from hil_tests.support.published import PUBLISHED_SHA256
 from railhil.reproduce.comparison import FOLLOWS, FOLLOWS_NOT, OPEN
-from railhil.reproduce.document import make_document, read_document, render_csv, render_page, write_page
+from railhil.reproduce.document import read_document, render_page, write_page
 from railhil.reproduce.ipfc import PAPER
 from railhil.reproduce.ipfc.runs import USUAL, list_laws
 from railhil.reproduce.measurement import measure_paper
@@ -41,16 +41,6 @@ def written() -> dict[str, Any]:
 def made() -> Results:
     """The runs in fixed point, with their curves."""
     return measure_paper(replace(PAPER, plan=plan), PAPER.text.seeds, drawn=True)
-
-
-def test_page_tables_and_document_belong_together(written: dict[str, Any]) -> None:
-    found, pictures = read_document(written)
-    assert (FOLDER / "page.md").read_text("utf-8") == render_page(PAPER, found, pictures), WRITE
-    assert make_document(PAPER, found, pictures) == written, WRITE
-    for table in PAPER.compare(found):
-        assert (FOLDER / f"{table.name}.csv").read_text("utf-8") == render_csv(table), WRITE
-    for picture in pictures:
-        assert (FOLDER / f"{picture.name}.svg").read_text("utf-8").startswith("<svg "), WRITE
 
 
 def test_every_figure_is_there(written: dict[str, Any]) -> None:

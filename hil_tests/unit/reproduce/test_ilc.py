@@ -15,7 +15,7 @@ from hil_tests.support.stops import SHORT
 from railhil.common.errors import InputError
 from railhil.controller_node.vector.controller import VectorController
 from railhil.reproduce.comparison import FOLLOWS, FOLLOWS_NOT, IN_PART, OPEN
-from railhil.reproduce.document import make_document, read_document, render_csv, render_page, render_parameters
+from railhil.reproduce.document import render_page, render_parameters
 from railhil.reproduce.experiments import SequenceSet
 from railhil.reproduce.ilc import PAPER, runs
 from railhil.reproduce.ilc.findings import ACCEPTANCE, BARS
@@ -242,7 +242,6 @@ def test_damaged_memories(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> No
 
 
 FOLDER = ROOT / "docs" / "reproduce" / "ilc"
-WRITE = "railhil reproduce ilc --out docs/reproduce/ilc writes it"
 
 
 @pytest.fixture(scope="module")
@@ -250,17 +249,6 @@ def written() -> dict[str, Any]:
     """The document in the docs."""
     found: dict[str, Any] = json.loads((FOLDER / "results.json").read_text("utf-8"))
     return found
-
-
-def test_page_tables_and_document_belong_together(written: dict[str, Any]) -> None:
-    found, pictures = read_document(written)
-    assert (FOLDER / "page.md").read_text("utf-8") == render_page(PAPER, found, pictures), WRITE
-    assert make_document(PAPER, found, pictures) == written, WRITE
-    files = render_parameters(PAPER, found) | {f"{table.name}.csv": render_csv(table) for table in PAPER.compare(found)}
-    for name, text in files.items():
-        assert (FOLDER / name).read_text("utf-8") == text, WRITE
-    there = {str(path.relative_to(FOLDER)) for path in FOLDER.rglob("*") if path.is_file()}
-    assert there == {*files, "page.md", "results.json", *(f"{one.name}.svg" for one in pictures)}
 
 
 @pytest.mark.long

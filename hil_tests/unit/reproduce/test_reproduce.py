@@ -9,12 +9,20 @@ from pathlib import Path
 
 import pytest
 
+from hil_tests.support.paths import ROOT
 from hil_tests.support.short_paper import PAPERS, SHORT
 from railhil.common.errors import InputError
 from railhil.judge.criteria import ATO_CRITERIA
 from railhil.reproduce.__main__ import arguments, main
 from railhil.reproduce.comparison import FOLLOWS_NOT, OPEN, Line, Table, least, order
-from railhil.reproduce.document import format_seeds, read_document, render_page
+from railhil.reproduce.document import (
+    format_seeds,
+    make_document,
+    read_document,
+    render_csv,
+    render_page,
+    render_parameters,
+)
 from railhil.reproduce.ipfc.runs import ADAPTED, CHATTER, RMS_ERROR
 from railhil.reproduce.paper import PAPERS as SHIPPED
 from railhil.reproduce.paper import Measurement, Results, find_paper
@@ -180,6 +188,22 @@ def test_a_refused_run_comes_back_from_its_process() -> None:
     back = pickle.loads(pickle.dumps(NeverBegan("the law refused", 2)))
     assert (str(back), back.exit_code) == ("the law refused", 2)
     assert pickle.loads(pickle.dumps(SHORT)) == SHORT
+
+
+@pytest.mark.parametrize("name", list(SHIPPED))
+def test_the_documents_have_what_the_command_writes(name: str) -> None:
+    """From the measured values that stand there."""
+    paper, folder = find_paper(name), ROOT / "docs" / "reproduce" / name
+    written = json.loads((folder / "results.json").read_text("utf-8"))
+    found, captions = read_document(written)
+    write = f"railhil reproduce {name} --out docs/reproduce/{name} writes it"
+    assert make_document(paper, found, captions) == written, write
+    texts = {"page.md": render_page(paper, found, captions), **render_parameters(paper, found)}
+    texts |= {f"{table.name}.csv": render_csv(table) for table in paper.compare(found)}
+    for file, text in texts.items():
+        assert (folder / file).read_text("utf-8") == text, write
+    there = {str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file()}
+    assert there == {*texts, "results.json", *(f"{one.name}.svg" for one in captions)}
 
 
 @pytest.mark.parametrize("name", list(SHIPPED))
