@@ -21,10 +21,10 @@ from railhil.common.command_line import SEED_MAX, OneLineParser, parse, whole_nu
 from railhil.common.exit_codes import guarded
 from railhil.controller_node.arithmetic import names as arithmetics
 from railhil.scenarios.load import load
-from railhil.scenarios.model import Scenario
 from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.run_spec import LawSpec
 from railhil.systems.ato.batch import run_batch
+from railhil.systems.ato.scenario.model import Scenario
 
 LAW = "ipfc_plus"
 #: What is switched off or replaced, and the parameters that do it.

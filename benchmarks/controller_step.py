@@ -16,8 +16,8 @@ from railhil.controller_node.compiled_law import compile_law
 from railhil.controller_node.laws.base import NOTCH_Q
 from railhil.controller_node.program.cycles import CPU_MHZ
 from railhil.controller_node.program.ranges import analyse_law
-from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec
+from railhil.systems.ato.scenario.model import Scenario
 
 TITLE = "controller step"
 METHOD = (

@@ -11,7 +11,7 @@ from time import process_time
 import numpy as np
 
 from railhil.scenarios.load import load
-from railhil.scenarios.model import Scenario
+from railhil.systems.ato.scenario.model import Scenario
 
 #: Scenario of the full measurement: the published run, 2940 m in 195 s.
 FULL_SCENARIO = "lvshun_tieshan"

@@ -14,8 +14,8 @@ from benchmarks.processes import RunCommand
 from railhil.bench import local_run
 from railhil.bus.frame import Frame
 from railhil.bus.select import HUB_INTERFACE
-from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.systems.ato.scenario.model import Scenario
 
 TITLE = "lockstep run"
 METHOD = (

@@ -28,8 +28,8 @@ from hil_tests.support.browser import browser
 from hil_tests.support.cli import command
 from railhil.common.exit_codes import FAIL, INVALID, PASS, guarded
 from railhil.common.extras import missing
-from railhil.scenarios.model import TargetCurve
-from railhil.scenarios.target import Target
+from railhil.systems.ato.scenario.model import TargetCurve
+from railhil.systems.ato.scenario.target import Target
 
 PAGES = 2
 #: The panel is measured from so long after its pages are connected.

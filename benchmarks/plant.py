@@ -8,8 +8,8 @@ from benchmarks.figures import Figure, MeasurementError, Setting
 from benchmarks.recording import Recording, record
 from railhil.bench import direct_run
 from railhil.plant_sim.ato.plant import Plant
-from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.systems.ato.scenario.model import Scenario
 
 TITLE = "plant"
 METHOD = (

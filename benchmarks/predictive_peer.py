@@ -16,8 +16,8 @@ from railhil.controller_node.arithmetic import make
 from railhil.controller_node.ato.ipfc_constants import IpfcParameters, internal_model
 from railhil.controller_node.ato.loop import ControlLoop
 from railhil.controller_node.ato.pfc_model import polynomial_fit
-from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec
+from railhil.systems.ato.scenario.model import Scenario
 
 with warnings.catch_warnings():
     # It prints a line for every optional part that is not installed.

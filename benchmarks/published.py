@@ -22,8 +22,8 @@ from railhil.controller_node.ato.controller import Controller
 from railhil.controller_node.laws.base import NOTCH_Q, BaliseReading
 from railhil.judge.score import Score
 from railhil.scenarios.load import load
-from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec
+from railhil.systems.ato.scenario.model import Scenario
 
 _SCENARIO = "lvshun_tieshan"
 #: Amplitudes of the alternating notch.

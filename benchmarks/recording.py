@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from railhil.controller_node.ato.controller import Controller
 from railhil.plant_sim.ato.plant import Plant
-from railhil.scenarios.model import Scenario
+from railhil.systems.ato.scenario.model import Scenario
 from railhil.wire.ato import NotchCmd
 
 

@@ -26,12 +26,12 @@ from railhil.common.exit_codes import guarded
 from railhil.controller_node.arithmetic import names as arithmetics
 from railhil.controller_node.ato.ipfc_plus_stop_constants import IpfcPlusStopParameters
 from railhil.scenarios.load import load
-from railhil.scenarios.model import Scenario
 from railhil.scenarios.options import add_option
 from railhil.scenarios.parameters import ParameterSet
-from railhil.scenarios.perturb import perturbed
 from railhil.scenarios.run_spec import LawSpec
 from railhil.systems.ato.batch import run_batch
+from railhil.systems.ato.scenario.model import Scenario
+from railhil.systems.ato.scenario.perturb import perturbed
 
 LAW = "ipfc_plus_stop"
 #: What is switched off, and the parameters that do it.

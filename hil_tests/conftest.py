@@ -20,8 +20,8 @@ from hil_tests.support.browser import browser
 from railhil.bench import Result, local_run
 from railhil.bus.select import vcan_available
 from railhil.scenarios.load import load
-from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import RunSpec
+from railhil.systems.ato.scenario.model import Scenario
 
 #: Its tests belong to distributions, and run where these are installed.
 collect_ignore = ["data"]

@@ -31,9 +31,9 @@ from railhil.record.framelog import FrameLog, read_log
 from railhil.record.session import Session
 from railhil.record.trace import trace_of
 from railhil.scenarios.load import load
-from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.system import system_named
+from railhil.systems.ato.scenario.model import Scenario
 
 #: Growth of the process between a quarter and the end of the fuzz that is not a leak: buffers, the allocator's arenas.
 GROWTH_MAX_BYTES = 8 << 20

@@ -7,8 +7,8 @@ from math import inf
 import numpy as np
 
 from railhil.plant_sim.forces import EffortLimit, GradeTable, TrainConstants
-from railhil.scenarios.model import Effort, Profile, Train
-from railhil.scenarios.profiles import Floats, MeanGrade
+from railhil.systems.ato.scenario.model import Effort, Profile, Train
+from railhil.systems.ato.scenario.profiles import Floats, MeanGrade
 
 _KMH = 3.6
 

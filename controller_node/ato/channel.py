@@ -8,7 +8,7 @@ from __future__ import annotations
 from typing import Final
 
 from railhil.bus.schedule import Schedule
-from railhil.scenarios.model import Scenario
+from railhil.systems.ato.scenario.model import Scenario
 from railhil.wire.ato import NotchCmd, TrnSpeed
 
 #: Window of the long-term quality: the permitted bad telegrams may come at any instants within it.

@@ -17,8 +17,8 @@ from railhil.controller_node.law_controller import CommandCode, LawController
 from railhil.controller_node.laws.base import NOTCH_Q, SPEED_Q, BaliseReading
 from railhil.controller_node.laws.note import on_wire, on_wire_batch
 from railhil.controller_node.program.ranges import Interval
-from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec
+from railhil.systems.ato.scenario.model import Scenario
 
 #: Range of the values passed to the law, whatever is on the wire: larger speeds are refused, positions limited.
 WIRE: dict[str, Interval] = {

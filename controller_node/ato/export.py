@@ -39,8 +39,8 @@ from railhil.controller_node.laws.note import SLOTS, slots
 from railhil.controller_node.program.model import BALISE_INPUTS, Value
 from railhil.controller_node.program.record import record
 from railhil.dbc import Port
-from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec
+from railhil.systems.ato.scenario.model import Scenario
 from railhil.wire.ato import NotchCmd, NotchSdt, SpeedSdt, TrnPos, TrnSpeed
 
 _BALISE_WORDS = ";\n * last balise: number (0: none yet), surveyed position, odometer reading when passed (0.1 mm)"

@@ -13,7 +13,7 @@ from railhil.controller_node.arithmetic.base import INT32_MAX, INT32_MIN
 from railhil.controller_node.ato.loop import NO_BALISE, ControlLoop
 from railhil.controller_node.export.control import FLAG_BEGIN, FLAG_SENT, Generator, Period
 from railhil.controller_node.laws.base import SPEED_Q, BaliseReading
-from railhil.scenarios.model import Scenario
+from railhil.systems.ato.scenario.model import Scenario
 
 _PERIODS = 80
 #: Limits of TrainSpeed (s24), 0.1 mm/s.

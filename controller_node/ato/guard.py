@@ -35,7 +35,7 @@ from railhil.controller_node.ato.speed_watch import (
 from railhil.controller_node.ato.track_info import TrackInfo
 from railhil.controller_node.ecan import BitCounter, MessageAge
 from railhil.dbc import wire_contract
-from railhil.scenarios.model import Scenario
+from railhil.systems.ato.scenario.model import Scenario
 from railhil.wire.ato import CtlCause, SpeedSdt, TrkInfo, TrnSpeed
 
 #: Raw speeds beyond this are implausible for a train on this bench (0.1 mm/s, 150 m/s).

@@ -29,8 +29,8 @@ from railhil.controller_node.ato.pfc_model import InternalModel, on_grid
 from railhil.controller_node.ato.pfc_notes import BASIS_STEP, BASIS_WAVELET, SATISFACTION_Q, SOFTENING_Q
 from railhil.controller_node.laws.base import BALISE_ERROR_MAX_M, NOTCH_RAW_Q, SPEED_Q, WHEEL_ERROR_MAX
 from railhil.controller_node.laws.constant_table import build, flatten, held
-from railhil.scenarios.model import Scenario
-from railhil.scenarios.target import Target
+from railhil.systems.ato.scenario.model import Scenario
+from railhil.systems.ato.scenario.target import Target
 
 #: Lagged notch, its integral over a period (notch s), lag error (s), weights and most gains.
 UNIT_Q = 24

@@ -13,10 +13,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from railhil.controller_node.ato.pfc_model import Matrix, morlet
-from railhil.scenarios.effort import force_limit_n, resistance_n
-from railhil.scenarios.model import Scenario
-from railhil.scenarios.profiles import MeanGrade
-from railhil.scenarios.target import Target
+from railhil.systems.ato.scenario.effort import force_limit_n, resistance_n
+from railhil.systems.ato.scenario.model import Scenario
+from railhil.systems.ato.scenario.profiles import MeanGrade
+from railhil.systems.ato.scenario.target import Target
 
 #: Scale and shift (s) of the wavelets of IPFC.
 _WAVELETS = ((1.0, 0.0), (2.0, 5.0))

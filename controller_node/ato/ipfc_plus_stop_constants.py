@@ -33,8 +33,8 @@ from railhil.controller_node.ato.ipfc_plus_stop_design import StopWeights, stop_
 from railhil.controller_node.ato.stop_observer_design import StopUncertainty, lag_twice, stop_observer_gains
 from railhil.controller_node.laws.base import SPEED_Q
 from railhil.controller_node.laws.constant_table import held
-from railhil.scenarios.model import Scenario
-from railhil.scenarios.target import Target
+from railhil.systems.ato.scenario.model import Scenario
+from railhil.systems.ato.scenario.target import Target
 
 #: Gain of the end phase, acceleration per position error of 0.1 mm: coarser than that of IPFC+, which is smaller.
 STOP_GAIN_Q = 36

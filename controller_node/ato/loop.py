@@ -15,8 +15,8 @@ from railhil.controller_node.laws import load
 from railhil.controller_node.laws.base import NOTCH_Q, SPEED_Q, BaliseReading, LawInputs, LawOutputs, TrackInputs
 from railhil.controller_node.program.model import BALISE_INPUTS, Kind
 from railhil.controller_node.program.tracer import FormatError, Tracer
-from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec
+from railhil.systems.ato.scenario.model import Scenario
 
 #: km/h per 0.1 mm/s, scaled by 2^40: the single product that converts the wire's speed to Q20 is exact to 1e-9.
 _KMH_PER_01MMPS: Final = Constant("kmh_per_01mmps", 3.6e-4, 40, "unit conversion")

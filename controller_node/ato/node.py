@@ -24,8 +24,8 @@ from railhil.controller_node.laws import load
 from railhil.controller_node.laws.note import slots
 from railhil.controller_node.node import LawNode
 from railhil.dbc import wire_contract
-from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec
+from railhil.systems.ato.scenario.model import Scenario
 from railhil.wire.ato import (
     BalisePassed,
     CtlMode,

@@ -22,7 +22,7 @@ from railhil.bus.layout import CHECK_CORRECT
 from railhil.bus.lifesign import Life, LifeSign
 from railhil.bus.schedule import Schedule
 from railhil.controller_node.ato.loop import POSITION_MAX_01MM
-from railhil.scenarios.model import DISTANCE_MAX_M, POSITION_AGE_MAX_MS, Scenario
+from railhil.systems.ato.scenario.model import DISTANCE_MAX_M, POSITION_AGE_MAX_MS, Scenario
 from railhil.wire.ato import CtlCause, TrnPos
 
 #: Longest time on dead reckoning (reaction to the loss of position only: 1 s, then service brake).

@@ -32,8 +32,8 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from railhil.scenarios.effort import force_limit_n, resistance_n
-from railhil.scenarios.model import Scenario
+from railhil.systems.ato.scenario.effort import force_limit_n, resistance_n
+from railhil.systems.ato.scenario.model import Scenario
 from railhil.wire.ato import CtlCause
 
 #: Time between two looks at the motion; the speeds in between are judged for jumps only.

@@ -24,8 +24,8 @@ from railhil.common.command_line import INDEXINGS
 from railhil.common.errors import InputError
 from railhil.controller_node.arithmetic.base import Arithmetic, Constant, T
 from railhil.controller_node.laws.base import SPEED_Q
-from railhil.scenarios.model import Scenario
-from railhil.scenarios.target import Target
+from railhil.systems.ato.scenario.model import Scenario
+from railhil.systems.ato.scenario.target import Target
 
 #: Position from which the distance indexing uses the distance.
 DISTANCE_FROM_M = 5.0

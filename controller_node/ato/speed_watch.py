@@ -20,8 +20,8 @@ the ramp of the service brake, so that releasing the brake never jumps into trac
 
 A finding is what another check demands for as long as it lasts; levels and causes are in :data:`LEVELS`.
 
-Thresholds are scenario data (:class:`railhil.scenarios.model.WatchLimits`); the counts are our own and follow common
-practice for vital data on a train bus.
+Thresholds are scenario data (:class:`railhil.systems.ato.scenario.model.WatchLimits`); the counts are our own and
+follow common practice for vital data on a train bus.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from __future__ import annotations
 from enum import IntEnum
 from typing import Final, NamedTuple
 
-from railhil.scenarios.model import Scenario
+from railhil.systems.ato.scenario.model import Scenario
 from railhil.wire.ato import CtlCause
 
 GOOD_AFTER_TRACTION_CUT: Final = 5

@@ -15,7 +15,7 @@ from railhil.controller_node.ato.ipfc_plus_constants import ACCEL_Q, UNIT_Q
 from railhil.controller_node.ato.ipfc_plus_stop_constants import IpfcPlusStopConstants
 from railhil.controller_node.ato.laws.ipfc_plus import IpfcPlusCore
 from railhil.controller_node.laws.base import SPEED_Q, State
-from railhil.scenarios.model import Scenario
+from railhil.systems.ato.scenario.model import Scenario
 
 _UNIT_TO_UNIT = UNIT_Q
 _ACCEL_BY_UNIT_TO_SPEED = ACCEL_Q + UNIT_Q - SPEED_Q

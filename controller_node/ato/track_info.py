@@ -13,7 +13,7 @@ from typing import Final
 from railhil.bus.layout import CHECK_CORRECT
 from railhil.bus.schedule import Schedule
 from railhil.controller_node.ato.speed_watch import Finding, SpeedWatchLevel
-from railhil.scenarios.model import Scenario
+from railhil.systems.ato.scenario.model import Scenario
 from railhil.wire.ato import CtlCause, TrkInfo
 
 #: Periods without a telegram after which the traction is cut, as in the trains of the other systems.

@@ -17,7 +17,7 @@ from pydantic import Field
 from railhil.controller_node.arithmetic.base import Arithmetic, Constant, T
 from railhil.controller_node.laws.base import NOTCH_Q, NOTCH_RAW_Q, SPEED_Q, Law, LawInputs, LawOutputs
 from railhil.controller_node.laws.constant_table import build, flatten, held
-from railhil.scenarios.model import Scenario
+from railhil.systems.ato.scenario.model import Scenario
 
 #: Gains, notch per km/h.
 GAIN_Q = 24

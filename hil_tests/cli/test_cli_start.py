@@ -106,7 +106,7 @@ def test_the_panel_starts_without_what_python_can_loads_for_files():
 
 
 def test_a_record_is_scored_without_the_checks_of_scenario_files():
-    code = "import sys, railhil.cli.score; print('railhil.scenarios.schema' in sys.modules)"
+    code = "import sys, railhil.cli.score; print('railhil.systems.ato.scenario.schema' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "False"
 

@@ -22,7 +22,7 @@ from railhil import cli
 from railhil.dbc import house_contract, system_contract
 from railhil.scenarios.keys import USUAL
 from railhil.scenarios.load import load
-from railhil.scenarios.reference import keys
+from railhil.scenarios.reference import file_type, keys
 
 #: The longest name that is allowed.
 LONG = "a_law_whose_name_is_as_long_as_it_may_be"
@@ -196,7 +196,7 @@ def test_a_scenario_with_all_its_keys_is_the_one_that_it_builds_upon(here, tmp_p
 def test_a_scenario_explains_its_keys_as_the_reference_does(here, tmp_path):
     here("new", "scenario", "myrun")
     lines = (tmp_path / "myrun.toml").read_text(encoding="utf-8").splitlines()
-    known = {key.name: key for key in keys()}
+    known = {key.name: key for key in keys(file_type())}
     assert set(USUAL) <= known.keys()
     place = lines.index("#control_period_ms = 500")
     key = known["timing.control_period_ms"]

@@ -13,7 +13,7 @@ from railhil.cli.result_printer import assumption_lines, next_step
 from railhil.record.status import WRAP_FAILURE
 from railhil.record.trace import Trace
 from railhil.report.recorded import RecordedRun
-from railhil.scenarios.model import Scenario
+from railhil.systems.ato.scenario.model import Scenario
 
 _STOP = "stop error -0.219 m, allowed +-0.2 m"
 _SCORE = made_score("FAIL", 1.0, 1.0, 0.1, -0.219, 1.0, (_STOP,))

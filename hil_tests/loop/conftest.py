@@ -8,7 +8,7 @@ from hil_tests.support.health import healthy, noted_runs, pytest_runtest_setup  
 from railhil.plant_sim.ato.command_watch import CommandWatchLevel
 from railhil.plant_sim.ato.plant import Plant
 from railhil.scenarios.load import load
-from railhil.scenarios.model import Scenario
+from railhil.systems.ato.scenario.model import Scenario
 
 
 @pytest.fixture(scope="module")

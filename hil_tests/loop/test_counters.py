@@ -20,8 +20,8 @@ from railhil.judge.judging import judging_of
 from railhil.record.hash_list import write_hash_list
 from railhil.record.trace import NodeCounters, Trace
 from railhil.scenarios.load import load
-from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.systems.ato.scenario.model import Scenario
 from railhil.wire.ato import NotchCmd, TrnSpeed
 
 pytestmark = pytest.mark.faults

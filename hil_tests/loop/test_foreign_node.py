@@ -28,9 +28,9 @@ from railhil.controller_node.ato.speed_watch import SpeedWatchLevel
 from railhil.dbc import wire_contract
 from railhil.plant_sim.node import PlantNode
 from railhil.record.session import Session
-from railhil.scenarios.canonical import scenario_sha256
-from railhil.scenarios.model import Safety, Scenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.systems.ato.scenario.canonical import scenario_sha256
+from railhil.systems.ato.scenario.model import Safety, Scenario
 from railhil.wire.ato import BalisePassed, CtlCause, CtlMode, NotchCmd, TrkInfo, TrnPos, TrnSpeed
 
 pytestmark = pytest.mark.needs_compiler

@@ -17,11 +17,11 @@ from railhil.controller_node.ato.speed_watch import SpeedWatchLevel
 from railhil.dbc import wire_contract
 from railhil.plant_sim.node import PlantNode
 from railhil.record.session import Session
-from railhil.scenarios.canonical import scenario_sha256
 from railhil.scenarios.load import load
-from railhil.scenarios.model import Scenario, TargetCurve
 from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.scenarios.target import Target
+from railhil.systems.ato.scenario.canonical import scenario_sha256
+from railhil.systems.ato.scenario.model import Scenario, TargetCurve
+from railhil.systems.ato.scenario.target import Target
 from railhil.wire.ato import CtlCause, CtlMode, CtlStat, NotchCmd, TrkInfo, TrnPos, TrnSpeed
 
 pytestmark = pytest.mark.needs_compiler

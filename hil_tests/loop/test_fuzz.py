@@ -11,7 +11,7 @@ from hil_tests.fuzz import Fuzzed, differences, fuzzed_run
 from hil_tests.soak import State, growth, soaked
 from railhil.bench import unrecorded_run
 from railhil.scenarios.load import load
-from railhil.scenarios.model import Scenario
+from railhil.systems.ato.scenario.model import Scenario
 
 pytestmark = pytest.mark.faults
 

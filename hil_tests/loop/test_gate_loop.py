@@ -18,7 +18,7 @@ from railhil.bus.mvb import TelegramSource
 from railhil.bus.store import CAUSES
 from railhil.dbc import wire_contract
 from railhil.plant_sim.ato.command_watch import CommandWatchLevel
-from railhil.scenarios.model import Scenario
+from railhil.systems.ato.scenario.model import Scenario
 from railhil.wire.ato import CtlMode, NotchCmd, SimTruth, TrnSpeed
 
 SPEED_ID = TrnSpeed.port().address

@@ -16,8 +16,8 @@ from railhil.controller_node.ato.node import ControllerNode
 from railhil.plant_sim.ato.command_watch import CommandWatchLevel
 from railhil.plant_sim.node import PlantNode
 from railhil.record.session import Session
-from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.systems.ato.scenario.model import Scenario
 from railhil.wire.ato import NotchCmd
 
 NOTCH_ID = NotchCmd.port().address

@@ -12,8 +12,8 @@ from railhil.bus.frame import Frame
 from railhil.controller_node.ato.node import MAILBOXES, ControllerNode
 from railhil.dbc import wire_contract
 from railhil.scenarios.load import load
-from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.systems.ato.scenario.model import Scenario
 from railhil.wire.ato import CtlStat, NotchCmd, SimTruth, TrnSpeed
 
 

@@ -23,8 +23,8 @@ from railhil.bus.layout import CHECK_CORRECT, Telegram
 from railhil.bus.mvb import TelegramSource
 from railhil.common.errors import InputError
 from railhil.scenarios.load import load
-from railhil.scenarios.model import Balise, Scenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.systems.ato.scenario.model import Balise, Scenario
 from railhil.wire.ato import BalisePassed, CtlCause, CtlMode, CtlStat, NotchCmd, SimTruth, TrnPos, TrnSpeed
 
 WORN = load("lvshun_tieshan_worn_wheels")

@@ -10,7 +10,7 @@ from hil_tests.support.replay import TIME_ATTACKS, Choice, TimeAttack
 from hil_tests.support.short_runs import RUN_72M_TOML
 from railhil.bench import local_run
 from railhil.scenarios.load import load
-from railhil.scenarios.model import Scenario
+from railhil.systems.ato.scenario.model import Scenario
 from railhil.wire.ato import CtlMode, NotchCmd
 
 pytestmark = pytest.mark.faults

@@ -23,8 +23,8 @@ from railhil.plant_sim.ato.command_watch import CommandWatchLevel
 from railhil.plant_sim.node import PlantNode
 from railhil.record.session import Session
 from railhil.scenarios.load import load
-from railhil.scenarios.model import Safety, Scenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.systems.ato.scenario.model import Safety, Scenario
 from railhil.wire.ato import CtlCause, CtlMode, NotchCmd, NotchSdt, SpeedSdt, TrnSpeed, WatchCause
 
 #: The train is under traction.

@@ -19,7 +19,7 @@ from railhil.plant_sim.milestones import Milestones
 from railhil.record.framelog import read_log
 from railhil.record.trace import Trace, trace_of
 from railhil.scenarios.load import load
-from railhil.scenarios.model import Scenario
+from railhil.systems.ato.scenario.model import Scenario
 from railhil.wire.ato import SimTruth, TrnSpeed
 
 pytestmark = pytest.mark.faults

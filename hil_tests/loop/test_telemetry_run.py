@@ -32,8 +32,8 @@ from railhil.judge.score import STATUS
 from railhil.record.telemetry import Headroom, read_summary, shown_telemetry
 from railhil.record.trace import Trace
 from railhil.scenarios.load import load
-from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec, StartUp
+from railhil.systems.ato.scenario.model import Scenario
 from railhil.wire.ato import CtlStat, NotchCmd, SimTruth
 
 #: v^2 in Q28 does not fit into int32 above this speed, km/h.

@@ -23,8 +23,8 @@ from railhil.judge.score import STATUS
 from railhil.record.framelog import read_log
 from railhil.record.telemetry import shown_telemetry
 from railhil.record.trace import Trace
-from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec
+from railhil.systems.ato.scenario.model import Scenario
 from railhil.wire.ato import CtlStat, TelemetryHeadroom, TelemetryIndex
 
 

@@ -25,8 +25,8 @@ from railhil.record.telemetry import reported
 from railhil.record.trace import Trace
 from railhil.report.facts import facts_of
 from railhil.scenarios.load import load
-from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import RunSpec, StartUp
+from railhil.systems.ato.scenario.model import Scenario
 
 
 @pytest.fixture(scope="module")

@@ -22,12 +22,12 @@ from railhil.controller_node.laws.parameters import law_parameters
 from railhil.controller_node.program.ranges import analyse_law
 from railhil.controller_node.program.record import record
 from railhil.scenarios.load import load
-from railhil.scenarios.model import Perturbations, Scenario
 from railhil.scenarios.parameters import ParameterSet
-from railhil.scenarios.perturb import perturbed
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.systems.ato.batch import run_batch
 from railhil.systems.ato.batch.digest import trace_digest
+from railhil.systems.ato.scenario.model import Perturbations, Scenario
+from railhil.systems.ato.scenario.perturb import perturbed
 
 YIZHUANG = (
     "yizhuang_01_songjiazhuang_xiaocun",

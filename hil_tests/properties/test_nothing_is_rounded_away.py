@@ -19,7 +19,7 @@ from railhil.controller_node.ato.plausibility import Motion, MotionLimits
 from railhil.controller_node.ato.safe_speed import SafeSpeed
 from railhil.controller_node.ato.speed_watch import Ladder, SpeedWatchLevel
 from railhil.scenarios.load import load
-from railhil.scenarios.model import Safety
+from railhil.systems.ato.scenario.model import Safety
 from railhil.wire.ato import SpeedSdt, TrnSpeed
 
 SCENARIO = load("lvshun_tieshan")

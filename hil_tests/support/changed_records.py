@@ -15,8 +15,8 @@ from railhil.bus.frame import Frame
 from railhil.bus.mvb import F_DEVICE_STATUS, master_frame
 from railhil.record.framelog import read_log
 from railhil.scenarios.load import load
-from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import RunSpec
+from railhil.systems.ato.scenario.model import Scenario
 
 Recorded = list[tuple[int, Frame]]
 

@@ -9,8 +9,8 @@ from railhil.controller_node.arithmetic.base import Counters
 from railhil.controller_node.ato.controller import Controller
 from railhil.plant_sim.ato.plant import Plant
 from railhil.scenarios.load import load
-from railhil.scenarios.perturb import perturbed
 from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.systems.ato.scenario.perturb import perturbed
 
 #: The published scenario.
 SCENARIO = load("lvshun_tieshan")

@@ -12,9 +12,9 @@ from railhil.bus.telegrams import TimeSync
 from railhil.controller_node.ato.node import ControllerNode
 from railhil.dbc import wire_contract
 from railhil.scenarios.load import load
-from railhil.scenarios.model import Scenario, TargetCurve, WatchLimits
 from railhil.scenarios.run_spec import LawSpec
-from railhil.scenarios.target import Target
+from railhil.systems.ato.scenario.model import Scenario, TargetCurve, WatchLimits
+from railhil.systems.ato.scenario.target import Target
 from railhil.wire.ato import CtlStat, NotchCmd, TrkInfo, TrnSpeed
 
 #: Off, coast, brake: short, because every frame passes two controllers.

@@ -20,8 +20,8 @@ from railhil.controller_node.export import Bundle, make_bundle, write_bundle
 from railhil.controller_node.laws.base import BaliseReading
 from railhil.controller_node.laws.note import on_wire
 from railhil.controller_node.program.leaves import leaves
-from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec
+from railhil.systems.ato.scenario.model import Scenario
 
 #: Required warning flags, used with each compiler.
 STRICT = ("-std=c99", "-Wall", "-Wextra", "-Werror", "-fwrapv")

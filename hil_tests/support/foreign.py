@@ -20,8 +20,8 @@ from railhil.controller_node.ato.node import ControllerNode
 from railhil.controller_node.export import make_bundle, write_bundle
 from railhil.plant_sim.node import PlantNode
 from railhil.record.session import Session
-from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.systems.ato.scenario.model import Scenario
 from railhil.wire.ato import CtlStat
 
 #: The controller around the law; the program additionally has sockets and a loop.

@@ -11,7 +11,7 @@ from railhil.plant_sim.ato.plant import Plant
 from railhil.plant_sim.faults.injections import Injections
 from railhil.scenarios.fault_list import drawn
 from railhil.scenarios.load import load
-from railhil.scenarios.model import Scenario
+from railhil.systems.ato.scenario.model import Scenario
 
 SCENARIO = load("lvshun_tieshan")
 TICK_NS = SCENARIO.timing.base_tick_ns

@@ -22,8 +22,9 @@ from railhil.record.trace import Trace
 from railhil.report.recorded import RecordedRun, recorded_run
 from railhil.run.report import as_recorded
 from railhil.scenarios.load import load, names
-from railhil.scenarios.model import AnyScenario, Scenario
+from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.systems.ato.scenario.model import Scenario
 
 
 def recorded_folder(scenario: Scenario, folder: Path, *, seed: int = 0, arithmetic: str = "iq") -> RecordedRun:

@@ -9,7 +9,7 @@ from railhil.controller_node.arithmetic.base import Arithmetic, Constant
 from railhil.controller_node.ato.laws.ipfc import Ipfc
 from railhil.controller_node.laws.base import NOTCH_Q, SPEED_Q, LawInputs, LawOutputs
 from railhil.controller_node.laws.memory import NOTHING, Remembered
-from railhil.scenarios.model import Scenario
+from railhil.systems.ato.scenario.model import Scenario
 
 #: Notches added in the next run for each km/h of deviation at the end of the last run.
 _GAIN = 0.25

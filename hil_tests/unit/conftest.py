@@ -8,7 +8,7 @@ import pytest
 
 from hil_tests.support.short_runs import RUN_2M_TOML
 from railhil.scenarios.load import load
-from railhil.scenarios.model import Scenario
+from railhil.systems.ato.scenario.model import Scenario
 
 
 @pytest.fixture

@@ -17,7 +17,7 @@ EMERGENCY      age > emergency while moving, overspeed,  all the brake has, at o
 
 The age is the simulation time since the last accepted command; "in a row" means that each command came within the hold
 limit after the previous one, and nothing suspicious between them. Leaving any level leads to NORMAL. The thresholds are
-scenario data (:class:`railhil.scenarios.model.WatchLimits`).
+scenario data (:class:`railhil.systems.ato.scenario.model.WatchLimits`).
 
 The batch compiles the functions that are marked at the end (:mod:`railhil.common.compilable` says what they may be made
 of).
@@ -31,7 +31,7 @@ from typing import Final, NamedTuple
 
 from railhil.common.compilable import compilable_functions
 from railhil.common.floats import larger, smaller
-from railhil.scenarios.model import WatchLimits
+from railhil.systems.ato.scenario.model import WatchLimits
 from railhil.wire.ato import WatchCause
 
 #: Good commands in a row that end TRACTION_CUT.

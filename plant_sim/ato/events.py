@@ -7,7 +7,7 @@ from math import sqrt
 from typing import Literal
 
 from railhil.plant_sim.ato.dynamics import Motion
-from railhil.scenarios.model import Balise
+from railhil.systems.ato.scenario.model import Balise
 
 EventKind = Literal["departed", "stopped", "emergency", "balise", "watch"]
 

@@ -10,8 +10,8 @@ from railhil.plant_sim.ato.train import TrainOnBus
 from railhil.plant_sim.fmu.model import Fmu
 from railhil.plant_sim.fmu.names import Input, Quantities
 from railhil.plant_sim.forces import GradeTable, TrainConstants, mean_grade_permil
-from railhil.scenarios.model import Scenario, Train
 from railhil.scenarios.plant_fmu import PlantFmu
+from railhil.systems.ato.scenario.model import Scenario, Train
 
 QUANTITIES = Quantities(
     {

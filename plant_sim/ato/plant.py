@@ -26,8 +26,8 @@ from railhil.plant_sim.ato.plant_readings import PlantReadings
 from railhil.plant_sim.ato.sensors import AxleSensors
 from railhil.plant_sim.ato.status import TrainStatus
 from railhil.plant_sim.ato.train_checks import OwnChecks
-from railhil.scenarios.model import Balise, Profile, Scenario, profile_value
-from railhil.scenarios.profiles import front_speed_limit
+from railhil.systems.ato.scenario.model import Balise, Profile, Scenario, profile_value
+from railhil.systems.ato.scenario.profiles import front_speed_limit
 from railhil.wire.ato import WatchCause
 
 #: Notch codes per notch.

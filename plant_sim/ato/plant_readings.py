@@ -9,7 +9,7 @@ from railhil.plant_sim.ato import dynamics
 from railhil.plant_sim.ato.command_watch import CommandWatchLevel, CommandWatchState
 from railhil.plant_sim.ato.dynamics import Motion, Window
 from railhil.plant_sim.ato.sensors import AxleSensors
-from railhil.scenarios.model import Train
+from railhil.systems.ato.scenario.model import Train
 
 
 @mypyc_attr(allow_interpreted_subclasses=True)

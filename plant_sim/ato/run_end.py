@@ -6,7 +6,7 @@ from typing import Final
 
 from railhil.bus.codes import Event
 from railhil.plant_sim.ato.plant import Plant
-from railhil.scenarios.model import Scenario
+from railhil.systems.ato.scenario.model import Scenario
 
 #: Recording continues for this long after the stop, so that it shows the standstill.
 AFTER_STOP_S: Final = 1.0

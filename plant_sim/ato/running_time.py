@@ -18,8 +18,8 @@ from typing import NamedTuple
 
 from railhil.plant_sim.force_tables import grade_table, train_constants
 from railhil.plant_sim.forces import GradeTable, TrainConstants, effort_limit_n, mean_grade_permil, resistance_n
-from railhil.scenarios.model import Line, Profile, Train
-from railhil.scenarios.profiles import front_speed_limit
+from railhil.systems.ato.scenario.model import Line, Profile, Train
+from railhil.systems.ato.scenario.profiles import front_speed_limit
 
 #: Length of an integration cell; halving it moves the railtoolkit times by less than 0.002 %.
 CELL_M = 2.0

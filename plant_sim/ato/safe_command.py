@@ -11,7 +11,7 @@ from collections import Counter
 
 from railhil.bus.schedule import Schedule
 from railhil.bus.sdt import SAFE_DATA_VERSION, SafeSink, SinkLimits, Validity, safe_tick, source_identity
-from railhil.scenarios.model import Scenario
+from railhil.systems.ato.scenario.model import Scenario
 from railhil.wire.ato import NotchCmd, NotchSdt
 
 

@@ -11,7 +11,7 @@ from railhil.common.compilable import compilable_functions
 from railhil.common.floats import rounded
 from railhil.scenarios import streams
 from railhil.scenarios.counted_normals import key_of, normals
-from railhil.scenarios.model import Sensors
+from railhil.systems.ato.scenario.model import Sensors
 
 #: Speed noise is drawn in blocks of this many ticks.
 _NOISE_BLOCK: Final = 4096

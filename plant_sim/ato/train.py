@@ -13,8 +13,8 @@ from railhil.plant_sim.ato.plant import NOTCH_LSB_PER_NOTCH, Plant
 from railhil.plant_sim.ato.run_end import RunEnd
 from railhil.plant_sim.ato.safe_command import SafeCommand
 from railhil.plant_sim.ato.telegrams import TrainTelegrams
-from railhil.scenarios.model import Scenario
-from railhil.scenarios.perturb import perturbed
+from railhil.systems.ato.scenario.model import Scenario
+from railhil.systems.ato.scenario.perturb import perturbed
 from railhil.wire.ato import CtlStat, NotchCmd, NotchSdt, WatchCause
 
 

@@ -28,7 +28,7 @@ from railhil.common.floats import larger, smaller
 from railhil.common.mypyc import mypyc_attr
 from railhil.plant_sim.ato.dynamics import Motion
 from railhil.plant_sim.forces import TrainConstants, effort_limit_n
-from railhil.scenarios.model import Scenario
+from railhil.systems.ato.scenario.model import Scenario
 from railhil.wire.ato import WatchCause
 
 #: Share of the actuator's pole that is taken for granted.

@@ -10,7 +10,7 @@ import numpy as np
 
 from railhil.faults.capability import MISMATCHES
 from railhil.faults.model import Fault
-from railhil.scenarios.model import Line, Scenario, Train
+from railhil.systems.ato.scenario.model import Line, Scenario, Train
 
 
 @dataclass(frozen=True, slots=True)

@@ -20,7 +20,7 @@ from railhil.faults.activity import Activity
 from railhil.faults.model import Fault
 from railhil.faults.sensors import SENSOR_KINDS, Quantity, Reading
 from railhil.plant_sim.faults.injections import Injections
-from railhil.scenarios.model import Balise
+from railhil.systems.ato.scenario.model import Balise
 
 
 def quantity_of(telegram: type[Telegram], field: str, per_unit: float) -> Quantity:

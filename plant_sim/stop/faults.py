@@ -28,7 +28,7 @@ from railhil.plant_sim.stop.brake import GRAVITY_MPS2
 from railhil.plant_sim.stop.draws import RunDraw, TrainDraw
 from railhil.plant_sim.stop.plant import StopPlant
 from railhil.plant_sim.stop.train import Passed, StopTrain
-from railhil.scenarios.model import Balise
+from railhil.systems.ato.scenario.model import Balise
 from railhil.wire.stop import BrakeCause, BrakeLevel, Odo, SpeedRaw
 from railhil.wire.stop_counts import MM, SAMPLE_S
 

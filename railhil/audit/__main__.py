@@ -19,9 +19,8 @@ from railhil.controller_node.arithmetic import names as arithmetics
 from railhil.controller_node.laws import find
 from railhil.controller_node.laws import names as laws
 from railhil.scenarios.load import load_any
-from railhil.scenarios.model import AnyScenario
+from railhil.scenarios.model import AnyScenario, require_perturbations
 from railhil.scenarios.options import add_option, add_options
-from railhil.scenarios.perturb import require_perturbations
 from railhil.scenarios.run_spec import LawSpec
 from railhil.scenarios.system import system_named
 from railhil.study.perturbed_runs import FIRST_SEED, how_made

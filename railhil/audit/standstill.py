@@ -19,8 +19,8 @@ from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Arithmetic
 from railhil.controller_node.ato.loop import ControlLoop
 from railhil.controller_node.laws.base import NOTCH_Q, SPEED_Q, BaliseReading, LawInputs, TrackInputs
-from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec
+from railhil.systems.ato.scenario.model import Scenario
 
 HELD_S = 60.0
 #: One reading of 1 mm/s, in km/h with Q ``SPEED_Q``.

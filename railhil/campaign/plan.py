@@ -14,9 +14,8 @@ from railhil.common.errors import InputError, Words, did_you_mean
 from railhil.judge.criteria import Criterion
 from railhil.judge.judging import Judging, judging_of
 from railhil.scenarios.load import load_any
-from railhil.scenarios.model import AnyScenario
+from railhil.scenarios.model import AnyScenario, require_perturbations
 from railhil.scenarios.parameters import ParameterSet, load_parameters
-from railhil.scenarios.perturb import require_perturbations
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.stored import any_judged_sha256
 from railhil.scenarios.system import System, system_named

@@ -25,8 +25,8 @@ from railhil.judge.events.declared import Received
 from railhil.judge.events.telegrams import Stretch, bad_content, judged
 from railhil.judge.record_checks import UNCLEAR, Unseen
 from railhil.record.trace import Trace
-from railhil.scenarios.model import Scenario
 from railhil.systems.ato.events import received
+from railhil.systems.ato.scenario.model import Scenario
 
 #: Nodes that report.
 REPORTING = ("controller", "plant")

@@ -30,8 +30,8 @@ from railhil.judge.events.telegrams import judged
 from railhil.judge.measures import limits_under_train
 from railhil.judge.record_checks import UNCLEAR, Unseen
 from railhil.record.trace import FloatArray, Trace
-from railhil.scenarios.model import Scenario
 from railhil.systems.ato.events import received
+from railhil.systems.ato.scenario.model import Scenario
 from railhil.wire.ato import CtlMode, NotchCmd, SimTruth, TrnPos, TrnSpeed, TrnWatch
 
 if TYPE_CHECKING:

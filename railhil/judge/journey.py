@@ -17,8 +17,8 @@ from railhil.bus.schedule import Schedule
 from railhil.judge import measures
 from railhil.judge.stops import PlannedStop, ScoredStop, scored_stops, standstills_of
 from railhil.record.trace import FloatArray
-from railhil.scenarios.model import RunPlan, Scenario
-from railhil.scenarios.target import Target
+from railhil.systems.ato.scenario.model import RunPlan, Scenario
+from railhil.systems.ato.scenario.target import Target
 from railhil.wire.ato import SimTruth
 
 #: Name of the single stop of this train where stops are listed.

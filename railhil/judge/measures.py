@@ -13,7 +13,7 @@ import numpy as np
 from numpy import inf, minimum
 
 from railhil.common.compilable import chosen, compilable
-from railhil.scenarios.model import Energy, Profile
+from railhil.systems.ato.scenario.model import Energy, Profile
 
 KMH = 3.6
 

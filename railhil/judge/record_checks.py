@@ -20,7 +20,7 @@ from railhil.common.digits import beside
 from railhil.faults.truth import HOLE_MAX_S
 from railhil.judge.events.telegrams import Gap, gaps, outages
 from railhil.record.trace import FloatArray, Trace
-from railhil.scenarios.model import Scenario
+from railhil.systems.ato.scenario.model import Scenario
 
 #: Beginning of the reason for which a run is INVALID: the record does not show what a rule needs.
 UNCLEAR = "record: "

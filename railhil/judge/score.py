@@ -26,7 +26,7 @@ from railhil.judge.record_checks import UNCLEAR, incomplete, standstill_unclear
 from railhil.judge.stops import ScoredStop
 from railhil.record.status import Status, wrap_failure
 from railhil.record.trace import Trace
-from railhil.scenarios.model import Scenario
+from railhil.systems.ato.scenario.model import Scenario
 from railhil.wire.ato import CtlStat, NotchCmd, SimTruth
 
 if TYPE_CHECKING:

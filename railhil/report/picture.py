@@ -9,8 +9,8 @@ from railhil.record.trace import Trace
 from railhil.report.pictures import save
 from railhil.report.recorded import curves
 from railhil.report.styles import Style
-from railhil.scenarios.model import Scenario
 from railhil.systems.ato import panels as ato_panels
+from railhil.systems.ato.scenario.model import Scenario
 
 
 def draw(scenario: Scenario, trace: Trace, out: Path) -> None:

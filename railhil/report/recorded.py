@@ -19,9 +19,10 @@ from railhil.record.documents import read_score
 from railhil.record.notes import ReportedNote, note_values, notes_of
 from railhil.record.sampling import drawn_trace
 from railhil.record.trace import FloatArray, Trace
-from railhil.scenarios.model import PublishedScore, Scenario
+from railhil.scenarios.model import PublishedScore
 from railhil.scenarios.parameters import DIGEST_DIGITS
-from railhil.scenarios.target import target_of
+from railhil.systems.ato.scenario.model import Scenario
+from railhil.systems.ato.scenario.target import target_of
 from railhil.wire.ato import CtlStat, NotchCmd, SimTruth
 
 #: A curve needs two points.

@@ -33,10 +33,11 @@ from railhil.plant_sim.cycle import TickLoop
 from railhil.plant_sim.faults.plants import LEVELS, constant_mismatches, make_plant
 from railhil.plant_sim.milestones import Milestones
 from railhil.record.trace import Trace
-from railhil.scenarios.model import AnyScenario, Scenario
-from railhil.scenarios.perturb import perturbed
+from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.system import System, system_named
+from railhil.systems.ato.scenario.model import Scenario
+from railhil.systems.ato.scenario.perturb import perturbed
 from railhil.wire.ato import NotchCmd, SimTruth, TrnPos, TrnSpeed
 
 _LIFE_MASK = 0xF

@@ -1,10 +1,9 @@
-"""Scenarios: lines, trains, target speed curves and the requirements on a run.
+"""Scenarios of any system: files and their layers, the description of a run, random streams, systems by name.
 
-* :func:`railhil.scenarios.load.load`, :func:`railhil.scenarios.load.names`: scenarios by shipped name or TOML path
-* :mod:`railhil.scenarios.model`: the frozen dataclasses that everything else reads
-* :class:`railhil.scenarios.target.Target`: exact values of a target speed curve
-* :func:`railhil.scenarios.perturb.perturbed`, :func:`railhil.scenarios.streams.generator`: random runs, repeatable
-* :func:`railhil.scenarios.generate.generate`: target speed curves for any line and train
-* :mod:`railhil.scenarios.importers`: railtoolkit and TTOBench files
+* :func:`railhil.scenarios.load.load_any`, :func:`railhil.scenarios.load.names`: scenarios by shipped name or TOML path
+* :mod:`railhil.scenarios.model`: what the bench needs of a scenario
+* :mod:`railhil.scenarios.task`: scenarios with a section ``[task]``, which a system defines
+* :mod:`railhil.scenarios.run_spec`: what describes a run
+* :class:`railhil.scenarios.system.System`: a kind of train and task
 * :class:`railhil.common.errors.InputError`: bad input in one line, for all packages
 """

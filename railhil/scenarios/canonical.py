@@ -2,34 +2,10 @@
 
 from __future__ import annotations
 
-import dataclasses
 import hashlib
 import json
 from collections.abc import Sequence
 from typing import Any
-
-from railhil.scenarios.model import Scenario
-
-#: Fields that only explain a scenario.
-_EXPLAINING = ("title", "assumptions", "published", "sha256")
-#: Fields that change no frame of a run, only its evaluation.
-_JUDGING = ("energy",)
-_JUDGING_OF_PLAN = ("stop_error_max_m", "time_error_max_s")
-
-
-def _used(item: Any) -> Any:
-    """A dataclass as a table without the fields that have their defaults, so that a field added later, and not used by
-    a scenario, does not change its hash."""
-    if not dataclasses.is_dataclass(item):
-        return [_used(entry) for entry in item] if isinstance(item, tuple) else item
-    table = {}
-    for field in dataclasses.fields(item):
-        value = getattr(item, field.name)
-        factory = field.default_factory
-        default = field.default if factory is dataclasses.MISSING else factory()
-        if value != default:
-            table[field.name] = _used(value)
-    return table
 
 
 def injected(faults: Sequence[str]) -> list[str]:
@@ -40,35 +16,11 @@ def injected(faults: Sequence[str]) -> list[str]:
     return [fault_text(parse(text, "faults"), judging=False) for text in faults]
 
 
-def _text(table: dict[str, Any]) -> str:
+def canonical_text(table: dict[str, Any]) -> str:
+    """A table as JSON with sorted keys, no spaces and shortest round-trip floats."""
     return json.dumps(table, sort_keys=True, separators=(",", ":"), allow_nan=False, ensure_ascii=True)
-
-
-def canonical_json(scenario: Scenario) -> str:
-    """JSON of what the run uses, with sorted keys, no spaces and shortest round-trip floats."""
-    table = _used(scenario)
-    for name in (*_EXPLAINING, *_JUDGING):
-        table.pop(name, None)
-    for name in _JUDGING_OF_PLAN:
-        table["plan"].pop(name, None)
-    if "faults" in table:
-        table["faults"] = injected(scenario.faults)
-    return _text(table)
-
-
-def scenario_sha256(scenario: Scenario) -> str:
-    """SHA-256 (hex) of :func:`canonical_json`."""
-    return hashlib.sha256(canonical_json(scenario).encode("ascii")).hexdigest()
 
 
 def text_sha256(table: dict[str, Any]) -> str:
     """SHA-256 (hex) of a table in canonical form."""
-    return hashlib.sha256(_text(table).encode("ascii")).hexdigest()
-
-
-def judged_sha256(scenario: Scenario) -> str:
-    """SHA-256 (hex) of what the run uses and what it is judged by: equal where scores are comparable."""
-    table = _used(scenario)
-    for name in _EXPLAINING:
-        table.pop(name, None)
-    return hashlib.sha256(_text(table).encode("ascii")).hexdigest()
+    return hashlib.sha256(canonical_text(table).encode("ascii")).hexdigest()

@@ -12,12 +12,12 @@ from typing import TYPE_CHECKING, TypeVar
 
 from railhil.common.errors import InputError
 from railhil.scenarios.layers import Layers
-from railhil.scenarios.model import Scenario
 
 if TYPE_CHECKING:
     from railhil.scenarios.task import TaskScenario
+    from railhil.systems.ato.scenario.model import Scenario
 
-S = TypeVar("S", Scenario, "TaskScenario")
+S = TypeVar("S", "Scenario", "TaskScenario")
 _SHOWN_MAX = 6
 
 

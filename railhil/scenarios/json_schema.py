@@ -11,7 +11,7 @@ import signal
 import sys
 from typing import Any
 
-from railhil.scenarios.schema import ScenarioFile
+from railhil.scenarios.reference import file_type
 
 _REFERENCES = {
     "TrainTable": "a shipped train or a relative path to a .toml file",
@@ -22,7 +22,7 @@ _REFERENCES = {
 
 def scenario_json_schema() -> dict[str, Any]:
     """JSON Schema (draft 2020-12) of a scenario file as it is written, references included."""
-    schema = ScenarioFile.model_json_schema()
+    schema = file_type().model_json_schema()
     schema["$schema"] = "https://json-schema.org/draft/2020-12/schema"
     schema["properties"]["extends"] = {"type": "string", "description": "scenario that this one changes"}
     train = schema["properties"]["train"]

@@ -3,25 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
-from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, cast
 
 from railhil.common.errors import InputError, Words, did_you_mean, near_file
-from railhil.scenarios import model
-from railhil.scenarios.canonical import judged_sha256, scenario_sha256
-from railhil.scenarios.fault_rows import faults_of_rows
-from railhil.scenarios.keys import USUAL
 from railhil.scenarios.layers import DATA, Layers, Without, shipped_name, shipped_names, short_name
+from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.settings import SET
-from railhil.scenarios.stored import document, scenario_of
-from railhil.scenarios.system import DEFAULT, System, system_named
+from railhil.scenarios.system import DEFAULT, system_named
 from railhil.scenarios.validation import dotted
 
 if TYPE_CHECKING:
-    from railhil.scenarios.reference import Key
     from railhil.scenarios.task import ScenarioKind
+    from railhil.systems.ato.scenario.model import Scenario
 
 RUNS = DATA / "runs"
 
@@ -37,19 +31,19 @@ def short_names() -> dict[str, str]:
     return {name: short_name(name, known) for name in known}
 
 
-def load(name_or_path: str | Path, settings: Sequence[str] = (), faults: Sequence[str] = ()) -> model.Scenario:
+def load(name_or_path: str | Path, settings: Sequence[str] = (), faults: Sequence[str] = ()) -> Scenario:
     """Like :func:`load_any`, for code that works only with railhil's own system ``ato``.
 
     Raises :class:`~railhil.common.errors.InputError` also for a scenario of another system.
     """
     scenario = load_any(name_or_path, settings, faults)
-    if not isinstance(scenario, model.Scenario):
+    if scenario.system != DEFAULT:
         allowed = f"{DEFAULT}: nothing else has what this needs"
         raise InputError(find(name_or_path), "system", scenario.system, allowed)
-    return scenario
+    return cast("Scenario", scenario)
 
 
-def load_any(name_or_path: str | Path, settings: Sequence[str] = (), faults: Sequence[str] = ()) -> model.AnyScenario:
+def load_any(name_or_path: str | Path, settings: Sequence[str] = (), faults: Sequence[str] = ()) -> AnyScenario:
     """The scenario of a shipped name (or the beginning of one), or of a path that ends in ``.toml``, of its system.
 
     :param settings: keys set in addition, ``KEY=VALUE`` (:mod:`railhil.scenarios.settings`).
@@ -73,7 +67,7 @@ def load_any(name_or_path: str | Path, settings: Sequence[str] = (), faults: Seq
         raise invalid_key(layers, error, loads) from error.__cause__
 
 
-def _read(layers: Layers) -> model.AnyScenario:
+def _read(layers: Layers) -> AnyScenario:
     name = layers.merged().get("system", DEFAULT)
     system = system_named(name if isinstance(name, str) else repr(name), layers.origin("system"))
     kind: ScenarioKind = system.part("scenarios")(system)
@@ -108,36 +102,6 @@ def stable_name(name_or_path: str) -> str:
     """
     path = find(name_or_path)
     return str(path.resolve()) if name_or_path.endswith(".toml") else path.stem
-
-
-class TrainScenarios:
-    """Scenarios of ``ato``, see :class:`railhil.scenarios.task.ScenarioKind`."""
-
-    def __init__(self, system: System) -> None:
-        self._system = system
-
-    def read(self, layers: Layers) -> model.Scenario:
-        # A record's scenario is complete: who reads records needs neither tables of files nor the checks of them.
-        from railhil.scenarios.train_files import read_train_scenario
-
-        rows = layers.merged().get("fault", ())
-        faults_of = partial(faults_of_rows, rows, self._system, lambda row: layers.origin("fault", row))
-        return read_train_scenario(layers, faults_of)
-
-    def document(self, scenario: model.Scenario) -> dict[str, Any]:
-        return document(scenario)
-
-    def stored(self, fields: dict[str, Any], file: Path) -> model.Scenario:
-        scenario = scenario_of(fields, file)
-        return replace(scenario, sha256=scenario_sha256(scenario))
-
-    def judged_sha256(self, scenario: model.Scenario) -> str:
-        return judged_sha256(scenario)
-
-    def usual_keys(self) -> list[Key]:
-        from railhil.scenarios.reference import keys
-
-        return [key for key in keys() if key.name in USUAL]
 
 
 #: Number of load attempts for one message.

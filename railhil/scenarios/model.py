@@ -1,112 +1,12 @@
-"""The data of a run, as frozen dataclasses in SI units.
-
-Everything inside the bench reads these classes; files and their validation stay in :mod:`railhil.scenarios.schema`.
-Positions are metres from the stopping point at which the run starts (increasing along the run), grades are
-permil (up positive), speeds are m/s unless the name says otherwise.
-"""
+"""What the bench needs of a scenario of any system."""
 
 from __future__ import annotations
 
-from bisect import bisect_right
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
-from typing import Any, Protocol
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Protocol
 
-#: Longest run, by the train's own odometer.
-DISTANCE_MAX_M = 400_000.0
-#: Longest time without a position.
-POSITION_AGE_MAX_MS = 1000
-
-#: A step profile: rows ``(from_m, value)``, each valid until the next row; the first value also applies before the
-#: first row.
-Profile = tuple[tuple[float, float], ...]
-
-
-def profile_value(profile: Profile, position_m: float) -> float:
-    """Value of a step profile at ``position_m`` (a row that starts exactly there already applies)."""
-    index = bisect_right(profile, position_m, key=lambda row: row[0]) - 1
-    return profile[max(index, 0)][1]
-
-
-@dataclass(frozen=True, slots=True)
-class Effort:
-    """Limit of a force over speed: ``min(force_max_n, power_max_w / v, curve(v))``.
-
-    ``curve`` is a table ``(speed_mps, force_n)`` with linear interpolation, held at both ends; empty means
-    none.
-    """
-
-    force_max_n: float
-    power_max_w: float | None = None
-    curve: tuple[tuple[float, float], ...] = ()
-
-
-@dataclass(frozen=True, slots=True)
-class Train:
-    """One train as a rigid mass with length.
-
-    Resistance in N is ``weight_kn * (a + b V + c V^2 + grade)``, coefficients in N/kN (Davis), ``V`` in km/h,
-    ``weight_kn = mass_kg * gravity / 1000``. ``inertial_mass_kg`` already includes the rotating masses.
-    """
-
-    name: str
-    mass_kg: float
-    inertial_mass_kg: float
-    length_m: float
-    davis_a_n_per_kn: float
-    davis_b_n_per_kn_kmh: float
-    davis_c_n_per_kn_kmh2: float
-    traction: Effort
-    brake: Effort
-    actuator_pole_per_s: float
-    force_per_notch_n: float
-    notch_max: float = 7.0
-    speed_limit_mps: float = 1000.0
-    service_braking_mps2: float = 1.0
-    gravity_mps2: float = 9.81
-
-
-@dataclass(frozen=True, slots=True)
-class Balise:
-    """A balise: its number, the surveyed position that its telegram carries, and its true position."""
-
-    number: int
-    surveyed_m: float
-    true_m: float
-
-
-@dataclass(frozen=True, slots=True)
-class Line:
-    """The section of line that the run uses; profiles may start below 0 (under the standing train)."""
-
-    name: str
-    grade_permil: Profile
-    speed_limit_mps: Profile
-    balises: tuple[Balise, ...] = ()
-
-
-@dataclass(frozen=True, slots=True)
-class TargetCurve:
-    """Target speed curve as piecewise-linear acceleration, nodes ``(time_s, accel_mps2)`` from time 0.
-
-    After the last node the last acceleration continues, so the speed becomes virtually negative after the
-    planned stop (design decision: clamping at zero costs seconds of punctuality). Values are exact
-    polynomials per piece: see :mod:`railhil.scenarios.target`.
-    """
-
-    nodes: tuple[tuple[float, float], ...]
-
-
-@dataclass(frozen=True, slots=True)
-class RunPlan:
-    """The requirements on the run: where and when to stop, and the tolerances for a PASS."""
-
-    distance_m: float
-    running_time_s: float
-    stop_error_max_m: float
-    time_error_max_s: float
-    #: Time after the end of the timetable at which a run that has not stopped has failed.
-    overtime_max_s: float = 10.0
+from railhil.common.errors import InputError, Words
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,110 +19,6 @@ class Timing:
     loop_delay_s: float = 0.04
     #: Port periods that differ from the port table, by port name.
     port_period_ns: Mapping[str, int] = field(default_factory=dict)
-
-
-@dataclass(frozen=True, slots=True)
-class Sensors:
-    """Speed sensor and odometer of the train.
-
-    The axle sensor reads ``true * wheel_factor`` (a worn wheel reads too fast: factor above 1), adds
-    Gaussian noise and rounds to the resolution; the odometer integrates the same factor.
-    """
-
-    speed_lsb_mps: float
-    speed_noise_sigma_mps: float
-    odometer_lsb_m: float
-    wheel_factor: float = 1.0
-
-
-@dataclass(frozen=True, slots=True)
-class Energy:
-    """Eq. (5) of the IPFC paper: traction work / xi_m + auxiliary power * time + xi_b * brake work."""
-
-    xi_m: float
-    xi_b: float
-    auxiliary_power_w: float
-
-
-@dataclass(frozen=True, slots=True)
-class WatchLimits:
-    """Limits of both watches: age of the last accepted telegram at which each level is entered, and the other checks.
-
-    The defaults are those of the shipped scenarios; a watch with a higher limit, or a lower share of the brake, is
-    weaker. The documentation of the keys is in :mod:`railhil.scenarios.keys`.
-    """
-
-    hold_ms: int = 20
-    traction_cut_ms: int = 64
-    service_brake_ms: int = 256
-    emergency_ms: int = 1000
-    overspeed_margin_mps: float = 5 / 3.6
-    speed_change_max_mps2: float = 2.0
-    stuck_change_mps: float = 0.36 / 3.6
-    scale_error_max_percent: float = 3.0
-    channel_bad_max: int = 30
-    brake_share_min_percent: float = 50.0
-    runaway_mps: float = 1.08 / 3.6
-    overruns_max: int = 3
-    notch_step_max: float = 254.0
-    two_sources_max: int = 6
-    traction_left_max_percent: float = 5.0
-    grade_allowance_permil: float = 35.0
-    end_of_authority: bool = False
-    end_of_authority_margin_m: float = 5.0
-    end_of_authority_braking_mps2: float = 0.8
-
-    @property
-    def weakened(self) -> str:
-        """Limits that are weaker than usual, by their keys in a scenario file; empty if there are none."""
-        usual = WatchLimits()
-        rows = []
-        for item in fields(self):
-            if item.name == "end_of_authority":
-                # Off is usual.
-                continue
-            key, factor = (item.name.replace("_mps", "_kmh"), 3.6) if item.name.endswith("_mps") else (item.name, 1)
-            value, most = (round(getattr(limits, item.name) * factor, 6) for limits in (self, usual))
-            if (value < most) if "_min" in item.name else (value > most):
-                rows.append(f"{key} {value:g} (usual {most:g})")
-        return ", ".join(rows)
-
-
-@dataclass(frozen=True, slots=True)
-class Safety:
-    """Safe data transmission (SDTv2, :mod:`railhil.bus.sdt`).
-
-    ``sdt``: speed and command count only if SPEED_SDT and NOTCH_SDT confirm them. ``n_rxsafe``: cycles without a fresh
-    safe telegram that are tolerated. ``cmthr``: telegrams within which a second CRC error fails the channel.
-    """
-
-    sdt: bool = False
-    n_rxsafe: int = 3
-    cmthr: int = 1000
-
-
-@dataclass(frozen=True, slots=True)
-class Uniform:
-    """A uniform distribution between two bounds (factor or offset, as the perturbation's name says)."""
-
-    low: float
-    high: float
-
-
-@dataclass(frozen=True, slots=True)
-class Perturbations:
-    """Distributions from which a perturbed run draws; ``None`` leaves the nominal value."""
-
-    mass_factor: Uniform | None = None
-    davis_factor: Uniform | None = None
-    grade_offset_permil: Uniform | None = None
-    grade_factor: Uniform | None = None
-    actuator_pole_factor: Uniform | None = None
-    force_gain_factor: Uniform | None = None
-    speed_noise_sigma_mps: Uniform | None = None
-    loop_delay_s: Uniform | None = None
-    wheel_factor: Uniform | None = None
-    balise_position_error_m: Uniform | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -304,61 +100,21 @@ def watch_sentence(scenario: AnyScenario) -> str:
     return f"watch weakened: {weakened}" if weakened else ""
 
 
-@dataclass(frozen=True, slots=True)
-class Scenario:
-    """A complete run: train, line, target speed curve, plan, sensors, timing, limits.
+def require_perturbations(scenario: AnyScenario, key: str) -> None:
+    """Refuse perturbed runs of a scenario without distributions: they would all be nominal.
 
-    ``sha256`` is the hash of the canonical form of everything that changes the run; the three nodes compare
-    it before they start.
+    :param key: the option or command that requests them.
+    :raises InputError: there is nothing to draw.
     """
+    if not scenario.can_be_perturbed:
+        found = Words(f"the scenario {scenario.name}, which has nothing to draw (no [perturbations])")
+        raise InputError("command line", key, found, "a scenario that says what is drawn, in which range")
 
-    name: str
-    title: str
-    train: Train
-    line: Line
-    target: TargetCurve
-    plan: RunPlan
-    timing: Timing
-    sensors: Sensors
-    energy: Energy
-    watch: WatchLimits
-    perturbations: Perturbations
-    published: tuple[PublishedScore, ...] = ()
-    #: Sentences about values that are chosen rather than published or measured; every report repeats them.
-    assumptions: tuple[str, ...] = ()
-    sha256: str = ""
-    system: str = "ato"
-    #: What is injected, as canonical texts (:mod:`railhil.faults.language`), in the order of their numbers.
-    faults: tuple[str, ...] = ()
-    safety: Safety = Safety()
 
-    @property
-    def wheel_factor_max(self) -> float:
-        """Largest share of the true distance that the odometer can read, at least 1."""
-        drawn = self.perturbations.wheel_factor
-        return max(1.0, self.sensors.wheel_factor, 1.0 if drawn is None else drawn.high)
+if not TYPE_CHECKING:
 
-    @property
-    def planned_s(self) -> float:
-        """Running time by the timetable, in s."""
-        return self.plan.running_time_s
+    def __getattr__(name: str) -> Any:
+        """Classes of ``ato``: laws that were written for version 0.1.0 import them from here."""
+        from importlib import import_module
 
-    @property
-    def watch_weakened(self) -> str:
-        """See :attr:`WatchLimits.weakened`."""
-        return self.watch.weakened
-
-    @property
-    def described(self) -> Mapping[str, object]:
-        """Train and distance."""
-        return {"train": self.train.name, "distance_m": self.plan.distance_m}
-
-    @property
-    def can_be_perturbed(self) -> bool:
-        """Whether there is a distribution to draw from."""
-        return any(getattr(self.perturbations, item.name) is not None for item in fields(self.perturbations))
-
-    @property
-    def every_run_is_drawn(self) -> bool:
-        """No: without perturbations the seed only draws the noise of the sensors."""
-        return False
+        return getattr(import_module("railhil.systems.ato.scenario.model"), name)

@@ -14,7 +14,7 @@ from typing import Any
 from pydantic import BaseModel
 
 from railhil.scenarios.keys import MEANING
-from railhil.scenarios.schema import ScenarioFile
+from railhil.scenarios.system import DEFAULT, system_named
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "scenario_keys.md"
 _HEAD = """\
@@ -70,10 +70,10 @@ class Key:
     initial: object = None
 
 
-def keys(file_type: type[BaseModel] = ScenarioFile) -> list[Key]:
+def keys(file_type: type[BaseModel]) -> list[Key]:
     """All keys in the order of the schema, each once.
 
-    :param file_type: schema of another system's files; the meaning of its own keys is their ``Field(description=...)``.
+    :param file_type: schema of a system's files; the meaning of its own keys is their ``Field(description=...)``.
     """
     schema = file_type.model_json_schema()
     found: dict[str, Key] = {}
@@ -82,10 +82,17 @@ def keys(file_type: type[BaseModel] = ScenarioFile) -> list[Key]:
     return list(found.values())
 
 
+def file_type() -> type[BaseModel]:
+    """The schema of the files of the default system."""
+    system = system_named(DEFAULT)
+    found: type[BaseModel] = system.part("scenarios")(system).file_type
+    return found
+
+
 def page() -> str:
     """The whole page."""
     sections: dict[str, list[Key]] = {}
-    for key in keys():
+    for key in keys(file_type()):
         section = key.name.partition(".")[0] if "." in key.name else ""
         sections.setdefault(section, []).append(key)
     text = _HEAD

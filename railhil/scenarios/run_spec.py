@@ -305,7 +305,7 @@ class RunSpec:
         scenario = load_any(self.scenario, self.settings, self.faults)
         self.check_number(scenario)
         if self.perturbed:
-            from railhil.scenarios.perturb import require_perturbations
+            from railhil.scenarios.model import require_perturbations
 
             require_perturbations(scenario, "--perturbed")
         return scenario

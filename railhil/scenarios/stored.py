@@ -1,87 +1,31 @@
 """Resolved scenarios as JSON: those in run folders, and those of earlier versions for their records.
 
-A record's scenario is never read from the shipped files, because these may have changed since. The document has
-every field of :class:`railhil.scenarios.model.Scenario`, in SI units, with the names of the dataclasses.
+A record's scenario is never read from the shipped files, because these may have changed since. What a document has is
+said by the system (:class:`railhil.scenarios.task.ScenarioKind`).
 """
 
 from __future__ import annotations
 
-import dataclasses
 import hashlib
 import json
-from functools import cache
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
-
-from pydantic import TypeAdapter, ValidationError
+from typing import TYPE_CHECKING, Any, cast
 
 from railhil.common.errors import InputError, Words
 from railhil.common.user_files import given_text
 from railhil.scenarios.layers import DATA
-from railhil.scenarios.model import AnyScenario, PublishedScore, Scenario
+from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.system import DEFAULT, system_named
+
+if TYPE_CHECKING:
+    from railhil.systems.ato.scenario.model import Scenario
 
 #: Name in a run folder.
 SCENARIO = "scenario.json"
 #: Fields that version 0.1.0 excluded from its hash, which covered all others, whether used by the run or not.
 _EXPLAINING_0_1_0 = ("title", "assumptions", "published")
 _ALLOWED = "a scenario that railhil has written"
-
-
-@cache
-def _adapter() -> TypeAdapter[Scenario]:
-    return TypeAdapter(Scenario)
-
-
-def document(scenario: Scenario) -> dict[str, Any]:
-    """Every field of a scenario of ``ato``, as JSON-compatible values."""
-    return {**dataclasses.asdict(scenario), "published": [row.as_table() for row in scenario.published]}
-
-
-def scenario_of(fields: dict[str, Any], file: Path) -> Scenario:
-    """The scenario of a document; fields added after it was written have their defaults.
-
-    :param file: for the error message.
-    :raises InputError: a field is missing, unknown or of another kind.
-    """
-    try:
-        scenario = _adapter().validate_json(json.dumps(fields | {"published": _published(fields.get("published", []))}))
-    except ValidationError as error:
-        first = error.errors()[0]
-        key = ".".join(str(part) for part in first["loc"])
-        raise InputError(file, key, Words(first["msg"]), _ALLOWED) from None
-    unknown = _unknown(fields, document(scenario))
-    if unknown:
-        raise InputError(file, unknown, Words("a key that no scenario has"), _ALLOWED)
-    return scenario
-
-
-def _published(rows: object) -> object:
-    """Published rows with their values separated from the law; anything that is not such a row is left for the
-    check."""
-    if not isinstance(rows, list):
-        return rows
-    apart = []
-    for row in rows:
-        known = isinstance(row, dict) and "controller" in row
-        apart.append(dataclasses.asdict(PublishedScore.of(row)) if known else row)
-    return apart
-
-
-def _unknown(given: object, known: object, key: str = "") -> str:
-    """First key of ``given`` that is not in ``known``; empty when there is none."""
-    if isinstance(given, dict) and isinstance(known, dict):
-        for name, value in given.items():
-            inner = f"{key}.{name}".lstrip(".")
-            if name not in known:
-                return inner
-            if found := _unknown(value, known[name], inner):
-                return found
-    elif isinstance(given, list) and isinstance(known, (list, tuple)):
-        for index, (value, other) in enumerate(zip(given, known, strict=True)):
-            if found := _unknown(value, other, f"{key}.{index}"):
-                return found
-    return ""
 
 
 def any_document(scenario: AnyScenario) -> dict[str, Any]:
@@ -130,7 +74,8 @@ def earlier_scenario(sha256: str) -> Scenario | None:
     for path in sorted((DATA / "history").glob("*.json")):
         fields = json.loads(path.read_text(encoding="utf-8")).get(sha256)
         if fields is not None:
-            return scenario_of({**fields, "sha256": sha256}, path)
+            system = system_named(DEFAULT)
+            return cast("Scenario", replace(system.part("scenarios")(system).stored(fields, path), sha256=sha256))
     return None
 
 

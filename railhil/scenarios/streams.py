@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-#: Draws of :func:`railhil.scenarios.perturb.perturbed`.
+#: Draws of :func:`railhil.systems.ato.scenario.perturb.perturbed`.
 PERTURBATION = 0
 #: Noise of the axle speed sensors of a high-speed train.
 SPEED_NOISE = 1

@@ -20,11 +20,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, Protocol
 
-from pydantic import Field, create_model
+from pydantic import BaseModel, Field, create_model
 
 from railhil.common.errors import InputError, Words
 from railhil.faults.truth import HOLE_MAX_S
-from railhil.scenarios import convert
 from railhil.scenarios.canonical import injected, text_sha256
 from railhil.scenarios.carried import Reach, check_carried
 from railhil.scenarios.derived import with_own_words
@@ -32,18 +31,9 @@ from railhil.scenarios.fault_rows import faults_of_rows
 from railhil.scenarios.layers import Layers
 from railhil.scenarios.model import AnyScenario, PublishedScore, Timing
 from railhil.scenarios.reference import Key, keys
-from railhil.scenarios.schema import (
-    FAULT_TAGS,
-    RUNNING_TIME_MAX_S,
-    FaultRows,
-    Name,
-    Number,
-    Table,
-    Text,
-    TimingTable,
-)
+from railhil.scenarios.schema import FAULT_TAGS, RUNNING_TIME_MAX_S, FaultRows, Name, Number, Table, Text, TimingTable
 from railhil.scenarios.system import System
-from railhil.scenarios.validation import dotted, validated
+from railhil.scenarios.validation import Refuse, dotted, validated
 
 _ALLOWED = "a scenario that railhil has written"
 
@@ -65,6 +55,10 @@ class ScenarioKind(Protocol):
 
     def judged_sha256(self, scenario: Any) -> str:
         """Hash of the data used by the run and by its evaluation."""
+
+    @property
+    def file_type(self) -> type[BaseModel]:
+        """The schema of its files."""
 
     def usual_keys(self) -> list[Key]:
         """The keys that a file based on another one changes most often, section by section."""
@@ -123,7 +117,7 @@ class TaskScenario:
     published: tuple[PublishedScore, ...] = ()
     assumptions: tuple[str, ...] = ()
     sha256: str = ""
-    #: See :class:`railhil.scenarios.model.Scenario`.
+    #: See :class:`railhil.systems.ato.scenario.model.Scenario`.
     faults: tuple[str, ...] = ()
 
     @property
@@ -157,12 +151,14 @@ class TaskScenarios:
 
     def __init__(self, system: System) -> None:
         self._system = system
-        self._file = create_model("ScenarioFile", __base__=TaskFile, task=(system.part("task"), ...))
+        self.file_type: type[BaseModel] = create_model(
+            "ScenarioFile", __base__=TaskFile, task=(system.part("task"), ...)
+        )
 
     def read(self, layers: Layers) -> TaskScenario:
         table = layers.merged()
-        file: Any = validated(self._file, table, lambda keys: layers.origin(*keys), FAULT_TAGS)
-        timing = convert.timing(file.timing)
+        file: Any = validated(self.file_type, table, lambda keys: layers.origin(*keys), FAULT_TAGS)
+        timing = file.timing.in_ns()
 
         def refuse(keys: tuple[str | int, ...], found: object, allowed: str) -> InputError:
             return InputError(layers.origin(*keys), dotted(keys), found, allowed)
@@ -193,7 +189,7 @@ class TaskScenarios:
         )
         return with_own_words(made, layers, self.read, lambda one: one.task.model_dump(exclude={*one.task.JUDGING}))
 
-    def _check_ages(self, timing: Timing, refuse: convert.Refuse) -> None:
+    def _check_ages(self, timing: Timing, refuse: Refuse) -> None:
         """No reading of a healthy run is older than the interface of the system's laws allows, and the truth is told as
         often as a verdict needs it."""
         if not timing.port_period_ns:
@@ -275,4 +271,4 @@ class TaskScenarios:
     def usual_keys(self) -> list[Key]:
         """All keys of the task, and the two periods."""
         periods = ("timing.base_tick_ms", "timing.control_period_ms")
-        return [key for key in keys(self._file) if key.name.startswith("task.") or key.name in periods]
+        return [key for key in keys(self.file_type) if key.name.startswith("task.") or key.name in periods]

@@ -37,6 +37,9 @@ _ALLOWED_BY_TYPE = {
     "finite_number": "a finite number",
 }
 
+#: Makes the error for a key of the scenario: (keys, found, allowed).
+Refuse = Callable[[tuple[str | int, ...], object, str], InputError]
+
 
 def validated(table_type: type[M], data: object, origin: Callable[[Keys], str | Path], tags: tuple[str, ...] = ()) -> M:
     """``data`` as ``table_type``; ``origin`` names the file of a key path, ``tags`` are union tags.

@@ -21,7 +21,7 @@ from railhil.judge import criteria
 from railhil.judge.criteria import ATO_CRITERIA, Criterion, limit_key, limited
 from railhil.judge.measures import KMH
 from railhil.judge.score import Score
-from railhil.scenarios.model import Scenario
+from railhil.systems.ato.scenario.model import Scenario
 
 #: Increased with every change of the formula; recorded in the files.
 VERSION = 1

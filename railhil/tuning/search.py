@@ -19,8 +19,8 @@ from scipy.optimize import differential_evolution
 from railhil.common.errors import InputError, Words
 from railhil.controller_node.laws import load as load_law
 from railhil.scenarios import streams
-from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec
+from railhil.systems.ato.scenario.model import Scenario
 from railhil.tuning.objective import Scale
 from railhil.tuning.trials import Trials
 

@@ -12,11 +12,11 @@ from railhil.common.errors import InputError
 from railhil.controller_node.program.model import LawProgram
 from railhil.controller_node.program.record import record
 from railhil.judge.score import Score
-from railhil.scenarios.model import Scenario
 from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.run_spec import LawSpec
 from railhil.systems.ato.batch import CHUNK
 from railhil.systems.ato.batch.engine import Engine
+from railhil.systems.ato.scenario.model import Scenario
 from railhil.tuning.objective import Scale, objective
 from railhil.tuning.stacked import StackedLoop, shape
 

@@ -27,7 +27,7 @@ from typing import Any, ClassVar, Generic, NamedTuple
 from railhil.controller_node.arithmetic.base import Arithmetic, Constant, T
 from railhil.controller_node.ato.fuzzy_pid_constants import GAIN_Q, TUNABLE, FuzzyPidParameters, make_constants
 from railhil.controller_node.laws.base import NOTCH_Q, NOTCH_RAW_Q, SPEED_Q, Law, LawInputs, LawOutputs
-from railhil.scenarios.model import Scenario
+from railhil.systems.ato.scenario.model import Scenario
 
 # Shifts of the products: Q of the first factor + Q of the second - Q of the result.
 _SPEED_TO_SCALED = SPEED_Q

@@ -30,7 +30,7 @@ from railhil.controller_node.ato.pfc_notes import (
 )
 from railhil.controller_node.laws.base import NOTCH_Q, SPEED_Q, LawInputs, LawOutputs
 from railhil.controller_node.laws.note import Note
-from railhil.scenarios.model import Scenario
+from railhil.systems.ato.scenario.model import Scenario
 
 # Shifts of the products: Q of the first factor + Q of the second - Q of the result.
 _NOTCH_TO_SPEED = GAIN_Q + GAIN_Q - SPEED_Q

@@ -29,7 +29,7 @@ from railhil.controller_node.ato.ipfc_plus_design import DESIGN_SEEDS
 from railhil.controller_node.ato.pfc_notes import BASIS_NOTE, SOFTENING_NOTE
 from railhil.controller_node.laws.base import NOTCH_Q, NOTCH_RAW_Q, SPEED_Q, Law, LawInputs, LawOutputs, State
 from railhil.controller_node.laws.note import Note
-from railhil.scenarios.model import Scenario
+from railhil.systems.ato.scenario.model import Scenario
 
 # Shifts of the products: Q of the first factor + Q of the second - Q of the result.
 _UNIT_TO_UNIT = UNIT_Q

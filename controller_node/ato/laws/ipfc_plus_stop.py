@@ -30,7 +30,7 @@ from railhil.controller_node.ato.ipfc_plus_stop_constants import (
 from railhil.controller_node.ato.stop_observer import StopObserver, StopObserverState
 from railhil.controller_node.ato.survey_odometer import SurveyOdometer, WheelBounds
 from railhil.controller_node.laws.base import NOTCH_Q, SPEED_Q, LawInputs, LawOutputs
-from railhil.scenarios.model import Scenario
+from railhil.systems.ato.scenario.model import Scenario
 
 _UNIT_TO_UNIT = UNIT_Q
 _SPEED_BY_UNIT_TO_ACCEL = SPEED_Q + UNIT_Q - ACCEL_Q

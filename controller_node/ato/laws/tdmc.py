@@ -33,7 +33,7 @@ from railhil.controller_node.ato.tdmc_constants import (
     make_constants,
 )
 from railhil.controller_node.laws.base import NOTCH_Q, NOTCH_RAW_Q, SPEED_Q, Law, LawInputs, LawOutputs
-from railhil.scenarios.model import Scenario
+from railhil.systems.ato.scenario.model import Scenario
 
 # Shifts of the products: Q of the first factor + Q of the second - Q of the result.
 _RESPONSE_BY_MOVE_TO_MODEL = NOTCH_Q

@@ -29,7 +29,7 @@ from railhil.controller_node.ato.pfc_constants import (
 from railhil.controller_node.ato.pfc_notes import BASIS_RAMP, BASIS_STEP
 from railhil.controller_node.laws.base import SPEED_Q
 from railhil.controller_node.laws.constant_table import LawTable, build, held
-from railhil.scenarios.model import Scenario
+from railhil.systems.ato.scenario.model import Scenario
 
 
 @dataclass(frozen=True, slots=True)

@@ -28,7 +28,7 @@ from railhil.controller_node.ato.pfc_constants import (
 )
 from railhil.controller_node.ato.pfc_notes import BASIS_WAVELET
 from railhil.controller_node.laws.constant_table import LawTable, build, held
-from railhil.scenarios.model import Scenario
+from railhil.systems.ato.scenario.model import Scenario
 
 
 @dataclass(frozen=True, slots=True)

@@ -21,8 +21,8 @@ from railhil.judge.result import Result
 from railhil.record.framelog import read_log
 from railhil.record.trace import Trace, trace_of
 from railhil.scenarios.load import load
-from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import RunSpec
+from railhil.systems.ato.scenario.model import Scenario
 
 pytestmark = [pytest.mark.loop, pytest.mark.timeout(300)]
 

@@ -28,8 +28,8 @@ from railhil.record.framelog import FrameLog, read_log
 from railhil.record.session import Session
 from railhil.record.trace import Trace, trace_of
 from railhil.scenarios.load import load
-from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.systems.ato.scenario.model import Scenario
 from railhil.wire.ato import NotchCmd, SimTruth
 
 pytestmark = [pytest.mark.loop, pytest.mark.faults]

@@ -39,11 +39,12 @@ from railhil.run.bus_run import BusRun
 from railhil.run.memory import learned
 from railhil.scenarios.load import load_any
 from railhil.scenarios.memory import no_memory
-from railhil.scenarios.model import AnyScenario, Scenario
+from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec, StartUp
 from railhil.sequences.evidence import Evidence, Made, run_name
 from railhil.sequences.plan import run_specs
 from railhil.sequences.record import record
+from railhil.systems.ato.scenario.model import Scenario
 
 #: Simulation time of the beginning of a run.
 _BEGINNING_S = 20.0

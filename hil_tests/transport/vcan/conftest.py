@@ -13,9 +13,9 @@ from pathlib import Path
 import pytest
 
 from railhil.bench import Result, local_run
-from railhil.scenarios.model import Scenario, TargetCurve
 from railhil.scenarios.run_spec import RunSpec
-from railhil.scenarios.target import Target
+from railhil.systems.ato.scenario.model import Scenario, TargetCurve
+from railhil.systems.ato.scenario.target import Target
 from railhil.testing.result import disturbed
 
 _TOOLS = ("candump", "cansend", "cangen", "canplayer", "ip")

@@ -15,7 +15,7 @@ from railhil.bus.ident import Role
 from railhil.bus.link import Link, open_link
 from railhil.bus.mvb import F_DEVICE_STATUS, master_frame
 from railhil.dbc import wire_contract
-from railhil.scenarios.model import Scenario
+from railhil.systems.ato.scenario.model import Scenario
 from railhil.testing.result import disturbed
 
 pytestmark = [pytest.mark.needs_socketcan, pytest.mark.timeout(600)]

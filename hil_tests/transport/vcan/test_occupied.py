@@ -14,8 +14,8 @@ from railhil.common.exit_codes import USAGE, guarded
 from railhil.live.processes import Nodes
 from railhil.live.recorder import open_recorder, refuse_occupied
 from railhil.plant_sim.node import PlantNode
-from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import RunSpec
+from railhil.systems.ato.scenario.model import Scenario
 
 pytestmark = [pytest.mark.needs_socketcan, pytest.mark.timeout(600)]
 

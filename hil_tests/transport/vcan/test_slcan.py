@@ -28,9 +28,9 @@ from railhil.bus.mvb import TelegramSource
 from railhil.machines.adapter.device import Build
 from railhil.machines.adapter.emulator import Emulator
 from railhil.machines.adapter.terminal import Terminal
-from railhil.scenarios.model import Scenario, TargetCurve
 from railhil.scenarios.run_spec import RunSpec
-from railhil.scenarios.target import Target
+from railhil.systems.ato.scenario.model import Scenario, TargetCurve
+from railhil.systems.ato.scenario.target import Target
 from railhil.testing.result import disturbed
 from railhil.wire.ato import NotchCmd
 

@@ -18,7 +18,7 @@ from railhil.plant_sim.ato.plant import Plant
 from railhil.plant_sim.ato.telegrams import TrainTelegrams
 from railhil.record.framelog import log_line
 from railhil.scenarios.load import load
-from railhil.scenarios.target import Target
+from railhil.systems.ato.scenario.target import Target
 from railhil.wire import ato as telegrams
 
 CLASSES = [

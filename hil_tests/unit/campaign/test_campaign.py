@@ -20,10 +20,10 @@ from railhil.cli import report as cli_report
 from railhil.common.errors import InputError
 from railhil.judge.criteria import ATO_CRITERIA
 from railhil.record.hash_list import write_hash_list
-from railhil.scenarios.canonical import judged_sha256
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.study.plan import bench_sha256
+from railhil.systems.ato.scenario.canonical import judged_sha256
 
 #: Of every campaign here that is to give the same results.
 SAME = ("--runs", "24", "--first-seed", "50")

@@ -27,8 +27,8 @@ from railhil.common.scheduling import HUB_PRIORITY, NODE_PRIORITY, RECORDER_PRIO
 from railhil.controller_node.ato.node import ControllerNode
 from railhil.plant_sim.node import PlantNode
 from railhil.record.session import Session
-from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.systems.ato.scenario.model import Scenario
 
 PERMITTED = permitted_priority()[0] == NODE_PRIORITY
 GET_TIMERSLACK = 30

@@ -18,8 +18,8 @@ from railhil.common.user_files import check_writable, whole_file
 from railhil.controller_node import command as controller
 from railhil.controller_node.ato.node import ControllerNode
 from railhil.controller_node.telemetry_file import write_telemetry
-from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec
+from railhil.systems.ato.scenario.model import Scenario
 
 
 def write(path: Path, text: str = "new") -> None:

@@ -15,7 +15,7 @@ from railhil.controller_node.laws.base import Law, LawInputs, LawOutputs
 from railhil.controller_node.laws.note import Note
 from railhil.controller_node.laws.note import flags as told_flags
 from railhil.scenarios.load import load
-from railhil.scenarios.model import Scenario
+from railhil.systems.ato.scenario.model import Scenario
 
 SCENARIO = load("lvshun_tieshan")
 

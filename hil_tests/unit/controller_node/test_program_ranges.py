@@ -32,8 +32,8 @@ from railhil.controller_node.program.ranges import analyse, analyse_law
 from railhil.controller_node.program.record import record
 from railhil.controller_node.program.tracer import Tracer
 from railhil.scenarios.load import load
-from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec
+from railhil.systems.ato.scenario.model import Scenario
 from railhil.wire.ato import NotchCmd, TrnPos, TrnSpeed
 
 SCENARIO = load("lvshun_tieshan")

@@ -20,9 +20,10 @@ from railhil.plant_sim.ato.dynamics import Motion
 from railhil.plant_sim.ato.plant import Plant
 from railhil.plant_sim.ato.telegrams import TrainTelegrams
 from railhil.record.trace import Trace
-from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec
-from railhil.scenarios.schema import DISTANCE_MAX_M, RUNNING_TIME_MAX_S, PlanTable
+from railhil.scenarios.schema import RUNNING_TIME_MAX_S
+from railhil.systems.ato.scenario.model import DISTANCE_MAX_M, Scenario
+from railhil.systems.ato.scenario.schema import PlanTable
 from railhil.wire.ato import BalisePassed, CtlStat, SimTruth, TrkInfo, TrnPos
 
 #: Over the stopping point by this, and as much later; the plant goes on for some minutes after the timetable.

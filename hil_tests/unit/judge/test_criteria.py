@@ -25,8 +25,8 @@ from railhil.judge.criteria import (
     unscored,
     with_sign,
 )
-from railhil.scenarios.model import Scenario
 from railhil.systems.ato.batch import run_batch
+from railhil.systems.ato.scenario.model import Scenario
 
 HEADROOM = Criterion("headroom_m", "headroom", "m3", 1, lambda run: 3.0, "high", Limit(lambda scenario: 2.0, 2))
 

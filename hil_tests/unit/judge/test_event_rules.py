@@ -22,8 +22,8 @@ from railhil.judge.events.event import RecordedEvent
 from railhil.judge.events.summary import summary, why
 from railhil.record.trace import Trace, trace_of
 from railhil.scenarios.load import load
-from railhil.scenarios.model import Scenario
 from railhil.systems.ato.events import SPEED_RANGE_01MMPS
+from railhil.systems.ato.scenario.model import Scenario
 from railhil.wire.ato import CtlCause, CtlMode, NotchCmd, PltStat, TrnPos, TrnSpeed, TrnWatch, WatchCause
 
 TICK_NS = 10_000_000

@@ -30,8 +30,8 @@ from railhil.judge.record import checked_record
 from railhil.report.page import page
 from railhil.report.recorded import RecordedRun
 from railhil.scenarios.load import load
-from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.systems.ato.scenario.model import Scenario
 from railhil.wire.ato import NotchCmd, TrnPos, TrnSpeed
 
 #: Events of every run.

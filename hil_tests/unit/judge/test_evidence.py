@@ -20,12 +20,13 @@ from railhil.judge.record import checked_record
 from railhil.judge.score import score
 from railhil.record.hash_list import write_hash_list
 from railhil.record.run_folder import write_inputs
-from railhil.scenarios import model
-from railhil.scenarios.canonical import judged_sha256, scenario_sha256
 from railhil.scenarios.layers import DATA
 from railhil.scenarios.load import load
-from railhil.scenarios.model import Scenario
-from railhil.scenarios.stored import document, earlier_scenario, read_scenario, scenario_of, sha256_0_1_0
+from railhil.scenarios.stored import earlier_scenario, read_scenario, sha256_0_1_0
+from railhil.systems.ato.scenario import model
+from railhil.systems.ato.scenario.canonical import judged_sha256, scenario_sha256
+from railhil.systems.ato.scenario.kind import document, scenario_of
+from railhil.systems.ato.scenario.model import Scenario
 
 _FOLDERS = sorted(path.parent for path in TEST_DATA.glob("runs_*/*/frames.log.xz"))
 _FROM_THE_LOG = ("verdict", "scores", "signed", "overspeed_mps", "failures", "ended")

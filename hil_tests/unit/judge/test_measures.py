@@ -16,8 +16,8 @@ from railhil.judge import journey, measures
 from railhil.judge.journey import ErrorGrid, Journey, stop_of
 from railhil.judge.stops import PlannedStop, ScoredStop
 from railhil.scenarios.load import load
-from railhil.scenarios.model import Energy, Profile, TargetCurve
-from railhil.scenarios.target import Target
+from railhil.systems.ato.scenario.model import Energy, Profile, TargetCurve
+from railhil.systems.ato.scenario.target import Target
 
 LVSHUN = load("lvshun_tieshan")
 #: 0.5 m/s2 for 2 s and back to rest, at 2 m.

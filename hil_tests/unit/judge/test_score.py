@@ -20,7 +20,7 @@ from railhil.judge.invariants import broken
 from railhil.judge.score import score
 from railhil.record.trace import Trace
 from railhil.scenarios.load import load
-from railhil.scenarios.model import TargetCurve
+from railhil.systems.ato.scenario.model import TargetCurve
 from railhil.wire.ato import CtlStat, SimTruth, TrnWatch
 
 LVSHUN = load("lvshun_tieshan")

@@ -19,8 +19,8 @@ from railhil.judge.score import Score
 from railhil.judge.stops import PlannedStop, missed_stops, scored_stops, standstills_of
 from railhil.record.trace import Trace
 from railhil.report.page import page
-from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import RunSpec
+from railhil.systems.ato.scenario.model import Scenario
 
 _TWO = (PlannedStop("Xiaocun", 1000.0, 0.3, 90.0, 5.0), PlannedStop("Xiaohongmen", 2300.0, 0.3))
 #: The first within both limits, the second 0.412 m past its point; on the way a signal, and one told twice.

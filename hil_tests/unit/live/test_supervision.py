@@ -18,8 +18,8 @@ from railhil.controller_node.ato.node import ControllerNode
 from railhil.plant_sim.node import PlantNode
 from railhil.plant_sim.supervision import SupervisorWatch
 from railhil.record.session import Session
-from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.systems.ato.scenario.model import Scenario
 
 PERIOD_NS = 160_000_000
 SUP_POLL = master_frame(SupCmd.port().f_code, SupCmd.port().address)

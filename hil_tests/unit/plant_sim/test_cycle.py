@@ -19,7 +19,7 @@ from railhil.plant_sim.ato.telegrams import TrainTelegrams
 from railhil.plant_sim.cycle import TickLoop
 from railhil.plant_sim.milestones import Milestones
 from railhil.scenarios.load import load
-from railhil.scenarios.model import Balise, Scenario
+from railhil.systems.ato.scenario.model import Balise, Scenario
 from railhil.wire.ato import CtlStat, NotchCmd, SimTruth, TrnPos, TrnSpeed
 
 

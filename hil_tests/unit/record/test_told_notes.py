@@ -13,7 +13,7 @@ from railhil.record.notes import note_values, notes_of, told_notes
 from railhil.record.trace import Trace
 from railhil.report.page import page
 from railhil.report.recorded import RecordedRun
-from railhil.scenarios.model import Scenario
+from railhil.systems.ato.scenario.model import Scenario
 from railhil.wire.ato import CtlStat
 
 TURN = {

@@ -23,10 +23,10 @@ from railhil.report.page import page
 from railhil.report.recorded import RecordedRun, curves, told_apart
 from railhil.report.styles import Style
 from railhil.report.tables import rows
-from railhil.scenarios.model import Scenario
 from railhil.systems.ato import panels as ato_panels
 from railhil.systems.ato.judging import JUDGING, stopped_within
 from railhil.systems.ato.panels import Drawn
+from railhil.systems.ato.scenario.model import Scenario
 from railhil.wire.ato import CtlStat, NotchCmd
 
 

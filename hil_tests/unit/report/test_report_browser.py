@@ -12,7 +12,7 @@ import pytest
 from hil_tests.support.browser import asked
 from hil_tests.support.recordings import recorded_folder
 from railhil.report.page import write_report
-from railhil.scenarios.model import Scenario
+from railhil.systems.ato.scenario.model import Scenario
 
 #: What the page is asked; lists name the offending texts.
 _QUESTION = """

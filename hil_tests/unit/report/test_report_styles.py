@@ -5,7 +5,7 @@ from __future__ import annotations
 from railhil.cli.run import law_names
 from railhil.common.law_order import LAW_ORDER, in_order
 from railhil.report.styles import Style, styles
-from railhil.scenarios.model import Scenario
+from railhil.systems.ato.scenario.model import Scenario
 
 
 def look(style: Style) -> tuple[object, ...]:

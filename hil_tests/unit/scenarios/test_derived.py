@@ -11,8 +11,8 @@ from hil_tests.support import shipped
 from railhil.common.errors import InputError
 from railhil.scenarios.layers import COMPLETE
 from railhil.scenarios.load import load, load_any
-from railhil.scenarios.model import Scenario
-from railhil.scenarios.schema import TrainTable
+from railhil.systems.ato.scenario.model import Scenario
+from railhil.systems.ato.scenario.schema import TrainTable
 
 _OWN_LINE = '[line]\nname = "Elsewhere"\ngrade_permil = [[0, 0]]\nspeed_limit_kmh = [[0, 78]]\n'
 _OWN_TRAIN = """[train]

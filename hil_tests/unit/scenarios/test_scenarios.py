@@ -18,16 +18,16 @@ from hil_tests.support.paths import ROOT
 from railhil.common.errors import InputError
 from railhil.dbc import wire_contract
 from railhil.scenarios import streams
-from railhil.scenarios.canonical import canonical_json, scenario_sha256
 from railhil.scenarios.json_schema import scenario_json_schema
 from railhil.scenarios.keys import MEANING
 from railhil.scenarios.layers import DATA, Layers
 from railhil.scenarios.load import RUNS, load, load_any, names
-from railhil.scenarios.model import Line, Perturbations, Scenario, Uniform, profile_value
-from railhil.scenarios.perturb import perturbed
-from railhil.scenarios.profiles import MeanGrade, front_speed_limit
-from railhil.scenarios.reference import PAGE, keys, page
-from railhil.scenarios.schema import PORTS
+from railhil.scenarios.reference import PAGE, file_type, keys, page
+from railhil.systems.ato.scenario.canonical import canonical_json, scenario_sha256
+from railhil.systems.ato.scenario.model import Line, Perturbations, Scenario, Uniform, profile_value
+from railhil.systems.ato.scenario.perturb import perturbed
+from railhil.systems.ato.scenario.profiles import MeanGrade, front_speed_limit
+from railhil.systems.ato.scenario.schema import PORTS
 
 YIZHUANG_DATA = DATA / "sources" / "yizhuang_line"
 
@@ -352,8 +352,8 @@ def test_a_watch_is_weaker_when_a_limit_is_above_the_usual_one(tmp_path: Path) -
 
 def test_the_reference_of_all_keys_is_current_and_whole() -> None:
     assert PAGE.read_text(encoding="utf-8") == page(), "python -m railhil.scenarios.reference writes it"
-    assert {key.name for key in keys()} == set(MEANING)
-    by_name = {key.name: key for key in keys()}
+    assert {key.name for key in keys(file_type())} == set(MEANING)
+    by_name = {key.name: key for key in keys(file_type())}
     assert (by_name["plan.distance_m"].unit, by_name["plan.distance_m"].allowed) == ("m", "number above 0 to 400000")
     assert (by_name["timing.loop_delay_s"].unit, by_name["timing.loop_delay_s"].default) == ("s", "0.04")
     # Every key of every shipped scenario is one of them.

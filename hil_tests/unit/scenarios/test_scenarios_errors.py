@@ -15,8 +15,8 @@ from hypothesis import strategies as st
 from railhil.common.errors import InputError, Words, nearest_key
 from railhil.scenarios.layers import Layers
 from railhil.scenarios.load import RUNS, load, load_any, short_names, stable_name
-from railhil.scenarios.model import Perturbations
-from railhil.scenarios.perturb import require_perturbations
+from railhil.scenarios.model import require_perturbations
+from railhil.systems.ato.scenario.model import Perturbations
 
 HEAD = 'extends = "lvshun_tieshan"\nname = "mine"\ntitle = "t"\n'
 

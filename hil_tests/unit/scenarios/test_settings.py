@@ -16,11 +16,11 @@ from railhil.audit.__main__ import main as audit
 from railhil.campaign.plan import Request, make_plan
 from railhil.common.errors import InputError
 from railhil.plant_sim.command import main as plant
-from railhil.scenarios.canonical import judged_sha256
 from railhil.scenarios.layers import Layers
 from railhil.scenarios.load import RUNS, load
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.settings import setting
+from railhil.systems.ato.scenario.canonical import judged_sha256
 from railhil.tuning.__main__ import main as tune
 
 NAME = "lvshun_tieshan"

@@ -27,10 +27,10 @@ from railhil.controller_node.program.model import Kind, LawProgram
 from railhil.controller_node.program.tracer import Tracer
 from railhil.judge.score import Score
 from railhil.scenarios.load import load
-from railhil.scenarios.model import Scenario
 from railhil.scenarios.parameters import ParameterSet, load_parameters
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.systems.ato.batch import run_batch
+from railhil.systems.ato.scenario.model import Scenario
 from railhil.tuning.document import document
 from railhil.tuning.objective import OVERSPEED, TERM_MAX, Scale, objective, run_cost
 from railhil.tuning.search import Box, Found, Protocol, search

@@ -20,10 +20,10 @@ from railhil.controller_node import laws
 from railhil.judge.criteria import ATO_CRITERIA, STOP_ERROR
 from railhil.judge.folder import code_sha256
 from railhil.scenarios.load import load
-from railhil.scenarios.model import Scenario
 from railhil.scenarios.parameters import ParameterSet, load_parameters
 from railhil.scenarios.run_spec import LawSpec
 from railhil.systems.ato.batch import run_batch
+from railhil.systems.ato.scenario.model import Scenario
 from railhil.tuning import __main__ as tool
 from railhil.tuning.command import seed_list
 from railhil.tuning.evaluation import Evaluation, better, evaluate, quantiles, worse

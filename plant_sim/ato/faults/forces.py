@@ -29,7 +29,7 @@ from railhil.plant_sim.ato.plant import NOTCH_LSB_PER_NOTCH
 from railhil.plant_sim.ato.train_checks import OwnChecks
 from railhil.plant_sim.faults.injections import Injections
 from railhil.plant_sim.forces import TrainConstants, effort_limit_n
-from railhil.scenarios.model import Scenario, Train
+from railhil.systems.ato.scenario.model import Scenario, Train
 from railhil.wire.ato import WatchCause
 
 #: Rotating mass as a share of the mass, for a train whose data has less.

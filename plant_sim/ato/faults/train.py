@@ -19,8 +19,8 @@ from railhil.plant_sim.ato.train import TrainOnBus
 from railhil.plant_sim.faults.injections import Injections, MotionEvents
 from railhil.plant_sim.faults.mismatch import Mismatch
 from railhil.plant_sim.faults.readings import FaultyReader, FaultySensor, UnreadBalise, quantity_of
-from railhil.scenarios.model import Balise, Scenario
-from railhil.scenarios.perturb import perturbed
+from railhil.systems.ato.scenario.model import Balise, Scenario
+from railhil.systems.ato.scenario.perturb import perturbed
 from railhil.wire.ato import BalisePassed, CtlMode, NotchCmd, SpeedSdt, TrnPos, TrnSpeed
 
 #: Modes of the controller as events.

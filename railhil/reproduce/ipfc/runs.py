@@ -15,8 +15,8 @@ from railhil.report.recorded import Curves
 from railhil.report.recorded import curves as recorded_curves
 from railhil.reproduce.paper import Entry, Results, read_text
 from railhil.scenarios.load import load
-from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.systems.ato.scenario.model import Scenario
 
 SCENARIO = "lvshun_tieshan"
 #: The equations as they are, and the fixed point of the paper's TMS320F28335.

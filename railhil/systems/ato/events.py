@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from railhil.bus.layout import FLAG_TRUE
 from railhil.judge.events.declared import Interlocks, Received, Watch
-from railhil.scenarios.model import Scenario
+from railhil.systems.ato.scenario.model import Scenario
 from railhil.wire.ato import CtlMode, NotchCmd, PltStat, TrnPos, TrnSpeed, TrnWatch
 
 _NOTCH_LSB_PER_NOTCH = 256

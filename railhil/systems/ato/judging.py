@@ -17,9 +17,9 @@ from railhil.record.status import WRAP_FAILURE
 from railhil.record.trace import FloatArray, Trace
 from railhil.report.deviations import deviations
 from railhil.report.recorded import RecordedRun, wanted_mps
-from railhil.scenarios.model import Scenario
 from railhil.scenarios.system import system_named
 from railhil.systems.ato.events import INTERLOCKS, WATCHES, received
+from railhil.systems.ato.scenario.model import Scenario
 from railhil.wire.ato import CtlStat, NotchCmd, SimTruth, TrkInfo, TrnPos, TrnSpeed
 
 #: The shipped law that knows the train's position.

@@ -15,8 +15,8 @@ from railhil.record.notes import ReportedNote
 from railhil.report.display_columns import ERROR
 from railhil.report.recorded import Curves, RecordedRun, curves
 from railhil.report.styles import Style, styles
-from railhil.scenarios.model import Scenario
-from railhil.scenarios.target import Target
+from railhil.systems.ato.scenario.model import Scenario
+from railhil.systems.ato.scenario.target import Target
 
 _POINTS = 800
 #: Half height of the chart of the stop, m: minimum and maximum.

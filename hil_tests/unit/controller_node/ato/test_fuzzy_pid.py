@@ -19,8 +19,8 @@ from railhil.controller_node.ato.laws.fuzzy_pid import FuzzyPid, FuzzyPidState
 from railhil.controller_node.laws.base import LawInputs
 from railhil.scenarios.load import load
 from railhil.scenarios.parameters import ParameterSet
-from railhil.scenarios.perturb import perturbed
 from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.systems.ato.scenario.perturb import perturbed
 
 SCENARIO = load("lvshun_tieshan")
 DEFAULT = FuzzyPidParameters()

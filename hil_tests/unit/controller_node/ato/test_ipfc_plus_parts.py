@@ -25,9 +25,9 @@ from railhil.controller_node.ato.loop import ControlLoop
 from railhil.controller_node.ato.pfc_model import InternalModel
 from railhil.controller_node.laws.base import BaliseReading, TrackInputs
 from railhil.scenarios.load import load
-from railhil.scenarios.model import Scenario
-from railhil.scenarios.perturb import perturbed
 from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.systems.ato.scenario.model import Scenario
+from railhil.systems.ato.scenario.perturb import perturbed
 
 WORN = load("lvshun_tieshan_worn_wheels")
 TABLE = compute_constants(IpfcPlusParameters(), WORN)

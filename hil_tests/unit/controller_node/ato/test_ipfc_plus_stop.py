@@ -27,8 +27,8 @@ from railhil.controller_node.program.ranges import analyse_law
 from railhil.controller_node.program.record import record
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.scenarios.target import Target
 from railhil.systems.ato.batch import run_batch
+from railhil.systems.ato.scenario.target import Target
 
 LAW = stopping.LAW
 WORN = load("lvshun_tieshan_worn_wheels")

@@ -14,8 +14,8 @@ from railhil.controller_node.arithmetic import make
 from railhil.controller_node.ato.setpoint import SetPoints
 from railhil.controller_node.laws.base import SPEED_Q
 from railhil.scenarios.load import load
-from railhil.scenarios.model import TargetCurve
-from railhil.scenarios.target import Target
+from railhil.systems.ato.scenario.model import TargetCurve
+from railhil.systems.ato.scenario.target import Target
 
 SCENARIO = load("lvshun_tieshan")
 TARGET = Target(SCENARIO.target)

@@ -12,7 +12,7 @@ import pytest
 from railhil.controller_node.ato import plausibility
 from railhil.controller_node.ato.plausibility import Motion, MotionLimits, found
 from railhil.scenarios.load import load
-from railhil.scenarios.model import Effort
+from railhil.systems.ato.scenario.model import Effort
 from railhil.wire.ato import CtlCause
 
 SCENARIO = load("lvshun_tieshan")

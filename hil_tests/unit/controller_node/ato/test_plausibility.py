@@ -12,7 +12,7 @@ from railhil.controller_node.ato.odometer import Odometer
 from railhil.controller_node.ato.plausibility import MotionLimits
 from railhil.controller_node.ato.speed_watch import SpeedWatchLevel
 from railhil.scenarios.load import load
-from railhil.scenarios.model import Effort
+from railhil.systems.ato.scenario.model import Effort
 from railhil.wire.ato import CtlCause, TrkInfo, TrnPos, TrnSpeed
 
 SCENARIO = load("lvshun_tieshan")

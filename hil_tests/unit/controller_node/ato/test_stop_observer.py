@@ -21,8 +21,8 @@ from railhil.controller_node.ato.stop_observer_design import (
     stop_observer_gains,
 )
 from railhil.scenarios.load import load
-from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.systems.ato.scenario.model import Scenario
 
 LAW = "ipfc_plus_stop"
 WORN = load("lvshun_tieshan_worn_wheels")

@@ -16,7 +16,7 @@ from railhil.plant_sim.ato.command_watch import (
     watch_step,
     watch_ticks,
 )
-from railhil.scenarios.model import WatchLimits
+from railhil.systems.ato.scenario.model import WatchLimits
 
 TICK_NS = 10_000_000
 LIMITS = WatchLimits()

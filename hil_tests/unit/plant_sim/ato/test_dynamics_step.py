@@ -17,7 +17,7 @@ from railhil.plant_sim.ato import dynamics
 from railhil.plant_sim.ato.dynamics import FREE, Motion, Step, Window
 from railhil.plant_sim.forces import EffortLimit, GradeTable, TrainConstants
 from railhil.scenarios.load import load
-from railhil.scenarios.model import Effort
+from railhil.systems.ato.scenario.model import Effort
 
 LEVEL = GradeTable((0.0,), (0.0,), (0.0,))
 WIDE = EffortLimit(1e9, inf, (), ())

@@ -11,7 +11,7 @@ from railhil.faults.model import Fault
 from railhil.plant_sim.ato.command_watch import CommandWatchLevel
 from railhil.plant_sim.ato.faults.train import FaultyTrain
 from railhil.plant_sim.ato.plant import Plant
-from railhil.scenarios.model import Scenario
+from railhil.systems.ato.scenario.model import Scenario
 from railhil.wire.ato import WatchCause
 
 TRAIN = SCENARIO.train

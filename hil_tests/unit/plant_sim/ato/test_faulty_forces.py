@@ -15,7 +15,7 @@ from railhil.plant_sim.ato.faults.drive import capped, shared
 from railhil.plant_sim.ato.faults.forces import Allowed, Demand, FaultyForces, FeltChecks
 from railhil.plant_sim.faults.injections import Injections
 from railhil.plant_sim.force_tables import train_constants
-from railhil.scenarios.model import Effort
+from railhil.systems.ato.scenario.model import Effort
 from railhil.wire.ato import WatchCause
 
 TICK_NS, TICK_S = 100_000_000, 0.1

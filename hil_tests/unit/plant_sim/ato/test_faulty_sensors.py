@@ -12,7 +12,7 @@ from railhil.faults.model import Fault
 from railhil.faults.sensors import Quantity, Reading
 from railhil.plant_sim.faults.injections import Injections
 from railhil.plant_sim.faults.readings import FaultyReader, FaultySensor, UnreadBalise, quantity_of
-from railhil.scenarios.model import Balise
+from railhil.systems.ato.scenario.model import Balise
 from railhil.wire.ato import TrnSpeed
 
 QUANTITY = Quantity(100.0, -1000, 999)

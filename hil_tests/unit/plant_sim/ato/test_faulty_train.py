@@ -16,8 +16,8 @@ from railhil.plant_sim.ato.command_watch import CommandWatchLevel
 from railhil.plant_sim.ato.plant import Plant
 from railhil.plant_sim.faults.mismatch import Mismatch
 from railhil.scenarios.load import load_any
-from railhil.scenarios.model import Balise
 from railhil.systems.ato import ATO
+from railhil.systems.ato.scenario.model import Balise
 from railhil.wire.ato import BalisePassed, TrnPos, TrnSpeed, WatchCause
 
 TRAIN = SCENARIO.train

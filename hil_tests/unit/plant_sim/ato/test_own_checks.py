@@ -24,7 +24,7 @@ from railhil.plant_sim.ato.train_checks import (
 )
 from railhil.plant_sim.force_tables import train_constants
 from railhil.scenarios.load import load
-from railhil.scenarios.model import Effort
+from railhil.systems.ato.scenario.model import Effort
 from railhil.wire.ato import WatchCause
 
 SCENARIO = load("lvshun_tieshan")

@@ -11,8 +11,8 @@ from railhil.plant_sim.ato.events import PlantEvent
 from railhil.plant_sim.ato.plant import Plant, PlantError
 from railhil.plant_sim.ato.status import TrainStatus
 from railhil.scenarios.load import load
-from railhil.scenarios.model import Balise, Scenario
-from railhil.scenarios.perturb import perturbed
+from railhil.systems.ato.scenario.model import Balise, Scenario
+from railhil.systems.ato.scenario.perturb import perturbed
 
 NOMINAL = load("lvshun_tieshan")
 QUIET = replace(NOMINAL, sensors=replace(NOMINAL.sensors, speed_noise_sigma_mps=0.0))

@@ -15,7 +15,7 @@ from railhil.plant_sim import force_tables, forces
 from railhil.plant_sim.ato import dynamics
 from railhil.plant_sim.ato.dynamics import FREE, Motion, Window
 from railhil.scenarios.load import load
-from railhil.scenarios.model import Effort, Profile, Train
+from railhil.systems.ato.scenario.model import Effort, Profile, Train
 
 TICK_S = 0.01
 TRAIN = load("lvshun_tieshan").train

@@ -10,10 +10,10 @@ import pytest
 from railhil.plant_sim.ato.events import PlantEvent
 from railhil.plant_sim.ato.plant import Plant
 from railhil.scenarios.load import load
-from railhil.scenarios.model import Scenario
-from railhil.scenarios.perturb import perturbed
-from railhil.scenarios.profiles import MeanGrade
-from railhil.scenarios.target import Target
+from railhil.systems.ato.scenario.model import Scenario
+from railhil.systems.ato.scenario.perturb import perturbed
+from railhil.systems.ato.scenario.profiles import MeanGrade
+from railhil.systems.ato.scenario.target import Target
 
 NS_PER_S = 1_000_000_000
 POLL_S = 0.02

@@ -11,10 +11,10 @@ import pytest
 
 from hil_tests.support.paths import TEST_DATA
 from railhil.plant_sim.ato.running_time import CELL_M, CannotMove, flat_out_run, running_time_s
-from railhil.scenarios.importers.railtoolkit import load_line, load_train
 from railhil.scenarios.load import load
-from railhil.scenarios.model import Effort, Line, Train, profile_value
-from railhil.scenarios.profiles import front_speed_limit
+from railhil.systems.ato.scenario.importers.railtoolkit import load_line, load_train
+from railhil.systems.ato.scenario.model import Effort, Line, Train, profile_value
+from railhil.systems.ato.scenario.profiles import front_speed_limit
 
 DATA = TEST_DATA / "railtoolkit"
 #: The published times come from an explicit 20 m step and carry up to 0.58 % of step error.

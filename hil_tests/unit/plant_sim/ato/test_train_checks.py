@@ -18,9 +18,9 @@ from railhil.plant_sim.ato.train import TrainOnBus
 from railhil.plant_sim.ato.train_checks import OwnChecks, is_beyond_authority, train_checks
 from railhil.plant_sim.force_tables import train_constants
 from railhil.scenarios.load import load
-from railhil.scenarios.model import Scenario
-from railhil.scenarios.perturb import perturbed
 from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.systems.ato.scenario.model import Scenario
+from railhil.systems.ato.scenario.perturb import perturbed
 from railhil.wire.ato import NotchCmd, WatchCause
 
 SCENARIO = load("lvshun_tieshan")

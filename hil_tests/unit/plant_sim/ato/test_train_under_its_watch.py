@@ -11,7 +11,7 @@ from railhil.plant_sim.ato.command_watch import CommandWatchLevel
 from railhil.plant_sim.ato.events import PlantEvent
 from railhil.plant_sim.ato.plant import Plant
 from railhil.scenarios.load import load
-from railhil.scenarios.model import Line
+from railhil.systems.ato.scenario.model import Line
 from railhil.wire.ato import WatchCause
 
 TICK_S = 0.01

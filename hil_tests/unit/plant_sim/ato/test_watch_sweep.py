@@ -15,7 +15,7 @@ from railhil.plant_sim.ato.command_watch import (
     watch_step,
     watch_ticks,
 )
-from railhil.scenarios.model import WatchLimits
+from railhil.systems.ato.scenario.model import WatchLimits
 from railhil.wire.ato import WatchCause
 
 LIMITS = WatchTicks(2, 4, 7, 11)

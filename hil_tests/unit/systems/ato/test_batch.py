@@ -27,13 +27,13 @@ from railhil.controller_node.ato.loop import ControlLoop
 from railhil.controller_node.program.tracer import Tracer
 from railhil.plant_sim.ato.sensors import AxleSensors
 from railhil.scenarios.load import load
-from railhil.scenarios.model import Balise
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.systems.ato.batch import kernel, run_batch
 from railhil.systems.ato.batch.digest import trace_digest
 from railhil.systems.ato.batch.engine import Engine
 from railhil.systems.ato.batch.lanes import LANES
 from railhil.systems.ato.batch.noise import standard_noise
+from railhil.systems.ato.scenario.model import Balise
 
 SCENARIOS = (
     "lvshun_tieshan",

@@ -14,11 +14,11 @@ from railhil.batch.nodes import batch_of
 from railhil.bench import direct_run, local_run, unrecorded_run
 from railhil.common.errors import InputError
 from railhil.scenarios.load import load, load_any
-from railhil.scenarios.model import Effort, Scenario, Uniform
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.study.perturbed_runs import FIRST_SEED, run_seeds
 from railhil.systems.ato.batch import run_batch
 from railhil.systems.ato.batch.digest import trace_digest
+from railhil.systems.ato.scenario.model import Effort, Scenario, Uniform
 
 
 def braked() -> Scenario:

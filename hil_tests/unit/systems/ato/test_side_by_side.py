@@ -10,13 +10,13 @@ import pytest
 
 from railhil.batch import Case
 from railhil.scenarios.load import load
-from railhil.scenarios.model import Scenario
 from railhil.systems.ato.batch import lanes
 from railhil.systems.ato.batch.engine import Engine
 from railhil.systems.ato.batch.kernel import run_period, stand_to_the_end
 from railhil.systems.ato.batch.lanes import LANES
 from railhil.systems.ato.batch.layout import READ_ENDED, Common
 from railhil.systems.ato.batch.setup import Trains, trains
+from railhil.systems.ato.scenario.model import Scenario
 
 #: Two blocks, and one that is nearly empty.
 COUNT = 2 * LANES + 3

@@ -8,7 +8,7 @@ from typing import Any
 
 from railhil.batch import compiled
 from railhil.common.compilable import larger, smaller
-from railhil.scenarios.target import time_in_piece_s
+from railhil.systems.ato.scenario.target import time_in_piece_s
 
 
 @compiled.part

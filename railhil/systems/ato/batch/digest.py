@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from railhil.batch.case import Ints
 from railhil.record.trace import Trace
-from railhil.scenarios.model import Scenario
+from railhil.systems.ato.scenario.model import Scenario
 from railhil.wire.ato import NotchCmd
 
 #: Hexadecimal digits of a digest.

@@ -27,8 +27,8 @@ from railhil.controller_node.program.leaves import leaves, like
 from railhil.controller_node.program.model import Program
 from railhil.controller_node.program.ranges import Ranges, analyse_law
 from railhil.controller_node.program.record import record
-from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec
+from railhil.systems.ato.scenario.model import Scenario
 
 #: Kind of text for each arithmetic that has one.
 _FAMILIES = {"iq": FIXED, "float64": FLOAT64, "float32": FLOAT32}

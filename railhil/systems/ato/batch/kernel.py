@@ -26,10 +26,10 @@ from railhil.plant_sim.ato.command_watch import (
 )
 from railhil.plant_sim.ato.dynamics import lag
 from railhil.plant_sim.ato.plant import SLIVER_TICKS
-from railhil.scenarios import target
 from railhil.systems.ato.batch import curve, lanes, layout, rows, side_by_side, train
 from railhil.systems.ato.batch import lanes as at
 from railhil.systems.ato.batch.lanes import LANES
+from railhil.systems.ato.scenario import target
 
 #: Sources of the machine code.
 _LOOPS = (curve, lanes, layout, rows, side_by_side, train)

@@ -23,20 +23,20 @@ from railhil.plant_sim.faults.mismatch import Mismatch
 from railhil.plant_sim.faults.plants import constant_mismatches
 from railhil.plant_sim.forces import EffortLimit
 from railhil.run.coupled import coupled_schedule
-from railhil.scenarios.model import Effort, Scenario
-from railhil.scenarios.perturb import unit_draws, with_draws
-from railhil.scenarios.profiles import front_speed_limit
-from railhil.scenarios.target import Target
 from railhil.systems.ato.batch import lanes as at
 from railhil.systems.ato.batch.layout import Common, PerTrain
+from railhil.systems.ato.scenario.model import Effort, Scenario
+from railhil.systems.ato.scenario.perturb import unit_draws, with_draws
+from railhil.systems.ato.scenario.profiles import front_speed_limit
+from railhil.systems.ato.scenario.target import Target
 from railhil.wire.ato import CtlStat, NotchCmd, SimTruth, TrnPos
 
 Ints: TypeAlias = NDArray[np.int64]
 
 
 class TargetPieces(NamedTuple):
-    """Pieces of a target curve as arrays, as :class:`railhil.scenarios.target.Target` computes them; ``moving``:
-    pieces that begin before the stop."""
+    """Pieces of a target curve as arrays, as :class:`~railhil.systems.ato.scenario.target.Target` computes them;
+    ``moving``: pieces that begin before the stop."""
 
     time_s: Any
     accel_mps2: Any

@@ -7,7 +7,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from railhil.scenarios.model import Effort, Train
+from railhil.systems.ato.scenario.model import Effort, Train
 
 Floats: TypeAlias = NDArray[np.float64]
 

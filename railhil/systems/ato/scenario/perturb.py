@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from railhil.common.errors import InputError, Words
 from railhil.scenarios import streams
-from railhil.scenarios.model import AnyScenario, Balise, Line, Scenario, Sensors, Timing, Train, Uniform
+from railhil.scenarios.model import Timing
+from railhil.systems.ato.scenario.model import Balise, Line, Scenario, Sensors, Train, Uniform
 
 
 class _Draws:
@@ -26,17 +26,6 @@ class _Draws:
     def between(self, bounds: Uniform | None, nominal: float) -> Any:
         unit = next(self._units)
         return nominal if bounds is None else bounds.low + (bounds.high - bounds.low) * unit
-
-
-def require_perturbations(scenario: AnyScenario, key: str) -> None:
-    """Refuse perturbed runs of a scenario without distributions: they would all be nominal.
-
-    :param key: the option or command that requests them.
-    :raises InputError: there is nothing to draw.
-    """
-    if not scenario.can_be_perturbed:
-        found = Words(f"the scenario {scenario.name}, which has nothing to draw (no [perturbations])")
-        raise InputError("command line", key, found, "a scenario that says what is drawn, in which range")
 
 
 #: Number of draws per run, not counting one for each balise.

@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from itertools import pairwise
 
 import numpy as np
 
-from railhil.common.errors import InputError, Words
+from railhil.common.errors import Words
 from railhil.dbc import Contract
 from railhil.faults.truth import HOLE_MAX_S
-from railhil.scenarios import model
-from railhil.scenarios.effort import force_limit_n
-from railhil.scenarios.profiles import front_speed_limit
-from railhil.scenarios.schema import PORTS
-from railhil.scenarios.target import Target
-
-#: Raises nothing itself: builds the error for a key path (keys, found, allowed).
-Refuse = Callable[[tuple[str | int, ...], object, str], InputError]
+from railhil.scenarios.model import Timing
+from railhil.scenarios.validation import Refuse
+from railhil.systems.ato.scenario import model
+from railhil.systems.ato.scenario.effort import force_limit_n
+from railhil.systems.ato.scenario.profiles import front_speed_limit
+from railhil.systems.ato.scenario.schema import PORTS
+from railhil.systems.ato.scenario.target import Target
 
 #: The target curve must reach the planned distance and time this closely (rounded hand-made nodes still
 #: pass).
@@ -63,7 +61,7 @@ def check_tables(train: model.Train, line: model.Line, refuse: Refuse) -> None:
         raise refuse(("train", "inertial_mass_t"), found, "at least mass_t")
 
 
-def check_timing(timing: model.Timing, perturbations: model.Perturbations, refuse: Refuse) -> None:
+def check_timing(timing: Timing, perturbations: model.Perturbations, refuse: Refuse) -> None:
     """Whole multiples of the base tick, loop delay below its hard limit and below the control period."""
     tick_ns = timing.base_tick_ns
     if tick_ns <= 0:
@@ -110,9 +108,7 @@ def check_watch(watch: model.WatchLimits, refuse: Refuse) -> None:
             raise refuse(("watch", after), getattr(watch, after), f"more than {before} = {getattr(watch, before)}")
 
 
-def check_periods(
-    timing: model.Timing, watch: model.WatchLimits, sdt: bool, contract: Contract, refuse: Refuse
-) -> None:
+def check_periods(timing: Timing, watch: model.WatchLimits, sdt: bool, contract: Contract, refuse: Refuse) -> None:
     """No telegram of a healthy run is older than a watch allows, and a safe command comes with its command."""
     tick_ns = timing.base_tick_ns
     usual = {port.name: port.period_ns for port in contract.ports}

@@ -22,7 +22,7 @@ from numpy import maximum, minimum, sqrt
 from numpy.typing import ArrayLike, NDArray
 
 from railhil.common.compilable import chosen, compilable, every
-from railhil.scenarios.model import TargetCurve
+from railhil.systems.ato.scenario.model import TargetCurve
 
 Floats: TypeAlias = NDArray[np.float64]
 
@@ -66,7 +66,7 @@ def time_in_piece_s(distance_m: Any, longest_s: Any, speed_mps: Any, accel_mps2:
 
 
 class Target:
-    """Evaluates one :class:`~railhil.scenarios.model.TargetCurve`.
+    """Evaluates one :class:`~railhil.systems.ato.scenario.model.TargetCurve`.
 
     Times are seconds from departure, scalar or array of any shape; results are m/s2, m/s, m of the same
     shape. ``stop_time_s`` is the first time after departure at which the speed falls to zero,

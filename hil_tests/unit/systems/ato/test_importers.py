@@ -13,14 +13,14 @@ import pytest
 
 from hil_tests.support.paths import TEST_DATA
 from railhil.common.errors import InputError
-from railhil.scenarios.effort import force_limit_n, resistance_n
-from railhil.scenarios.importers import railtoolkit, ttobench
-from railhil.scenarios.importers.section import Stop, StopLine
 from railhil.scenarios.layers import DATA
 from railhil.scenarios.load import load
-from railhil.scenarios.model import Balise, Line, Train, profile_value
-from railhil.scenarios.profiles import MeanGrade, front_speed_limit
-from railhil.scenarios.target import Target
+from railhil.systems.ato.scenario.effort import force_limit_n, resistance_n
+from railhil.systems.ato.scenario.importers import railtoolkit, ttobench
+from railhil.systems.ato.scenario.importers.section import Stop, StopLine
+from railhil.systems.ato.scenario.model import Balise, Line, Train, profile_value
+from railhil.systems.ato.scenario.profiles import MeanGrade, front_speed_limit
+from railhil.systems.ato.scenario.target import Target
 
 RAILTOOLKIT = TEST_DATA / "railtoolkit"
 TTOBENCH = DATA / "sources" / "yizhuang_line" / "CN_Songjiazhuang_Yizhuang.json"

@@ -1,17 +1,13 @@
-"""From checked file tables (units as written) to :mod:`railhil.scenarios.model` (SI units)."""
+"""From checked file tables (units as written) to :mod:`.model` (SI units)."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
-from railhil.common.errors import InputError, Words
-from railhil.scenarios import model, schema
-from railhil.scenarios.generate import CurveLimits
-from railhil.scenarios.importers import railtoolkit, ttobench
-from railhil.scenarios.importers.section import Stop, StopLine
-
-#: Raises :class:`InputError` for a key of the scenario: (keys, found, allowed).
-Refuse = Callable[[tuple[str | int, ...], object, str], InputError]
+from railhil.common.errors import Words
+from railhil.scenarios.validation import Refuse
+from railhil.systems.ato.scenario import model, schema
+from railhil.systems.ato.scenario.generate import CurveLimits
+from railhil.systems.ato.scenario.importers import railtoolkit, ttobench
+from railhil.systems.ato.scenario.importers.section import Stop, StopLine
 
 
 def effort(table: schema.EffortTable) -> model.Effort:
@@ -135,21 +131,6 @@ def plan(table: schema.PlanTable, running_time_s: float) -> model.RunPlan:
         stop_error_max_m=table.stop_error_max_m,
         time_error_max_s=table.time_error_max_s,
         overtime_max_s=table.overtime_max_s,
-    )
-
-
-def nanoseconds(period_ms: float) -> int:
-    """Whole nanoseconds of a period in ms (a 3.2 ms tick is exactly 3 200 000 ns)."""
-    return round(period_ms * 1e6)
-
-
-def timing(table: schema.TimingTable) -> model.Timing:
-    """Ticks and periods in ns."""
-    return model.Timing(
-        base_tick_ns=nanoseconds(table.base_tick_ms),
-        control_period_ns=nanoseconds(table.control_period_ms),
-        loop_delay_s=table.loop_delay_s,
-        port_period_ns={port: nanoseconds(period) for port, period in sorted(table.port_period_ms.items())},
     )
 
 

@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from railhil.scenarios.load import load
-from railhil.scenarios.model import TargetCurve
-from railhil.scenarios.target import Target, target_of, time_in_piece_s
+from railhil.systems.ato.scenario.model import TargetCurve
+from railhil.systems.ato.scenario.target import Target, target_of, time_in_piece_s
 
 TRIANGLE = TargetCurve(((0.0, 0.0), (10.0, 1.0), (20.0, -1.0), (30.0, -1.0)))
 

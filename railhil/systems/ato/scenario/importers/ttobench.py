@@ -15,9 +15,9 @@ from pydantic import BaseModel, ConfigDict, Field, Strict
 
 from railhil.common.errors import InputError, Words
 from railhil.common.user_files import given_text
-from railhil.scenarios.importers.section import Stop, StopLine
-from railhil.scenarios.model import Line, Profile
 from railhil.scenarios.validation import validated
+from railhil.systems.ato.scenario.importers.section import Stop, StopLine
+from railhil.systems.ato.scenario.model import Line, Profile
 
 VERSIONS = ("TTOBench v1.1", "TTOBench v1.2")
 

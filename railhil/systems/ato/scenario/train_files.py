@@ -9,15 +9,18 @@ from pathlib import Path
 
 from railhil.common.errors import InputError, Words
 from railhil.dbc import wire_contract
-from railhil.scenarios import check, convert, model
-from railhil.scenarios.canonical import scenario_sha256
-from railhil.scenarios.carried import check_carried, train_reaches
+from railhil.scenarios.carried import check_carried
 from railhil.scenarios.derived import with_own_words
-from railhil.scenarios.envelope import CurveError
-from railhil.scenarios.generate import fastest_time_s, generate
 from railhil.scenarios.layers import DATA, Layers
-from railhil.scenarios.schema import FAULT_TAGS, SAFE_PORTS, TRAIN_TAGS, ScenarioFile
-from railhil.scenarios.validation import Keys, dotted, validated
+from railhil.scenarios.model import PublishedScore
+from railhil.scenarios.schema import FAULT_TAGS
+from railhil.scenarios.validation import Keys, Refuse, dotted, validated
+from railhil.systems.ato.scenario import check, convert, model
+from railhil.systems.ato.scenario.canonical import scenario_sha256
+from railhil.systems.ato.scenario.envelope import CurveError
+from railhil.systems.ato.scenario.generate import fastest_time_s, generate
+from railhil.systems.ato.scenario.reaches import train_reaches
+from railhil.systems.ato.scenario.schema import SAFE_PORTS, TRAIN_TAGS, ScenarioFile
 
 _RUNS = DATA / "runs"
 
@@ -29,7 +32,7 @@ class Parts:
     file: ScenarioFile
     train: model.Train
     line: model.Line
-    refuse: convert.Refuse
+    refuse: Refuse
 
 
 def read_parts(path: Path) -> Parts:
@@ -68,7 +71,7 @@ def read_train_scenario(layers: Layers, faults_of: Callable[[], tuple[str, ...]]
     parts = _parts(layers)
     faults = faults_of()
     file, refuse = parts.file, parts.refuse
-    timing = convert.timing(file.timing)
+    timing = file.timing.in_ns()
     perturbations = convert.perturbations(file.perturbations)
     watch = convert.watch(file.watch)
     check.check_timing(timing, perturbations, refuse)
@@ -99,7 +102,7 @@ def read_train_scenario(layers: Layers, faults_of: Callable[[], tuple[str, ...]]
         watch=watch,
         safety=convert.safety(file.safety),
         perturbations=perturbations,
-        published=tuple(model.PublishedScore.of(row.model_dump()) for row in file.published),
+        published=tuple(PublishedScore.of(row.model_dump()) for row in file.published),
         assumptions=assumptions,
         faults=faults,
     )

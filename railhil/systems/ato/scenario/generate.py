@@ -1,7 +1,7 @@
 """Target speed curves for any line and train, within speed, force, acceleration and jerk limits.
 
 How it works. The fastest run with piecewise-constant acceleration is built over distance
-(:mod:`railhil.scenarios.envelope`) under the line's limits, the train's limit and one common speed cap. Its speed
+(:mod:`.envelope`) under the line's limits, the train's limit and one common speed cap. Its speed
 over time is then averaged over a window ``tau``: a moving average keeps the distance, keeps every
 acceleration within its bounds, turns piecewise-constant acceleration into piecewise-linear, and bounds the
 jerk by ``(a_max + b_max) / tau``. The cap is lowered until the running time is nearly met; the rest is a
@@ -17,8 +17,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from railhil.scenarios.effort import force_limit_n, resistance_n
-from railhil.scenarios.envelope import (
+from railhil.systems.ato.scenario.effort import force_limit_n, resistance_n
+from railhil.systems.ato.scenario.envelope import (
     CurveError,
     Piece,
     Zone,
@@ -28,8 +28,8 @@ from railhil.scenarios.envelope import (
     one_way,
     speed_knots,
 )
-from railhil.scenarios.model import Line, TargetCurve, Train
-from railhil.scenarios.profiles import Floats, MeanGrade, front_speed_limit
+from railhil.systems.ato.scenario.model import Line, TargetCurve, Train
+from railhil.systems.ato.scenario.profiles import Floats, MeanGrade, front_speed_limit
 
 #: Acceleration reserve required at the speed of a zone, so that the train can also reach that speed.
 _SPARE_MPS2 = 0.05
@@ -65,7 +65,7 @@ class CurveLimits:
 def generate(line: Line, train: Train, distance_m: float, running_time_s: float, limits: CurveLimits) -> TargetCurve:
     """A curve that stops after exactly ``distance_m`` and ``running_time_s``, starting at position 0.
 
-    Raises :class:`~railhil.scenarios.envelope.CurveError` when the running time is shorter than the fastest
+    Raises :class:`~.envelope.CurveError` when the running time is shorter than the fastest
     possible, when the train cannot climb or hold a grade, or when the distance is too short for the
     smoothing.
     """
@@ -87,7 +87,7 @@ def generate(line: Line, train: Train, distance_m: float, running_time_s: float,
 
 
 def fastest_time_s(line: Line, train: Train, distance_m: float, limits: CurveLimits) -> float:
-    """Shortest running time under the same limits. Raises :class:`~railhil.scenarios.envelope.CurveError`."""
+    """Shortest running time under the same limits. Raises :class:`~.envelope.CurveError`."""
     builder = _Builder(line, train, distance_m, limits)
     return builder.curve(builder.top_mps)[-1][0]
 

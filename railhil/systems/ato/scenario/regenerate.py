@@ -1,4 +1,5 @@
-"""Recompute the target speed curve of a scenario: ``python -m railhil.scenarios.regenerate NAME... [--write]``.
+"""Recompute the target speed curve of a scenario:
+``python -m railhil.systems.ato.scenario.regenerate NAME... [--write]``.
 
 Shipped scenarios contain the precomputed curve, so that loading is quick and the curve does not depend on the versions
 of numerical libraries. This command recomputes it from ``[target.generate]`` and prints the target file, or writes it
@@ -14,8 +15,8 @@ from pathlib import Path
 from railhil.common.errors import InputError, Words
 from railhil.scenarios.layers import DATA
 from railhil.scenarios.load import RUNS, find
-from railhil.scenarios.model import TargetCurve
-from railhil.scenarios.train_files import Parts, generated_target, read_parts
+from railhil.systems.ato.scenario.model import TargetCurve
+from railhil.systems.ato.scenario.train_files import Parts, generated_target, read_parts
 
 
 def target_file_text(parts: Parts, curve: TargetCurve) -> str:
@@ -23,7 +24,7 @@ def target_file_text(parts: Parts, curve: TargetCurve) -> str:
     limits = parts.file.target.generate
     assert limits is not None
     lines = [
-        f"# Made by: python -m railhil.scenarios.regenerate {parts.file.name} --write",
+        f"# Made by: python -m railhil.systems.ato.scenario.regenerate {parts.file.name} --write",
         "nodes_s_mps2 = [",
         *(f"    [{time_s!r}, {accel!r}]," for time_s, accel in curve.nodes),
         "]",
@@ -35,8 +36,8 @@ def target_file_text(parts: Parts, curve: TargetCurve) -> str:
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Command line; returns 0, or 2 for bad input (one line on stderr)."""
-    parser = argparse.ArgumentParser(prog="python -m railhil.scenarios.regenerate", description=__doc__.splitlines()[0])
+    """Recompute the target speed curves of scenarios."""
+    parser = argparse.ArgumentParser(prog="python -m railhil.systems.ato.scenario.regenerate", description=main.__doc__)
     parser.add_argument("scenario", nargs="+", help="shipped name or path of a scenario with [target.generate]")
     parser.add_argument("--write", action="store_true", help="write data/targets/<name>.toml instead of printing")
     options = parser.parse_args(arguments)

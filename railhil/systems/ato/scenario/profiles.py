@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from railhil.common.arrays import distinct
-from railhil.scenarios.model import Line, Profile, Train
+from railhil.systems.ato.scenario.model import Line, Profile, Train
 
 Floats: TypeAlias = NDArray[np.float64]
 

@@ -1,0 +1,1 @@
+"""The scenarios of ``ato``: train, line, target speed curve, plan and limits."""

@@ -1,0 +1,121 @@
+"""The scenarios of ``ato``: read from files, written into run folders and read back.
+
+A document has every field of :class:`.model.Scenario`, in SI units, with the names of the dataclasses.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from dataclasses import replace
+from functools import cache, partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from pydantic import BaseModel, TypeAdapter, ValidationError
+
+from railhil.common.errors import InputError, Words
+from railhil.scenarios.fault_rows import faults_of_rows
+from railhil.scenarios.keys import USUAL
+from railhil.scenarios.layers import Layers
+from railhil.scenarios.model import PublishedScore
+from railhil.scenarios.system import System
+from railhil.systems.ato.scenario.canonical import judged_sha256, scenario_sha256
+from railhil.systems.ato.scenario.model import Scenario
+
+if TYPE_CHECKING:
+    from railhil.scenarios.reference import Key
+
+_ALLOWED = "a scenario that railhil has written"
+
+
+class TrainScenarios:
+    """Scenarios of ``ato``, see :class:`railhil.scenarios.task.ScenarioKind`."""
+
+    def __init__(self, system: System) -> None:
+        self._system = system
+
+    def read(self, layers: Layers) -> Scenario:
+        # A record's scenario is complete: who reads records needs neither tables of files nor the checks of them.
+        from railhil.systems.ato.scenario.train_files import read_train_scenario
+
+        rows = layers.merged().get("fault", ())
+        faults_of = partial(faults_of_rows, rows, self._system, lambda row: layers.origin("fault", row))
+        return read_train_scenario(layers, faults_of)
+
+    def document(self, scenario: Scenario) -> dict[str, Any]:
+        return document(scenario)
+
+    def stored(self, fields: dict[str, Any], file: Path) -> Scenario:
+        scenario = scenario_of(fields, file)
+        return replace(scenario, sha256=scenario_sha256(scenario))
+
+    def judged_sha256(self, scenario: Scenario) -> str:
+        return judged_sha256(scenario)
+
+    def usual_keys(self) -> list[Key]:
+        from railhil.scenarios.reference import keys
+
+        return [key for key in keys(self.file_type) if key.name in USUAL]
+
+    @property
+    def file_type(self) -> type[BaseModel]:
+        from railhil.systems.ato.scenario.schema import ScenarioFile
+
+        return ScenarioFile
+
+
+@cache
+def _adapter() -> TypeAdapter[Scenario]:
+    return TypeAdapter(Scenario)
+
+
+def document(scenario: Scenario) -> dict[str, Any]:
+    """Every field of a scenario of ``ato``, as JSON-compatible values."""
+    return {**dataclasses.asdict(scenario), "published": [row.as_table() for row in scenario.published]}
+
+
+def scenario_of(fields: dict[str, Any], file: Path) -> Scenario:
+    """The scenario of a document; fields added after it was written have their defaults.
+
+    :param file: for the error message.
+    :raises InputError: a field is missing, unknown or of another kind.
+    """
+    try:
+        scenario = _adapter().validate_json(json.dumps(fields | {"published": _published(fields.get("published", []))}))
+    except ValidationError as error:
+        first = error.errors()[0]
+        key = ".".join(str(part) for part in first["loc"])
+        raise InputError(file, key, Words(first["msg"]), _ALLOWED) from None
+    unknown = _unknown(fields, document(scenario))
+    if unknown:
+        raise InputError(file, unknown, Words("a key that no scenario has"), _ALLOWED)
+    return scenario
+
+
+def _published(rows: object) -> object:
+    """Published rows with their values separated from the law; anything that is not such a row is left for the
+    check."""
+    if not isinstance(rows, list):
+        return rows
+    apart = []
+    for row in rows:
+        known = isinstance(row, dict) and "controller" in row
+        apart.append(dataclasses.asdict(PublishedScore.of(row)) if known else row)
+    return apart
+
+
+def _unknown(given: object, known: object, key: str = "") -> str:
+    """First key of ``given`` that is not in ``known``; empty when there is none."""
+    if isinstance(given, dict) and isinstance(known, dict):
+        for name, value in given.items():
+            inner = f"{key}.{name}".lstrip(".")
+            if name not in known:
+                return inner
+            if found := _unknown(value, known[name], inner):
+                return found
+    elif isinstance(given, list) and isinstance(known, (list, tuple)):
+        for index, (value, other) in enumerate(zip(given, known, strict=True)):
+            if found := _unknown(value, other, f"{key}.{index}"):
+                return found
+    return ""
