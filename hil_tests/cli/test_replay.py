@@ -150,6 +150,6 @@ def test_what_cannot_be_replayed_is_refused(here: Railhil, short: Path, words: l
 @pytest.mark.slow
 def test_the_plant_of_a_run_in_real_time_is_refused(here: Railhil, tmp_path: Path) -> None:
     (tmp_path / "short.toml").write_text(RUN_2M_TOML)
-    run = library.run(tmp_path / "short.toml", pace="realtime", rate=5, bus="auto", out=tmp_path / "run").folder
+    run = library.run(tmp_path / "short.toml", pace="realtime", rate=40, bus="auto", out=tmp_path / "run").folder
     assert "which answers came in time is not in the record" in complaint(here("replay", run, "--node", "plant"))
     assert here("replay", run, "--node", "controller").exit_code == 0

@@ -124,7 +124,6 @@ def test_a_controller_that_hangs_starts_anew_or_brakes(bus: str, tmp_path: Path,
     ("fault", "needs"),
     [
         ("bus off @8s for 300ms", False),
-        ("bus load 80% @8s for 1s", False),
         ("TRN_SPEED duplicate 50% copies 2 @8s for 1s", False),
         ("speed wrong 1.1 @8s", False),
         ("bus error_frames 2% @8s for 1s", True),

@@ -37,7 +37,9 @@ def energy_tolerance_kj(found: list[float]) -> float:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("arithmetic", ["iq", "float64", "float32"])
+@pytest.mark.parametrize(
+    "arithmetic", ["iq", *(pytest.param(one, marks=pytest.mark.long) for one in ("float64", "float32"))]
+)
 def test_medians_of_200_perturbed_runs(arithmetic):
     seeds = range(FIRST_SEED, FIRST_SEED + RUNS)
     found = run_seeds(load("lvshun_tieshan"), LawSpec(arithmetic=arithmetic), seeds).scores

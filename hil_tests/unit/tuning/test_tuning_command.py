@@ -143,6 +143,7 @@ def test_seed_list() -> None:
             seed_list(bad)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.loop
 def test_tune_as_a_user_runs_it(
