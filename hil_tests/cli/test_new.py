@@ -290,7 +290,10 @@ def test_a_users_test_cannot_wait_for_a_truth_that_the_system_does_not_name(
 
 @pytest.mark.slow
 @pytest.mark.loop
-@pytest.mark.parametrize(("arithmetic", "words"), [("iq", ()), ("float64", ("--bus", "local", "--no-report"))])
+@pytest.mark.parametrize(
+    ("arithmetic", "words"),
+    [pytest.param("iq", (), marks=pytest.mark.long), ("float64", ("--bus", "local", "--no-report"))],
+)
 def test_the_law_drives_the_train(law_site: Path, tmp_path: Path, arithmetic: str, words: tuple[str, ...]) -> None:
     """Over the hub and with a report, and in one process."""
     given = ("--controller", "mylaw", "--arithmetic", arithmetic, *words)

@@ -196,6 +196,7 @@ def test_two_pages_see_the_train(run):
     assert run["stats"]["rows"] > 10
 
 
+@pytest.mark.long
 def test_a_killed_server_is_found_again_and_the_page_says_so(run, chromium, tmp_path):
     words = ["panel", run["folder"], "--port"]
     page = chromium.new_page()

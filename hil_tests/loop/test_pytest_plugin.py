@@ -96,6 +96,7 @@ def test_a_suite_and_its_report(suite: pytest.Pytester) -> None:
     assert len(rows) == 1 + 3 + 4
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_over_processes_of_xdist(suite: pytest.Pytester) -> None:
     """Properties and table are those of a session in one process; folders of equal names do not meet.

@@ -188,6 +188,7 @@ def test_compare(site: Path, tmp_path: Path) -> None:
     assert rows[0]["published"] == {"error_m": 0.001, "stretch_m": 0.2}
 
 
+@pytest.mark.long
 def test_campaign_goes_through_the_nodes_and_says_so(site: Path, tmp_path: Path) -> None:
     """Its figures are those of the run over the hub with the same seed."""
     folder = tmp_path / "campaign"

@@ -53,6 +53,7 @@ def short(tmp_path):
     return path
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.loop
 def test_an_audit_from_the_command_line(short, tmp_path):

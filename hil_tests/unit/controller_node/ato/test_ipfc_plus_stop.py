@@ -136,6 +136,7 @@ def forty(law: str, **changed: float) -> BatchResult:
     return stopping.batch(WORN, law, "iq", range(1000, 1040), changed)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_better_than_ipfc_plus_in_fixed_point() -> None:
     """At the median and the 95th percentile; without the share of the survey the stop is three times as exact."""
