@@ -32,7 +32,7 @@ from railhil.controller_node.export.control import (
     Wire,
     Word,
 )
-from railhil.controller_node.export.text import wide
+from railhil.controller_node.export.text import enumeration, wide
 from railhil.controller_node.laws import load
 from railhil.controller_node.laws.base import NOTCH_Q, BaliseReading
 from railhil.controller_node.laws.note import SLOTS, slots
@@ -41,7 +41,18 @@ from railhil.controller_node.program.record import record
 from railhil.dbc import Port
 from railhil.scenarios.run_spec import LawSpec
 from railhil.systems.ato.scenario.model import Scenario
-from railhil.wire.ato import NotchCmd, NotchSdt, SpeedSdt, TrnPos, TrnSpeed
+from railhil.wire.ato import (
+    CtlCause,
+    CtlMode,
+    NotchCmd,
+    NotchSdt,
+    SpeedSdt,
+    TelemetryHeadroom,
+    TelemetryIndex,
+    TrnPos,
+    TrnSpeed,
+    WatchLevel,
+)
 
 _BALISE_WORDS = ";\n * last balise: number (0: none yet), surveyed position, odometer reading when passed (0.1 mm)"
 _ARITHMETIC = "iq"
@@ -251,6 +262,16 @@ class NotchControl(Control):
             Define("SAFE_SPEED_SID", identity(SpeedSdt.port()), "identity of its source"),
             Define("SAFE_NOTCH_SID", identity(NotchSdt.port()), "that of the source of NOTCH_SDT"),
             Define("SAFE_DATA_VERSION", str(SAFE_DATA_VERSION), "version of the data of both"),
+        ]
+
+    def tables(self) -> list[str]:
+        """Levels, causes and modes of the watch, and what CTL_STAT has without telemetry."""
+        return [
+            *enumeration(WatchLevel, "RAILHIL_"),
+            *enumeration(CtlCause, "RAILHIL_CAUSE_"),
+            *enumeration(CtlMode, "RAILHIL_MODE_"),
+            *enumeration(TelemetryIndex, "RAILHIL_TELEMETRY_INDEX_"),
+            *enumeration(TelemetryHeadroom, "RAILHIL_TELEMETRY_HEADROOM_"),
         ]
 
     def places(self, source: Source) -> dict[str, str]:

@@ -26,7 +26,6 @@ from railhil.controller_node.ato.speed_watch import (
     Finding,
     Ladder,
     Reception,
-    SpeedWatchLevel,
     SpeedWatchState,
     command,
     observe,
@@ -36,7 +35,7 @@ from railhil.controller_node.ato.track_info import TrackInfo
 from railhil.controller_node.ecan import BitCounter, MessageAge
 from railhil.dbc import wire_contract
 from railhil.systems.ato.scenario.model import Scenario
-from railhil.wire.ato import CtlCause, SpeedSdt, TrkInfo, TrnSpeed
+from railhil.wire.ato import CtlCause, SpeedSdt, TrkInfo, TrnSpeed, WatchLevel
 
 #: Raw speeds beyond this are implausible for a train on this bench (0.1 mm/s, 150 m/s).
 SPEED_MAX_01MMPS: Final = 1_500_000
@@ -106,7 +105,7 @@ class Guard:
         self._finding: Finding | None = None
 
     @property
-    def level(self) -> SpeedWatchLevel:
+    def level(self) -> WatchLevel:
         """Level of the reaction ladder."""
         return self._state.level
 
@@ -209,7 +208,7 @@ class Guard:
                 return
             del self._findings[check]
         else:
-            level = SpeedWatchLevel.EMERGENCY if is_emergency else LEVELS[cause].level
+            level = WatchLevel.EMERGENCY if is_emergency else LEVELS[cause].level
             self._findings[check] = Finding(level, cause)
         self._finding = stronger(*self._findings.values())
 

@@ -30,7 +30,7 @@ from enum import IntEnum
 from typing import Final, NamedTuple
 
 from railhil.systems.ato.scenario.model import Scenario
-from railhil.wire.ato import CtlCause
+from railhil.wire.ato import CtlCause, WatchLevel
 
 GOOD_AFTER_TRACTION_CUT: Final = 5
 GOOD_AFTER_SERVICE_BRAKE: Final = 10
@@ -45,16 +45,6 @@ _NS_PER_S: Final = 1_000_000_000
 _RECENT_MASK: Final = (1 << RECENT) - 1
 
 
-class SpeedWatchLevel(IntEnum):
-    """Level of the ladder (CTL_STAT, LadderLevel); a higher one is the stronger reaction."""
-
-    NORMAL = 0
-    HOLD = 1
-    TRACTION_CUT = 2
-    SERVICE_BRAKE = 3
-    EMERGENCY = 4
-
-
 class Reception(IntEnum):
     """Reception of TRN_SPEED since the last observation."""
 
@@ -66,11 +56,11 @@ class Reception(IntEnum):
 
 
 # A member of an enum costs as much as a call on CPython 3.11, and the watch looks at every telegram.
-_NORMAL: Final = SpeedWatchLevel.NORMAL
-_HOLD: Final = SpeedWatchLevel.HOLD
-_TRACTION_CUT: Final = SpeedWatchLevel.TRACTION_CUT
-_SERVICE_BRAKE: Final = SpeedWatchLevel.SERVICE_BRAKE
-_EMERGENCY: Final = SpeedWatchLevel.EMERGENCY
+_NORMAL: Final = WatchLevel.NORMAL
+_HOLD: Final = WatchLevel.HOLD
+_TRACTION_CUT: Final = WatchLevel.TRACTION_CUT
+_SERVICE_BRAKE: Final = WatchLevel.SERVICE_BRAKE
+_EMERGENCY: Final = WatchLevel.EMERGENCY
 _NO_TELEGRAM: Final = Reception.NONE
 _GOOD: Final = Reception.GOOD
 _BAD: Final = Reception.BAD
@@ -79,7 +69,7 @@ _BAD: Final = Reception.BAD
 class Finding(NamedTuple):
     """What a check demands besides the age of the speed: the level, and why."""
 
-    level: SpeedWatchLevel
+    level: WatchLevel
     cause: CtlCause
 
 
@@ -89,11 +79,11 @@ LEVELS = {
     cause: Finding(level, cause)
     for level, causes in (
         (
-            SpeedWatchLevel.TRACTION_CUT,
+            WatchLevel.TRACTION_CUT,
             (CtlCause.SPEED_IMPLAUSIBLE, CtlCause.SPEED_LATENCY, CtlCause.OVERRUNS),
         ),
         (
-            SpeedWatchLevel.SERVICE_BRAKE,
+            WatchLevel.SERVICE_BRAKE,
             (
                 CtlCause.POSITION_LOST,
                 CtlCause.POSITION_IMPLAUSIBLE,
@@ -103,7 +93,7 @@ LEVELS = {
                 CtlCause.BRAKE_NOT_ANSWERING,
             ),
         ),
-        (SpeedWatchLevel.EMERGENCY, (CtlCause.RUNAWAY,)),
+        (WatchLevel.EMERGENCY, (CtlCause.RUNAWAY,)),
     )
     for cause in causes
 }
@@ -160,7 +150,7 @@ class SpeedWatchState(NamedTuple):
     TRACTION_CUT (<= 0), ``returning`` while the notch returns on the ramp, ``cause`` why the level was entered.
     """
 
-    level: SpeedWatchLevel = SpeedWatchLevel.NORMAL
+    level: WatchLevel = WatchLevel.NORMAL
     good_run: int = 0
     recent: int = 0
     code: int = 0
@@ -221,7 +211,7 @@ def observe(
     return state._replace(level=level, good_run=good_run, recent=recent, kept_code=kept_code, cause=cause)
 
 
-def _may_leave(level: SpeedWatchLevel, good_run: int, standstill: bool) -> bool:
+def _may_leave(level: WatchLevel, good_run: int, standstill: bool) -> bool:
     if level is _EMERGENCY:
         # There is no reset on this bench.
         return False
@@ -234,7 +224,7 @@ def _may_leave(level: SpeedWatchLevel, good_run: int, standstill: bool) -> bool:
 
 def _by_telegrams(
     ladder: Ladder, recent: int, age_ms: int, telegram: Reception, standstill: bool
-) -> tuple[SpeedWatchLevel, CtlCause]:
+) -> tuple[WatchLevel, CtlCause]:
     """Level demanded by the speed telegrams alone, and why."""
     bad = telegram >= _BAD
     if age_ms > ladder.service_brake_ms:

@@ -12,16 +12,16 @@ from typing import Final
 
 from railhil.bus.layout import CHECK_CORRECT
 from railhil.bus.schedule import Schedule
-from railhil.controller_node.ato.speed_watch import Finding, SpeedWatchLevel
+from railhil.controller_node.ato.speed_watch import Finding
 from railhil.systems.ato.scenario.model import Scenario
-from railhil.wire.ato import CtlCause, TrkInfo
+from railhil.wire.ato import CtlCause, TrkInfo, WatchLevel
 
 #: Periods without a telegram after which the traction is cut, as in the trains of the other systems.
 CUT_PERIODS: Final = 3
 
 _NEVER_NS: Final = 1 << 62
-_CUT: Final = Finding(SpeedWatchLevel.TRACTION_CUT, CtlCause.TRACK_AGE)
-_BRAKE: Final = Finding(SpeedWatchLevel.SERVICE_BRAKE, CtlCause.TRACK_AGE)
+_CUT: Final = Finding(WatchLevel.TRACTION_CUT, CtlCause.TRACK_AGE)
+_BRAKE: Final = Finding(WatchLevel.SERVICE_BRAKE, CtlCause.TRACK_AGE)
 
 
 def ages_ns(scenario: Scenario) -> tuple[int, int]:

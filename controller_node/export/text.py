@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
+from enum import IntEnum
 from importlib.resources import files
 
 from railhil.controller_node.arithmetic.base import INT32_MIN
@@ -60,6 +61,22 @@ def literal(raw: int) -> str:
 def wide(value: int) -> str:
     """A number as int64."""
     return f"INT64_C({value})"
+
+
+def enumeration(kind: type[IntEnum], prefix: str) -> list[str]:
+    """Lines of an enumeration of the port table in C.
+
+    :param prefix: of the names of its members.
+    """
+    rows = [f"    {prefix}{member.name} = {member.value}" for member in kind]
+    return [
+        f"/* {kind.__name__} of the port table. */",
+        "enum {",
+        *(f"{row}," for row in rows[:-1]),
+        rows[-1],
+        "};",
+        "",
+    ]
 
 
 def comment(text: str) -> str:

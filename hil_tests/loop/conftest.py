@@ -5,10 +5,10 @@ from __future__ import annotations
 import pytest
 
 from hil_tests.support.health import healthy, noted_runs, pytest_runtest_setup  # noqa: F401 - fixtures, hook
-from railhil.plant_sim.ato.command_watch import CommandWatchLevel
 from railhil.plant_sim.ato.plant import Plant
 from railhil.scenarios.load import load
 from railhil.systems.ato.scenario.model import Scenario
+from railhil.wire.ato import WatchLevel
 
 
 @pytest.fixture(scope="module")
@@ -18,9 +18,9 @@ def short() -> Scenario:
 
 
 @pytest.fixture
-def train(monkeypatch: pytest.MonkeyPatch) -> list[tuple[CommandWatchLevel, float]]:
+def train(monkeypatch: pytest.MonkeyPatch) -> list[tuple[WatchLevel, float]]:
     """Level of the train's own watch and traction force at every tick of every run of the test."""
-    seen: list[tuple[CommandWatchLevel, float]] = []
+    seen: list[tuple[WatchLevel, float]] = []
     advance = Plant.advance
 
     def recorded(plant: Plant) -> None:

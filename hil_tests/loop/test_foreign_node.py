@@ -24,14 +24,13 @@ from railhil.bus.ident import CtlIdent, Role
 from railhil.bus.local import LocalBus
 from railhil.bus.mvb import F_DEVICE_STATUS, TelegramSource, check_sequence, master_frame
 from railhil.controller_node.ato.node import ControllerNode
-from railhil.controller_node.ato.speed_watch import SpeedWatchLevel
 from railhil.dbc import wire_contract
 from railhil.plant_sim.node import PlantNode
 from railhil.record.session import Session
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.systems.ato.scenario.canonical import scenario_sha256
 from railhil.systems.ato.scenario.model import Safety, Scenario
-from railhil.wire.ato import BalisePassed, CtlCause, CtlMode, NotchCmd, TrkInfo, TrnPos, TrnSpeed
+from railhil.wire.ato import BalisePassed, CtlCause, CtlMode, NotchCmd, TrkInfo, TrnPos, TrnSpeed, WatchLevel
 
 pytestmark = pytest.mark.needs_compiler
 
@@ -67,7 +66,7 @@ def test_every_law_answers_as_our_node(exported, law: str, tmp_path: Path) -> No
         c = CNode(exported(scenario, law, indexing), law)
         run = twin_run(scenario, c, tmp_path, seed=5, drawn=True, law=law, indexing=indexing)
         assert run.answers > 1000
-        assert (run.levels, run.c) == ({SpeedWatchLevel.NORMAL}, {})
+        assert (run.levels, run.c) == ({WatchLevel.NORMAL}, {})
         assert run.ended[0] == run.ended[1] >= Event.ENDED_COMPLETE
 
 
@@ -99,10 +98,10 @@ def test_a_run_after_another_in_one_control_is_as_the_first(exported, law: str, 
     scenario = short("lvshun_tieshan_worn_wheels")
     c = CNode(exported(scenario, law), law)
     for at_poll, level in (
-        (5, SpeedWatchLevel.NORMAL),
-        (9, SpeedWatchLevel.NORMAL),
-        (300, SpeedWatchLevel.NORMAL),
-        (400, SpeedWatchLevel.EMERGENCY),
+        (5, WatchLevel.NORMAL),
+        (9, WatchLevel.NORMAL),
+        (300, WatchLevel.NORMAL),
+        (400, WatchLevel.EMERGENCY),
         (0, 0),
     ):
         if at_poll:
@@ -112,7 +111,7 @@ def test_a_run_after_another_in_one_control_is_as_the_first(exported, law: str, 
             assert (c.ended, c.level) == (0, level)
         run = twin_run(scenario, c, tmp_path, seed=5, drawn=True, law=law)
         assert run.answers > 1000
-        assert (run.levels, run.c) == ({SpeedWatchLevel.NORMAL}, {})
+        assert (run.levels, run.c) == ({WatchLevel.NORMAL}, {})
         assert run.ended[0] == run.ended[1] >= Event.ENDED_COMPLETE
 
 
@@ -131,7 +130,7 @@ def test_no_single_poll_of_a_handshake_begins_afresh_in_motion(exported, tmp_pat
 
     scenario = short()
     run = twin_run(scenario, CNode(exported(scenario), "ipfc"), tmp_path, wire=wire)
-    assert (added, run.levels, run.c) == ({}, {SpeedWatchLevel.NORMAL}, {})
+    assert (added, run.levels, run.c) == ({}, {WatchLevel.NORMAL}, {})
 
 
 # -- a bus that is not healthy --------------------------------------------------------------------------------------
@@ -168,7 +167,7 @@ def test_what_is_wrong_is_used_as_little_as_by_our_node(exported, law: str, inde
         refused |= run.c.keys()
         if often == 0.3:
             assert len(wire.happened) == 9
-            assert max(run.levels) >= SpeedWatchLevel.TRACTION_CUT
+            assert max(run.levels) >= WatchLevel.TRACTION_CUT
     if often == 0.3:
         assert refused >= {
             "wrong_length", "wrong_check_sequence", "wrong_master_word", "missing_block", "duplicate", "gap",
@@ -185,14 +184,14 @@ def test_a_silent_port_is_answered_as_by_our_node(exported, silent, polls: int) 
     run = faulty_run(exported, "ipfc_plus", Faulty(1, 0.0, quiet), name="lvshun_tieshan_worn_wheels")
     if silent is TrnSpeed:
         reached = {
-            3: SpeedWatchLevel.HOLD,
-            8: SpeedWatchLevel.TRACTION_CUT,
-            25: SpeedWatchLevel.SERVICE_BRAKE,
-            80: SpeedWatchLevel.EMERGENCY,
+            3: WatchLevel.HOLD,
+            8: WatchLevel.TRACTION_CUT,
+            25: WatchLevel.SERVICE_BRAKE,
+            80: WatchLevel.EMERGENCY,
         }
         assert max(run.levels) == reached[polls]
     if silent is TrnPos:
-        assert max(run.levels) == (SpeedWatchLevel.SERVICE_BRAKE if polls == 80 else SpeedWatchLevel.NORMAL)
+        assert max(run.levels) == (WatchLevel.SERVICE_BRAKE if polls == 80 else WatchLevel.NORMAL)
 
 
 def test_speed_is_missing_at_standstill_and_while_braking(exported) -> None:
@@ -200,8 +199,8 @@ def test_speed_is_missing_at_standstill_and_while_braking(exported) -> None:
     HOLD keeps traction down and braking up."""
     missing = {*range(12, 68), *(poll for start in range(300, 1400, 40) for poll in range(start, start + 4))}
     run = faulty_run(exported, "ipfc", Faulty(1, 0.0, {TrnSpeed.port().address: missing}))
-    assert SpeedWatchLevel.HOLD in run.levels
-    assert SpeedWatchLevel.EMERGENCY not in run.levels
+    assert WatchLevel.HOLD in run.levels
+    assert WatchLevel.EMERGENCY not in run.levels
 
 
 @pytest.mark.parametrize(
@@ -219,11 +218,11 @@ def test_a_limit_that_is_no_longer_told_is_no_limit(exported, how: dict[str, int
         return dataclasses.replace(info, **how) if how else None
 
     levels, _ = driven(exported, [100_000 + 30 * (tick % 3) for tick in range(260)], track=track)
-    cut, brake = levels.index(SpeedWatchLevel.TRACTION_CUT), levels.index(SpeedWatchLevel.SERVICE_BRAKE)
+    cut, brake = levels.index(WatchLevel.TRACTION_CUT), levels.index(WatchLevel.SERVICE_BRAKE)
     # The last one is of tick 16.
     assert (cut, brake) == (16 + 48 + 1, 16 + short().watch.emergency_ms // 10 + 1)
-    assert levels[:cut] == [SpeedWatchLevel.NORMAL] * cut
-    assert (levels[191], levels[259]) == (SpeedWatchLevel.SERVICE_BRAKE, SpeedWatchLevel.NORMAL)
+    assert levels[:cut] == [WatchLevel.NORMAL] * cut
+    assert (levels[191], levels[259]) == (WatchLevel.SERVICE_BRAKE, WatchLevel.NORMAL)
 
 
 def test_control_periods_left_out_are_counted(exported) -> None:
@@ -236,22 +235,22 @@ def test_standing_train_leaves_the_service_brake_at_once(exported) -> None:
     """A standing train is no emergency, however long its speed is missing, and the first speed ends the brake; a moving
     one needs ten good in a row, and stays in emergency."""
     standing, _ = driven(exported, [0] * 50 + [None] * 100 + [0] * 4)
-    assert max(standing) == standing[149] == SpeedWatchLevel.SERVICE_BRAKE
-    assert standing[150] == SpeedWatchLevel.NORMAL
+    assert max(standing) == standing[149] == WatchLevel.SERVICE_BRAKE
+    assert standing[150] == WatchLevel.NORMAL
     braked, _ = driven(exported, [20_000] * 50 + [None] * 35 + [20_000] * 20)
-    assert [braked.index(SpeedWatchLevel.SERVICE_BRAKE), braked[93], braked[94]] == [
+    assert [braked.index(WatchLevel.SERVICE_BRAKE), braked[93], braked[94]] == [
         70,
-        SpeedWatchLevel.SERVICE_BRAKE,
-        SpeedWatchLevel.NORMAL,
+        WatchLevel.SERVICE_BRAKE,
+        WatchLevel.NORMAL,
     ]
     moving, _ = driven(exported, [20_000] * 50 + [None] * 100 + [20_000] * 50)
-    assert moving[-1] == SpeedWatchLevel.EMERGENCY
+    assert moving[-1] == WatchLevel.EMERGENCY
 
 
 @pytest.mark.parametrize(
-    ("bad", "level"), [((300, 304, 309), SpeedWatchLevel.TRACTION_CUT), ((300, 304, 310), SpeedWatchLevel.HOLD)]
+    ("bad", "level"), [((300, 304, 309), WatchLevel.TRACTION_CUT), ((300, 304, 310), WatchLevel.HOLD)]
 )
-def test_three_bad_speeds_count_within_ten(exported, bad: tuple[int, ...], level: SpeedWatchLevel) -> None:
+def test_three_bad_speeds_count_within_ten(exported, bad: tuple[int, ...], level: WatchLevel) -> None:
     """The third bad one in the last ten cuts traction, the third in eleven does not."""
     speeds = 0
 
@@ -270,7 +269,7 @@ def test_three_bad_speeds_count_within_ten(exported, bad: tuple[int, ...], level
 @pytest.mark.parametrize("choice", [choice for choice, _ in TIME_ATTACKS], ids=lambda choice: choice.__name__)
 def test_replayed_and_forged_times_are_refused_as_by_our_node(exported, choice: Choice) -> None:
     run = faulty_run(exported, "ipfc", TimeAttack(512, choice))
-    assert max(run.levels) == SpeedWatchLevel.EMERGENCY
+    assert max(run.levels) == WatchLevel.EMERGENCY
     assert any(cause.startswith("time_") for cause in run.c)
 
 
@@ -278,7 +277,7 @@ def test_silence_of_all_ports_is_bridged_by_polls_and_time_sync(exported) -> Non
     ids = [can_id for port in wire_contract().ports if port.source == "plant" for can_id in port.can_ids]
     quiet = {can_id: range(200, 300) for can_id in ids}
     run = faulty_run(exported, "ipfc", Faulty(1, 0.0, quiet))
-    assert max(run.levels) == SpeedWatchLevel.EMERGENCY
+    assert max(run.levels) == WatchLevel.EMERGENCY
 
 
 # -- a controller that comes late ---------------------------------------------------------------------------------
@@ -363,6 +362,6 @@ def test_the_safe_channel_is_that_of_our_node(exported, often: float, tmp_path: 
         assert run.ended[0] == run.ended[1]
         refused |= run.c.keys()
     if not often:
-        assert (run.levels, run.c) == ({SpeedWatchLevel.NORMAL}, {})
+        assert (run.levels, run.c) == ({WatchLevel.NORMAL}, {})
     if often == 0.1:
         assert {"safe_crc", "safe_duplicate", "safe_out_of_sequence"} <= refused

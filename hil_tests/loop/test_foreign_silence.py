@@ -13,7 +13,6 @@ from railhil.bus.local import LocalBus
 from railhil.bus.mvb import TelegramSource, master_frame, parse_master_frame
 from railhil.bus.telegrams import TimeSync
 from railhil.controller_node.ato.node import ControllerNode
-from railhil.controller_node.ato.speed_watch import SpeedWatchLevel
 from railhil.dbc import wire_contract
 from railhil.plant_sim.node import PlantNode
 from railhil.record.session import Session
@@ -22,7 +21,7 @@ from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.systems.ato.scenario.canonical import scenario_sha256
 from railhil.systems.ato.scenario.model import Scenario, TargetCurve
 from railhil.systems.ato.scenario.target import Target
-from railhil.wire.ato import CtlCause, CtlMode, CtlStat, NotchCmd, TrkInfo, TrnPos, TrnSpeed
+from railhil.wire.ato import CtlCause, CtlMode, CtlStat, NotchCmd, TrkInfo, TrnPos, TrnSpeed, WatchLevel
 
 pytestmark = pytest.mark.needs_compiler
 
@@ -93,7 +92,7 @@ class Twins:
         self._speed, self._position = TelegramSource(TrnSpeed.port()), TelegramSource(TrnPos.port())
         self._poll = master_frame(NotchCmd.port().f_code, NotchCmd.port().address)
 
-    def go(self, ticks: range, off_mm: int | None = 0) -> set[SpeedWatchLevel]:
+    def go(self, ticks: range, off_mm: int | None = 0) -> set[WatchLevel]:
         """Levels passed; ``off_mm``: what the odometer is off by, None for no telegram."""
         levels = set()
         for tick in ticks:
@@ -133,20 +132,20 @@ class Twins:
 @pytest.mark.parametrize(
     ("silent_ms", "level"),
     [
-        (20, SpeedWatchLevel.NORMAL),
-        (25, SpeedWatchLevel.NORMAL),
-        (65, SpeedWatchLevel.HOLD),
-        (300, SpeedWatchLevel.SERVICE_BRAKE),
-        (1001, SpeedWatchLevel.SERVICE_BRAKE),
-        (1015, SpeedWatchLevel.EMERGENCY),
+        (20, WatchLevel.NORMAL),
+        (25, WatchLevel.NORMAL),
+        (65, WatchLevel.HOLD),
+        (300, WatchLevel.SERVICE_BRAKE),
+        (1001, WatchLevel.SERVICE_BRAKE),
+        (1015, WatchLevel.EMERGENCY),
     ],
 )
 def test_a_timer_of_its_own_tells_the_time_that_passes(
-    scenario: Scenario, exported: Path, silent_ms: int, level: SpeedWatchLevel
+    scenario: Scenario, exported: Path, silent_ms: int, level: WatchLevel
 ) -> None:
     """In steps of 5 ms, less than a tick; the frames after it are those of the right ticks."""
     twins = Twins(scenario, exported, "ipfc_plus")
-    assert twins.go(range(100)) == {SpeedWatchLevel.NORMAL}
+    assert twins.go(range(100)) == {WatchLevel.NORMAL}
     for _ in range(0, silent_ms, 5):
         twins.wait(5)
     assert twins.node.guard.level is level
@@ -168,16 +167,16 @@ def test_a_law_without_a_position_brakes_for_positions_that_are_wrong_and_never_
 ) -> None:
     """A single wrong one and then none for 3 s, and again; then wrong ones for more than a second."""
     twins = Twins(scenario, without_position, "ipfc")
-    assert twins.go(range(100)) == {SpeedWatchLevel.NORMAL}
+    assert twins.go(range(100)) == {WatchLevel.NORMAL}
     for start in (100, 402):
-        assert twins.go(range(start, start + 2), off_mm=5000) == {SpeedWatchLevel.NORMAL}
-        assert twins.go(range(start + 2, start + 302), off_mm=None) == {SpeedWatchLevel.NORMAL}
-    assert twins.go(range(704, 804), off_mm=5000) == {SpeedWatchLevel.NORMAL}
-    assert twins.go(range(804, 810), off_mm=5000) == {SpeedWatchLevel.NORMAL, SpeedWatchLevel.SERVICE_BRAKE}
+        assert twins.go(range(start, start + 2), off_mm=5000) == {WatchLevel.NORMAL}
+        assert twins.go(range(start + 2, start + 302), off_mm=None) == {WatchLevel.NORMAL}
+    assert twins.go(range(704, 804), off_mm=5000) == {WatchLevel.NORMAL}
+    assert twins.go(range(804, 810), off_mm=5000) == {WatchLevel.NORMAL, WatchLevel.SERVICE_BRAKE}
     assert twins.node.guard.cause is CtlCause.POSITION_IMPLAUSIBLE
     # The port falls silent: the speed is good.
-    assert twins.go(range(810, 900), off_mm=None) == {SpeedWatchLevel.NORMAL, SpeedWatchLevel.SERVICE_BRAKE}
-    assert twins.node.guard.level is SpeedWatchLevel.NORMAL
+    assert twins.go(range(810, 900), off_mm=None) == {WatchLevel.NORMAL, WatchLevel.SERVICE_BRAKE}
+    assert twins.node.guard.level is WatchLevel.NORMAL
 
 
 @pytest.mark.slow
@@ -190,10 +189,10 @@ def test_the_ramps_lose_nothing_with_any_tick(scenario: Scenario, tmp_path: Path
     other = dataclasses.replace(other, sha256=scenario_sha256(other))
     export_node(other, tmp_path, law="ipfc")
     twins, ticks = Twins(other, tmp_path, "ipfc"), 400_000_000 // tick_ns
-    assert twins.go(range(ticks)) == {SpeedWatchLevel.NORMAL}
+    assert twins.go(range(ticks)) == {WatchLevel.NORMAL}
     for _ in range(20):
         twins.wait(20)
         twins.poll()
-    assert twins.node.guard.level is SpeedWatchLevel.SERVICE_BRAKE
+    assert twins.node.guard.level is WatchLevel.SERVICE_BRAKE
     twins.go(range(ticks + 400_000_000 // tick_ns, 3 * ticks))
-    assert twins.node.guard.level is SpeedWatchLevel.NORMAL
+    assert twins.node.guard.level is WatchLevel.NORMAL

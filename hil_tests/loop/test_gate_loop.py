@@ -17,9 +17,8 @@ from railhil.bus.frame import ERROR, EXTENDED, FD, REMOTE, Frame
 from railhil.bus.mvb import TelegramSource
 from railhil.bus.store import CAUSES
 from railhil.dbc import wire_contract
-from railhil.plant_sim.ato.command_watch import CommandWatchLevel
 from railhil.systems.ato.scenario.model import Scenario
-from railhil.wire.ato import CtlMode, NotchCmd, SimTruth, TrnSpeed
+from railhil.wire.ato import CtlMode, NotchCmd, SimTruth, TrnSpeed, WatchLevel
 
 SPEED_ID = TrnSpeed.port().address
 #: When the losses begin; from tick LOSS_TICK + 16 on, the tick of a TIME_SYNC is lost first.
@@ -39,13 +38,13 @@ def notch_table(run: Result) -> tuple[Any, Any, Any]:
     return run.trace.times_s(NotchCmd.PORT), raw(NotchCmd.PORT, "CtlMode"), raw(NotchCmd.PORT, "NotchCmd")
 
 
-def assert_no_traction_when_cut(run: Result, train: list[tuple[CommandWatchLevel, float]] | None = None) -> None:
+def assert_no_traction_when_cut(run: Result, train: list[tuple[WatchLevel, float]] | None = None) -> None:
     """Neither watch lets traction through at TRACTION_CUT and above."""
     _, modes, codes = notch_table(run)
     cut = (modes >= CtlMode.TRACTION_CUT) & (modes <= CtlMode.EMERGENCY)
     assert (codes[cut] <= 0).all()
     for level, traction_n in train or ():
-        assert level < CommandWatchLevel.TRACTION_CUT or traction_n == 0
+        assert level < WatchLevel.TRACTION_CUT or traction_n == 0
 
 
 class SpeedFault:
@@ -110,7 +109,7 @@ def test_burst_loss_of_speed(
 @pytest.mark.slow
 @pytest.mark.parametrize("first", [LOSS_TICK, LOSS_TICK + 1, LOSS_TICK + 16])
 def test_permanent_loss_of_speed_stops_the_train_on_the_ladder(
-    lvshun: Scenario, tmp_path: Path, train: list[tuple[CommandWatchLevel, float]], first: int
+    lvshun: Scenario, tmp_path: Path, train: list[tuple[WatchLevel, float]], first: int
 ) -> None:
     run = local_run(lvshun, tmp_path, wire=SpeedFault(lose(10**9), first))
     times_s, modes, codes = notch_table(run)
@@ -126,9 +125,7 @@ def test_permanent_loss_of_speed_stops_the_train_on_the_ladder(
 
 
 @pytest.mark.faults
-def test_stuck_sender_is_like_loss(
-    lvshun: Scenario, tmp_path: Path, train: list[tuple[CommandWatchLevel, float]]
-) -> None:
+def test_stuck_sender_is_like_loss(lvshun: Scenario, tmp_path: Path, train: list[tuple[WatchLevel, float]]) -> None:
     """The last telegram again and again: nothing of it refreshes anything."""
     held: list[Frame] = []
 

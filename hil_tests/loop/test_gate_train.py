@@ -13,12 +13,11 @@ from railhil.bus.layout import CHECK_ERRONEOUS
 from railhil.bus.local import LocalBus
 from railhil.bus.mvb import TelegramSource
 from railhil.controller_node.ato.node import ControllerNode
-from railhil.plant_sim.ato.command_watch import CommandWatchLevel
 from railhil.plant_sim.node import PlantNode
 from railhil.record.session import Session
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.systems.ato.scenario.model import Scenario
-from railhil.wire.ato import NotchCmd
+from railhil.wire.ato import NotchCmd, WatchLevel
 
 NOTCH_ID = NotchCmd.port().address
 Wire = Callable[[Frame], list[Frame]]
@@ -80,7 +79,7 @@ GOOD_ANSWERS = 500
     [(bad_check, "check_variable"), (out_of_range, "out_of_range"), (stuck_life, "duplicate")],
 )
 def test_the_train_stops_by_itself_when_commands_fail_a_check(
-    short: Scenario, train: list[tuple[CommandWatchLevel, float]], fault: Callable[[NotchCmd], NotchCmd], cause: str
+    short: Scenario, train: list[tuple[WatchLevel, float]], fault: Callable[[NotchCmd], NotchCmd], cause: str
 ) -> None:
     answers = AnswerFault(GOOD_ANSWERS, fault)
     plant, _ = run_with_answers(short, answers)
@@ -94,20 +93,20 @@ def test_the_train_stops_by_itself_when_commands_fail_a_check(
     levels = [level for level, _ in train[first_tick:]]
     reached_ticks = {
         level: levels.index(level)
-        for level in (CommandWatchLevel.TRACTION_CUT, CommandWatchLevel.SERVICE_BRAKE, CommandWatchLevel.EMERGENCY)
+        for level in (WatchLevel.TRACTION_CUT, WatchLevel.SERVICE_BRAKE, WatchLevel.EMERGENCY)
     }
     # One command more when the first frozen one was still good.
     spare = 2 if plant.plant.gate.counters["accepted"] > GOOD_ANSWERS else 0
-    assert reached_ticks[CommandWatchLevel.TRACTION_CUT] <= 7 + spare
-    assert reached_ticks[CommandWatchLevel.SERVICE_BRAKE] <= 27 + spare
-    assert reached_ticks[CommandWatchLevel.EMERGENCY] <= 102 + spare
+    assert reached_ticks[WatchLevel.TRACTION_CUT] <= 7 + spare
+    assert reached_ticks[WatchLevel.SERVICE_BRAKE] <= 27 + spare
+    assert reached_ticks[WatchLevel.EMERGENCY] <= 102 + spare
     for level, traction_n in train:
-        assert level < CommandWatchLevel.TRACTION_CUT or traction_n == 0
+        assert level < WatchLevel.TRACTION_CUT or traction_n == 0
     assert plant.plant.true_speed_01mmps == 0
 
 
 def test_damaged_commands_age_and_nobody_is_called_silent(
-    short: Scenario, train: list[tuple[CommandWatchLevel, float]]
+    short: Scenario, train: list[tuple[WatchLevel, float]]
 ) -> None:
     """One to three bits flipped in every fiftieth NOTCH_CMD answer."""
     draw = random.Random(3)
@@ -131,4 +130,4 @@ def test_damaged_commands_age_and_nobody_is_called_silent(
     assert plant.counters["wrong_check_sequence"] + plant.counters.get("wrong_master_word", 0) == damaged
     assert plant.plant.gate.counters == {"accepted": seen - damaged, "gap": damaged}
     assert ended is Event.ENDED_COMPLETE
-    assert max(level for level, _ in train[300:]) <= CommandWatchLevel.HOLD
+    assert max(level for level, _ in train[300:]) <= WatchLevel.HOLD

@@ -18,12 +18,11 @@ from railhil.bus.mvb import TelegramSource
 from railhil.bus.telegrams import SupCmd
 from railhil.controller_node.ato.node import ControllerNode
 from railhil.plant_sim.any_plant import PlantError
-from railhil.plant_sim.ato.command_watch import CommandWatchLevel
 from railhil.plant_sim.node import PlantNode
 from railhil.record.session import Session
 from railhil.scenarios.load import load_any
 from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.wire.ato import CtlMode, NotchCmd, SimTruth, TrnPos, TrnSpeed, TrnWatch
+from railhil.wire.ato import CtlMode, NotchCmd, SimTruth, TrnPos, TrnSpeed, TrnWatch, WatchLevel
 
 pytestmark = pytest.mark.faults
 
@@ -59,7 +58,7 @@ def test_a_speed_sensor_that_is_off_cuts_the_traction(short: str, tmp_path: Path
     assert 8.0 < cut_s <= 8.07
     # The run goes on: the train stops by itself at the end of the journey.
     assert made.score.verdict in ("PASS", "FAIL")
-    assert first_s(made, TrnWatch.PORT, "WatchLevel", CommandWatchLevel.EMERGENCY) is None
+    assert first_s(made, TrnWatch.PORT, "WatchLevel", WatchLevel.EMERGENCY) is None
 
 
 @pytest.mark.parametrize(
@@ -95,7 +94,7 @@ def test_a_law_that_uses_balises_stands_faults_of_their_reader(fault: str, tmp_p
     made = run(str(path), tmp_path / "run", fault, law="ipfc_plus")
     assert made.score.ended == "ended_complete"
     last = made.trace.raw(TrnWatch.PORT, "WatchLevel")
-    assert (last[10:] == CommandWatchLevel.NORMAL).all()
+    assert (last[10:] == WatchLevel.NORMAL).all()
 
 
 def test_an_odometer_that_jumps_shows_in_the_record(short: str, tmp_path: Path) -> None:

@@ -19,13 +19,12 @@ from railhil.bus.mvb import TelegramSource
 from railhil.bus.sdt import SAFE_DATA_VERSION, SafeSource, source_identity
 from railhil.common.errors import InputError
 from railhil.controller_node.ato.node import ControllerNode
-from railhil.plant_sim.ato.command_watch import CommandWatchLevel
 from railhil.plant_sim.node import PlantNode
 from railhil.record.session import Session
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.systems.ato.scenario.model import Safety, Scenario
-from railhil.wire.ato import CtlCause, CtlMode, NotchCmd, NotchSdt, SpeedSdt, TrnSpeed, WatchCause
+from railhil.wire.ato import CtlCause, CtlMode, NotchCmd, NotchSdt, SpeedSdt, TrnSpeed, WatchCause, WatchLevel
 
 #: The train is under traction.
 ATTACK_TICK = 1000
@@ -190,12 +189,12 @@ def test_old_commands_of_a_dead_controller_do_not_keep_the_train_rolling(
     plain: Scenario, safe: Scenario, back: int
 ) -> None:
     levels, _ = levels_of(plain, AnswerAttack(back))
-    assert set(levels[:200]) == {CommandWatchLevel.NORMAL}, "the life sign of four bits notices nothing"
+    assert set(levels[:200]) == {WatchLevel.NORMAL}, "the life sign of four bits notices nothing"
     levels, plant = levels_of(safe, AnswerAttack(back))
     for level, bound_ticks in (
-        (CommandWatchLevel.TRACTION_CUT, 7),
-        (CommandWatchLevel.SERVICE_BRAKE, 27),
-        (CommandWatchLevel.EMERGENCY, 102),
+        (WatchLevel.TRACTION_CUT, 7),
+        (WatchLevel.SERVICE_BRAKE, 27),
+        (WatchLevel.EMERGENCY, 102),
     ):
         assert next(tick for tick, found in enumerate(levels) if found >= level) <= bound_ticks
     assert plant.plant.watch_cause is WatchCause.SAFETY_CODE  # type: ignore[attr-defined]
@@ -236,7 +235,7 @@ def test_an_emergency_command_needs_no_confirmation(safe: Scenario) -> None:
         return source.frames(NotchCmd(0, emergency=2, life=command.life).encode())
 
     levels, _ = levels_of(safe, attack)
-    assert levels[0] == CommandWatchLevel.EMERGENCY
+    assert levels[0] == WatchLevel.EMERGENCY
 
 
 @pytest.mark.faults

@@ -103,13 +103,10 @@ CROOKED = (
 
 #: Telegrams of readings without a check variable, and without a life sign that the interface knows of.
 UNGUARDED = {
-    "wire.py": [
-        (
-            '    check: int = signal("{p}Chk", CHECK_CORRECT)\n    life: int = signal("{p}Life")',
-            '    n: int = signal("{p}Life")',
-        )
+    "ports.toml": [
+        ('  { name = "{p}Chk", at = "3.7:2", check = "chk" },\n', ""),
+        ('"{p}Life", at = "3.3:4"', '"{p}Life", at = "3.3:4", field = "n"'),
     ],
-    "ports.toml": [('  { name = "{p}Chk", at = "3.7:2", check = "chk" },\n', "")],
     "plant.py": [("life=self.next_life(STATS[unit].PORT)", "n=self.next_life(STATS[unit].PORT)")],
 }
 

@@ -17,10 +17,10 @@ from railhil.controller_node.ato.channel import CHANNEL_WINDOW_MS, Debt
 from railhil.controller_node.ato.guard import Guard
 from railhil.controller_node.ato.plausibility import Motion, MotionLimits
 from railhil.controller_node.ato.safe_speed import SafeSpeed
-from railhil.controller_node.ato.speed_watch import Ladder, SpeedWatchLevel
+from railhil.controller_node.ato.speed_watch import Ladder
 from railhil.scenarios.load import load
 from railhil.systems.ato.scenario.model import Safety
-from railhil.wire.ato import SpeedSdt, TrnSpeed
+from railhil.wire.ato import SpeedSdt, TrnSpeed, WatchLevel
 
 SCENARIO = load("lvshun_tieshan")
 S = 1_000_000_000
@@ -61,7 +61,7 @@ def test_the_service_brake_builds_up_and_goes_at_the_same_pace_with_every_period
     for poll in [*polls[:: max(1, len(polls) // 300)], polls[-1]]:
         now_ns = start_ns + poll * period_ns
         code, _ = guard.notch(0, now_ns)
-        assert guard.level is SpeedWatchLevel.SERVICE_BRAKE
+        assert guard.level is WatchLevel.SERVICE_BRAKE
         exact = Fraction(ladder.ramp_code_per_s * (now_ns - start_ns), S)
         assert abs(-code - min(exact, ladder.service_code)) < 1
 

@@ -18,14 +18,13 @@ from railhil.controller_node.ato.speed_watch import (
     Finding,
     Ladder,
     Reception,
-    SpeedWatchLevel,
     SpeedWatchState,
     command,
     observe,
 )
 from railhil.controller_node.ecan import BitCounter
 from railhil.scenarios.load import load
-from railhil.wire.ato import CtlCause, SpeedSdt, TrkInfo, TrnSpeed
+from railhil.wire.ato import CtlCause, SpeedSdt, TrkInfo, TrnSpeed, WatchLevel
 
 SCENARIO = load("lvshun_tieshan")
 MS = 1_000_000
@@ -147,14 +146,14 @@ def sweep_guard_boundaries(module: ModuleType) -> None:
         subject = module.Guard(SCENARIO)
         subject.speed(TrnSpeed(speed), 0)
         assert subject.speed_01mmps == (speed if 0 <= speed <= 1_500_000 else None)
-        assert subject.level is (SpeedWatchLevel.NORMAL if 0 <= speed <= 1_500_000 else SpeedWatchLevel.HOLD)
+        assert subject.level is (WatchLevel.NORMAL if 0 <= speed <= 1_500_000 else WatchLevel.HOLD)
     limit = 5000
     edge = limit * 40 + round(SCENARIO.watch.overspeed_margin_mps * 10_000)
     for speed in range(edge - 3, edge + 4):
         subject = module.Guard(SCENARIO)
         subject.limit(TrkInfo(speed_limit_4mmps=limit), 0)
         subject.speed(TrnSpeed(speed), 0)
-        assert (subject.level is SpeedWatchLevel.EMERGENCY) == (speed > edge)
+        assert (subject.level is WatchLevel.EMERGENCY) == (speed > edge)
     for age_ms in range(1100):
         for extra_ns in (0, MS - 1):
             subject = module.Guard(SCENARIO)
@@ -164,11 +163,9 @@ def sweep_guard_boundaries(module: ModuleType) -> None:
             assert subject.level == expected
     # Before the first telegram the age and the ramp count from time 0, the age in whole milliseconds.
     for age_ms in (20, 21, *range(300, 304)):
-        level = (SpeedWatchLevel.NORMAL, SpeedWatchLevel.HOLD, SpeedWatchLevel.SERVICE_BRAKE)[
-            (age_ms > 20) + (age_ms > 256)
-        ]
+        level = (WatchLevel.NORMAL, WatchLevel.HOLD, WatchLevel.SERVICE_BRAKE)[(age_ms > 20) + (age_ms > 256)]
         subject = module.Guard(SCENARIO)
-        code = -command_ramp((age_ms + 1) * MS - 1) if level is SpeedWatchLevel.SERVICE_BRAKE else 0
+        code = -command_ramp((age_ms + 1) * MS - 1) if level is WatchLevel.SERVICE_BRAKE else 0
         assert subject.notch(0, (age_ms + 1) * MS - 1) == (code, False)
         assert subject.level is level
     # A limit that arrives after the speed of the same tick applies in that tick.
@@ -180,12 +177,12 @@ def sweep_guard_boundaries(module: ModuleType) -> None:
     subject = module.Guard(SCENARIO)
     subject.speed(TrnSpeed(0), 0)
     assert subject.notch(500, 3_600_000 * MS) == (-command_ramp(3_600_000 * MS), False)
-    assert subject.level is SpeedWatchLevel.SERVICE_BRAKE
+    assert subject.level is WatchLevel.SERVICE_BRAKE
 
 
 def sweep_guard_findings(module: ModuleType) -> None:
     """What the other checks find comes into the watch, and leaves it again: overruns, latency, a stuck reading."""
-    cut, normal = SpeedWatchLevel.TRACTION_CUT, SpeedWatchLevel.NORMAL
+    cut, normal = WatchLevel.TRACTION_CUT, WatchLevel.NORMAL
 
     def ride(subject: Any, ticks: range, *, noise: int = 1, polls: int = 1, law: int = 0) -> None:
         for tick in ticks:
@@ -252,7 +249,7 @@ def sweep_guard_order(module: ModuleType) -> None:
     for _ in range(SCENARIO.watch.overruns_max + 1):
         subject.period(True)
     subject.speed(TrnSpeed(100_000), 0)
-    assert subject.level is SpeedWatchLevel.TRACTION_CUT
+    assert subject.level is WatchLevel.TRACTION_CUT
 
 
 def sweep_guard_wait(module: ModuleType) -> None:
@@ -265,7 +262,7 @@ def sweep_guard_wait(module: ModuleType) -> None:
             subject.wait(tick == 10)
         assert subject.waits is (10 <= tick < 20)
         subject.speed(TrnSpeed(100_000 + tick % 2, life=tick % 16), 10 * tick * MS)
-        assert subject.level == (SpeedWatchLevel.SERVICE_BRAKE if 10 <= tick < 29 else SpeedWatchLevel.NORMAL)
+        assert subject.level == (WatchLevel.SERVICE_BRAKE if 10 <= tick < 29 else WatchLevel.NORMAL)
         assert tick != 10 or subject.cause is CtlCause.CLOCK
 
 
@@ -275,7 +272,7 @@ def sweep_guard_overrun(module: ModuleType) -> None:
     for tick in range(40):
         subject.overrun(10 <= tick < 20)
         subject.speed(TrnSpeed(100_000 + tick % 2, life=tick % 16), 10 * tick * MS)
-        assert subject.level == (SpeedWatchLevel.SERVICE_BRAKE if 10 <= tick < 29 else SpeedWatchLevel.NORMAL)
+        assert subject.level == (WatchLevel.SERVICE_BRAKE if 10 <= tick < 29 else WatchLevel.NORMAL)
         assert tick != 10 or subject.cause is CtlCause.POSITION_IMPLAUSIBLE
 
 
@@ -318,7 +315,7 @@ def sweep_guard_position(module: ModuleType) -> None:
             now_ns = 10 * tick * MS
             # Each telegram was received one tick before it is read.
             subject.speed(TrnSpeed(50_000 + 100 * tick, life=tick % 16), now_ns, counter.at(max(now_ns - 10 * MS, 0)))
-            assert subject.level is (SpeedWatchLevel.SERVICE_BRAKE if needed and tick > 100 else SpeedWatchLevel.NORMAL)
+            assert subject.level is (WatchLevel.SERVICE_BRAKE if needed and tick > 100 else WatchLevel.NORMAL)
         # From 0 to 1.18 s the mean speed, then the last speed for one tick; 0.1 mm.
         assert odometer.reckoned(1_190 * MS)[0] == 50_100 * 118 // 100 + 59 * 118 + 619
 

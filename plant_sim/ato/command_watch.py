@@ -25,14 +25,13 @@ of).
 
 from __future__ import annotations
 
-from enum import IntEnum
 from math import inf
 from typing import Final, NamedTuple
 
 from railhil.common.compilable import compilable_functions
 from railhil.common.floats import larger, smaller
 from railhil.systems.ato.scenario.model import WatchLimits
-from railhil.wire.ato import WatchCause
+from railhil.wire.ato import WatchCause, WatchLevel
 
 #: Good commands in a row that end TRACTION_CUT.
 GOOD_AFTER_TRACTION_CUT: Final = 5
@@ -44,30 +43,20 @@ SERVICE_BRAKE_JERK_MPS3: Final = 0.75
 _NS_PER_MS: Final = 1_000_000
 
 
-class CommandWatchLevel(IntEnum):
-    """Level of the ladder; a higher one is the stronger reaction."""
-
-    NORMAL = 0
-    HOLD = 1
-    TRACTION_CUT = 2
-    SERVICE_BRAKE = 3
-    EMERGENCY = 4
-
-
 # A member of an enum costs as much as a call on CPython 3.11, and the watch is stepped in every tick.
-_NORMAL: Final = CommandWatchLevel.NORMAL
-_HOLD: Final = CommandWatchLevel.HOLD
-_TRACTION_CUT: Final = CommandWatchLevel.TRACTION_CUT
-_SERVICE_BRAKE: Final = CommandWatchLevel.SERVICE_BRAKE
-_EMERGENCY: Final = CommandWatchLevel.EMERGENCY
+_NORMAL: Final = WatchLevel.NORMAL
+_HOLD: Final = WatchLevel.HOLD
+_TRACTION_CUT: Final = WatchLevel.TRACTION_CUT
+_SERVICE_BRAKE: Final = WatchLevel.SERVICE_BRAKE
+_EMERGENCY: Final = WatchLevel.EMERGENCY
 
 #: Level that each finding of the gate (:mod:`railhil.plant_sim.ato.gate`) demands.
 SUSPICIONS: Final = {
-    WatchCause.NONE: CommandWatchLevel.NORMAL,
-    WatchCause.BAD_COMMANDS: CommandWatchLevel.TRACTION_CUT,
-    WatchCause.NOTCH_RANGE: CommandWatchLevel.TRACTION_CUT,
-    WatchCause.NOTCH_STEP: CommandWatchLevel.TRACTION_CUT,
-    WatchCause.TWO_SOURCES: CommandWatchLevel.SERVICE_BRAKE,
+    WatchCause.NONE: WatchLevel.NORMAL,
+    WatchCause.BAD_COMMANDS: WatchLevel.TRACTION_CUT,
+    WatchCause.NOTCH_RANGE: WatchLevel.TRACTION_CUT,
+    WatchCause.NOTCH_STEP: WatchLevel.TRACTION_CUT,
+    WatchCause.TWO_SOURCES: WatchLevel.SERVICE_BRAKE,
 }
 
 
@@ -84,13 +73,13 @@ class CommandWatchState(NamedTuple):
     """Level, age of the last accepted command in ticks, accepted commands in a row (counted up to the largest number
     needed)."""
 
-    level: CommandWatchLevel
+    level: WatchLevel
     age_ticks: int
     good: int
 
 
 #: Until the first command is accepted, the brake holds the train.
-INITIAL = CommandWatchState(CommandWatchLevel.SERVICE_BRAKE, 0, 0)
+INITIAL = CommandWatchState(WatchLevel.SERVICE_BRAKE, 0, 0)
 
 
 def watch_ticks(limits: WatchLimits, base_tick_ns: int) -> WatchTicks:
@@ -107,7 +96,7 @@ def watch_step(
     limits: WatchTicks,
     state: CommandWatchState,
     accepted: bool,
-    suspicion: CommandWatchLevel,
+    suspicion: WatchLevel,
     moving: bool,
     below_limit: bool,
     emergency: bool,
@@ -135,7 +124,7 @@ def watch_step(
         return CommandWatchState(_EMERGENCY if level < _EMERGENCY else level, age, good)
     if _may_leave(level, good, moving, below_limit):
         level = _NORMAL
-    demanded: CommandWatchLevel = _NORMAL
+    demanded: WatchLevel = _NORMAL
     if age > limits.hold:
         demanded = _HOLD
         if age > limits.traction_cut:
@@ -149,7 +138,7 @@ def watch_step(
     return CommandWatchState(demanded if demanded > level else level, age, good)
 
 
-def _may_leave(level: CommandWatchLevel, good: int, moving: bool, below_limit: bool) -> bool:
+def _may_leave(level: WatchLevel, good: int, moving: bool, below_limit: bool) -> bool:
     if level <= _HOLD:
         return good >= 1
     if level == _TRACTION_CUT:
@@ -158,7 +147,7 @@ def _may_leave(level: CommandWatchLevel, good: int, moving: bool, below_limit: b
 
 
 def watch_brake_mps2(
-    level: CommandWatchLevel,
+    level: WatchLevel,
     brake_mps2: float,
     braking_now_mps2: float,
     moving: bool,

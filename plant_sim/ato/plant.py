@@ -14,7 +14,6 @@ from railhil.plant_sim.ato import dynamics
 from railhil.plant_sim.ato.command_watch import (
     INITIAL,
     SUSPICIONS,
-    CommandWatchLevel,
     CommandWatchState,
     watch_brake_mps2,
     watch_step,
@@ -28,7 +27,7 @@ from railhil.plant_sim.ato.status import TrainStatus
 from railhil.plant_sim.ato.train_checks import OwnChecks
 from railhil.systems.ato.scenario.model import Balise, Profile, Scenario, profile_value
 from railhil.systems.ato.scenario.profiles import front_speed_limit
-from railhil.wire.ato import WatchCause
+from railhil.wire.ato import WatchCause, WatchLevel
 
 #: Notch codes per notch.
 NOTCH_LSB_PER_NOTCH: Final = 256
@@ -37,9 +36,9 @@ PARKING_BRAKE_PERMIL: Final = 40.0
 
 # A member of an enum costs as much as a call on CPython 3.11, and these are needed in every tick.
 _NOTHING: Final = WatchCause.NONE
-_NO_DEMAND: Final = CommandWatchLevel.NORMAL
-_TRACTION_CUT: Final = CommandWatchLevel.TRACTION_CUT
-_EMERGENCY: Final = CommandWatchLevel.EMERGENCY
+_NO_DEMAND: Final = WatchLevel.NORMAL
+_TRACTION_CUT: Final = WatchLevel.TRACTION_CUT
+_EMERGENCY: Final = WatchLevel.EMERGENCY
 
 #: Parts of a tick shorter than this are not simulated as a separate step.
 SLIVER_TICKS: Final = 1e-9
@@ -212,7 +211,7 @@ class Plant(PlantReadings):
 
     def _cause(self, watch: CommandWatchState) -> WatchCause:
         """Why the watch has just entered its level."""
-        if watch.level == CommandWatchLevel.NORMAL:
+        if watch.level == WatchLevel.NORMAL:
             return WatchCause.NONE
         if self._emergency_commanded:
             return WatchCause.EMERGENCY_COMMAND
@@ -224,7 +223,7 @@ class Plant(PlantReadings):
             return self._own
         # The age of the command is named where it demands as much.
         by_age = watch.age_ticks > self._limits.service_brake or (
-            watch.age_ticks > self._limits.traction_cut and watch.level <= CommandWatchLevel.TRACTION_CUT
+            watch.age_ticks > self._limits.traction_cut and watch.level <= WatchLevel.TRACTION_CUT
         )
         if self._suspicion and not by_age:
             return self._suspicion

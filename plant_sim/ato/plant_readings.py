@@ -6,10 +6,11 @@ from railhil.common.floats import rounded
 from railhil.common.mypyc import mypyc_attr
 from railhil.plant_sim import forces
 from railhil.plant_sim.ato import dynamics
-from railhil.plant_sim.ato.command_watch import CommandWatchLevel, CommandWatchState
+from railhil.plant_sim.ato.command_watch import CommandWatchState
 from railhil.plant_sim.ato.dynamics import Motion, Window
 from railhil.plant_sim.ato.sensors import AxleSensors
 from railhil.systems.ato.scenario.model import Train
+from railhil.wire.ato import WatchLevel
 
 
 @mypyc_attr(allow_interpreted_subclasses=True)
@@ -56,7 +57,7 @@ class PlantReadings:
         return self._acting_code if self._window.traction else min(self._acting_code, 0)
 
     @property
-    def watch_level(self) -> CommandWatchLevel:
+    def watch_level(self) -> WatchLevel:
         """Level of the train's watch over the last tick."""
         return self._watch.level
 

@@ -96,13 +96,13 @@ static finding_t find(const railhil_guard_t *guard, int64_t now_ns, finding_t fi
         finding = stronger(finding, RAILHIL_SERVICE_BRAKE, RAILHIL_CAUSE_CLOCK);
     }
     if (watch->beyond) {
-        finding = stronger(finding, RAILHIL_SERVICE_BRAKE, RAILHIL_CAUSE_POSITION_WRONG);
+        finding = stronger(finding, RAILHIL_SERVICE_BRAKE, RAILHIL_CAUSE_POSITION_IMPLAUSIBLE);
     }
     if (motion->runaway) {
         finding = stronger(finding, RAILHIL_EMERGENCY, RAILHIL_CAUSE_RUNAWAY);
     } else if (motion->weak_ms != 0) {
         finding = stronger(finding, motion->weak_ms > MORE_BRAKE_MS ? RAILHIL_EMERGENCY : RAILHIL_SERVICE_BRAKE,
-                           RAILHIL_CAUSE_WEAK_BRAKE);
+                           RAILHIL_CAUSE_BRAKE_NOT_ANSWERING);
     } else if (motion->stuck || motion->off_scale) {
         finding = stronger(finding, RAILHIL_TRACTION_CUT, RAILHIL_CAUSE_SPEED_IMPLAUSIBLE);
     }
@@ -113,7 +113,7 @@ static finding_t find(const railhil_guard_t *guard, int64_t now_ns, finding_t fi
     }
     if (lost != RAILHIL_NOT_LOST) {
         finding = stronger(finding, RAILHIL_SERVICE_BRAKE,
-                           lost == RAILHIL_LOST ? RAILHIL_CAUSE_POSITION_LOST : RAILHIL_CAUSE_POSITION_WRONG);
+                           lost == RAILHIL_LOST ? RAILHIL_CAUSE_POSITION_LOST : RAILHIL_CAUSE_POSITION_IMPLAUSIBLE);
     }
     return finding;
 }

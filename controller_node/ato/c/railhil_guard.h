@@ -1,5 +1,5 @@
 /* Acceptance of speeds, and the reaction ladder that supervises speed and position. Integers only; the constants of the
- * scenario are in @LAW@_node.h.
+ * scenario, and the levels (a higher one is the stronger reaction) and causes of the watch are in @LAW@_node.h.
  */
 #ifndef RAILHIL_GUARD_H
 #define RAILHIL_GUARD_H
@@ -22,29 +22,6 @@ enum {
 #else
     RAILHIL_COUNTS
 #endif
-};
-
-/* Reaction ladder; a higher level is a stronger reaction. */
-enum { RAILHIL_NORMAL, RAILHIL_HOLD, RAILHIL_TRACTION_CUT, RAILHIL_SERVICE_BRAKE, RAILHIL_EMERGENCY };
-
-/* Why the level was entered (CtlCause of NOTCH_CMD). */
-enum {
-    RAILHIL_CAUSE_NONE = 0,
-    RAILHIL_CAUSE_SPEED_AGE = 1,
-    RAILHIL_CAUSE_BAD_TELEGRAMS = 2,
-    RAILHIL_CAUSE_POSITION_LOST = 3,
-    RAILHIL_CAUSE_OVERSPEED = 4,
-    RAILHIL_CAUSE_SPEED_IMPLAUSIBLE = 5,
-    RAILHIL_CAUSE_POSITION_WRONG = 6,
-    RAILHIL_CAUSE_SPEED_LATENCY = 7,
-    RAILHIL_CAUSE_CHANNEL_MONITOR = 8,
-    RAILHIL_CAUSE_WEAK_BRAKE = 10,
-    RAILHIL_CAUSE_RUNAWAY = 11,
-    RAILHIL_CAUSE_OVERRUNS = 12,
-    RAILHIL_CAUSE_CLOCK = 13,
-    RAILHIL_CAUSE_SAFETY_CODE = 14,
-    RAILHIL_CAUSE_TWO_SOURCES = 16,
-    RAILHIL_CAUSE_TRACK_AGE = 17
 };
 
 typedef struct {

@@ -1,9 +1,9 @@
 /* Inputs, notch and status of the law: see railhil_law.h. */
 #include "railhil_law.h"
 
-enum { FLAG_FALSE = 1, FLAG_TRUE = 2, MODE_INITIALISING = 0, MODE_RUNNING = 1 };
-/* CTL_STAT: no quantity with its headroom is reported; bits of OverflowFlags. */
-enum { NO_QUANTITY = 127, HEADROOM_UNUSED = 31, SATURATED = 2, DIVIDED_BY_ZERO = 4 };
+enum { FLAG_FALSE = 1, FLAG_TRUE = 2 };
+/* Bits of OverflowFlags. */
+enum { SATURATED = 2, DIVIDED_BY_ZERO = 4 };
 
 static const char *const outcome_names[RAILHIL_COUNTS - RAILHIL_CLOCK_OUTCOMES] = {
     "position_duplicate",
@@ -83,7 +83,7 @@ static void answer_notch(railhil_law_t *law, const railhil_clock_t *clock, unsig
         law->guard.watch.waits = 1;
     }
     law->notch_life = (law->notch_life + 1u) & 0xFu;
-    process[2] = MODE_INITIALISING << 5;
+    process[2] = RAILHIL_MODE_INITIALISING << 5;
     if (law->steps != 0 || watch->waits) {
         const int32_t law_code = law->steps != 0 ? law->out.notch : 0;
         const int32_t code = railhil_watched_notch(&law->guard, railhil_own_ns(clock), law_code);
@@ -92,7 +92,7 @@ static void answer_notch(railhil_law_t *law, const railhil_clock_t *clock, unsig
             @LAW@_sent(&law->state, code);
         }
         railhil_put16(process, (uint32_t)code);
-        process[2] = (unsigned char)(((MODE_RUNNING + watch->level) << 5) | watch->cause);
+        process[2] = (unsigned char)(((RAILHIL_MODE_RUNNING + watch->level) << 5) | watch->cause);
         emergency = watch->level == RAILHIL_EMERGENCY ? FLAG_TRUE : FLAG_FALSE;
     }
     process[3] = (unsigned char)((RAILHIL_CHECK_CORRECT << 6) | (emergency << 4) | law->notch_life);
@@ -115,8 +115,8 @@ static void answer_status(railhil_law_t *law, unsigned char *process)
 {
     const uint32_t overruns = law->overruns < 255u ? law->overruns : 255u;
     law->status_life = (law->status_life + 1u) & 0xFu;
-    process[12] = NO_QUANTITY << 1;
-    process[13] = HEADROOM_UNUSED << 3;
+    process[12] = RAILHIL_TELEMETRY_INDEX_NONE << 1;
+    process[13] = RAILHIL_TELEMETRY_HEADROOM_UNUSED << 3;
     process[15] = (unsigned char)((RAILHIL_CHECK_CORRECT << 6) | (FLAG_FALSE << 4) | law->status_life);
     if (law->steps != 0) {
         const uint32_t note1 = (uint32_t)@PREFIX@_NOTE1(law->out) & 0xFu;

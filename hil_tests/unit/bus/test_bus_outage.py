@@ -20,10 +20,9 @@ from railhil.bus.link.single import SingleLink
 from railhil.bus.local import LocalBus
 from railhil.bus.mvb import F_DEVICE_STATUS, TelegramSource, device_status_frame, master_frame
 from railhil.controller_node.ato.node import ControllerNode
-from railhil.controller_node.ato.speed_watch import SpeedWatchLevel
 from railhil.plant_sim.node import PlantNode
 from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.wire.ato import TrnSpeed
+from railhil.wire.ato import TrnSpeed, WatchLevel
 
 _TICK_NS = 10_000_000
 _BUS_OFF = Frame(0x40, bytes(8), ERROR)
@@ -311,10 +310,10 @@ def test_an_outage_beyond_the_ends_of_the_telegram_is_reckoned_by_the_end(rate, 
 @pytest.mark.parametrize(
     ("out_s", "level"),
     [
-        (0.03, SpeedWatchLevel.HOLD),
-        (0.1, SpeedWatchLevel.TRACTION_CUT),
-        (0.5, SpeedWatchLevel.SERVICE_BRAKE),
-        (2.0, SpeedWatchLevel.EMERGENCY),
+        (0.03, WatchLevel.HOLD),
+        (0.1, WatchLevel.TRACTION_CUT),
+        (0.5, WatchLevel.SERVICE_BRAKE),
+        (2.0, WatchLevel.EMERGENCY),
     ],
 )
 def test_after_an_outage_the_watch_knows_how_old_the_speed_was(lvshun, out_s, level):
@@ -324,7 +323,7 @@ def test_after_an_outage_the_watch_knows_how_old_the_speed_was(lvshun, out_s, le
     node.responder.clock.synchronise(to_time_sync(0, _TICK_NS, rate_10th=10))
     for frame in telegrams[1:]:
         node.handle(frame)
-    assert node.guard.level is SpeedWatchLevel.NORMAL
+    assert node.guard.level is WatchLevel.NORMAL
     node.was_out(round(out_s * 1e9))
     assert node.guard.level is level
 

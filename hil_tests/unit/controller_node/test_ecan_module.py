@@ -13,12 +13,11 @@ from hypothesis import strategies as st
 from hil_tests.mutation.in_memory import survivors
 from railhil.bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame
 from railhil.controller_node.ato.guard import Guard
-from railhil.controller_node.ato.speed_watch import SpeedWatchLevel
 from railhil.controller_node.ecan import module, timestamp
 from railhil.controller_node.ecan.mailboxes import Mailbox
 from railhil.controller_node.ecan.module import Ecan
 from railhil.controller_node.ecan.timestamp import BitCounter, MessageAge
-from railhil.wire.ato import TrnSpeed
+from railhil.wire.ato import TrnSpeed, WatchLevel
 
 RATE = 500_000
 MS = 1_000_000
@@ -240,7 +239,7 @@ def test_guard_ages_right_across_the_wrap_of_a_long_run(lvshun) -> None:
             guard.speed(TrnSpeed(0, life=life), now_ns, counter.at(now_ns))
             if life % 2 == 0:
                 guard.notch(0, now_ns)
-        assert guard.level is SpeedWatchLevel.NORMAL
+        assert guard.level is WatchLevel.NORMAL
         # Eight polls, a full turn of the life sign, so that none of the delay is left that they seem to show.
         for age_ms in (10, 20, 21, 64, 65, 255, 256, 257):
             guard.notch(0, edge_ns + age_ms * MS)
@@ -253,9 +252,9 @@ def test_guard_takes_the_age_from_the_stamp_not_from_the_reading(lvshun) -> None
     guard, counter = Guard(lvshun), BitCounter(RATE)
     guard.speed(TrnSpeed(100_000, life=1), 1000 * MS, counter.at(990 * MS))
     guard.notch(0, 1010 * MS)
-    assert guard.level is SpeedWatchLevel.NORMAL
+    assert guard.level is WatchLevel.NORMAL
     guard.notch(0, 1011 * MS)
-    assert guard.level is SpeedWatchLevel.HOLD
+    assert guard.level is WatchLevel.HOLD
 
 
 def test_guard_never_takes_a_channel_dead_for_hours_for_a_young_one(lvshun) -> None:
@@ -263,7 +262,7 @@ def test_guard_never_takes_a_channel_dead_for_hours_for_a_young_one(lvshun) -> N
     guard.speed(TrnSpeed(0, life=1), 0, 0)
     for hour in range(1, 40):
         guard.notch(0, hour * 900 * 1000 * MS)
-        assert guard.level is SpeedWatchLevel.SERVICE_BRAKE
+        assert guard.level is WatchLevel.SERVICE_BRAKE
 
 
 def test_clock_set_back_a_little_is_no_age(lvshun) -> None:
@@ -271,7 +270,7 @@ def test_clock_set_back_a_little_is_no_age(lvshun) -> None:
     guard, counter = Guard(lvshun), BitCounter(RATE)
     guard.speed(TrnSpeed(100_000, life=1), 1000 * MS, counter.at(1000 * MS))
     guard.notch(0, 960 * MS)
-    assert guard.level is SpeedWatchLevel.NORMAL
+    assert guard.level is WatchLevel.NORMAL
     age = MessageAge(counter)
     age.accept(counter.at(1000 * MS))
     assert age.ns(960 * MS) == 0

@@ -18,9 +18,8 @@ from railhil.controller_node.arithmetic.base import Constant
 from railhil.controller_node.arithmetic.iq import C28, Portable
 from railhil.controller_node.ato.controller import Controller
 from railhil.controller_node.ato.node import ControllerNode
-from railhil.controller_node.ato.speed_watch import SpeedWatchLevel
 from railhil.scenarios.run_spec import LawSpec
-from railhil.wire.ato import NotchCmd, TrnPos, TrnSpeed
+from railhil.wire.ato import NotchCmd, TrnPos, TrnSpeed, WatchLevel
 
 
 class NoFloat:
@@ -214,6 +213,6 @@ def test_no_float_in_the_node(run: Any) -> None:
         node.guard.speed(TrnSpeed(NoFloat(speed), life=k & 0xF), now_ns)  # type: ignore[arg-type]
         node._position(Reading(telegram, now_ns, None))
         notch = node._notch().notch_256th
-        assert node.guard.level is SpeedWatchLevel.NORMAL
+        assert node.guard.level is WatchLevel.NORMAL
         assert type(notch) is NoFloat
         assert operator.index(notch) == code

@@ -16,7 +16,6 @@ import pytest
 from hil_tests.support import shipped
 from hil_tests.support.paths import ROOT
 from railhil.common.errors import InputError
-from railhil.dbc import wire_contract
 from railhil.scenarios import streams
 from railhil.scenarios.json_schema import scenario_json_schema
 from railhil.scenarios.keys import MEANING
@@ -27,7 +26,6 @@ from railhil.systems.ato.scenario.canonical import canonical_json, scenario_sha2
 from railhil.systems.ato.scenario.model import Line, Perturbations, Scenario, Uniform, profile_value
 from railhil.systems.ato.scenario.perturb import perturbed
 from railhil.systems.ato.scenario.profiles import MeanGrade, front_speed_limit
-from railhil.systems.ato.scenario.schema import PORTS
 
 YIZHUANG_DATA = DATA / "sources" / "yizhuang_line"
 
@@ -309,10 +307,6 @@ def test_example_of_imported_files_replaces_train_and_line_of_what_it_extends() 
     assert scenario.train.name == "Regional Train"
     assert scenario.line.grade_permil[-1][1] == 0.0
     assert scenario.plan.distance_m == 9000
-
-
-def test_ports_whose_period_may_be_set_are_those_that_have_one() -> None:
-    assert sorted(PORTS) == sorted(port.name for port in wire_contract().ports if port.period_ns)
 
 
 @pytest.mark.parametrize(("distance", "right"), [(15, False), (16, True)])

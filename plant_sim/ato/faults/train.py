@@ -10,7 +10,6 @@ from railhil.bus.layout import CHECK_ERRONEOUS, Telegram
 from railhil.faults.capability import MISMATCHES
 from railhil.faults.model import Fault
 from railhil.plant_sim import force_tables
-from railhil.plant_sim.ato.command_watch import CommandWatchLevel
 from railhil.plant_sim.ato.events import EventKind
 from railhil.plant_sim.ato.faults.equipment import FaultyEquipment
 from railhil.plant_sim.ato.faults.forces import Demand, FaultyForces, FeltChecks
@@ -21,7 +20,7 @@ from railhil.plant_sim.faults.mismatch import Mismatch
 from railhil.plant_sim.faults.readings import FaultyReader, FaultySensor, UnreadBalise, quantity_of
 from railhil.systems.ato.scenario.model import Balise, Scenario
 from railhil.systems.ato.scenario.perturb import perturbed
-from railhil.wire.ato import BalisePassed, CtlMode, NotchCmd, SpeedSdt, TrnPos, TrnSpeed
+from railhil.wire.ato import BalisePassed, CtlMode, NotchCmd, SpeedSdt, TrnPos, TrnSpeed, WatchLevel
 
 #: Modes of the controller as events.
 _MODES = {int(mode): mode.name.lower() for mode in CtlMode}
@@ -114,7 +113,7 @@ class FaultyTrain(TrainOnBus):
     def _protect(self) -> None:
         """The forces that watch and interlocks allow, then what the faults make of them."""
         super()._protect()
-        emergency = self.watch_level is CommandWatchLevel.EMERGENCY
+        emergency = self.watch_level is WatchLevel.EMERGENCY
         demand = Demand(self._acting_code, self._motion.speed_mps, self._powered, emergency)
         self._constants, self._window, self._extra_n = self._forces.allowed(self._base, self._window, demand)
 

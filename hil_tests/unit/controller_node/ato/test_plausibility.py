@@ -10,18 +10,17 @@ import pytest
 from railhil.controller_node.ato.guard import Guard
 from railhil.controller_node.ato.odometer import Odometer
 from railhil.controller_node.ato.plausibility import MotionLimits
-from railhil.controller_node.ato.speed_watch import SpeedWatchLevel
 from railhil.scenarios.load import load
 from railhil.systems.ato.scenario.model import Effort
-from railhil.wire.ato import CtlCause, TrkInfo, TrnPos, TrnSpeed
+from railhil.wire.ato import CtlCause, TrkInfo, TrnPos, TrnSpeed, WatchLevel
 
 SCENARIO = load("lvshun_tieshan")
 LIMITS = MotionLimits.of(SCENARIO)
 MS = 1_000_000
 TRACTION_CUT, SERVICE_BRAKE, EMERGENCY = (
-    SpeedWatchLevel.TRACTION_CUT,
-    SpeedWatchLevel.SERVICE_BRAKE,
-    SpeedWatchLevel.EMERGENCY,
+    WatchLevel.TRACTION_CUT,
+    WatchLevel.SERVICE_BRAKE,
+    WatchLevel.EMERGENCY,
 )
 
 
@@ -47,7 +46,7 @@ class Ride:
     def now_ns(self) -> int:
         return self.tick * 10 * MS
 
-    def go(self, ticks: int, accel: int = 0, law: int = 0, *, until: SpeedWatchLevel | None = None) -> int:
+    def go(self, ticks: int, accel: int = 0, law: int = 0, *, until: WatchLevel | None = None) -> int:
         """Further ticks, at most to a level; returns how many passed."""
         for passed in range(ticks):
             # The sensor is never quite still, unless it is stuck.
@@ -64,7 +63,7 @@ class Ride:
         return ticks
 
     @property
-    def found(self) -> tuple[SpeedWatchLevel, CtlCause]:
+    def found(self) -> tuple[WatchLevel, CtlCause]:
         return self.guard.level, self.guard.cause
 
 
@@ -106,7 +105,7 @@ def test_a_speed_no_train_can_have_is_refused(sign: int) -> None:
             assert guard.speed_01mmps == 100_000 + sign * change * fits
             assert guard.counters == ({} if fits else {"speed_jump": 1})
             if not fits and elapsed_ms <= 20:
-                assert (guard.level, guard.cause) == (SpeedWatchLevel.HOLD, CtlCause.SPEED_IMPLAUSIBLE)
+                assert (guard.level, guard.cause) == (WatchLevel.HOLD, CtlCause.SPEED_IMPLAUSIBLE)
 
 
 def test_garbage_cuts_traction_at_the_third() -> None:
@@ -122,14 +121,14 @@ def test_slip_gives_no_more_traction_and_slide_keeps_the_brake(accel: int) -> No
     law = 500 if accel > 0 else -500
     ride = Ride()
     ride.go(101, law=law)
-    assert ride.go(50, accel, law, until=SpeedWatchLevel.HOLD) <= 15
-    assert ride.found == (SpeedWatchLevel.HOLD, CtlCause.SPEED_IMPLAUSIBLE)
+    assert ride.go(50, accel, law, until=WatchLevel.HOLD) <= 15
+    assert ride.found == (WatchLevel.HOLD, CtlCause.SPEED_IMPLAUSIBLE)
     ride.go(2, accel, law + 300)
     assert ride.sent <= law
     # When the wheels roll again, 5 good telegrams give the notch back.
     ride.speed = 150_000_000
     ride.go(100, 0, law)
-    assert ride.guard.level is SpeedWatchLevel.NORMAL
+    assert ride.guard.level is WatchLevel.NORMAL
 
 
 @pytest.mark.parametrize("notches", [2, 4, -2, -4])
@@ -140,27 +139,27 @@ def test_a_stuck_reading_is_found_in_half_a_second(notches: int) -> None:
     accel = steady(law)
     assert abs(accel) > 3000
     ride.go(1200, 0, law)
-    assert ride.guard.level is SpeedWatchLevel.NORMAL
+    assert ride.guard.level is WatchLevel.NORMAL
     ride.held = ride.speed // 1000
     assert ride.go(100, accel, law, until=TRACTION_CUT) <= 50
     assert ride.found == (TRACTION_CUT, CtlCause.SPEED_IMPLAUSIBLE)
     # It ends with the first change and five good telegrams.
     ride.speed, ride.held = ride.held * 1000, None
     ride.go(40, accel // 20, law)
-    assert ride.guard.level is SpeedWatchLevel.NORMAL
+    assert ride.guard.level is WatchLevel.NORMAL
 
 
 def test_a_reading_of_a_standing_or_coasting_train_may_stay() -> None:
     standing = Ride(0)
     standing.held = 0
     standing.go(500, law=300)
-    assert standing.guard.level is SpeedWatchLevel.NORMAL
+    assert standing.guard.level is WatchLevel.NORMAL
     # In balance: nothing is due.
     coasting = Ride(grade=-round(LIMITS.davis_a * 65536 / LIMITS.grade_q16))
     coasting.speed = 10_000_000
     coasting.held = 10_000
     coasting.go(200)
-    assert coasting.guard.level is SpeedWatchLevel.NORMAL
+    assert coasting.guard.level is WatchLevel.NORMAL
 
 
 @pytest.mark.parametrize(("scale", "is_found"), [(1000, False), (980, False), (1020, False), (950, True), (1050, True)])
@@ -169,7 +168,7 @@ def test_speed_and_odometer_disagree(scale: int, is_found: bool) -> None:
     ride = Ride(30_000)
     ride.scale = scale
     passed = ride.go(1200, until=TRACTION_CUT)
-    assert ride.found == ((TRACTION_CUT, CtlCause.SPEED_IMPLAUSIBLE) if is_found else (SpeedWatchLevel.NORMAL, 0))
+    assert ride.found == ((TRACTION_CUT, CtlCause.SPEED_IMPLAUSIBLE) if is_found else (WatchLevel.NORMAL, 0))
     assert not is_found or 500 <= passed <= 600
 
 
@@ -189,7 +188,7 @@ def test_a_silent_position_says_nothing_of_the_speed() -> None:
     ride.go(300)
     ride.odometer.position = lambda *given: None  # type: ignore[method-assign]
     ride.go(1000)
-    assert ride.guard.level is SpeedWatchLevel.NORMAL
+    assert ride.guard.level is WatchLevel.NORMAL
 
 
 @pytest.mark.parametrize(("share", "is_found"), [(100, False), (70, False), (25, True), (0, True)])
@@ -204,10 +203,10 @@ def test_a_brake_that_does_not_answer(share: int, is_found: bool) -> None:
         against = LIMITS.davis_a + (LIMITS.davis_b_q20 * speed >> 20) + (LIMITS.davis_c_q40 * speed * speed >> 40)
         accel = round(force * share / 100) - against
         ride.go(1, accel, law)
-        if ride.guard.level is not SpeedWatchLevel.NORMAL:
+        if ride.guard.level is not WatchLevel.NORMAL:
             break
     if not is_found:
-        assert ride.guard.level is SpeedWatchLevel.NORMAL
+        assert ride.guard.level is WatchLevel.NORMAL
         return
     assert ride.found == (SERVICE_BRAKE, CtlCause.BRAKE_NOT_ANSWERING)
     assert ride.go(300, accel, law, until=EMERGENCY) <= 111
@@ -218,14 +217,14 @@ def test_a_share_of_nothing_switches_the_check_of_the_brake_off() -> None:
     free = replace(SCENARIO, watch=replace(SCENARIO.watch, brake_share_min_percent=0.0))
     ride = Ride(scenario=free)
     ride.go(600, -LIMITS.davis_a, -4 * 256)
-    assert ride.guard.level is SpeedWatchLevel.NORMAL
+    assert ride.guard.level is WatchLevel.NORMAL
 
 
 @pytest.mark.parametrize("accel", [10_000, 7000])
 def test_a_runaway_is_an_emergency_within_half_a_second(accel: int) -> None:
     ride = Ride()
     ride.go(700, -LIMITS.davis_a)
-    assert ride.guard.level is SpeedWatchLevel.NORMAL
+    assert ride.guard.level is WatchLevel.NORMAL
     assert ride.go(200, accel, until=EMERGENCY) <= (50 if accel > 8000 else 70)
     assert ride.found == (EMERGENCY, CtlCause.RUNAWAY)
 
@@ -233,7 +232,7 @@ def test_a_runaway_is_an_emergency_within_half_a_second(accel: int) -> None:
 def test_a_train_that_rolls_down_a_known_grade_is_no_runaway() -> None:
     grade = -4500
     down = -grade * LIMITS.grade_q16 // 65536 - LIMITS.davis_a
-    for known, level in ((grade, SpeedWatchLevel.NORMAL), (0, EMERGENCY), (None, SpeedWatchLevel.NORMAL)):
+    for known, level in ((grade, WatchLevel.NORMAL), (0, EMERGENCY), (None, WatchLevel.NORMAL)):
         ride = Ride(100_000, grade=known)
         ride.go(500, down)
         assert ride.guard.level is level, known
@@ -264,7 +263,7 @@ def test_lost_telegrams_are_no_delay() -> None:
                 ride.guard.notch(0, tick * 10 * MS)
         ride.tick += lost
         ride.go(60)
-        assert ride.guard.level is SpeedWatchLevel.NORMAL, lost
+        assert ride.guard.level is WatchLevel.NORMAL, lost
 
 
 def test_stale_telegrams_cut_traction() -> None:
@@ -288,7 +287,7 @@ def test_too_many_bad_telegrams_brake_though_they_come_one_by_one() -> None:
         else:
             ride.go(1)
         levels.add((tick // 400, ride.guard.level))
-    assert max(level for part, level in levels if part == 0) is SpeedWatchLevel.HOLD
+    assert max(level for part, level in levels if part == 0) is WatchLevel.HOLD
     assert max(level for part, level in levels if part == 2) is SERVICE_BRAKE
     assert ride.guard.counters == {"check_variable": 100}
 
@@ -311,10 +310,10 @@ def test_late_control_periods_in_a_row() -> None:
     for late in (True, True, True, False, True, True, True):
         ride.guard.period(late)
         ride.go(20)
-        assert ride.guard.level is SpeedWatchLevel.NORMAL
+        assert ride.guard.level is WatchLevel.NORMAL
     ride.guard.period(True)
     ride.go(20)
     assert ride.found == (TRACTION_CUT, CtlCause.OVERRUNS)
     ride.guard.period(False)
     ride.go(5)
-    assert ride.guard.level is SpeedWatchLevel.NORMAL
+    assert ride.guard.level is WatchLevel.NORMAL

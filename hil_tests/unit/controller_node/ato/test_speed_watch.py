@@ -16,14 +16,13 @@ from railhil.controller_node.ato.speed_watch import (
     Finding,
     Ladder,
     Reception,
-    SpeedWatchLevel,
     SpeedWatchState,
     command,
     observe,
     stronger,
 )
 from railhil.scenarios.load import load
-from railhil.wire.ato import CtlCause
+from railhil.wire.ato import CtlCause, WatchLevel
 
 SCENARIO = load("lvshun_tieshan")
 LADDER = Ladder.of(SCENARIO)
@@ -132,23 +131,23 @@ def _assert_safe(
     """What each level promises about the notch, whatever came before."""
     last, level = before.code, state.level
     assert -LADDER.full_code <= code <= LADDER.full_code
-    assert emergency == (level is SpeedWatchLevel.EMERGENCY)
-    if before.level is SpeedWatchLevel.EMERGENCY and level is not SpeedWatchLevel.EMERGENCY:
-        assert level <= SpeedWatchLevel.SERVICE_BRAKE
-    if level is SpeedWatchLevel.HOLD:
+    assert emergency == (level is WatchLevel.EMERGENCY)
+    if before.level is WatchLevel.EMERGENCY and level is not WatchLevel.EMERGENCY:
+        assert level <= WatchLevel.SERVICE_BRAKE
+    if level is WatchLevel.HOLD:
         assert abs(code) <= abs(last)
         assert code * last >= 0
         assert code <= last
-    if level is SpeedWatchLevel.TRACTION_CUT:
+    if level is WatchLevel.TRACTION_CUT:
         assert code <= 0
-        if before.level is not SpeedWatchLevel.TRACTION_CUT:
+        if before.level is not WatchLevel.TRACTION_CUT:
             assert code <= min(last, 0)
-    if level is SpeedWatchLevel.SERVICE_BRAKE:
+    if level is WatchLevel.SERVICE_BRAKE:
         assert code <= last
         assert code <= max(-LADDER.service_code, last - LADDER.ramp_code_per_s * elapsed_ms // 1000)
-    if level is SpeedWatchLevel.EMERGENCY:
+    if level is WatchLevel.EMERGENCY:
         assert code == -LADDER.full_code
-    if level is SpeedWatchLevel.NORMAL:
+    if level is WatchLevel.NORMAL:
         assert code <= law_code
         if not state.returning:
             assert code == law_code
@@ -169,7 +168,7 @@ def test_ladder_takes_its_numbers_from_the_scenario() -> None:
 
 
 def test_the_watch_begins_with_nothing_seen() -> None:
-    assert SpeedWatchState() == (SpeedWatchLevel.NORMAL, 0, 0, 0, 0, False, CtlCause.NONE)
+    assert SpeedWatchState() == (WatchLevel.NORMAL, 0, 0, 0, 0, False, CtlCause.NONE)
 
 
 def test_a_healthy_channel_costs_no_new_state() -> None:
@@ -197,36 +196,36 @@ def test_overspeed_at_every_speed_around_the_margin() -> None:
 
 def test_one_bad_telegram_holds_and_one_good_releases() -> None:
     state = after(SpeedWatchState(), *goods(3), Seen(10, BAD))
-    assert state.level is SpeedWatchLevel.HOLD
-    assert after(state, Seen(15)).level is SpeedWatchLevel.HOLD
-    assert after(state, *goods(1)).level is SpeedWatchLevel.NORMAL
+    assert state.level is WatchLevel.HOLD
+    assert after(state, Seen(15)).level is WatchLevel.HOLD
+    assert after(state, *goods(1)).level is WatchLevel.NORMAL
 
 
 @pytest.mark.parametrize("gap", range(12))
 def test_three_bad_in_ten_cut_traction(gap: int) -> None:
     """Two bad ones, ``gap`` good ones, a third bad one: within ten telegrams up to seven good ones in between."""
     state = after(SpeedWatchState(), *goods(20), Seen(10, BAD), Seen(20, BAD), *goods(gap), Seen(10, BAD))
-    assert state.level == (SpeedWatchLevel.TRACTION_CUT if gap <= 7 else SpeedWatchLevel.HOLD)
+    assert state.level == (WatchLevel.TRACTION_CUT if gap <= 7 else WatchLevel.HOLD)
 
 
 @pytest.mark.parametrize("run", range(8))
 def test_traction_cut_ends_with_five_good_in_a_row(run: int) -> None:
     cut = after(SpeedWatchState(), Seen(65))
     state = after(cut, *goods(run))
-    assert state.level == (SpeedWatchLevel.NORMAL if run >= 5 else SpeedWatchLevel.TRACTION_CUT)
+    assert state.level == (WatchLevel.NORMAL if run >= 5 else WatchLevel.TRACTION_CUT)
 
 
 @pytest.mark.parametrize("breaker", [Seen(10, BAD), Seen(21)])
 def test_a_run_is_broken_by_anything_but_good(breaker: Seen) -> None:
     cut = after(SpeedWatchState(), Seen(65), *goods(4), breaker)
-    assert after(cut, *goods(4)).level is SpeedWatchLevel.TRACTION_CUT
-    assert after(cut, *goods(5)).level is SpeedWatchLevel.NORMAL
+    assert after(cut, *goods(4)).level is WatchLevel.TRACTION_CUT
+    assert after(cut, *goods(5)).level is WatchLevel.NORMAL
 
 
 def test_an_old_burst_does_not_cut_again_after_the_good_run() -> None:
     state = after(SpeedWatchState(), *[Seen(10, BAD)] * 3, *goods(5))
-    assert state.level is SpeedWatchLevel.NORMAL
-    assert after(state, *goods(1)).level is SpeedWatchLevel.NORMAL
+    assert state.level is WatchLevel.NORMAL
+    assert after(state, *goods(1)).level is WatchLevel.NORMAL
 
 
 @pytest.mark.parametrize("finding", LEVELS.values(), ids=lambda finding: finding.cause.name)
@@ -234,8 +233,8 @@ def test_a_finding_lasts_as_long_as_it_is_found(finding: Finding) -> None:
     state = after(SpeedWatchState(), *goods(20), *goods(20, finding=finding))
     assert (state.level, state.cause) == finding
     left = after(state, *goods(10))
-    emergency = finding.level is SpeedWatchLevel.EMERGENCY
-    assert left[0] is (SpeedWatchLevel.EMERGENCY if emergency else SpeedWatchLevel.NORMAL)
+    emergency = finding.level is WatchLevel.EMERGENCY
+    assert left[0] is (WatchLevel.EMERGENCY if emergency else WatchLevel.NORMAL)
     assert left.cause is (finding.cause if emergency else CtlCause.NONE)
 
 
@@ -248,26 +247,26 @@ def test_of_several_findings_the_strongest_counts() -> None:
     # Of two equal demands the speed telegrams are named.
     assert after(SpeedWatchState(), Seen(65, finding=cut)).cause is CtlCause.SPEED_AGE
     # Nor does a weaker one hide what the age of the speed demands.
-    assert after(SpeedWatchState(), Seen(300, finding=cut))[:1] == (SpeedWatchLevel.SERVICE_BRAKE,)
+    assert after(SpeedWatchState(), Seen(300, finding=cut))[:1] == (WatchLevel.SERVICE_BRAKE,)
 
 
 @pytest.mark.parametrize("run", range(13))
 def test_service_brake_ends_with_ten_good(run: int) -> None:
     state = after(SpeedWatchState(), Seen(257), *goods(run))
-    assert state.level == (SpeedWatchLevel.NORMAL if run >= 10 else SpeedWatchLevel.SERVICE_BRAKE)
+    assert state.level == (WatchLevel.NORMAL if run >= 10 else WatchLevel.SERVICE_BRAKE)
 
 
 def test_service_brake_ends_at_standstill() -> None:
-    assert after(SpeedWatchState(), Seen(257), Seen(0, GOOD, standstill=True)).level is SpeedWatchLevel.NORMAL
-    assert after(SpeedWatchState(), Seen(257), Seen(300, standstill=True)).level is SpeedWatchLevel.SERVICE_BRAKE
+    assert after(SpeedWatchState(), Seen(257), Seen(0, GOOD, standstill=True)).level is WatchLevel.NORMAL
+    assert after(SpeedWatchState(), Seen(257), Seen(300, standstill=True)).level is WatchLevel.SERVICE_BRAKE
 
 
 @pytest.mark.parametrize("cause", [Seen(1001), Seen(0, GOOD, overspeed=True)])
 def test_emergency_is_latched(cause: Seen) -> None:
     state = after(SpeedWatchState(), cause)
-    assert state.level is SpeedWatchLevel.EMERGENCY
-    assert after(state, *goods(50)).level is SpeedWatchLevel.EMERGENCY
-    assert after(state, *goods(50, standstill=True)).level is SpeedWatchLevel.EMERGENCY
+    assert state.level is WatchLevel.EMERGENCY
+    assert after(state, *goods(50)).level is WatchLevel.EMERGENCY
+    assert after(state, *goods(50, standstill=True)).level is WatchLevel.EMERGENCY
 
 
 def run_commands(state: SpeedWatchState, law_code: int, count: int) -> tuple[SpeedWatchState, list[int]]:
@@ -309,7 +308,7 @@ def test_service_brake_comes_and_goes_on_its_ramp() -> None:
     assert codes[1] == -2 * step
     assert codes[-1] == -LADDER.service_code
     back = after(state, *goods(10))
-    assert back.level is SpeedWatchLevel.NORMAL
+    assert back.level is WatchLevel.NORMAL
     back, codes = run_commands(back, 300, 100)
     assert codes[0] == -LADDER.service_code + step
     assert max(b - a for a, b in pairwise(codes)) <= step
@@ -326,7 +325,7 @@ def test_a_ramp_goes_by_the_time_between_two_notches() -> None:
 
 def test_no_traction_in_service_brake_though_the_ladder_jumped_there() -> None:
     state = observe(LADDER, SpeedWatchState(code=7 * 256), *Seen(age_ms=300))
-    assert state.level is SpeedWatchLevel.SERVICE_BRAKE
+    assert state.level is WatchLevel.SERVICE_BRAKE
     code = 7 * 256
     for elapsed_ms in (20, 20, 20):
         state, code, _ = command(LADDER, state, 7 * 256, ramp(elapsed_ms))

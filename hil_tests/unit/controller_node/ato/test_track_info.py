@@ -6,18 +6,18 @@ from dataclasses import replace
 
 import pytest
 
-from railhil.controller_node.ato.speed_watch import Finding, SpeedWatchLevel
+from railhil.controller_node.ato.speed_watch import Finding
 from railhil.controller_node.ato.track_info import TrackInfo
 from railhil.scenarios.load import load
-from railhil.wire.ato import CtlCause, TrkInfo
+from railhil.wire.ato import CtlCause, TrkInfo, WatchLevel
 
 SCENARIO = load("lvshun_tieshan")
 MS = 1_000_000
 
 
-def level_at(track: TrackInfo, now_ns: int) -> SpeedWatchLevel:
+def level_at(track: TrackInfo, now_ns: int) -> WatchLevel:
     found = track.finding(now_ns)
-    return SpeedWatchLevel.NORMAL if found is None else found.level
+    return WatchLevel.NORMAL if found is None else found.level
 
 
 @pytest.mark.parametrize(("period_ms", "cut_ms"), [(160, 480), (300, 900), (10, 30)])
@@ -28,7 +28,7 @@ def test_three_periods_cut_and_a_second_brakes(period_ms: int, cut_ms: int) -> N
     levels = [
         level_at(track, 7 * MS + age_ns) for age_ns in (0, cut_ms * MS, cut_ms * MS + 1, 1000 * MS, 1000 * MS + 1)
     ]
-    normal, cut, brake = SpeedWatchLevel.NORMAL, SpeedWatchLevel.TRACTION_CUT, SpeedWatchLevel.SERVICE_BRAKE
+    normal, cut, brake = WatchLevel.NORMAL, WatchLevel.TRACTION_CUT, WatchLevel.SERVICE_BRAKE
     assert levels == [normal, normal, cut, cut, brake]
     # An old grade judges no brake; the limit stays.
     grades = [track.grade_001permil(7 * MS + age_ns) for age_ns in (cut_ms * MS, cut_ms * MS + 1)]
@@ -37,7 +37,7 @@ def test_three_periods_cut_and_a_second_brakes(period_ms: int, cut_ms: int) -> N
 
 def test_before_the_first_telegram_it_ages_from_the_beginning() -> None:
     track = TrackInfo(SCENARIO)
-    assert track.finding(1001 * MS) == Finding(SpeedWatchLevel.SERVICE_BRAKE, CtlCause.TRACK_AGE)
+    assert track.finding(1001 * MS) == Finding(WatchLevel.SERVICE_BRAKE, CtlCause.TRACK_AGE)
     assert (track.limit_01mmps, track.grade_001permil(0)) == (None, None)
 
 
@@ -46,8 +46,8 @@ def test_what_says_nothing_new_makes_nothing_younger(changed: dict[str, int]) ->
     track = TrackInfo(SCENARIO)
     track.take(TrkInfo(speed_limit_4mmps=5000), 0)
     track.take(replace(TrkInfo(speed_limit_4mmps=4000, grade_001permil=5, life=1), **changed), 160 * MS)
-    assert level_at(track, 481 * MS) is SpeedWatchLevel.TRACTION_CUT
+    assert level_at(track, 481 * MS) is WatchLevel.TRACTION_CUT
     # What its check variable says to be correct is used all the same.
     assert track.limit_01mmps == (160_000 if "grade_check" in changed else 200_000)
     track.take(TrkInfo(speed_limit_4mmps=3000, life=2), 600 * MS)
-    assert (level_at(track, 1080 * MS), track.limit_01mmps) == (SpeedWatchLevel.NORMAL, 120_000)
+    assert (level_at(track, 1080 * MS), track.limit_01mmps) == (WatchLevel.NORMAL, 120_000)

@@ -10,18 +10,18 @@ from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, ru
 
 from railhil.plant_sim.ato.command_watch import (
     INITIAL,
-    CommandWatchLevel,
     CommandWatchState,
     WatchTicks,
     watch_step,
     watch_ticks,
 )
 from railhil.systems.ato.scenario.model import WatchLimits
+from railhil.wire.ato import WatchLevel
 
 TICK_NS = 10_000_000
 LIMITS = WatchLimits()
 TICKS = watch_ticks(LIMITS, TICK_NS)
-GOOD = CommandWatchState(CommandWatchLevel.NORMAL, 0, 10)
+GOOD = CommandWatchState(WatchLevel.NORMAL, 0, 10)
 
 
 def after(
@@ -48,26 +48,26 @@ def after(
     return state
 
 
-def at_level(level: CommandWatchLevel) -> CommandWatchState:
+def at_level(level: WatchLevel) -> CommandWatchState:
     return CommandWatchState(level, 0, 0)
 
 
 @pytest.mark.parametrize(
     ("silent_ticks", "level"),
     [
-        (1, CommandWatchLevel.NORMAL),
-        (2, CommandWatchLevel.NORMAL),
-        (3, CommandWatchLevel.HOLD),
-        (6, CommandWatchLevel.HOLD),
-        (7, CommandWatchLevel.TRACTION_CUT),
-        (25, CommandWatchLevel.TRACTION_CUT),
-        (26, CommandWatchLevel.SERVICE_BRAKE),
-        (100, CommandWatchLevel.SERVICE_BRAKE),
-        (101, CommandWatchLevel.EMERGENCY),
-        (5000, CommandWatchLevel.EMERGENCY),
+        (1, WatchLevel.NORMAL),
+        (2, WatchLevel.NORMAL),
+        (3, WatchLevel.HOLD),
+        (6, WatchLevel.HOLD),
+        (7, WatchLevel.TRACTION_CUT),
+        (25, WatchLevel.TRACTION_CUT),
+        (26, WatchLevel.SERVICE_BRAKE),
+        (100, WatchLevel.SERVICE_BRAKE),
+        (101, WatchLevel.EMERGENCY),
+        (5000, WatchLevel.EMERGENCY),
     ],
 )
-def test_level_by_silence(silent_ticks: int, level: CommandWatchLevel) -> None:
+def test_level_by_silence(silent_ticks: int, level: WatchLevel) -> None:
     # 20, 64, 256 and 1000 ms: traction cut within 70 ms, service brake within 270 ms, emergency within 1.02 s.
     assert after(GOOD, "." * silent_ticks).level is level
 
@@ -87,7 +87,7 @@ def test_limits_are_scenario_data() -> None:
 
 
 def test_a_standing_train_needs_no_emergency() -> None:
-    assert after(GOOD, "." * 5000, moving=False).level is CommandWatchLevel.SERVICE_BRAKE
+    assert after(GOOD, "." * 5000, moving=False).level is WatchLevel.SERVICE_BRAKE
 
 
 @pytest.mark.parametrize("pattern", ["c." * 200, "c" * 50])
@@ -95,48 +95,46 @@ def test_polled_commands_keep_it_normal(pattern: str) -> None:
     state = GOOD
     for mark in pattern:
         state = after(state, mark)
-        assert state.level is CommandWatchLevel.NORMAL
+        assert state.level is WatchLevel.NORMAL
 
 
 @pytest.mark.parametrize(
     ("level", "pattern", "moving", "below_limit", "expected"),
     [
-        (CommandWatchLevel.HOLD, "c", True, False, CommandWatchLevel.NORMAL),
-        (CommandWatchLevel.TRACTION_CUT, "c.c.c.c.", True, True, CommandWatchLevel.TRACTION_CUT),
-        (CommandWatchLevel.TRACTION_CUT, "c.c.c.c.c", True, False, CommandWatchLevel.NORMAL),
+        (WatchLevel.HOLD, "c", True, False, WatchLevel.NORMAL),
+        (WatchLevel.TRACTION_CUT, "c.c.c.c.", True, True, WatchLevel.TRACTION_CUT),
+        (WatchLevel.TRACTION_CUT, "c.c.c.c.c", True, False, WatchLevel.NORMAL),
         # A gap of 30 ms starts the count again.
-        (CommandWatchLevel.TRACTION_CUT, "c.c.c.c..c", True, True, CommandWatchLevel.TRACTION_CUT),
-        (CommandWatchLevel.TRACTION_CUT, "c.c.c.c..c.c.c.c", True, True, CommandWatchLevel.TRACTION_CUT),
-        (CommandWatchLevel.TRACTION_CUT, "c.c.c.c..c.c.c.c.c", True, True, CommandWatchLevel.NORMAL),
-        (CommandWatchLevel.SERVICE_BRAKE, "c." * 9, True, True, CommandWatchLevel.SERVICE_BRAKE),
-        (CommandWatchLevel.SERVICE_BRAKE, "c." * 9 + "c", True, True, CommandWatchLevel.NORMAL),
-        (CommandWatchLevel.SERVICE_BRAKE, "c." * 50, True, False, CommandWatchLevel.SERVICE_BRAKE),
-        (CommandWatchLevel.SERVICE_BRAKE, "c", False, False, CommandWatchLevel.NORMAL),
-        (CommandWatchLevel.SERVICE_BRAKE, "." * 50, False, True, CommandWatchLevel.SERVICE_BRAKE),
-        (CommandWatchLevel.EMERGENCY, "c." * 50, True, True, CommandWatchLevel.EMERGENCY),
-        (CommandWatchLevel.EMERGENCY, "c." * 50, False, True, CommandWatchLevel.EMERGENCY),
+        (WatchLevel.TRACTION_CUT, "c.c.c.c..c", True, True, WatchLevel.TRACTION_CUT),
+        (WatchLevel.TRACTION_CUT, "c.c.c.c..c.c.c.c", True, True, WatchLevel.TRACTION_CUT),
+        (WatchLevel.TRACTION_CUT, "c.c.c.c..c.c.c.c.c", True, True, WatchLevel.NORMAL),
+        (WatchLevel.SERVICE_BRAKE, "c." * 9, True, True, WatchLevel.SERVICE_BRAKE),
+        (WatchLevel.SERVICE_BRAKE, "c." * 9 + "c", True, True, WatchLevel.NORMAL),
+        (WatchLevel.SERVICE_BRAKE, "c." * 50, True, False, WatchLevel.SERVICE_BRAKE),
+        (WatchLevel.SERVICE_BRAKE, "c", False, False, WatchLevel.NORMAL),
+        (WatchLevel.SERVICE_BRAKE, "." * 50, False, True, WatchLevel.SERVICE_BRAKE),
+        (WatchLevel.EMERGENCY, "c." * 50, True, True, WatchLevel.EMERGENCY),
+        (WatchLevel.EMERGENCY, "c." * 50, False, True, WatchLevel.EMERGENCY),
     ],
 )
-def test_leave_rules(
-    level: CommandWatchLevel, pattern: str, moving: bool, below_limit: bool, expected: CommandWatchLevel
-) -> None:
+def test_leave_rules(level: WatchLevel, pattern: str, moving: bool, below_limit: bool, expected: WatchLevel) -> None:
     assert after(at_level(level), pattern, moving=moving, below_limit=below_limit).level is expected
 
 
-@pytest.mark.parametrize("level", list(CommandWatchLevel))
-def test_an_emergency_demand_wins_over_every_level(level: CommandWatchLevel) -> None:
-    assert after(at_level(level), "c", emergency=True).level is CommandWatchLevel.EMERGENCY
+@pytest.mark.parametrize("level", list(WatchLevel))
+def test_an_emergency_demand_wins_over_every_level(level: WatchLevel) -> None:
+    assert after(at_level(level), "c", emergency=True).level is WatchLevel.EMERGENCY
 
 
-@pytest.mark.parametrize("level", [CommandWatchLevel.TRACTION_CUT, CommandWatchLevel.SERVICE_BRAKE])
-def test_a_suspicion_demands_its_level_and_breaks_the_row(level: CommandWatchLevel) -> None:
+@pytest.mark.parametrize("level", [WatchLevel.TRACTION_CUT, WatchLevel.SERVICE_BRAKE])
+def test_a_suspicion_demands_its_level_and_breaks_the_row(level: WatchLevel) -> None:
     state = after(GOOD, "s", suspicion=level)
     assert state == (level, 0, 0)
-    needed = 5 if level is CommandWatchLevel.TRACTION_CUT else 10
+    needed = 5 if level is WatchLevel.TRACTION_CUT else 10
     assert after(state, "c" * (needed - 1)).level is level
-    assert after(state, "c" * needed).level is CommandWatchLevel.NORMAL
-    assert after(at_level(CommandWatchLevel.EMERGENCY), "s", suspicion=level).level is CommandWatchLevel.EMERGENCY
-    assert after(GOOD, "." * 30 + "s", suspicion=2).level is CommandWatchLevel.SERVICE_BRAKE
+    assert after(state, "c" * needed).level is WatchLevel.NORMAL
+    assert after(at_level(WatchLevel.EMERGENCY), "s", suspicion=level).level is WatchLevel.EMERGENCY
+    assert after(GOOD, "." * 30 + "s", suspicion=2).level is WatchLevel.SERVICE_BRAKE
 
 
 class LadderAgainstHistory(RuleBasedStateMachine):

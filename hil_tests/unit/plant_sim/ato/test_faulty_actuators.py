@@ -8,11 +8,10 @@ import pytest
 
 from hil_tests.support.plant_faults import SCENARIO, commanded, fault, faulty, moving, shown
 from railhil.faults.model import Fault
-from railhil.plant_sim.ato.command_watch import CommandWatchLevel
 from railhil.plant_sim.ato.faults.train import FaultyTrain
 from railhil.plant_sim.ato.plant import Plant
 from railhil.systems.ato.scenario.model import Scenario
-from railhil.wire.ato import WatchCause
+from railhil.wire.ato import WatchCause, WatchLevel
 
 TRAIN = SCENARIO.train
 WEIGHT_N = TRAIN.mass_kg * TRAIN.gravity_mps2
@@ -53,12 +52,12 @@ def test_the_service_brake_of_the_watch_is_weak_too_the_emergency_brake_is_not()
         moving(plant, ticks=1500)
         for _ in range(500):
             plant.advance()
-        assert plant.watch_level is CommandWatchLevel.SERVICE_BRAKE
+        assert plant.watch_level is WatchLevel.SERVICE_BRAKE
         service_n = TRAIN.service_braking_mps2 * TRAIN.inertial_mass_kg
         assert plant.brake_n == pytest.approx(service_share * service_n)
         for _ in range(110):
             plant.advance()
-        assert plant.watch_level is CommandWatchLevel.EMERGENCY
+        assert plant.watch_level is WatchLevel.EMERGENCY
         assert plant.brake_n == TRAIN.brake.force_max_n
 
 
@@ -89,12 +88,12 @@ def test_a_runaway_drive_pulls_until_the_emergency_brake() -> None:
     assert plant.accel_mps2 > 0.0
     for _ in range(10):
         plant.advance()
-    assert plant.watch_level is CommandWatchLevel.TRACTION_CUT
+    assert plant.watch_level is WatchLevel.TRACTION_CUT
     assert plant.traction_n > 0.0
     plant.command(0, True)
     plant.advance()
     plant.advance()
-    assert plant.watch_level is CommandWatchLevel.EMERGENCY
+    assert plant.watch_level is WatchLevel.EMERGENCY
     assert plant.traction_n == 0.0
     assert plant.brake_n == TRAIN.brake.force_max_n
     assert shown(plant)[0][:2] == (1, 15.0)
@@ -105,9 +104,9 @@ def test_the_train_s_own_watch_finds_a_runaway_drive(what: str) -> None:
     """C4: within 0.5 s of the first braking notch, also while the brake works against the drive."""
     plant = faulty(fault("actuator.traction", what, 15.0))
     moving(plant, ticks=1600)
-    assert plant.watch_level is CommandWatchLevel.NORMAL
+    assert plant.watch_level is WatchLevel.NORMAL
     commanded(plant, -300, 50)
-    assert plant.watch_level is CommandWatchLevel.EMERGENCY
+    assert plant.watch_level is WatchLevel.EMERGENCY
     assert plant.watch_cause is WatchCause.RUNAWAY
 
 
@@ -123,7 +122,7 @@ def test_the_train_s_own_watch_finds_a_brake_that_does_not_answer(what: str, val
         else:
             for _ in range(500):
                 plant.advance()
-        assert plant.watch_level is CommandWatchLevel.EMERGENCY
+        assert plant.watch_level is WatchLevel.EMERGENCY
         assert plant.watch_cause is WatchCause.BRAKE_NOT_ANSWERING
 
 

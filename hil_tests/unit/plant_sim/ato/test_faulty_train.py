@@ -12,13 +12,12 @@ from railhil.common.errors import InputError
 from railhil.faults.model import Draw, Fault, Trigger, Word
 from railhil.faults.words import CLEAR, words_at
 from railhil.plant_sim.any_plant import PlantError
-from railhil.plant_sim.ato.command_watch import CommandWatchLevel
 from railhil.plant_sim.ato.plant import Plant
 from railhil.plant_sim.faults.mismatch import Mismatch
 from railhil.scenarios.load import load_any
 from railhil.systems.ato import ATO
 from railhil.systems.ato.scenario.model import Balise
-from railhil.wire.ato import BalisePassed, TrnPos, TrnSpeed, WatchCause
+from railhil.wire.ato import BalisePassed, TrnPos, TrnSpeed, WatchCause, WatchLevel
 
 TRAIN = SCENARIO.train
 WEIGHT_N = TRAIN.mass_kg * TRAIN.gravity_mps2
@@ -91,7 +90,7 @@ def test_an_applied_parking_brake_brakes() -> None:
 def test_an_open_safety_loop_is_an_emergency() -> None:
     plant = faulty(fault("train.safety_loop", "off", 12.0, duration_s=0.02))
     moving(plant, ticks=1202)
-    assert plant.watch_level is CommandWatchLevel.EMERGENCY
+    assert plant.watch_level is WatchLevel.EMERGENCY
     assert plant.watch_cause is WatchCause.SAFETY_LOOP
 
 
@@ -210,7 +209,7 @@ def test_a_level_of_the_train_s_watch_is_an_event() -> None:
     moving(plant)
     for _ in range(8):
         plant.advance()
-    assert plant.watch_level is CommandWatchLevel.TRACTION_CUT
+    assert plant.watch_level is WatchLevel.TRACTION_CUT
     assert not plant.status.doors_closed_locked
 
 

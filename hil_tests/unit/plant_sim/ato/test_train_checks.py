@@ -11,7 +11,7 @@ import pytest
 from railhil.bench import direct_run
 from railhil.common.errors import InputError
 from railhil.plant_sim.ato import dynamics
-from railhil.plant_sim.ato.command_watch import SUSPICIONS, CommandWatchLevel
+from railhil.plant_sim.ato.command_watch import SUSPICIONS
 from railhil.plant_sim.ato.dynamics import Motion
 from railhil.plant_sim.ato.plant import Plant
 from railhil.plant_sim.ato.train import TrainOnBus
@@ -21,17 +21,17 @@ from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.systems.ato.scenario.model import Scenario
 from railhil.systems.ato.scenario.perturb import perturbed
-from railhil.wire.ato import NotchCmd, WatchCause
+from railhil.wire.ato import NotchCmd, WatchCause, WatchLevel
 
 SCENARIO = load("lvshun_tieshan")
-EMERGENCY = CommandWatchLevel.EMERGENCY
+EMERGENCY = WatchLevel.EMERGENCY
 
 
 def with_watch(**limits: Any) -> Scenario:
     return replace(SCENARIO, watch=replace(SCENARIO.watch, **limits))
 
 
-def driven(plant: Plant, code: int, ticks: int, *, until: CommandWatchLevel | None = None) -> int:
+def driven(plant: Plant, code: int, ticks: int, *, until: WatchLevel | None = None) -> int:
     """Advance with good commands every 20 ms; returns the ticks, at most up to a level."""
     for passed in range(ticks):
         if until is not None and plant.watch_level >= until:
@@ -56,7 +56,7 @@ def test_any_notches_of_a_healthy_train_are_normal(seed: int) -> None:
     plant = Plant(perturbed(SCENARIO, seed), seed)
     for step in range(60):
         driven(plant, (1792, -1792, 0, 700, -300, 0, -1500)[step * (seed + 2) % 7], 50)
-        assert plant.watch_level is CommandWatchLevel.NORMAL
+        assert plant.watch_level is WatchLevel.NORMAL
 
 
 def test_traction_that_stays_is_an_emergency_within_half_a_second() -> None:
@@ -167,7 +167,7 @@ def test_without_an_end_of_authority_it_goes_on() -> None:
     plant = Plant(with_watch(overspeed_margin_mps=100.0), 0)
     driven(plant, 1792, 19_000)
     assert plant.position_01mm / 1e4 > SCENARIO.plan.distance_m + 100.0
-    assert plant.watch_level is CommandWatchLevel.NORMAL
+    assert plant.watch_level is WatchLevel.NORMAL
 
 
 def test_an_end_that_the_brake_cannot_keep_is_refused(tmp_path: Path) -> None:
@@ -187,7 +187,7 @@ def test_an_end_that_the_brake_cannot_keep_is_refused(tmp_path: Path) -> None:
 # -- what the gate finds ----------------------------------------------------------------------------------------------
 
 
-def told(train: TrainOnBus, *commands: NotchCmd) -> tuple[CommandWatchLevel, WatchCause]:
+def told(train: TrainOnBus, *commands: NotchCmd) -> tuple[WatchLevel, WatchCause]:
     """State after commands of one tick each, every second tick."""
     for command in commands:
         train.take(command)
@@ -199,31 +199,31 @@ def told(train: TrainOnBus, *commands: NotchCmd) -> tuple[CommandWatchLevel, Wat
 def on_bus(scenario: Scenario = SCENARIO) -> tuple[TrainOnBus, int]:
     train = TrainOnBus(scenario, 0)
     told(train, *(NotchCmd(1000, life=life % 16) for life in range(500)))
-    assert train.watch_level is CommandWatchLevel.NORMAL
+    assert train.watch_level is WatchLevel.NORMAL
     return train, 500
 
 
 def test_a_notch_out_of_range_cuts_traction_at_once() -> None:
     train, life = on_bus()
-    assert told(train, NotchCmd(1793, life=life % 16)) == (CommandWatchLevel.TRACTION_CUT, WatchCause.NOTCH_RANGE)
+    assert told(train, NotchCmd(1793, life=life % 16)) == (WatchLevel.TRACTION_CUT, WatchCause.NOTCH_RANGE)
     assert train.traction_n == 0.0
     good = [NotchCmd(1000, life=(life + count) % 16) for count in range(5)]
-    assert told(train, *good[:4])[0] is CommandWatchLevel.TRACTION_CUT
-    assert told(train, good[4]) == (CommandWatchLevel.NORMAL, WatchCause.NONE)
+    assert told(train, *good[:4])[0] is WatchLevel.TRACTION_CUT
+    assert told(train, good[4]) == (WatchLevel.NORMAL, WatchCause.NONE)
 
 
 @pytest.mark.parametrize(("notch", "applied"), [(1700, 1000), (-300, -300)])
 def test_too_large_a_step_is_followed_only_as_far_as_it_brakes(notch: int, applied: int) -> None:
     train, life = on_bus(with_watch(notch_step_max=2.0))
     found = told(train, NotchCmd(notch, life=life % 16))
-    assert found == (CommandWatchLevel.TRACTION_CUT, WatchCause.NOTCH_STEP)
+    assert found == (WatchLevel.TRACTION_CUT, WatchCause.NOTCH_STEP)
     assert train._staged_code == applied
 
 
 def test_two_controllers_brake() -> None:
     train, life = on_bus()
     both = [NotchCmd(1000, life=(life + count // 2 + 3 * (count % 2)) % 16) for count in range(40)]
-    assert told(train, *both) == (CommandWatchLevel.SERVICE_BRAKE, WatchCause.TWO_SOURCES)
+    assert told(train, *both) == (WatchLevel.SERVICE_BRAKE, WatchCause.TWO_SOURCES)
 
 
 def test_of_several_findings_of_a_tick_the_strongest_counts() -> None:
@@ -237,9 +237,9 @@ def test_of_several_findings_of_a_tick_the_strongest_counts() -> None:
 
 def test_what_the_age_demands_is_named_first() -> None:
     for silent, level, cause in (
-        (7, CommandWatchLevel.TRACTION_CUT, WatchCause.COMMAND_AGE),
-        (26, CommandWatchLevel.SERVICE_BRAKE, WatchCause.COMMAND_AGE),
-        (4, CommandWatchLevel.TRACTION_CUT, WatchCause.NOTCH_RANGE),
+        (7, WatchLevel.TRACTION_CUT, WatchCause.COMMAND_AGE),
+        (26, WatchLevel.SERVICE_BRAKE, WatchCause.COMMAND_AGE),
+        (4, WatchLevel.TRACTION_CUT, WatchCause.NOTCH_RANGE),
     ):
         train, _ = on_bus()
         for tick in range(silent - 1):

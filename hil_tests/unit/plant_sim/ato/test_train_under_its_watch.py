@@ -7,12 +7,11 @@ from itertools import pairwise
 
 import pytest
 
-from railhil.plant_sim.ato.command_watch import CommandWatchLevel
 from railhil.plant_sim.ato.events import PlantEvent
 from railhil.plant_sim.ato.plant import Plant
 from railhil.scenarios.load import load
 from railhil.systems.ato.scenario.model import Line
-from railhil.wire.ato import WatchCause
+from railhil.wire.ato import WatchCause, WatchLevel
 
 TICK_S = 0.01
 SCENARIO = load("lvshun_tieshan")
@@ -40,7 +39,7 @@ def test_nominal_polling_is_normal_all_the_time() -> None:
     plant = Plant(SCENARIO, 0)
     for _ in range(500):
         commanded(plant, 800, 1)
-        assert plant.watch_level is CommandWatchLevel.NORMAL
+        assert plant.watch_level is WatchLevel.NORMAL
 
 
 def test_reactions_to_a_silent_controller_come_in_time() -> None:
@@ -73,7 +72,7 @@ def test_a_silent_controller_stops_the_train_for_good() -> None:
     assert plant.watch_cause is WatchCause.COMMAND_AGE
     assert plant.true_speed_01mmps == 0
     commanded(plant, 1500, 500)
-    assert plant.watch_level is CommandWatchLevel.EMERGENCY
+    assert plant.watch_level is WatchLevel.EMERGENCY
     assert plant.true_speed_01mmps == 0
 
 
@@ -89,7 +88,7 @@ def test_service_brake_builds_up_and_goes_with_limited_jerk() -> None:
         plant.advance()
         forces.append(plant.brake_n)
     commanded(plant, 0, 21)
-    assert plant.watch_level is CommandWatchLevel.NORMAL
+    assert plant.watch_level is WatchLevel.NORMAL
     for _ in range(150):
         commanded(plant, 0, 1)
         forces.append(plant.brake_n)
@@ -112,7 +111,7 @@ def test_service_brake_builds_on_the_braking_already_there() -> None:
     for _ in range(60):
         plant.advance()
         lowest_n = min(lowest_n, plant.brake_n)
-    assert plant.watch_level is CommandWatchLevel.SERVICE_BRAKE
+    assert plant.watch_level is WatchLevel.SERVICE_BRAKE
     assert lowest_n >= before_n
     assert plant.brake_n > before_n + 30e3
 
@@ -122,10 +121,10 @@ def test_traction_after_a_cut_builds_up_from_nothing() -> None:
     traction_n = plant.traction_n
     for _ in range(12):
         plant.advance()
-    assert plant.watch_level is CommandWatchLevel.TRACTION_CUT
+    assert plant.watch_level is WatchLevel.TRACTION_CUT
     assert plant.traction_n == 0.0
     counted = 0
-    while plant.watch_level is CommandWatchLevel.TRACTION_CUT and counted < 20:
+    while plant.watch_level is WatchLevel.TRACTION_CUT and counted < 20:
         plant.command(1500, False)
         plant.advance()
         counted += 1
@@ -144,9 +143,9 @@ def test_the_brake_holds_until_the_first_command(grade: float) -> None:
         plant.advance()
     assert plant.position_01mm == 0
     assert plant.brake_n == service_n
-    assert plant.watch_level is CommandWatchLevel.SERVICE_BRAKE
+    assert plant.watch_level is WatchLevel.SERVICE_BRAKE
     commanded(plant, 0, 100)
-    assert plant.watch_level is CommandWatchLevel.NORMAL
+    assert plant.watch_level is WatchLevel.NORMAL
     assert (plant.true_speed_01mmps > 0) is (grade < -2.0)
 
 
@@ -206,4 +205,4 @@ def test_the_limit_is_higher_again_behind_the_train() -> None:
         assert plant.tick < 20_000
     commanded(plant, 1500, 1000)
     assert plant.true_speed_01mmps > 80_000
-    assert plant.watch_level is CommandWatchLevel.NORMAL
+    assert plant.watch_level is WatchLevel.NORMAL

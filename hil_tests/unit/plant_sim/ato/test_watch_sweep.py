@@ -8,7 +8,6 @@ from railhil.plant_sim.ato import command_watch
 from railhil.plant_sim.ato.command_watch import (
     INITIAL,
     SUSPICIONS,
-    CommandWatchLevel,
     CommandWatchState,
     WatchTicks,
     watch_brake_mps2,
@@ -16,7 +15,7 @@ from railhil.plant_sim.ato.command_watch import (
     watch_ticks,
 )
 from railhil.systems.ato.scenario.model import WatchLimits
-from railhil.wire.ato import WatchCause
+from railhil.wire.ato import WatchCause, WatchLevel
 
 LIMITS = WatchTicks(2, 4, 7, 11)
 BOTH = (False, True)
@@ -36,13 +35,13 @@ def test_every_step_of_the_ladder() -> None:
         if now > 11 and moving:
             by_age = 4
         wanted = 4 if emergency else max(by_age, suspicion, 0 if leaves else level)
-        state = CommandWatchState(CommandWatchLevel(level), age, good)
+        state = CommandWatchState(WatchLevel(level), age, good)
         found = watch_step(LIMITS, state, accepted, suspicion, moving, below, emergency)
         assert found == (wanted, now, row), (state, accepted, suspicion, moving, below, emergency)
 
 
 def test_numbers() -> None:
-    assert list(CommandWatchLevel) == [0, 1, 2, 3, 4]
+    assert list(WatchLevel) == [0, 1, 2, 3, 4]
     assert INITIAL == (3, 0, 0)
     assert SUSPICIONS == {
         WatchCause.NONE: 0, WatchCause.BAD_COMMANDS: 2, WatchCause.NOTCH_RANGE: 2, WatchCause.NOTCH_STEP: 2,
@@ -58,12 +57,12 @@ def test_numbers() -> None:
 
 
 def test_the_brake_of_each_level() -> None:
-    for level, moving in product(CommandWatchLevel, BOTH):
+    for level, moving in product(WatchLevel, BOTH):
         brakes = [watch_brake_mps2(level, last, now, moving, 0.5, 1.0) for last, now in ((0.5, 0.25), (0.25, 0.5))]
         low = watch_brake_mps2(level, 0.0, 0.0, moving, 0.5, 1.0)
-        if level is CommandWatchLevel.EMERGENCY:
+        if level is WatchLevel.EMERGENCY:
             assert (*brakes, low) == (float("inf"),) * 3
-        elif level is CommandWatchLevel.SERVICE_BRAKE:
+        elif level is WatchLevel.SERVICE_BRAKE:
             assert (*brakes, low) == ((0.875, 0.875, 0.375) if moving else (1.0,) * 3)
             assert watch_brake_mps2(level, 0.7, 0.0, moving, 0.5, 1.0) == 1.0
         else:

@@ -14,13 +14,13 @@ from typing import Any
 
 from railhil.batch import compiled
 from railhil.common.compilable import larger, smaller
+from railhil.common.held_code import place_of
 from railhil.judge import measures
 from railhil.judge.measures import error_kmh
 from railhil.plant_sim import forces
 from railhil.plant_sim.ato import command_watch, dynamics, events, plant, sensors, train_checks
 from railhil.plant_sim.ato.command_watch import (
     GOOD_AFTER_SERVICE_BRAKE,
-    CommandWatchLevel,
     CommandWatchState,
     watch_step,
 )
@@ -30,14 +30,15 @@ from railhil.systems.ato.batch import curve, lanes, layout, rows, side_by_side, 
 from railhil.systems.ato.batch import lanes as at
 from railhil.systems.ato.batch.lanes import LANES
 from railhil.systems.ato.scenario import target
+from railhil.wire.ato import WatchLevel
 
 #: Sources of the machine code.
 _LOOPS = (curve, lanes, layout, rows, side_by_side, train)
 _PLANT = (command_watch, dynamics, events, forces, plant, sensors, train_checks, target, measures)
-_SOURCES = (__file__, *_LOOPS, *_PLANT)
+_SOURCES = (__file__, *_LOOPS, *_PLANT, str(place_of("dbc") / "ports.toml"))
 
 #: Compiled, a level is a number.
-_NORMAL: Any = int(CommandWatchLevel.NORMAL)
+_NORMAL: Any = int(WatchLevel.NORMAL)
 
 
 @compiled.part

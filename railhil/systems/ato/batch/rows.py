@@ -10,9 +10,10 @@ import numpy as np
 from railhil.batch import compiled
 from railhil.common.compilable import larger, smaller
 from railhil.judge.measures import limits_under_train
-from railhil.plant_sim.ato.command_watch import GOOD_AFTER_SERVICE_BRAKE, CommandWatchLevel
+from railhil.plant_sim.ato.command_watch import GOOD_AFTER_SERVICE_BRAKE
 from railhil.systems.ato.batch import lanes as at
 from railhil.systems.ato.batch.train import TRUTH_LSB, grades_of
+from railhil.wire.ato import WatchLevel
 
 #: A limit of the score is looked up this long before it changes.
 _SPARE_M = 0.001
@@ -43,7 +44,7 @@ def look_up(common: Any, tables: Any, index: int, s: Any, i: int) -> None:
     ordinary = (
         common.side_by_side
         and s[at.ENDED + i] == 0.0
-        and int(s[at.LEVEL + i]) == CommandWatchLevel.NORMAL
+        and int(s[at.LEVEL + i]) == WatchLevel.NORMAL
         and s[at.WATCH_BRAKE + i] == 0.0
         and s[at.TRACTION + i] != 0.0
         and s[at.BRAKE_MIN + i] == 0.0

@@ -16,7 +16,6 @@ from railhil.bus.codes import STOP_LEG_MIN_M, Event
 from railhil.common.compilable import larger, smaller
 from railhil.judge.measures import error_kmh, limits_under_train, work_j
 from railhil.plant_sim.ato.command_watch import (
-    CommandWatchLevel,
     CommandWatchState,
     watch_brake_mps2,
     watch_step,
@@ -29,6 +28,7 @@ from railhil.plant_sim.forces import GradeTable, TrainConstants
 from railhil.systems.ato.batch import curve
 from railhil.systems.ato.batch import lanes as at
 from railhil.systems.ato.batch.layout import READ_BALISES, READ_ODOMETER, READ_SPEED
+from railhil.wire.ato import WatchLevel
 
 _COMPLETE, _NOT_STOPPED = float(Event.ENDED_COMPLETE), float(Event.ENDED_NOT_STOPPED)
 #: Raw SIM_TRUTH: scales of position, speed and forces, and the largest force.
@@ -103,7 +103,7 @@ def _restrain(common: Any, s: Any, i: int, before: float, tick: int) -> None:
     # Compiled, a level is a number.
     level: Any = int(s[at.LEVEL + i])
     mass_kg = s[at.MASS + i]
-    if level == CommandWatchLevel.EMERGENCY and before != CommandWatchLevel.EMERGENCY and s[at.EMERGENCY_01MS + i] < 0:
+    if level == WatchLevel.EMERGENCY and before != WatchLevel.EMERGENCY and s[at.EMERGENCY_01MS + i] < 0:
         s[at.EMERGENCY_01MS + i] = round((tick * common.step_s + 0.0) * 1e4)
     force_n = applied_n(_constants(common, s, i), _window(s, i), motion_of(s, i))
     demand_mps2 = watch_brake_mps2(
@@ -115,7 +115,7 @@ def _restrain(common: Any, s: Any, i: int, before: float, tick: int) -> None:
         common.service_mps2,
     )
     s[at.WATCH_BRAKE + i] = demand_mps2
-    s[at.TRACTION + i] = 1.0 if level < CommandWatchLevel.TRACTION_CUT else 0.0
+    s[at.TRACTION + i] = 1.0 if level < WatchLevel.TRACTION_CUT else 0.0
     s[at.BRAKE_MIN + i] = demand_mps2 * mass_kg
     if s[at.TRACTION + i] == 0.0 and s[at.ACTUATOR + i] > 0.0:
         s[at.ACTUATOR + i] = 0.0
@@ -158,13 +158,13 @@ def _protect(common: Any, s: Any, i: int, tick: int, polled: bool, look_due: boo
         common.limits,
         CommandWatchState(before, int(s[at.AGE + i]), int(s[at.GOOD + i])),
         polled,
-        CommandWatchLevel.NORMAL,
+        WatchLevel.NORMAL,
         speed_mps > 0.0,
         speed_mps < limit_mps,
         found or speed_mps > limit_mps + common.overspeed_margin_mps,
     )
     s[at.LEVEL + i], s[at.AGE + i], s[at.GOOD + i] = watch.level, watch.age_ticks, watch.good
-    if watch.level < CommandWatchLevel.TRACTION_CUT and s[at.WATCH_BRAKE + i] == 0.0:
+    if watch.level < WatchLevel.TRACTION_CUT and s[at.WATCH_BRAKE + i] == 0.0:
         s[at.TRACTION + i], s[at.BRAKE_MIN + i] = 1.0, 0.0
     else:
         _restrain(common, s, i, before, tick)

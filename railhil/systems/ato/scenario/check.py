@@ -14,7 +14,6 @@ from railhil.scenarios.validation import Refuse
 from railhil.systems.ato.scenario import model
 from railhil.systems.ato.scenario.effort import force_limit_n
 from railhil.systems.ato.scenario.profiles import front_speed_limit
-from railhil.systems.ato.scenario.schema import PORTS
 from railhil.systems.ato.scenario.target import Target
 
 #: The target curve must reach the planned distance and time this closely (rounded hand-made nodes still
@@ -61,15 +60,19 @@ def check_tables(train: model.Train, line: model.Line, refuse: Refuse) -> None:
         raise refuse(("train", "inertial_mass_t"), found, "at least mass_t")
 
 
-def check_timing(timing: Timing, perturbations: model.Perturbations, refuse: Refuse) -> None:
-    """Whole multiples of the base tick, loop delay below its hard limit and below the control period."""
+def check_timing(timing: Timing, perturbations: model.Perturbations, contract: Contract, refuse: Refuse) -> None:
+    """Whole multiples of the base tick, loop delay below its hard limit and below the control period.
+
+    :param contract: a scenario may set the period of a port that has one in its table.
+    """
     tick_ns = timing.base_tick_ns
     if tick_ns <= 0:
         raise refuse(("timing", "base_tick_ms"), tick_ns / 1e6, "at least 0.000001 ms")
+    known = [port.name for port in contract.ports if port.period_ns]
     for port in timing.port_period_ns:
-        if port not in PORTS:
+        if port not in known:
             raise refuse(
-                ("timing", "port_period_ms", port), Words(f"the unknown port {port}"), f"only {', '.join(PORTS)}"
+                ("timing", "port_period_ms", port), Words(f"the unknown port {port}"), f"only {', '.join(known)}"
             )
     periods = {("timing", "control_period_ms"): timing.control_period_ns} | {
         ("timing", "port_period_ms", port): period_ns for port, period_ns in timing.port_period_ns.items()

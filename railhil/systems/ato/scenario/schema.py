@@ -26,17 +26,6 @@ from railhil.scenarios.schema import (
 )
 from railhil.systems.ato.scenario.model import DISTANCE_MAX_M
 
-#: Ports whose period a scenario may set: those that have one in the port table (a test compares the two).
-PORTS = (
-    "TIME_SYNC", "SUP_CMD", "NOTCH_CMD", "TRN_SPEED", "TRN_POS", "PLT_STAT", "TRK_INFO", "CTL_STAT", "BALISE",
-    "PLT_IDENT", "TRN_WATCH", "SIM_TRUTH", "SPEED_SDT", "NOTCH_SDT",
-)  # fmt: skip
-
-
-#: Those that are sent only with safe data transmission.
-SAFE_PORTS = ("SPEED_SDT", "NOTCH_SDT")
-
-
 #: Notches, on the grid of the command (1/256 notch), so that law, watch and train agree on the largest value.
 NotchRange = Annotated[float, Field(gt=0, le=127, multiple_of=1 / 256)]
 

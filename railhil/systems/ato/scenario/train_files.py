@@ -20,7 +20,7 @@ from railhil.systems.ato.scenario.canonical import scenario_sha256
 from railhil.systems.ato.scenario.envelope import CurveError
 from railhil.systems.ato.scenario.generate import fastest_time_s, generate
 from railhil.systems.ato.scenario.reaches import train_reaches
-from railhil.systems.ato.scenario.schema import SAFE_PORTS, TRAIN_TAGS, ScenarioFile
+from railhil.systems.ato.scenario.schema import TRAIN_TAGS, ScenarioFile
 
 _RUNS = DATA / "runs"
 
@@ -74,15 +74,16 @@ def read_train_scenario(layers: Layers, faults_of: Callable[[], tuple[str, ...]]
     timing = file.timing.in_ns()
     perturbations = convert.perturbations(file.perturbations)
     watch = convert.watch(file.watch)
-    check.check_timing(timing, perturbations, refuse)
+    contract = wire_contract()
+    check.check_timing(timing, perturbations, contract, refuse)
     if "sdt" not in file.safety.model_fields_set:
-        for port in SAFE_PORTS:
+        for port in (port.name for port in contract.ports if port.optional):
             if port in timing.port_period_ns:
                 allowed = "only beside safety.sdt, without which nothing sends it"
                 raise refuse(("timing", "port_period_ms", port), timing.port_period_ns[port] / 1e6, allowed)
     check.check_perturbations(perturbations, refuse)
     check.check_watch(watch, refuse)
-    check.check_periods(timing, watch, file.safety.sdt, wire_contract(), refuse)
+    check.check_periods(timing, watch, file.safety.sdt, contract, refuse)
     curve, running_time_s = _target(parts)
     target = check.checked_target(curve, refuse)
     assumptions = (*file.train.assumptions, *file.line.assumptions, *file.assumptions)
@@ -107,7 +108,7 @@ def read_train_scenario(layers: Layers, faults_of: Callable[[], tuple[str, ...]]
         faults=faults,
     )
     check.check_run(scenario, target, refuse)
-    check_carried(wire_contract(), train_reaches(scenario, target), refuse)
+    check_carried(contract, train_reaches(scenario, target), refuse)
     check.check_authority(scenario, refuse)
     scenario = replace(scenario, sha256=scenario_sha256(scenario))
     return with_own_words(scenario, layers, lambda base: read_train_scenario(base, tuple), _published_run)
