@@ -7,13 +7,16 @@ fast maths, no fused products, and the same ``exp`` and ``log`` of the C library
 
 from __future__ import annotations
 
+import fcntl
 import hashlib
 import os
 import pickle
-import shutil
+import sys
 import tempfile
+import threading
 from bisect import bisect_right
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext, suppress
 from dataclasses import dataclass
 from math import nan
 from pathlib import Path
@@ -25,6 +28,7 @@ import numpy as np
 from railhil.common import compilable, floats
 from railhil.common.compilable import F, field_types, interpreted, result_type, source_of
 from railhil.common.extras import missing
+from railhil.common.output import Output
 
 try:
     import numba
@@ -35,6 +39,9 @@ except ImportError as error:
 #: Exceptions raised when a damaged cache file is read.
 _DAMAGED = (EOFError, pickle.UnpicklingError, AttributeError, ImportError, IndexError, KeyError, OSError, ValueError)
 
+#: Compiling is said where it takes longer.
+_SAID_AFTER_S = 1.0
+_UNSAID: AbstractContextManager[None] = nullcontext()
 #: Options for functions inlined into a loop: no reference counting, no calls.
 _INLINE = {"forceinline": True, "_nrt": False}
 #: Options for functions that a loop seldom calls.
@@ -170,8 +177,35 @@ def _folder(*sources: ModuleType | str) -> tuple[Path, bool]:
     return folder, kept
 
 
-def _kept(function: Callable[..., Any], folder: Path, kept: bool) -> Callable[..., Any]:
-    """A function whose machine code is in a folder, if it is ``kept``."""
+@contextmanager
+def _said(what: str, file: Path, kept: bool) -> Iterator[None]:
+    """Inside ``with``, a text is compiled, or its machine code is read. If compiling takes longer than
+    :data:`_SAID_AFTER_S`, one line on standard error says so. Other processes that need the same machine code wait, and
+    then read it.
+
+    :param file: with the text.
+    :param kept: whether the folder can be written.
+    """
+    how_often = "once for this machine" if kept else "in every process"
+    line = f"compiling {what} for the batch ({how_often}; up to half a minute) ..."
+    with ExitStack() as held:
+        if kept:
+            fcntl.flock(held.enter_context(file.open("rb")), fcntl.LOCK_EX)
+        if not (kept and any(file.parent.glob(f"*/{file.stem}.*.nbi"))):
+            timer = threading.Timer(_SAID_AFTER_S, Output(stderr=True).say, (line,))
+            timer.daemon = True
+            held.callback(timer.cancel)
+            timer.start()
+        yield
+
+
+def _kept(
+    function: Callable[..., Any], folder: Path, kept: bool, said: AbstractContextManager[None] = _UNSAID
+) -> Callable[..., Any]:
+    """A function whose machine code is in a folder, if it is ``kept``.
+
+    :param said: entered while it is compiled.
+    """
 
     def made(kept: bool) -> Any:
         before = numba.config.CACHE_DIR
@@ -185,16 +219,19 @@ def _kept(function: Callable[..., Any], folder: Path, kept: bool) -> Callable[..
 
     def call(*given: Any) -> Any:
         nonlocal kernel, loaded
-        if not loaded:
-            loaded = True
-            _register()
+        if loaded:
+            return kernel(*given)
+        loaded = True
+        _register()
+        with said:
             try:
                 return kernel(*given)
             except _DAMAGED:
                 # A cache file was truncated; this shows before anything is computed.
-                shutil.rmtree(folder, ignore_errors=True)
+                for file in folder.glob("*/*.nb?"):
+                    file.unlink(missing_ok=True)
                 kernel = made(False)
-        return kernel(*given)
+            return kernel(*given)
 
     return call
 
@@ -213,19 +250,22 @@ def cached(*sources: ModuleType | str) -> Callable[[Callable[..., Any]], Any]:
     return decorate
 
 
-def cached_text(text: str, name: str, *sources: ModuleType | str) -> Callable[..., Any]:
+def cached_text(text: str, name: str, what: str, *sources: ModuleType | str) -> Callable[..., Any]:
     """The function of an emitted text; the text is kept beside its machine code, so a traceback shows it.
 
     :param name: of the function.
+    :param what: what it computes, in words.
     :param sources: as for :func:`cached`.
     """
     folder, kept = _folder(*sources)
     file = folder / f"{name}_{hashlib.sha256(text.encode()).hexdigest()[:16]}.py"
     if kept and not file.exists():
-        # Several processes may write it; numba looks at the file's time.
-        with tempfile.NamedTemporaryFile("w", dir=folder, delete=False, encoding="utf-8") as written:
+        # Several processes may write it; the first one's stays, for numba looks at the file's time.
+        with tempfile.NamedTemporaryFile("w", dir=folder, encoding="utf-8") as written, suppress(FileExistsError):
             written.write(text)
-        Path(written.name).rename(file)
-    names: dict[str, Any] = {"__name__": file.stem, "__file__": str(file)}
-    exec(compile(text, str(file), "exec"), names)  # noqa: S102
-    return _kept(names[name], folder, kept)
+            written.flush()
+            os.link(written.name, file)
+    # A module, because numba looks for it by its name when it reads the machine code of an earlier process.
+    module = sys.modules[file.stem] = ModuleType(file.stem)
+    exec(compile(text, str(file), "exec"), vars(module))  # noqa: S102
+    return _kept(getattr(module, name), folder, kept, _said(what, file, kept))

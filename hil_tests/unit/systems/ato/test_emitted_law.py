@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -146,7 +150,7 @@ def test_each_operation_at_the_ends_of_its_range(arithmetic: str) -> None:
     assert ranges is None or not ranges.may_wrap
     given = np.array([[one.from_raw(a, 20), one.from_raw(b, 20)] for a, b in pairs])
     left = np.zeros(len(pairs), dtype=np.bool_)
-    found = EmittedProgram(program, arithmetic, ranges).run(given[:, :0].copy(), given, left)
+    found = EmittedProgram(program, "a law", arithmetic, ranges).run(given[:, :0].copy(), given, left)
     half = one.const(Constant("half", 0.5, 20))
     counted = []
     for i, (a, b) in enumerate(pairs):
@@ -168,4 +172,33 @@ def test_what_cannot_be_emitted_is_left_to_the_law() -> None:
     step = tracer.begin("step")
     step.outputs = [("out.notch", tracer.sqrt(tracer.input("in.x", 20), 20))]
     with pytest.raises(KeyError, match="sqrt"):
-        EmittedProgram(step, "iq", None)
+        EmittedProgram(step, "a law", "iq", None)
+
+
+#: A law's function in a process of its own: the value that it computes.
+_MORE = """
+from railhil.batch import compiled
+compiled._SAID_AFTER_S = 0.0
+print(compiled.cached_text("def more(a):\\n    return a + 1\\n", "more", "a law in iq")(2))
+"""
+
+
+def test_a_law_is_compiled_once_for_all_processes_and_says_so(tmp_path: Path) -> None:
+    def ran() -> tuple[str, str, list[tuple[str, int]]]:
+        done = subprocess.run(
+            [sys.executable, "-c", _MORE],
+            env={**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)},
+            capture_output=True,
+            text=True,
+            timeout=100,
+            check=True,
+        )
+        kept = [(path.name, path.stat().st_mtime_ns) for path in tmp_path.rglob("*.nb?")]
+        return done.stdout, done.stderr, sorted(kept)
+
+    first, second = ran(), ran()
+    assert first[0] == second[0] == "3\n"
+    assert first[1] == "compiling a law in iq for the batch (once for this machine; up to half a minute) ...\n"
+    assert second[1] == ""
+    assert len(first[2]) == 2
+    assert first[2] == second[2]

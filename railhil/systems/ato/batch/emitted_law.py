@@ -43,11 +43,12 @@ class Notches(NamedTuple):
 class EmittedProgram:
     """One program of a law as machine code, bound to its numbers.
 
+    :param law: its name.
     :param ranges: of its values in fixed point; None in an arithmetic without formats.
     :raises KeyError: an operation that cannot be emitted.
     """
 
-    def __init__(self, program: Program, arithmetic: str, ranges: Ranges | None) -> None:
+    def __init__(self, program: Program, law: str, arithmetic: str, ranges: Ranges | None) -> None:
         family = _FAMILIES[arithmetic]
         emitted = emit_numba(program, family, make(arithmetic), ranges)
         kind: Any = np.int64 if family == FIXED else np.float64
@@ -56,7 +57,8 @@ class EmittedProgram:
             np.array(emitted.limits, dtype=np.int64),
             *(np.array(table, dtype=kind) for table in emitted.tables),
         )
-        self._function = compiled.cached_text(emitted.text, program.name, law_parts)
+        what = f"{law} in {arithmetic} ({program.name})"
+        self._function = compiled.cached_text(emitted.text, program.name, what, law_parts)
         self._kind = kind
         #: Number of outputs that are no state.
         self.answers = sum(not is_state(name) for name, _ in program.outputs)
@@ -181,8 +183,8 @@ def _programs(scenario: Scenario, law: LawSpec) -> tuple[tuple[EmittedProgram, E
     answers = [name for name, _ in program.step.outputs if not is_state(name)]
     try:
         programs = (
-            EmittedProgram(program.inputs, law.arithmetic, inputs),
-            EmittedProgram(program.step, law.arithmetic, step),
+            EmittedProgram(program.inputs, law.controller, law.arithmetic, inputs),
+            EmittedProgram(program.step, law.controller, law.arithmetic, step),
         )
     except KeyError:
         # An operation without a text.
