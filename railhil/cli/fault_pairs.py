@@ -23,7 +23,7 @@ from railhil.run.make import NeverBegan, record_run
 from railhil.scenarios.fault_list import disturbed_signals, fault_texts
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import System, system_named
-from railhil.study.pool import each, stop_code, stopped_by
+from railhil.study.pool import each, until_stopped
 
 
 def run_into(folder: Path, spec: RunSpec, *, keep: bool = True) -> Result:
@@ -94,26 +94,21 @@ def pairs(
     numbers = range(base.seed, base.seed + count)
     counts: Counter[str] = Counter()
     broken: list[PairRun] = []
-    stopped = 0
-    try:
-        with TemporaryDirectory(prefix="railhil-faults-") as out:
-            calm = faultless_run(base, Path(out))
-            work = partial(pair_run, base, system, calm, Path(out))
-            with each(work, numbers, jobs) as runs:
-                for run in runs:
-                    counts[run.verdict] += 1
-                    if run.failures:
-                        broken.append(run)
-                        console.say(f"pair {run.number}: {'; '.join(run.failures)}")
-                        law = f" --controller {controller}" if controller else ""
-                        console.say(f"  railhil run {base.scenario} --seed {run.number}{law} {run.words}")
-                        console.file.flush()
-    except (KeyboardInterrupt, SystemExit) as error:
-        stopped = stop_code(error)
+    with until_stopped() as stop, TemporaryDirectory(prefix="railhil-faults-") as out:
+        calm = faultless_run(base, Path(out))
+        with each(partial(pair_run, base, system, calm, Path(out)), numbers, jobs) as runs:
+            for run in runs:
+                counts[run.verdict] += 1
+                if run.failures:
+                    broken.append(run)
+                    console.say(f"pair {run.number}: {'; '.join(run.failures)}")
+                    law = f" --controller {controller}" if controller else ""
+                    console.say(f"  railhil run {base.scenario} --seed {run.number}{law} {run.words}")
+                    console.file.flush()
     if as_json:
         print_json({"verdicts": counts, "broken": [run.as_json() for run in broken]})
     found = ", ".join(f"{count} {verdict}" for verdict, count in sorted(counts.items())) or "none made"
     pairs_made = count_of(len(numbers), "pair")
-    made = f"{stopped_by(stopped, counts.total(), len(numbers))} pairs" if stopped else pairs_made
+    made = f"{stop.after(counts.total(), len(numbers))} pairs" if stop.code else pairs_made
     console.say(f"{made}: {found}; {len(broken)} break a rule")
-    return stopped or (FAIL if broken else INVALID if counts["none"] else PASS)
+    return stop.code or (FAIL if broken else INVALID if counts["none"] else PASS)

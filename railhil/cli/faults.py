@@ -39,7 +39,7 @@ from railhil.run.make import NeverBegan
 from railhil.scenarios.options import add_option
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import System
-from railhil.study.pool import each, stop_code, stopped_by
+from railhil.study.pool import each, until_stopped
 
 _PAIRS_MAX = 1_000_000
 _COLUMNS = ("id", "fault", "begun s", "effective s", "detected by", "ms", "reaction", "ms", "bound", "margin", "")
@@ -206,20 +206,16 @@ def work(namespace: argparse.Namespace) -> int:
     entries = _entries(namespace.only, system)
     _check_out(namespace.out, entries)
     rows: list[Row] = []
-    stopped = 0
-    try:
-        with ExitStack() as held:
-            out = namespace.out or Path(held.enter_context(TemporaryDirectory(prefix="railhil-faults-")))
-            run = partial(entry_run, base, out, namespace.out is not None)
-            # Those with processes of their own come last, one at a time.
-            alone = [entry for entry in entries if entry.faults and needs_hub(base, entry)]
-            beside = [entry for entry in entries if entry not in alone]
-            for some, at_once in ((beside, jobs), (alone, 1)):
-                if some:
-                    rows.extend(held.enter_context(each(run, some, at_once)))
-            rows.sort(key=lambda row: entries.index(row.entry))
-    except (KeyboardInterrupt, SystemExit) as error:
-        stopped = stop_code(error)
+    with until_stopped() as stop, ExitStack() as held:
+        out = namespace.out or Path(held.enter_context(TemporaryDirectory(prefix="railhil-faults-")))
+        run = partial(entry_run, base, out, namespace.out is not None)
+        # Those with processes of their own come last, one at a time.
+        alone = [entry for entry in entries if entry.faults and needs_hub(base, entry)]
+        beside = [entry for entry in entries if entry not in alone]
+        for some, at_once in ((beside, jobs), (alone, 1)):
+            if some:
+                rows.extend(held.enter_context(each(run, some, at_once)))
+        rows.sort(key=lambda row: entries.index(row.entry))
     if namespace.out is not None and rows:
         _write_table(namespace.out, base, system, rows, namespace.sign)
     if namespace.json:
@@ -229,13 +225,13 @@ def work(namespace: argparse.Namespace) -> int:
     wrong = [row.entry.id for row in rows if row.failures]
     made = sum(row.made for row in rows)
     left = [row.entry.id for row in rows if not row.made]
-    if stopped:
-        console.say(f"{stopped_by(stopped, len(rows), len(entries))} entries")
+    if stop.code:
+        console.say(f"{stop.after(len(rows), len(entries))} entries")
     console.say(f"{count_of(made, 'run')}, {len(wrong)} not as they must be{': ' + ', '.join(wrong) if wrong else ''}")
     if left:
         console.say(f"{count_of(len(left), 'entry', 'entries')} without a run here: {', '.join(left)}")
     # Without a run nothing is known.
-    return stopped or (FAIL if wrong else PASS if made else INVALID)
+    return stop.code or (FAIL if wrong else PASS if made else INVALID)
 
 
 def _document() -> dict[str, Any]:

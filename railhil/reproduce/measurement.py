@@ -17,7 +17,7 @@ from railhil.common.errors import InputError
 from railhil.common.held_code import OURS, held_sha256
 from railhil.common.user_files import whole_file
 from railhil.reproduce.paper import Entry, Measurement, Paper, Results
-from railhil.study.pool import each, stop_code, stopped_by
+from railhil.study.pool import each, until_stopped
 
 
 def measure_paper(
@@ -50,14 +50,13 @@ def measure_paper(
     # Made here: a process that is ended removes no folder.
     with TemporaryDirectory(prefix="railhil-reproduce-") as private:
         work = _Work(paper, kept, Path(private), measured, drawn, only)
-        try:
-            with each(work.measure, entries, jobs) as made:
-                for one in made:
-                    found[one.key] = one
-                    say(f"{len(found)} of {len(entries)}: {one.key} {one.verdict}")
-        except (KeyboardInterrupt, SystemExit) as error:
-            say(stopped_by(stop_code(error), len(found), len(entries)))
-            raise
+        with until_stopped() as stop, each(work.measure, entries, jobs) as made:
+            for one in made:
+                found[one.key] = one
+                say(f"{len(found)} of {len(entries)}: {one.key} {one.verdict}")
+        if stop.error is not None:
+            say(stop.after(len(found), len(entries)))
+            raise stop.error
     return Results(tuple(seeds), found)
 
 

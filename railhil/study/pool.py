@@ -33,16 +33,32 @@ def _be_worker() -> None:
     end_with_parent()
 
 
-def stop_code(error: KeyboardInterrupt | SystemExit) -> int:
-    """Exit code of a command that was stopped by a signal: 128 and its number."""
-    if isinstance(error, SystemExit) and isinstance(error.code, int):
-        return error.code
-    return 128 + signal.SIGINT
+class Stop:
+    """Whether a signal has stopped a command. ``error``: as it was raised, None if none has; ``code``: the exit code,
+    128 and the number of the signal, else 0."""
+
+    error: KeyboardInterrupt | SystemExit | None = None
+
+    @property
+    def code(self) -> int:
+        if self.error is None:
+            return 0
+        code = getattr(self.error, "code", None)
+        return code if isinstance(code, int) else 128 + signal.SIGINT
+
+    def after(self, done: int, of: int) -> str:
+        """Says which signal it was, and after how much of the work."""
+        return f"stopped by {signal.Signals(self.code - 128).name} after {done} of {of}"
 
 
-def stopped_by(code: int, done: int, of: int) -> str:
-    """Says which signal has stopped a command, and after how much of its work."""
-    return f"stopped by {signal.Signals(code - 128).name} after {done} of {of}"
+@contextmanager
+def until_stopped() -> Iterator[Stop]:
+    """A signal that ends the command ends only the block; what has come until then is kept and said."""
+    stop = Stop()
+    try:
+        yield stop
+    except (KeyboardInterrupt, SystemExit) as error:
+        stop.error = error
 
 
 @contextmanager
