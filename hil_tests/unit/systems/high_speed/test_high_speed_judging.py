@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from railhil.bench import Result, coupled_run
+from railhil.charts.svg import markup
 from railhil.controller_node.vector.controller import VectorOutput
 from railhil.judge.criteria import limited
 from railhil.judge.judging import judging_of
@@ -121,5 +122,5 @@ def test_the_figures_show_speed_units_couplers_and_estimates(run: Result, scenar
     assert "gain" in [chart.y_label for chart in found[3].charts]
     assert "true value" in {curve.label for chart in found[3].charts for curve in chart.curves}
     # Lines have as many points as can be seen.
-    assert max(len(one.svg) for one in found) < 250_000
+    assert max(len(markup(one)) for one in found) < 250_000
     assert panels.pictures(scenario, [SimpleNamespace(label="p", controller="pid", can_be_drawn=False)]) == []
