@@ -19,8 +19,8 @@ from rich.console import Console
 from rich.table import Table
 
 from railhil.common.errors import InputError
-from railhil.common.exit_codes import guarded
-from railhil.common.extras import missing
+from railhil.common.exit_codes import run_guarded
+from railhil.common.extras import missing_library
 
 #: Benchmarks in the order of measurement. Each module has TITLE, METHOD and ``measure(setting)``.
 NAMES = (
@@ -87,7 +87,7 @@ def _module(name: str) -> ModuleType:
     try:
         return import_module(f"benchmarks.{name}")
     except ModuleNotFoundError as error:
-        raise missing("benchmarks", error, "dev") from None
+        raise missing_library("benchmarks", error, "dev") from None
 
 
 def run(name: str, quick: bool, multicast: str = "") -> dict[str, Any]:
@@ -189,4 +189,4 @@ def work() -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(guarded("benchmarks", work))
+    sys.exit(run_guarded("benchmarks", work))

@@ -18,7 +18,7 @@ from rich.table import Table
 
 from railhil.batch import BatchResult, Case
 from railhil.common.command_line import SEED_MAX, OneLineParser, parse, whole_number
-from railhil.common.exit_codes import guarded
+from railhil.common.exit_codes import run_guarded
 from railhil.controller_node.arithmetic import names as arithmetics
 from railhil.scenarios.load import load
 from railhil.scenarios.parameters import ParameterSet
@@ -112,4 +112,4 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(guarded("python -m benchmarks.ablation", main))
+    sys.exit(run_guarded("python -m benchmarks.ablation", main))

@@ -25,7 +25,7 @@ from benchmarks.machine import cpu_model, far_read_ns
 from benchmarks.memory import Peak, peak_of
 from benchmarks.processes import end, last_line
 from railhil.common.errors import InputError
-from railhil.common.exit_codes import FAIL, PASS, guarded
+from railhil.common.exit_codes import FAIL, PASS, run_guarded
 
 _TOP = Path(__file__).resolve().parents[1]
 #: Left out of the command for a version that does not have them.
@@ -310,4 +310,4 @@ def work(arguments: Sequence[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(guarded("benchmarks.against", work))
+    sys.exit(run_guarded("benchmarks.against", work))

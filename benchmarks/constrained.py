@@ -24,7 +24,7 @@ from rich.table import Table
 
 from railhil.bench import direct_run
 from railhil.common.command_line import SEED_MAX, OneLineParser, parse, whole_number
-from railhil.common.exit_codes import guarded
+from railhil.common.exit_codes import run_guarded
 from railhil.controller_node.vector.controller import VectorController
 from railhil.reproduce.ngpc.runs import WINDOWS_S, compute_windows_rmse_kmh
 from railhil.scenarios.load import load_any
@@ -170,4 +170,4 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(guarded("python -m benchmarks.constrained", main))
+    sys.exit(run_guarded("python -m benchmarks.constrained", main))

@@ -17,7 +17,7 @@ from pathlib import Path
 
 from benchmarks.figures import MeasurementError
 from benchmarks.processes import last_line
-from railhil.common.exit_codes import guarded
+from railhil.common.exit_codes import run_guarded
 
 #: Parts of a campaign in its folder.
 _PARTS = "parts/*.parquet"
@@ -121,4 +121,4 @@ def work(arguments: Sequence[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(guarded("benchmarks.killed_campaign", work))
+    sys.exit(run_guarded("benchmarks.killed_campaign", work))

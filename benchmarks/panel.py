@@ -26,8 +26,8 @@ from benchmarks.figures import FULL_SCENARIO, MeasurementError, Setting, median
 from benchmarks.processes import RunCommand, end
 from hil_tests.support.browser import browser
 from hil_tests.support.cli import command
-from railhil.common.exit_codes import FAIL, INVALID, PASS, guarded
-from railhil.common.extras import missing
+from railhil.common.exit_codes import FAIL, INVALID, PASS, run_guarded
+from railhil.common.extras import missing_library
 from railhil.systems.ato.scenario.model import TargetCurve
 from railhil.systems.ato.scenario.target import Target
 
@@ -223,7 +223,7 @@ def work(arguments: Sequence[str] | None = None) -> int:
     try:
         from playwright.sync_api import sync_playwright
     except ImportError as error:
-        raise missing("benchmarks.panel", error, "dev") from None
+        raise missing_library("benchmarks.panel", error, "dev") from None
     if (program := browser()) is None:
         raise MeasurementError("no Chromium on this machine")
     with tempfile.TemporaryDirectory(prefix="railhil-") as text:
@@ -256,4 +256,4 @@ def work(arguments: Sequence[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(guarded("benchmarks.panel", work))
+    sys.exit(run_guarded("benchmarks.panel", work))

@@ -17,7 +17,7 @@ from rich.table import Table
 
 from railhil.bench import coupled_run
 from railhil.common.command_line import OneLineParser, parse
-from railhil.common.exit_codes import guarded
+from railhil.common.exit_codes import run_guarded
 from railhil.controller_node.ato.controller import Controller
 from railhil.controller_node.laws.base import NOTCH_Q, BaliseReading
 from railhil.judge.score import Score
@@ -106,4 +106,4 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(guarded("published", main))
+    sys.exit(run_guarded("published", main))

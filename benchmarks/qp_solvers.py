@@ -27,7 +27,7 @@ from rich.table import Table
 
 from railhil.bench import direct_run
 from railhil.common.command_line import OneLineParser, parse, whole_number
-from railhil.common.exit_codes import guarded
+from railhil.common.exit_codes import run_guarded
 from railhil.controller_node.high_speed.laws import delay_qp
 from railhil.controller_node.high_speed.qp_solver import daqp_solver
 from railhil.scenarios.load import load_any
@@ -243,4 +243,4 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(guarded("python -m benchmarks.qp_solvers", main))
+    sys.exit(run_guarded("python -m benchmarks.qp_solvers", main))

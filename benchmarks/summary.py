@@ -16,7 +16,7 @@ from typing import Any
 from benchmarks.figures import MeasurementError
 from benchmarks.processes import last_line
 from railhil.common.command_line import OneLineParser, parse, whole_number
-from railhil.common.exit_codes import guarded
+from railhil.common.exit_codes import run_guarded
 from railhil.common.output import Output
 
 #: Row of the table -> benchmark and figure.
@@ -93,4 +93,4 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(guarded("python -m benchmarks.summary", main))
+    sys.exit(run_guarded("python -m benchmarks.summary", main))

@@ -15,7 +15,7 @@ from typing import Any, Final
 
 from railhil.bus.frame import Frame
 from railhil.bus.hub.wire import CLASSIC_SIZE
-from railhil.common.exit_codes import finish_undisturbed
+from railhil.common.exit_codes import ignore_ending_signals
 from railhil.common.user_files import whole_file
 
 #: Frames that are kept as they are before their data are put together: a node sends about 500 per simulated second.
@@ -72,7 +72,7 @@ class SentFrames:
     def write(self) -> None:
         """Write the file whole or not at all, undisturbed by signals; if it cannot be written, one line on stderr says
         so."""
-        finish_undisturbed()
+        ignore_ending_signals()
         self._put_together()
         packed = len(self._packed) // CLASSIC_SIZE
         head = {"packed": packed, "frames": len(self._ids), "received": self.received}

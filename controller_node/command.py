@@ -13,7 +13,7 @@ from railhil.bus.link import open_link
 from railhil.bus.select import choose_bus
 from railhil.bus.sent import SentFrames
 from railhil.common.command_line import OneLineParser, add_priority_argument, parse
-from railhil.common.exit_codes import finish_undisturbed
+from railhil.common.exit_codes import ignore_ending_signals
 from railhil.common.python_process import kill_this_process, stop_this_process
 from railhil.common.scheduling import cycle
 from railhil.controller_node.faulty import controller_of, write_fault_log
@@ -104,10 +104,10 @@ def main(words: Sequence[str] | None = None) -> int:
     finally:
         # Also if the run ended early: the values measured until then are evidence.
         if namespace.telemetry is not None:
-            finish_undisturbed()
+            ignore_ending_signals()
             write_telemetry(node, namespace.telemetry)
         if scenario.faults:
-            finish_undisturbed()
+            ignore_ending_signals()
             write_fault_log(node)
         if link.sent is not None:
             # Somebody else's controller need not say it.

@@ -9,7 +9,7 @@ from typing import Any, Generic
 
 from railhil.common.errors import InputError, Words
 from railhil.common.mypyc import mypyc_attr
-from railhil.common.plug_ins import plugged_in
+from railhil.common.plug_ins import guard_plug_in
 from railhil.controller_node.arithmetic.base import Arithmetic, T
 from railhil.controller_node.compiled_law import CompiledLaw, Values
 from railhil.controller_node.laws.fault import place
@@ -25,7 +25,7 @@ from railhil.scenarios.run_spec import LawSpec
 def starting(law: str, kind: type[Any], made_for: str) -> Iterator[None]:
     """Turn any exception raised while a law is made into one line about the law."""
     try:
-        with plugged_in():
+        with guard_plug_in():
             yield
     except InputError:
         raise

@@ -15,7 +15,7 @@ from railhil.bus.select import choose_bus
 from railhil.bus.sent import SentFrames
 from railhil.common.command_line import OneLineParser, add_priority_argument, parse
 from railhil.common.errors import InputError
-from railhil.common.exit_codes import finish_undisturbed
+from railhil.common.exit_codes import ignore_ending_signals
 from railhil.common.patience import Lifelines
 from railhil.common.scheduling import NODE_PRIORITY, cycle
 from railhil.common.user_files import check_writable
@@ -72,10 +72,10 @@ def run_plant(node: PlantNode, priority: int, timing_file: Path | None) -> None:
             node.run()
     finally:
         if node.faults is not None:
-            finish_undisturbed()
+            ignore_ending_signals()
             node.write_fault_logs()
         if timing_file is not None and node.timing is not None:
-            finish_undisturbed()
+            ignore_ending_signals()
             node.timing.write(timing_file)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 
-from railhil.common.exit_codes import guarded
+from railhil.common.exit_codes import run_guarded
 
 
 def main() -> int:
@@ -19,4 +19,4 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(guarded("railhil hub", main))
+    sys.exit(run_guarded("railhil hub", main))

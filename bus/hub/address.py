@@ -17,7 +17,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from railhil.bus.errors import BusUnavailable
-from railhil.common.user_files import locked
+from railhil.common.user_files import lock_within
 
 TCP_SCHEME = "tcp://"
 #: ``sizeof(sun_path)`` of Linux minus the terminating zero byte.
@@ -156,7 +156,7 @@ def _directory_lock(path: str) -> Iterator[None]:
     folder = os.path.dirname(path) or "."
     descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
     try:
-        if not locked(descriptor, _LOCK_TIMEOUT_S):
+        if not lock_within(descriptor, _LOCK_TIMEOUT_S):
             raise BusUnavailable(f"hub channel {path}: folder {folder} is locked by another program")
         yield
     finally:

@@ -23,7 +23,7 @@ from railhil.bus.hub.connection import (
     QueueFull,
     ReadinessFd,
     SendTimeout,
-    connected,
+    connect_to_hub,
     exchange_hello,
 )
 from railhil.bus.hub.disturbances import Notices, Order
@@ -95,7 +95,7 @@ class HubClient:
         except BusUnavailable as error:
             raise self.failures.unavailable(str(error)) from None
         deadline_s = time.monotonic() + float(connect_timeout)
-        link = connected(address, deadline_s, while_connecting or (lambda: None), self.failures)
+        link = connect_to_hub(address, deadline_s, while_connecting or (lambda: None), self.failures)
         try:
             if send_buffer_bytes is not None:
                 link.sock.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, send_buffer_bytes)

@@ -12,7 +12,7 @@ from railhil.bus.hub.portspec import parse_ports
 from railhil.bus.hub.server import DEFAULT_BITRATE_BPS, DEFAULT_QUEUE_LIMIT_BYTES, serve
 from railhil.common.command_line import add_priority_argument, whole_number
 from railhil.common.scheduling import cycle
-from railhil.common.streams import plain
+from railhil.common.streams import escape_controls
 
 #: Upper limits, far beyond any CAN bus and any memory.
 _BITRATE_MAX_BPS, _QUEUE_MAX_BYTES, _RESTART_MAX_MS = 1_000_000_000, 1 << 40, 3_600_000
@@ -118,6 +118,6 @@ def run(args: argparse.Namespace) -> int:
                 restart_ms=args.restart_ms or 0,
             )
     except BusUnavailable as error:
-        print(plain(f"railhil bus hub: error: {error}"), file=sys.stderr)
+        print(escape_controls(f"railhil bus hub: error: {error}"), file=sys.stderr)
         return 2
     return 0

@@ -269,7 +269,7 @@ _RETRY_PERIOD_S = 0.01
 _RETRY_ERRNOS = frozenset((errno.ECONNREFUSED, errno.ENOENT, errno.EAGAIN))
 
 
-def connected(
+def connect_to_hub(
     address: Address, deadline_s: float, while_connecting: Callable[[], object], failures: Failures = PLAIN
 ) -> HubConnection:
     """Connect to a hub that may still be starting, until ``deadline_s`` (monotonic clock).

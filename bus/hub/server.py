@@ -15,7 +15,7 @@ from railhil.bus.hub.portspec import PROGRAM, PortSpec
 from railhil.bus.hub.switch import Switch
 from railhil.bus.hub.wire_model import WireModel
 from railhil.common.exit_codes import ending_signals
-from railhil.common.streams import plain
+from railhil.common.streams import escape_controls
 
 if TYPE_CHECKING:
     from railhil.bus.hub.gateway import BusPort
@@ -126,7 +126,7 @@ def _ready_line(
 def _report(line: str) -> None:
     # A closed standard error (the parent has ended) must not stop the hub.
     with contextlib.suppress(OSError):
-        print(plain(f"{PROGRAM}: {line}"), file=sys.stderr, flush=True)
+        print(escape_controls(f"{PROGRAM}: {line}"), file=sys.stderr, flush=True)
 
 
 class _StoppedAtStart(BaseException):

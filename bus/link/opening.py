@@ -15,7 +15,7 @@ from railhil.bus.hub.wire import ROLES
 from railhil.bus.link.base import Link
 from railhil.bus.link.outage import TIMEOUTS, Timeouts
 from railhil.bus.transports import Opening, transport_of
-from railhil.common.streams import plain
+from railhil.common.streams import escape_controls
 
 #: python-can's switch to receive what one has sent, as other tools want it.
 _ECHO = "receive_own_messages"
@@ -33,7 +33,7 @@ def open_link(config: dict[str, Any], name: str = "bus", *, timeouts: Timeouts =
     def say(line: str) -> None:
         # A closed standard error must not stop the node.
         with contextlib.suppress(OSError):
-            print(plain(f"{name}: {line}"), file=sys.stderr, flush=True)
+            print(escape_controls(f"{name}: {line}"), file=sys.stderr, flush=True)
 
     # The hub says to the nodes of a bench which of them are there.
     own: dict[str, Any] = {"role": name} if config.get("interface") == HUB_INTERFACE and name in ROLES else {}

@@ -14,7 +14,7 @@ from pathlib import Path
 from xml.etree import ElementTree as ET
 
 from railhil.common.errors import InputError, Words
-from railhil.common.extras import missing
+from railhil.common.extras import missing_library
 from railhil.controller_node.export.bundle import Bundle
 from railhil.controller_node.export.fmu_law import FmuLaw, Variable, law_in_fixed_point, law_in_single_precision
 from railhil.controller_node.export.single import SingleBundle
@@ -47,7 +47,7 @@ def write_fmu(bundle: Bundle | SingleBundle, scenario: AnyScenario, law: LawSpec
     try:
         import fmpy
     except ImportError as error:
-        raise missing("railhil export-c --fmu", error, "fmi") from None
+        raise missing_library("railhil export-c --fmu", error, "fmi") from None
     digest = hashlib.sha256("".join((fmi, *bundle.files.values())).encode())
     token = "{" + digest.hexdigest()[:32] + "}"
     if isinstance(bundle, SingleBundle):

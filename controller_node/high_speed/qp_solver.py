@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from railhil.common.extras import missing
+from railhil.common.extras import missing_library
 from railhil.controller_node.high_speed.model import Matrix
 
 #: ``solve(hessian, linear, rows, upper, lower)``: the minimum of x'Hx/2 + f'x with lower <= (x, rows x) <= upper;
@@ -35,7 +35,7 @@ def daqp_solver(law: str) -> Solver:
     try:
         import daqp
     except ImportError as error:
-        raise missing(law, error, "qp") from None
+        raise missing_library(law, error, "qp") from None
 
     def solve(hessian: Matrix, linear: Matrix, rows: Matrix, upper: Matrix, lower: Matrix) -> Matrix:
         kinds = np.zeros(len(upper), dtype=np.intc)

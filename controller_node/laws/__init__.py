@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from railhil.common.errors import InputError, Words, did_you_mean
-from railhil.common.law_order import in_order
-from railhil.common.plug_ins import entries, plugged_in
+from railhil.common.law_order import sort_laws
+from railhil.common.plug_ins import entries, guard_plug_in
 from railhil.controller_node.laws.base import Law
 from railhil.controller_node.laws.note import slots
 
@@ -15,7 +15,7 @@ GROUP = "railhil.laws"
 
 def names() -> list[str]:
     """Names of the installed laws, in the order of every table."""
-    return in_order(entries(GROUP))
+    return sort_laws(entries(GROUP))
 
 
 def load(name: str) -> type[Law[Any, Any]]:
@@ -39,10 +39,10 @@ def find(name: str, group: str, base: type[Any] = object) -> Any:
     """
     found = entries(group)
     if name not in found:
-        allowed = f"one of {', '.join(in_order(found))}"
+        allowed = f"one of {', '.join(sort_laws(found))}"
         raise InputError("controller", "name", name, allowed, did_you_mean(name, found))
     try:
-        with plugged_in():
+        with guard_plug_in():
             law = found[name].load()
     except Exception as error:
         # Plug-in code may raise anything.

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from railhil.common.plug_ins import plugged_in
+from railhil.common.plug_ins import guard_plug_in
 from railhil.controller_node.laws.fault import law_fault
 from railhil.controller_node.program.leaves import leaves, like
 from railhil.controller_node.program.model import LawProgram, Program, Value
@@ -40,7 +40,7 @@ def record_loop(
     tracer = Tracer(wide)
     bound = loop(scenario, law, tracer)
     try:
-        with plugged_in():
+        with guard_plug_in():
             return _recorded(tracer, bound)
     except Exception as error:
         # A law is code that somebody plugs in, and may raise anything.

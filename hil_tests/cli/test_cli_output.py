@@ -24,7 +24,7 @@ from railhil.campaign import command as campaign
 from railhil.cli.commands import parser
 from railhil.cli.result_printer import print_scores, print_verdict
 from railhil.common.output import Output
-from railhil.common.streams import plain
+from railhil.common.streams import escape_controls
 from railhil.record.framelog import sha256_of
 from railhil.scenarios.load import load, short_names
 from railhil.tuning import command as tune
@@ -290,7 +290,7 @@ def test_text_of_files_never_steers_the_terminal(monkeypatch, lvshun, capsys):
     ],
 )
 def test_writing_of_every_language_stays_as_it_is(text, shown):
-    assert plain(text) == shown
+    assert escape_controls(text) == shown
 
 
 def test_errors_in_files_never_steer_the_terminal(tmp_path):

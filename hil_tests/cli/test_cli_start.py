@@ -64,11 +64,11 @@ def test_a_word_that_is_no_command_loads_none(word):
 def test_a_command_loads_no_library_that_it_does_not_use():
     """Each would cost every start of a command, and in an emulated machine seconds."""
     code = (
-        "import sys; from railhil.common.exit_codes import guarded\n"
+        "import sys; from railhil.common.exit_codes import run_guarded\n"
         "def work():\n"
         "    from railhil.cli import commands; from railhil.scenarios.load import load\n"
         "    commands.parser(['run']); load('lvshun_tieshan'); return 0\n"
-        "guarded('test', work); print(*(name for name in sys.argv[1:] if name in sys.modules))\n"
+        "run_guarded('test', work); print(*(name for name in sys.argv[1:] if name in sys.modules))\n"
         "import asammdf"
     )
     names = ("cantools", "yaml", "matplotlib", "numba", "pandas", "scipy", "asammdf", "numpy")
@@ -83,10 +83,10 @@ def test_matrices_are_multiplied_in_one_thread_unless_the_user_says_otherwise(gi
     if given is not None:
         monkeypatch.setenv("OPENBLAS_NUM_THREADS", given)
     code = (
-        "import os; from railhil.common.exit_codes import guarded\n"
+        "import os; from railhil.common.exit_codes import run_guarded\n"
         "def work():\n"
         "    import numpy; return 0\n"
-        "guarded('test', work); print(os.environ['OPENBLAS_NUM_THREADS'], len(os.listdir('/proc/self/task')))"
+        "run_guarded('test', work); print(os.environ['OPENBLAS_NUM_THREADS'], len(os.listdir('/proc/self/task')))"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     told, threads = done.stdout.split()
@@ -97,7 +97,7 @@ def test_matrices_are_multiplied_in_one_thread_unless_the_user_says_otherwise(gi
 def test_the_panel_starts_without_what_python_can_loads_for_files():
     """asammdf brings pandas and pyarrow: 90 MB in a process that serves a page."""
     code = (
-        "import runpy, sys; from railhil.common.exit_codes import guarded; sys.argv[1:] = ['--help']\n"
+        "import runpy, sys; from railhil.common.exit_codes import run_guarded; sys.argv[1:] = ['--help']\n"
         "try: runpy.run_module('railhil.panel', run_name='__main__')\n"
         "except SystemExit: print(*(name for name in ('asammdf', 'pandas', 'pyarrow') if name in sys.modules))"
     )

@@ -10,7 +10,7 @@ import pytest
 
 from hil_tests.support.cli import Done
 from railhil.campaign.command import COMMAND
-from railhil.common.exit_codes import guarded
+from railhil.common.exit_codes import run_guarded
 
 Campaign = Callable[..., Done]
 
@@ -21,7 +21,7 @@ def campaign_here(capsys: pytest.CaptureFixture[str]) -> Campaign:
     def call(*arguments: str | Path) -> Done:
         handler = signal.getsignal(signal.SIGTERM)
         try:
-            code = guarded("railhil campaign", lambda: COMMAND.main([str(word) for word in arguments]))
+            code = run_guarded("railhil campaign", lambda: COMMAND.main([str(word) for word in arguments]))
         except SystemExit as end:
             code = int(end.code or 0)
         finally:

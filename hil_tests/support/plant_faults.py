@@ -9,7 +9,7 @@ from railhil.plant_sim.ato.events import PlantEvent
 from railhil.plant_sim.ato.faults.train import FaultyTrain
 from railhil.plant_sim.ato.plant import Plant
 from railhil.plant_sim.faults.injections import Injections
-from railhil.scenarios.fault_list import drawn
+from railhil.scenarios.fault_list import draw_values
 from railhil.scenarios.load import load
 from railhil.systems.ato.scenario.model import Scenario
 
@@ -32,7 +32,7 @@ def fault(
 
 def faulty(*faults: Fault, scenario: Scenario = SCENARIO, seed: int = 0) -> FaultyTrain:
     """A train with these faults, in their order."""
-    return FaultyTrain(scenario, seed, False, 0.0, [(n, drawn(one, n, seed)) for n, one in enumerate(faults, 1)])
+    return FaultyTrain(scenario, seed, False, 0.0, [(n, draw_values(one, n, seed)) for n, one in enumerate(faults, 1)])
 
 
 def commanded(plant: Plant, code: int, ticks: int) -> list[PlantEvent]:

@@ -46,9 +46,9 @@ def in_plant(faults: Sequence[Fault]) -> list[tuple[int, Fault]]:
 def _in_plant(scenario: AnyScenario, seed: int) -> list[tuple[int, Fault]]:
     if not scenario.faults:
         return []
-    from railhil.scenarios.fault_list import drawn_faults
+    from railhil.scenarios.fault_list import draw_faults
 
-    return in_plant(drawn_faults(scenario.faults, seed))
+    return in_plant(draw_faults(scenario.faults, seed))
 
 
 def make_plant(scenario: AnyScenario, run: RunSpec) -> tuple[AnyPlant, Injections | None]:
@@ -99,7 +99,7 @@ def constant_mismatches(scenario: AnyScenario, seeds: Sequence[int]) -> list[Mis
         raise InputError(scenario.name, "fault", Words("; ".join(scenario.faults)), allowed)
     from railhil.faults.language import parse
     from railhil.plant_sim.faults.mismatch import Mismatch
-    from railhil.scenarios.fault_list import drawn
+    from railhil.scenarios.fault_list import draw_values
 
     faults = [(number, parse(text)) for number, text in enumerate(scenario.faults, 1)]
-    return [Mismatch.of(drawn(fault, number, seed) for number, fault in faults) for seed in seeds]
+    return [Mismatch.of(draw_values(fault, number, seed) for number, fault in faults) for seed in seeds]

@@ -12,7 +12,7 @@ from typing import Any
 from zipfile import BadZipFile, ZipFile
 
 from railhil.common.errors import InputError, Words
-from railhil.common.extras import missing
+from railhil.common.extras import missing_library
 from railhil.common.user_files import open_given
 from railhil.plant_sim.any_plant import PlantError
 from railhil.plant_sim.fmu.names import Named, Quantities, read_names
@@ -29,7 +29,7 @@ def _library(command: str) -> Any:
     try:
         import fmpy
     except ImportError as error:
-        raise missing(command, error, "fmi") from None
+        raise missing_library(command, error, "fmi") from None
     return fmpy
 
 

@@ -12,7 +12,7 @@ from railhil.audit.tables import show
 from railhil.batch import say_compiling
 from railhil.batch.nodes import batch_of
 from railhil.common.command_line import OneLineParser, parse, whole_number
-from railhil.common.exit_codes import FAIL, PASS, guarded
+from railhil.common.exit_codes import FAIL, PASS, run_guarded
 from railhil.common.output import Output
 from railhil.common.streams import accept_any_text, add_json_argument, print_json
 from railhil.controller_node.arithmetic import names as arithmetics
@@ -92,4 +92,4 @@ def main(words: Sequence[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(guarded("railhil audit", main))
+    sys.exit(run_guarded("railhil audit", main))

@@ -9,7 +9,7 @@ from typing import Any
 from railhil.audit.bounds import Bounds
 from railhil.audit.effect import Effect
 from railhil.audit.shadow import Codes, QuantityError, ShadowRun, compare_codes
-from railhil.common.digits import beside, count_of, percent
+from railhil.common.digits import count_of, percent, text_beside_limit
 from railhil.controller_node.arithmetic.base import Arithmetic
 from railhil.controller_node.cost import Cost
 from railhil.scenarios.run_spec import LawSpec
@@ -68,7 +68,9 @@ def _codes_bars(codes: Codes) -> list[Bar]:
 
 def _error_bar(error: QuantityError, most: float) -> Bar:
     """The limit of one quantity's error, in its unit."""
-    shown = "no value" if error.maximum is None else f"{beside(error.maximum, most, 2, kind='g')} {error.unit}"
+    shown = "no value"
+    if error.maximum is not None:
+        shown = f"{text_beside_limit(error.maximum, most, 2, kind='g')} {error.unit}"
     met = error.maximum is not None and error.maximum <= most
     return Bar(f"largest difference of {error.name} from float64's", shown, f"at most {most:g} {error.unit}", met)
 
@@ -83,7 +85,7 @@ def _effect_bars(over_runs: Effect) -> list[Bar]:
         shown = (
             "no run has it"
             if one.difference is None
-            else f"{beside(one.difference, one.allowed, 4, '+', 'g')} {one.unit}"
+            else f"{text_beside_limit(one.difference, one.allowed, 4, '+', 'g')} {one.unit}"
         )
         if one.missing:
             shown += f", {count_of(one.missing, 'run has', 'runs have')} it in one arithmetic only"
@@ -128,7 +130,7 @@ def bars(
     found.append(
         Bar(
             "share of the control period, from flash",
-            f"{beside(100 * price.share, 100, 4)}%",
+            f"{text_beside_limit(100 * price.share, 100, 4)}%",
             "below 100%",
             price.share < 1,
         )

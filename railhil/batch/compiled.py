@@ -27,14 +27,14 @@ import numpy as np
 
 from railhil.common import compilable, floats
 from railhil.common.compilable import F, field_types, interpreted, result_type, source_of
-from railhil.common.extras import missing
+from railhil.common.extras import missing_library
 from railhil.common.output import Output
 
 try:
     import numba
     from numba.extending import overload
 except ImportError as error:
-    raise missing("batch", error, "campaign") from None
+    raise missing_library("batch", error, "campaign") from None
 
 #: Exceptions raised when a damaged cache file is read.
 _DAMAGED = (EOFError, pickle.UnpicklingError, AttributeError, ImportError, IndexError, KeyError, OSError, ValueError)

@@ -9,7 +9,7 @@ from typing import Any
 from rich.table import Table
 
 from railhil.campaign.summary import QUANTILES, all_limits, key_of
-from railhil.common.digits import beside, count_of, percent
+from railhil.common.digits import count_of, percent, text_beside_limit
 from railhil.common.output import Output
 from railhil.judge.criteria import STOP_WITHIN_M, Criterion, limit_key, limited
 from railhil.judge.judging import Judging
@@ -119,7 +119,7 @@ def _errors(run: Mapping[str, Any], summary: Mapping[str, Any], criteria: Sequen
     """The values of a run that have a limit, and how it failed."""
     values = [(criterion, run[limit_key(criterion)], summary["limits"][limit_key(criterion)]) for criterion in criteria]
     said = ", ".join(
-        f"{criterion.brief} {beside(value, limit, 3, '+' if criterion.signed else '')} {criterion.unit}"
+        f"{criterion.brief} {text_beside_limit(value, limit, 3, '+' if criterion.signed else '')} {criterion.unit}"
         for criterion, value, limit in values
         if value is not None
     )

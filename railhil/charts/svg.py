@@ -14,7 +14,7 @@ import numpy as np
 
 from railhil.charts.curve_points import find_deviation, pick_rows
 from railhil.charts.figure import Area, Chart, Curve, Figure, FloatArray, Look, Point, extent, looks, ticks
-from railhil.common.streams import plain
+from railhil.common.streams import escape_controls
 
 _WIDTH_PX, _RIGHT_PX, _TOP_PX = 912, 18, 6
 #: Left of the axes: at least, and for each letter of a name there.
@@ -302,4 +302,4 @@ def _names(names: Mapping[float, str]) -> str:
 
 
 def _text(text: str) -> str:
-    return escape(plain(text))
+    return escape(escape_controls(text))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 
-from railhil.common.exit_codes import guarded
+from railhil.common.exit_codes import run_guarded
 
 
 def main(words: Sequence[str] | None = None) -> int:
@@ -26,4 +26,4 @@ def main(words: Sequence[str] | None = None) -> int:
 
         return commands.work(given)
 
-    return guarded("railhil", work)
+    return run_guarded("railhil", work)

@@ -9,8 +9,8 @@ from importlib import import_module
 from railhil.cli import commands, programs
 from railhil.cli.run import law_names
 from railhil.common.command_line import OneLineParser, parse
-from railhil.common.exit_codes import PASS, guarded
-from railhil.common.extras import missing
+from railhil.common.exit_codes import PASS, run_guarded
+from railhil.common.extras import missing_library
 from railhil.scenarios.load import short_names
 
 #: Module with the command line of a program, if not its ``__main__``.
@@ -77,7 +77,7 @@ def script(shell: str) -> str:
     try:
         import shtab
     except ImportError as error:
-        raise missing("railhil completion", error, "completion") from None
+        raise missing_library("railhil completion", error, "completion") from None
     root = whole_parser()
     _mark(root, shtab.FILE, shtab.DIRECTORY)
     names = " ".join(sorted({*short_names().values()}))
@@ -93,4 +93,4 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(guarded("railhil completion", main))
+    sys.exit(run_guarded("railhil completion", main))

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from railhil.common.errors import InputError, Words
-from railhil.common.extras import allow_asammdf, missing
+from railhil.common.extras import allow_asammdf, missing_library
 from railhil.common.output import Output
 from railhil.common.user_files import whole_file
 from railhil.judge.record import checked_record
@@ -84,7 +84,7 @@ def _writer(kind: _Format) -> Callable[[Content, Path], None]:
     try:
         writer: Callable[[Content, Path], None] = getattr(import_module(f"{_ROOM}.{module}"), name)
     except ImportError as error:
-        raise missing("railhil export", error, kind.extra) from None
+        raise missing_library("railhil export", error, kind.extra) from None
     return writer
 
 

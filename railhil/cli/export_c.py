@@ -17,7 +17,7 @@ from rich.table import Table
 
 from railhil.common.command_line import OneLineParser, parse
 from railhil.common.errors import InputError
-from railhil.common.exit_codes import guarded
+from railhil.common.exit_codes import run_guarded
 from railhil.controller_node.export.bundle import Bundle, make_bundle, write_bundle
 from railhil.controller_node.export.single import SingleBundle, single_bundle
 from railhil.controller_node.laws import is_floating, names
@@ -140,4 +140,4 @@ def _list(files: Mapping[str, str], size: str, folder: Path) -> None:
 
 
 if __name__ == "__main__":
-    sys.exit(guarded("railhil export-c", main))
+    sys.exit(run_guarded("railhil export-c", main))

@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 from railhil.common.errors import InputError
-from railhil.common.extras import missing
+from railhil.common.extras import missing_library
 from railhil.common.output import Output
 from railhil.common.user_files import whole_file
 from railhil.judge.judging import judging_of
@@ -33,7 +33,7 @@ def work(namespace: argparse.Namespace) -> int:
     try:
         from railhil.report.signals_picture import draw as draw_signals
     except ImportError as error:
-        raise missing("railhil plot", error, "report") from None
+        raise missing_library("railhil plot", error, "report") from None
     record = checked_record(namespace.log, namespace.scenario)
     system, truth = record.system, judging_of(record.scenario).truth
     draw, trace = draw_signals, record.trace

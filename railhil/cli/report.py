@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from railhil.common.errors import InputError, Words
-from railhil.common.extras import missing
+from railhil.common.extras import missing_library
 from railhil.common.output import Output
 from railhil.judge.record import checked_record
 from railhil.record.documents import COMPARISON, read_comparison
@@ -36,7 +36,7 @@ def work(namespace: argparse.Namespace) -> int:
     try:
         from railhil.report.page import write_report
     except ImportError as error:
-        raise missing("railhil report", error, "report") from None
+        raise missing_library("railhil report", error, "report") from None
     given = [Path(text) for text in namespace.folder]
     if any((path / _CAMPAIGN).is_file() for path in given):
         return _campaign(given, namespace)
@@ -77,7 +77,7 @@ def _campaign(given: Sequence[Path], namespace: argparse.Namespace) -> int:
     try:
         from railhil.campaign.report import report_of
     except ImportError as error:
-        raise missing("railhil report of a campaign", error, "campaign") from None
+        raise missing_library("railhil report of a campaign", error, "campaign") from None
     out = given[0] / REPORT if namespace.out is None else Path(namespace.out)
     try:
         report_of(given[0], out)

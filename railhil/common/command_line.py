@@ -12,7 +12,7 @@ from collections.abc import Callable, Sequence
 from typing import Any, NoReturn
 
 from railhil.common.scheduling import PRIORITY_MAX
-from railhil.common.streams import plain
+from railhil.common.streams import escape_controls
 
 #: The order of these values gives their codes in the handshake: new ones come last.
 ARITHMETICS = ("float64", "float32", "iq", "iq-portable", "float32-truncated")
@@ -70,7 +70,7 @@ class OneLineParser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
         """Print one line and end with exit code 2."""
         words = (word if len(word) <= _WORD_MAX else f"{word[:_WORD_MAX]}..." for word in message.split())
-        print(plain(f"{self.prog}: {' '.join(words)} (see {self.prog} --help)"), file=sys.stderr)
+        print(escape_controls(f"{self.prog}: {' '.join(words)} (see {self.prog} --help)"), file=sys.stderr)
         raise SystemExit(2)
 
 

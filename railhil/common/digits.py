@@ -6,10 +6,10 @@ from __future__ import annotations
 _DIGITS_MAX = 17
 
 
-def beside(value: float, limit: float, digits: int, sign: str = "", kind: str = "f") -> str:
+def text_beside_limit(value: float, limit: float, digits: int, sign: str = "", kind: str = "f") -> str:
     """A value that is shown beside its limit, with as many digits as it takes to see on which side it is.
 
-    >>> beside(0.30004, 0.3, 3, "+"), beside(0.4, 0.3, 3)
+    >>> text_beside_limit(0.30004, 0.3, 3, "+"), text_beside_limit(0.4, 0.3, 3)
     ('+0.30004', '0.400')
 
     :param limit: with a ``sign``, of the magnitude.

@@ -13,7 +13,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, NoReturn
 
 from railhil.common.extras import without_asammdf
-from railhil.common.streams import plain
+from railhil.common.streams import escape_controls
 
 if TYPE_CHECKING:
     from typing_extensions import Buffer
@@ -95,7 +95,7 @@ def outlive_terminal() -> None:
             setattr(sys, name, io.TextIOWrapper(raw, stream.encoding, stream.errors, line_buffering=True))
 
 
-def finish_undisturbed() -> None:
+def ignore_ending_signals() -> None:
     """From here on ignore signals that would end this process, which only writes its results and ends.
 
     When a node is lost the supervisor ends the others, and Ctrl-C at a terminal reaches all of them, perhaps twice.
@@ -118,7 +118,7 @@ def hold_back_interrupts() -> None:
     """Hold Ctrl-C back: this process is about to become another program, which can end in an orderly way only after it
     has loaded.
 
-    That program calls :func:`guarded`, or :func:`hear_interrupts` itself.
+    That program calls :func:`run_guarded`, or :func:`hear_interrupts` itself.
     """
     signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
 
@@ -151,7 +151,7 @@ def _multiply_in_one_thread() -> None:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 
-def guarded(name: str, main: Callable[[], int]) -> int:
+def run_guarded(name: str, main: Callable[[], int]) -> int:
     """Run a command; an exception becomes one line on stderr and its exit code.
 
     ``RAILHIL_TRACEBACK=1`` lets the exception through, for debugging. SIGTERM and SIGHUP end the process
@@ -197,5 +197,5 @@ def guarded(name: str, main: Callable[[], int]) -> int:
         line = text if is_named else f"{name}: {kind}{text}"
         # If standard error is full or closed, the exit code still tells.
         with contextlib.suppress(OSError):
-            print(plain(line), file=sys.stderr, flush=True)
+            print(escape_controls(line), file=sys.stderr, flush=True)
         return code

@@ -42,7 +42,7 @@ def install_command(extra: str) -> str:
     return shlex.join(words + names)
 
 
-def missing(command: str, error: ImportError, extra: str) -> InputError:
+def missing_library(command: str, error: ImportError, extra: str) -> InputError:
     """The one-line message for a library that is missing or unusable."""
     absent = isinstance(error, ModuleNotFoundError)
     found = Words("not installed" if absent else f"an installation that cannot be used ({error})")
@@ -58,7 +58,7 @@ def need(module: str, extra: str, command: str = "railhil campaign") -> ModuleTy
     try:
         return importlib.import_module(module)
     except ImportError as error:
-        raise missing(command, error, extra) from error
+        raise missing_library(command, error, extra) from error
 
 
 _ASAMMDF = "asammdf"

@@ -9,7 +9,7 @@ from collections.abc import Iterable
 LAW_ORDER = ("ipfc", "tpfc2", "tpfc1", "tdmc", "fuzzy_pid", "ipfc_plus", "ipfc_plus_stop")
 
 
-def in_order(names: Iterable[str]) -> list[str]:
+def sort_laws(names: Iterable[str]) -> list[str]:
     """The names, each once: those of :data:`LAW_ORDER` in that order, then the others sorted."""
     found = set(names)
     return [name for name in LAW_ORDER if name in found] + sorted(found.difference(LAW_ORDER))

@@ -12,7 +12,7 @@ from rich.measure import Measurement
 from rich.table import Column, Table
 from rich.text import Text
 
-from railhil.common.streams import discard_output, plain
+from railhil.common.streams import discard_output, escape_controls
 
 #: Width of output into a file or pipe unless COLUMNS is set.
 _FILE_COLUMNS = 100
@@ -37,7 +37,7 @@ class Output(Console):
 
     def render_str(self, text: str, **options: Any) -> Text:
         """Called by rich for every text and every table cell before it is printed."""
-        return super().render_str(plain(text), **options)
+        return super().render_str(escape_controls(text), **options)
 
     def on_broken_pipe(self) -> None:
         """Print nothing from here on; rich would end the process with exit code 1, which means FAIL."""

@@ -34,7 +34,7 @@ class EndsInterpreter(Exception):
 
 
 @contextmanager
-def plugged_in() -> Iterator[None]:
+def guard_plug_in() -> Iterator[None]:
     """While code that plugs in is imported or begins, its ``sys.exit`` is an error like any other: a command would else
     end with its exit code, and without a word.
 

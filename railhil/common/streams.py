@@ -23,7 +23,7 @@ _UNSAFE = re.compile(
 )
 
 
-def plain(text: str) -> str:
+def escape_controls(text: str) -> str:
     r"""The text with such characters escaped: ``\x1b`` for the one that begins an escape sequence."""
     return text if text.isprintable() else _UNSAFE.sub(_written_out, text)
 
@@ -36,7 +36,7 @@ def _written_out(found: re.Match[str]) -> str:
 def say(text: str, stderr: bool = False) -> None:
     """Print one line as :meth:`railhil.common.output.Output.say` does without a style."""
     try:
-        print(plain(text), file=sys.stderr if stderr else sys.stdout, flush=True)
+        print(escape_controls(text), file=sys.stderr if stderr else sys.stdout, flush=True)
     except BrokenPipeError:
         discard_output()
 

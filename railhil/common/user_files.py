@@ -141,7 +141,7 @@ def write_synced(path: Path, content: bytes) -> None:
     sync_folder(path.resolve().parent)
 
 
-def locked(descriptor: int, wait_s: float) -> bool:
+def lock_within(descriptor: int, wait_s: float) -> bool:
     """Lock an open file or folder for this process alone; False if somebody else holds the lock for so long.
 
     The lock ends with the process or the descriptor.

@@ -107,7 +107,7 @@ def parse(text: str, source: str | Path = FAULT, trigger: Trigger | None = None)
         trigger = _when(reader)
     elif reader.next or trigger is None:
         raise reader.refused(reader.next, _expected(word, values))
-    return checked(_tail(reader, Fault(place, what, trigger, values, count=count)), reader.refused)
+    return check_fault(_tail(reader, Fault(place, what, trigger, values, count=count)), reader.refused)
 
 
 def _word(reader: _Reader, place: Place, what: str) -> Word:
@@ -238,7 +238,7 @@ def _expect(reader: _Reader) -> Expect:
     return Expect(level, within_s, by, verdict)
 
 
-def checked(fault: Fault, complain: Complain) -> Fault:
+def check_fault(fault: Fault, complain: Complain) -> Fault:
     """The fault with the usual values of all parameters that are not given.
 
     :param complain: makes the error from what was found, what is allowed and a hint.

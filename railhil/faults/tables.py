@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from railhil.faults.language import Complain, checked, parse
+from railhil.faults.language import Complain, check_fault, parse
 from railhil.faults.model import LENGTH, NAME, SPEED, TIME, Expect, Fault, Trigger, Value
 from railhil.faults.notation import (
     ALLOWED,
@@ -63,7 +63,7 @@ def fault_of(row: Mapping[str, Any] | str, complain: Complain, source: Any) -> F
         expect=_expect(row.get("expect"), complain),
         id=row.get("id") or "",
     )
-    return checked(made, complain)
+    return check_fault(made, complain)
 
 
 def _time(given: str | float | None, key: str, complain: Complain) -> float | None:

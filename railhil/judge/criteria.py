@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from railhil.common.digits import beside
+from railhil.common.digits import text_beside_limit
 from railhil.judge import journey
 
 if TYPE_CHECKING:
@@ -122,12 +122,12 @@ class Criterion:
         if value is None or limit is None:
             return ""
         if self.signed is not None:
-            shown = beside(value, limit, 3, "+")
+            shown = text_beside_limit(value, limit, 3, "+")
             return "" if abs(value) <= limit else f"{shown} {self.unit}, allowed +-{limit:.10g} {self.unit}"
         if value <= limit if self.better == "low" else value >= limit:
             return ""
         bound = "at most" if self.better == "low" else "at least"
-        return f"{beside(value, limit, self.digits)} {self.unit}, allowed {bound} {limit:.10g} {self.unit}"
+        return f"{text_beside_limit(value, limit, self.digits)} {self.unit}, allowed {bound} {limit:.10g} {self.unit}"
 
 
 @dataclass(frozen=True, slots=True)

@@ -128,9 +128,9 @@ def _outcomes(
     scenario: AnyScenario, seed: int, rows: Sequence[_Row]
 ) -> tuple[list[FaultOutcome], tuple[Fault, ...] | list[Fault]]:
     """What became of each fault, and the faults with what they have drawn."""
-    from railhil.scenarios.fault_list import drawn_faults
+    from railhil.scenarios.fault_list import draw_faults
 
-    faults = drawn_faults(scenario.faults, seed)
+    faults = draw_faults(scenario.faults, seed)
     return [_outcome(number, fault, rows) for number, fault in enumerate(faults, start=1)], faults
 
 

@@ -14,7 +14,7 @@ from typing import Any
 from railhil.bus.ident import PROFILES
 from railhil.common.build import machine
 from railhil.common.held_code import place_of
-from railhil.common.streams import plain
+from railhil.common.streams import escape_controls
 from railhil.common.user_files import whole_file, write_synced
 from railhil.judge.criteria import limited
 from railhil.judge.events.event import EVENTS, FAULT, LOST, MISSED_POLL, REFUSED, write_events
@@ -244,7 +244,7 @@ def junit(result: Result) -> ET.ElementTree[ET.Element]:
 
 def _xml(text: str) -> str:
     """Text without the control characters that XML cannot represent."""
-    return plain(" ".join(text.split()))
+    return escape_controls(" ".join(text.split()))
 
 
 def write_folder(result: Result) -> None:

@@ -18,7 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from railhil.bus.clock import RATE_MAX_10TH, RATE_MIN_10TH, rate_to_10th
-from railhil.common.digits import beside, count_of
+from railhil.common.digits import count_of, text_beside_limit
 from railhil.record.run_folder import TIMING
 from railhil.record.trace import Trace
 
@@ -57,10 +57,11 @@ class Jitter:
     def sentence(self) -> str:
         """Why the timing is not good enough."""
         if self.late_share > LATE_SHARE_MAX:
-            share = beside(100 * self.late_share, 100 * LATE_SHARE_MAX, 2)
+            share = text_beside_limit(100 * self.late_share, 100 * LATE_SHARE_MAX, 2)
             cycles = count_of(self.cycles, "cycle")
             return f"timing: {share}% of {cycles} more than {LATE_MS:g} ms late, allowed {LATE_SHARE_MAX:.1%}"
-        return f"timing: a cycle {beside(self.max_ms, PAUSE_MS, 0)} ms late, allowed less than {PAUSE_MS:g} ms"
+        late = text_beside_limit(self.max_ms, PAUSE_MS, 0)
+        return f"timing: a cycle {late} ms late, allowed less than {PAUSE_MS:g} ms"
 
     def as_json(self) -> dict[str, Any]:
         """Figures without the histogram."""

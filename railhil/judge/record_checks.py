@@ -16,7 +16,7 @@ from railhil.bus.codes import STOP_LEG_MIN_M, Event
 from railhil.bus.ident import PACES, PltIdent
 from railhil.bus.schedule import Schedule
 from railhil.bus.telegrams import RunEvent
-from railhil.common.digits import beside
+from railhil.common.digits import text_beside_limit
 from railhil.faults.truth import HOLE_MAX_S
 from railhil.judge.events.telegrams import Gap, gaps, outages
 from railhil.record.trace import FloatArray, Trace
@@ -91,7 +91,7 @@ def _hole(trace: Trace, truth: str) -> str:
     longest = int(gaps_s.argmax())
     if gaps_s[longest] <= HOLE_MAX_S:
         return ""
-    gap = f"{beside(gaps_s[longest], HOLE_MAX_S, 2)} s from {time_s[longest]:.2f} s on"
+    gap = f"{text_beside_limit(gaps_s[longest], HOLE_MAX_S, 2)} s from {time_s[longest]:.2f} s on"
     return f"record: no {truth} for {gap}, allowed {HOLE_MAX_S:g} s"
 
 

@@ -15,7 +15,7 @@ import numpy as np
 from railhil.bus.codes import Event, ends_run
 from railhil.bus.ident import INDEXINGS, CtlIdent
 from railhil.bus.telegrams import RunEvent
-from railhil.common.digits import beside
+from railhil.common.digits import text_beside_limit
 from railhil.faults import parse_faults
 from railhil.judge import measures
 from railhil.judge.criteria import ATO_CRITERIA, OVERSPEED, Criterion, limited, scores, unscored
@@ -119,7 +119,7 @@ def judged(scenario: Scenario, run: Measured) -> Score:
         if missed := criterion.missed(scenario, run.values[criterion.key]):
             failures.append(f"{criterion.title} {missed}")
     if run.overspeed_mps > 0:
-        failures.append(f"overspeed {beside(run.overspeed_mps * measures.KMH, 0, 2)} km/h, allowed 0")
+        failures.append(f"overspeed {text_beside_limit(run.overspeed_mps * measures.KMH, 0, 2)} km/h, allowed 0")
     if run.emergency_s is not None:
         failures.append(f"emergency brake at {run.emergency_s:.2f} s")
     if run.wrap:

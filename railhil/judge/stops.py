@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from railhil.common.digits import beside
+from railhil.common.digits import text_beside_limit
 
 #: Reported standstills closer together than this count as one.
 _SAME_PLACE_M = 0.001
@@ -66,7 +66,7 @@ class ScoredStop:
             return "not stopped"
         compared = ((self.error_m, self.planned.error_max_m, "m"), (self.late_s, self.planned.late_max_s, "s"))
         return ", ".join(
-            f"{beside(found, allowed, 3, '+')} {unit} (allowed +-{allowed:.10g} {unit})"
+            f"{text_beside_limit(found, allowed, 3, '+')} {unit} (allowed +-{allowed:.10g} {unit})"
             for found, allowed, unit in compared
             if found is not None and allowed is not None and abs(found) > allowed
         )

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from railhil.common.command_line import parse
 from railhil.common.errors import InputError, Words
-from railhil.common.exit_codes import PASS, guarded
+from railhil.common.exit_codes import PASS, run_guarded
 from railhil.common.output import Output
 from railhil.common.streams import accept_any_text, flush_output, print_json
 from railhil.common.user_files import check_writable, whole_file
@@ -65,4 +65,4 @@ def main(words: Sequence[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(guarded("railhil train-model", main))
+    sys.exit(run_guarded("railhil train-model", main))

@@ -5,17 +5,17 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 
-from railhil.common.exit_codes import guarded
+from railhil.common.exit_codes import run_guarded
 
 
 def main(words: Sequence[str] | None = None) -> int:
     """Serve the page until a signal, or until what is shown has ended.
 
-    Its modules are loaded here: python-can, which they need, must not load asammdf (:func:`guarded`).
+    Its modules are loaded here: python-can, which they need, must not load asammdf (:func:`run_guarded`).
     """
     from railhil.common.command_line import parse
     from railhil.common.errors import InputError
-    from railhil.common.extras import missing
+    from railhil.common.extras import missing_library
     from railhil.common.streams import accept_any_text, flush_output
     from railhil.panel.command import arguments
 
@@ -27,7 +27,7 @@ def main(words: Sequence[str] | None = None) -> int:
         except ImportError as error:
             if (error.name or "").partition(".")[0] != "websockets":
                 raise
-            raise missing("railhil panel", error, "panel") from error
+            raise missing_library("railhil panel", error, "panel") from error
         return serve_panel(namespace)
     except OSError as error:
         if error.filename is not None:
@@ -40,4 +40,4 @@ def main(words: Sequence[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(guarded("railhil panel", main))
+    sys.exit(run_guarded("railhil panel", main))

@@ -13,7 +13,7 @@ import sys
 from collections.abc import Sequence
 
 from railhil.common.command_line import OneLineParser, whole_number
-from railhil.common.exit_codes import guarded
+from railhil.common.exit_codes import run_guarded
 
 _CHUNK_BYTES = 1 << 16
 
@@ -63,4 +63,4 @@ def main(words: Sequence[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(guarded("python -m railhil.panel.tcp_to_unix", main))
+    sys.exit(run_guarded("python -m railhil.panel.tcp_to_unix", main))

@@ -9,7 +9,7 @@ from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined, Te
 
 from railhil.charts import static_text
 from railhil.charts.svg import markup
-from railhil.common.streams import plain
+from railhil.common.streams import escape_controls
 
 
 def script() -> str:
@@ -40,7 +40,7 @@ def template(name: str, package: str = _HERE) -> Template:
         lstrip_blocks=True,
         keep_trailing_newline=True,
         # Markup and drawings are already escaped.
-        finalize=lambda value: plain(value) if type(value) is str else value,
+        finalize=lambda value: escape_controls(value) if type(value) is str else value,
     )
     environment.filters["svg"] = markup
     return environment.get_template(name)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from railhil.common.command_line import SEED_MAX, OneLineParser, parse, whole_number
 from railhil.common.errors import InputError, Words, did_you_mean
-from railhil.common.exit_codes import INVALID, PASS, guarded
+from railhil.common.exit_codes import INVALID, PASS, run_guarded
 from railhil.common.extras import install_command
 from railhil.common.output import Output, table
 from railhil.common.streams import accept_any_text, add_json_argument, flush_output, print_json
@@ -256,4 +256,4 @@ def _show_table(console: Output, shown: Table) -> None:
 
 
 if __name__ == "__main__":
-    sys.exit(guarded("railhil reproduce", main))
+    sys.exit(run_guarded("railhil reproduce", main))

@@ -155,7 +155,7 @@ def _start_s(fault: Fault) -> float | None:
     return float(trigger.value) + trigger.delay_s if trigger.kind == "time" else None
 
 
-def drawn(fault: Fault, number: int, seed: int) -> Fault:
+def draw_values(fault: Fault, number: int, seed: int) -> Fault:
     """A fault with its distributions drawn for one run: its text is in the language again.
 
     Counts are rounded down; what is drawn outside a parameter's bounds becomes the nearer bound.
@@ -191,7 +191,7 @@ def injection_of(scenario: AnyScenario, seed: int) -> Injection | None:
     """
     if not scenario.faults:
         return None
-    faults = drawn_faults(scenario.faults, seed)
+    faults = draw_faults(scenario.faults, seed)
     system = system_named(scenario.system)
 
     def samples(number: int) -> Random:
@@ -207,10 +207,10 @@ def injection_of(scenario: AnyScenario, seed: int) -> Injection | None:
     )
 
 
-def drawn_faults(texts: Sequence[str], seed: int) -> list[Fault]:
+def draw_faults(texts: Sequence[str], seed: int) -> list[Fault]:
     """The faults of a scenario as one run injects them, in their order: number n is the n-th.
 
     :param texts: the scenario's ``faults``.
     :raises InputError: a text that is not in the language, as in a stored scenario that was changed.
     """
-    return [drawn(parse(text, "faults"), number, seed) for number, text in enumerate(texts, start=1)]
+    return [draw_values(parse(text, "faults"), number, seed) for number, text in enumerate(texts, start=1)]

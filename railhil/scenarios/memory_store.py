@@ -21,7 +21,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from railhil.common.errors import InputError, Words
-from railhil.common.user_files import check_writable, given_bytes, locked, sync_folder, write_synced
+from railhil.common.user_files import check_writable, given_bytes, lock_within, sync_folder, write_synced
 from railhil.scenarios.memory import (
     LINE_DEFAULT,
     SLOT_A,
@@ -126,7 +126,7 @@ class MemoryStore:
         self.path.mkdir(parents=True, exist_ok=True)
         handle = os.open(self.path, os.O_RDONLY)
         try:
-            if not locked(handle, self.wait_s):
+            if not lock_within(handle, self.wait_s):
                 reason = f"locked by another program for {self.wait_s:g} s"
                 raise OSError(errno.EAGAIN, reason, str(self.path))
             for draft in self.path.glob(_DRAFTS):

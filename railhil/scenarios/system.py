@@ -15,8 +15,8 @@ from typing import Any
 
 from railhil.common.errors import InputError, Words, did_you_mean
 from railhil.common.held_code import OURS, held_sha256
-from railhil.common.law_order import in_order
-from railhil.common.plug_ins import entries, plugged_in
+from railhil.common.law_order import sort_laws
+from railhil.common.plug_ins import entries, guard_plug_in
 from railhil.dbc import Contract, system_contract
 from railhil.faults.truth import Truth
 
@@ -120,7 +120,7 @@ class System:
             raise InputError(f"system {self.name}", name, Words("no such part"), "a reference, module:object")
         module, _, attribute = reference.partition(":")
         try:
-            with plugged_in():
+            with guard_plug_in():
                 return getattr(import_module(module), attribute)
         except Exception as error:
             # Plug-in code may raise anything.
@@ -175,7 +175,7 @@ class System:
 
     def law_names(self) -> list[str]:
         """Names of the installed laws for this system, in the order of every table."""
-        return in_order(entries(self.laws))
+        return sort_laws(entries(self.laws))
 
     def check_law(self, name: str, source: str | Path, key: str) -> None:
         """Refuse a name that no law of this system has.
@@ -205,7 +205,7 @@ def system_named(name: str, file: str | Path = "scenario") -> System:
         raise InputError(file, "system", name, allowed, did_you_mean(name, found))
     entry = found[name]
     try:
-        with plugged_in():
+        with guard_plug_in():
             system = entry.load()
     except InputError:
         # It says what to change.

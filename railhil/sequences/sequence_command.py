@@ -19,7 +19,7 @@ from railhil.cli.run import add_arguments, run_spec, run_system
 from railhil.common.command_line import OneLineParser, parse, whole_number
 from railhil.common.digits import count_of
 from railhil.common.errors import InputError
-from railhil.common.exit_codes import FAIL, PASS, guarded
+from railhil.common.exit_codes import FAIL, PASS, run_guarded
 from railhil.common.output import Output
 from railhil.common.streams import accept_any_text, add_json_argument, flush_output, print_json
 from railhil.controller_node.laws import find
@@ -199,4 +199,4 @@ def main(words: Sequence[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(guarded("railhil sequence", main))
+    sys.exit(run_guarded("railhil sequence", main))

@@ -9,7 +9,7 @@ from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from typing import TypeVar
 
-from railhil.common.exit_codes import ending_signals, finish_undisturbed
+from railhil.common.exit_codes import ending_signals, ignore_ending_signals
 from railhil.common.python_process import end_with_parent
 
 T = TypeVar("T")
@@ -77,7 +77,7 @@ def each(work: Callable[[T], R], items: Sequence[T], jobs: int) -> Iterator[Iter
                 yield results
     except (KeyboardInterrupt, SystemExit):
         # `timeout` signals twice; what is left to do is quick.
-        finish_undisturbed()
+        ignore_ending_signals()
         raise
 
 

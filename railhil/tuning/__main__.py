@@ -18,7 +18,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from railhil.common.command_line import parse
 from railhil.common.digits import count_of
 from railhil.common.errors import InputError, Words
-from railhil.common.exit_codes import PASS, guarded
+from railhil.common.exit_codes import PASS, run_guarded
 from railhil.common.output import Output
 from railhil.common.streams import accept_any_text, flush_output, print_json
 from railhil.common.user_files import check_writable, whole_file
@@ -218,4 +218,4 @@ def main(words: Sequence[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(guarded("railhil tune", main))
+    sys.exit(run_guarded("railhil tune", main))

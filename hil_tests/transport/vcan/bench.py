@@ -23,7 +23,7 @@ from railhil.bus.link import Link, Timeouts, open_link
 from railhil.bus.link.outage import TIMEOUTS
 from railhil.bus.local import LocalBus
 from railhil.bus.select import BusChoice
-from railhil.common.exit_codes import guarded
+from railhil.common.exit_codes import run_guarded
 from railhil.common.patience import Lifelines
 from railhil.common.python_process import kill_this_process, stop_this_process
 from railhil.common.scheduling import cycle
@@ -240,7 +240,7 @@ class _Forked:
             # As the supervisor places the nodes that it starts itself (Nodes.keep_together).
             os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
             with cycle(role, 0):
-                code = guarded(role, main)
+                code = run_guarded(role, main)
             raise SystemExit(code)
 
         self._process: BaseProcess = multiprocessing.get_context("fork").Process(target=process, name=role)

@@ -10,7 +10,7 @@ import pytest
 from hil_tests.transport.vcan.bench import run_on, say_into, socketcan
 from railhil.bus.link import open_link
 from railhil.bus.select import BusChoice
-from railhil.common.exit_codes import USAGE, guarded
+from railhil.common.exit_codes import USAGE, run_guarded
 from railhil.live.processes import Nodes
 from railhil.live.recorder import open_recorder, refuse_occupied
 from railhil.plant_sim.node import PlantNode
@@ -48,7 +48,7 @@ def test_second_bench_is_refused_in_one_line(hop, hop_reference, folder):
     def start(name: str, main) -> None:
         def process() -> None:
             say_into(folder / f"{name}.second")
-            raise SystemExit(guarded(name, main))
+            raise SystemExit(run_guarded(name, main))
 
         started[name] = fork.Process(target=process)
         started[name].start()

@@ -28,7 +28,7 @@ from railhil.bus.lifesign import Life, LifeSign
 from railhil.bus.local import LocalBus
 from railhil.bus.schedule import bus_load, longest_frame_bits, telegram_bits
 from railhil.common.errors import InputError
-from railhil.common.exit_codes import FAIL, INVALID, PASS, TOOL_ERROR, USAGE, ending_signals, exit_code_of, guarded
+from railhil.common.exit_codes import FAIL, INVALID, PASS, TOOL_ERROR, USAGE, ending_signals, exit_code_of, run_guarded
 from railhil.dbc import ContractError, wire_contract
 
 SHA_A, SHA_B = "0123456789abcdef" * 4, "fedcba9876543210" * 4
@@ -177,7 +177,7 @@ def test_exit_code_of_each_error(
     monkeypatch.delenv("RAILHIL_TRACEBACK", raising=False)
     assert (PASS, FAIL, USAGE, INVALID, TOOL_ERROR) == (0, 1, 2, 3, 4)
     assert exit_code_of(error) == code
-    assert guarded("railhil", _raising(error)) == code
+    assert run_guarded("railhil", _raising(error)) == code
     out, err = capsys.readouterr()
     assert out == ""
     kind = f"{type(error).__name__}: " if code == TOOL_ERROR else ""
@@ -201,26 +201,26 @@ def _signals() -> object:
 
 def test_one_line_whatever_the_text(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("RAILHIL_TRACEBACK", raising=False)
-    guarded("railhil", _raising(BusLost("two\n  lines")))
-    guarded("railhil", _raising(ValueError()))
+    run_guarded("railhil", _raising(BusLost("two\n  lines")))
+    run_guarded("railhil", _raising(ValueError()))
     assert capsys.readouterr().err == "railhil: two lines\nrailhil: ValueError: ValueError\n"
 
 
 def test_result_and_interrupt() -> None:
-    assert guarded("railhil", lambda: FAIL) == FAIL
-    assert guarded("railhil", _raising(KeyboardInterrupt())) == 130
+    assert run_guarded("railhil", lambda: FAIL) == FAIL
+    assert run_guarded("railhil", _raising(KeyboardInterrupt())) == 130
 
 
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGTERM, 143), (signal.SIGHUP, 129)])
 def test_signals_that_end_a_command(number: int, code: int) -> None:
     with pytest.raises(SystemExit) as caught:
-        guarded("railhil", _killing(number))
+        run_guarded("railhil", _killing(number))
     assert caught.value.code == code
 
 
 def test_nohup_is_respected() -> None:
     signal.signal(signal.SIGHUP, signal.SIG_IGN)
-    assert guarded("railhil", _killing(signal.SIGHUP)) == PASS
+    assert run_guarded("railhil", _killing(signal.SIGHUP)) == PASS
     assert signal.SIGHUP not in ending_signals()
 
 
@@ -235,7 +235,7 @@ def _killing(number: int) -> Callable[[], int]:
 def test_traceback_for_the_one_who_mends_it(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("RAILHIL_TRACEBACK", "1")
     with pytest.raises(BusLost):
-        guarded("railhil", _raising(BusLost("x")))
+        run_guarded("railhil", _raising(BusLost("x")))
 
 
 # -- load -------------------------------------------------------------------------------------------------------------

@@ -14,7 +14,7 @@ from railhil.campaign.study import CAMPAIGN
 from railhil.campaign.summary import training_sentence
 from railhil.common.errors import InputError
 from railhil.common.extras import install_command
-from railhil.common.law_order import in_order
+from railhil.common.law_order import sort_laws
 from railhil.controller_node.laws import names
 from railhil.record.hash_list import write_hash_list
 from railhil.study.manifest import manifest_of, read_manifest
@@ -45,7 +45,7 @@ def test_seeds_on_which_a_law_was_designed_are_refused(campaign, short):
 
 def test_all_laws_stand_in_the_order_of_every_table():
     plan = make_plan(Request(laws=("all",)))
-    assert [entry.law.controller for entry in plan.entries] == in_order(names())
+    assert [entry.law.controller for entry in plan.entries] == sort_laws(names())
     assert plan.entries[0].label == "ipfc"
 
 

@@ -13,7 +13,7 @@ import pytest
 from hil_tests.support.paths import ROOT
 from railhil.cli import programs as outside
 from railhil.common.errors import InputError
-from railhil.common.exit_codes import guarded, hold_back_interrupts
+from railhil.common.exit_codes import hold_back_interrupts, run_guarded
 
 _TIMEOUT_S = 60
 #: What every program with modules of weight loads early.
@@ -83,7 +83,7 @@ def test_a_program_in_good_order_hears_ctrl_c():
     signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
         hold_back_interrupts()
-        assert guarded("program", lambda: 0) == 0
+        assert run_guarded("program", lambda: 0) == 0
         assert signal.SIGINT not in signal.pthread_sigmask(signal.SIG_BLOCK, [])
     finally:
         signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGINT])

@@ -6,14 +6,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from railhil.common.digits import beside, count_of, percent
+from railhil.common.digits import count_of, percent, text_beside_limit
 
 NUMBERS = st.floats(-1e6, 1e6, allow_nan=False)
 
 
 @given(value=NUMBERS, limit=NUMBERS, digits=st.integers(0, 4), kind=st.sampled_from("fg"))
 def test_the_text_is_on_the_side_of_the_value(value: float, limit: float, digits: int, kind: str) -> None:
-    shown = float(beside(value, limit, digits, kind=kind))
+    shown = float(text_beside_limit(value, limit, digits, kind=kind))
     assert (shown > limit, shown < limit) == (value > limit, value < limit)
 
 
@@ -29,7 +29,7 @@ def test_the_text_is_on_the_side_of_the_value(value: float, limit: float, digits
     ],
 )
 def test_no_more_digits_than_it_takes(value: float, limit: float, sign: str, text: str) -> None:
-    assert beside(value, limit, 3, sign) == text
+    assert text_beside_limit(value, limit, 3, sign) == text
 
 
 @given(runs=st.integers(1, 10_000_000), data=st.data())

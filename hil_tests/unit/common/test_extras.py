@@ -12,8 +12,8 @@ import pytest
 
 from hil_tests.support.paths import ROOT
 from railhil.common import extras
-from railhil.common.exit_codes import USAGE, guarded
-from railhil.common.extras import install_command, missing
+from railhil.common.exit_codes import USAGE, run_guarded
+from railhil.common.extras import install_command, missing_library
 
 _EXTRAS = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["optional-dependencies"]
 
@@ -54,18 +54,19 @@ def test_an_environment_without_pip_is_one_of_uv(monkeypatch: pytest.MonkeyPatch
 
 
 def test_a_library_that_cannot_be_used_is_told_from_one_that_is_not_there() -> None:
-    absent = str(missing("x", ModuleNotFoundError("No module named 'numba'", name="numba"), "campaign"))
+    absent = str(missing_library("x", ModuleNotFoundError("No module named 'numba'", name="numba"), "campaign"))
     assert (
         absent == f"x: module numba: found not installed, allowed {install_command('campaign')} (the extra [campaign])"
     )
-    broken = str(missing("x", ImportError("Numba needs NumPy 2.3 or less", name="numba"), "campaign"))
+    broken = str(missing_library("x", ImportError("Numba needs NumPy 2.3 or less", name="numba"), "campaign"))
     assert "found an installation that cannot be used (Numba needs NumPy 2.3 or less), allowed " in broken
 
 
 @pytest.mark.parametrize("name", ["railhil", "railhil panel"])
 def test_the_line_names_the_command_once(name: str, capsys: pytest.CaptureFixture[str]) -> None:
     def work() -> int:
-        raise missing("railhil panel", ModuleNotFoundError("No module named 'websockets'", name="websockets"), "panel")
+        error = ModuleNotFoundError("No module named 'websockets'", name="websockets")
+        raise missing_library("railhil panel", error, "panel")
 
-    assert guarded(name, work) == USAGE
+    assert run_guarded(name, work) == USAGE
     assert capsys.readouterr().err.startswith("railhil panel: module websockets: found not installed")

@@ -10,18 +10,18 @@ import pytest
 
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import Signalled
-from railhil.common.plug_ins import SHIPPED, EndsInterpreter, entries, plugged_in
+from railhil.common.plug_ins import SHIPPED, EndsInterpreter, entries, guard_plug_in
 from railhil.library import run
 
 
 @pytest.mark.parametrize("code", [None, 0, 2, "bye"])
 def test_an_exit_is_an_error(code: int | str | None) -> None:
-    with pytest.raises(EndsInterpreter, match="it ends the interpreter"), plugged_in():
+    with pytest.raises(EndsInterpreter, match="it ends the interpreter"), guard_plug_in():
         sys.exit(code)
 
 
 def test_a_signal_is_none() -> None:
-    with pytest.raises(Signalled), plugged_in():
+    with pytest.raises(Signalled), guard_plug_in():
         raise Signalled(143)
 
 

@@ -35,14 +35,14 @@ finally:
 """
 _CHILD = """
 import atexit, os, signal, sys
-from railhil.common.exit_codes import guarded
+from railhil.common.exit_codes import run_guarded
 
 def main():
     if sys.argv[2] == "exit":
         atexit.register(os.kill, os.getpid(), getattr(signal, sys.argv[1]))
     return 7
 
-sys.exit(guarded("child", main))
+sys.exit(run_guarded("child", main))
 """
 
 

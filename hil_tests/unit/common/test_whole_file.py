@@ -13,7 +13,7 @@ import pytest
 
 from railhil.bus.errors import BusLost
 from railhil.bus.link import Link
-from railhil.common.exit_codes import INVALID, guarded
+from railhil.common.exit_codes import INVALID, run_guarded
 from railhil.common.user_files import check_writable, whole_file
 from railhil.controller_node import command as controller
 from railhil.controller_node.ato.node import ControllerNode
@@ -149,7 +149,7 @@ def test_telemetry_survives_a_sigterm_while_it_is_written(tmp_path: Path, monkey
     monkeypatch.setattr("railhil.controller_node.command.run_controller", lost)
     monkeypatch.setattr("railhil.controller_node.telemetry_file.telemetry_document", terminated)
     try:
-        assert guarded("controller", lambda: controller.main(words)) == INVALID
+        assert run_guarded("controller", lambda: controller.main(words)) == INVALID
     finally:
         signal.signal(signal.SIGTERM, handler)
         gc.unfreeze()

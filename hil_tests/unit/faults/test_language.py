@@ -15,7 +15,7 @@ from railhil.faults.language import fault_text, parse
 from railhil.faults.model import CONTINUING, COUNT, NAME, Draw, Expect, Fault, Parameter, Place, Trigger, Value, Word
 from railhil.faults.tables import fault_of
 from railhil.faults.words import PLACES, WORDS
-from railhil.scenarios.fault_list import drawn
+from railhil.scenarios.fault_list import draw_values
 
 
 def refused(text: str) -> str:
@@ -226,7 +226,7 @@ def test_every_fault_has_a_text_that_is_read_back(fault: Fault) -> None:
 @given(faults(), st.integers(0, 9))
 def test_what_was_drawn_is_a_fault_that_can_be_pasted(fault: Fault, seed: int) -> None:
     """Counts are whole, and nothing is beyond its bounds."""
-    found = drawn(fault, 1, seed)
+    found = draw_values(fault, 1, seed)
     assert parse(fault_text(found)) == found
 
 

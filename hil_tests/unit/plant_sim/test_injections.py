@@ -16,7 +16,7 @@ from railhil.plant_sim.faults import plants
 from railhil.plant_sim.faults.injections import Injections, MotionEvents
 from railhil.plant_sim.faults.mismatch import Mismatch
 from railhil.plant_sim.faults.plants import FMU_PART, constant_mismatches, in_plant, make_plant, needs_nodes
-from railhil.scenarios.fault_list import drawn
+from railhil.scenarios.fault_list import draw_values
 from railhil.scenarios.load import load_any
 from railhil.scenarios.plant_fmu import PlantFmu
 from railhil.scenarios.run_spec import RunSpec
@@ -203,7 +203,7 @@ def test_faults_without_nodes() -> None:
     assert 1.0 <= first.grade_permil <= 5.0
     assert first.grade_permil != second.grade_permil
     # Drawn as the second fault of its run.
-    assert first == Mismatch.of([parse(heavy), drawn(parse(up), 2, 3)])
+    assert first == Mismatch.of([parse(heavy), draw_values(parse(up), 2, 3)])
     with pytest.raises(InputError, match="mass, gradient or resistance from the start to the end") as raised:
         constant_mismatches(replace(SCENARIO, faults=(heavy, "bus off @0s")), (3,))
     assert f"{heavy}; bus off @0s" in str(raised.value)

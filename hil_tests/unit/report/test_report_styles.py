@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from railhil.cli.run import law_names
-from railhil.common.law_order import LAW_ORDER, in_order
+from railhil.common.law_order import LAW_ORDER, sort_laws
 from railhil.report.styles import Style, styles
 from railhil.systems.ato.scenario.model import Scenario
 
@@ -33,5 +33,5 @@ def test_runs_differ_also_in_grey() -> None:
 
 def test_laws_stand_in_the_order_of_the_published_table(lvshun: Scenario) -> None:
     assert [row.controller for row in lvshun.published] == list(LAW_ORDER[:5])
-    assert in_order(["zeta", "ipfc_plus", "tdmc", "alpha", "ipfc"]) == ["ipfc", "tdmc", "ipfc_plus", "alpha", "zeta"]
-    assert law_names() == in_order(law_names())
+    assert sort_laws(["zeta", "ipfc_plus", "tdmc", "alpha", "ipfc"]) == ["ipfc", "tdmc", "ipfc_plus", "alpha", "zeta"]
+    assert law_names() == sort_laws(law_names())

@@ -22,13 +22,13 @@ from railhil.plant_sim.forces import EffortLimit
 _NOTICED_N = 1.0
 
 
-def shared(limit: EffortLimit, share: float) -> EffortLimit:
+def share_limit(limit: EffortLimit, share: float) -> EffortLimit:
     """A share of a force limit at every speed."""
     curve_n = tuple(force_n * share for force_n in limit.curve_n)
     return EffortLimit(limit.force_max_n * share, limit.power_max_w * share, limit.curve_mps, curve_n)
 
 
-def capped(limit: EffortLimit, force_n: float) -> EffortLimit:
+def cap_limit(limit: EffortLimit, force_n: float) -> EffortLimit:
     """A force limit, and never more than ``force_n``."""
     return limit._replace(force_max_n=min(limit.force_max_n, max(0.0, force_n)))
 

@@ -24,7 +24,7 @@ from typing import NamedTuple
 
 from railhil.plant_sim.ato import dynamics
 from railhil.plant_sim.ato.dynamics import Lag, Motion, Window
-from railhil.plant_sim.ato.faults.drive import Side, capped, shared
+from railhil.plant_sim.ato.faults.drive import Side, cap_limit, share_limit
 from railhil.plant_sim.ato.plant import NOTCH_LSB_PER_NOTCH
 from railhil.plant_sim.ato.train_checks import OwnChecks
 from railhil.plant_sim.faults.injections import Injections
@@ -159,7 +159,7 @@ class FaultyForces:
         self.runaway_n, self.demanded_n = 0.0, window.brake_min_n
         pull, push = self.traction.state, self.brake.state
         if not demand.emergency and (pull.share != 1.0 or push.share != 1.0):
-            traction, brake = shared(constants.traction, pull.share), shared(constants.brake, push.share)
+            traction, brake = share_limit(constants.traction, pull.share), share_limit(constants.brake, push.share)
             constants = constants._replace(traction=traction, brake=brake)
         # At EMERGENCY the main breaker opens, and the brake no longer depends on its actuator.
         for side, state, acts in (
@@ -177,9 +177,9 @@ class FaultyForces:
                 extra_n += instead_n if side is self.traction else -instead_n
             side.note(self._injections, acts, demand.code, self._commanded_n(side, demand, window), instead_n)
         if pull.instead is not None:
-            constants = constants._replace(traction=capped(constants.traction, 0.0))
+            constants = constants._replace(traction=cap_limit(constants.traction, 0.0))
         if push.instead is not None and not demand.emergency:
-            constants = constants._replace(brake=capped(constants.brake, 0.0))
+            constants = constants._replace(brake=cap_limit(constants.brake, 0.0))
         if push.share != 1.0 and not demand.emergency:
             window = window._replace(brake_min_n=window.brake_min_n * push.share)
         self._uncarried = Allowed(constants, window, extra_n)
@@ -190,12 +190,13 @@ class FaultyForces:
         carried_n = self._carried_n
         if carried_n < inf and self.axle.slip_mps != 0.0:
             extra_n = copysign(carried_n, self.axle.slip_mps)
-            constants = constants._replace(traction=capped(constants.traction, 0.0), brake=capped(constants.brake, 0.0))
+            traction, brake = cap_limit(constants.traction, 0.0), cap_limit(constants.brake, 0.0)
+            constants = constants._replace(traction=traction, brake=brake)
         elif carried_n < inf:
             extra_n = min(max(extra_n, -carried_n), carried_n)
             constants = constants._replace(
-                traction=capped(constants.traction, carried_n - extra_n),
-                brake=capped(constants.brake, carried_n + extra_n),
+                traction=cap_limit(constants.traction, carried_n - extra_n),
+                brake=cap_limit(constants.brake, carried_n + extra_n),
             )
         if extra_n != 0.0:
             constants = constants._replace(resistance_a_n=constants.resistance_a_n - extra_n)

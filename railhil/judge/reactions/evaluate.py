@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
-from railhil.common.digits import beside
+from railhil.common.digits import text_beside_limit
 from railhil.faults.model import WATCH_LEVELS
 from railhil.judge.events.event import LEVEL, MISSED_POLL, REFUSED, RecordedEvent
 from railhil.judge.reactions.catalogue import Entry
@@ -148,7 +148,7 @@ def evaluated(entry: Entry, seen: Seen) -> Row:
     )
     margin_ms = row.margin_ms
     if margin_ms is not None and entry.within_ms is not None and margin_ms < -1e-6:
-        took = beside(entry.within_ms - margin_ms, entry.within_ms, 0)
+        took = text_beside_limit(entry.within_ms - margin_ms, entry.within_ms, 0)
         failures.append(f"{entry.reaction} after {took} ms, allowed {entry.within_ms} ms")
     failures += _ending(entry, seen, levels)
     return row

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from railhil.common.digits import beside
+from railhil.common.digits import text_beside_limit
 from railhil.common.law_order import LAW_ORDER
 from railhil.judge.counters import unchecked, unreconciled
 from railhil.judge.criteria import ATO_CRITERIA, OVERSPEED, STOP_ERROR, STOP_WITHIN_M, TIME_ERROR
@@ -65,7 +65,7 @@ def checks(scenario: Scenario, found: Score) -> list[tuple[str, str]]:
     stood = any(stop.standstill is not None for stop in found.stops)
     return [
         ("stops", "" if stood else "did not stop"),
-        ("overspeed", f"{beside(over_mps, 0, 3)} m/s" if over_mps > 0 else ""),
+        ("overspeed", f"{text_beside_limit(over_mps, 0, 3)} m/s" if over_mps > 0 else ""),
         ("no_emergency_brake", next((text for text in found.failures if "emergency" in text), "")),
         ("no_wrap", next((text for text in found.failures if text.startswith(WRAP_FAILURE)), "")),
     ]

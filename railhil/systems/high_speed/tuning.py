@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
-from railhil.common.exit_codes import guarded
+from railhil.common.exit_codes import run_guarded
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.vector.controller import VectorLoop
 from railhil.plant_sim.high_speed.train import HighSpeedTrain, Wayside
@@ -147,4 +147,4 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(guarded("railhil.systems.high_speed.tuning", main))
+    sys.exit(run_guarded("railhil.systems.high_speed.tuning", main))

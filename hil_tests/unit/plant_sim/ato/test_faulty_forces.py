@@ -11,7 +11,7 @@ from hil_tests.support.plant_faults import SCENARIO, fault
 from railhil.faults.model import Fault
 from railhil.plant_sim.ato import dynamics
 from railhil.plant_sim.ato.dynamics import Motion, Window
-from railhil.plant_sim.ato.faults.drive import capped, shared
+from railhil.plant_sim.ato.faults.drive import cap_limit, share_limit
 from railhil.plant_sim.ato.faults.forces import Allowed, Demand, FaultyForces, FeltChecks
 from railhil.plant_sim.faults.injections import Injections
 from railhil.plant_sim.force_tables import train_constants
@@ -72,7 +72,7 @@ def test_without_faults_the_forces_are_those_of_the_train() -> None:
 def test_weak_sides_have_shares_of_their_limits() -> None:
     found = Forces(weak(PULL, 0.5), weak(PUSH, 0.25))
     window = Window(True, 100.0)
-    wanted = HEALTHY._replace(traction=shared(HEALTHY.traction, 0.5), brake=shared(HEALTHY.brake, 0.25))
+    wanted = HEALTHY._replace(traction=share_limit(HEALTHY.traction, 0.5), brake=share_limit(HEALTHY.brake, 0.25))
     # The service brake of the watch is weak, too; what it demanded is remembered.
     assert found.allowed(window=window) == Allowed(wanted, Window(True, 25.0), 0.0)
     assert found.forces.demanded_n == 100.0
@@ -89,8 +89,8 @@ def test_weak_sides_have_shares_of_their_limits() -> None:
 def test_strong_sides_have_more() -> None:
     for factor in (1.5, 1.01):
         pull, push = (fault(where, "scale", 0.0, {"factor": factor}) for where in (PULL, PUSH))
-        assert Forces(pull).allowed().constants == HEALTHY._replace(traction=shared(HEALTHY.traction, factor))
-        wanted = HEALTHY._replace(brake=shared(HEALTHY.brake, factor))
+        assert Forces(pull).allowed().constants == HEALTHY._replace(traction=share_limit(HEALTHY.traction, factor))
+        wanted = HEALTHY._replace(brake=share_limit(HEALTHY.brake, factor))
         assert Forces(push).allowed(window=Window(True, 100.0)) == Allowed(wanted, Window(True, 100.0 * factor), 0.0)
 
 
@@ -153,7 +153,7 @@ def test_traction_that_nobody_commands() -> None:
         extra = found.allowed(speed=speed)
         assert extra.extra_n == found.forces.runaway_n == force_n
         assert extra.constants == HEALTHY._replace(
-            traction=capped(HEALTHY.traction, 0.0), resistance_a_n=HEALTHY.resistance_a_n - force_n
+            traction=cap_limit(HEALTHY.traction, 0.0), resistance_a_n=HEALTHY.resistance_a_n - force_n
         )
     assert found.forces.acting(300) == 0
     assert found.said() == [(1, "0 N", "500 N")]
@@ -161,7 +161,7 @@ def test_traction_that_nobody_commands() -> None:
     for given in ({"powered": False}, {"emergency": True}):
         none = found.allowed(**given)  # type: ignore[arg-type]
         assert (none.extra_n, found.forces.runaway_n) == (0.0, 0.0)
-        assert none.constants == HEALTHY._replace(traction=capped(HEALTHY.traction, 0.0))
+        assert none.constants == HEALTHY._replace(traction=cap_limit(HEALTHY.traction, 0.0))
     stuck = Forces(fault(PULL, "stuck", 0.1))
     stuck.next(Motion(0.0, 10.0, 120.0, 0.0), 120.0)
     assert stuck.allowed().extra_n == 120.0
@@ -174,7 +174,7 @@ def test_a_brake_that_drags() -> None:
     assert extra.extra_n == -400.0
     assert found.forces.runaway_n == 0.0
     assert extra.constants == HEALTHY._replace(
-        brake=capped(HEALTHY.brake, 0.0), resistance_a_n=HEALTHY.resistance_a_n + 400.0
+        brake=cap_limit(HEALTHY.brake, 0.0), resistance_a_n=HEALTHY.resistance_a_n + 400.0
     )
     # Without power as well, but not at EMERGENCY, where the whole brake acts.
     assert found.allowed(powered=False).extra_n == -800.0
@@ -216,20 +216,20 @@ def slippery(*faults: Fault, coefficient: float = 0.02) -> Forces:
 def test_a_rail_carries_so_much() -> None:
     found = slippery()
     assert found.allowed() == Allowed(
-        HEALTHY._replace(traction=capped(HEALTHY.traction, 200.0), brake=capped(HEALTHY.brake, 200.0)), FREE, 0.0
+        HEALTHY._replace(traction=cap_limit(HEALTHY.traction, 200.0), brake=cap_limit(HEALTHY.brake, 200.0)), FREE, 0.0
     )
     # What nobody commands needs its share of it.
     found = slippery(fault(PULL, "stuck", 0.1))
     found.next(Motion(0.0, 10.0, 50.0, 0.0), 50.0)
     extra = found.allowed()
     assert extra.extra_n == 50.0
-    assert extra.constants.brake == capped(HEALTHY.brake, 250.0)
+    assert extra.constants.brake == cap_limit(HEALTHY.brake, 250.0)
     assert extra.constants.resistance_a_n == HEALTHY.resistance_a_n - 50.0
     assert slippery(fault(PULL, "full")).allowed().extra_n == 200.0
     assert slippery(fault(PUSH, "full")).allowed().extra_n == -200.0
     drags = slippery(fault(PUSH, "stuck", 0.1))
     drags.next(Motion(0.0, 10.0, -50.0, 0.0), -50.0)
-    assert drags.allowed().constants.traction == capped(HEALTHY.traction, 250.0)
+    assert drags.allowed().constants.traction == cap_limit(HEALTHY.traction, 250.0)
     # Of two the worse one.
     other = fault("train.adhesion", "low", 0.0, {"coefficient": 0.01})
     assert slippery(other).allowed().constants.brake.force_max_n == 100.0

@@ -13,7 +13,7 @@ from hil_tests.support.plant_faults import SCENARIO, fault, made, said
 from railhil.faults.activity import Activity
 from railhil.faults.actuators import SideState
 from railhil.faults.model import Fault, Trigger
-from railhil.plant_sim.ato.faults.drive import Side, capped, shared
+from railhil.plant_sim.ato.faults.drive import Side, cap_limit, share_limit
 from railhil.plant_sim.ato.faults.equipment import FaultyEquipment
 from railhil.plant_sim.ato.faults.forces import AxleSlip
 from railhil.plant_sim.ato.status import TrainStatus
@@ -159,8 +159,8 @@ LIMIT = EffortLimit(100.0, 500.0, (1.0, 2.0), (30.0, 20.0))
 
 
 def test_limits_that_are_shared_or_capped() -> None:
-    assert shared(LIMIT, 0.5) == EffortLimit(50.0, 250.0, (1.0, 2.0), (15.0, 10.0))
-    assert [capped(LIMIT, force_n) for force_n in (40.0, 100.0, 400.0, 0.0, -5.0)] == [
+    assert share_limit(LIMIT, 0.5) == EffortLimit(50.0, 250.0, (1.0, 2.0), (15.0, 10.0))
+    assert [cap_limit(LIMIT, force_n) for force_n in (40.0, 100.0, 400.0, 0.0, -5.0)] == [
         LIMIT._replace(force_max_n=force_n) for force_n in (40.0, 100.0, 100.0, 0.0, 0.0)
     ]
 

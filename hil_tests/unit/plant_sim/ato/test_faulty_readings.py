@@ -13,7 +13,7 @@ from railhil.faults.model import Draw, Fault
 from railhil.faults.sensors import Reading
 from railhil.plant_sim.faults.injections import Injections
 from railhil.plant_sim.faults.readings import FaultySensor, quantity_of
-from railhil.scenarios.fault_list import drawn
+from railhil.scenarios.fault_list import draw_values
 from railhil.wire.ato import SpeedSdt, TrnPos, TrnSpeed
 
 TICK_NS = 10_000_000
@@ -23,7 +23,7 @@ FULL = -(2**23), 2**23 - 1
 
 def readings(*faults: Fault, raw: list[int], seed: int = 0) -> list[Reading]:
     """What a speed sensor with faults makes of raw readings at ticks 0, 1, 2, ..."""
-    injections = Injections([(n, drawn(one, n, seed)) for n, one in enumerate(faults, 1)], seed, TICK_NS)
+    injections = Injections([(n, draw_values(one, n, seed)) for n, one in enumerate(faults, 1)], seed, TICK_NS)
     sensor = FaultySensor(injections, SPEED, 0.01, "speed")
     found = []
     for tick, value in enumerate(raw):

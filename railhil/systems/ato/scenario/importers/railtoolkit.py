@@ -26,7 +26,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, Strict
 
 from railhil.common.errors import InputError, Words
-from railhil.common.extras import missing
+from railhil.common.extras import missing_library
 from railhil.common.user_files import given_text
 from railhil.scenarios.validation import Keys, validated
 from railhil.systems.ato.scenario.importers.section import Stop, StopLine
@@ -221,7 +221,7 @@ def _read(file: str | Path, kind: str) -> dict[str, Any]:
     try:
         import yaml
     except ImportError as error:
-        raise missing(str(file), error, "railtoolkit") from None
+        raise missing_library(str(file), error, "railtoolkit") from None
     try:
         data = yaml.safe_load(given_text(Path(file)))
     except OSError as error:
