@@ -7,6 +7,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 from hil_tests.support.paths import ROOT, make_tree
 
 PACKAGES = (
@@ -43,6 +45,7 @@ def test_no_module_is_longer_than_one_sitting() -> None:
     assert {name: length for name, length in lengths.items() if length > 400} == {}
 
 
+@pytest.mark.slow
 def test_no_exception_is_swallowed_in_silence() -> None:
     silent = []
     for path in MODULES:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pytest
 from hypothesis import find, given, settings
 
 from railhil.faults.language import parse
@@ -20,6 +21,7 @@ def test_a_run_can_inject_them(found: tuple[str, ...]) -> None:
     check_faults(scenario, ["local"], "lockstep")
 
 
+@pytest.mark.slow
 def test_they_shrink_to_fewer_shorter_and_later_ones() -> None:
     end_s = load("yizhuang_05").planned_s
     (simplest,) = find(SHORT, lambda found: True)
