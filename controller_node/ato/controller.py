@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar, Final
 
@@ -68,8 +69,8 @@ class Controller(LawController):
     """Controller of one train; ``law`` None: the default law."""
 
     loop: ClassVar[type[Any]] = ControlLoop
-    commands = _COMMANDS
-    wire = WIRE
+    commands: tuple[CommandCode, ...] = _COMMANDS
+    wire: Mapping[str, Interval] = WIRE
 
     def __init__(
         self,
@@ -136,8 +137,8 @@ class BatchController(LawController):
     """
 
     loop: ClassVar[type[Any]] = ControlLoop
-    commands = _COMMANDS
-    wire = WIRE
+    commands: tuple[CommandCode, ...] = _COMMANDS
+    wire: Mapping[str, Interval] = WIRE
 
     def __init__(
         self,
