@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from railhil.judge.criteria import OVERSPEED, limited, scores
+from railhil.judge.criteria import ATO_CRITERIA, OVERSPEED, limited, scores
 from railhil.judge.score import Score
 
 
@@ -25,10 +25,10 @@ def made_score(
         "stop_error_m": stop_error_m,
         "comfort": comfort,
     }
-    return Score(verdict, *scores(measured), failures, "ended_complete", {OVERSPEED.key: 0.0})
+    return Score(verdict, *scores(measured, ATO_CRITERIA), failures, "ended_complete", {OVERSPEED.key: 0.0})
 
 
 def with_values(score: Score, **changes: float | None) -> Score:
     """The score with other values; a signed value is changed together with its signed form."""
-    signed = {one.signed: changes[one.key] for one in limited() if one.signed and one.key in changes}
+    signed = {one.signed: changes[one.key] for one in limited(ATO_CRITERIA) if one.signed and one.key in changes}
     return replace(score, values={**score.values, **changes}, signed={**score.signed, **signed})

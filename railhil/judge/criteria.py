@@ -168,7 +168,7 @@ ATO_CRITERIA = (
 )
 
 
-def limited(criteria: Sequence[Criterion] = ATO_CRITERIA, scenario: Any = None) -> list[Criterion]:
+def limited(criteria: Sequence[Criterion], scenario: Any = None) -> list[Criterion]:
     """The criteria with a limit, in the order in which limits are listed.
 
     :param scenario: only those that apply to it; None: all.
@@ -184,13 +184,13 @@ def limit_key(criterion: Criterion) -> str:
     return criterion.signed or criterion.key
 
 
-def with_sign(criteria: Sequence[Criterion] = ATO_CRITERIA) -> dict[str, Criterion]:
+def with_sign(criteria: Sequence[Criterion]) -> dict[str, Criterion]:
     """The criteria that have a sign, by the key of the signed value."""
     return {criterion.signed: criterion for criterion in criteria if criterion.signed is not None}
 
 
 def scores(
-    measured: Mapping[str, float | None], criteria: Sequence[Criterion] = ATO_CRITERIA
+    measured: Mapping[str, float | None], criteria: Sequence[Criterion]
 ) -> tuple[dict[str, float | None], dict[str, float | None]]:
     """Scores by key, and the signed values by their keys, from the measurements (by key, with sign)."""
     values: dict[str, float | None] = {}
@@ -203,7 +203,7 @@ def scores(
     return values, signed
 
 
-def unscored(criteria: Sequence[Criterion] = ATO_CRITERIA) -> tuple[dict[str, float | None], dict[str, float | None]]:
+def unscored(criteria: Sequence[Criterion]) -> tuple[dict[str, float | None], dict[str, float | None]]:
     """As :func:`scores`, for a record without a complete run."""
     return scores(dict.fromkeys(criterion.key for criterion in criteria), criteria)
 

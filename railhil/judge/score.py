@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from railhil.faults.model import Fault
 
 #: Criteria with a limit, in the order of their failures.
-_LIMITED = tuple(limited())
+_LIMITED = tuple(limited(ATO_CRITERIA))
 #: Where the controller of ``ato`` reports on its arithmetic; the notes are defined by the law.
 STATUS = Status(CtlStat.PORT, "OverflowFlags")
 
@@ -125,7 +125,7 @@ def judged(scenario: Scenario, run: Measured) -> Score:
     if run.wrap:
         failures.append(run.wrap)
     failures += run.broken
-    values, signed = scores(run.values)
+    values, signed = scores(run.values, ATO_CRITERIA)
     return Score(
         verdict="FAIL" if failures else "PASS",
         values=values,
@@ -139,7 +139,7 @@ def judged(scenario: Scenario, run: Measured) -> Score:
 
 def _unscored(reason: str, ended: str) -> Score:
     """The score of a record that does not show a complete run."""
-    return Score("INVALID", *unscored(), (reason,), ended, {OVERSPEED.key: 0.0})
+    return Score("INVALID", *unscored(ATO_CRITERIA), (reason,), ended, {OVERSPEED.key: 0.0})
 
 
 def _silences_controller(fault: Fault) -> bool:

@@ -5,7 +5,7 @@
 ``task.py``      keys of its scenario files
 ``judge.py``     criteria, columns, texts of the report
 ``panels.py``    figures of the report
-``batch.py``     many runs at once; with ``kernel.py``, its compiled loops
+``batch.py``     many runs at once; with ``kernel.py``, its compiled loops; in ``ato``, which has more, folders
 ===============  ======================================================================
 
 Its plant and its laws lie in the folders of the same name in :mod:`railhil.plant_sim` and

@@ -75,7 +75,7 @@ def worse(found: Evaluation, scale: Scale) -> list[str]:
     said = [f"objective {before:.3f} -> {after:.3f}"] if after > before else []
     passes = [int(result.passed.sum()) for result in (found.default, found.tuned)]
     said += [f"PASS {passes[0]} -> {passes[1]}"] if passes[1] < passes[0] else []
-    for criterion in limited():
+    for criterion in limited(ATO_CRITERIA):
         own, tuned = (np.array(quantiles(result, criterion)[:1]) for result in (found.default, found.tuned))
         grown = criterion.badness(tuned) > criterion.badness(own)
         if (grown & ~criterion.inside(found.case.scenario, tuned)).any():

@@ -47,7 +47,11 @@ class Scale:
     def of(cls, scenario: Scenario, reference: Sequence[Score]) -> Scale:
         """Limits of the scenario, and medians of the reference law's runs."""
         return cls(
-            {limit_key(criterion): criterion.limit.of(scenario) for criterion in limited() if criterion.limit},
+            {
+                limit_key(criterion): criterion.limit.of(scenario)
+                for criterion in limited(ATO_CRITERIA)
+                if criterion.limit
+            },
             {
                 criterion.key: median(float(score.values[criterion.key] or 0.0) for score in reference)
                 for criterion in _UNLIMITED
@@ -70,7 +74,7 @@ def run_cost(scale: Scale, score: Score) -> float:
         if value is None:
             raise ValueError(f"a run without scores: {', '.join(score.failures)}")
         cost += _share(criterion, value, scale.medians[criterion.key])
-    values = [(criterion, score.values[criterion.key]) for criterion in limited()]
+    values = [(criterion, score.values[criterion.key]) for criterion in limited(ATO_CRITERIA)]
     if any(value is None for _, value in values):
         cost += len(values) * TERM_MAX
     else:

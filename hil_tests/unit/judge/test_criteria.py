@@ -35,8 +35,8 @@ def test_documented_keys() -> None:
     assert [criterion.key for criterion in ATO_CRITERIA] == [
         "itae", "energy_kj", "punctuality_s", "stop_error_m", "comfort",
     ]  # fmt: skip
-    assert list(with_sign()) == ["time_error_s", "stop_error_m"]
-    assert limited() == [STOP_ERROR, TIME_ERROR]
+    assert list(with_sign(ATO_CRITERIA)) == ["time_error_s", "stop_error_m"]
+    assert limited(ATO_CRITERIA) == [STOP_ERROR, TIME_ERROR]
     assert [criterion.heading for criterion in ATO_CRITERIA] == [
         "ITAE\nkm/h s2", "energy\nkJ", "time\nerror s", "stop\nerror m", "comfort\nm/s2/km",
     ]  # fmt: skip
@@ -49,7 +49,7 @@ def test_documented_keys() -> None:
         (3, None, 4, None, None, "comfort", "comfort"),
     ]
     assert STOP_WITHIN_M == (0.1, 0.2, 0.3)
-    assert [criterion.limit.place for criterion in limited() if criterion.limit is not None] == [0, 1]
+    assert [criterion.limit.place for criterion in limited(ATO_CRITERIA) if criterion.limit is not None] == [0, 1]
     assert [limit_key(criterion) for criterion in (STOP_ERROR, HEADROOM)] == ["stop_error_m", "headroom_m"]
     assert limit_key(TIME_ERROR) == "time_error_s"
     assert [criterion.unit_typeset for criterion in ATO_CRITERIA] == ["km/h s²", "kJ", "s", "m", "m/s²/km"]
@@ -60,8 +60,8 @@ def test_no_other_module_knows_a_score_by_its_name() -> None:
     # The batch measures in its compiled loop; the schema says what a published row may hold; a paper names its own.
     known = {
         "judge/criteria.py",
-        "batch/engine.py",
-        "scenarios/schema.py",
+        "systems/ato/batch/engine.py",
+        "systems/ato/scenario/schema.py",
         "scenarios/keys.py",
         "reproduce/ipfc/findings.py",
     }

@@ -12,8 +12,8 @@ from railhil.faults.model import WATCH_LEVELS
 from railhil.judge.events.event import LEVEL, REFUSED, RecordedEvent
 from railhil.judge.reactions.catalogue import CATALOGUE, Entry, catalogue
 from railhil.judge.reactions.evaluate import Row, Seen, evaluated
-from railhil.systems.high_speed.reactions import CATALOGUE as HIGH_SPEED
-from railhil.systems.stop.reactions import CATALOGUE as STOPPING
+from railhil.systems.high_speed import CATALOGUE as HIGH_SPEED
+from railhil.systems.stop import CATALOGUE as STOPPING
 
 CATALOGUES = (CATALOGUE, HIGH_SPEED, STOPPING)
 ENTRY: dict[str, Any] = {

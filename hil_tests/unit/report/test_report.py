@@ -24,7 +24,7 @@ from railhil.report.recorded import RecordedRun, curves, told_apart
 from railhil.report.styles import Style
 from railhil.report.tables import rows
 from railhil.systems.ato import panels as ato_panels
-from railhil.systems.ato.judging import JUDGING, stopped_within
+from railhil.systems.ato.judge import JUDGING, stopped_within
 from railhil.systems.ato.panels import Drawn
 from railhil.systems.ato.scenario.model import Scenario
 from railhil.wire.ato import CtlStat, NotchCmd

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from railhil.faults.truth import Truth
 from railhil.scenarios.system import System
 
+#: Its faults, and what each must lead to.
+CATALOGUE = Path(__file__).with_name("catalogue.toml")
 #: Milestones of both systems.
 EVENTS = {"emergency_called": 32, "arrived": 33}
 
@@ -32,7 +36,7 @@ def _system(name: str, title: str, task: str, units: tuple[str, ...]) -> System:
         law="pid",
         # Most of its laws have no formats for fixed point.
         arithmetic="float64",
-        judging=f"railhil.systems.high_speed.judging:{constant}",
+        judging=f"railhil.systems.high_speed.judge:{constant}",
         pictures="railhil.systems.high_speed.panels:pictures",
         events=EVENTS,
         task=f"railhil.systems.high_speed.task:{task}",
@@ -42,8 +46,8 @@ def _system(name: str, title: str, task: str, units: tuple[str, ...]) -> System:
         one_by_one="railhil.systems.high_speed.batch:one_by_one",
         kernel="railhil.systems.high_speed.kernel",
         digest="railhil.batch.coupled:command_digest",
-        audit_limits="railhil.systems.high_speed.judging:AUDIT_LIMITS",
-        catalogue="railhil.systems.high_speed.reactions:CATALOGUE",
+        audit_limits="railhil.systems.high_speed.judge:AUDIT_LIMITS",
+        catalogue="railhil.systems.high_speed:CATALOGUE",
         faulty_plant="railhil.plant_sim.high_speed.faults:FaultyHighSpeedPlant",
         fmu_plant="railhil.plant_sim.high_speed.fmu:FmuHighSpeedPlant",
         truth=Truth("TRUTH", position="TruePos", speed="TrueSpeed", acceleration="TrueAccel", beside=("MUTATION",)),

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from railhil.faults.truth import Truth
 from railhil.scenarios.system import System
 
+#: Its faults, and what each must lead to.
+CATALOGUE = Path(__file__).with_name("catalogue.toml")
 #: Milestones of the system.
 EVENTS = {"slide_begun": 32}
 
@@ -31,7 +35,7 @@ STOP = System(
     laws="railhil.laws_stop",
     law="ilc_stop",
     arithmetic="float64",
-    judging="railhil.systems.stop.judging:STOP",
+    judging="railhil.systems.stop.judge:STOP",
     pictures="railhil.systems.stop.panels:pictures",
     events=EVENTS,
     numbered=True,
@@ -44,7 +48,7 @@ STOP = System(
     sequence_batch="railhil.systems.stop.batch:run_together",
     kernel="railhil.systems.stop.kernel",
     digest="railhil.batch.coupled:command_digest",
-    catalogue="railhil.systems.stop.reactions:CATALOGUE",
+    catalogue="railhil.systems.stop:CATALOGUE",
     faulty_plant="railhil.plant_sim.stop.faults:FaultyStopPlant",
     fmu_plant="railhil.plant_sim.stop.fmu:FmuStopPlant",
     truth=Truth("TRUTH", position="TruePos", speed="TrueSpeed", acceleration="TrueAccel", beside=("TRUE_DATA",)),

@@ -16,7 +16,7 @@ from railhil.judge.criteria import limited
 from railhil.judge.judging import judging_of
 from railhil.scenarios.load import load_any
 from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.systems.high_speed import judging, panels
+from railhil.systems.high_speed import judge, panels
 from railhil.systems.high_speed.ride import Ride, milestone
 
 SPEC = RunSpec(law=LawSpec("pid", arithmetic="float64"))
@@ -77,21 +77,21 @@ def test_energy_is_the_work_of_the_traction(run: Result, scenario: Any) -> None:
 
 def test_limits_and_units_that_act_alone_fail(run: Result, scenario: Any) -> None:
     strict = load_any("jinan_xuzhou_emu3_emergency", [*SETTINGS[:2], "task.rmse_max_kmh=0.001"])
-    failures = judging.score(strict, run.trace).failures
+    failures = judge.score(strict, run.trace).failures
     assert len(failures) == 1
     assert failures[0].startswith("RMSE ")
-    short = judging.score(
+    short = judge.score(
         load_any("jinan_xuzhou_emu3_emergency", [*SETTINGS, "task.emergency_stop_max_m=1000"]), run.trace
     )
     assert short.failures[0].startswith("emergency stop ")
-    assert [one.name for one in limited(judging.EMU3.criteria, scenario)] == ["RMSE", "emergency_stop"]
+    assert [one.name for one in limited(judge.EMU3.criteria, scenario)] == ["RMSE", "emergency_stop"]
     short_run = load_any("hst_short")
-    assert [one.key for one in judging.HST1.criteria if not one.applies(short_run)] == [
+    assert [one.key for one in judge.HST1.criteria if not one.applies(short_run)] == [
         "arrival_m",
         "emergency_rmse_kmh",
         "emergency_stop_m",
     ]
-    assert all(one.applies(load_any("jinan_xuzhou")) for one in judging.HST1.criteria if "arrival" in one.key)
+    assert all(one.applies(load_any("jinan_xuzhou")) for one in judge.HST1.criteria if "arrival" in one.key)
     early = coupled_run(load_any("jinan_xuzhou_emu3_emergency", [*SETTINGS, "task.duration_s=90"]), proportional, SPEC)
     assert early.score.failures == ("no emergency stop, allowed at most 4500 m",)
 
