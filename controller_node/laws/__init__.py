@@ -6,7 +6,7 @@ from typing import Any
 
 from railhil.common.errors import InputError, Words, did_you_mean
 from railhil.common.law_order import sort_laws
-from railhil.common.plug_ins import entries, guard_plug_in
+from railhil.common.plug_ins import cause_of, entries, guard_plug_in
 from railhil.controller_node.laws.base import Law
 from railhil.controller_node.laws.note import slots
 
@@ -46,7 +46,7 @@ def find(name: str, group: str, base: type[Any] = object) -> Any:
             law = found[name].load()
     except Exception as error:
         # Plug-in code may raise anything.
-        cause = f"{type(error).__name__}: {error}"
+        cause = cause_of(error)
         raise InputError("controller", name, found[name].value, "an entry point that can be imported", cause) from error
     if not (isinstance(law, type) and issubclass(law, base)):
         allowed = f"an entry point in {group} naming a subclass of {base.__name__}"

@@ -9,6 +9,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from functools import cache
 from importlib.util import find_spec
+from pathlib import Path
 from typing import Any
 
 from railhil.common.exit_codes import Signalled
@@ -48,6 +49,24 @@ def guard_plug_in() -> Iterator[None]:
         raise EndsInterpreter(
             f"it ends the interpreter, sys.exit({'' if end.code is None else repr(end.code)})"
         ) from end
+
+
+def cause_of(error: Exception) -> str:
+    """What an exception of code that plugs in says; of an import of a module of railhil that has moved, also where it
+    is now."""
+    said = f"{type(error).__name__}: {error}"
+    name = error.name if isinstance(error, ModuleNotFoundError) else None
+    if name is None or name.count(".") < 2 or name.partition(".")[0] != __name__.partition(".")[0]:
+        return said
+    room, last = ".".join(name.split(".")[:2]), name.rpartition(".")[2]
+    package = find_spec(room)
+    folders = package.submodule_search_locations if package is not None else None
+    found = {
+        ".".join((room, *path.relative_to(folder).with_suffix("").parts))
+        for folder in folders or ()
+        for path in Path(folder).rglob(f"{last}.py")
+    }
+    return f"{said}; now {' or '.join(sorted(found))}" if found else said
 
 
 def entries(group: str) -> Mapping[str, importlib.metadata.EntryPoint]:

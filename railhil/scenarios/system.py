@@ -16,7 +16,7 @@ from typing import Any
 from railhil.common.errors import InputError, Words, did_you_mean
 from railhil.common.held_code import OURS, held_sha256
 from railhil.common.law_order import sort_laws
-from railhil.common.plug_ins import entries, guard_plug_in
+from railhil.common.plug_ins import cause_of, entries, guard_plug_in
 from railhil.dbc import Contract, system_contract
 from railhil.faults.truth import Truth
 
@@ -124,7 +124,7 @@ class System:
                 return getattr(import_module(module), attribute)
         except Exception as error:
             # Plug-in code may raise anything.
-            cause = f"{type(error).__name__}: {error}"
+            cause = cause_of(error)
             raise InputError(f"system {self.name}", name, reference, "a part that can be imported", cause) from error
 
     def optional_part(self, name: str) -> Any:
@@ -212,7 +212,7 @@ def system_named(name: str, file: str | Path = "scenario") -> System:
         raise
     except Exception as error:
         # Plug-in code may raise anything.
-        cause = f"{type(error).__name__}: {error}"
+        cause = cause_of(error)
         raise InputError(file, "system", entry.value, "an entry point that can be imported", cause) from error
     if not isinstance(system, System) or system.name != name:
         raise InputError(file, "system", entry.value, f"an entry point in {GROUP} naming a System called {name}")

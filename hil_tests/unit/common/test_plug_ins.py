@@ -10,7 +10,7 @@ import pytest
 
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import Signalled
-from railhil.common.plug_ins import SHIPPED, EndsInterpreter, entries, guard_plug_in
+from railhil.common.plug_ins import SHIPPED, EndsInterpreter, cause_of, entries, guard_plug_in
 from railhil.library import run
 
 
@@ -56,3 +56,18 @@ def test_a_shipped_law_is_its_module(group: str) -> None:
     laws = {name: entry.load() for name, entry in entries(group).items() if entry.module.startswith(SHIPPED[group])}
     assert laws
     assert {name: law.name for name, law in laws.items()} == {name: name for name in laws}
+
+
+@pytest.mark.parametrize(
+    ("before", "said"),
+    [
+        ("railhil.controller_node.laws.pfc", "; now railhil.controller_node.ato.pfc"),
+        ("railhil.plant_sim.dynamics", "; now railhil.plant_sim.ato.dynamics or railhil.plant_sim.high_speed.dynamics"),
+        ("railhil.controller_node.nothing", "No module named 'railhil.controller_node.nothing'"),
+        ("nothing_of_ours", "No module named 'nothing_of_ours'"),
+    ],
+)
+def test_a_module_that_has_moved_is_named(before: str, said: str) -> None:
+    with pytest.raises(ModuleNotFoundError) as caught:
+        importlib.import_module(before)
+    assert cause_of(caught.value).endswith(said)
