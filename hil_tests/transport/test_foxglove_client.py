@@ -16,7 +16,7 @@ from hil_tests.support.paths import TEST_DATA
 
 websockets = pytest.importorskip("websockets", reason="MISSING CAPABILITY websockets")
 
-from railhil.cli.watched import Watched  # noqa: E402
+from railhil.cli.run_identity import RunIdentity  # noqa: E402
 from railhil.panel.foxglove import SUBPROTOCOLS, FoxgloveBridge  # noqa: E402
 from railhil.panel.live import LiveRun  # noqa: E402
 from railhil.panel.receiver import Receiver  # noqa: E402
@@ -52,7 +52,7 @@ def test_lichtblicks_client_reads_values_clock_and_service(client, tmp_path, sub
             return taken
 
     async def visited() -> dict[str, Any]:
-        live = LiveRun(Watched(run.scenario, "ipfc"), Receiver({}, lambda config, name: Slow()))
+        live = LiveRun(RunIdentity(run.scenario, "ipfc"), Receiver({}, lambda config, name: Slow()))
         live.execute = lambda command: ""  # type: ignore[method-assign]
         bridge = FoxgloveBridge(live, "right", 0)
         server = await bridge.listen()

@@ -19,7 +19,7 @@ from railhil.bus.frame import Frame
 from railhil.bus.link import Link, open_link
 from railhil.bus.link.opening import listen_only
 from railhil.bus.select import choose_bus
-from railhil.cli.watched import Watched, named_scenario
+from railhil.cli.run_identity import RunIdentity, named_scenario
 from railhil.common.digits import count_of
 from railhil.common.output import Output, table
 from railhil.live.bus_follower import Listener, Milestones
@@ -60,7 +60,7 @@ def work(namespace: argparse.Namespace) -> int:
     :raises InputError: no such scenario, law, or interface.
     :raises BusUnavailable: the bus cannot be opened.
     """
-    watched = Watched(named_scenario(namespace.scenario, namespace.set, namespace.fault), namespace.controller)
+    watched = RunIdentity(named_scenario(namespace.scenario, namespace.set, namespace.fault), namespace.controller)
     choice = choose_bus(named_bus(namespace))
     console = Output()
     link = listening(choice.config)
@@ -122,7 +122,7 @@ class View:
     :param lines: lines are wanted, one per simulated second.
     """
 
-    def __init__(self, watched: Watched, lines: bool = False) -> None:
+    def __init__(self, watched: RunIdentity, lines: bool = False) -> None:
         self._watched = watched
         self._wants_lines = lines
         self._lines: list[str] = []

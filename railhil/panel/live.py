@@ -14,7 +14,7 @@ import numpy as np
 from railhil.bus.codes import Event
 from railhil.bus.frame import Frame
 from railhil.bus.telegrams import RunEvent
-from railhil.cli.watched import Watched
+from railhil.cli.run_identity import RunIdentity
 from railhil.dbc import house_contract
 from railhil.judge.judging import judging_of
 from railhil.live.bus_follower import Listener
@@ -124,7 +124,7 @@ class LiveRun:
     :param operator: the connection to the supervisor; None: there are no commands.
     """
 
-    def __init__(self, watched: Watched, receiver: Receiver, operator: Operator | None = None) -> None:
+    def __init__(self, watched: RunIdentity, receiver: Receiver, operator: Operator | None = None) -> None:
         self._watched = watched
         self._named = watched.scenario
         self._operator = operator

@@ -24,7 +24,7 @@ from websockets.typing import Subprotocol
 
 from railhil.bus.can_settings import named_bus
 from railhil.bus.select import arguments_from_config, choose_bus
-from railhil.cli.watched import Watched, named_scenario
+from railhil.cli.run_identity import RunIdentity, named_scenario
 from railhil.common.errors import InputError, Words
 from railhil.common.exit_codes import ending_signals
 from railhil.common.output import Output
@@ -259,7 +259,7 @@ def serve_panel(namespace: argparse.Namespace) -> int:
     named = named_scenario(next(iter(namespace.what), None), namespace.set, namespace.fault)
     operator = Operator(namespace.operator) if namespace.operator else None
     receiver = _make_receiver(named_bus(namespace), namespace.follow)
-    source = LiveRun(Watched(named, namespace.controller), receiver, operator)
+    source = LiveRun(RunIdentity(named, namespace.controller), receiver, operator)
     token = secrets.token_urlsafe(16) if operator else ""
     port = namespace.public_port if namespace.socket and namespace.public_port else namespace.port
     bridge: FoxgloveBridge | None = None

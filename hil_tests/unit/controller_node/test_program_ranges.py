@@ -250,12 +250,12 @@ def test_a_law_under_wild_inputs_stays_inside_its_bounds(indexing: str) -> None:
 def test_the_node_hands_no_position_beyond_the_bounds_to_the_law(odometer_mm: int) -> None:
     seen: list[int] = []
 
-    class Watched(Controller):
+    class RunIdentity(Controller):
         def step(self, k: int, speed_01mmps: int, position_01mm: int, *balise: Any) -> Any:
             seen.append(position_01mm)
             return super().step(k, speed_01mmps, position_01mm, *balise)
 
-    controller = Watched(SCENARIO, LawSpec(indexing="distance"))
+    controller = RunIdentity(SCENARIO, LawSpec(indexing="distance"))
     node = ControllerNode(SCENARIO, LawSpec(indexing="distance"), controller)
     for telegram in (TrnSpeed(10_000, life=1), TimeSync(), TrnPos(odometer_mm, life=1)):
         for frame in TelegramSource(telegram.port()).frames(telegram.encode()):

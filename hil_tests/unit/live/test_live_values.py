@@ -20,7 +20,7 @@ from railhil.bus.frame import Frame
 from railhil.bus.select import no_bus
 from railhil.cli import watch
 from railhil.cli.progress import Progress
-from railhil.cli.watched import Watched
+from railhil.cli.run_identity import RunIdentity
 from railhil.common.errors import InputError
 from railhil.common.output import Output
 from railhil.judge.signals import signal_table
@@ -148,7 +148,7 @@ class _Bus:
 
 
 def test_watch_writes_a_line_per_second_and_a_picture(recorded: Recorded) -> None:
-    view = watch.View(Watched(recorded.scenario), lines=True)
+    view = watch.View(RunIdentity(recorded.scenario), lines=True)
     with pytest.raises(BusLost):
         watch.watch(_Bus([frame for _, frame in recorded.frames]), view, lambda: None)  # type: ignore[arg-type]
     lines = view.new_lines()
@@ -161,13 +161,13 @@ def test_watch_writes_a_line_per_second_and_a_picture(recorded: Recorded) -> Non
     text = screen.file.getvalue()  # type: ignore[attr-defined]
     for words in ("true speed", "controller mode", "departed", recorded.scenario.title):
         assert words in text
-    screen.print(watch.View(Watched(recorded.scenario)).picture())
+    screen.print(watch.View(RunIdentity(recorded.scenario)).picture())
     assert "no run on the bus yet" in screen.file.getvalue()  # type: ignore[attr-defined]
 
 
 def test_a_silent_port_has_no_value_in_watch(recorded: Recorded) -> None:
     """The speed is lost from 2 s to 3 s; the truth and its watch go on."""
-    view = watch.View(Watched(recorded.scenario))
+    view = watch.View(RunIdentity(recorded.scenario))
     view.take([frame for _, frame in recorded.until(2.0)])
     assert view.values()["measured_speed_mps"] >= 0
     speed = set(recorded.trace().contract.port("TRN_SPEED").can_ids)
@@ -183,7 +183,7 @@ def test_a_silent_port_has_no_value_in_watch(recorded: Recorded) -> None:
 
 def test_without_the_truth_watch_shows_no_values(recorded: Recorded) -> None:
     truth = set(recorded.trace().contract.port("SIM_TRUTH").can_ids)
-    view = watch.View(Watched(recorded.scenario))
+    view = watch.View(RunIdentity(recorded.scenario))
     view.take([frame for time_ns, frame in recorded.until(2.0) if time_ns < 1e9 or frame.can_id not in truth])
     assert view.values() == {}
     screen = Console(file=io.StringIO(), width=100, force_terminal=False)

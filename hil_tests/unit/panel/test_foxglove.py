@@ -14,7 +14,7 @@ from hil_tests.support.panel import Recorded, ScriptedLink
 
 websockets = pytest.importorskip("websockets", reason="MISSING CAPABILITY websockets")
 
-from railhil.cli.watched import Watched  # noqa: E402
+from railhil.cli.run_identity import RunIdentity  # noqa: E402
 from railhil.panel.foxglove import SUBPROTOCOLS, FoxgloveBridge  # noqa: E402
 from railhil.panel.live import LiveRun  # noqa: E402
 from railhil.panel.receiver import Receiver  # noqa: E402
@@ -42,7 +42,7 @@ def order(call: int, token: str, command: str) -> bytes:
 async def visited(run: Recorded, subprotocol: str, sent: list[str | bytes], looks: int) -> dict[str, list[Any]]:
     """What a client is told that sends all this and then sees so many looks of 200 frames each."""
     parts = [part for look in range(looks) for part in (run.frames[200 * look : 200 * look + 200], [])]
-    live = LiveRun(Watched(run.scenario, "ipfc"), Receiver({}, lambda config, name: ScriptedLink(*parts)))
+    live = LiveRun(RunIdentity(run.scenario, "ipfc"), Receiver({}, lambda config, name: ScriptedLink(*parts)))
     live.execute = lambda command: "" if command["do"] == "stop" else "not that"  # type: ignore[method-assign]
     bridge = FoxgloveBridge(live, TOKEN, 0)
     server = await bridge.listen()
@@ -121,7 +121,7 @@ def test_orders_need_the_token(run):
 
 async def _closed(run: Recorded, message: str | bytes) -> tuple[int, str]:
     """Code and reason with which a viewer is sent away."""
-    live = LiveRun(Watched(run.scenario), Receiver({}, lambda config, name: ScriptedLink()))
+    live = LiveRun(RunIdentity(run.scenario), Receiver({}, lambda config, name: ScriptedLink()))
     bridge = FoxgloveBridge(live, TOKEN, 0)
     server = await bridge.listen()
     async with websockets.connect(f"ws://127.0.0.1:{bridge.port}", subprotocols=SUBPROTOCOLS) as client:
@@ -162,7 +162,7 @@ def test_a_number_that_no_viewer_has_ends_nothing(run, number, caplog):
 )
 def test_the_page_of_anybody_else_is_refused(run, origin, is_taken):
     async def visit() -> str:
-        live = LiveRun(Watched(run.scenario), Receiver({}, lambda config, name: ScriptedLink()))
+        live = LiveRun(RunIdentity(run.scenario), Receiver({}, lambda config, name: ScriptedLink()))
         bridge = FoxgloveBridge(live, "", 0)
         server = await bridge.listen()
         try:

@@ -12,7 +12,7 @@ from hil_tests.support.fault_runs import fast
 from hil_tests.support.panel import ScriptedLink
 from railhil.bench import local_run
 from railhil.bus.frame import Frame
-from railhil.cli.watched import Watched
+from railhil.cli.run_identity import RunIdentity
 from railhil.panel.live import LiveRun
 from railhil.panel.receiver import LOOK_FRAMES, Receiver
 from railhil.panel.recorded import thin_rows
@@ -51,7 +51,7 @@ def ride(tmp_path_factory: pytest.TempPathFactory) -> Ride:
 def shown(ride: Ride, *looks: list[Frame], named: AnyScenario | None = None) -> tuple[LiveRun, FloatArray]:
     """A live run after these looks, and the rows that its page has."""
     arrivals = [part for look in looks for part in (look, [])]
-    live = LiveRun(Watched(named or ride.scenario), Receiver({}, lambda config, name: ScriptedLink(*arrivals, [])))
+    live = LiveRun(RunIdentity(named or ride.scenario), Receiver({}, lambda config, name: ScriptedLink(*arrivals, [])))
     for _ in looks:
         live.look()
     return live, live._history.rows
@@ -103,7 +103,7 @@ def test_frames_dropped_at_a_look_are_a_gap_and_are_said(ride: Ride) -> None:
 def test_the_values_go_as_soon_as_frames_were_dropped(ride: Ride) -> None:
     """Before the time is known again, the newest row says that nothing is known: no value stands still."""
     link = ScriptedLink(ride.frames[:4000], [], ride.from_s(30.0)[:200], [])
-    live = LiveRun(Watched(ride.scenario), Receiver({}, lambda config, name: link))
+    live = LiveRun(RunIdentity(ride.scenario), Receiver({}, lambda config, name: link))
     live.look()
     assert not is_gap(live._history.rows[-1:], live.layout.position)[0]
     link.counters["rx_lost"] = 77
@@ -114,7 +114,7 @@ def test_the_values_go_as_soon_as_frames_were_dropped(ride: Ride) -> None:
 def test_a_bus_that_was_away_is_a_gap(ride: Ride) -> None:
     links = [ScriptedLink(ride.frames[:4000], []), ScriptedLink(ride.from_s(25.0), [])]
     receiver = Receiver({}, lambda config, name: links.pop(0))
-    live = LiveRun(Watched(ride.scenario), receiver)
+    live = LiveRun(RunIdentity(ride.scenario), receiver)
     for _ in range(3):
         receiver._retry_s = 0.0
         live.look()
@@ -128,7 +128,7 @@ def test_another_run_after_a_hole_begins_anew(ride: Ride) -> None:
     """Its handshake was among what was lost: its time is earlier."""
     links = [ScriptedLink(ride.from_s(20.0), []), ScriptedLink(ride.from_s(2.0)[:4000], [])]
     receiver = Receiver({}, lambda config, name: links.pop(0))
-    live = LiveRun(Watched(ride.scenario), receiver)
+    live = LiveRun(RunIdentity(ride.scenario), receiver)
     for _ in range(3):
         receiver._retry_s = 0.0
         live.look()
@@ -226,7 +226,7 @@ def test_a_scenario_of_the_plants_hash_is_taken_and_no_other(ride: Ride) -> None
 
 def test_nothing_is_taken_for_a_run_before_the_plant_has_told(ride: Ride) -> None:
     link = ScriptedLink(ride.from_s(20.5)[:300], [], ride.from_s(20.5)[300:4000], [])
-    live = LiveRun(Watched(None), Receiver({}, lambda config, name: link))
+    live = LiveRun(RunIdentity(None), Receiver({}, lambda config, name: link))
     live.look()
     assert live.layout.columns == ()
     assert live.describe()["runs"][0]["name"] == "a run that is not known yet"

@@ -11,7 +11,7 @@ import pytest
 from hil_tests.support.panel import Recorded, ScriptedLink
 from railhil.bus.errors import BusUnavailable
 from railhil.bus.frame import Frame
-from railhil.cli.watched import Watched
+from railhil.cli.run_identity import RunIdentity
 from railhil.live.bus_follower import Listener
 from railhil.panel import live as live_module
 from railhil.panel.bus_statistics import BusStatistics
@@ -185,7 +185,7 @@ def test_every_system_has_a_layout_from_what_it_declares():
 def test_state_and_list_of_frames_do_not_come_at_every_look(run, monkeypatch):
     now_s = [100.0]
     monkeypatch.setattr(live_module.time, "monotonic", lambda: now_s[0])
-    live = LiveRun(Watched(run.scenario), Receiver({}, lambda config, name: ScriptedLink(*[[]] * 30)))
+    live = LiveRun(RunIdentity(run.scenario), Receiver({}, lambda config, name: ScriptedLink(*[[]] * 30)))
     told, lists = [], 0
     for _ in range(20):
         told += [next(iter(json.loads(message))) for message in live.look()]
@@ -195,7 +195,7 @@ def test_state_and_list_of_frames_do_not_come_at_every_look(run, monkeypatch):
 
 
 def test_pages_are_told_events_and_frames(run):
-    live = LiveRun(Watched(run.scenario), Receiver({}, lambda config, name: ScriptedLink(run.frames[:4000], [])))
+    live = LiveRun(RunIdentity(run.scenario), Receiver({}, lambda config, name: ScriptedLink(run.frames[:4000], [])))
     live.look()
     events = [event["text"] for event in live._events.all]
     assert "departed" in events
@@ -214,7 +214,7 @@ def test_a_run_with_faults_of_the_operator_is_no_other_scenario(run: Recorded) -
         operator = Operator("nowhere")
         operator.report = {"phase": "running", "faults": faults}
         receiver = Receiver({}, lambda config, name: ScriptedLink(run.frames[:4000], []))
-        live = LiveRun(Watched(other), receiver, operator)
+        live = LiveRun(RunIdentity(other), receiver, operator)
         live.look()
         operator.report = {"phase": "running", "faults": faults}
         told = [json.loads(message) for message in live.read_past() if isinstance(message, str)]

@@ -1,4 +1,4 @@
-"""Which run a watcher hears: what the plant's handshake tells, and what is installed here under these hashes."""
+"""The run on a bus, as the handshake of its plant tells it, and what is installed here under these hashes."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def named_scenario(name: str | None, settings: Sequence[str], faults: Sequence[s
     return None
 
 
-class Watched:
+class RunIdentity:
     """The run on a bus as its handshake telegrams tell it.
 
     :param named: the scenario that the user believes to run; None: whichever the plant tells.
@@ -77,7 +77,7 @@ class Watched:
         self.has_further_faults = False
         self._plant: Ident | None = None
         self._law_code = 0
-        self._found: tuple[int, ...] = ()
+        self._known_identity: tuple[int, ...] = ()
 
     def take(self, frames: Iterable[Frame]) -> bool:
         """Take frames in bus order; returns whether something else is to be shown from now on."""
@@ -93,20 +93,20 @@ class Watched:
                     self._law_code = 0
                 self._plant = ident
             self._law_code = ident.law or self._law_code
-        if self._plant is None or self._told == self._found:
+        if self._plant is None or self._identity == self._known_identity:
             return False
-        self._found = self._told
+        self._known_identity = self._identity
         shown = self.scenario, self.notes
-        self._find()
+        self._look_up()
         return (self.scenario, self.notes) != shown
 
     @property
-    def _told(self) -> tuple[int, ...]:
+    def _identity(self) -> tuple[int, ...]:
         plant = self._plant
         told = () if plant is None else (plant.wire_hash, plant.scenario_hash, self._law_code)
         return *told, self.has_further_faults
 
-    def _find(self) -> None:
+    def _look_up(self) -> None:
         plant, named = self._plant, self._named
         assert plant is not None
         system = _system(plant.wire_hash)
