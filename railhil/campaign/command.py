@@ -20,7 +20,7 @@ from railhil.study.plan import Study
 
 if TYPE_CHECKING:
     from railhil.study.execute import Outcome
-    from railhil.study.verify import Verified
+    from railhil.study.finished import Verified
 
 _ENGINES = ("batch", "joblib", "dask")
 _VERIFIED_RUNS = 3

@@ -14,13 +14,13 @@ from railhil.campaign.rows import column_of, rows_of
 from railhil.campaign.study import CAMPAIGN
 from railhil.common.digits import percent
 from railhil.common.errors import InputError
-from railhil.record.hash_list import REPORT
+from railhil.record.hash_list import REPORT, check_hash_list, listed_file
 from railhil.report.distribution import Spread, limits_of, picture
 from railhil.report.styles import styles
 from railhil.report.templates import script, styles_text, template
 from railhil.scenarios.stored import any_judged_sha256
+from railhil.study.finished import finished_rows, finished_summary
 from railhil.study.manifest import read_manifest
-from railhil.study.page import finished, write_page
 from railhil.study.table import numbers
 
 #: Folder in that of the campaign for runs that are made again.
@@ -89,8 +89,11 @@ def report_of(folder: Path, out: Path) -> None:
     :raises OSError: it cannot be written.
     """
     plan = make_plan(read_manifest(folder, CAMPAIGN).request)
-    summary, table = finished(CAMPAIGN, plan, folder)
+    check_hash_list(folder, CAMPAIGN.manifest, None)
+    summary, table = finished_summary(CAMPAIGN, folder), finished_rows(CAMPAIGN, plan, folder)
     told, sha256 = summary.get("scenario_sha256"), any_judged_sha256(plan.scenario)
     if told != sha256:
         raise InputError(folder, "scenario", str(told), f"{sha256}, as it is now")
-    write_page(page(plan, summary, table, folder), out)
+    text = page(plan, summary, table, folder)
+    with listed_file(out) as draft:
+        draft.write_text(text, encoding="utf-8")

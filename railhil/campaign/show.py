@@ -10,10 +10,9 @@ from rich.table import Table
 
 from railhil.campaign.summary import QUANTILES, all_limits, key_of
 from railhil.common.digits import count_of, percent, text_beside_limit
-from railhil.common.output import Output
+from railhil.common.output import Output, titled_table
 from railhil.judge.criteria import STOP_WITHIN_M, Criterion, limit_key, limited
 from railhil.judge.judging import Judging
-from railhil.study.page import columns
 
 _QUANTILE_TITLES = {"median": "median", "p95": "95th percentile"}
 
@@ -50,7 +49,7 @@ def _share(found: Mapping[str, Any]) -> str:
 def _scores(summary: Mapping[str, Any], criteria: Sequence[Criterion]) -> Table:
     level = f"{summary['confidence']:.0%} CI"
     titles = [title for name in QUANTILES for title in (_QUANTILE_TITLES[name], level)]
-    made = columns("Scores", ("law", "score", "unit"), titles)
+    made = titled_table("Scores", ("law", "score", "unit"), titles)
     for label, law in summary["laws"].items():
         for i, criterion in enumerate(criteria):
             score, digits = law["scores"][criterion.key], _digits(criterion)
@@ -78,7 +77,7 @@ def _inside(summary: Mapping[str, Any], judging: Judging) -> Table:
         *invalid,
         *counts.values(),
     ]
-    made = columns(title, ("law",), heads)
+    made = titled_table(title, ("law",), heads)
     for label, law in summary["laws"].items():
         shares = [_share(law["inside"][key]) for key in (*inside, "pass")]
         made.add_row(
@@ -90,7 +89,7 @@ def _inside(summary: Mapping[str, Any], judging: Judging) -> Table:
 def _stops(summary: Mapping[str, Any]) -> Table:
     """Shares at fixed distances, independent of the scenario's limit, so that the stricter figures are shown too."""
     heads = [f"{limit:g} m" for limit in STOP_WITHIN_M]
-    made = columns("Runs that stopped within", ("law",), heads)
+    made = titled_table("Runs that stopped within", ("law",), heads)
     for label, law in summary["laws"].items():
         made.add_row(label, *(_share(found) for found in law["stopped_within_m"].values()))
     return made
@@ -98,7 +97,7 @@ def _stops(summary: Mapping[str, Any]) -> Table:
 
 def _against(summary: Mapping[str, Any], criteria: Sequence[Criterion]) -> Table:
     heads = ("median difference", f"{summary['confidence']:.0%} CI", "better in", "equal in")
-    made = columns(f"Against {summary['baseline']}, run by run on the same seeds", ("law", "score", "unit"), heads)
+    made = titled_table(f"Against {summary['baseline']}, run by run on the same seeds", ("law", "score", "unit"), heads)
     for label, scores in summary["against_baseline"].items():
         for i, criterion in enumerate(one for one in criteria if one.key in scores):
             score, digits = scores[criterion.key], _digits(criterion)

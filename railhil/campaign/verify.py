@@ -21,8 +21,8 @@ from railhil.record.framelog import log_sha256
 from railhil.record.log_trace import trace_of_log
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import system_named
+from railhil.study.finished import Verified, differences, finished_rows
 from railhil.study.table import row
-from railhil.study.verify import Verified, differences, finished_rows
 
 
 class BenchInvalid(Exception):

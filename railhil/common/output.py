@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+from collections.abc import Sequence
 from typing import Any
 
 from rich.box import SIMPLE_HEAD
@@ -80,3 +81,14 @@ def _least_width(console: Console, options: ConsoleOptions, column: Column) -> i
 def table(tight: bool = False) -> Table:
     """An empty table with two spaces between its columns, one if ``tight``."""
     return WholeTable(box=SIMPLE_HEAD, show_edge=False, pad_edge=False, padding=(0, 0 if tight else 1, 0, 0))
+
+
+def titled_table(title: str, left: Sequence[str], right: Sequence[str]) -> Table:
+    """An empty table with a title: columns of words, and then of numbers."""
+    made = table(tight=True)
+    made.title, made.title_justify, made.title_style = title, "left", "bold"
+    for name in left:
+        made.add_column(name, no_wrap=True)
+    for name in right:
+        made.add_column(name, justify="right", no_wrap=True)
+    return made

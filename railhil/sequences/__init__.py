@@ -7,6 +7,5 @@
     table.py     a row per run; study.py: the work of a chunk, and the record of this kind of study (railhil/study)
     summary.py   results -> figures by run, and runs until the law has learned
     show.py      prints them; report.py draws them
-    verify.py    repeats some sequences through the nodes of the bench
     evidence.py  one sequence recorded as run folders, with one hash over all of them
 """

@@ -21,7 +21,7 @@ from railhil.study.plan import Study
 
 if TYPE_CHECKING:
     from railhil.study.execute import Outcome
-    from railhil.study.verify import Verified
+    from railhil.study.finished import Verified
 
 
 def arguments() -> argparse.ArgumentParser:
@@ -83,7 +83,7 @@ def _how(plan: Plan) -> tuple[str, str | None]:
 
 
 def _verify(namespace: argparse.Namespace, plan: Plan) -> Iterator[Verified]:
-    from railhil.sequences.verify import verify
+    from railhil.sequences.study import verify
 
     return verify(plan, Path(namespace.verify), namespace.sequences or 1, namespace.draw)
 

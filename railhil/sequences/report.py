@@ -11,7 +11,7 @@ import pyarrow as pa
 
 from railhil.controller_node.laws import find
 from railhil.controller_node.laws.memory import memory_key
-from railhil.record.hash_list import REPORT
+from railhil.record.hash_list import REPORT, listed_file
 from railhil.report.over_time import system_pictures
 from railhil.report.recorded import RecordedRun
 from railhil.report.templates import styles_text, template
@@ -22,7 +22,6 @@ from railhil.sequences.pictures import pictures
 from railhil.sequences.plan import Plan
 from railhil.sequences.show import converged
 from railhil.sequences.table import memories
-from railhil.study.page import write_page
 from railhil.study.table import row as row_of
 
 
@@ -89,7 +88,9 @@ def report_line(plan: Plan, summary: Mapping[str, Any], table: pa.Table, folder:
     """Write the report; returns the line that says where, or why there is none. The results are complete without it."""
     path = folder / REPORT
     try:
-        write_page(page(plan, summary, table), path)
+        text = page(plan, summary, table)
+        with listed_file(path) as draft:
+            draft.write_text(text, encoding="utf-8")
     except OSError as error:
         return f"no report: {path} cannot be written ({(error.strerror or str(error)).lower()})"
     return f"report {path}"

@@ -9,8 +9,7 @@ from typing import Any
 from rich.table import Table
 
 from railhil.common.digits import count_of, percent
-from railhil.common.output import Output
-from railhil.study.page import columns
+from railhil.common.output import Output, titled_table
 
 #: Runs that get a row of their own, besides the last.
 _FIRST_RUNS = 5
@@ -23,7 +22,7 @@ def _number(value: float | None) -> str:
 def _rows(measure: Mapping[str, Any]) -> Table:
     inside = [f"within {limit}" for limit in measure["last"]["within"]]
     title = f"{measure['title']}, {measure['unit']}, by the number of the run"
-    made = columns(title, ("run",), ("mean", "mean error", "rms", "95 %", *inside))
+    made = titled_table(title, ("run",), ("mean", "mean error", "rms", "95 %", *inside))
     last = measure["last"]
     by_run = measure["by_run"]
     shown = [*by_run[:_FIRST_RUNS], *(by_run[-1:] if len(by_run) > _FIRST_RUNS else [])]

@@ -1,9 +1,13 @@
-"""``railhil learn`` as a study: bounds of its requests, the work of a chunk, and the record for the engine."""
+"""``railhil learn`` as a study: bounds of its requests, the work of a chunk, the record for the engine, and
+sequences made again through the nodes of the bench."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from pathlib import Path
 
+import numpy as np
 import pyarrow as pa
 from pydantic import Field
 
@@ -11,7 +15,7 @@ from railhil.common.command_line import SEED_MAX
 from railhil.judge.judging import judging_of
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
-from railhil.sequences.one import sequences
+from railhil.sequences.one import sequence, sequences, through_nodes
 from railhil.sequences.plan import (
     CHUNK_MAX,
     RUNS_MAX,
@@ -25,8 +29,10 @@ from railhil.sequences.plan import (
 )
 from railhil.sequences.summary import summary
 from railhil.sequences.table import check_rows, row, schema
+from railhil.study.finished import Verified, differences, finished_rows
 from railhil.study.manifest import Bounds, machine_and_list
 from railhil.study.plan import Study, bench_sha256, law_sha256
+from railhil.study.table import row as row_of
 
 
 class _Bounds(Bounds):
@@ -82,3 +88,22 @@ LEARN: Study[Plan, Chunk] = Study(
     summary=summary,
     explained=lambda plan: machine_and_list(),
 )
+
+
+def verify(plan: Plan, folder: Path, sequences: int, draw: int) -> Iterator[Verified]:
+    """Run some sequences again through the nodes and compare every run to the last digit.
+
+    :param plan: of the study in the folder.
+    :param sequences: their number.
+    :param draw: seed of the choice.
+    :raises InputError: the folder has no finished study.
+    """
+    table = finished_rows(LEARN, plan, folder)
+    runs = plan.request.runs
+    for index in np.random.default_rng(draw).permutation(len(plan.seeds))[:sequences]:
+        seed = plan.seeds[int(index)]
+        for number, run in enumerate(sequence(plan.scenario, plan.specs(seed), through_nodes), 1):
+            ours = row_of(table, int(index) * runs + number - 1)
+            bench = row_of(row(seed, number, run, plan.judging), 0)
+            which = {"sequence": seed, "run": number}
+            yield Verified(f"sequence {seed}, run {number}", which, differences(ours, bench))

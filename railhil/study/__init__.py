@@ -9,8 +9,8 @@
     engines.py   chunks -> parts, in this process or over the cores; dask_engine.py: over machines
     execute.py   missing parts -> results and summary
     table.py     rows as Parquet, the same bytes for the same rows
-    verify.py    what repeats runs of a finished study on the bench
-    page.py      tables on the terminal, and the report beside the results
+    finished.py  summary and rows of a finished study, and what repeats its runs on the bench
+    perturbed_runs.py  runs of a law with many seeds, and whether its parameters have seen them
     command.py   options that all studies have
     pool.py      results in the order of their items, in several processes, without a folder
 """

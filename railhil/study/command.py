@@ -21,7 +21,7 @@ from railhil.study.plan import C, P, Shard, Study
 
 if TYPE_CHECKING:
     from railhil.study.execute import Outcome
-    from railhil.study.verify import Verified
+    from railhil.study.finished import Verified
 
 # Modules that make runs are imported where they are used: help and completion do not need the extra libraries.
 
@@ -143,7 +143,7 @@ class Command(Generic[P, C]):
             flush_output()
 
     def _verify(self, namespace: argparse.Namespace) -> int:
-        from railhil.study.verify import repeated_plan
+        from railhil.study.finished import repeated_plan
 
         study = self.study()
         console, kind, made, bad = Output(stderr=namespace.json), study.kind, [], 0

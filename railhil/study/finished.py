@@ -1,4 +1,5 @@
-"""What repeats runs of a finished study: its plan with the present installation, its rows, and what differs."""
+"""A finished study: its summary and rows, its plan with the present installation, and what differs in a run that is
+made again."""
 
 from __future__ import annotations
 
@@ -13,6 +14,7 @@ import pyarrow as pa
 from railhil.common.errors import InputError, Words
 from railhil.record.hash_list import check_hash_list
 from railhil.study.manifest import read_manifest
+from railhil.study.parts import SUMMARY
 from railhil.study.plan import C, P, Study
 from railhil.study.table import RESULTS, NotThePart, read_table
 
@@ -58,13 +60,33 @@ def _without_code(value: Any) -> Any:
 def finished_rows(study: Study[P, C], plan: P, folder: Path) -> pa.Table:
     """The rows of a finished study. Raises InputError."""
     try:
-        return read_table(folder / RESULTS, study.columns(plan))
+        rows = read_table(folder / RESULTS, study.columns(plan))
     except FileNotFoundError:
-        allowed = f"a finished {study.kind} (--resume finishes it)"
-        raise InputError(folder, "", Words(f"no {RESULTS}"), allowed) from None
+        raise _unfinished(study, folder, RESULTS) from None
     except (OSError, NotThePart) as why:
         allowed = f"what {study.command} has written"
         raise InputError(folder / RESULTS, "", Words(str(why)), allowed) from why
+    if rows.num_rows != (wanted := sum(chunk.runs for chunk in plan.chunks())):
+        allowed = f"{wanted}, as many as {study.manifest} names runs"
+        raise InputError(folder / RESULTS, "rows", rows.num_rows, allowed)
+    return rows
+
+
+def finished_summary(study: Study[P, C], folder: Path) -> dict[str, Any]:
+    """``summary.json`` of a finished study. Raises InputError."""
+    try:
+        found = json.loads((folder / SUMMARY).read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise _unfinished(study, folder, SUMMARY) from None
+    except ValueError:
+        found = None
+    if not isinstance(found, dict):
+        raise InputError(folder / SUMMARY, "", Words("no JSON table"), f"what {study.command} has written")
+    return found
+
+
+def _unfinished(study: Study[P, C], folder: Path, name: str) -> InputError:
+    return InputError(folder, "", Words(f"no {name}"), f"a finished {study.kind} (--resume finishes it)")
 
 
 def differences(ours: Mapping[str, Any], bench: Mapping[str, Any]) -> dict[str, tuple[Any, Any]]:
