@@ -78,7 +78,7 @@ def styles(laws: Sequence[str]) -> list[Style]:
 
     :param laws: law of each run, in the order of the runs.
     :returns: all different for up to 28 runs; the styles of a law's first two runs do not depend on the other runs if
-        it is one of :data:`~railhil.scenarios.laws.LAW_ORDER`.
+        it is one of :data:`~railhil.common.law_order.LAW_ORDER`.
     """
     places = {law: LAW_ORDER.index(law) for law in laws if law in LAW_ORDER}
     others = [law for law in dict.fromkeys(laws) if law not in places]

@@ -155,7 +155,7 @@ class System:
         return system_contract(self.port_table)
 
     def code_sha256(self) -> str | None:
-        """Hash over the package that contains the plant: :func:`~railhil.common.plug_ins.held_sha256`.
+        """Hash over the package that contains the plant: :func:`~railhil.common.held_code.held_sha256`.
 
         None if that package is railhil itself, whose hash is in every certificate.
 
