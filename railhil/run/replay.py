@@ -16,6 +16,7 @@ from typing import Any
 
 from railhil.bus.errors import BusError
 from railhil.bus.frame import FD, Frame
+from railhil.bus.local import AnsweredAtOnce
 from railhil.bus.mvb import F_DEVICE_STATUS, device_status_frame, parse_master_frame
 from railhil.bus.own_frames import OwnFrames
 from railhil.controller_node.any_controller import AnyController
@@ -137,18 +138,15 @@ class _RecordEnds(Exception):
     """The plant goes on after the record's last frame, or differs from it so that the rest cannot be compared."""
 
 
-class RecordedBus:
+class RecordedBus(AnsweredAtOnce):
     """The plant's endpoint (:class:`railhil.plant_sim.supervision.RunEndpoint`): compares what the plant sends with the
     record, and gives it the recorded answers."""
 
     def __init__(self, record: Sequence[Timed], replayed: Replayed, contract: Contract) -> None:
-        self.lossless = True
-        self.is_down = False
-        self.is_private = False
+        super().__init__()
         self._record = record
         self._replayed = replayed
         self._next = 0
-        self._inbox: list[Frame] = []
         self._diverged = False
         self._poll_id = contract.poll_id
         self._ours = OwnFrames(contract)
@@ -190,31 +188,12 @@ class RecordedBus:
         """Whether a recorded frame is the plant's."""
         return frame.can_id in self._own and frame in self._ours
 
-    def receive(self, timeout_s: float | None) -> list[Frame]:
-        """Recorded answers since the last call; nothing can arrive later, so the time-out is not waited for."""
-        del timeout_s
-        frames, self._inbox = self._inbox, []
-        return frames
-
-    def has_ended(self, node: str) -> bool:
-        """Always True: an answer that is not recorded never comes."""
-        del node
-        return True
-
-    def is_cut_off(self, node: str) -> bool:
-        """Never: the record holds what came."""
-        del node
-        return False
-
     def finish(self) -> None:
         """The plant sends no more: frames that are left in the record are a difference."""
         left = self._record[self._next :]
         if left and not self._diverged:
             found = self._replayed.ports[self._own.get(left[0][1].can_id, "polls")]
             found.first = found.first or difference_of(self._next + 1, left[0], None, self._words, self._words)
-
-    def close(self) -> None:
-        """Nothing to close."""
 
 
 def facts(replayed: Replayed, ports: Sequence[str]) -> dict[str, Any]:
