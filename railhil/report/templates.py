@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 from functools import cache
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined, Template
 
 from railhil.charts import static_text
+from railhil.charts.figure import Figure
 from railhil.charts.svg import markup
 from railhil.common.streams import escape_controls
+
+if TYPE_CHECKING:
+    # Loads matplotlib, which a page does not need.
+    from railhil.report.pictures import Picture
 
 
 def script() -> str:
@@ -23,6 +28,11 @@ def styles_text() -> str:
 
 
 _HERE: Final = "railhil.report"
+
+
+def _element(figure: Figure | Picture) -> str:
+    """The element of a figure; a system may have drawn its own."""
+    return markup(figure) if isinstance(figure, Figure) else figure.svg
 
 
 @cache
@@ -42,5 +52,5 @@ def template(name: str, package: str = _HERE) -> Template:
         # Markup and drawings are already escaped.
         finalize=lambda value: escape_controls(value) if type(value) is str else value,
     )
-    environment.filters["svg"] = markup
+    environment.filters["svg"] = _element
     return environment.get_template(name)
