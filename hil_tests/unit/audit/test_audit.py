@@ -20,7 +20,6 @@ from railhil.audit.effect import Effect, ScoreEffect, compared, effect
 from railhil.audit.floor import floored
 from railhil.audit.result import Options, audit
 from railhil.audit.shadow import Codes, QuantityError, Shadowed, ShadowRun, Watched, compare_codes, errors, shadow_run
-from railhil.audit.standstill import look
 from railhil.audit.tables import show
 from railhil.bench import local_run
 from railhil.bus.frame import Frame
@@ -36,6 +35,7 @@ from railhil.judge.criteria import ATO_CRITERIA
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.systems.ato import ATO
+from railhil.systems.ato.standstill import look
 from railhil.wire.ato import TrnSpeed
 
 FULL = load("lvshun_tieshan")

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
 from railhil.charts.figure import TARGET, TIME, ZERO, Area, Chart, Curve, Figure, FloatArray, Look, Point
 from railhil.judge.criteria import STOP_ERROR, TIME_ERROR
 from railhil.judge.measures import KMH, limits_under_train
-from railhil.judge.score import Score
+from railhil.judge.score import Score, score
 from railhil.record.notes import ReportedNote
+from railhil.record.trace import Trace
 from railhil.report.display_columns import ERROR
 from railhil.report.recorded import Curves, RecordedRun, curves
 from railhil.report.styles import Style, styles
@@ -350,3 +352,15 @@ def run_figure(scenario: Scenario, run: Drawn) -> Figure:
     track = speed_over_distance(scenario, [run])
     charts = [track, grade(scenario), *error(scenario, [run]).charts, *notch(scenario, [run]).charts]
     return Figure("run", scenario.title, "", charts)
+
+
+def draw(scenario: Scenario, trace: Trace, out: Path) -> None:
+    """Draw one run into a file whose bytes depend only on the record (fixed ids, no date)."""
+    # Only files need matplotlib.
+    from railhil.report.pictures import save
+
+    save(
+        run_figure(scenario, Drawn("train", Style(), curves(scenario, trace), score(scenario, trace))),
+        out,
+        scenario.title,
+    )

@@ -10,7 +10,6 @@ from typing import Any
 import pytest
 
 from benchmarks.ablation import LAW, Figures, without
-from railhil.audit.standstill import standstill
 from railhil.batch import Case
 from railhil.bench import Result, coupled_run, direct_run
 from railhil.common.errors import InputError
@@ -22,6 +21,7 @@ from railhil.controller_node.laws.base import BaliseReading
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.systems.ato.batch import run_batch
+from railhil.systems.ato.standstill import standstill
 
 WORN = load("lvshun_tieshan_worn_wheels")
 TABLE = compute_constants(IpfcPlusParameters(), WORN)
