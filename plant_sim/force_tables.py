@@ -1,4 +1,8 @@
-"""Tables of the forces on a train, made from its scenario."""
+"""Tables of the forces on a train, made from its scenario.
+
+Masses, coefficients and grades may be arrays over N runs, which the batch makes. For this the module is not among those
+that mypyc compiles, as :mod:`railhil.plant_sim.forces` is.
+"""
 
 from __future__ import annotations
 

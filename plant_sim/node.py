@@ -23,11 +23,10 @@ from railhil.bus.telegrams import SupCmd, TimeSync
 from railhil.common.patience import APPEAR_S
 from railhil.dbc import Port
 from railhil.plant_sim.any_plant import AnyPlant, Happened, PlantError
-from railhil.plant_sim.cycle import TickLoop
+from railhil.plant_sim.cycle import Milestones, TickLoop
 from railhil.plant_sim.cycle_times import MISSED_NS, PlantTiming
 from railhil.plant_sim.faults.plants import make_plant
 from railhil.plant_sim.handshake import Refused, agree
-from railhil.plant_sim.milestones import Milestones
 from railhil.plant_sim.supervision import SILENCE_NS, RunEndpoint, SupervisorWatch
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec

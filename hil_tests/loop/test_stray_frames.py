@@ -15,7 +15,7 @@ from railhil.bus.frame import Frame
 from railhil.bus.mvb import TelegramSource
 from railhil.bus.telegrams import RunEvent
 from railhil.judge.score import Score, score
-from railhil.plant_sim.milestones import Milestones
+from railhil.plant_sim.cycle import Milestones
 from railhil.record.framelog import read_log
 from railhil.record.trace import Trace, trace_of
 from railhil.scenarios.load import load

@@ -5,9 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from railhil.faults.model import Fault, Place, Trigger, Value
-from railhil.plant_sim.ato.events import PlantEvent
 from railhil.plant_sim.ato.faults.train import FaultyTrain
-from railhil.plant_sim.ato.plant import Plant
+from railhil.plant_sim.ato.plant import Plant, PlantEvent
 from railhil.plant_sim.faults.injections import Injections
 from railhil.scenarios.fault_list import draw_values
 from railhil.scenarios.load import load

@@ -1,10 +1,14 @@
-"""The train on its line: dynamics, actuator with loop delay, sensors, interlocks and the train's own watch."""
+"""The train on its line: dynamics, actuator with loop delay, sensors, interlocks and the train's own watch.
+
+Events inside a tick have their exact instants.
+"""
 
 from __future__ import annotations
 
 from collections import deque
-from math import inf, isfinite
-from typing import Final
+from dataclasses import dataclass
+from math import inf, isfinite, sqrt
+from typing import Final, Literal
 
 from railhil.bus.codes import STOP_LEG_MIN_M
 from railhil.common.mypyc import mypyc_attr
@@ -20,14 +24,40 @@ from railhil.plant_sim.ato.command_watch import (
     watch_ticks,
 )
 from railhil.plant_sim.ato.dynamics import Lag, Motion, Window
-from railhil.plant_sim.ato.events import EventKind, PlantEvent, passing_s
-from railhil.plant_sim.ato.plant_readings import PlantReadings
-from railhil.plant_sim.ato.sensors import AxleSensors
-from railhil.plant_sim.ato.status import TrainStatus
+from railhil.plant_sim.ato.plant_readings import AxleSensors, PlantReadings, TrainStatus
 from railhil.plant_sim.ato.train_checks import OwnChecks
 from railhil.systems.ato.scenario.model import Balise, Profile, Scenario, profile_value
 from railhil.systems.ato.scenario.profiles import front_speed_limit
 from railhil.wire.ato import WatchCause, WatchLevel
+
+EventKind = Literal["departed", "stopped", "emergency", "balise", "watch"]
+
+
+@dataclass(frozen=True, slots=True)
+class PlantEvent:
+    """Something that happened inside a tick, at its exact instant and true position of the train's front.
+
+    ``departed``: first motion; ``stopped``: standstill after at least :data:`railhil.bus.codes.STOP_LEG_MIN_M`;
+    ``emergency``: the emergency brake was applied; ``watch``: the level of the train's watch changed; ``balise``: the
+    front passed ``balise`` with the odometer at ``odometer_mm``.
+    """
+
+    kind: EventKind
+    instant_01ms: int
+    position_01mm: int
+    balise: Balise | None = None
+    odometer_mm: int = 0
+
+
+def passing_s(before: Motion, after: Motion, at_m: float, moving_s: float) -> float:
+    """Time from the first motion of a step to the passing of ``at_m``, with constant acceleration in between."""
+    distance_m = at_m - before.position_m
+    if distance_m <= 0.0 or moving_s <= 0.0:
+        return 0.0
+    accel_mps2 = (after.speed_mps - before.speed_mps) / moving_s
+    root_mps = sqrt(max(0.0, before.speed_mps**2 + 2 * accel_mps2 * distance_m))
+    return min(moving_s, 2 * distance_m / (before.speed_mps + root_mps))
+
 
 #: Notch codes per notch.
 NOTCH_LSB_PER_NOTCH: Final = 256

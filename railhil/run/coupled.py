@@ -27,11 +27,10 @@ from railhil.judge.judging import judging_of
 from railhil.judge.result import Result
 from railhil.plant_sim.any_plant import AnyPlant
 from railhil.plant_sim.ato.plant import Plant
-from railhil.plant_sim.ato.run_end import RunEnd
 from railhil.plant_sim.ato.telegrams import TrainTelegrams
-from railhil.plant_sim.cycle import TickLoop
+from railhil.plant_sim.ato.train import RunEnd
+from railhil.plant_sim.cycle import Milestones, TickLoop
 from railhil.plant_sim.faults.plants import LEVELS, constant_mismatches, make_plant
-from railhil.plant_sim.milestones import Milestones
 from railhil.record.trace import Trace
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec

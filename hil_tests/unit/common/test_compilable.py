@@ -13,7 +13,7 @@ import pytest
 
 from railhil.common.compilable import compilable, compilable_aside, field_types, larger, result_type, smaller
 from railhil.plant_sim import forces
-from railhil.plant_sim.ato import dynamics, sensors
+from railhil.plant_sim.ato import dynamics, plant_readings
 
 numba = pytest.importorskip("numba", reason="MISSING CAPABILITY numba (extra campaign)")
 #: Equal numbers of both signs, ties, and what lies beside them.
@@ -53,12 +53,12 @@ def test_compiled_round_and_bisect_are_those_of_python() -> None:
 def test_a_marked_function_is_itself_and_numba_compiles_it() -> None:
     table = forces.GradeTable((0.0, 100.0), (5.0, -2.0), (0.0, 0.1))
     grade = numba.njit(lambda table, front_m: forces.mean_grade_permil(table, front_m))
-    reading = numba.njit(lambda speed_mps: sensors.speed_reading_01mmps(speed_mps, 0.001, 0.99, 0.01))
+    reading = numba.njit(lambda speed_mps: plant_readings.speed_reading_01mmps(speed_mps, 0.001, 0.99, 0.01))
     arrays = forces.GradeTable(*(np.array(column) for column in table))
     for front_m in (-1.0, 0.0, 99.9, 100.0, 133.3):
         assert bits(grade(arrays, front_m)) == bits(forces.mean_grade_permil(table, front_m))
     for speed_mps in (-1.0, 0.0, 1e-4, 0.0151, 13.337):
-        assert reading(speed_mps) == sensors.speed_reading_01mmps(speed_mps, 0.001, 0.99, 0.01)
+        assert reading(speed_mps) == plant_readings.speed_reading_01mmps(speed_mps, 0.001, 0.99, 0.01)
 
 
 def test_the_type_of_a_result_is_found_in_the_source() -> None:

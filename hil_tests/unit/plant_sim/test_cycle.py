@@ -12,12 +12,10 @@ from railhil.bus.schedule import Schedule
 from railhil.bus.telegrams import SupCmd, TimeSync
 from railhil.dbc import Port
 from railhil.plant_sim.any_plant import PlantError
-from railhil.plant_sim.ato.events import PlantEvent
-from railhil.plant_sim.ato.plant import Plant
-from railhil.plant_sim.ato.run_end import BRAKING_MAX_NS, RunEnd
+from railhil.plant_sim.ato.plant import Plant, PlantEvent
 from railhil.plant_sim.ato.telegrams import TrainTelegrams
-from railhil.plant_sim.cycle import TickLoop
-from railhil.plant_sim.milestones import Milestones
+from railhil.plant_sim.ato.train import BRAKING_MAX_NS, RunEnd
+from railhil.plant_sim.cycle import Milestones, TickLoop
 from railhil.scenarios.load import load
 from railhil.systems.ato.scenario.model import Balise, Scenario
 from railhil.wire.ato import CtlStat, NotchCmd, SimTruth, TrnPos, TrnSpeed

@@ -10,10 +10,10 @@ from railhil.bus.layout import CHECK_ERRONEOUS, Telegram
 from railhil.faults.capability import MISMATCHES
 from railhil.faults.model import Fault
 from railhil.plant_sim import force_tables
-from railhil.plant_sim.ato.events import EventKind
 from railhil.plant_sim.ato.faults.equipment import FaultyEquipment
 from railhil.plant_sim.ato.faults.forces import Demand, FaultyForces, FeltChecks
-from railhil.plant_sim.ato.status import LINE_VOLTAGE_MIN_PERCENT
+from railhil.plant_sim.ato.plant import EventKind
+from railhil.plant_sim.ato.plant_readings import LINE_VOLTAGE_MIN_PERCENT
 from railhil.plant_sim.ato.train import TrainOnBus
 from railhil.plant_sim.faults.injections import Injections, MotionEvents
 from railhil.plant_sim.faults.mismatch import Mismatch

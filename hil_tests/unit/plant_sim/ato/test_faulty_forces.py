@@ -11,7 +11,7 @@ from hil_tests.support.plant_faults import SCENARIO, fault
 from railhil.faults.model import Fault
 from railhil.plant_sim.ato import dynamics
 from railhil.plant_sim.ato.dynamics import Motion, Window
-from railhil.plant_sim.ato.faults.drive import cap_limit, share_limit
+from railhil.plant_sim.ato.faults.equipment import cap_limit, share_limit
 from railhil.plant_sim.ato.faults.forces import Allowed, Demand, FaultyForces, FeltChecks
 from railhil.plant_sim.faults.injections import Injections
 from railhil.plant_sim.force_tables import train_constants

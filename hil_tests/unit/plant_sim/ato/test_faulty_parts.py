@@ -13,10 +13,9 @@ from hil_tests.support.plant_faults import SCENARIO, fault, made, said
 from railhil.faults.activity import Activity
 from railhil.faults.actuators import SideState
 from railhil.faults.model import Fault, Trigger
-from railhil.plant_sim.ato.faults.drive import Side, cap_limit, share_limit
-from railhil.plant_sim.ato.faults.equipment import FaultyEquipment
+from railhil.plant_sim.ato.faults.equipment import FaultyEquipment, Side, cap_limit, share_limit
 from railhil.plant_sim.ato.faults.forces import AxleSlip
-from railhil.plant_sim.ato.status import TrainStatus
+from railhil.plant_sim.ato.plant_readings import TrainStatus
 from railhil.plant_sim.faults.mismatch import Mismatch
 from railhil.plant_sim.forces import EffortLimit
 

@@ -15,7 +15,7 @@ from railhil.plant_sim.ato.dynamics import Window
 from railhil.plant_sim.ato.faults.forces import FeltChecks
 from railhil.plant_sim.ato.faults.train import FaultyTrain
 from railhil.plant_sim.ato.plant import Plant
-from railhil.plant_sim.ato.status import LINE_VOLTAGE_MIN_PERCENT
+from railhil.plant_sim.ato.plant_readings import LINE_VOLTAGE_MIN_PERCENT
 from railhil.systems.ato.scenario.model import Balise
 from railhil.systems.ato.scenario.perturb import perturbed
 from railhil.wire.ato import BalisePassed, CtlMode, NotchCmd, NotchSdt, TrnWatch, WatchCause

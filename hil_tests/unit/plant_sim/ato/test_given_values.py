@@ -8,7 +8,7 @@ from railhil.bus.codes import FaultOrder
 from railhil.faults.language import parse
 from railhil.faults.operator_values import octets_of
 from railhil.faults.sensors import Quantity
-from railhil.plant_sim.ato.faults.drive import Side
+from railhil.plant_sim.ato.faults.equipment import Side
 from railhil.plant_sim.faults.injections import Injections
 from railhil.plant_sim.faults.readings import FaultySensor
 

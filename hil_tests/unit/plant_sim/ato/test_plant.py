@@ -7,9 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from railhil.plant_sim.ato.events import PlantEvent
-from railhil.plant_sim.ato.plant import Plant, PlantError
-from railhil.plant_sim.ato.status import TrainStatus
+from railhil.plant_sim.ato.plant import Plant, PlantError, PlantEvent
+from railhil.plant_sim.ato.plant_readings import TrainStatus
 from railhil.scenarios.load import load
 from railhil.systems.ato.scenario.model import Balise, Scenario
 from railhil.systems.ato.scenario.perturb import perturbed

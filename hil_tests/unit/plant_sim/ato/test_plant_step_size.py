@@ -7,8 +7,7 @@ from dataclasses import dataclass, replace
 
 import pytest
 
-from railhil.plant_sim.ato.events import PlantEvent
-from railhil.plant_sim.ato.plant import Plant
+from railhil.plant_sim.ato.plant import Plant, PlantEvent
 from railhil.scenarios.load import load
 from railhil.systems.ato.scenario.model import Scenario
 from railhil.systems.ato.scenario.perturb import perturbed

@@ -25,7 +25,7 @@ from railhil.controller_node.ato.controller import Controller
 from railhil.controller_node.ato.laws.ipfc import Ipfc
 from railhil.controller_node.ato.loop import ControlLoop
 from railhil.controller_node.program.tracer import Tracer
-from railhil.plant_sim.ato.sensors import AxleSensors
+from railhil.plant_sim.ato.plant_readings import AxleSensors
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.systems.ato.batch import kernel, run_batch

@@ -18,7 +18,7 @@ from railhil.common.held_code import place_of
 from railhil.judge import measures
 from railhil.judge.measures import error_kmh
 from railhil.plant_sim import forces
-from railhil.plant_sim.ato import command_watch, dynamics, events, plant, sensors, train_checks
+from railhil.plant_sim.ato import command_watch, dynamics, plant, plant_readings, train_checks
 from railhil.plant_sim.ato.command_watch import (
     GOOD_AFTER_SERVICE_BRAKE,
     CommandWatchState,
@@ -34,7 +34,7 @@ from railhil.wire.ato import WatchLevel
 
 #: Sources of the machine code.
 _LOOPS = (curve, lanes, layout, rows, side_by_side, train)
-_PLANT = (command_watch, dynamics, events, forces, plant, sensors, train_checks, target, measures)
+_PLANT = (command_watch, dynamics, forces, plant, plant_readings, train_checks, target, measures)
 _SOURCES = (__file__, *_LOOPS, *_PLANT, str(place_of("dbc") / "ports.toml"))
 
 #: Compiled, a level is a number.

@@ -20,7 +20,7 @@ def _draw(keys: Any, ticks: Any, numbers: Any) -> None:
 
 
 def standard_noise(seeds: Sequence[int], ticks: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Standard normal numbers of :class:`~railhil.plant_sim.ato.sensors.AxleSensors`, shape (ticks, seeds).
+    """Standard normal numbers of :class:`~railhil.plant_sim.ato.plant_readings.AxleSensors`, shape (ticks, seeds).
 
     :param ticks: each >= 0, shape (ticks,).
     """

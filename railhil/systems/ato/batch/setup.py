@@ -17,7 +17,7 @@ from railhil.plant_sim import force_tables
 from railhil.plant_sim.ato.command_watch import INITIAL, watch_ticks
 from railhil.plant_sim.ato.dynamics import lag
 from railhil.plant_sim.ato.plant import NOTCH_LSB_PER_NOTCH
-from railhil.plant_sim.ato.run_end import RunEnd
+from railhil.plant_sim.ato.train import RunEnd
 from railhil.plant_sim.ato.train_checks import slow_decay, train_checks
 from railhil.plant_sim.faults.mismatch import Mismatch
 from railhil.plant_sim.faults.plants import constant_mismatches
