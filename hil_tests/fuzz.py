@@ -17,7 +17,7 @@ import random
 import resource
 import sys
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -120,13 +120,14 @@ class NoisyBus(LocalBus):
         self.memory_bytes: list[tuple[int, int]] = []
         self._digest = hashlib.sha256()
 
-    def _deliver(self, frame: Frame, sender: Callable[[Frame], list[Frame]] | None) -> None:
-        # Between two blocks of a telegram a foreign block would be a loss: noise comes before the tick's first frame.
-        if frame.can_id == self._clock_id and self.sent < self._total:
-            self._make_noise()
-        self._digest.update(repr(frame).encode())
-        self._noise.note(frame)
-        super()._deliver(frame, sender)
+    def _deliver(self, frames: Sequence[Frame], sender: Callable[[Frame], list[Frame]] | None) -> None:
+        for frame in frames:
+            # Between two blocks of a telegram a foreign block would be a loss: noise comes before a tick's first frame.
+            if frame.can_id == self._clock_id and self.sent < self._total:
+                self._make_noise()
+            self._digest.update(repr(frame).encode())
+            self._noise.note(frame)
+            super()._deliver([frame], sender)
 
     def _make_noise(self) -> None:
         for junk in self._noise.frames(min(self._per_tick, self._total - self.sent)):

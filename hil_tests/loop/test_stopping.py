@@ -20,6 +20,7 @@ from railhil.bench import Result, direct_run, local_run
 from railhil.bus.codes import Event
 from railhil.bus.frame import Frame
 from railhil.bus.local import LocalBus
+from railhil.charts.svg import markup
 from railhil.cli.commands import parser
 from railhil.cli.faults import entry_run
 from railhil.cli.run import run_spec
@@ -233,7 +234,7 @@ def test_the_figures_are_drawn(both: Both) -> None:
     )
     found = panels.pictures(scenario, [run])
     assert [picture.name for picture in found] == ["approach", "last_metres", "speed_estimate"]
-    assert all("<svg" in picture.svg for picture in found)
+    assert all("<svg" in markup(picture) for picture in found)
     times_s, error_mmps = panels._Run("one", None, Approach.of(scenario, both.local.trace), run.trace, 0).error_mmps(
         "ATO_STATE", "AtoSpeed"
     )

@@ -43,7 +43,7 @@ class Done:
 
     def one_line(self) -> str:
         """The error message on standard error, which must be a single line without a traceback."""
-        lines = [line for line in self.said if not line.startswith("bus: ")]
+        lines = [line for line in self.said if not line.startswith(("bus: ", "compiling "))]
         assert len(lines) == 1, self.err
         assert "Traceback" not in self.err
         return lines[0]

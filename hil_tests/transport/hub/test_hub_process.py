@@ -189,7 +189,7 @@ def test_a_hub_that_is_only_just_starting_is_waited_for_unless_told_otherwise(mo
         waited_s.append(round(deadline_s - time.monotonic()))
         raise HubUnavailable(f"no hub at {address}")
 
-    monkeypatch.setattr(batches, "connected", refuse)
+    monkeypatch.setattr(batches, "connect_to_hub", refuse)
     for settings in ({}, {"connect_timeout": "0"}):
         with pytest.raises(HubUnavailable):
             can.Bus(interface="railhil", channel="hub.sock", **settings)

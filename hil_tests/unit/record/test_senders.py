@@ -68,7 +68,7 @@ def compared(
 
 @pytest.fixture(autouse=True)
 def signals_stay(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("railhil.bus.sent.finish_undisturbed", lambda: None)
+    monkeypatch.setattr("railhil.bus.sent.ignore_ending_signals", lambda: None)
 
 
 @pytest.mark.parametrize("fd", [False, True])

@@ -17,7 +17,7 @@ from railhil.scenarios import options
 from railhil.scenarios.options import add_fmu_options, add_option, add_run_options, named_fmu
 
 #: Modules of commands by name, and those that read options for them.
-_COMMANDS = ("command.py", "__main__.py", "sequence_command.py", "cli.py", "vcan.py", "serve.py")
+_COMMANDS = ("command.py", "__main__.py", "sequence_command.py", "cli.py", "vcan.py", "server.py")
 _READERS = ("can_settings.py", "options.py", "command_line.py")
 #: Options of the same name that are no options of a run: the seed of a network's hidden layer, the memory of a virtual
 #: machine, the map of an FMU that is only looked at.
