@@ -185,7 +185,7 @@ def test_bad_input_is_one_line(site: Path, words: tuple[str, ...], said: str, tm
 
 
 def test_a_system_without_interface_says_what_it_lacks(site: Path, tmp_path: Path) -> None:
-    copy = changed(site, tmp_path, {"__init__.py": [(', "interface": "two_carts.wire:INTERFACE"', "")]})
+    copy = changed(site, tmp_path, {"__init__.py": [('    interface="two_carts.wire:INTERFACE",\n', "")]})
     done = railhil(copy, "export-c", "apart", str(SCENARIO), "--out", str(tmp_path / "c"))
     assert done.returncode == 2
     assert "system two_carts: interface: found no such part" in done.stderr

@@ -60,7 +60,7 @@ def test_settings_are_looked_for_where_python_can_does(monkeypatch: pytest.Monke
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "module",
-    ["bus.hub.cli", "plant_sim.command", "controller_node.command", "supervisor.run", "supervisor.folder", "cli.run"],
+    ["bus.hub.cli", "plant_sim.command", "controller_node.command", "run.run", "judge.folder", "cli.run"],
 )
 def test_a_run_on_the_hub_loads_no_python_can(module: str) -> None:
     words = [sys.executable, "-X", "importtime", "-c", f"import railhil.{module}"]

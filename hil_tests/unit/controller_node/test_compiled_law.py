@@ -151,7 +151,7 @@ def test_a_whole_run_is_computed_by_the_functions(
     fast = run("fast")
     assert len(taken) > 100
     assert sum(taken) > 0.99 * len(taken)
-    monkeypatch.setattr("railhil.controller_node.vector.controller.compile_law", lambda *_: None)
+    monkeypatch.setattr("railhil.controller_node.law_controller.compile_law", lambda *_: None)
     assert run("slow") == fast
 
 
