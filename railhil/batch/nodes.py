@@ -20,7 +20,7 @@ DIGITS = 16
 
 
 def batch_of(scenario: AnyScenario) -> Callable[..., Any] | None:
-    """The batch of a scenario's system (:func:`railhil.batch.run_batch`), None when it has none, or when a fault of
+    """The batch of a scenario's system; None when it has none, or when a fault of
     the scenario needs the nodes."""
     if needs_nodes(scenario):
         return None

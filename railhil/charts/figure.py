@@ -1,5 +1,5 @@
 """A figure as data: charts with curves, areas and points. Pages draw it as SVG (:mod:`railhil.charts.svg`), files with
-matplotlib (:mod:`railhil.report.printed`)."""
+matplotlib (:mod:`railhil.report.pictures.printed`)."""
 
 from __future__ import annotations
 
