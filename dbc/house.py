@@ -58,9 +58,9 @@ def system_contract(path: Path) -> Contract:
     taken: dict[int, str] = {}
     for port in contract.ports:
         if port.address in taken:
-            raise ContractError(
-                f"{file}: {port.name}.address: found that of {taken[port.address]}, allowed one of its own"
-            )
+            # The port of the bench keeps its address.
+            own, other = sorted((port.name, taken[port.address]), key={one.name for one in house.ports}.__contains__)
+            raise ContractError(f"{file}: {own}.address: found that of {other}, allowed one of its own")
         taken[port.address] = port.name
     names = set(taken.values())
     if len(names) < len(contract.ports):
@@ -73,8 +73,9 @@ def system_contract(path: Path) -> Contract:
     if not any(port.source == "plant" and port.mode == "publish" and port.period_ns for port in contract.ports):
         raise ContractError(f"{file}: port: found none that the plant publishes, allowed at least one")
     clock = contract.clock_port
-    if clock.f_code != 1 or not any((s.byte, s.msb, s.length) == (3, 3, 4) for s in clock.signals):
-        raise ContractError(
-            f"{file}: {clock.name}: found F{clock.f_code}, allowed F1 with a life sign at 3.3:4: it opens every tick"
-        )
+    life = clock.life
+    if clock.f_code != 1 or life is None or (life.byte, life.msb, life.length) != (3, 3, 4):
+        found = f"F{clock.f_code} with {'no life sign' if life is None else f'{life.name} at {life.byte}.{life.msb}'}"
+        allowed = "F1 with a life sign (a name that ends in Life) at 3.3:4: it opens every tick"
+        raise ContractError(f"{file}: {clock.name}: found {found}, allowed {allowed}")
     return contract

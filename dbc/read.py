@@ -28,6 +28,7 @@ from railhil.dbc.contract import (
     Port,
     Signal,
 )
+from railhil.dbc.table_keys import check_table
 from railhil.dbc.text import dbc_text, table_text
 
 _FOLDER = Path(__file__).parent
@@ -156,6 +157,7 @@ def parsed_contract(file: str, text: str) -> Contract:
         table = tomllib.loads(text)
     except (ValueError, RecursionError) as error:
         raise ContractError(f"{file}: {error}") from error
+    check_table(file, table)
     try:
         return _made(file, table)
     except KeyError as error:
@@ -175,7 +177,12 @@ def _made(file: str, table: Mapping[str, Any]) -> Contract:
     table repeats them."""
     ports = _ports(file, table)
     bus, house = table.get("bus", {}), _house_table()
-    if file != HOUSE and not {port.name for port in ports} & {entry["name"] for entry in house["port"]}:
+    names = [port.name for port in ports]
+    repeated = [entry["name"] for entry in house["port"] if entry["name"] in names]
+    if repeated and "bit_rate" not in bus:
+        allowed = "the system's own ports, or a whole table with [bus] and all ports of the bench"
+        raise ContractError(f"{file}: {repeated[0]}.name: found a port of the bench, allowed {allowed}")
+    if file != HOUSE and not repeated:
         if twice := sorted(table.get("shared", {}).keys() & house["shared"].keys()):
             raise ContractError(f"{file}: shared.{twice[0]}: found a layout of the house, allowed another name")
         ports += _ports(HOUSE, house)

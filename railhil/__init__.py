@@ -19,7 +19,8 @@ if TYPE_CHECKING:
 #: package-dir).
 AT_TOP = ("bus", "controller_node", "dbc", "plant_sim")
 _TOP = os.path.dirname(__path__[0])
-if os.path.isfile(os.path.join(_TOP, "pyproject.toml")):
+# A walk over all packages finds this one in its own folder, too: once is enough.
+if __name__ == "railhil" and os.path.isfile(os.path.join(_TOP, "pyproject.toml")):
     __path__.append(_TOP)
 
 if os.environ.get("RAILHIL_PURE", "0") not in ("", "0"):

@@ -17,7 +17,7 @@ MOVED = {
     "report.recorded": "railhil.report.recorded",
     "sampled": "railhil.record.sampling",
     "score": "railhil.judge.score",
-    "sequence_measure": "railhil.judge.criteria",
+    "sequence_measure": "railhil.judge.sequence_measure",
     "shown": "railhil.report.display_columns",
     "status": "railhil.record.status",
     "stops": "railhil.judge.stops",

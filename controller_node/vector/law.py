@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Generic, NamedTuple
 
 from railhil.bus.layout import Telegram
+from railhil.common.errors import InputError
 from railhil.controller_node.arithmetic.base import T
 from railhil.controller_node.laws.base import ControlLaw, State
 
@@ -15,9 +16,12 @@ from railhil.controller_node.laws.base import ControlLaw, State
 def raw_range(telegram: type[Telegram], field: str) -> tuple[int, int]:
     """Smallest and largest raw value of a telegram's field.
 
-    :raises KeyError: it has no such field.
+    :raises InputError: its port has no signal for this field.
     """
-    return dict(telegram.signals())[field].raw_range
+    signals = dict(telegram.signals())
+    if field not in signals:
+        raise InputError(f"port {telegram.PORT}", "field", field, ", ".join(signals))
+    return signals[field].raw_range
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,6 +97,11 @@ class Interface:
     status: type[Telegram] | None = None
     age_max_ms: int = 256
     further_status: tuple[type[Telegram], ...] = ()
+
+    def __post_init__(self) -> None:
+        for telegram in dict.fromkeys(command.telegram for command in self.commands):
+            # Raises InputError for one without it.
+            raw_range(telegram, "life")
 
     @property
     def statuses(self) -> tuple[type[Telegram], ...]:

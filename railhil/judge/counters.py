@@ -23,7 +23,7 @@ from railhil.common.digits import count_of
 from railhil.faults import parse_faults
 from railhil.judge.events.declared import Received
 from railhil.judge.events.telegrams import Stretch, bad_content, judged
-from railhil.judge.record_checks import UNCLEAR, Unseen
+from railhil.judge.missed_telegrams import UNCLEAR, Unseen
 from railhil.record.trace import Trace
 from railhil.systems.ato.events import received
 from railhil.systems.ato.scenario.model import Scenario

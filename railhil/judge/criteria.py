@@ -2,8 +2,7 @@
 
 Score, tables, JUnit cases, campaign, tuning, audit and report iterate over such a tuple and know no criterion by name.
 A further criterion is a further entry here; the batch, which computes the scores in its compiled loop, must compute it
-too. Over a sequence of runs of a law that
-learns, a :class:`SequenceMeasure` says how a criterion with a limit gets better.
+too.
 """
 
 from __future__ import annotations
@@ -20,7 +19,7 @@ from railhil.common.digits import text_beside_limit
 from railhil.judge import journey
 
 if TYPE_CHECKING:
-    from railhil.judge.judging import Judging
+    pass
 
 #: Stop errors, in m, for which runs are counted in addition to the scenario's own limit: the stricter figures stay
 #: visible.
@@ -206,30 +205,3 @@ def scores(
 def unscored(criteria: Sequence[Criterion]) -> tuple[dict[str, float | None], dict[str, float | None]]:
     """As :func:`scores`, for a record without a complete run."""
     return scores(dict.fromkeys(criterion.key for criterion in criteria), criteria)
-
-
-@dataclass(frozen=True, slots=True)
-class SequenceMeasure:
-    """A criterion over sequences of runs.
-
-    :param within: limits, in the unit of the criterion, for which the share of runs inside is given.
-    :param converged: a sequence has converged at the first of ``in_a_row`` successive runs inside this limit.
-    """
-
-    criterion: Criterion
-    within: tuple[float, ...]
-    converged: float
-    in_a_row: int = 3
-
-
-def sequence_measures(scenario: Any, judging: Judging) -> Sequence[SequenceMeasure]:
-    """The measures of a scenario: those that its system names, else each of its limits."""
-    if judging.learned:
-        return judging.learned
-    found = []
-    for criterion in limited(judging.criteria, scenario):
-        limit = criterion.limit_in(scenario)
-        assert limit is not None
-        if criterion.better == "low":
-            found.append(SequenceMeasure(criterion, (limit,), limit))
-    return found

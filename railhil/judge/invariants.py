@@ -28,7 +28,7 @@ from railhil.judge.counters import unreconciled
 from railhil.judge.events.declared import Received
 from railhil.judge.events.telegrams import judged
 from railhil.judge.measures import limits_under_train
-from railhil.judge.record_checks import UNCLEAR, Unseen
+from railhil.judge.missed_telegrams import UNCLEAR, Unseen
 from railhil.record.trace import FloatArray, Trace
 from railhil.systems.ato.events import received
 from railhil.systems.ato.scenario.model import Scenario
@@ -55,7 +55,7 @@ IntArray: TypeAlias = npt.NDArray[np.int64]
 
 def broken(scenario: Scenario, trace: Trace) -> list[str]:
     """One sentence for the first breach of each rule, with those of :mod:`railhil.judge.counters`; empty for a run
-    that keeps them. One that begins with :data:`railhil.judge.record_checks.UNCLEAR` names what the record lacks.
+    that keeps them. One that begins with :data:`railhil.judge.missed_telegrams.UNCLEAR` names what the record lacks.
 
     A record of an earlier version, without the level of the train's watch, is checked only for the controller's. What
     a fault has put into NOTCH_CMD is not the controller's, and is not checked; with any fault of NOTCH_CMD, the order

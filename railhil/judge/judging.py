@@ -6,9 +6,10 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from railhil.judge.criteria import Criterion, Extra, SequenceMeasure
+from railhil.judge.criteria import Criterion, Extra
 from railhil.judge.events.declared import Interlocks, Received, Watch, in_words, interface_received
 from railhil.judge.score import Score
+from railhil.judge.sequence_measure import SequenceMeasure
 from railhil.record.status import Status, interface_status
 from railhil.record.trace import FloatArray, Trace
 from railhil.scenarios.model import AnyScenario
@@ -56,7 +57,7 @@ class Judging:
     ``ends_at_m``: (scenario) -> where the run is to end, as a position of the system's ``truth`` in m; None: nowhere.
 
     ``learned``: what is measured over sequences of runs; empty: each limit
-    (:func:`railhil.judge.criteria.sequence_measures`).
+    (:func:`railhil.judge.sequence_measure.sequence_measures`).
 
     For the events (:mod:`railhil.judge.events.declared`): ``watches``: the reaction ladders on the bus.
     ``interlocks``: states of the train, reported when they are not as usual. ``received``: (scenario) -> the telegrams

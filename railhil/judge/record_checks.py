@@ -1,66 +1,19 @@
-"""Whether a record shows what happened: telegrams that it may lack, and milestones against each other and SIM_TRUTH.
+"""Whether a record shows what happened: milestones of the run against each other and against SIM_TRUTH.
 
 A verdict depends on a few rare telegrams. Each is numbered by the plant and repeated, so a milestone missing from the
 record leaves a gap in the numbers; and a standstill of the train is also visible in SIM_TRUTH. If the two disagree the
-record is INVALID, because it is not known what happened. In real time a record may also lack when a node has taken a
-telegram.
+record is INVALID, because it is not known what happened.
 """
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from railhil.bus.codes import STOP_LEG_MIN_M, Event
-from railhil.bus.ident import PACES, PltIdent
-from railhil.bus.schedule import Schedule
 from railhil.bus.telegrams import RunEvent
 from railhil.common.digits import text_beside_limit
 from railhil.faults.truth import HOLE_MAX_S
-from railhil.judge.events.telegrams import Gap, gaps, outages
 from railhil.record.trace import FloatArray, Trace
-from railhil.systems.ato.scenario.model import Scenario
-
-#: Beginning of the reason for which a run is INVALID: the record does not show what a rule needs.
-UNCLEAR = "record: "
-
-
-class Unseen:
-    """Telegrams of periodic ports that may be missing from a record; none from one that is known to have all frames."""
-
-    def __init__(self, scenario: Scenario, trace: Trace) -> None:
-        timing = scenario.timing
-        watch = scenario.watch
-        self._ages_ms = (0, watch.hold_ms, watch.traction_cut_ms, watch.service_brake_ms)
-        ident = trace.ident(PltIdent)
-        self._is_realtime = ident is not None and ident.pace == PACES.index("realtime")
-        self._schedule = Schedule.from_contract(timing.base_tick_ns, timing.port_period_ns, trace.contract)
-        self._trace = trace
-        #: Whether the record is known to have all frames.
-        self.is_whole = trace.reported is not None and trace.reported.exact
-        self._gaps: dict[str, list[Gap]] = {}
-
-    def count(self, port: str, from_s: float = 0.0, until_s: float = math.inf) -> int:
-        """Number of telegrams of a port that may be missing around an interval of time."""
-        if self.is_whole:
-            return 0
-        if port not in self._gaps:
-            entry = self._trace.contract.port(port)
-            self._gaps[port] = [*gaps(self._trace, entry, self._schedule), *outages(self._trace, entry, self._schedule)]
-        return sum(
-            gap.missing for gap in self._gaps[port] if gap.begun_ns <= until_s * 1e9 and gap.until_ns >= from_s * 1e9
-        )
-
-    def lag_s(self, level: int) -> float:
-        """How long after the recorder a node may have taken a telegram, before which it came to a level: in lockstep at
-        once, in real time as late as its watch allows, for the level says that it has taken none for so long."""
-        return self._ages_ms[level] / 1e3 if self._is_realtime else 0.0
-
-    def period_s(self, port: str) -> float:
-        """Period of a port."""
-        return self._schedule.ticks(port) * self._schedule.base_tick_ns / 1e9
-
 
 #: A train that SIM_TRUTH shows at rest for this long has stopped. Speeds below half an LSB (0.05 mm/s) also appear as
 #: rest, but no train creeps so slowly for so long.

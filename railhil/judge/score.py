@@ -22,7 +22,8 @@ from railhil.judge.criteria import ATO_CRITERIA, OVERSPEED, Criterion, limited, 
 from railhil.judge.invariants import broken
 from railhil.judge.journey import Journey, stop_of
 from railhil.judge.measures import limits_under_train
-from railhil.judge.record_checks import UNCLEAR, incomplete, standstill_unclear
+from railhil.judge.missed_telegrams import UNCLEAR
+from railhil.judge.record_checks import incomplete, standstill_unclear
 from railhil.judge.stops import ScoredStop
 from railhil.record.status import Status, wrap_failure
 from railhil.record.trace import Trace

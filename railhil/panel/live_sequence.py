@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from railhil.common.errors import InputError, Words
-from railhil.judge.criteria import sequence_measures
 from railhil.judge.judging import judging_of
+from railhil.judge.sequence_measure import sequence_measures
 from railhil.record.documents import read_certificate, read_score
 from railhil.scenarios.memory import MEMORY_AFTER, BadRecord, read_record
 from railhil.scenarios.model import AnyScenario

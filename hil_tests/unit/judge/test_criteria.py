@@ -109,6 +109,7 @@ def test_more_may_be_better(lvshun: Scenario) -> None:
     assert STOP_ERROR.inside(lvshun, np.array([1.0, 0.3, np.nan])).tolist() == [False, True, False]
     assert (STOP_ERROR.badness(np.array([2.0]))[0], HEADROOM.badness(np.array([2.0]))[0]) == (2.0, -2.0)
     assert limited((HEADROOM, TIME_ERROR, STOP_ERROR)) == [STOP_ERROR, TIME_ERROR, HEADROOM]
+    assert limited((replace(HEADROOM, applies=lambda _: False), STOP_ERROR), lvshun) == [STOP_ERROR]
 
 
 def test_the_batch_gives_every_criterion_and_the_stop(lvshun: Scenario) -> None:

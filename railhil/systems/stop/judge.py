@@ -9,11 +9,12 @@ import numpy as np
 
 from railhil.bus.codes import Event
 from railhil.bus.telegrams import RunEvent
-from railhil.judge.criteria import DID_NOT_STOP, Criterion, Limit, SequenceMeasure, scores, unscored
+from railhil.judge.criteria import DID_NOT_STOP, Criterion, Limit, scores, unscored
 from railhil.judge.events.declared import Watch
 from railhil.judge.judging import Judging
 from railhil.judge.record_checks import incomplete
 from railhil.judge.score import Score
+from railhil.judge.sequence_measure import SequenceMeasure
 from railhil.record.status import Status, wrap_failure
 from railhil.record.trace import Trace
 from railhil.systems.stop.approach import Approach
