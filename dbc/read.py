@@ -94,7 +94,13 @@ def _checked(file: str, port: Port) -> Port:
     if port.mode not in ("publish", "poll", "event"):
         raise ContractError(f"{file}: {port.name}.mode: found {port.mode!r}, allowed publish, poll, event")
     taken: set[int] = set()
+    fields: set[str] = set()
     for signal in port.signals:
+        if signal.field_name in fields:
+            raise ContractError(
+                f"{file}: {port.name}.{signal.name}.field: found {signal.field_name!r} twice, allowed each once"
+            )
+        fields.add(signal.field_name)
         bits = set(range(signal.first_bit, signal.first_bit + signal.length))
         if bits & taken:
             raise ContractError(

@@ -78,7 +78,6 @@ def check_table(file: str, table: Mapping[str, Any]) -> None:
 
 
 def _check_signals(where: str, signals: list[Any]) -> None:
-    fields: set[str] = set()
     for number, signal in enumerate(signals, 1):
         place = f"{where}.{_named(signal, f'signal {number}')}"
         _check_keys(f"{place}.", signal, _OF_SIGNAL)
@@ -89,9 +88,6 @@ def _check_signals(where: str, signals: list[Any]) -> None:
             raise ContractError(f"{place}.scale: found {scale}, allowed a number other than 0")
         if "field" in signal:
             _check_identifier(f"{place}.field", signal["field"])
-            if signal["field"] in fields:
-                raise ContractError(f"{place}.field: found {signal['field']!r} twice, allowed each once")
-            fields.add(signal["field"])
 
 
 def _named(entry: Any, otherwise: str) -> str:

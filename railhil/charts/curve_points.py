@@ -37,7 +37,9 @@ def pick_rows(values: FloatArray, stretches: int, tolerance: float = TOLERANCE) 
         return np.unique(np.concatenate(([0], changes, changes + 1, [count - 1])))
     rows = _extremes(known, stretches)
     finite = values[np.isfinite(values)]
-    return _bent(rows, values, tolerance * float(np.ptp(finite)))
+    gaps = np.flatnonzero(np.isnan(values[1:]) != np.isnan(values[:-1]))
+    # Both sides of every gap: a stretch may have several.
+    return np.unique(np.concatenate((_bent(rows, values, tolerance * float(np.ptp(finite))), gaps, gaps + 1)))
 
 
 def _extremes(values: FloatArray, stretches: int) -> Rows:

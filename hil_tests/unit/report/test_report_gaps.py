@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from hil_tests.support.fault_runs import fast
@@ -233,6 +233,7 @@ def test_a_record_as_figures_get_it_has_one_row_more_for_each_silence(gappy: Gap
 
 
 @given(st.lists(st.tuples(st.integers(1, 900), st.integers(1, 30)), min_size=1, max_size=6))
+@example([(325, 30), (1, 1), (614, 30)])
 def test_a_path_has_the_extremes_and_goes_over_no_gap(parts: list[tuple[int, int]]) -> None:
     shown = np.concatenate([[True] * known + [False] * unknown for known, unknown in parts])
     x = np.arange(len(shown), dtype=float)
