@@ -163,14 +163,30 @@ class LateLines:
 
 
 class FrameLog:
-    """Writes ``frames.log`` of one run folder during the run."""
+    """Writes ``frames.log`` of one run folder during the run.
+
+    A log that could not be written once takes no more lines: what came after them would hide the gap.
+    """
 
     def __init__(self, folder: Path) -> None:
         self.path = folder / LOG_NAME
         self._stream = self.path.open("w", encoding="ascii", newline="\n", buffering=1 << 16)
-        self.write = self._stream.write
+        self._failure: OSError | None = None
         #: What waits to be written; a recorder that uses it writes all its lines to it.
         self.late = LateLines(self.write)
+
+    def write(self, text: str) -> None:
+        """Write whole lines.
+
+        :raises OSError: they cannot be written, or earlier ones could not.
+        """
+        if self._failure is not None:
+            raise self._failure
+        try:
+            self._stream.write(text)
+        except OSError as error:
+            self._failure = error
+            raise
 
     def flush(self) -> None:
         """Flush the buffer to the kernel: from then on a killed recorder no longer loses it.
@@ -178,19 +194,25 @@ class FrameLog:
         :raises OSError: it cannot be written.
         """
         self.late.settle()
-        self._stream.flush()
+        try:
+            self._stream.flush()
+        except OSError as error:
+            self._failure = error
+            raise
 
     def close(self) -> str:
         """Finish the file.
 
         :returns: its SHA-256.
-        :raises OSError: the rest cannot be written; the file then ends with its last complete line.
+        :raises OSError: a part of it could not be written; the file then ends with its last complete line.
         """
         try:
             try:
                 self.late.settle()
             finally:
                 self._stream.close()
+            if self._failure is not None:
+                raise self._failure
         except OSError:
             # A full disk.
             _cut_to_whole_lines(self.path)

@@ -1,17 +1,20 @@
-"""A log that begins during the run has the repeated PLT_IDENT, and is no record of a run."""
+"""The frame log: one that begins late (with the repeated PLT_IDENT) is no record, a full disk leaves no gap."""
 
 from __future__ import annotations
 
+import resource
 from pathlib import Path
 
 import pytest
 
 from hil_tests.support.short_runs import RUN_2M_TOML
 from railhil.bench import local_run
+from railhil.bus.frame import Frame
 from railhil.bus.ident import CtlIdent, PltIdent
 from railhil.bus.telegrams import TimeSync
 from railhil.common.errors import InputError
 from railhil.judge.record import checked_record
+from railhil.record.framelog import FrameLog, log_line
 from railhil.scenarios.load import load
 
 
@@ -52,3 +55,22 @@ def test_the_plant_tells_again_what_runs(scenario_file: Path) -> None:
         assert trace.raw(PltIdent.PORT, f"Plt{name}").tolist() == [0, *[told] * (len(times_ns) - 1)]
     for name in ("ScenarioHash", "WireHash", "Seed", "Role", "Perturbed", "Pace", "Version"):
         assert len(set(trace.raw(PltIdent.PORT, f"Plt{name}").tolist())) == 1
+
+
+@pytest.mark.parametrize("lines", [1, 3000, 20_000])
+def test_log_on_a_full_disk_ends_with_a_whole_line_and_has_no_gap(tmp_path: Path, lines: int) -> None:
+    """Room that appears later does not hide what could not be written before."""
+    log, line = FrameLog(tmp_path), log_line(5_000_000, Frame(0x123, b"\1"))
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (200_001, hard))
+    try:
+        with pytest.raises(OSError, match="File too large"):
+            list(map(log.write, [line * lines] * (40_000 // lines)))
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+    for later in (lambda: log.write(line), log.close):
+        with pytest.raises(OSError, match="File too large"):
+            later()
+    kept = log.path.read_text()
+    assert len(kept) > 199_970
+    assert kept == line * (len(kept) // len(line))
