@@ -24,7 +24,7 @@ from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.options import add_law_options, add_option, add_options, law_spec, patience_help
 from railhil.scenarios.run_spec import LawSpec
 from railhil.scenarios.scenario_pipe import OPTION, received_scenario
-from railhil.scenarios.system import System, system_named
+from railhil.scenarios.system import System
 
 
 def arguments() -> argparse.ArgumentParser:
@@ -75,7 +75,7 @@ def main(words: Sequence[str] | None = None) -> int:
     """Serve one run; exit code 0 when it came to its end."""
     namespace = parse(arguments(), words)
     scenario = _scenario(namespace)
-    system = system_named(scenario.system)
+    system = scenario.installed_system
     law = _law(namespace, system)
     if namespace.check:
         # First load the law, then check whether it can be made as requested.

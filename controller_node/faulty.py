@@ -10,7 +10,6 @@ from railhil.bus.schedule import Schedule
 from railhil.controller_node.any_controller import AnyController
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec
-from railhil.scenarios.system import system_named
 
 
 def controller_of(
@@ -33,7 +32,7 @@ def controller_of(
     :param kill, pause: see :class:`railhil.bus.injector.controller_side.FaultyController`.
     :raises InputError: the law cannot be made.
     """
-    system = system_named(scenario.system)
+    system = scenario.installed_system
     part, contract = system.part("controller"), system.contract
 
     def make() -> Any:

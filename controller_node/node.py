@@ -11,7 +11,6 @@ from railhil.bus.telegrams import RunEvent
 from railhil.common.mypyc import mypyc_attr
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec
-from railhil.scenarios.system import system_named
 
 
 @mypyc_attr(allow_interpreted_subclasses=True)
@@ -32,7 +31,7 @@ class LawNode:
         self.law = law
         self.law_type: Any = law_type
         self.ended: Event | None = None
-        contract = system_named(scenario.system).contract
+        contract = scenario.installed_system.contract
         self._ident = make_ident(Role.CONTROLLER, scenario.sha256, **law.identity, contract=contract)
         self._control_ns = scenario.timing.control_period_ns
         # Control period of the law's last step, and number of its steps.

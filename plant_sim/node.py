@@ -30,7 +30,6 @@ from railhil.plant_sim.handshake import Refused, agree
 from railhil.plant_sim.supervision import SILENCE_NS, RunEndpoint, SupervisorWatch
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
-from railhil.scenarios.system import system_named
 
 if TYPE_CHECKING:
     from railhil.bus.injector.node_faults import NodeFaults
@@ -68,7 +67,7 @@ class PlantNode:
         disturber: Disturber | None = None,
         packed: PackedEnd | None = None,
     ) -> None:
-        system = system_named(scenario.system)
+        system = scenario.installed_system
         self._contract = contract = system.contract
         self._own_events = system.events
         self.plant: AnyPlant

@@ -21,7 +21,6 @@ from railhil.controller_node.export.source import SourceWriter, c_name
 from railhil.controller_node.export.text import template
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec
-from railhil.scenarios.system import system_named
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +42,7 @@ def control_of(scenario: AnyScenario, law: LawSpec) -> Control:
 
     :raises InputError: the system has neither; or like :class:`~railhil.controller_node.export.control.Control`.
     """
-    system = system_named(scenario.system)
+    system = scenario.installed_system
     kind: type[Control] = system.optional_part("export") or InterfaceControl
     return kind(scenario, law)
 

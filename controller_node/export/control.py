@@ -17,7 +17,6 @@ from railhil.controller_node.program.model import LawProgram, Value
 from railhil.dbc import Contract, Port, Signal
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec
-from railhil.scenarios.system import system_named
 
 #: Bits of a record's flags: a run begins; the commands sent are not those of the law.
 FLAG_BEGIN = 1
@@ -212,7 +211,7 @@ class Control(ABC):
     @property
     def contract(self) -> Contract:
         """The wire contract of its system."""
-        return system_named(self.scenario.system).contract
+        return self.scenario.installed_system.contract
 
     @abstractmethod
     def ports(self) -> tuple[list[Port], list[Port]]:

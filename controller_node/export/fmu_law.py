@@ -15,7 +15,6 @@ from railhil.controller_node.export.text import Names, template
 from railhil.controller_node.vector.law import Interface
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec
-from railhil.scenarios.system import system_named
 
 #: Input that says whether other commands were sent than the law's.
 OTHER_SENT = "other_sent"
@@ -80,7 +79,7 @@ def law_in_fixed_point(bundle: Bundle, scenario: AnyScenario, law: LawSpec, toke
 
 def law_in_single_precision(bundle: SingleBundle, scenario: AnyScenario, token: str) -> FmuLaw:
     """The law of an export in single precision; all of its integers are those of their signals."""
-    interface: Interface = system_named(scenario.system).part("interface")
+    interface: Interface = scenario.installed_system.part("interface")
     readings, commands = Names(), Names()
     given = [readings.new(item.name) for item in interface.readings]
     told = [commands.new(item.name) for item in interface.commands]

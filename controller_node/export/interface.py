@@ -36,7 +36,6 @@ from railhil.controller_node.vector.readings import sources_of
 from railhil.dbc import Port, Signal
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec
-from railhil.scenarios.system import system_named
 
 _PERIODS = 80
 _SENT_EVERY = 7
@@ -76,7 +75,7 @@ class InterfaceControl(Control):
 
     def __init__(self, scenario: AnyScenario, law: LawSpec) -> None:
         super().__init__(scenario, law)
-        self.system = system = system_named(scenario.system)
+        self.system = system = scenario.installed_system
         self._interface: Interface = system.part("interface")
         refuse_indexing(system, law)
         self.programs = record_loop(VectorLoop, scenario, replace(law, memory=None))

@@ -11,7 +11,6 @@ from railhil.controller_node.program.leaves import leaves, like
 from railhil.controller_node.program.model import LawProgram, Program, Value
 from railhil.controller_node.program.tracer import FormatError, Tracer
 from railhil.scenarios.run_spec import LawSpec
-from railhil.scenarios.system import system_named
 
 if TYPE_CHECKING:
     from railhil.controller_node.law_loop import LawLoop
@@ -22,7 +21,7 @@ _FUNCTIONS = {"sent": "with_sent", "first step": "step"}
 
 def record(scenario: Any, law: LawSpec, *, wide: bool = False) -> LawProgram:
     """Programs of a law on a scenario of its system, see :func:`record_loop`."""
-    computes = system_named(scenario.system).part("controller").computes
+    computes = scenario.installed_system.part("controller").computes
     return record_loop(computes.loop, scenario, law, wide=wide)
 
 

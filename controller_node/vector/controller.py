@@ -15,7 +15,6 @@ from railhil.controller_node.program.tracer import Tracer
 from railhil.controller_node.vector.law import Answer, Interface, VectorLaw, raw_range
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec
-from railhil.scenarios.system import system_named
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,7 +36,7 @@ class VectorLoop(LawLoop[T]):
     """
 
     def __init__(self, scenario: AnyScenario, law: LawSpec, arithmetic: Arithmetic[T]) -> None:
-        system = system_named(scenario.system)
+        system = scenario.installed_system
         self.interface: Interface = system.part("interface")
         kind = find(law.controller, system.laws, VectorLaw)
         period_s = scenario.timing.control_period_ns / 1e9
@@ -141,7 +140,7 @@ class VectorController(LawController):
         may_wrap: bool = False,
     ) -> None:
         #: Inputs and outputs of the law.
-        self.interface: Interface = system_named(scenario.system).part("interface")
+        self.interface: Interface = scenario.installed_system.part("interface")
         self.wire = {item.name: raw_range(item.telegram, item.field) for item in self.interface.readings}
         self.commands = tuple(CommandCode(item.name, item.q, item.unit) for item in self.interface.commands)
         super().__init__(scenario, law, arithmetic, may_wrap=may_wrap)

@@ -20,7 +20,7 @@ from railhil.controller_node.vector.status import status_telegram
 from railhil.dbc import Contract, Port
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec
-from railhil.scenarios.system import System, system_named
+from railhil.scenarios.system import System
 
 
 def ports_of(contract: Contract, interface: Interface) -> tuple[list[Port], list[Port]]:
@@ -61,7 +61,7 @@ class VectorNode(LawNode):
         fd: bool = False,
         bit_rate: int | None = None,
     ) -> None:
-        system = system_named(scenario.system)
+        system = scenario.installed_system
         contract = system.contract
         if law.task_period_ms:
             raise InputError("command line", "--task-period-ms", law.task_period_ms, f"0 with system {system.name}")

@@ -13,7 +13,6 @@ from railhil.plant_sim.any_plant import AnyPlant
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.plant_fmu import OPTION
 from railhil.scenarios.run_spec import RunSpec
-from railhil.scenarios.system import system_named
 
 if TYPE_CHECKING:
     from railhil.faults.model import Fault
@@ -58,7 +57,7 @@ def make_plant(scenario: AnyScenario, run: RunSpec) -> tuple[AnyPlant, Injection
         those of its system have none.
     """
     run.check_number(scenario)
-    system = system_named(scenario.system)
+    system = scenario.installed_system
     given: tuple[Any, ...] = (scenario, run.seed, run.perturbed, run.wall_rate)
     if system.numbered:
         given = (*given, run.run_number)

@@ -22,7 +22,6 @@ from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario, require_perturbations
 from railhil.scenarios.options import add_option, add_options
 from railhil.scenarios.run_spec import LawSpec
-from railhil.scenarios.system import system_named
 from railhil.study.perturbed_runs import FIRST_SEED, how_made
 
 _RUNS_MAX = 100_000
@@ -78,7 +77,7 @@ def main(words: Sequence[str] | None = None) -> int:
     accept_any_text()
     namespace = parse(arguments(), words)
     scenario = load_any(namespace.scenario, namespace.set)
-    system = system_named(scenario.system)
+    system = scenario.installed_system
     law = LawSpec(namespace.controller or system.law, namespace.arithmetic, namespace.indexing)
     # An unknown law is refused here, before anything else is printed.
     find(law.controller, system.laws)

@@ -22,7 +22,6 @@ from railhil.judge.judging import judging_of
 from railhil.judge.score import Score
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec
-from railhil.scenarios.system import system_named
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,7 +86,7 @@ def audit(scenario: AnyScenario, options: Options) -> Result:
     :raises scenarios.errors.InputError: an unknown law, arithmetic or indexing.
     """
     law = options.law
-    system = system_named(scenario.system)
+    system = scenario.installed_system
 
     def fresh() -> Arithmetic[Any]:
         return make(law.arithmetic)

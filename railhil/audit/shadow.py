@@ -28,7 +28,6 @@ from railhil.judge.result import Result
 from railhil.run.local import unrecorded_run
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.scenarios.system import system_named
 
 
 class Watched:
@@ -41,7 +40,7 @@ class Watched:
 
     def __init__(self, scenario: AnyScenario, law: LawSpec, arithmetic: Arithmetic[Any]) -> None:
         self.arithmetic = arithmetic
-        made = maker_of(system_named(scenario.system), scenario)
+        made = maker_of(scenario.installed_system, scenario)
         self.controller: Any = made(scenario, law, arithmetic, may_wrap=True)
         self.telemetry: Telemetry = self.controller.telemetry
         self._history = self.telemetry.history = []
@@ -128,7 +127,7 @@ def run_under(scenario: AnyScenario, law: LawSpec, controller: Watched, seed: in
 
     :raises InputError: the law raises, or no control period was computed.
     """
-    system = system_named(scenario.system)
+    system = scenario.installed_system
     run: Callable[..., Result] = system.optional_part("direct") or unrecorded_run
     done = run(scenario, RunSpec(law=law, seed=seed), controller)
     if not controller.codes:

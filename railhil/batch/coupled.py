@@ -19,7 +19,6 @@ from railhil.judge.judging import judging_of
 from railhil.judge.result import Result
 from railhil.record.trace import Trace
 from railhil.scenarios.model import AnyScenario
-from railhil.scenarios.system import system_named
 
 
 def run_coupled(case: Case, seeds: Sequence[int]) -> BatchResult:
@@ -27,7 +26,7 @@ def run_coupled(case: Case, seeds: Sequence[int]) -> BatchResult:
 
     :raises InputError: law, arithmetic or parameters do not fit, or a fault needs the nodes.
     """
-    direct = system_named(case.scenario.system).part("direct")
+    direct = case.scenario.installed_system.part("direct")
     runs: list[Result] = [direct(case.scenario, case.run(int(seed))) for seed in seeds]
     counters = [run.arithmetic for run in runs]
     return result_of(
@@ -49,7 +48,7 @@ def digest_of(commands: ArrayLike) -> str:
 
 def command_digest(scenario: AnyScenario, trace: Trace) -> str:
     """:func:`digest_of` a recorded run: the commands of the first poll in each control period."""
-    interface: Interface = system_named(scenario.system).part("interface")
+    interface: Interface = scenario.installed_system.part("interface")
     columns: list[NDArray[Any]] = []
     for item in interface.commands:
         port = item.telegram.PORT

@@ -13,7 +13,6 @@ from railhil.judge.judging import judging_of
 from railhil.plant_sim.faults.plants import needs_nodes
 from railhil.run.local import unrecorded_run
 from railhil.scenarios.model import AnyScenario
-from railhil.scenarios.system import system_named
 
 #: Number of hexadecimal digits of the frame log's hash that are used instead of the notch digest.
 DIGITS = 16
@@ -24,14 +23,14 @@ def batch_of(scenario: AnyScenario) -> Callable[..., Any] | None:
     the scenario needs the nodes."""
     if needs_nodes(scenario):
         return None
-    batch: Callable[..., Any] | None = system_named(scenario.system).optional_part("batch")
+    batch: Callable[..., Any] | None = scenario.installed_system.optional_part("batch")
     return batch
 
 
 def one_by_one(scenario: AnyScenario) -> str:
     """Sentence on why the batch of a scenario makes each run by itself; empty: it makes many at once, or there is no
     batch."""
-    system = system_named(scenario.system)
+    system = scenario.installed_system
     if batch_of(scenario) is None or system.one_by_one is None:
         return ""
     why = system.part("one_by_one")(scenario)
@@ -42,7 +41,7 @@ def kernel_of(scenario: AnyScenario) -> str | None:
     """Module with the compiled loops of a scenario's batch; None: there is no batch, or it compiles nothing."""
     if batch_of(scenario) is None or one_by_one(scenario):
         return None
-    return system_named(scenario.system).kernel
+    return scenario.installed_system.kernel
 
 
 def run_nodes(case: Case, seeds: Sequence[int]) -> BatchResult:

@@ -18,7 +18,7 @@ from railhil.scenarios.model import AnyScenario, require_perturbations
 from railhil.scenarios.parameters import ParameterSet, load_parameters
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.stored import any_judged_sha256
-from railhil.scenarios.system import System, system_named
+from railhil.scenarios.system import System
 from railhil.study.perturbed_runs import FIRST_SEED, check_unseen, training_seeds
 from railhil.study.plan import batch_sha256, bench_sha256, law_sha256, sha256_of_json
 
@@ -149,7 +149,7 @@ class Plan:
             **self.how,
             "code_sha256": bench_sha256(),
             "batch_sha256": batch_sha256(),
-            "system_sha256": system_named(self.scenario.system).code_sha256(),
+            "system_sha256": self.scenario.installed_system.code_sha256(),
         }
 
     @property
@@ -210,7 +210,7 @@ def make_plan(request: Request) -> Plan:
         tuned or chosen (unless the request allows them).
     """
     scenario = load_any(request.scenario, request.settings)
-    system = system_named(scenario.system)
+    system = scenario.installed_system
     require_perturbations(scenario, "campaign")
     last = request.first_seed + request.runs - 1
     if last > SEED_MAX:

@@ -20,7 +20,6 @@ from railhil.common.exit_codes import FAIL, INVALID, PASS
 from railhil.record.framelog import log_sha256
 from railhil.record.log_trace import trace_of_log
 from railhil.scenarios.run_spec import RunSpec
-from railhil.scenarios.system import system_named
 from railhil.study.finished import Verified, differences, finished_rows
 from railhil.study.table import row
 
@@ -49,7 +48,7 @@ def bench_run(plan: Plan, run: RunSpec) -> dict[str, Any]:
         if plan.batch is None:
             digest = log_sha256(log)[:DIGITS]
         else:
-            system = system_named(plan.scenario.system)
+            system = plan.scenario.installed_system
             digest = system.part("digest")(plan.scenario, trace_of_log(log, system.contract))
     return {
         **found["scores"],

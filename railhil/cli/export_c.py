@@ -27,7 +27,7 @@ from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.options import add_option, add_options
 from railhil.scenarios.parameters import load_parameters
 from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.scenarios.system import System, system_named
+from railhil.scenarios.system import System
 
 _FILE_COLUMNS = 100
 
@@ -87,7 +87,7 @@ def main() -> int:
     parameters = None if namespace.parameters is None else load_parameters(namespace.parameters)
     scenario = load_any(namespace.scenario, namespace.set)
     law = LawSpec(namespace.law, indexing=namespace.indexing, parameters=parameters)
-    system = system_named(scenario.system)
+    system = scenario.installed_system
     if _in_single_precision(namespace, system):
         refuse_indexing(system, law)
         law = replace(law, arithmetic="float32")

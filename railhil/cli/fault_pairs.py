@@ -22,7 +22,7 @@ from railhil.judge.result import Result
 from railhil.run.make import NeverBegan, record_run
 from railhil.scenarios.fault_list import disturbed_signals, fault_texts
 from railhil.scenarios.run_spec import RunSpec
-from railhil.scenarios.system import System, system_named
+from railhil.scenarios.system import System
 from railhil.study.pool import each, until_stopped
 
 
@@ -48,7 +48,7 @@ def faultless_run(base: RunSpec, out: Path) -> tuple[float, dict[str, Sent]]:
     with TemporaryDirectory(dir=out) as folder:
         result = run_into(Path(folder), replace(base, faults=()), keep=False)
     scenario = result.scenario
-    return scenario.planned_s, sent_ports(result.trace, disturbed_signals(system_named(scenario.system)))
+    return scenario.planned_s, sent_ports(result.trace, disturbed_signals(scenario.installed_system))
 
 
 def pair_run(

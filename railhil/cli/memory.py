@@ -19,7 +19,6 @@ from railhil.scenarios.load import load_any
 from railhil.scenarios.memory import Memory, Record, Stored
 from railhil.scenarios.memory_store import SLOT_FILES, MemoryStore, memory_at
 from railhil.scenarios.options import add_option
-from railhil.scenarios.system import system_named
 
 _PATH = "folder of --memory, file in it, memory of a run folder, certificate.json"
 
@@ -86,7 +85,7 @@ def _with_law(memory: Memory, namespace: argparse.Namespace) -> Memory:
     from railhil.controller_node.laws.memory import choice
 
     scenario = load_any(namespace.scenario, namespace.set)
-    system = system_named(scenario.system)
+    system = scenario.installed_system
     system.check_law(memory.law, namespace.memory, "law")
     found = choice(memory.law, find(memory.law, system.laws), scenario, memory)
     return replace(memory, stored=found.stored)

@@ -208,7 +208,7 @@ def scenario_file(name: str, base: str, folder: Path) -> str:
     reference = path.stem if shipped else Path(os.path.relpath(path.resolve(), folder.resolve())).as_posix()
     head = Template(_TEMPLATE.read_text("utf-8"))
     text = head.substitute(name=name, base=scenario.name, extends=json.dumps(reference, ensure_ascii=False))
-    kind = system_named(scenario.system).part("scenarios")(system_named(scenario.system))
+    kind = scenario.installed_system.scenario_kind
     return text + _keys(kind.usual_keys(), Layers(path).merged())
 
 

@@ -27,7 +27,6 @@ from railhil.scenarios.operator_commands import ORDER
 from railhil.scenarios.options import add_option
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.settings import canonical_fault
-from railhil.scenarios.system import system_named
 
 _PORT_MAX = 65535
 #: A run does not wait longer for its panel; on a busy machine it takes 2 s.
@@ -120,7 +119,7 @@ def with_emergency(spec: RunSpec) -> RunSpec:
 
 def _emergency_of(scenario: AnyScenario) -> tuple[str, ...]:
     """The fault of the emergency button; none without such a loop, or if the scenario has one there."""
-    has_loop = EMERGENCY_PLACE in system_named(scenario.system).injects
+    has_loop = EMERGENCY_PLACE in scenario.installed_system.injects
     taken = any(text.startswith(EMERGENCY.partition(" ")[0]) for text in scenario.faults)
     return (EMERGENCY,) if has_loop and not taken else ()
 

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 from railhil.bus.ident import CtlIdent
 from railhil.record.framelog import LOG_NAME
 from railhil.run.make import Observer, Plan
-from railhil.scenarios.system import system_named
 
 if TYPE_CHECKING:
     from railhil.common.output import Output
@@ -77,7 +76,7 @@ def _line(plan: Plan, console: Output) -> Iterator[Callable[[float], None]]:
         TextColumn("{task.fields[now]}"),
     )
     instruments = Instruments(scenario)
-    tail = LogTail(plan.folder / LOG_NAME, system_named(scenario.system).contract)
+    tail = LogTail(plan.folder / LOG_NAME, scenario.installed_system.contract)
     with Progress(*columns, console=console, auto_refresh=False, transient=True) as shown:
         task = shown.add_task("", total=scenario.planned_s, now="")
 

@@ -73,7 +73,7 @@ def run_system(namespace: argparse.Namespace) -> System:
 
     :raises InputError: it cannot be loaded.
     """
-    return system_named(load_any(namespace.scenario, namespace.set, namespace.fault).system)
+    return load_any(namespace.scenario, namespace.set, namespace.fault).installed_system
 
 
 def run_spec(namespace: argparse.Namespace, controller: str | None, parameters: ParameterSet | None) -> RunSpec:
@@ -239,7 +239,7 @@ def work(namespace: argparse.Namespace) -> int:
         # Loads what prints tables, which other runs load while their nodes start.
         from railhil.cli.ports import check_foreign_dbc
 
-        check_foreign_dbc(namespace.dbc, system_named(scenario.system).contract)
+        check_foreign_dbc(namespace.dbc, scenario.installed_system.contract)
     spec = _with_determinism(spec, scenario, namespace.json)
 
     @cache

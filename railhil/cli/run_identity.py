@@ -67,7 +67,7 @@ class RunIdentity:
         #: The law's declaration of its notes; None: not known, or the same for every law of the system.
         self.notes: Sequence[Mapping[str, Any]] | None = None
         if named is not None:
-            self.notes = law_notes(system_named(named.system), law)
+            self.notes = law_notes(named.installed_system, law)
         if law is not None and not any(law in system_named(name).law_names() for name in entries(GROUP)):
             system_named(DEFAULT).check_law(law, "command line", "--controller")
         if named is None:
@@ -134,7 +134,7 @@ class RunIdentity:
         known = self.scenario is not None and not isinstance(self.scenario, UnknownScenario)
         parts = [f"{self.scenario.name} ({digits})" if known and self.scenario is not None else f"scenario {digits}"]
         if self.scenario is not None and self._law_code:
-            laws = laws_of_code(self._law_code, system_named(self.scenario.system).laws)
+            laws = laws_of_code(self._law_code, self.scenario.installed_system.laws)
             parts.append(f"law {' or '.join(laws) or f'{self._law_code:03x}'}")
         else:
             parts.append("law not told")

@@ -26,7 +26,6 @@ from railhil.live.bus_follower import Listener, Milestones
 from railhil.live.live_values import Instruments
 from railhil.report.display_columns import LEVEL
 from railhil.scenarios.options import add_option, add_options
-from railhil.scenarios.system import system_named
 
 #: Wall time between two pictures, and simulated time between two lines where there is no terminal.
 _REDRAW_S, _LINE_S = 0.25, 1.0
@@ -138,7 +137,7 @@ class View:
         #: None: it is not known which system runs.
         self.listener: Listener | None = None
         if scenario is not None:
-            system = system_named(scenario.system)
+            system = scenario.installed_system
             self.milestones = Milestones(system.contract, system.events)
             self.listener = Listener(scenario, system.contract, self.milestones)
         self._instruments = None if scenario is None else Instruments(scenario, self._watched.notes)

@@ -165,7 +165,7 @@ def _check_described(path: Path, document: Mapping[str, Any], spec: RunSpec, sce
 
 def _is_by_this_code(document: Mapping[str, Any], scenario: AnyScenario) -> bool:
     """Whether the shipped scenarios of the record are those of this installation."""
-    ours = {"code_sha256": code_sha256(), "system_sha256": system_named(scenario.system).code_sha256()}
+    ours = {"code_sha256": code_sha256(), "system_sha256": scenario.installed_system.code_sha256()}
     return all(document.get(key) == value for key, value in ours.items())
 
 

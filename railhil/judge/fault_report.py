@@ -17,7 +17,6 @@ from railhil.bus.select import LOCAL, BusChoice
 from railhil.common.errors import InputError, Words
 from railhil.common.user_files import whole_file
 from railhil.scenarios.model import AnyScenario
-from railhil.scenarios.system import system_named
 
 if TYPE_CHECKING:
     from railhil.faults.model import Fault
@@ -97,7 +96,7 @@ def fault_outcomes(folder: Path, scenario: AnyScenario, seed: int) -> list[Fault
     found, faults = _outcomes(scenario, seed, rows)
     injection = injection_of(scenario, seed)
     assert injection is not None
-    contract = system_named(scenario.system).contract
+    contract = scenario.installed_system.contract
     logged = {path.name for path in folder.glob(LOGS)}
     for index, fault in enumerate(faults):
         silent = [
@@ -144,7 +143,7 @@ def missing_logs(folder: Path, scenario: AnyScenario) -> list[str]:
 
     injection = injection_of(scenario, 0)
     assert injection is not None
-    contract = system_named(scenario.system).contract
+    contract = scenario.installed_system.contract
     nodes = {node for fault in injection.faults for node in nodes_of(fault, injection, contract) or (INSIDE,)}
     names = sorted(FILE_NAME.format(node=node) for node in nodes)
     return [name for name in names if not (folder / name).is_file()]
@@ -175,7 +174,7 @@ def check_faults(scenario: AnyScenario, transports: Sequence[str], pace: str) ->
 
     injection = injection_of(scenario, 0)
     assert injection is not None
-    contract = system_named(scenario.system).contract
+    contract = scenario.installed_system.contract
     for fault in injection.faults:
         check_injectable(fault, transports, pace, sorted(nodes_of(fault, injection, contract)))
 

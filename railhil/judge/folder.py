@@ -66,13 +66,14 @@ def made_by(system: str, law: str, code: str) -> dict[str, str | None]:
 
     :param system: its name; ``law``: that of the law; ``code``: :func:`code_sha256`.
     """
+    maker = system_named(system)
     return {
         "railhil": version("railhil"),
         "code_sha256": code,
         # Of the package that provides the system, which need not be railhil.
-        "system_sha256": system_named(system).code_sha256(),
+        "system_sha256": maker.code_sha256(),
         # Of the distribution that provides the law; None: railhil.
-        "law_sha256": system_named(system).law_sha256(law),
+        "law_sha256": maker.law_sha256(law),
     }
 
 
@@ -155,7 +156,7 @@ def certificate(result: Result, code: str) -> dict[str, Any]:
         # Includes the limits and factors by which the record is judged.
         "judged_sha256": any_judged_sha256(scenario),
         "system": scenario.system,
-        "dbc_sha256": system_named(scenario.system).contract.sha256,
+        "dbc_sha256": scenario.installed_system.contract.sha256,
         "own_parameters": None if result.origin is None else {"origin": result.origin.text},
         # What the law has declared about its notes in CTL_STAT; None: the controller has not reported it.
         "notes": _notes(result),

@@ -13,7 +13,6 @@ from railhil.judge.sequence_measure import SequenceMeasure
 from railhil.record.status import Status, interface_status
 from railhil.record.trace import FloatArray, Trace
 from railhil.scenarios.model import AnyScenario
-from railhil.scenarios.system import system_named
 from railhil.scenarios.unknown import UnknownScenario
 
 
@@ -93,7 +92,7 @@ def judging_of(scenario: AnyScenario) -> Judging:
 
     :raises InputError: the system has no part ``judging``.
     """
-    system = system_named(scenario.system)
+    system = scenario.installed_system
     judging: Judging = system.part("judging")
     interface = system.optional_part("interface")
     if interface is not None:

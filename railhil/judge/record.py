@@ -30,7 +30,7 @@ from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.stored import SCENARIO, any_judged_sha256, earlier_scenario, read_scenario
-from railhil.scenarios.system import System, system_named
+from railhil.scenarios.system import System
 
 _BESIDE = "a certificate beside the log, or --scenario"
 
@@ -57,10 +57,11 @@ class Record:
     known_score: Score | None = field(default=None, repr=False)
     known_events: tuple[RecordedEvent, ...] | None = field(default=None, repr=False)
 
-    @cached_property
+    @property
     def system(self) -> System:
         """The system of the scenario."""
-        return system_named(self.scenario.system)
+        found: System = self.scenario.installed_system
+        return found
 
     @property
     def folder(self) -> Path:
@@ -208,7 +209,7 @@ def checked_record(text: str, name: str | None) -> Record:
     document, changed = _certificate(log, name)
     scenario = _recorded_scenario(log, name)
     _check_judged(log, scenario, document, name)
-    contract = recorded_contract(log.parent, document.get("dbc_sha256"), system_named(scenario.system).contract)
+    contract = recorded_contract(log.parent, document.get("dbc_sha256"), scenario.installed_system.contract)
     wanted, found = document.get("frames_sha256"), log_sha256(log)
     trace = trace_of_log(log, contract)
     _check_handshake(log, scenario, trace)

@@ -14,7 +14,6 @@ from railhil.record.notes import note_values
 from railhil.record.sampling import Sampler, gap_after, holding_s, silences
 from railhil.record.trace import FloatArray, Trace
 from railhil.scenarios.model import AnyScenario
-from railhil.scenarios.system import system_named
 
 
 class Signals(Mapping[str, FloatArray]):
@@ -85,7 +84,7 @@ def drawn_table(scenario: AnyScenario, trace: Trace, notes: Any = None) -> tuple
     """As :func:`signal_table`, for lines: NaN where a port is silent, and a row for each gap of the truth."""
     judging, holds_s = judging_of(scenario), holding_s(scenario, trace.contract)
     header, rows = table_of(judging, scenario, trace, notes, holds_s)
-    truth = system_named(scenario.system).truth
+    truth = scenario.installed_system.truth
     place = (truth.port, truth.position) if truth else None
     position = next((header.index(name) for name, *where in judging.columns if tuple(where) == place), -1)
     after = silences(rows[:, 0], holds_s.get(judging.truth, np.inf))

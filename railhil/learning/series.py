@@ -12,7 +12,6 @@ from railhil.bus.layout import Telegram
 from railhil.common.errors import InputError, Words
 from railhil.controller_node.vector.law import Interface
 from railhil.record.trace import Trace
-from railhil.scenarios.system import system_named
 
 FloatArray: TypeAlias = NDArray[np.float64]
 _KMH = 3.6
@@ -59,7 +58,7 @@ def read_series(scenario: Any, trace: Trace, unit: int, units: int) -> Series:
     :param unit: from 1; with one unit the readings and commands of the interface have no number.
     :raises InputError: the system's laws have no speed and command of that unit, or the record has none of them.
     """
-    interface: Interface = system_named(scenario.system).part("interface")
+    interface: Interface = scenario.installed_system.part("interface")
     end = f"_{unit}" if units > 1 else ""
     speed = _find_telegram(scenario.system, interface.readings, f"speed{end}")
     command = _find_telegram(scenario.system, interface.commands, f"u{end}")

@@ -26,7 +26,6 @@ from railhil.record.sampling import holding_s
 from railhil.record.trace import Trace
 from railhil.report.display_columns import ShownColumn, shown_columns
 from railhil.scenarios.model import AnyScenario
-from railhil.scenarios.system import system_named
 
 #: Of a log: its beginning, which has the handshake, and its end, which has every cyclic telegram several times.
 _HEAD_BYTES, _TAIL_BYTES = 8192, 12288
@@ -119,7 +118,7 @@ class Instruments:
         self._scenario, self._notes = scenario, notes
         self._judging = judging_of(scenario)
         self.shown = shown_columns(scenario, notes=notes)
-        self._holds_s = holding_s(scenario, system_named(scenario.system).contract)
+        self._holds_s = holding_s(scenario, scenario.installed_system.contract)
         self._ends_at_m = self._judging.ends_at_m(scenario)
 
     def values(self, newest: Newest) -> dict[str, float]:

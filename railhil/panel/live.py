@@ -26,7 +26,7 @@ from railhil.panel.rows import History, Rows
 from railhil.panel.wire import APPEND, REPLACE, encode_batch
 from railhil.record.trace import FloatArray, Trace
 from railhil.scenarios.model import AnyScenario, Timing
-from railhil.scenarios.system import System, system_named
+from railhil.scenarios.system import System
 from railhil.scenarios.unknown import UnknownScenario
 
 #: Kept for pages that come later.
@@ -137,7 +137,7 @@ class LiveRun:
     def _show(self) -> None:
         """Show the watched scenario from now on; None: only frames, because it is not known which system runs."""
         scenario, notes = self._watched.scenario, self._watched.notes
-        system: System | None = None if scenario is None else system_named(scenario.system)
+        system: System | None = None if scenario is None else scenario.installed_system
         self._scenario = scenario
         self.contract = contract = house_contract() if system is None else system.contract
         unknown = UnknownScenario("", "", Timing(base_tick_ns=contract.base_tick_ns))

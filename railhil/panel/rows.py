@@ -14,7 +14,6 @@ from railhil.record.sampling import Sampler, gap_after, holding_s, silences
 from railhil.record.trace import FloatArray, Trace
 from railhil.report.display_columns import ERROR
 from railhil.scenarios.model import AnyScenario
-from railhil.scenarios.system import system_named
 
 #: Rows kept at most; then the older ones become half as dense.
 HISTORY_ROWS_MAX = 24_000
@@ -85,7 +84,7 @@ class Rows:
     def __init__(self, scenario: AnyScenario, layout: Layout, notes: Any = None) -> None:
         self._scenario, self._layout, self._notes = scenario, layout, notes
         self._judging = judging_of(scenario)
-        self._holds_s = holding_s(scenario, system_named(scenario.system).contract)
+        self._holds_s = holding_s(scenario, scenario.installed_system.contract)
         self._truth_holds_s = self._holds_s.get(self._judging.truth, np.inf)
         plain = [column for column in layout.columns if column.kind != LAMP and column.name != ERROR]
         self._factors = np.array([1.0, *(column.factor for column in plain)])

@@ -29,7 +29,6 @@ from railhil.record.framelog import BLF_SUFFIX, log_line, read_log
 from railhil.record.session import Session
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
-from railhil.scenarios.system import system_named
 
 Timed = tuple[int, Frame]
 #: A logger may give stamps to two frames in the wrong order, but not so far apart.
@@ -146,7 +145,7 @@ class _Order:
     """
 
     def __init__(self, scenario: AnyScenario, contract: Contract) -> None:
-        truth = system_named(scenario.system).truth
+        truth = scenario.installed_system.truth
         counted = contract.clock_port if truth is None else contract.port(truth.port)
         timing, port = scenario.timing, contract.port(TimeSync.PORT)
         schedule = Schedule.from_contract(timing.base_tick_ns, timing.port_period_ns, contract)

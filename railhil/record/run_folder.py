@@ -19,7 +19,6 @@ from railhil.dbc.text import dbc_text, table_text
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.stored import SCENARIO, any_document
-from railhil.scenarios.system import system_named
 
 #: Errors of the operating system when the disk is full.
 NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
@@ -127,7 +126,7 @@ def write_inputs(folder: Path, scenario: AnyScenario, parameters: ParameterSet |
     :raises OSError: it cannot be written.
     """
     write_json(folder / SCENARIO, any_document(scenario))
-    system = system_named(scenario.system)
+    system = scenario.installed_system
     (folder / PORTS).write_text(table_text(system.contract), encoding="utf-8")
     (folder / DBC).write_text(dbc_text(system.contract), encoding="utf-8")
     if parameters is not None:

@@ -32,7 +32,6 @@ from railhil.record.senders import ForeignFrames
 from railhil.record.truth_clock import TruthClock
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
-from railhil.scenarios.system import system_named
 
 
 @mypyc_attr(allow_interpreted_subclasses=True)
@@ -58,7 +57,7 @@ class Session:
         late: LateLines | None = None,
         contract: Contract | None = None,
     ) -> None:
-        system = system_named(scenario.system)
+        system = scenario.installed_system
         contract = contract or system.contract
         self.ended: Event | None = None
         #: Disagreements between the nodes, one sentence each; the run is then not started.

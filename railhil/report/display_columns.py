@@ -16,7 +16,7 @@ from railhil.judge.signals import signal_table, signal_units
 from railhil.record.notes import ReportedNote, notes_of
 from railhil.record.trace import Trace
 from railhil.scenarios.model import AnyScenario
-from railhil.scenarios.system import System, system_named
+from railhil.scenarios.system import System
 
 #: Unit of a column -> unit as shown, and the factor between them.
 _DISPLAYED = {"m/s": ("km/h", 3.6), "N": ("kN", 0.001), "permil": ("‰", 1.0), "m/s2": ("m/s²", 1.0), "1": ("", 1.0)}
@@ -116,7 +116,7 @@ def shown_columns(scenario: AnyScenario, contract: Contract | None = None, notes
     :param contract: that of the record; None: the system's own.
     :param notes: the law's declaration of its notes, as in the certificate; None: not known.
     """
-    system, judging = system_named(scenario.system), judging_of(scenario)
+    system, judging = scenario.installed_system, judging_of(scenario)
     empty = Trace(contract or system.contract)
     header, _ = signal_table(scenario, empty, notes)
     units = signal_units(scenario, empty, notes)

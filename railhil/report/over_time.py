@@ -30,7 +30,6 @@ from railhil.report.recorded import RecordedRun
 from railhil.report.styles import Style
 from railhil.report.tables import event_rows, has_unusual
 from railhil.scenarios.model import AnyScenario
-from railhil.scenarios.system import system_named
 
 #: Height of a chart, of one with the speed, and of each name of a value, px.
 _HEIGHT_PX, _SPEED_PX, _NAME_PX = 110, 190, 18
@@ -69,7 +68,7 @@ def system_pictures(scenario: AnyScenario, runs: Sequence[RecordedRun]) -> list[
     has drawn itself (:class:`railhil.report.pictures.Picture`).
     """
     drawn = [replace(run, trace=drawn_trace(run.scenario, run.trace)) for run in runs]
-    found: list[Any] = system_named(scenario.system).part("pictures")(scenario, drawn)
+    found: list[Any] = scenario.installed_system.part("pictures")(scenario, drawn)
     return found
 
 

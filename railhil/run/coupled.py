@@ -34,7 +34,7 @@ from railhil.plant_sim.faults.plants import LEVELS, constant_mismatches, make_pl
 from railhil.record.trace import Trace
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.scenarios.system import System, system_named
+from railhil.scenarios.system import System
 from railhil.systems.ato.scenario.model import Scenario
 from railhil.systems.ato.scenario.perturb import perturbed
 from railhil.wire.ato import NotchCmd, SimTruth, TrnPos, TrnSpeed
@@ -50,7 +50,7 @@ def direct_run(scenario: Any, spec: RunSpec | None = None, controller: Any = Non
     :param controller: computes the commands instead of the run's law.
     :raises InputError: like :func:`coupled_run`, or the law cannot be made.
     """
-    system = system_named(scenario.system)
+    system = scenario.installed_system
     spec = spec or RunSpec(law=LawSpec(system.law))
     if system.interface is not None:
         law = controller or VectorController(scenario, spec.law)
@@ -78,7 +78,7 @@ def coupled_run(
         needs; None: all. A plant whose telegrams draw random numbers for other ports must not be restricted.
     :raises InputError: like :func:`coupled_schedule`, or a fault that is not one of the plant's own.
     """
-    system = system_named(scenario.system)
+    system = scenario.installed_system
     spec = spec or RunSpec(law=LawSpec(system.law))
     if system.interface is not None:
         coupled = _over_interface(scenario, system, law, spec, ports)
@@ -112,7 +112,7 @@ class _Coupled:
     controller_lost = False
 
     def __init__(self, scenario: AnyScenario, plant: Any) -> None:
-        system = system_named(scenario.system)
+        system = scenario.installed_system
         self.trace = Trace(system.contract)
         self.ended: Event | None = None
         #: What the plant refused, by cause.

@@ -35,7 +35,6 @@ from railhil.run.conclusion import judged
 from railhil.run.run import Run
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.scenarios.system import system_named
 
 
 class LocalRun(Run):
@@ -202,7 +201,7 @@ def local_run(
     :param controller: computes the commands instead of the run's law.
     :raises BusError, PlantError, InputError: the run is incomplete.
     """
-    spec = spec or RunSpec(law=LawSpec(system_named(scenario.system).law))
+    spec = spec or RunSpec(law=LawSpec(scenario.installed_system.law))
     check_faults(scenario, [LOCAL], spec.pace)
     return LocalRun(scenario, spec, folder, fd=fd, wire=wire, controller=controller).play()
 

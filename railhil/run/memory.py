@@ -19,7 +19,6 @@ from railhil.scenarios.memory import MEMORY_AFTER, MEMORY_BEFORE, Record, next_r
 from railhil.scenarios.memory_store import MemoryStore, StoreChanged
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
-from railhil.scenarios.system import system_named
 
 if TYPE_CHECKING:
     from railhil.judge.result import Result
@@ -67,7 +66,7 @@ def number_of(scenario: AnyScenario, spec: RunSpec, before: Record | None) -> in
 
     :param before: the record with which it began the run.
     """
-    if system_named(scenario.system).numbered:
+    if scenario.installed_system.numbered:
         return spec.run_number
     return 1 if before is None else before.last_run + 1
 

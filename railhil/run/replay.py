@@ -26,7 +26,6 @@ from railhil.plant_sim.node import PlantNode
 from railhil.record.difference import Difference, FrameWords, Timed, difference_of
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
-from railhil.scenarios.system import system_named
 
 NODES = ("controller", "plant")
 
@@ -81,7 +80,7 @@ def replay(node: str, record: Sequence[Timed], scenario: AnyScenario, spec: RunS
     :param record: of a run of this scenario with this version's wire contract, from its first frame on; not empty.
     :param spec: the run; for the controller only its law, and the seed of its faults.
     """
-    system = system_named(scenario.system)
+    system = scenario.installed_system
     fd = bool(record[0][1].flags & FD)
     replayed = Replayed(node, len(record), record[-1][0] / 1e9)
     if node == "controller":

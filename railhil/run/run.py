@@ -14,7 +14,6 @@ from railhil.record.session import Session
 from railhil.record.trace import Trace
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
-from railhil.scenarios.system import system_named
 
 if TYPE_CHECKING:
     from railhil.judge.result import Result
@@ -33,7 +32,7 @@ class Run(ABC):
         self.spec = spec
         self.choice = choice
         self.folder = folder
-        self.contract = system_named(scenario.system).contract
+        self.contract = scenario.installed_system.contract
         self.log = FrameLog(folder)
         #: Telegrams of the record, read back from the log after the run.
         self.trace = Trace(self.contract)

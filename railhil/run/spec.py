@@ -19,7 +19,6 @@ from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.parameters import ParameterSet, load_parameters
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.settings import setting
-from railhil.scenarios.system import system_named
 
 #: One text or several.
 Texts = str | Sequence[str]
@@ -50,7 +49,7 @@ def spec_of(
     """
     name, given, faults = stable_name(str(scenario)), settings_of(settings), texts_of(faults)
     if controller is None or arithmetic is None:
-        system = system_named(load_any(name, given, faults).system)
+        system = load_any(name, given, faults).installed_system
         controller, arithmetic = controller or system.law, arithmetic or system.arithmetic
     law = LawSpec(controller, arithmetic, indexing, parameters_of(parameters, controller))
     memory_store = None if memory is None else str(Path(memory).resolve())
@@ -67,7 +66,7 @@ def checked_spec(spec: RunSpec) -> tuple[RunSpec, AnyScenario]:
     kept = replace(checked, can=spec.can, start_up=spec.start_up, out=spec.out)
     spec = replace(kept, law=spec.law, memory_store=spec.memory_store)
     loaded = spec.load()
-    system, law = system_named(loaded.system), spec.law
+    system, law = loaded.installed_system, spec.law
     system.check_law(law.controller, _LIBRARY, "controller")
     if law.parameters is not None and law.parameters.source == Path(PARAMETERS):
         # Their file does not exist yet: the error names the call.

@@ -18,7 +18,7 @@ from railhil.faults.tables import fault_of
 from railhil.faults.words import CLEAR, kind_of_part, word_of
 from railhil.scenarios import streams
 from railhil.scenarios.model import AnyScenario
-from railhil.scenarios.system import System, system_named
+from railhil.scenarios.system import System
 
 #: Events that every run has: milestones of the bench.
 _MILESTONES = ("departed", "stopped", "emergency")
@@ -192,7 +192,7 @@ def injection_of(scenario: AnyScenario, seed: int) -> Injection | None:
     if not scenario.faults:
         return None
     faults = draw_faults(scenario.faults, seed)
-    system = system_named(scenario.system)
+    system = scenario.installed_system
 
     def samples(number: int) -> Random:
         return streams.fault_generator(streams.FAULT_SAMPLES, seed, number, faults[number - 1].seed)

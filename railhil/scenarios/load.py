@@ -14,7 +14,6 @@ from railhil.scenarios.system import DEFAULT, system_named
 from railhil.scenarios.validation import dotted
 
 if TYPE_CHECKING:
-    from railhil.scenarios.task import ScenarioKind
     from railhil.systems.ato.scenario.model import Scenario
 
 RUNS = DATA / "runs"
@@ -70,8 +69,7 @@ def load_any(name_or_path: str | Path, settings: Sequence[str] = (), faults: Seq
 def _read(layers: Layers) -> AnyScenario:
     name = layers.merged().get("system", DEFAULT)
     system = system_named(name if isinstance(name, str) else repr(name), layers.origin("system"))
-    kind: ScenarioKind = system.part("scenarios")(system)
-    return kind.read(layers)
+    return system.scenario_kind.read(layers)
 
 
 def find(name_or_path: str | Path) -> Path:

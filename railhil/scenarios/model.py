@@ -8,6 +8,9 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from railhil.common.errors import InputError, Words
 
+if TYPE_CHECKING:
+    from railhil.scenarios.system import System
+
 
 @dataclass(frozen=True, slots=True)
 class Timing:
@@ -51,7 +54,11 @@ class AnyScenario(Protocol):
 
     @property
     def system(self) -> str:
-        """Name of its system (:mod:`railhil.scenarios.system`)."""
+        """Name of its system."""
+
+    @property
+    def installed_system(self) -> System:
+        """Its system (:class:`railhil.scenarios.system.OfSystem`)."""
 
     @property
     def timing(self) -> Timing:

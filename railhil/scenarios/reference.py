@@ -84,9 +84,7 @@ def keys(file_type: type[BaseModel]) -> list[Key]:
 
 def file_type() -> type[BaseModel]:
     """The schema of the files of the default system."""
-    system = system_named(DEFAULT)
-    found: type[BaseModel] = system.part("scenarios")(system).file_type
-    return found
+    return system_named(DEFAULT).scenario_kind.file_type
 
 
 def page() -> str:

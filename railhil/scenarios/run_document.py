@@ -39,7 +39,6 @@ from railhil.scenarios.parameters import ParameterSet, load_parameters, paramete
 from railhil.scenarios.plant_fmu import KEY as FMU_KEY
 from railhil.scenarios.plant_fmu import PlantFmu, fmu_again
 from railhil.scenarios.settings import canonical_fault, setting
-from railhil.scenarios.system import system_named
 from railhil.scenarios.tomlfile import parsed_toml
 from railhil.scenarios.validation import findings
 
@@ -234,7 +233,7 @@ def merged(layers: Sequence[Layer], faults: Faults) -> tuple[dict[str, Any], Par
     document["settings"], document["faults"] = settings, faults_given
     with faults.kept():
         document["scenario"] = _scenario(document.get("scenario", USUAL_SCENARIO), said.get("scenario"))
-        system = system_named(load_any(document["scenario"], settings, faults_given).system)
+        system = load_any(document["scenario"], settings, faults_given).installed_system
         document.setdefault("controller", system.law)
         document.setdefault("arithmetic", system.arithmetic)
         if by := said.get("controller"):
@@ -257,7 +256,7 @@ def _number(document: dict[str, Any], settings: list[str], faults_given: list[st
 
     :raises InputError: the store cannot be used.
     """
-    system = system_named(load_any(document["scenario"], settings, faults_given).system)
+    system = load_any(document["scenario"], settings, faults_given).installed_system
     if system.numbered and "run_number" not in document:
         newest = MemoryStore(Path(document["memory_store"])).read(document["controller"]).newest
         document["run_number"] = 1 if newest is None else newest.last_run + 1

@@ -22,7 +22,6 @@ from railhil.scenarios.operator_commands import ORDER, parse_commands
 from railhil.scenarios.plant_fmu import KEY as FMU_KEY
 from railhil.scenarios.plant_fmu import PlantFmu, fmu_again
 from railhil.scenarios.settings import fault_words, set_words
-from railhil.scenarios.system import system_named
 
 # What reads and checks files is loaded where it is used: a node that is handed its scenario needs none of it.
 if TYPE_CHECKING:
@@ -315,7 +314,7 @@ class RunSpec:
 
         :raises InputError: it has a number.
         """
-        if self.run_number != 1 and not system_named(scenario.system).numbered:
+        if self.run_number != 1 and not scenario.installed_system.numbered:
             allowed = f"1: runs of system {scenario.system} have no numbers"
             raise InputError("run", "run_number", self.run_number, allowed)
 

@@ -30,23 +30,18 @@ _ALLOWED = "a scenario that railhil has written"
 
 def any_document(scenario: AnyScenario) -> dict[str, Any]:
     """Every field of a scenario of any system, as JSON-compatible values."""
-    system = system_named(scenario.system)
-    fields: dict[str, Any] = system.part("scenarios")(system).document(scenario)
-    return fields
+    return scenario.installed_system.scenario_kind.document(scenario)
 
 
 def any_judged_sha256(scenario: AnyScenario) -> str:
     """Hash of what a run of any system uses and what it is judged by: equal where scores are comparable."""
-    system = system_named(scenario.system)
-    return str(system.part("scenarios")(system).judged_sha256(scenario))
+    return scenario.installed_system.scenario_kind.judged_sha256(scenario)
 
 
 def content_sha256(scenario: AnyScenario) -> str:
     """Hash of what a run of any system uses, whatever the scenario is called."""
-    system = system_named(scenario.system)
-    kind = system.part("scenarios")(system)
-    unnamed = kind.stored(kind.document(scenario) | {"name": "unnamed"}, Path(SCENARIO))
-    return str(unnamed.sha256)
+    kind = scenario.installed_system.scenario_kind
+    return kind.stored(kind.document(scenario) | {"name": "unnamed"}, Path(SCENARIO)).sha256
 
 
 def read_scenario(path: Path) -> AnyScenario:
@@ -63,7 +58,7 @@ def read_scenario(path: Path) -> AnyScenario:
     if not isinstance(fields, dict):
         raise InputError(path, "file", Words("no JSON object"), _ALLOWED)
     system = system_named(str(fields.get("system", DEFAULT)), path)
-    scenario: AnyScenario = system.part("scenarios")(system).stored(fields, path)
+    scenario = system.scenario_kind.stored(fields, path)
     if fields.get("sha256") != scenario.sha256:
         raise InputError(path, "sha256", fields.get("sha256"), f"{scenario.sha256}: a scenario that nobody changed")
     return scenario
@@ -74,8 +69,8 @@ def earlier_scenario(sha256: str) -> Scenario | None:
     for path in sorted((DATA / "history").glob("*.json")):
         fields = json.loads(path.read_text(encoding="utf-8")).get(sha256)
         if fields is not None:
-            system = system_named(DEFAULT)
-            return cast("Scenario", replace(system.part("scenarios")(system).stored(fields, path), sha256=sha256))
+            found = cast("Scenario", system_named(DEFAULT).scenario_kind.stored(fields, path))
+            return replace(found, sha256=sha256)
     return None
 
 

@@ -11,7 +11,7 @@ from dataclasses import InitVar, dataclass, field, fields
 from importlib import import_module
 from importlib.resources import files
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from railhil.common.errors import InputError, Words, did_you_mean
 from railhil.common.held_code import OURS, held_sha256
@@ -19,6 +19,9 @@ from railhil.common.law_order import sort_laws
 from railhil.common.plug_ins import cause_of, entries, guard_plug_in
 from railhil.dbc import Contract, system_contract
 from railhil.faults.truth import Truth
+
+if TYPE_CHECKING:
+    from railhil.scenarios.task import ScenarioKind
 
 GROUP = "railhil.systems"
 #: The system of a scenario that does not name one.
@@ -135,6 +138,15 @@ class System:
         return None if getattr(self, name) is None else self.part(name)
 
     @property
+    def scenario_kind(self) -> ScenarioKind:
+        """Reads and writes its scenarios.
+
+        :raises InputError: the part ``scenarios`` cannot be imported.
+        """
+        kind: ScenarioKind = self.part("scenarios")(self)
+        return kind
+
+    @property
     def port_table(self) -> Path:
         """File of the port table.
 
@@ -221,3 +233,19 @@ def system_named(name: str, file: str | Path = "scenario") -> System:
             allowed = f"{OWN_EVENTS.start} to {OWN_EVENTS[-1]}"
             raise InputError(f"system {name}", f"events.{event}", number, allowed)
     return system
+
+
+class OfSystem:
+    """Base of the scenarios: each names its system in its documents, and gives it to whoever runs or judges it."""
+
+    __slots__ = ()
+    #: Its name.
+    system: str
+
+    @property
+    def installed_system(self) -> System:
+        """The system of the scenario.
+
+        :raises InputError: it is not installed, or not usable.
+        """
+        return system_named(self.system)

@@ -32,7 +32,7 @@ from railhil.scenarios.layers import Layers
 from railhil.scenarios.model import AnyScenario, PublishedScore, Timing
 from railhil.scenarios.reference import Key, keys
 from railhil.scenarios.schema import FAULT_TAGS, RUNNING_TIME_MAX_S, FaultRows, Name, Number, Table, Text, TimingTable
-from railhil.scenarios.system import System
+from railhil.scenarios.system import OfSystem, System
 from railhil.scenarios.validation import Refuse, dotted, validated
 
 _ALLOWED = "a scenario that railhil has written"
@@ -106,7 +106,7 @@ class TaskFile(Table):
 
 
 @dataclass(frozen=True, slots=True)
-class TaskScenario:
+class TaskScenario(OfSystem):
     """A scenario with a section defined by its system."""
 
     name: str

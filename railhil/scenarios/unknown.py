@@ -8,10 +8,11 @@ from math import nan
 
 from railhil.dbc import Contract
 from railhil.scenarios.model import PublishedScore, Timing
+from railhil.scenarios.system import OfSystem
 
 
 @dataclass(frozen=True, slots=True)
-class UnknownScenario:
+class UnknownScenario(OfSystem):
     """A scenario of which only the system and the first 32 bit of the hash are known: whoever shows its run shows what
     the wire says, and nothing that only the scenario's file says (target, timetable, where the run is to end).
 

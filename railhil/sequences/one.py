@@ -22,7 +22,7 @@ from railhil.run.memory import number_of
 from railhil.scenarios.memory import Memory, Record, next_record, no_memory
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
-from railhil.scenarios.system import System, system_named
+from railhil.scenarios.system import System
 
 #: Events of the arithmetic that are counted.
 COUNTS = ("wraps", "saturations", "zero_divisions")
@@ -78,7 +78,7 @@ def sequence_batch_of(scenario: AnyScenario) -> Callable[..., Any] | None:
     """The part ``sequence_batch`` of a scenario's system; None: it has none, or a fault needs the nodes."""
     if needs_nodes(scenario):
         return None
-    batch: Callable[..., Any] | None = system_named(scenario.system).optional_part("sequence_batch")
+    batch: Callable[..., Any] | None = scenario.installed_system.optional_part("sequence_batch")
     return batch
 
 
@@ -113,7 +113,7 @@ def sequences(
 
 def runner_of(scenario: AnyScenario) -> Runner:
     """The fastest way to make a run: without a bus if the system can, else through the nodes."""
-    system = system_named(scenario.system)
+    system = scenario.installed_system
     comparable = system.digest is not None or system.interface is not None
     is_direct = system.direct is not None and comparable and not needs_nodes(scenario)
     return _direct if is_direct else through_nodes
@@ -137,7 +137,7 @@ def sequence(
 
 
 def _direct(scenario: AnyScenario, spec: RunSpec) -> OneRun:
-    system = system_named(scenario.system)
+    system = scenario.installed_system
     controller: Any = maker_of(system, scenario)(scenario, spec.law, make(spec.law.arithmetic))
     run: Result = system.part("direct")(scenario, spec, controller=controller)
     counts = {name: int(getattr(controller.counters, name)) for name in COUNTS}
@@ -148,7 +148,7 @@ def _direct(scenario: AnyScenario, spec: RunSpec) -> OneRun:
 
 def through_nodes(scenario: AnyScenario, spec: RunSpec) -> OneRun:
     """One run through the nodes of the bench, in this process."""
-    system = system_named(scenario.system)
+    system = scenario.installed_system
     run = unrecorded_run(scenario, spec)
     totals, found = run.telemetry["totals"], run.telemetry.get("memory")
     counts = {name: int(totals[name]) for name in COUNTS}

@@ -21,7 +21,6 @@ from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.parameters import load_parameters
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.stored import any_judged_sha256
-from railhil.scenarios.system import system_named
 from railhil.sequences.one import sequence_batch_of
 from railhil.study.plan import batch_sha256, bench_sha256, law_sha256, sha256_of_json
 
@@ -87,7 +86,7 @@ def run_specs(base: RunSpec, scenario: AnyScenario, seed: int, runs: int) -> lis
     :param base: any of its runs.
     :param seed: of the sequence.
     """
-    if system_named(scenario.system).numbered:
+    if scenario.installed_system.numbered:
         return [replace(base, seed=seed, run_number=number + 1) for number in range(runs)]
     return [replace(base, seed=seed + number) for number in range(runs)]
 
@@ -152,7 +151,7 @@ class Plan:
             "law_sha256": law_sha256(self.law.controller, self.scenario.system),
             "code_sha256": bench_sha256(),
             "learning_sha256": learning_sha256(),
-            "system_sha256": system_named(self.scenario.system).code_sha256(),
+            "system_sha256": self.scenario.installed_system.code_sha256(),
         }
 
     @property
@@ -163,7 +162,7 @@ class Plan:
 
 def sequence_seeds(scenario: AnyScenario, first: int, sequences: int, runs: int) -> range:
     """Seeds of sequences, see :func:`run_specs`."""
-    apart = 1 if system_named(scenario.system).numbered else runs
+    apart = 1 if scenario.installed_system.numbered else runs
     return range(first, first + sequences * apart, apart)
 
 
@@ -173,7 +172,7 @@ def make_plan(request: Request) -> Plan:
     :raises InputError: a scenario, law, parameter file or seed that cannot be run.
     """
     scenario = load_any(request.scenario, request.settings, request.faults)
-    system = system_named(scenario.system)
+    system = scenario.installed_system
     name = request.controller or system.law
     system.check_law(name, "command line", "--controller")
     require_memory(name, {law: find(law, system.laws) for law in system.law_names()}, scenario)
@@ -203,7 +202,7 @@ def _check_unseen(plan: Plan, last: int) -> None:
     if given is not None and (tuned := given.seen(seeds)):
         found = Words(f"seed {tuned[0]}, on which these parameters were tuned")
         raise InputError(given.source, "training.seeds", found, "parameters tuned on other seeds, or another --seed")
-    law = find(plan.law.controller, system_named(plan.scenario.system).laws)
+    law = find(plan.law.controller, plan.scenario.installed_system.laws)
     drawn = plan.perturbed or plan.scenario.every_run_is_drawn
     seen = chosen_on(law.design_seeds, plan.scenario, seeds) if drawn else []
     if seen:

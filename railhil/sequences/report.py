@@ -16,7 +16,6 @@ from railhil.report.over_time import system_pictures
 from railhil.report.recorded import RecordedRun
 from railhil.report.templates import styles_text, template
 from railhil.scenarios.memory import SLOT_A, SLOT_B, Memory, Record, Stored, no_memory
-from railhil.scenarios.system import system_named
 from railhil.sequences.one import through_nodes
 from railhil.sequences.pictures import pictures
 from railhil.sequences.plan import Plan
@@ -73,7 +72,7 @@ def _example(plan: Plan, table: pa.Table, number: int, values: Mapping[str, Any]
     law = plan.law.controller
     memory = no_memory(law, Path("memory"))
     if values is not None:
-        key = memory_key(find(law, system_named(plan.scenario.system).laws), plan.scenario)
+        key = memory_key(find(law, plan.scenario.installed_system.laws), plan.scenario)
         slot = row_of(table, number - 1)["memory_used"]
         record = Record(law, key, number - 1, number - 1, values)
         memory = Memory(law, (Stored(slot if slot in (SLOT_A, SLOT_B) else SLOT_A, record),), Path("memory"))

@@ -24,7 +24,6 @@ from railhil.run.memory import with_memory
 from railhil.run.report import as_recorded
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
-from railhil.scenarios.system import system_named
 from railhil.testing.result import Run
 from railhil.testing.telegrams import Heard, Wanted
 
@@ -67,7 +66,7 @@ class Live:
         check_faults(scenario, [LOCAL], spec.pace)
         self.spec, self.scenario = spec, scenario
         write_inputs(self.folder, scenario, spec.law.parameters)
-        self._heard = Heard(system_named(scenario.system).contract)
+        self._heard = Heard(scenario.installed_system.contract)
         self._run = LocalRun(scenario, spec, self.folder, hear=self._heard.take)
         self._plant = self._run.plant
         self._tick_ns = scenario.timing.base_tick_ns
@@ -250,7 +249,7 @@ class Live:
 
     def _truth(self, name: str, wanted: Truth) -> tuple[Callable[[], bool], Callable[[], str]]:
         """Whether a truth is reached, and how it is now."""
-        truth = system_named(self.scenario.system).truth
+        truth = self.scenario.installed_system.truth
         signal = str(getattr(truth, name)) if truth is not None else ""
         if truth is None or not signal:
             raise ValueError(f"{name}: system {self.scenario.system} does not say where it is sent; wait for a port")

@@ -19,7 +19,7 @@ from railhil.faults.random_faults import Ports, words_drawn
 from railhil.faults.words import PLACES
 from railhil.scenarios.fault_list import disturbed_signals
 from railhil.scenarios.load import load_any
-from railhil.scenarios.system import System, system_named
+from railhil.scenarios.system import System
 
 #: Resolution of instants and durations, and the longest duration, in s.
 _STEP_S, _LONGEST_S = 0.01, 10.0
@@ -37,7 +37,7 @@ def faults(
     :raises InputError: there is no such scenario.
     """
     loaded = load_any(scenario, settings)
-    system = system_named(loaded.system)
+    system = loaded.installed_system
     ports = disturbed_signals(system)
     places = _places(system, ports)
     last = round(loaded.planned_s / _STEP_S) - 1

@@ -16,7 +16,6 @@ from railhil.judge.events.event import INTERLOCK, MILESTONE, RecordedEvent, in_o
 from railhil.judge.judging import judging_of
 from railhil.record.trace import Trace
 from railhil.scenarios.model import AnyScenario
-from railhil.scenarios.system import system_named
 
 
 def events_of(scenario: AnyScenario, trace: Trace, beside: Iterable[RecordedEvent] = ()) -> tuple[RecordedEvent, ...]:
@@ -30,7 +29,7 @@ def events_of(scenario: AnyScenario, trace: Trace, beside: Iterable[RecordedEven
     end_s = trace.end_s
     return in_order(
         beside,
-        milestones(trace, system_named(scenario.system).events),
+        milestones(trace, scenario.installed_system.events),
         telegrams.lost(trace, schedule),
         telegrams.missed_polls(trace),
         telegrams.refused(trace, judging.received(scenario)),

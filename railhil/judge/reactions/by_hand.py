@@ -12,7 +12,7 @@ from railhil.faults.model import Fault, Trigger
 from railhil.judge.reactions.catalogue import catalogue_of
 from railhil.scenarios.fault_list import fault_texts
 from railhil.scenarios.model import AnyScenario
-from railhil.scenarios.system import System, system_named
+from railhil.scenarios.system import System
 
 #: Levels that cost nothing before they are injected: others change what the run waits for, or how the hub is started.
 _LEVELS = ("train", "sensor", "actuator", "command", "telegram")
@@ -26,7 +26,7 @@ def faults_by_hand(scenario: AnyScenario) -> tuple[str, ...]:
 
     :raises InputError: the catalogue is damaged.
     """
-    system = system_named(scenario.system)
+    system = scenario.installed_system
     taken = {parse(text).place for text in scenario.faults}
     texts: dict[tuple[object, ...], str] = {}
     for fault in _catalogued(system):

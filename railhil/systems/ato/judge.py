@@ -17,7 +17,6 @@ from railhil.record.status import WRAP_FAILURE
 from railhil.record.trace import FloatArray, Trace
 from railhil.report.deviations import deviations
 from railhil.report.recorded import RecordedRun, wanted_mps
-from railhil.scenarios.system import system_named
 from railhil.systems.ato.events import INTERLOCKS, WATCHES, received
 from railhil.systems.ato.scenario.model import Scenario
 from railhil.wire.ato import CtlStat, NotchCmd, SimTruth, TrkInfo, TrnPos, TrnSpeed
@@ -129,7 +128,7 @@ def advice(run: RecordedRun, folder: Path) -> str:
     if not only_errors or run.controller == _WITH_POSITION or certificate.get("indexing") != "time":
         return ""
     steps = []
-    if _WITH_POSITION in system_named(scenario.system).law_names():
+    if _WITH_POSITION in scenario.installed_system.law_names():
         steps.append(f"the same with --controller {_WITH_POSITION}, which knows its position")
     if run.controller in LAW_ORDER and not certificate.get("parameters"):
         steps.append(f"railhil tune {run.controller} {name}, which searches its parameters")

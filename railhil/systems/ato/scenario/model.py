@@ -12,6 +12,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields
 
 from railhil.scenarios.model import PublishedScore, Timing
+from railhil.scenarios.system import OfSystem
 
 #: Longest run, by the train's own odometer.
 DISTANCE_MAX_M = 400_000.0
@@ -215,7 +216,7 @@ class Perturbations:
 
 
 @dataclass(frozen=True, slots=True)
-class Scenario:
+class Scenario(OfSystem):
     """A complete run: train, line, target speed curve, plan, sensors, timing, limits.
 
     ``sha256`` is the hash of the canonical form of everything that changes the run; the three nodes compare
