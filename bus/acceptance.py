@@ -1,4 +1,4 @@
-"""Which telegrams of a port are used: those with a new life sign and correct check variables, for any layout."""
+"""Accepts the telegrams of a port, of any layout, that have a new life sign and correct check variables."""
 
 from __future__ import annotations
 
@@ -32,7 +32,8 @@ def checks_of(kind: type[Telegram]) -> dict[str, Signal]:
 class Acceptance:
     """Accepts telegrams of one port that have passed the traffic store.
 
-    A telegram is accepted if its life sign is new and all its check variables are correct, as far as it has them.
+    A telegram is accepted if its life sign is new and all its check variables are correct. A field that the layout does
+    not have is not checked.
 
     :param counters: where refusals are counted by cause (``duplicate``, ``out_of_order``, ``check_variable``), and
         ``gap`` for new telegrams after lost ones: the causes of :class:`railhil.controller_node.ato.guard.Guard`.

@@ -1,8 +1,8 @@
 """Bus administrator: publishes its own ports on their period and polls the ports of the others.
 
-In lockstep it waits for every answer, so simulation time stops until all nodes have answered (for how long:
-:mod:`railhil.common.patience`); in real time an answer later than ``reply_ns`` is a missed telegram, and the old value
-ages.
+In lockstep it waits for every answer, so simulation time stops until all nodes have answered.
+:mod:`railhil.common.patience` limits the wait. In real time an answer later than ``reply_ns`` is a missed telegram, and
+the old value ages.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ from railhil.dbc import Contract, Port, wire_contract
 REPLY_NS: Final = 5_000_000
 #: How long to listen for further answers to one device status poll once every device has answered.
 _SCAN_ANSWER_S: Final = 0.03
-#: On a private bus: for the answers to all polls of the scan, after the first of each node.
+#: Wait on a private bus for the answers to all polls of the scan, after the first answer of each node.
 _LATE_ANSWER_NS: Final = 1_000_000_000
 #: Lockstep: interval at which to check whether the awaited node has ended.
 _LOOK_NS: Final = 100_000_000
@@ -50,12 +50,12 @@ class Administrator:
     :param fd: send the CAN FD form.
     :param reply_ns: real time: wall time after which an answer is too late.
     :param patience_s: lockstep: wall time for an answer whose owner is not known to have ended.
-    :param contract: of the run's system; None: that of railhil's own train.
-    :param send_early: lockstep: passes published telegrams on before they are sent; False: not now. None: they wait for
-        the next ``flush`` or poll.
-    :param packed: the endpoint for frames as they are packed; in lockstep it is used for all that is sent in the run,
-        and its own ``send_early`` for published telegrams.
-    :param unread: port that nobody reads before the end of the run; it is passed on with the next telegram or poll.
+    :param contract: wire contract of the run's system; None: the contract of railhil's own train.
+    :param send_early: lockstep: passes published telegrams on before they are sent, and returns False when it cannot
+        now. None: published telegrams wait for the next ``flush`` or poll.
+    :param packed: endpoint for packed frames. In lockstep it sends all frames of the run, and its own ``send_early``
+        takes the published telegrams.
+    :param unread: port that no node reads before the end of the run; it is passed on with the next telegram or poll.
     """
 
     def __init__(
@@ -116,8 +116,8 @@ class Administrator:
 
     def flush(self) -> None:
         """Send what is queued."""
-        # Emptied first: a signal in the middle of sending ends the run, and its last event is sent after it. The frames
-        # before it must not go out twice.
+        # The queue is emptied first: a signal in the middle of sending ends the run and sends its last event
+        # afterwards. The frames of this queue must not go out twice.
         if packet := self._packet:
             assert self._packed is not None
             self._packet = b""
@@ -157,7 +157,7 @@ class Administrator:
         return False
 
     def _discard_late(self) -> None:
-        """Drop answers that came after the reply time-out: if one were taken for the next answer, all later answers
+        """Drop answers that came after the reply time-out. If one were taken for the next answer, all later answers
         would be one poll late."""
         deadline_ns = self._monotonic_ns() + self._reply_ns
         while frames := self._endpoint.receive(0.0):
@@ -166,7 +166,7 @@ class Administrator:
                 return
 
     def _in_time(self, port: Port) -> bool | None:
-        """Real time: True when an answer was committed, False when it was refused, None when none came in time."""
+        """Real time: True when an answer was committed, False when it was refused, None when no answer came in time."""
         deadline_ns = self._monotonic_ns() + self._reply_ns
         committed = None
         while committed is None and (remaining_ns := deadline_ns - self._monotonic_ns()) > 0:
@@ -208,7 +208,7 @@ class Administrator:
         for frame in self._endpoint.receive(timeout_ns / 1e9):
             is_last = frame.can_id in last_ids and frame in self._own
             if is_last and not frame.data:
-                # Under a fault a source says that it does not answer; nobody would wait for it in real time.
+                # A source under a fault sends this frame in lockstep only: in real time nothing waits for its answer.
                 self.counters["no_answer"] += 1
                 committed = False if committed is None else committed
             elif self._store.feed(frame, self._now_ns()) == name:
@@ -237,7 +237,7 @@ class Administrator:
                 missing -= answers.keys()
         if not missing:
             if self._endpoint.is_private:
-                # Nobody else can be there, and each poll has its answer.
+                # A private bus has no other node, and each poll has its answer.
                 self._await_answers(open_polls)
             else:
                 self._refuse_doubles(set(devices))

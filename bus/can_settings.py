@@ -1,4 +1,4 @@
-"""python-can's options and configuration, without python-can as long as nobody uses them.
+"""python-can's options and configuration. python-can itself is imported only when a setting is used.
 
 Its import loads every log format with its libraries (with asammdf installed also pandas), in every process that reads
 these options. Options, help and messages are python-can's own; a test compares them.
@@ -31,12 +31,14 @@ def has_settings(environment: Mapping[str, str] | None = None) -> bool:
 
 
 def _is_there(path: str) -> bool:
-    """Whether there is such a file; in the home of somebody else python-can finds none, and there may be no home."""
+    """Whether there is such a file. False in a home that this user may not read, as in python-can, and without a
+    home."""
     return os.path.isfile(os.path.expanduser(path))
 
 
 class Interfaces:
-    """Names of the installed interfaces, in order; python-can lists them when one is asked for that is not the hub."""
+    """Names of the installed interfaces, in order. python-can is loaded for the list only if another interface than the
+    hub is asked for."""
 
     def __contains__(self, name: object) -> bool:
         return name == HUB_INTERFACE or name in _installed()
@@ -52,7 +54,7 @@ def _installed() -> list[str]:
 
 
 class _ByPythonCan(argparse.Action):
-    """An option whose words python-can's own action reads."""
+    """An option whose value is parsed by python-can's own action."""
 
     name: ClassVar[str]
 

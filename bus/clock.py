@@ -57,7 +57,7 @@ class BusClock:
     the last speed. Before the first clock frame or TIME_SYNC ``tick`` is 0 and ``running`` is False.
 
     A node that comes late, as after a restart, counts from 0 until TIME_SYNC tells the time of the run (``is_set``).
-    That leap is no time that has passed: ages are differences of ``own_ns``, which it leaves out.
+    This jump is not elapsed time: ages are differences of ``own_ns``, which leaves it out.
 
     :param counters: where refused TIME_SYNC are counted by cause: ``time_check`` (check variable not correct),
         ``time_duplicate``, ``time_out_of_order`` (life sign), ``time_backward``, ``time_ahead``.
@@ -76,7 +76,7 @@ class BusClock:
         self.counters: Counter[str] = Counter() if counters is None else counters
         self.base_tick_ns = base_tick_ns
         self._ticks_per_frame = ticks_per_frame or max(1, port.period_ns // base_tick_ns)
-        # So many ticks life signs can bridge.
+        # Largest number of lost ticks that life signs can bridge.
         self._near_ticks = MAX_STEP * self._ticks_per_frame
         # Life sign of the last clock frame (-1: not known) and its tick, which falls behind ``tick`` when polls advance
         # the clock.
@@ -87,23 +87,24 @@ class BusClock:
         # Polls since the last clock frame, and the tick of the first of them.
         self._polls = 0
         self._poll_tick = 0
-        # Life sign of the last TIME_SYNC taken; of one refused as too far ahead, its life sign and how far.
+        # Life sign of the last TIME_SYNC taken. For a TIME_SYNC refused as too far ahead: its life sign, and by how
+        # much it was ahead.
         self._sync_life = LifeSign()
         self._ahead: tuple[int, int] | None = None
-        # Life sign of a slower port, with the tick of this node's count at which it was right; of one ahead of the
-        # clock: by how much, and the life sign.
+        # Life sign of a slower port, with the tick of this node's count at which it was right. For a life sign ahead of
+        # the clock: by how much, and the life sign.
         self._slow: tuple[int, int] | None = None
         self._slow_ahead: tuple[int, int] | None = None
         # Since an outage of the interface the time is an estimate: the last tick before it (-1: it is no estimate).
         self._known_tick = -1
-        # What of that time is less than a tick.
+        # The part of that time that is less than a tick.
         self._spare_ns = 0
         self.tick = 0
         #: Simulation time of the current tick in ns; read ten times per tick, hence not a property.
         self.now_ns = 0
         # The tick at which a node that came late began to count.
         self._began_tick = 0
-        #: The same from the beginning of this node's count, for ages.
+        #: Simulation time since the beginning of this node's count, for ages.
         self.own_ns = 0
         #: Whether a TIME_SYNC has been taken: the time is that of the run.
         self.is_set = False
@@ -113,13 +114,13 @@ class BusClock:
         self.rate = 0.0
 
     def feed(self, data: bytes) -> bool:
-        """Take a telegram of the clock port, its process data, in bus order; True when it opened a new tick.
+        """Take the process data of a telegram of the clock port, in bus order; True when it opened a new tick.
 
         Frames refused by the store's check must not be passed: they open no tick.
         """
         life = data[3] & 0xF
         if self.tick == self._frame_tick and self._life >= 0 and life == (self._life + 1) % _LIFE_MODULUS:
-            # The next one, in time: nearly always, and the shortest way of what follows.
+            # The next life sign, in time: nearly always the case, so it is decided first.
             self._life = life
             self.tick = self._frame_tick = tick = self.tick + self._ticks_per_frame
             self.now_ns = tick * self.base_tick_ns
@@ -165,8 +166,8 @@ class BusClock:
         return self._poll_tick if self._polls else -1
 
     def count(self, frames: int, polled_tick: int) -> None:
-        """:meth:`feed` of so many clock frames, and :meth:`polled` between them, where the time is regular, each frame
-        is the next one, and each poll comes at a multiple of its period and once in a tick.
+        """:meth:`feed` of a number of clock frames with :meth:`polled` between them. The time must be regular: each
+        frame is the next one, and each poll comes at a multiple of its period and once in a tick.
 
         :param polled_tick: tick of the last poll; -1: there was none.
         """
@@ -214,9 +215,9 @@ class BusClock:
         """Nothing could be received for ``wall_ns``: advance the time at the pace of the run.
 
         The result is an estimate, like that from the polls: the next clock frame is assigned to the nearest tick with
-        its life sign. At a pace outside the range of SimRate (0.05, 25.5) the limit of the range is used, and the next
-        TIME_SYNC corrects the time: until then a slow run takes a speed to be older than it is, a fast one takes it to
-        be fresher.
+        its life sign. At a pace outside the range of SimRate (0.05, 25.5) the limit of the range is used until the next
+        TIME_SYNC corrects the time. Until then a slow run overestimates the age of a speed, and a fast run
+        underestimates it.
         """
         if self.running:
             self.elapsed(int(wall_ns * self.rate))
@@ -233,10 +234,11 @@ class BusClock:
     def slow(self, life: int, period_ticks: int, received_ns: int) -> None:
         """Take the life sign of a port slower than the clock port; it counts more time than the clock port's own.
 
-        A silence of the whole bus shifts the clock by whole turns of its life sign, and nothing on the clock port tells
-        so. Where two telegrams in a row of the slower port are ahead by the same number of turns, the clock follows. By
-        its count, both must come soon after the last one that was not ahead: otherwise telegrams of the slower port are
-        missing or late by themselves. The result is an estimate, see :meth:`silence`: TIME_SYNC may take it back.
+        A silence of the whole bus can shift the clock by whole turns of its life sign, which the clock port alone
+        cannot show. If two telegrams in a row of the slower port are ahead by the same number of turns, the clock
+        follows them. By the slower port's count, both must come soon after the last telegram that was not ahead;
+        otherwise telegrams of the slower port itself are missing or late. The result is an estimate, see
+        :meth:`silence`: TIME_SYNC may take it back.
 
         :param received_ns: :attr:`own_ns` at its arrival.
         """
@@ -246,7 +248,7 @@ class BusClock:
             return
         right_life, right_tick = self._slow
         turn, slow_turn = _LIFE_MODULUS * self._ticks_per_frame, _LIFE_MODULUS * period_ticks
-        # A period before the silence and two after it, and what the clock port tells of it.
+        # A period before the silence and two after it, and the part that the clock port shows.
         soon = 3 * period_ticks + turn
         since = at_tick - right_tick
         ahead = ((life - right_life) * period_ticks - since) % slow_turn
@@ -267,8 +269,8 @@ class BusClock:
         count contradicts: a repeated or forged TIME_SYNC must not stop the ageing of the last speed.
 
         - Never backwards, except to correct the estimate of :meth:`silence`, and never before that outage.
-        - Ahead at most as far as life signs can bridge. Further only when the next TIME_SYNC confirms it: the whole bus
-          was silent, or this node came late.
+        - Ahead at most by the ticks that life signs can bridge. A time further ahead is taken when the next TIME_SYNC
+          confirms it: the whole bus was silent, or this node came late.
         """
         cause, tick = self._implausible(telegram)
         if cause:
@@ -302,7 +304,7 @@ class BusClock:
             return "time_check", tick
         off, near = tick - self.tick, self._near_ticks
         if off > near:
-            # Nothing is repeated from the future: after a long silence the order of the life signs says nothing.
+            # A time ahead cannot be a repetition, and after a long silence the order of the life signs says nothing.
             before, self._ahead = self._ahead, (telegram.life, off)
             if before is not None and telegram.life == (before[0] + 1) % _LIFE_MODULUS and abs(off - before[1]) <= near:
                 self._ahead = None

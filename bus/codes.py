@@ -32,7 +32,7 @@ _ENDS = frozenset(event for event in Event if event >= Event.ENDED_COMPLETE)
 
 
 def ends_run(milestone: int) -> bool:
-    """Whether nothing more comes after a milestone; one of a system's own never ends the run."""
+    """Whether a milestone is the last of its run. A milestone of a system's own never ends the run."""
     return milestone in _ENDS
 
 

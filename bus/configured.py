@@ -1,7 +1,7 @@
-"""What python-can's configuration says of the bus: its files and variables, each checked before it is used.
+"""Settings of the bus in python-can's files and variables, each checked before it is used.
 
-python-can passes over a file that it cannot open, and takes any text for a number or a switch. Here what is set wrong
-is refused with the name of its file or variable.
+python-can passes over a file that it cannot open, and takes any text for a number or a switch. This module refuses a
+wrong setting with the name of its file or variable.
 """
 
 from __future__ import annotations
@@ -30,8 +30,8 @@ def configured(given: Mapping[str, Any]) -> dict[str, Any]:
     """``given``, completed by python-can's configuration; without an interface only if nothing is set at all.
 
     :param given: keyword arguments of ``can.Bus`` from the command line, which override the configuration.
-    :raises InputError: one line that names the file or the variable: it cannot be read, or its value is wrong, or it
-        sets something of a bus and nothing names its interface.
+    :raises InputError: a file cannot be read, a value is wrong, or a setting of a bus has no interface. The line names
+        the file or the variable.
     """
     import can
 
@@ -68,15 +68,15 @@ def configured(given: Mapping[str, Any]) -> dict[str, Any]:
     try:
         return dict(can.util.load_config(config=dict(given)))
     except (TypeError, ValueError) as error:
-        # What else python-can checks: "port" and "state".
+        # The keys that python-can also checks: "port" and "state".
         key = next((key for key in set_here if key in str(error).lower()), set_here[0])
         raise refused(key, found[key], f"what python-can takes ({error})") from None
 
 
 def _sources() -> Iterator[tuple[str | Path, Mapping[str, Any]]]:
-    """Each source and what it sets, in python-can's order: the first that sets a key decides.
+    """Each source and its settings, in python-can's order: the first source that sets a key decides.
 
-    :raises InputError: one that cannot be read.
+    :raises InputError: a source cannot be read.
     """
     import can
 
@@ -103,7 +103,7 @@ def _of_file(path: Path) -> Mapping[str, str]:
         if not stat.S_ISREG(path.stat().st_mode):
             return {}
     except OSError:
-        # None, or in the home of somebody else: python-can finds none there either.
+        # There is no such file, or this user may not look into the home: python-can finds none there either.
         return {}
     try:
         path.open("rb").close()

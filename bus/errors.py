@@ -1,4 +1,4 @@
-"""What can go wrong on the bus.
+"""The errors of the bus.
 
 ::
 

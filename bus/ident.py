@@ -1,4 +1,4 @@
-"""The handshake: each node states what it is about to run, and a run starts only if all three agree."""
+"""The handshake: each node states the run that it is about to make, and the run starts only if all three agree."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from railhil.dbc import Contract, wire_contract
 
 #: Codes of ``arithmetic``, ``indexing`` and ``pace`` in the handshake.
 ARITHMETICS = ("none", *command_line.ARITHMETICS)
-#: What each arithmetic reproduces: the IQmath library, or the rounding of the floating-point unit.
+#: Model of each arithmetic: the IQmath library, or the rounding of the floating-point unit.
 PROFILES = {
     "float64": "ieee754",
     "float32": "nearest",
@@ -28,15 +28,15 @@ PACES = ("none", *command_line.PACES)
 
 
 class Ident(telegrams.Ident):
-    """What a node is about to run; one layout for PLT_IDENT, CTL_IDENT and SUP_IDENT."""
+    """The run that a node is about to make; one layout for PLT_IDENT, CTL_IDENT and SUP_IDENT."""
 
     __slots__ = ()
-    #: The node that is the source of the port; its number, but that of the plant, is also its MVB device address.
+    #: The node that is the source of the port. Its number is also its MVB device address, except for the plant.
     ROLE: ClassVar[Role]
 
     @property
     def is_own(self) -> bool:
-        """True when the role is that of the port's source; otherwise the telegram is not from a node of the bench."""
+        """True when the role matches the port's source; otherwise the telegram is not from a node of the bench."""
         return self.role == self.ROLE
 
     def differences(self, other: Ident) -> list[str]:
@@ -111,7 +111,7 @@ def law_code(controller: str) -> int:
 
 
 def laws_of_code(code: int, group: str = "railhil.laws") -> list[str]:
-    """The installed laws whose code with their own parameters this is, sorted.
+    """The installed laws that have this code with their own parameters, sorted.
 
     :param group: entry point group of the system's laws.
     """
@@ -132,7 +132,7 @@ def make_ident(
 ) -> Ident:
     """Handshake telegram of a node; hashes are truncated to their first 32 bits.
 
-    :param contract: of the run's system; None: that of railhil's own train.
+    :param contract: of the run's system; None: the contract of railhil's own train.
     """
     return _CLASSES[role](
         scenario_hash=int(scenario_sha256[:8], 16),

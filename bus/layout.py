@@ -50,7 +50,7 @@ class Telegram:
     _signals: ClassVar[tuple[tuple[str, Signal], ...]] = ()
 
     def __init_subclass__(cls) -> None:
-        # Not those of its base, whose port may have other signals.
+        # The base's own fields do not count: its port may have other signals.
         for name in ("encode", "decode"):
             setattr(cls, name, vars(Telegram)[name])
 
@@ -77,7 +77,7 @@ class Telegram:
 
     @classmethod
     def bound(cls, port: Port, name: str = "") -> type[Self]:
-        """This layout bound to a port: that of one unit among several, or of another system.
+        """This layout bound to a port of one unit among several, or of another system.
 
         :param name: of the new class.
         :raises TypeError: the fields are not the signals of the port.

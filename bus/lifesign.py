@@ -26,7 +26,7 @@ class Life(Enum):
         return self is _NEXT or self is _GAP or self is _FIRST
 
 
-# A member of an enum costs as much as a call on CPython 3.11, and every telegram is judged.
+# Looking up a member of an enum costs as much as a call on CPython 3.11, and every telegram is judged.
 _FIRST: Final = Life.FIRST
 _NEXT: Final = Life.NEXT
 _GAP: Final = Life.GAP

@@ -22,7 +22,7 @@ class AnsweredAtOnce:
         self.lossless = True
         #: Nothing can fail here.
         self.is_down = False
-        #: A test may put two controllers on it.
+        #: A test may put two controllers on this bus.
         self.is_private = False
 
     def receive(self, timeout_s: float | None) -> list[Frame]:
@@ -37,7 +37,7 @@ class AnsweredAtOnce:
         return True
 
     def is_cut_off(self, node: str) -> bool:
-        """Never: here nothing keeps one node from another."""
+        """Always False: here no fault separates two nodes."""
         del node
         return False
 

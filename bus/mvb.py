@@ -52,7 +52,7 @@ def _check_octet(data: int) -> int:
 
 
 def _octets_of_bytes(shift: int) -> list[int]:
-    """The octet of every byte at a number of bits from the end: the XOR of those of its bits. Only these are
+    """The octet of every byte at a number of bits from the end: the XOR of those of its bits. Only single bits are
     divided, because every process makes the tables at its start."""
     octets = [0]
     for bit in range(8):
@@ -98,7 +98,7 @@ def check_sequence(block: bytes) -> int:
 
 
 def single_frame_fault(payload: bytes, data_bytes: int, tail: bytes) -> str:
-    """Why the 8 bytes of a single-frame telegram are refused, in the words of the traffic store; empty if they are not.
+    """Cause of refusal of the 8 bytes of a single-frame telegram, in the words of the traffic store; empty if accepted.
 
     :param data_bytes: of its port, 2 or 4.
     :param tail: its :func:`master_tail`.
@@ -169,7 +169,7 @@ class TelegramSource:
         # F4 has 40 bytes, which is not a valid CAN FD length.
         self._padded_bytes = 48 if port.f_code == 4 else port.data_bytes + 8
         self._sequence = 0
-        # What stands before the data of each frame when it is packed.
+        # The bytes before the data of each packed frame.
         self._heads = [pack_frame(Frame(can_id, bytes(8)))[:-8] for can_id in port.can_ids]
 
     def packed(self, data: bytes) -> bytes:
@@ -234,7 +234,7 @@ def parse_device_status(data: bytes) -> tuple[int, int] | None:
 
 
 def device_status_fault(data: bytes) -> str:
-    """Why a device status answer is invalid, in words; empty if it is valid."""
+    """The fault of a device status answer, in words; empty if it is valid."""
     if len(data) != 8:
         return f"wrong length, {len(data)} bytes instead of 8"
     if check_sequence(data[:2]) != data[4] or check_sequence(data[5:7]) != data[7]:

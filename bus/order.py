@@ -4,8 +4,8 @@ A real bus has one order for all listeners. ``vcan`` has an order only per sendi
 delivered to the listeners on the processor it runs on, so a third node may see the controller's answer before the
 administrator's poll, or after the administrator's next frames (measured: 6 to 11 of 9600 frames on two processors). The
 administrator waits for each answer in lockstep, so the order on the wire is known and is restored here. If an answer
-never comes, the bus falls silent, because the recorder does not answer a poll that it holds back:
-:meth:`BusOrder.flush` then gives up waiting for it.
+never comes, the bus falls silent, because the recorder does not answer a poll that it holds back.
+:meth:`BusOrder.flush` then stops waiting for the answer.
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ class BusOrder:
         is_own = frame in self._own
         if self._awaited:
             if is_own and frame.can_id == self._awaited[-1] and not frame.data:
-                # The source says that it does not answer.
+                # The source has sent "no answer".
                 self._awaited = [frame.can_id]
             if not is_own or frame.can_id != self._awaited[0]:
                 self._held.append(frame)

@@ -1,4 +1,4 @@
-"""Which frames are of the wire contract: its identifiers, in the form that each of them has there."""
+"""The frames of the wire contract: its identifiers, each in the form that it has there."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ NO_TELEGRAM: Final = ERROR | EXTENDED | REMOTE
 
 
 class OwnFrames:
-    """The frames of a contract, as a container; all others on the bus are somebody else's.
+    """The frames of a contract, as a container; all other frames on the bus are foreign.
 
-    An extended frame whose number is that of a standard identifier is another frame, and so is a remote or an error
-    frame, and one of CAN FD where the contract has a classic one. Length and content are not looked at: a damaged
-    telegram is one nevertheless.
+    An extended frame with the number of a standard identifier is foreign, and so are a remote frame, an error frame,
+    and a CAN FD frame where the contract has a classic one. Length and content do not matter: a damaged telegram
+    belongs to the contract, too.
     """
 
     __slots__ = ("flags",)
 
     def __init__(self, contract: Contract) -> None:
-        #: By identifier: the flags that a frame has there, beside BRS.
+        #: Flags of a frame by its identifier, without BRS.
         self.flags = {can_id: 0 for port in contract.ports for can_id in port.can_ids}
         self.flags |= {port.fd_id: FD for port in contract.ports}
         self.flags |= dict.fromkeys((contract.poll_id, contract.device_status_id), 0)

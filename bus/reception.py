@@ -1,4 +1,4 @@
-"""What a node has received in a run, as it counts it itself; the supervisor compares it with the record.
+"""The telegrams that a node has received in a run, as it counts them; the supervisor compares them with the record.
 
 A document for ``NODE.sent`` and ``certificate.json``::
 
@@ -44,7 +44,7 @@ def reception(store: TrafficStore, judged: Mapping[str, tuple[int, Mapping[str, 
 
 
 def received_by(nodes: Mapping[str, object]) -> dict[str, Document]:
-    """The documents of nodes by name; of those that say what they have received (attribute ``received``)."""
+    """The documents of nodes by name, for the nodes that count their telegrams (attribute ``received``)."""
     told = {name: getattr(node, "received", None) for name, node in nodes.items()}
     return {name: document for name, document in told.items() if document is not None}
 

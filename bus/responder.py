@@ -47,8 +47,8 @@ _quick_reading: Final[Callable[[tuple[Any, int, int | None]], Reading[Any]]] = p
 
 
 def slow_port(received: Iterable[Port], clock_port: Port, schedule: Schedule) -> Port | None:
-    """Of the ports that a node receives, the slowest one whose life sign counts time (:meth:`BusClock.slow`): it is
-    published on a period longer than the clock port's and has 4 bits at the end of its data. None: there is none."""
+    """The slowest received port whose life sign counts time (:meth:`BusClock.slow`). Its period is longer than the
+    clock port's, and its life sign is the last 4 bits of its data. None: there is none."""
 
     def counts(port: Port) -> bool:
         end = 8 * port.data_bytes
@@ -79,7 +79,8 @@ class CanModule(Protocol):
         """Take a frame; returns its time stamp if it is read at once, None if it is lost or waits for a task."""
 
     def read_due(self, now_ns: int) -> Sequence[tuple[Frame, FrameCheck | None, int, int]]:
-        """What a task reads now: frame, its check if there was one, arrival (simulation time, ns), time stamp."""
+        """The frames that a task reads now: frame, its check if there was one, arrival (simulation time, ns), time
+        stamp."""
 
 
 class Responder:
@@ -93,7 +94,7 @@ class Responder:
     :param module: the node's CAN module; None: every frame of its ports is read at once.
     :param contract: of the run's system; None: that of railhil's own train.
     :param paced: the polls of its own ports are the second time base of its clock, and the slowest port with a life
-        sign the third; False: another one is.
+        sign the third; False: the clock has another time base.
     """
 
     def __init__(
@@ -118,7 +119,7 @@ class Responder:
         self._poll_id = contract.poll_id
         # The module of a classic chip does not receive the CAN FD form.
         self._clock_ids = (clock_port.address, clock_port.fd_id) if module is None else (clock_port.address,)
-        # For each port, the class that decodes its telegrams and the handler, of everyone who takes them.
+        # For each port, the class that decodes its telegrams and the handler, of each receiver in the node.
         self._handlers: dict[str, list[tuple[Callable[[bytes], Any], Callable[[Any], None]]]] = {}
         if TimeSync.PORT in self.store.ports:
             self.on(TimeSync, self._synchronise)

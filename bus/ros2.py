@@ -140,7 +140,7 @@ def ros_name(name: str) -> str:
 
 
 def _different(names: list[str]) -> list[str]:
-    """The names, with numbers where two are equal."""
+    """The names, with numbers added where two are equal."""
     found: list[str] = []
     for name in names:
         serial, free = 1, name

@@ -5,7 +5,7 @@ IEC 61375-2-3, annex B. The last six octets of the process data are the version 
 another port, fails the CRC.
 
 A sink judges once per cycle, whether a telegram has arrived or not. *Fresh*: use the data. *Invalid*: nothing new, but
-for fewer than ``n_rxsafe`` cycles. *Error*: there are no safe data. What makes a telegram count as none:
+for fewer than ``n_rxsafe`` cycles. *Error*: there are no safe data. Causes for which a telegram does not count:
 
 =================== ===================================================================================================
 crc                 damaged, or of another source or port
@@ -17,7 +17,7 @@ redundancy          the other source within ``n_guard`` cycles after a switch-ov
 =================== ===================================================================================================
 
 After an error the first good telegram initialises the channel, the second one is fresh. The counter repeats itself
-after 256 telegrams, so the user data must hold what tells an old telegram with the expected counter from a new one.
+after 256 telegrams, so the user data must distinguish an old telegram with the expected counter from a new one.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ _TABLE = tuple(map(_row, range(256)))
 def crc32(data: bytes, seed: int) -> int:
     """CRC-32 of the safety code: most significant bit first, ``seed`` in the register at the start, not inverted.
 
-    That of data with their own CRC behind them is 0.
+    The CRC of data followed by their own CRC is 0.
     """
     value = seed
     for octet in data:
@@ -129,9 +129,10 @@ class SafeSink:
         self._cycles = limits.n_rxsafe
         self._guard = 0
         self._guard_violated = False
-        # The telegram that was a duplicate last: it does not initialise the channel.
+        # The last duplicate telegram: it does not initialise the channel.
         self._stuck = b""
-        # Telegrams left of the interval that began with a CRC error, that telegram, and whether another one followed.
+        # Telegrams left of the interval that began with a CRC error, the damaged telegram, and whether another one
+        # followed.
         self._monitored = 0
         self._damaged = b""
         self._channel_failed = False
@@ -150,7 +151,7 @@ class SafeSink:
         return self._verdict
 
     def _refused(self, data: bytes) -> str:
-        """Why a telegram is not used; empty: it is."""
+        """Cause for which a telegram is not used; empty if it is used."""
         cause = self._source_of(data)
         if cause:
             return cause

@@ -1,7 +1,7 @@
-"""What a node has put on the bus, kept by the node itself: the record is compared with it after the run.
+"""The frames that a node has sent, kept by the node itself: the record is compared with them after the run.
 
-A recorder on a shared bus cannot tell who has sent a frame. The sender can: a frame that it did not send was sent by
-somebody else.
+A recorder on a shared bus cannot tell the sender of a frame. The nodes can: a frame that none of them has sent is
+foreign.
 """
 
 from __future__ import annotations
@@ -25,10 +25,11 @@ _BATCH: Final = 4096
 class SentFrames:
     """Every frame that a node has sent, in order.
 
-    Its file is sorted by who reads it (:mod:`railhil.record.senders`), since all wait for the end of a node: a
-    line of JSON with the numbers of frames and what was received, then frames as they were packed
-    (:mod:`railhil.bus.hub.wire`), and of the others identifiers (32 bits each, in the order of this machine), lengths
-    of the data, flags (8 bits each), and the data. A node notes all its frames in one of the two ways.
+    The reader sorts the file (:mod:`railhil.record.senders`), since all processes wait for the end of a node. It has a
+    line of JSON with the numbers of frames and the telegrams received, then the packed frames
+    (:mod:`railhil.bus.hub.wire`), then of the other frames the identifiers (32 bits each, in the byte order of this
+    machine), lengths of the data, flags (8 bits each), and the data. A node notes all its frames in one of the two
+    ways.
 
     :param path: the file for :meth:`write`.
     :param node: the node, for messages.
@@ -45,7 +46,7 @@ class SentFrames:
         self._flags = bytearray()
         # Frames noted as they are packed.
         self._packed = bytearray()
-        #: What the node has received (:mod:`railhil.bus.reception`); None: it does not say.
+        #: Telegrams that the node has received (:mod:`railhil.bus.reception`); None: it does not count them.
         self.received: dict[str, Any] | None = None
 
     def note(self, frames: Sequence[Frame]) -> None:
@@ -59,7 +60,7 @@ class SentFrames:
         self._packed += packet
 
     def _put_together(self) -> None:
-        """Without a loop over the frames: a node does this in the middle of its run."""
+        """No loop over the frames here: a node does this in the middle of its run."""
         if not self._waiting:
             return
         ids, data, flags = zip(*self._waiting, strict=True)

@@ -1,10 +1,10 @@
 """Traffic store: CAN frames in, complete checked telegrams out, with their age.
 
-The receiving rules of the MVB-on-CAN mapping: blocks are staged per port and committed only when the trailer comes,
-all blocks have arrived since the last trailer, blocks and trailer within ``assembly_ns``, and count, F_code, address
-and every check sequence are correct. Otherwise the whole telegram is dropped, the cause is counted, and the old value
-keeps ageing. A repeated block replaces the earlier one and its time: blocks left over from one telegram, or stray ones,
-do not affect the next.
+The receiving rules of the MVB-on-CAN mapping: blocks are staged per port. They are committed when the trailer comes, if
+all blocks have arrived since the last trailer and within ``assembly_ns`` of it, and if count, F_code, address and every
+check sequence are correct. Otherwise the whole telegram is dropped, the cause is counted, and the old value keeps
+ageing. A repeated block replaces the earlier one and its time, so blocks left over from one telegram, or stray ones, do
+not affect the next.
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ class _Sink:
         elif port.f_code == 4:
             # 40 bytes is not a valid CAN FD length.
             self.fd_bytes = -(-self.fd_bytes // 16) * 16
-        # Blocks of the telegram being received; how many are still missing, and when the others arrived.
+        # Blocks of the telegram being received; the number still missing, and the times of the others.
         self.blocks = [b""] * port.blocks
         self.times_ns = [0] * port.blocks
         self.missing = port.blocks
@@ -72,8 +72,8 @@ class _Sink:
 class FrameCheck(NamedTuple):
     """The check of a single frame: kind, identifier, length and, for a complete telegram, check sequence.
 
-    ``cause``: why the frame is refused, one of :data:`CAUSES`; empty if it is not refused. Then it is ``part`` of the
-    telegram of ``sink``: the number of the block, -1 the trailer, -3 the CAN FD form.
+    ``cause``: cause of refusal, one of :data:`CAUSES`; empty for a good frame. A good frame is ``part`` of the telegram
+    of ``sink``: the number of the block, -1 the trailer, -3 the CAN FD form.
     """
 
     cause: str
@@ -206,7 +206,7 @@ class TrafficStore:
 
     @property
     def is_empty(self) -> bool:
-        """Whether no port has blocks of a telegram that has not come to its end."""
+        """Whether no port has blocks of an incomplete telegram."""
         return all(sink.missing == sink.block_count for sink in self._sinks.values())
 
     @property

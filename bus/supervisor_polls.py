@@ -1,4 +1,4 @@
-"""The polls that the supervisor answers: who waits for them wakes it for these alone."""
+"""The polls that the supervisor answers: a recorder that reads in bulk is woken for these alone."""
 
 from __future__ import annotations
 

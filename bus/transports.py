@@ -1,4 +1,4 @@
-"""The transports: which link serves an interface, and what each of them does not model.
+"""The transports: the link that serves an interface, and the properties that the transport does not model.
 
 A new one is a row here and a link with a class method ``opened``, which takes an :class:`Opening`; everything else
 that depends on the transport reads this table.
@@ -31,7 +31,7 @@ def _of_the_hub() -> str:
 
 @dataclass(frozen=True, slots=True)
 class Opening:
-    """What a link is opened with.
+    """The parameters of opening a link.
 
     :param config: arguments of ``can.Bus``.
     :param name: the node's name.
@@ -60,7 +60,7 @@ class Transport:
 
     :param name: in tables; empty: not listed.
     :param interfaces: of python-can that it serves; none: all others.
-    :param unmodelled: what it does not model, which a user must know before relying on a result.
+    :param unmodelled: properties that it does not model, which a user must know before relying on a result.
     :param channel: regular expression of the channels that it serves.
     :param link: ``module:class`` of its link.
     """
@@ -73,7 +73,7 @@ class Transport:
 
     @property
     def limit(self) -> str:
-        """What it does not model, as a sentence."""
+        """The properties that it does not model, as a sentence."""
         return self.unmodelled if isinstance(self.unmodelled, str) else self.unmodelled()
 
     def serves(self, interface: str, channel: str) -> bool:
@@ -82,7 +82,7 @@ class Transport:
         return named and re.fullmatch(self.channel, channel, re.DOTALL) is not None
 
 
-#: The first that serves a bus is its transport.
+#: The first entry that serves a bus is its transport.
 TRANSPORTS = (
     Transport(
         "local",
@@ -138,11 +138,11 @@ def transport_of(interface: str, channel: str) -> Transport:
 
 
 def limits_of(transport: str) -> str:
-    """What the transport ``interface:channel`` does not model."""
+    """The properties that the transport ``interface:channel`` does not model."""
     interface, _, channel = transport.partition(":")
     return transport_of(interface, channel).limit
 
 
 def limits() -> dict[str, str]:
-    """The listed transports, and what each of them does not model."""
+    """The listed transports, and the properties that each of them does not model."""
     return {one.name: one.limit for one in TRANSPORTS if one.name}

@@ -32,7 +32,7 @@ def arguments() -> argparse.ArgumentParser:
     add_options(parser, "--set", "--fault")
     add_fmu_options(parser)
     parser.add_argument(
-        "--timing-file", type=Path, metavar="FILE", help="realtime: write lateness and latencies there at the end"
+        "--timing-file", type=Path, metavar="FILE", help="realtime: file for lateness and latencies, written at the end"
     )
     add_options(parser, "--fault-log", "--lifeline", "--sent-file", OPTION)
     add_priority_argument(parser, None, f"default {NODE_PRIORITY} with --pace realtime, else 0")
@@ -54,7 +54,7 @@ def _need_orders(faults: Sequence[str]) -> bool:
     """Whether some of a run's faults need a hub that takes orders."""
     if not faults:
         return False
-    # A plant without faults does not load what injects them.
+    # A plant without faults does not load the injection.
     from railhil.bus.injector.bus_faults import need_orders
     from railhil.faults.language import parse as parse_fault
 

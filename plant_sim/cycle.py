@@ -77,7 +77,7 @@ class Milestones:
         return RunEvent(event, self._number, instant_01ms, position_01mm)
 
 
-#: Ticks after which the same ports are due again, up to which a table says which.
+#: Longest cycle of due ports for which a table is made, in ticks.
 _TABLE_TICKS: Final = 1000
 
 
@@ -111,7 +111,7 @@ class Surroundings(Protocol):
 
 
 class TickedPlant(Protocol):
-    """What the loop needs from a plant."""
+    """Interface of a plant for the loop."""
 
     tick: int
 
@@ -158,7 +158,7 @@ class TickLoop:
             pass
 
     def _due(self, tick: int) -> tuple[list[Callable[[], Telegram | None]], list[Port]]:
-        """Makers of what is published in a tick, and the ports that are polled."""
+        """Makers of the telegrams published in a tick, and the ports that are polled."""
         return (
             [make for period, make in self._published if tick % period == 0],
             [port for period, port in self._polled if tick % period == 0],
@@ -167,7 +167,7 @@ class TickLoop:
     def ticks(self) -> Iterator[None]:
         """Execute ticks until the run has ended; gives control back at the instant of each, after all its telegrams.
 
-        Whoever has control may end the run through the surroundings.
+        The caller may end the run through the surroundings.
 
         :raises PlantError: the simulation has failed.
         """
@@ -188,7 +188,7 @@ class TickLoop:
                     ending.happened(happened.kind, tick)
                     around.report(happened)
             except OverflowError as misfit:
-                # What a scenario can reach is checked when it is loaded: this is a fault that goes further.
+                # The values that a scenario can reach are checked when it is loaded. Only a fault can exceed them.
                 raise PlantError(f"tick {tick}: {misfit}: the wire cannot carry it") from misfit
             for port in ports:
                 # An answer may end the run; the other nodes then leave the bus.

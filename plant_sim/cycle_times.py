@@ -12,7 +12,7 @@ from railhil.common.user_files import whole_file
 
 #: Name of a tick's event in the table; other events are named by the port polled.
 TICK = "tick"
-#: Instead of a latency: no answer within the reply time-out, or a refused one.
+#: Value in place of a latency: no answer within the reply time-out, or a refused one.
 MISSED_NS = -1
 
 

@@ -1,7 +1,7 @@
 """Tables of the forces on a train, made from its scenario.
 
-Masses, coefficients and grades may be arrays over N runs, which the batch makes. For this the module is not among those
-that mypyc compiles, as :mod:`railhil.plant_sim.forces` is.
+Masses, coefficients and grades may be arrays over N runs, made by the batch. Therefore mypyc does not compile this
+module, while it compiles :mod:`railhil.plant_sim.forces`.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Forces on a train from tables: effort limits, Davis resistance, grade under the train.
 
-The batch compiles all functions here (:mod:`railhil.common.compilable` says what they may be made of); the tables are
+The batch compiles all functions here (:mod:`railhil.common.compilable` lists the permitted language); the tables are
 made in :mod:`railhil.plant_sim.force_tables`.
 """
 

@@ -1,4 +1,5 @@
-"""Before the run: the bus administrator finds the other nodes, compares what they run, and waits for the start."""
+"""Before the run: the bus administrator finds the other nodes, compares the runs that they state, and waits for the
+start."""
 
 from __future__ import annotations
 
@@ -19,17 +20,17 @@ _DEMANDS_MAX = 200
 
 
 class Refused(BusError):
-    """The nodes do not agree on what to run; the text names both sides."""
+    """The nodes do not agree on the run; the text names both sides."""
 
     exit_code = 2
 
 
 def agree(administrator: Administrator, store: TrafficStore, own: Ident, contract: Contract, appear_s: float) -> Ident:
-    """Wait for controller and supervisor, compare what each node is about to run, wait for the start.
+    """Wait for controller and supervisor, compare the runs that the nodes state, wait for the start.
 
-    :param own: what the plant is about to run.
-    :param appear_s: how long the other nodes may take to appear, on the wall clock.
-    :returns: the same with what the controller has told of itself, to be repeated during the run.
+    :param own: the run that the plant is about to make. :param appear_s: how long the other nodes may take to appear,
+        on the wall clock.
+    :returns: the same, completed by the controller's statement; it is repeated during the run.
     :raises PeerSilent: a node did not appear.
     :raises Refused: the nodes disagree, or the supervisor does not start the run.
     """
@@ -64,7 +65,7 @@ def agree(administrator: Administrator, store: TrafficStore, own: Ident, contrac
 
 
 def _counted(causes: Counter[str]) -> str:
-    """How often each cause was found, in words."""
+    """Number of refusals by cause, in words."""
     return ", ".join(f"{count_of(count, 'time')} {cause.replace('_', ' ')}" for cause, count in sorted(causes.items()))
 
 

@@ -49,8 +49,8 @@ class PlantNode:
         the limit is longer.
     :param fault_log: the run folder, for the log of the faults of this node; None: no log is written.
     :param disturber: takes the orders of faults of the bus; None: they are not acted out (a replay).
-    :param packed: the same endpoint for packed frames (:attr:`railhil.bus.link.Link.packed`). With faults, which change
-        what is sent, only what they leave is sent early there.
+    :param packed: the same endpoint for packed frames (:attr:`railhil.bus.link.Link.packed`). With faults, only the
+        frames that they leave are sent early there.
     """
 
     def __init__(
@@ -71,7 +71,7 @@ class PlantNode:
         self._contract = contract = system.contract
         self._own_events = system.events
         self.plant: AnyPlant
-        #: What is injected inside the plant; None: nothing.
+        #: Faults injected inside the plant; None: none.
         self.injections: Injections | None
         self.plant, self.injections = make_plant(scenario, run)
         self._fault_log = fault_log
@@ -84,11 +84,11 @@ class PlantNode:
         self.timing = PlantTiming() if run.is_realtime else None
         endpoint.lossless = not run.is_realtime
         schedule = Schedule.from_contract(self._tick_ns, scenario.timing.port_period_ns, contract)
-        #: What is injected into what the plant sends; None: nothing.
+        #: Faults injected into the frames that the plant sends; None: none.
         self.faults: NodeFaults | None = None
         send_early: Callable[[Sequence[Frame]], bool] | None = None
         if scenario.faults:
-            # What injects faults is loaded only for a run with faults: it takes a tenth of the start of a node.
+            # The injection is loaded only for a run with faults: it takes a tenth of the start of a node.
             from railhil.bus.injector.node_faults import NodeFaults
             from railhil.bus.injector.plant_side import FaultyEndpoint
             from railhil.scenarios.fault_list import injection_of
@@ -133,11 +133,12 @@ class PlantNode:
         self._supervisor = SupervisorWatch(
             endpoint, supervisor_period_ns, run.wall_rate, silence_ns=silence_ns, patience_s=run.patience_s
         )
-        # Position of the current tick, because a plant that has failed no longer has one.
+        # Position at the current tick, kept because a failed plant no longer has one.
         self._position_01mm = 0
 
     def _makers(self) -> dict[str, Callable[[], Telegram | None]]:
-        """What is published in a tick: the plant's telegrams, and what is run, for who joins late, behind the time."""
+        """Telegrams published in a tick: the plant's own, and behind the time the statement of the run for nodes that
+        join late."""
         found: dict[str, Callable[[], Telegram | None]] = {}
         for port, make in self.plant.makers.items():
             found[port] = make
@@ -146,7 +147,7 @@ class PlantNode:
         return found
 
     def _told(self) -> Telegram | None:
-        # The handshake has told it before the first tick.
+        # The handshake has sent it before the first tick.
         return self._ident if self.plant.tick else None
 
     @property
@@ -156,13 +157,14 @@ class PlantNode:
 
     @property
     def received(self) -> Document:
-        """What it has received (:mod:`railhil.bus.reception`); a plant may say in ``judged`` what its checks did."""
+        """Telegrams that it has received (:mod:`railhil.bus.reception`); a plant may give the results of its checks in
+        ``judged``."""
         found = reception(self._store, getattr(self.plant, "judged", {}))
         found["frames"]["no_answer"] = self.administrator.counters["no_answer"]
         return found
 
     def write_fault_logs(self) -> None:
-        """Write the logs of what was injected at this node, and inside the plant, into the run folder."""
+        """Write the logs of the faults injected at this node and inside the plant into the run folder."""
         if self.faults is not None:
             self.faults.write()
         if self.injections is not None and self._fault_log is not None:
@@ -173,7 +175,7 @@ class PlantNode:
     # -- before the run -------------------------------------------------------------------------------------------
 
     def handshake(self) -> None:
-        """Wait for controller and supervisor, compare what each node is about to run, wait for the start.
+        """Wait for controller and supervisor, compare the runs that the nodes state, wait for the start.
 
         :raises PeerSilent: a node did not appear.
         :raises Refused: the nodes disagree; they have been told that the run has ended.
@@ -187,7 +189,7 @@ class PlantNode:
     # -- the run --------------------------------------------------------------------------------------------------
 
     def run(self) -> Event:
-        """The run from handshake to its last event.
+        """Make the run from the handshake to its last event.
 
         :returns: the event that ended the run.
         :raises PeerSilent: the supervisor is gone.
@@ -198,8 +200,8 @@ class PlantNode:
             for _ in self.ticks():
                 pass
         except (KeyboardInterrupt, SystemExit):
-            # A controller on another machine, or a board, learns of the end only from this: otherwise it would take the
-            # next run for this one.
+            # A controller on another machine, or a board, learns of the end only from this telegram. Otherwise it would
+            # take the next run for this one.
             self._announce(Event.ENDED_BY_SUPERVISOR)
             self.administrator.flush()
             raise
@@ -250,7 +252,7 @@ class PlantNode:
             self.milestones.reached(self.plant.tick, number, event.instant_01ms, event.position_01mm)
 
     def finish(self) -> None:
-        """In real time, do not hold telegrams back until the next poll."""
+        """In real time, telegrams are not held back until the next poll."""
         if self._pacer.rate:
             self.administrator.flush()
 
@@ -291,10 +293,10 @@ class PlantNode:
             self._obey(now_ns)
 
     def _obey(self, now_ns: int) -> None:
-        """Do what the supervisor has answered."""
+        """Carry out the supervisor's answer."""
         order, _ = self._store.read(SupCmd, now_ns)
         while order is not None and order.command == SupCommand.NONE and not self._pacer.rate:
-            # A pause: in lockstep everything stands still with the plant. The next answer says how it goes on.
+            # A pause: in lockstep all nodes stand still with the plant. The next answer decides how the run continues.
             try:
                 if not self.administrator.poll(self._sup_port):
                     break

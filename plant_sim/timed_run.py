@@ -1,4 +1,4 @@
-"""For plants of plug-in systems: everything besides the physics for a run of a given duration."""
+"""All parts but the physics of a plant of a plug-in system, for a run of a given duration."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from railhil.bus.codes import Event, TimeState
 from railhil.bus.layout import Telegram
 from railhil.bus.telegrams import TimeSync
 
-#: A plant that has received no command for this long is abandoned.
+#: Time without commands after which a plant counts as abandoned.
 ABANDONED_NS = 1_000_000_000
 
 
@@ -81,7 +81,7 @@ class TimedPlant(ABC):
         return life
 
     def take(self, telegram: Telegram) -> None:
-        """Take a command; it is carried out if it is accepted (:class:`railhil.bus.acceptance.Acceptance`)."""
+        """Take a command and carry it out if it is accepted (:class:`railhil.bus.acceptance.Acceptance`)."""
         gate = self._gates.get(telegram.PORT)
         if gate is None:
             gate = self._gates[telegram.PORT] = Acceptance(type(telegram), self.refused)
@@ -96,7 +96,7 @@ class TimedPlant(ABC):
         """Record a milestone for RUN_EVENT.
 
         :param once: only the first time in the run.
-        :param instant_01ms: None: that of the current tick.
+        :param instant_01ms: None: the instant of the current tick.
         """
         if once and kind in self._reached:
             return

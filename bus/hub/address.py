@@ -24,8 +24,8 @@ TCP_SCHEME = "tcp://"
 MAX_PATH_BYTES = 107
 #: How long to wait for a hub that is still starting.
 HUB_START_S = 5.0
-#: A run waits for the hub that it starts itself as long as that process lives, however busy the machine; this is the
-#: fallback limit of a node, which cannot see that process.
+#: A run waits for the hub that it starts itself as long as that process lives, however busy the machine; a node cannot
+#: see that process and uses this limit.
 OWN_HUB_START_S = 300.0
 _BACKLOG = 32
 _LOCK_TIMEOUT_S = 2.0

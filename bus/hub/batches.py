@@ -1,6 +1,6 @@
 """A client of the hub that passes whole packets of frames, as railhil's own nodes use it.
 
-It needs nothing of python-can, whose import takes longer than all else that a node loads; :mod:`railhil.bus.hub.client`
+It does not import python-can, which takes longer to load than everything else in a node; :mod:`railhil.bus.hub.client`
 is the same client as an interface of python-can.
 """
 
@@ -37,14 +37,14 @@ class HubClient:
     :class:`~railhil.bus.hub.connection.HubLost`, after it has read the packets received before. All clients see the
     same total order.
 
-    A client opened without ``fd=True`` does receive CAN FD frames, it only cannot send them.
+    A client opened without ``fd=True`` receives CAN FD frames but cannot send them.
 
     :ivar hub_properties: properties reported by the hub: ``bitrate_model``, ``arbitration``, ``bitrate_bps``,
         ``data_bitrate_bps``, ``queue_limit_bytes``, ``faults``, ``restart_ms``.
-    :ivar notices: on a hub with ``--faults``, what it tells about this client's CAN controller and lines; else None.
+    :ivar notices: on a hub with ``--faults``, its reports on this client's CAN controller and lines; else None.
     """
 
-    #: What this kind of client raises.
+    #: The exceptions that this kind of client raises.
     failures = PLAIN
     #: Filters of python-can; frames that pass none of them are left out.
     _filters: Any = None
@@ -118,7 +118,7 @@ class HubClient:
                 raise self.failures.unavailable(f"hub at {address}: {found}")
             self.notices = Notices() if self.hub_properties.get("faults") else None
         except BaseException:
-            # On Ctrl-C, too, the connection must be closed.
+            # The connection must be closed on Ctrl-C, too.
             link.close()
             raise
         self._link = link
@@ -149,10 +149,10 @@ class HubClient:
     def send_frames(self, frames: Sequence[Frame], timeout_s: float | None = None, *, even_full: bool = False) -> None:
         """Send frames in order, up to 256 classic frames in one packet, each CAN FD frame in its own.
 
-        ``timeout_s``: seconds for the whole list, None waits for ever; 0 tries once. ``even_full``: give the
-        hub also what a full transmit queue does not take; it discards it and tells who waits for it. Raises
-        :class:`SendTimeout`, :class:`~railhil.bus.hub.connection.HubLost`, and before anything is sent ValueError for
-        an impossible frame.
+        ``timeout_s``: seconds for the whole list, None waits for ever; 0 tries once. ``even_full``: also give the hub
+        frames that a full transmit queue does not take. The hub discards them and notifies the nodes that wait for
+        them. Raises :class:`SendTimeout`, :class:`~railhil.bus.hub.connection.HubLost`, and before anything is sent
+        ValueError for an impossible frame.
         """
         deadline_s = None if timeout_s is None else time.monotonic() + timeout_s
         for packet in self._packets(frames):
@@ -195,7 +195,7 @@ class HubClient:
         return role in self._seen and role not in self._here
 
     def is_here(self, role: str) -> bool:
-        """Whether a node of the bench is on the hub, as far as what it sent has been read."""
+        """Whether a node of the bench is on the hub, according to the packets read so far."""
         return role in self._here
 
     def order(self, order: Order) -> None:

@@ -37,7 +37,7 @@ class CanController:
     :ivar tec: transmit error counter, 0 to 256 or a little more.
     :ivar rec: receive error counter.
     :ivar least_tec: below this value the transmit error counter does not fall.
-    :ivar errors_left: how many of its next attempts to send a frame an error destroys.
+    :ivar errors_left: number of its next attempts to send a frame that an error destroys.
     """
 
     def __init__(self) -> None:
@@ -101,7 +101,7 @@ class CanController:
             return []
         self.tec, self.rec, self._states = self.least_tec, 0, 0
         self.is_off = False
-        # What was ordered holds until the order ends.
+        # The ordered state holds until the order ends.
         return [errorframe.restarted(), *(self._changes() or [errorframe.controller_state(0, 0, errorframe.ACTIVE)])]
 
     def _changes(self) -> list[Frame]:

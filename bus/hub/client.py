@@ -1,8 +1,8 @@
 """python-can interface ``railhil``: a client of the hub.
 
-``python -m can.viewer -i railhil -c PATH``, ``can.logger`` and ``cantools monitor`` attach with it
-unchanged; railhil's own nodes use :class:`~railhil.bus.hub.batches.HubClient` without python-can, which avoids a
-:class:`can.Message` per frame.
+``python -m can.viewer -i railhil -c PATH``, ``can.logger`` and ``cantools monitor`` attach with it unchanged. railhil's
+own nodes use :class:`~railhil.bus.hub.batches.HubClient` without python-can, which avoids a :class:`can.Message` per
+frame.
 """
 
 from __future__ import annotations

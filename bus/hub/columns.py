@@ -1,4 +1,5 @@
-"""Packed classic frames (:mod:`railhil.bus.hub.wire`) as columns. A module of its own: a hub has no use for numpy."""
+"""Packed classic frames (:mod:`railhil.bus.hub.wire`) as columns. This is a module of its own so that the hub does not
+load numpy."""
 
 from __future__ import annotations
 

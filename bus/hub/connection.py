@@ -1,4 +1,4 @@
-"""The client's end of a connection to the hub: connecting, the hello, whole packets in and out, what is raised.
+"""The client's end of a connection to the hub: connecting, the hello, whole packets in and out, exceptions.
 
 :mod:`railhil.bus.hub.client` has the same exceptions as those of python-can. Deadlines are on the monotonic clock. The
 sockets stay in blocking mode, and every call that must not block uses ``MSG_DONTWAIT``, so one thread may wait for
@@ -39,7 +39,7 @@ class QueueFull(BusError):
 
 
 class Refused(BusError):
-    """What this client cannot do as it was opened: closed, listening only, without CAN FD, without orders."""
+    """The call is not possible on this client: it is closed, listens only, or was opened without CAN FD or orders."""
 
 
 class HubUnavailable(BusUnavailable):
@@ -86,7 +86,8 @@ def _wait(sock: socket.socket, writable: bool, deadline_s: float | None) -> bool
 
 
 class HubConnection(ABC):
-    """One connection. ``peer`` is the channel name, used in messages; ``failures`` what it raises."""
+    """One connection. ``peer`` is the channel name, used in messages; ``failures`` are the exceptions that it
+    raises."""
 
     def __init__(self, sock: socket.socket, peer: str, failures: Failures = PLAIN) -> None:
         self.sock = sock
@@ -132,8 +133,8 @@ class HubConnection(ABC):
                     continue
                 return None
             except ConnectionResetError:
-                # The hub closed while packets from this client were unread. What it sent before is still in the
-                # receive queue: the next read gets it, and finally the end of file.
+                # The hub closed while packets from this client were unread. The packets that it sent before are still
+                # in the receive queue: the next reads get them, then the end of file.
                 resets += 1
                 continue
             except OSError as error:
@@ -274,8 +275,8 @@ def connect_to_hub(
 ) -> HubConnection:
     """Connect to a hub that may still be starting, until ``deadline_s`` (monotonic clock).
 
-    ``while_connecting`` is called between two attempts; ``failures``: what this and the connection raise. Raises
-    :class:`~railhil.bus.hub.connection.HubUnavailable`.
+    ``while_connecting`` is called between two attempts; ``failures``: the exceptions that this function and the
+    connection raise. Raises :class:`~railhil.bus.hub.connection.HubUnavailable`.
     """
     while True:
         sock = new_socket(address)

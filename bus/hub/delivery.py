@@ -1,5 +1,5 @@
-"""How the switch gives packets to its ports: to all others, or as a disturbed bus carries them; at once, or held back
-for clients that read in bulk."""
+"""Delivery of packets from the switch to its ports: to all others, or as a disturbed bus carries them; at once, or held
+back for clients that read in bulk."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from railhil.bus.hub.wire_model import WireModel
 
 
 class Delivery:
-    """Packets for the members of one switch; who does not take them is disconnected.
+    """Delivers packets to the members of one switch; a member that does not take them is disconnected.
 
     :param model: pauses the input of a port while it is full.
-    :param disturbance: decides who hears a packet; None: everybody.
+    :param disturbance: decides which members hear a packet; None: all of them.
 
     :ivar carry: carries a packet of a port.
     """
@@ -53,18 +53,18 @@ class Delivery:
             self._all.drop(port, str(fault))
 
     def tell(self, port: SwitchPort, packet: bytes) -> None:
-        """Give a packet to one member, behind all that it has not read yet."""
+        """Give a packet to one member, behind all packets that it has not read yet."""
         for ready in (packet,) if port.coalescer is None else port.coalescer.take(packet):
             self._hand_over(port, ready)
 
     def flush(self, port: SwitchPort) -> None:
-        """Give a port what it had no room for, if it is still there."""
+        """Give a port the packets that it had no room for, if it is still there."""
         if self._all.is_watched(port):
             port.flush()
             self.update(port)
 
     def update(self, port: SwitchPort) -> None:
-        """Watch what the port needs now; nothing is read from it while the model is full."""
+        """Watch the events that the port needs now; nothing is read from it while the model is full."""
         self._all.update(port, self._model is not None and self._model.is_full(port))
 
     # --- held back for clients that read in bulk ----------------------------------------------------------

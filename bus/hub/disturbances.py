@@ -1,8 +1,8 @@
 """Orders that disturb the bus, to a hub with the option ``--faults``, and the notices with which it answers.
 
-An order is a packet like any other and has its place in the total order: what was carried before it is not touched.
-(With a bit rate, frames that still wait for the wire are.)
-``who`` is the role of a node, or the name with which a client has said hello; several clients may have it.
+An order is a packet like any other and has its place in the total order: it does not touch frames carried before it.
+(With a bit rate it does touch frames that still wait for the wire.) ``who`` is the role of a node, or the name with
+which a client has said hello; several clients may have it.
 
 =========== =================================================================================================
 order       effect on each client ``who``
@@ -34,17 +34,17 @@ class Lines:
     """A client's two redundant lines, A and B, as the MVB has them.
 
     Every frame is sent on both lines at once. A receiver takes it from its trusted line and watches the other one. A
-    frame that comes on the other line alone makes the receiver switch over and is taken from there, unless the last
-    switch-over was less than :data:`GUARD_FRAMES` frames ago: then it is lost. A client whose lines are both dead is
-    cut off.
+    frame that comes on the other line alone makes the receiver switch over and take it from there. If the last
+    switch-over was less than :data:`GUARD_FRAMES` frames ago, the frame is lost instead. A client whose lines are both
+    dead is cut off.
 
-    What fails is a client's own connection to a line: it then neither sends nor hears there. Not modelled: a break in
-    the middle of a line, the frame that a real receiver may lose at the switch-over itself, lines that disturb each
-    other, and the master's order to switch over. The length of the guard is ours.
+    A dead line is a failure of the client's own connection to it: the client then neither sends nor hears there. Not
+    modelled: a break in the middle of a line, a frame lost at the switch-over itself, lines that disturb each other,
+    the master's order to switch over. The length of the guard is our own choice.
 
     :ivar dead: names of its dead lines.
     :ivar trusted: the line from which it takes frames.
-    :ivar switch_overs: how often it has changed that line.
+    :ivar switch_overs: number of changes of that line.
     :ivar guard_frames: frames until it may do so again.
     """
 
@@ -80,8 +80,8 @@ _ERRORS_MAX = 1_000_000
 
 @dataclass(frozen=True, slots=True)
 class Order:
-    """One order; see the module for ``what``. ``count``: only for ``errors``; ``line``: only for ``line``; ``on``: the
-    line is dead, the queue is full, the controller is held error-passive.
+    """One order; the module's table lists ``what``. ``count``: only for ``errors``; ``line``: only for ``line``;
+    ``on``: the line is dead, the queue is full, the controller is held error-passive.
 
     :raises ValueError: one line with key, value found and values allowed.
     """
@@ -122,7 +122,7 @@ def order_of(document: object) -> Order:
 
 @dataclass(frozen=True, slots=True)
 class Host:
-    """What a client's CAN controller and its two lines tell their host."""
+    """State of a client's CAN controller and its two lines, as reported to their host."""
 
     state: str = ERROR_ACTIVE
     tec: int = 0
@@ -142,10 +142,10 @@ class Disturber(Protocol):
 
     @property
     def host(self) -> Host:
-        """State of the own CAN controller and lines, as of what was received so far."""
+        """State of the own CAN controller and lines, according to the packets received so far."""
 
     def is_cut_off(self, node: str) -> bool:
-        """Whether no answer of another node to what was sent last can come."""
+        """Whether that node cannot answer the packet that was sent last."""
 
     def order(self, order: Order) -> None:
         """Disturb the bus from the next packet on.
@@ -158,7 +158,7 @@ class Notices:
     """A client's side of the notices.
 
     :ivar host: state of its own CAN controller and lines, as of the packets read so far.
-    :ivar missed: orders of this client for which there was nobody, oldest first.
+    :ivar missed: orders of this client that found no client with their ``who``, oldest first.
     """
 
     def __init__(self) -> None:
@@ -182,6 +182,6 @@ class Notices:
             self._cut_off.update(notice["cut_off"])
 
     def is_cut_off(self, role: str) -> bool:
-        """Whether no answer of that node to the last packet can come: it did not get the packet, or its answer did not
-        get here."""
+        """Whether that node cannot answer the last packet: it did not get the packet, or its answer did not get
+        here."""
         return role in self._cut_off

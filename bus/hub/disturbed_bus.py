@@ -1,4 +1,4 @@
-"""What a hub with the option ``--faults`` does to the traffic: orders of clients, and who hears a packet.
+"""Effect of a hub with the option ``--faults`` on the traffic: orders of clients, and which clients hear a packet.
 
 Nothing here depends on wall time, except a recovery that takes time (:class:`Disturbance`): in lockstep the same orders
 between the same packets have the same effect. Other buses at the hub (``--port``) are never disturbed.
@@ -24,18 +24,18 @@ _UNHARMED = Lines()
 
 
 class _Client:
-    """What is modelled for one client."""
+    """The model of one client."""
 
     def __init__(self, port: SwitchPort) -> None:
         self.port = port
         self.controller = CanController()
         self.lines = Lines()
         self.is_full = False
-        #: Packets that it has sent; with a bit rate frames, and its own count does not fit: then time does not wait
-        #: for answers anyway.
+        #: Number of packets that it has sent. With a bit rate it counts frames and differs from the client's own count,
+        #: which is harmless: time then does not wait for answers.
         self.packets = 0
         self.told = Host()
-        #: When it returns from bus-off (monotonic clock), if that is settled.
+        #: Instant of its return from bus-off (monotonic clock), if that is decided.
         self.back_ns: int | None = None
 
     def answers_to(self, who: str) -> bool:
@@ -51,7 +51,7 @@ class Disturbance:
     """CAN controllers and lines of all clients.
 
     :param restart_ms: wall time after which a bus-off controller restarts by itself; 0: only by order.
-    :param bit_ns: time of a bit, which decides how long the recovery takes; 0: no bit rate, no time.
+    :param bit_ns: time of a bit, which gives the duration of the recovery; 0: no bit rate, the recovery takes no time.
     """
 
     def __init__(self, restart_ms: int = 0, bit_ns: float = 0.0, wall: WallClock = time) -> None:
@@ -101,12 +101,12 @@ class Disturbance:
 
     @property
     def due_ns(self) -> int | None:
-        """When the next controller returns by itself (monotonic clock); None: none does."""
+        """Instant at which the next controller returns by itself (monotonic clock); None: no controller does."""
         times_ns = (client.back_ns for client in self._clients.values())
         return min((time_ns for time_ns in times_ns if time_ns is not None), default=None)
 
     def due(self) -> list[Delivery]:
-        """Controllers whose time has come return."""
+        """Return the controllers to the bus whose time has come."""
         now_ns = self._wall.monotonic_ns()
         found: list[Delivery] = []
         for client in self._clients.values():
@@ -126,7 +126,7 @@ class Disturbance:
     # --- traffic ------------------------------------------------------------------------------------------
 
     def carry(self, source: SwitchPort, packet: bytes, members: Sequence[SwitchPort]) -> list[Delivery]:
-        """Who hears a packet, and what else they are told, in this order."""
+        """The receivers of a packet and of the notices about it, in this order."""
         frames = 1 if len(packet) == FD_SIZE else len(packet) // CLASSIC_SIZE
         sender = self._clients.get(source)
         found: list[Delivery] = []
@@ -143,7 +143,7 @@ class Disturbance:
             client = self._clients.get(port)
             if client is not None and client is not sender:
                 found += self._tell(client, client.controller.received(frames))
-        # Behind the news: the state of a client is that as of the packets that it has read.
+        # Sent behind the packet: the state that a client reports belongs to the packets that it has read.
         found += [(port, None) for port in heard]
         return found + self._cut_off(source, sender, [port for port in members if port not in heard])
 
@@ -179,7 +179,7 @@ class Disturbance:
         return found + [(port, pack_frame(frame)) for frame in frames if port.hears_faults]
 
     def _cut_off(self, source: SwitchPort, sender: _Client | None, deaf: Iterable[SwitchPort]) -> list[Delivery]:
-        """Tell nodes of a bench which answers cannot come."""
+        """Tell the nodes of a bench that an answer cannot come."""
         found: list[Delivery] = []
         roles = []
         for port in deaf:

@@ -37,7 +37,7 @@ from railhil.common.digits import count_of
 #: A full bus is tried again after this time (a frame takes 0.25 ms at 500 kbit/s), then after twice that, and so on.
 RETRY_NS = 500_000
 RETRY_MAX_NS = 4_000_000
-#: For a bus that is down, or whose driver may block on each attempt.
+#: Interval for a bus that is down, or whose driver may block on each attempt.
 SLOW_RETRY_NS = 20_000_000
 _OPEN_RETRY_S = 0.2
 #: Long enough to query the state of a silent serial adapter.
@@ -54,7 +54,7 @@ class BusPort(SwitchPort):
     in time), in addition to those of the link.
 
     :param lossless: for lockstep: frames wait for a full or missing bus (:mod:`railhil.bus.hub.gateway_queues`);
-        otherwise they wait briefly for a full one and not at all for a missing one, so that nothing old is sent later.
+        otherwise they wait briefly for a full bus and not at all for a missing one, so that nothing old is sent later.
     :param report: called with one line.
     :raises BusUnavailable: the bus cannot be opened.
     """
@@ -130,7 +130,7 @@ class BusPort(SwitchPort):
         if self._thread is not None:
             self._thread.join(1.0)
             if self._thread.is_alive():
-                # It is opening a port, which cannot be interrupted; it ends with the process.
+                # The thread is opening a port, which cannot be interrupted; it ends with the process.
                 return
         with contextlib.suppress(Exception):
             # A driver that has lost its device may raise anything while closing.
@@ -140,7 +140,7 @@ class BusPort(SwitchPort):
 
     def statistics(self) -> str:
         """See :meth:`SwitchPort.statistics`."""
-        # Each is copied in one step, because the thread may be counting.
+        # Each counter is copied in one step, because the thread may be counting.
         total = self.counters + Counter(dict(self._earlier)) + Counter(dict(self._link.counters))
         line = f"{count_of(total['received'], 'frame')} in, {total['sent']} out, {count_of(total['outages'], 'outage')}"
         others = [f"{name} {count}" for name, count in sorted(total.items()) if name not in _SHOWN_FIRST]
@@ -269,7 +269,8 @@ class BusPort(SwitchPort):
         """Thread: read the bus, and wait for it while it is down; ends when the descriptor can be used again."""
         while not self._closing.is_set():
             if self._is_lost:
-                # Also before the first attempt: a driver may open successfully and fail at once, again and again.
+                # The pause is also made before the first attempt: a driver may open successfully and fail at once,
+                # again and again.
                 if self._closing.wait(_OPEN_RETRY_S) or not self._open_again():
                     continue
                 self._is_lost = False

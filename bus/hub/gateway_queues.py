@@ -14,14 +14,15 @@ from railhil.common.patience import WallClock
 
 #: Maximum number of frames waiting for one bus.
 LIMIT_FRAMES = 4096
-#: Unless the port is lossless, a frame that has waited longer is no longer sent: half the age that cuts traction.
+#: Unless the port is lossless, a frame that has waited longer is not sent. The limit is half the age that cuts
+#: traction.
 STALE_NS = 30_000_000
 
 
 class Backlog:
     """First in, first out, bounded; the oldest frames are dropped when there are too many.
 
-    :param lossless: frames wait as long as necessary; otherwise none older than :data:`STALE_NS` is sent.
+    :param lossless: frames wait as long as necessary; otherwise a frame older than :data:`STALE_NS` is dropped.
     """
 
     def __init__(self, lossless: bool, wall: WallClock = time) -> None:

@@ -1,4 +1,4 @@
-"""Who is connected to the switch: accepting, hello, roles, leaving, and which descriptors its loop watches."""
+"""Clients of the switch: accepting, hello, roles, leaving, and the descriptors that its loop watches."""
 
 from __future__ import annotations
 
@@ -127,7 +127,7 @@ class Membership:
         """Accept nobody any more."""
         if self._is_accepting:
             self._epoll.unregister(self._listener.fileno())
-        # So that a client that leaves does not enable the listener again.
+        # Prevents a client that leaves from enabling the listener again.
         self._is_accepting = True
 
     def greet(self, port: SwitchPort, packet: bytes) -> bool:
@@ -217,10 +217,9 @@ MAX_GUESTS = 64
 class Guests:
     """The clients that have not said hello yet, in the order in which they have connected.
 
-    They are few, and not for long, so that they keep nobody out.
+    Their number and their time are limited, so that they keep no other client out.
 
-    :ivar waiting: by client, when it must have said hello (monotonic clock); the loop of the hub asks each time whether
-        there is one.
+    :ivar waiting: deadline of each client's hello (monotonic clock); the loop of the hub looks at it in every pass.
     """
 
     def __init__(self, wall: WallClock = time) -> None:
@@ -229,7 +228,7 @@ class Guests:
 
     @property
     def due_ns(self) -> int | None:
-        """When the next one must have said hello (monotonic clock); None without guests."""
+        """Earliest deadline for a hello (monotonic clock); None without guests."""
         return next(iter(self.waiting.values()), None)
 
     def add(self, port: SwitchPort) -> SwitchPort | None:

@@ -1,4 +1,4 @@
-"""What the hub models and what it does not: the one list behind `railhil doctor`, the report and docs/hub.md."""
+"""The list of properties that the hub models or leaves out, for `railhil doctor`, the report and docs/hub.md."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 class Modelled(NamedTuple):
     """One property of a CAN bus. ``option``: of ``railhil bus hub``; empty: always. ``by``: the hub's behaviour, empty:
-    not modelled at all. ``without``: what is missing even then."""
+    not modelled at all. ``without``: the part that is missing even then."""
 
     subject: str
     option: str

@@ -1,6 +1,6 @@
 """The hub's end of a connection. A port never blocks: packets that its peer cannot take yet wait in a bounded queue.
 
-:class:`SwitchPort` is all that the switch uses, so that another python-can bus can be a port too
+The switch uses nothing but :class:`SwitchPort`, so that another python-can bus can be a port too
 (:mod:`railhil.bus.hub.gateway`).
 """
 
@@ -44,10 +44,10 @@ class SwitchPort(ABC):
         self.is_client = True
         self.is_member = False
         self.receive_own = False
-        #: Which node of a bench the client is, and whether it is informed about the others.
+        #: The client's role in a bench, and whether it is informed about the other nodes.
         self.role: str | None = None
         self.hears_roles = False
-        #: The name in its hello, and whether it is told what happens to its CAN controller (``--faults``).
+        #: The name in its hello, and whether it is told the state of its CAN controller (``--faults``).
         self.client_name = ""
         self.hears_faults = False
         #: Set for a client that reads in bulk.
@@ -76,7 +76,7 @@ class SwitchPort(ABC):
 
     @abstractmethod
     def flush(self) -> None:
-        """Deliver queued packets as far as the peer takes them; clears ``has_backlog`` after the last."""
+        """Deliver queued packets until the peer takes no more; clears ``has_backlog`` after the last."""
 
     @abstractmethod
     def close(self) -> None:
@@ -137,7 +137,7 @@ class SocketPort(SwitchPort):
         except BlockingIOError:
             return
         except OSError:
-            # As in send: packets that it sent before are still to be read.
+            # As in send, packets that the peer sent before it left are still to be read.
             self._is_deaf = True
             queue.clear()
             self._queued_bytes = 0
@@ -168,8 +168,8 @@ class SocketPort(SwitchPort):
             except BlockingIOError:
                 return None
             except ConnectionResetError:
-                # The peer closed with packets unread. What it sent is still in the receive queue: read on to the
-                # end of file.
+                # The peer closed with packets unread. The packets that it sent are still in the receive queue: read on
+                # to the end of file.
                 continue
             except OSError as error:
                 raise PortFault(f"connection failed ({error.strerror})") from None

@@ -20,7 +20,7 @@ PROGRAM = "railhil hub"
 _HUB_INTERFACE = "railhil"
 _KEY = re.compile(r"[A-Za-z_][A-Za-z0-9_-]*")
 _SHAPE = "INTERFACE:CHANNEL[,key=value...], e.g. socketcan:can0 or slcan:/dev/ttyACM0,bitrate=500000"
-#: Keys already given before the comma, or that would let a port receive its own frames, or that do not fit one word.
+#: Keys that are given before the comma, would let a port receive its own frames, or do not fit one word.
 _REFUSED_KEYS = frozenset(("interface", "channel", "receive_own_messages", "can_filters"))
 #: The interface to a hub uses these keys only.
 _HUB_KEYS = ("fd", "name", "connect_timeout", "bitrate")

@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 
 DEFAULT_QUEUE_LIMIT_BYTES = 64 << 20
 DEFAULT_BITRATE_BPS = 500_000
-#: A stop while a port is opened is an exception. A driver may catch it, and the interpreter drops it where it has no
-#: caller to tell, as in the callback of a weak reference. So it is raised again after this time.
+#: A stop while a port is opened is an exception. A driver may catch it, and the interpreter drops it where no caller
+#: can receive it, as in the callback of a weak reference. It is therefore raised again after this time.
 _STOP_AGAIN_S = 0.05
 
 
@@ -50,8 +50,8 @@ def serve(
     two lines of the clients, and take orders that disturb them (:mod:`railhil.bus.hub.disturbances`); ``restart_ms``:
     wall time after which a bus-off controller restarts by itself (0: only by order).
 
-    A stop first delivers, for at most a second, what clients had already sent. At the start the hub waits for another
-    hub behind a port; a stop ends that wait too.
+    A stop first delivers, for at most a second, the packets that clients had already sent. At the start the hub waits
+    for another hub behind a port; a stop ends that wait too.
 
     Prints one line to standard output when clients may connect, and one to standard error for each client disconnected,
     for each bus that goes down or comes back, and at the end or on SIGUSR1 the statistics of each bus. Raises
@@ -95,7 +95,7 @@ def serve(
                 switch.run()
                 switch.report_statistics()
         except _StoppedAtStart:
-            # Nothing has been carried yet.
+            # No frame has been carried yet.
             pass
         finally:
             for port in bus_ports:
@@ -157,8 +157,8 @@ class _Signals:
     def interrupting(self) -> Iterator[None]:
         """Let a stop signal end the block, by :class:`_StoppedAtStart`; SIGALRM raises it again until the block ends.
 
-        An error of the block after a stop comes from the interruption: a driver that catches everything makes one of
-        it, and so does CPython where a second signal comes in between.
+        An error of the block after a stop comes from the interruption: a driver that catches everything turns the stop
+        into an error, and so does CPython when a second signal comes in between.
         """
         if not self._previous:
             yield
@@ -179,7 +179,7 @@ class _Signals:
             finally:
                 self._may_interrupt = False
         finally:
-            # Once more: an alarm may have come before it was done.
+            # The alarm is switched off a second time: it may have come before the first call was done.
             self._may_interrupt = False
             signal.setitimer(signal.ITIMER_REAL, 0)
             signal.signal(signal.SIGALRM, alarm)
@@ -190,7 +190,7 @@ class _Signals:
     def sent_to(self, switch: Switch) -> Iterator[None]:
         """Pass the signals to the switch during the block.
 
-        By its descriptor, because a compiled loop goes to sleep without a look for signals.
+        They go through its descriptor, because a compiled loop goes to sleep without looking for signals.
         """
         if not self._previous:
             yield
@@ -213,4 +213,4 @@ class _Signals:
             raise _StoppedAtStart
 
     def _tell(self, *_: object) -> None:
-        """Only a running switch has something to tell, and its descriptor has told it."""
+        """Only a running switch has counters to report, and its descriptor has passed the request on."""

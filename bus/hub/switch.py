@@ -178,7 +178,7 @@ class Switch:
             self._deliver_due(self._model)
         if self._disturbance is not None:
             self._delivery.tell_all(self._disturbance.due())
-        # After the events: a hello that has arrived while this process stood still is in time.
+        # The guests are checked after the events: a hello that arrived while this process stood still is in time.
         for port in self._all.guests.late():
             self._all.drop(port, f"no hello within {HELLO_S:g} s")
 

@@ -31,9 +31,9 @@ followed by that many bytes):
        hub -> client   {"roles": ["controller", "plant"]}
 
 5. on a hub with ``--faults``, *orders* (:mod:`railhil.bus.hub.disturbances`) and, to clients that asked for it
-   (``"hears_faults": true``), *notices*: the client's own state when it has changed, an order for which there was
-   nobody, and nodes that did not get the client's packet of that number (counted from 1) or whose packet did not get to
-   the client. JSON in UTF-8 of odd length, as 4; beside them such clients get error frames::
+   (``"hears_faults": true``), *notices*: the client's own state when it has changed; an order that found no client;
+   nodes that did not get the client's packet of that number (counted from 1), or whose packet did not get to the
+   client. JSON in UTF-8 of odd length, as 4; beside them such clients get error frames::
 
        client -> hub   {"order": {"what": "errors", "who": "controller", "count": 5}}
        hub -> client   {"host": {"state": "error-passive", "tec": 136, "rec": 0, "line": "A", "switch_overs": 0,
@@ -126,7 +126,7 @@ def decode_hello(packet: bytes) -> dict[str, Any]:
 
 
 def role_of(hello: dict[str, Any]) -> str | None:
-    """Which node of a bench a client is; None: it is not a node. Raises ValueError with one line."""
+    """The role of a client in a bench; None: it is not a node. Raises ValueError with one line."""
     role = hello.get("role")
     if role is None or role in ROLES:
         return role
@@ -139,7 +139,7 @@ def encode_roles(roles: Sequence[str]) -> bytes:
 
 
 def encode_notice(**content: object) -> bytes:
-    """A packet that is no packet of frames; of odd length."""
+    """A packet of JSON, made odd in length to tell it from packets of frames."""
     packet = json.dumps(content).encode()
     return packet if len(packet) & NOTICE_LENGTH_BIT else packet + b" "
 

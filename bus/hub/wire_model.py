@@ -122,9 +122,9 @@ def frame_bits(frame: Frame) -> tuple[int, int]:
 def arbitration_key(frame: Frame) -> int:
     """Rank in arbitration: the lowest wins, as the first dominant bit does on the wire.
 
-    Order of the bits: base identifier, RTR or SRR, IDE, identifier extension, RTR of the extended frame. So
-    a standard frame wins against an extended one with the same base identifier, a data frame against the
-    remote frame. Error frames come first (they are not bus traffic, see :func:`frame_bits`).
+    Order of the bits: base identifier, RTR or SRR, IDE, identifier extension, RTR of the extended frame. A standard
+    frame therefore wins against an extended one with the same base identifier, and a data frame against the remote
+    frame. Error frames come first (they are not bus traffic, see :func:`frame_bits`).
     """
     can_id, _, flags = frame
     if flags & ERROR:
@@ -192,7 +192,7 @@ class WireModel:
             self._on_wire = None
 
     def next_due_ns(self) -> int | None:
-        """After :meth:`due`: when the next frame will end, None when the wire is idle."""
+        """Instant at which the next frame will end, None when the wire is idle. Call it after :meth:`due`."""
         return None if self._on_wire is None else self._wire_free_ns
 
     def pending_frames(self) -> int:

@@ -1,4 +1,4 @@
-"""The faults of one node in one run: when each is active, what ends them, and the log of what they did.
+"""The faults of one node in one run: when each is active, its end, and the log of its effects.
 
 The log has for each fault its instants and hits, each with the value before and after.
 """
@@ -20,7 +20,7 @@ from railhil.faults.words import CLEAR
 
 #: Files of a run folder, by node: ``faults-plant.csv``.
 FILE_NAME = "faults-{node}.csv"
-#: In place of a node, in the name of the log of the faults inside the plant.
+#: Word in place of the node's name, for the log of the faults inside the plant.
 INSIDE = "inside-plant"
 #: Header of such a file.
 COLUMNS = ("fault", "time_ns", "what", "before", "after")
@@ -50,7 +50,7 @@ class InjectionLog:
     def text(self, activities: Sequence[Activity]) -> str:
         """The file: a row ``begun`` and ``ended`` for each fault that became active, and one for each hit, by time.
 
-        ``begun`` of a fault with values that an operator has given has its text.
+        Where an operator has given values, ``begun`` has the fault's text.
         """
         rows = [(hit.time_ns, hit.fault, 1, hit) for hit in self.hits]
         for one in activities:
@@ -103,12 +103,12 @@ class Activities:
                 one.happened(event, self.now_ns)
 
     def order(self, orders: Iterable[tuple[int, int]]) -> None:
-        """Orders by hand (number of the fault, :class:`railhil.bus.codes.FaultOrder`); they act from the next instant
-        on."""
+        """Take orders by hand (number of the fault, :class:`railhil.bus.codes.FaultOrder`); they act from the next
+        instant on."""
         self._orders += orders
 
     def order_now(self, number: int, order: int) -> None:
-        """An order by hand that acts from the present instant on; numbers of faults elsewhere are ignored.
+        """Take an order by hand that acts from the present instant on; numbers of faults elsewhere are ignored.
 
         Values of which a part was lost inject nothing.
         """
@@ -122,7 +122,7 @@ class Activities:
                 one.order(inject, self.now_ns)
 
     def note(self, activity: Activity, before: str, after: str) -> None:
-        """A fault has changed something at the present instant."""
+        """Note that a fault has changed something at the present instant."""
         self.log.note(activity, self.now_ns, before, after)
 
     def write(self, folder: Path | None, node: str) -> None:
@@ -131,7 +131,7 @@ class Activities:
             self.log.write(folder, node, self.all)
 
     def _clear(self, order: Activity) -> None:
-        """End what is active at the place of a fault that clears it."""
+        """End the active faults at the place of a fault that clears them."""
         place = order.fault.place
         for one in self.all:
             if one.active and one is not order and one.fault.place == place:

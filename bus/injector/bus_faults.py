@@ -1,9 +1,9 @@
 """Faults of the bus itself: error frames, error-passive, broken lines, foreign frames that load it.
 
-Error frames, states and lines are those of the hub's model (:mod:`railhil.bus.hub.disturbances`). The plant gives the
-orders between its own frames, so they have their place in the total order and a run stays the same bytes. A fault
-counts as a hit what the plant's own CAN controller reports: error frames, its state, the line from which it takes
-frames, answers that cannot come.
+The hub's model makes the error frames, states and lines (:mod:`railhil.bus.hub.disturbances`). The plant gives the
+orders between its own frames, so they have their place in the total order and a run gives the same bytes again. A hit
+of a fault is a report of the plant's own CAN controller: error frames, its state, the line from which it takes frames,
+answers that cannot come.
 
 Plant and controller are disturbed, the supervisor is not: it judges. For the same reason the plant never becomes
 bus-off here.
@@ -26,7 +26,7 @@ from railhil.faults.activity import Activity
 from railhil.faults.model import Fault, Random
 from railhil.faults.words import CLEAR
 
-#: Words that only a hub with ``--faults`` can carry out, besides those of a line.
+#: Words that only a hub with ``--faults`` can carry out, besides the words of a line.
 ORDERED = ("error_frames", "passive")
 _LINES = ("open", "loose", "short")
 _PLANT, _CONTROLLER = "plant", "controller"
@@ -51,7 +51,7 @@ class BusFaults:
         self._activities = faults.activities
         self._disturber = disturber
         self._poll_id = contract.poll_id
-        # Frames of an answer, by what the poll asks for; those of the CAN FD form are fewer.
+        # Number of frames of an answer, by the poll's request; the CAN FD form has fewer.
         self._answers = {
             port.f_code << 12 | port.address: len(port.can_ids)
             for port in contract.ports
@@ -63,9 +63,9 @@ class BusFaults:
         self._host = disturber.host
         # Errors ordered for the plant's own frames since it last heard of its counter.
         self._pending = 0
-        # Whether it is noted that no answer to what was sent last can come.
+        # Whether it is noted that no answer to the last packet can come.
         self._is_cut_off = False
-        # What has been ordered and is not taken back yet.
+        # Orders that have not been taken back yet.
         self._disturbs = self._is_passive = False
         self._dead: set[tuple[str, str]] = set()
 
@@ -76,7 +76,7 @@ class BusFaults:
         return cls(faults, disturber, contract) if found else None
 
     def instant(self) -> None:
-        """Order what begins or ends with an instant."""
+        """Give the orders for faults that begin or end with an instant."""
         passive = any(one.active for one in self._passives)
         if passive is not self._is_passive:
             self._is_passive = passive
@@ -109,7 +109,7 @@ class BusFaults:
                 self._disturber.order(Order("errors", _CONTROLLER, count=others))
 
     def heard(self, frames: Sequence[Frame]) -> None:
-        """Note what has reached the plant's CAN controller: its own reports and its state."""
+        """Note the reports and the state of the plant's CAN controller."""
         self._pending = 0
         for frame in frames:
             if errorframe.is_bus_error(frame):
@@ -117,7 +117,7 @@ class BusFaults:
                 self._note([one for one, _ in self._errors], "", f"error frame, TEC {tec}, REC {rec}")
         if self._lines and not self._is_cut_off and self._disturber.is_cut_off(_CONTROLLER):
             self._is_cut_off = True
-            # Without the newest of them there would be another line.
+            # Another line would be in use without the newest of these faults.
             newest = sorted((one for one, _ in self._lines if one.active), key=lambda one: -(one.begun_ns or 0))
             self._note(newest, "answer", "cut off")
         before, host = self._host, self._disturber.host
@@ -154,7 +154,7 @@ def _errors(share: float, random: Random) -> int:
 def _dead(fault: Fault, random: Random) -> list[tuple[str, str]]:
     """Nodes whose connection to a line is dead in this instant, each with the line.
 
-    An open line parts the controller from plant and supervisor; one that is short-circuited is of no use to anybody.
+    An open line parts the controller from plant and supervisor; a short-circuited line works for no node.
     """
     line = fault.place.part.upper()
     if fault.what == "loose" and random.random() >= fault.parameter("share"):

@@ -24,7 +24,7 @@ class Change(Protocol):
     """One fault at one port; it sees every telegram of the port."""
 
     def __call__(self, frames: Telegram, now_ns: int) -> Telegram:
-        """The telegram as it leaves; the same one if the fault does nothing to it."""
+        """The telegram as it leaves; unchanged if the fault does nothing to it."""
 
 
 class SignalChange:
@@ -127,7 +127,7 @@ class ChecksChange:
 
     def __call__(self, frames: Telegram, now_ns: int) -> Telegram:
         if not self._activity.active:
-            # Frozen at those of the last telegram before the fault.
+            # Frozen at the check sequences of the last telegram before the fault.
             self._first = checks_of(self._port, frames)
             return frames
         return with_checks(self._port, frames, self._changed)

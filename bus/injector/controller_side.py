@@ -1,7 +1,7 @@
-"""The controller with faults: what it answers passes them, and what happens to its process is acted out here.
+"""The controller with faults: its answers pass them, and faults of its process are acted out here.
 
-In lockstep the bus administrator waits for the answer to every poll. A controller whose answer is lost, held back or
-never made therefore says so: an empty frame on the telegram's last identifier means "no answer"
+In lockstep the bus administrator waits for the answer to every poll. If an answer is lost, held back or never made, the
+controller therefore sends an empty frame on the telegram's last identifier, which means "no answer"
 (:mod:`railhil.bus.administrator`). In real time nothing is sent.
 """
 
@@ -21,7 +21,7 @@ from railhil.dbc import Contract, Port
 
 
 class Served(Protocol):
-    """What is needed of a controller (:class:`railhil.controller_node.any_controller.AnyController`)."""
+    """Interface of a controller under faults (:class:`railhil.controller_node.any_controller.AnyController`)."""
 
     ended: Event | None
 
@@ -33,14 +33,15 @@ class Served(Protocol):
         """Take one frame; returns the answer to a poll."""
 
     def was_stopped(self, sim_ns: int, /) -> None:
-        """Nothing was received for some simulation time, and its own timer ran on."""
+        """Take note that nothing was received for some simulation time while the node's own timer ran on."""
 
 
 class FaultyController:
-    """A controller under the faults of its node; everything that is not about frames is the controller's own.
+    """A controller under the faults of its node; calls that are not about frames go to the controller itself.
 
     :param make: makes the controller, again after a restart.
-    :param kill: ends the process at once; None: the controller is in the process of the others and only falls silent.
+    :param kill: ends the process at once; None: the controller shares the process of the other nodes and only falls
+        silent.
     :param pause: stops the process for a time on the wall clock in s; None: acted out in simulation time.
     """
 
@@ -70,11 +71,11 @@ class FaultyController:
         self._stops = faults.at("node", "stop")
         self._restarts = faults.at("node", "restart")
         self._silences = faults.at("bus", "off", "down")
-        # Since when it hears nothing, and what it will still be given.
+        # Instant since when it hears nothing, and the frames that it will still be given.
         self._deaf_since_ns: int | None = None
         self._backlog: list[Frame] = []
         self._is_new = False
-        # What it had received when it was started again, and what it never got.
+        # Documents of the telegrams that it had received at each restart, and the gaps in which it received none.
         self._former: list[Document] = []
         self._gaps: list[Gap] = []
         self._ports = contract.ports
@@ -88,7 +89,7 @@ class FaultyController:
         return self._node.ended or self.faults.follower.ended
 
     def handle(self, frame: Frame) -> list[Frame]:
-        """Take one frame in bus order; returns what leaves instead of the answer."""
+        """Take one frame in bus order; returns the frames that leave instead of the answer."""
         if self.faults.see(frame):
             self._instant()
         if self.is_gone:
@@ -113,18 +114,18 @@ class FaultyController:
         return left if answered else [*left, *self._nothing(port)]
 
     def _asked(self, frame: Frame) -> Port | None:
-        """The port that a frame asks for; None: it asks for none of this controller."""
+        """The port that a frame polls; None: it polls no port of this controller."""
         if frame.can_id != self._poll_id or frame not in self._own:
             return None
         asked = parse_master_frame(frame.data)
         return None if asked is None else self._polled.get(asked[0] << 12 | asked[1])
 
     def _nothing(self, port: Port | None) -> list[Frame]:
-        """The answer that there is none."""
+        """The frame that means "no answer"."""
         return [Frame(port.can_ids[-1], b"")] if port is not None and self._node.lockstep else []
 
     def _instant(self) -> None:
-        """What begins or ends with an instant and is not about a telegram."""
+        """Begin and end the faults of an instant that are not about a telegram."""
         activities = self.faults.activities
         for one in self._kills:
             if one.active and not self.is_gone:
@@ -146,7 +147,7 @@ class FaultyController:
                 activities.note(one, "running", "ended")
                 self._is_new = True
         if self.is_gone:
-            # What ends later finds no controller that could hear again.
+            # The controller has ended: faults that end later cannot make it hear again.
             return
         deaf = [one for one in (*self._stops, *self._restarts, *self._silences) if one.active]
         if deaf and self._deaf_since_ns is None:
@@ -165,7 +166,7 @@ class FaultyController:
                 self._former.append(told)
             self._node = self._make()
         elif delivers:
-            # Its answers to these polls come too late for anybody.
+            # Its answers to these polls come too late for every node.
             for frame in backlog:
                 self._node.handle(frame)
         else:
@@ -174,7 +175,7 @@ class FaultyController:
 
     @property
     def received(self) -> Document | None:
-        """What the controller has received (:mod:`railhil.bus.reception`); None: it does not say."""
+        """Telegrams that the controller has received (:mod:`railhil.bus.reception`); None: it does not count them."""
         return self._told([] if self._deaf_since_ns is None else self._gap(self._backlog))
 
     def _told(self, also: Sequence[Gap] = ()) -> Document | None:
@@ -183,7 +184,7 @@ class FaultyController:
         return None if told is None else summed([*self._former, told], gaps)
 
     def _gap(self, frames: Sequence[Frame], restarted: bool = False) -> list[Gap]:
-        """Frames that the controller never gets; nothing of a controller that does not say what it has received."""
+        """Count frames that the controller never gets, unless it does not count its telegrams."""
         before = self._told()
         if before is None:
             return []

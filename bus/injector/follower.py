@@ -1,7 +1,7 @@
 """Simulation time, true motion, events and orders of a run, from the frames that pass a node.
 
 The injectors of all nodes use it, so that a trigger means the same at each of them. Time comes from a port that no
-fault disturbs: at the plant the port that opens the ticks, as it is before any fault, elsewhere the truth.
+fault disturbs: at the plant from the port that opens the ticks, before any fault; at other nodes from the truth.
 """
 
 from __future__ import annotations
@@ -50,12 +50,12 @@ class Follower:
         self.ended: Event | None = None
         #: Events since :meth:`take_events`, in lower case.
         self._events: list[str] = []
-        #: Orders by hand: number of the fault (or an octet), and what is ordered.
+        #: Orders by hand: number of the fault (or an octet), and the order.
         self._orders: list[tuple[int, int]] = []
         self._own_events = injection.events
         clock = contract.clock_port if at_plant or truth is None else contract.port(truth.port)
         self._clock = clock.name
-        #: Identifiers of the port that says the time.
+        #: Identifiers of the port that carries the time.
         self.clock_ids = {*clock.can_ids, clock.fd_id}
         self._period_ns = schedule.ticks(clock.name) * schedule.base_tick_ns
         self._life_signal = life_signal(clock)

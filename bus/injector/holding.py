@@ -1,7 +1,7 @@
-"""Faults that lose, delay, repeat or reorder telegrams, and what becomes of the telegrams that they hold back.
+"""Faults that lose, delay, repeat or reorder telegrams, and the later sending of the telegrams held back.
 
-A telegram that its source publishes is sent later by itself. One that is asked for by a poll can only take the place of
-a later answer: on this bus a poll has one answer, so each telegram sent late means that a fresh one is lost.
+A published telegram is sent later by itself. A polled telegram can only take the place of a later answer: a poll on
+this bus has one answer, so each telegram sent late means that a fresh one is lost.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ class Holding:
         self._held: list[tuple[int, int, Telegram]] = []
 
     def take(self, frames: Telegram, now_ns: int) -> tuple[list[Telegram], str]:
-        """Take the port's next telegram; returns those that leave now, and what happened to it (empty: nothing)."""
+        """Take the port's next telegram; returns the telegrams that leave now, and the change to it (empty: none)."""
         fault, active = self._activity.fault, self._activity.active
         if not active and fault.after == "drop":
             self._held = []
@@ -84,7 +84,7 @@ class Holding:
                     return [frames, *copies], AGAIN
                 self._held += [(now_ns, 0, copy) for copy in copies]
                 return [frames], AGAIN
-        # Overtaken by the next ones.
+        # The next telegrams overtake this one.
         if random.random() >= fault.parameter("share") or (self._polled and self._held):
             return [frames], ""
         # Itself counts as one.

@@ -1,4 +1,4 @@
-"""The faults of one node: which they are, what they do to the telegrams that it sends, and their log."""
+"""The faults of one node: their list, their effect on the telegrams that it sends, and their log."""
 
 from __future__ import annotations
 
@@ -103,7 +103,7 @@ class NodeFaults:
         return True
 
     def passes(self, frames: Sequence[Frame]) -> Iterator[Frame]:
-        """The frames that leave instead of these, which are whole telegrams; others are not touched."""
+        """The frames that leave instead of these. They must be whole telegrams; other frames are not touched."""
         index = 0
         while index < len(frames):
             found = self._by_id.get(frames[index].can_id)

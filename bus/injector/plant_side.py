@@ -1,4 +1,4 @@
-"""The plant's connection with faults: what the plant sends passes them, on every transport."""
+"""The plant's connection with faults: all frames that the plant sends pass them, on every transport."""
 
 from __future__ import annotations
 
@@ -43,10 +43,10 @@ class FaultyEndpoint:
         self._pauses = faults.at("clock", "pause")
         self._floods = [Flood(one, contract.bit_rate) for one in faults.at("bus", "load")]
         self._bus = None if disturber is None else BusFaults.of(faults, disturber, contract)
-        #: Sends early what the faults leave; the rest of it is sent with what comes next. None: it cannot.
+        #: Sends the frames that the faults leave early; the rest is sent with the next frames. None: it cannot.
         self.send_early = None if packed is None or disturber is not None else self._send_early
         self._packed = packed
-        # What the faults have left and was not sent early.
+        # Frames that the faults have left and that were not sent early.
         self._left: list[Frame] = []
         self._kill = kill
         self._stop = stop
@@ -72,7 +72,7 @@ class FaultyEndpoint:
         return self._endpoint.is_private
 
     def send(self, frames: Sequence[Frame]) -> None:
-        """Send what the faults leave of these frames, and what they held back before."""
+        """Send the frames that the faults leave of these, and frames held back before."""
         leaving = self._left + self._passed(frames)
         self._left = []
         if leaving:
@@ -88,14 +88,14 @@ class FaultyEndpoint:
         return True
 
     def _passed(self, frames: Sequence[Frame]) -> list[Frame]:
-        """What the faults leave of whole telegrams, and what they held back before."""
+        """The frames that the faults leave of whole telegrams, and frames held back before."""
         faults = self.faults
         leaving: list[Frame] = []
         begun = 0
         opening = faults.follower.clock_ids
         for index, frame in enumerate(frames):
             if frame.can_id in opening:
-                # It begins an instant, and what stands before it belongs to the last one.
+                # This frame begins an instant, and the frames before it belong to the last one.
                 leaving += faults.passes(frames[begun:index])
                 begun = index
             if faults.see(frame):
@@ -105,14 +105,14 @@ class FaultyEndpoint:
         return leaving
 
     def _at_once(self) -> list[Frame]:
-        """What begins with an instant and is not about a telegram."""
+        """Begin the faults of an instant that are not about a telegram."""
         activities = self.faults.activities
         for one in self._kills:
             if one.active:
                 activities.note(one, "running", "killed")
                 self.faults.write()
                 if self._packed is not None:
-                    # The link holds back what the record does not have yet.
+                    # The link holds back frames that the record does not have yet.
                     self._endpoint.send([])
                 self._kill()
         for one in self._stops:

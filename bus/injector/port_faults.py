@@ -35,14 +35,14 @@ class _Keeps(Protocol):
         """Whether telegrams are held back."""
 
     def take(self, frames: Telegram, now_ns: int) -> tuple[list[Telegram], str]:
-        """The telegrams that leave now, and what happened to this one."""
+        """The telegrams that leave now, and the change to this one."""
 
     def due(self, now_ns: int) -> list[Telegram]:
         """Telegrams held back that may leave now."""
 
 
 class PortFaults:
-    """What leaves a source at one port.
+    """The telegrams that leave a source at one port.
 
     :param polled: whether the telegram is an answer to a poll.
     """
@@ -66,7 +66,7 @@ class PortFaults:
         self._contract = contract
 
     def add(self, activity: Activity) -> None:
-        """Add a fault; those of signals come before those of the telegram, and the bus comes last."""
+        """Add a fault. Faults of signals come before faults of the telegram, faults of the bus come last."""
         fault = activity.fault
         self._watched.append(activity)
         if fault.what == CLEAR:
@@ -141,6 +141,6 @@ class PortFaults:
         if activity.active:
             self._activities.note(activity, before, after)
         else:
-            # What a fault does after its end does not count towards its number.
+            # Effects of a fault after its end do not count towards its number.
             hit = Hit(activity.number, self._activities.now_ns, activity.fault.what, before, after)
             self._activities.log.hits.append(hit)

@@ -58,15 +58,14 @@ class Endpoint(Protocol):
         """True when another node is known to have ended, so that waiting for it is useless."""
 
     def is_cut_off(self, node: str) -> bool:
-        """True when no answer of another node to what was sent last can come, because a fault keeps one from the
-        other."""
+        """True when that node cannot answer the last packet, because a fault separates the two nodes."""
 
     def close(self) -> None:
         """Leave the bus."""
 
 
 class PackedEnd(Protocol):
-    """What a link does with classic frames as they are packed (:mod:`railhil.bus.hub.wire`)."""
+    """Interface of a link for packed classic frames (:mod:`railhil.bus.hub.wire`)."""
 
     def send_packed(self, packet: bytes) -> None:
         """:meth:`Link.send`."""
@@ -74,7 +73,7 @@ class PackedEnd(Protocol):
     def send_early(self, packet: bytes) -> bool:
         """Pass frames to the controller before :meth:`send_packed` would, so that it can work beside this node.
 
-        The recorder gets them with what is sent next. False: not now, they have to be sent.
+        The recorder gets them with the next packet. Returns False when they have to be sent instead.
         """
 
     def receive_packed(self, timeout_s: float | None) -> bytes:
@@ -104,7 +103,7 @@ class Link(ABC):
         self.while_waiting: Callable[[], None] = lambda: None
         #: Pipes to the other nodes, if they were started together.
         self.lifelines = Lifelines()
-        #: Notes what this node sends, if it is asked to.
+        #: Notes the frames that this node sends, if it is asked to.
         self.sent: SentFrames | None = None
         self._say = say or (lambda line: None)
 
@@ -125,7 +124,7 @@ class Link(ABC):
 
     @property
     def disturber(self) -> Disturber | None:
-        """What takes orders to disturb the bus; None: nothing does. Only a hub with ``--faults`` has one."""
+        """Receiver of orders to disturb the bus; None: there is none. Only a hub with ``--faults`` has one."""
         return None
 
     @property
@@ -164,7 +163,7 @@ class Link(ABC):
         return 0
 
     def tell_trouble(self) -> None:
-        """Report what went wrong on this connection, if anything did; called at the end of a node."""
+        """Report losses and failures of this connection, if any; called at the end of a node."""
         found = [f"{key} {self.counters[key]}" for key in _TROUBLE if self.counters[key]]
         if found:
             self._say(f"{self.where}: {', '.join(found)}")

@@ -1,4 +1,4 @@
-"""The link on the hub: batches of frames, over an interface that does not lose any unless it is ordered to."""
+"""The link on the hub: batches of frames, over an interface that loses frames only by order."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ class BatchLink(GatewayLink):
     ``notices``.
 
     A failure is final: without the hub the run has ended. On a hub that takes orders (``--faults``) the client can be
-    bus-off, or its transmit queue full; in lockstep, where simulated time would wait with it, nothing is then waited
-    for, and the hub tells who waits for an answer.
+    bus-off, or its transmit queue full; in lockstep simulated time would wait too, so nothing is waited for then, and
+    the hub tells the nodes that wait for an answer.
 
     :param timeouts: how long a full transmit queue and the return from bus-off are waited for in real time.
     """
@@ -43,7 +43,7 @@ class BatchLink(GatewayLink):
 
         :raises Exception: of the hub, or of python-can.
         """
-        # What python-can is configured with is added to the given settings, of the hub too.
+        # python-can's configuration is added to the given settings, for the hub too.
         if has_settings():
             return cls(cast(HubClient, opening.bus()), opening.say)
         settings = {key: value for key, value in opening.config.items() if key != "interface"}
@@ -98,7 +98,7 @@ class BatchLink(GatewayLink):
             raise self._lost(f"cannot order: {error}") from error
 
     def has_ended(self, node: str) -> bool:
-        """See :meth:`Link.has_ended`; who has left the hub has ended."""
+        """See :meth:`Link.has_ended`; a node that has left the hub has ended."""
         return super().has_ended(node) or self._has_left(node)
 
     def may_deliver(self, node: str) -> bool:

@@ -1,6 +1,6 @@
 """Error frames: what a CAN controller reports about itself and the bus to its own host, as in ``linux/can/error.h``.
 
-The hub's model of CAN controllers makes them, and the links read them, from the hub as from a real interface.
+The hub's model of CAN controllers makes them; the links read them from the hub as from a real interface.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ def is_bus_error(frame: Frame) -> bool:
 
 
 def counters_of(frame: Frame) -> tuple[int, int]:
-    """TEC and REC in an error frame; of those above 255 it holds 255."""
+    """TEC and REC in an error frame; values above 255 are held as 255."""
     return frame.data[6], frame.data[7]
 
 

@@ -160,5 +160,5 @@ def _index_of(channel: str) -> int:
     try:
         return socket.if_nametoindex(channel)
     except OSError:
-        # No interface of this name: the one thing that this call fails of.
+        # No interface of this name: the only reason for which this call fails.
         return 0

@@ -17,7 +17,7 @@ from railhil.bus.link.outage import TIMEOUTS, Timeouts
 from railhil.bus.transports import Opening, transport_of
 from railhil.common.streams import escape_controls
 
-#: python-can's switch to receive what one has sent, as other tools want it.
+#: python-can's switch to receive own frames, which other tools may need.
 _ECHO = "receive_own_messages"
 
 
@@ -35,7 +35,7 @@ def open_link(config: dict[str, Any], name: str = "bus", *, timeouts: Timeouts =
         with contextlib.suppress(OSError):
             print(escape_controls(f"{name}: {line}"), file=sys.stderr, flush=True)
 
-    # The hub says to the nodes of a bench which of them are there.
+    # The hub reports to the nodes of a bench which of them are connected.
     own: dict[str, Any] = {"role": name} if config.get("interface") == HUB_INTERFACE and name in ROLES else {}
     named = config
     if has_settings():
@@ -62,8 +62,8 @@ def open_link(config: dict[str, Any], name: str = "bus", *, timeouts: Timeouts =
 
 
 def listen_only(link: Link) -> None:
-    """Tell the interface not even to acknowledge, where it can be told; who calls this sends nothing in any case."""
-    # An interface of python-can has loaded it.
+    """Tell the interface not to acknowledge frames either, if it can be told. The caller sends nothing in any case."""
+    # python-can is already loaded, by its interface.
     can = sys.modules.get("can")
     if can is not None and isinstance(link.bus, can.BusABC):
         with contextlib.suppress(NotImplementedError, AttributeError):

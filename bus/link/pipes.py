@@ -1,21 +1,22 @@
 """The link between the processes of one run: pipes, and no switch beside the plant.
 
-Only one node acts at a time, and each frame of another node answers the plant. So the plant writes the record: what it
-sends, and what the controller has answered, in the order in which both happened. The controller gets the frames of the
-plant and of the supervisor in one inbox, and answers to the plant alone; the supervisor gets the record, and its
-answers go to both others. The plant has an inbox for each of the two: what the supervisor says does not go back to it.
+Only one node acts at a time, and each frame of another node answers the plant. So the plant writes the record: its own
+frames and the controller's answers, in the order of both. The controller gets the frames of the plant and of the
+supervisor in one inbox, and answers to the plant alone; the supervisor gets the record, and its answers go to both
+others. The plant has an inbox for each of the two, so that the supervisor's answers do not go back to it.
 
-The record waits in the plant until the supervisor is asked, which wakes it, or until it fills a write; what waits is
-written, too, when no answer has come for a while, and when the plant leaves. A plant that is killed takes with it what
-has happened since its last poll of the supervisor.
+The record waits in the plant until a poll wakes the supervisor, or until it fills a write. It is also written when no
+answer has come for a while, and when the plant leaves. If the plant is killed, the frames since its last poll of the
+supervisor are lost.
 
-A write of at most PIPE_BUF bytes is atomic: frames of two writers do not mix. The controller is written to before the
-supervisor is asked, whose answer comes to it from there.
+A write of at most PIPE_BUF bytes is atomic: frames of two writers do not mix. The plant writes to the controller before
+it polls the supervisor, whose answer goes to the controller directly.
 
-Nobody answers the plant's telegrams, so they may go to the controller before (:meth:`PipeLink.send_early`): it takes
-them in while the plant makes the next.
+The plant's telegrams have no answer, so they may go to the controller early (:meth:`PipeLink.send_early`): it reads
+them while the plant makes the next.
 
-The pipes have no name: only processes that inherited them can use them, and the kernel removes them with the last one.
+The pipes have no name: only processes that inherited them can use them, and the kernel removes them with the last
+process.
 """
 
 from __future__ import annotations
@@ -45,15 +46,15 @@ _SUPERVISOR: Final = "supervisor"
 _READ_BYTES: Final = 1 << 16
 #: Requested size of the supervisor's inbox: it is read in bulk.
 _RECORD_BYTES: Final = 1 << 20
-#: Largest write that is done as a whole or not at all; a multiple of the size of a frame.
+#: Largest write that is atomic; a multiple of the size of a frame.
 _WRITE_BYTES: Final = select.PIPE_BUF // CLASSIC_SIZE * CLASSIC_SIZE
-#: Interval at which a node that waits for room looks whether it shall stop.
+#: Interval at which a node that waits for room checks whether it must stop.
 _LOOK_MS: Final = 100
 
 
 class Ends(NamedTuple):
-    """What one node holds: its inboxes, the plant's first one that of the controller's answers; and the inboxes of
-    those that it writes to, by name."""
+    """The pipe ends of one node: its inboxes (the plant's first one is for the controller's answers), and the inboxes
+    of the nodes that it writes to, by name."""
 
     inboxes: tuple[int, ...]
     others: Mapping[str, int]
@@ -104,11 +105,11 @@ class Pipes:
         with contextlib.suppress(OSError):
             # The limit of a user's pipes may be reached; the default size is enough.
             fcntl.fcntl(record[1], fcntl.F_SETPIPE_SZ, _RECORD_BYTES)
-        #: For each node, its ends.
+        #: The ends of each node.
         self.ends = {
             "plant": Ends((answers[0], orders[0]), {"controller": heard[1], _SUPERVISOR: record[1]}),
             "controller": Ends((heard[0],), {"plant": answers[1]}),
-            # The bus administrator acts on every answer: the others have it before.
+            # The bus administrator comes last: it acts on every answer, and the other nodes must have it before.
             _SUPERVISOR: Ends((record[0],), {"controller": heard[1], "plant": orders[1]}),
         }
 
@@ -118,7 +119,7 @@ class Pipes:
         return ends
 
     def handed_over(self, role: str) -> None:
-        """A node has been started: what it alone holds is now its own, so that its end can be noticed."""
+        """Close the ends of a started node here, so that its end can be noticed."""
         kept = {end for other in ROLES if other != role for end in self.ends[other].descriptors}
         for end in set(self.ends[role].descriptors) - kept:
             self._close(end)
@@ -143,7 +144,7 @@ class Pipes:
 
 
 class _NoBus:
-    """What :class:`Link` needs of its python-can bus."""
+    """The part of a python-can bus that :class:`Link` needs."""
 
     channel_info = "pipes of this run"
 
@@ -171,15 +172,15 @@ class PipeLink(Link):
         self._ends = ends
         self._is_plant = role == "plant"
         self._is_recorder = role == _SUPERVISOR
-        # Those whose writers have not ended.
+        # Inboxes whose writers have not ended.
         self._inboxes = [*ends.inboxes]
         sleep = ASLEEP if self._is_recorder else AWAKE
         self._spin_wait = SpinWait(ends.inboxes, moves=role == "controller", sleep=sleep)
-        # Where what is sent goes at once, in this order; the plant's record waits.
+        # The inboxes that frames go to at once, in this order; the plant's record waits.
         self._usual = [end for name, end in ends.others.items() if not self._is_plant or name != _SUPERVISOR]
         self._record = ends.others[_SUPERVISOR] if self._is_plant else -1
         self._answers = ends.inboxes[0] if self._is_plant else -1
-        # What the record does not have yet.
+        # Frames that the record does not have yet.
         self._held = b""
         self._asks: frozenset[bytes] = frozenset()
         if self._is_plant:
@@ -230,7 +231,7 @@ class PipeLink(Link):
         try:
             os.write(self._usual[0], packet)
         except (BlockingIOError, BrokenPipeError):
-            # As a whole or not at all: what comes of it is decided when they are sent.
+            # The write is atomic. If it fails, the frames are sent later.
             return False
         self._noted(packet)
         self._hold(packet)
@@ -242,17 +243,18 @@ class PipeLink(Link):
         self.counters["sent"] += len(packet) // CLASSIC_SIZE
 
     def _hold(self, packet: bytes) -> None:
-        """The plant: the record has it with the next poll of the supervisor."""
+        """The plant's record is written with the next poll of the supervisor."""
         if len(self._held) + len(packet) > _WRITE_BYTES:
             self._write_record()
-        # A read may bring more than fits one write, of which a part would be lost.
+        # A read may return more than fits one write; a part of a longer write would be lost.
         while len(packet) > _WRITE_BYTES:
             self._held, packet = packet[:_WRITE_BYTES], packet[_WRITE_BYTES:]
             self._write_record()
         self._held += packet
 
     def _write_record(self) -> None:
-        # Emptied first: a signal in the middle of writing ends the run, and its last event is recorded after it.
+        # The buffer is emptied first: a signal in the middle of writing ends the run, and its last event is recorded
+        # afterwards.
         held, self._held = self._held, b""
         if held:
             self._put(self._record, held)
@@ -276,12 +278,12 @@ class PipeLink(Link):
     def receive_packed(self, timeout_s: float | None) -> bytes:
         """:meth:`receive`, as packed by the other nodes.
 
-        :raises BusLost: no other node is left (not for the supervisor, which has started them), or what has arrived is
-            not made of frames.
+        :raises BusLost: no other node is left (not for the supervisor, which has started them), or the bytes received
+            are not frames.
         """
         ready = self._spin_wait.wait(None if timeout_s is None else timeout_s * 1000)
         if not ready and self._held and timeout_s != 0:
-            # Nobody may answer any more.
+            # No node can answer any more.
             self._write_record()
         arrived = b""
         for inbox, _ in ready:
@@ -308,7 +310,8 @@ class PipeLink(Link):
         return packet
 
     def has_ended(self, node: str) -> bool:
-        """See :meth:`Link.has_ended`; a node has ended when nobody reads its inbox, and all that it sent is read."""
+        """See :meth:`Link.has_ended`; a node has ended when no process reads its inbox, and all frames that it sent are
+        read."""
         if super().has_ended(node):
             return True
         end = self._ends.others.get(node)
@@ -321,9 +324,9 @@ class PipeLink(Link):
         return not select.select(self._inboxes, (), (), 0.0)[0]
 
     def close(self) -> None:
-        """See :meth:`Link.close`; what was sent is in the pipes."""
+        """See :meth:`Link.close`; frames that were sent are in the pipes."""
         with contextlib.suppress(BusLost, OSError):
-            # Nobody takes the record any more.
+            # No process reads the record any more.
             self._write_record()
         for end in self._ends.descriptors:
             with contextlib.suppress(OSError):
@@ -344,7 +347,7 @@ class PipeLink(Link):
                 os.write(end, packet)
                 return
             except BlockingIOError:
-                # Room for less than the packet.
+                # There is room for a part of the packet only.
                 time.sleep(_LOOK_MS / 1000)
             except BrokenPipeError:
                 self._has_gone(end)
@@ -355,7 +358,7 @@ class PipeLink(Link):
         return next(name for name, other in self._ends.others.items() if other == end)
 
     def _has_gone(self, end: int) -> None:
-        """A node that has ended takes nothing; who waits for it asks :meth:`has_ended`."""
+        """A node that has ended takes nothing; a node that waits for it asks :meth:`has_ended`."""
         self._gone.add(end)
         if self._is_plant and len(self._gone) == len(self._ends.others):
             raise self._lost("cannot send: the other nodes have ended")

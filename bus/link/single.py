@@ -26,7 +26,7 @@ from railhil.common.patience import WallClock
 _SEND_RETRY_S = 0.0005
 #: Longest time that an interface may block in one attempt to send.
 _SEND_TIMEOUT_S = 0.005
-#: So much unreadable input in a row is no disturbance.
+#: More unreadable input than this in a row is not a mere disturbance.
 _UNREADABLE_SAID = 20
 _NO_FRAME = "another protocol, another serial rate, or a firmware that is not understood"
 _FULL = (errno.ENOBUFS, errno.EAGAIN)
@@ -206,8 +206,8 @@ class SingleLink(GatewayLink):
         return [] if message is None else [from_message(message)]
 
     def _count_garbage(self) -> None:
-        """Count unreadable input; input without any frame is said while the node runs, which else only seems to hear
-        nothing."""
+        """Count unreadable input. If no frame is among it, report it while the node runs: otherwise the node only seems
+        to hear nothing."""
         self.counters["garbage"] += 1
         self._unreadable += 1
         if self._unreadable == _UNREADABLE_SAID:
@@ -234,7 +234,7 @@ class SingleLink(GatewayLink):
     # -- outages --------------------------------------------------------------------------------------------------
 
     def _went_down(self, error: BaseException, action: str) -> None:
-        """The interface has failed.
+        """Handle a failure of the interface.
 
         :raises BusLost: it cannot be opened again.
         """
@@ -291,7 +291,8 @@ class SingleLink(GatewayLink):
         try:
             self.bus = self._reopen()
         except Exception:
-            # So may one whose device is just being plugged in; the reason for the outage has already been reported.
+            # A driver whose device is just being plugged in may, too; the reason for the outage has already been
+            # reported.
             return False
         return True
 
@@ -332,7 +333,7 @@ class EchoLink(SingleLink):
         while frames := super()._get(timeout_s):
             if others := [frame for frame in frames if not self._is_own(frame)]:
                 return others
-            # An own frame is no reason to return early.
+            # The node's own frame does not end the wait.
             if deadline_s is not None:
                 timeout_s = max(0.0, deadline_s - self._wall.monotonic())
         return []

@@ -112,7 +112,7 @@ class SlcanLink(SingleLink):
         self._ended_by_cr = False
         #: Unsent rest of a line that the port accepted only in part.
         self._rest = b""
-        #: When each frame or query was written that the adapter has not answered yet.
+        #: Times at which the frames and queries were written that the adapter has not answered yet.
         self._unanswered: deque[int] = deque(maxlen=_UNANSWERED_MAX)
         #: Whether the adapter is one that answers frames.
         self._answers = False
@@ -196,8 +196,7 @@ class SlcanLink(SingleLink):
             self._rest = self._rest[os.write(self._fd, self._rest) :]
 
     def _discard(self) -> None:
-        """Discard the data in the port's buffer, as far as its driver can, and terminate a line that was accepted in
-        part.
+        """Discard the data in the port's buffer, if its driver can, and terminate a line that was accepted in part.
 
         The answer to the resulting empty line shows that the adapter is alive.
         """
@@ -216,7 +215,7 @@ class SlcanLink(SingleLink):
         while True:
             now_s = time.monotonic()
             rest_s = None if deadline_s is None else max(0.0, deadline_s - now_s)
-            # Both during a long wait and over many short ones: bus-off shows only as silence.
+            # Checked during a long wait and over many short ones: bus-off shows only as silence.
             ask_s = max(0.0, self._quiet_since_s + _SILENCE_S - now_s)
             ports = (self._fd,)
             readable, writable, _ = select.select(
@@ -247,7 +246,7 @@ class SlcanLink(SingleLink):
         if now_s - self._quiet_since_s < _SILENCE_S:
             return
         self._quiet_since_s = now_s
-        # Not if its port is full or it is stuck: that is another problem.
+        # A full port or a stuck adapter is another problem: no query then.
         if not self._rest and (self.lossless or not self._is_stuck(time.monotonic_ns())):
             with contextlib.suppress(BlockingIOError):
                 self._write(b"F\r")

@@ -1,8 +1,8 @@
 """How a node on pipes waits for its turn: awake while the machine is calm, else asleep.
 
-Waking a process that sleeps takes longer than most of what it is woken for. So a node looks again and again, and gives
-its processor away in between (``sched_yield``). Another process that is given the processor keeps it for milliseconds:
-where turns come late, the node sleeps for the next thousands of turns, and for more of them if it is late again.
+Waking a sleeping process often takes longer than the work that it is woken for. So a node polls repeatedly and yields
+its processor in between (``sched_yield``). Another process that is given the processor keeps it for milliseconds: where
+turns come late, the node sleeps for the next thousands of turns, and for more of them if it is late again.
 
 While the controller is awake it uses another processor than the plant; asleep it shares the plant's, because only one
 of the two acts at a time.
@@ -17,18 +17,18 @@ import time
 from collections.abc import Sequence
 from typing import Final, NamedTuple
 
-#: Looks before a node sleeps all the same: some milliseconds.
+#: Number of polls before a node sleeps in any case: some milliseconds.
 _LOOKS: Final = 2000
-#: A turn that is later than this was not kept back by the work of another node.
+#: The work of another node does not delay a turn by more than this.
 _LATE_NS: Final = 1_000_000
-#: What one late turn weighs against turns in time, and the weight at which the node goes to sleep.
+#: Weight of one late turn against turns in time, and the weight at which the node goes to sleep.
 _LATE_WEIGHT: Final = 50
 _LATE_MAX: Final = 150
 
 
 class Sleep(NamedTuple):
-    """Turns for which a node sleeps: at first, while the nodes start; after late turns; at most, when it is late again
-    and again."""
+    """Number of turns for which a node sleeps: at first, while the nodes start; after late turns; at most, when turns
+    stay late."""
 
     starting: int = 60
     least: int = 1_500
@@ -43,8 +43,8 @@ ASLEEP: Final = Sleep(starting=1 << 60)
 class SpinWait:
     """Waits until one of some descriptors is readable.
 
-    :param moves: use another processor while awake than while asleep: not awake before this process has been limited to
-        one of those that it may use now.
+    :param moves: use another processor while awake than while asleep: the node is not awake before this process has
+        been limited to one of the processors that it may use now.
     """
 
     def __init__(self, descriptors: Sequence[int], *, moves: bool = False, sleep: Sleep = AWAKE) -> None:
@@ -52,7 +52,7 @@ class SpinWait:
         for descriptor in descriptors:
             poller.register(descriptor, select.POLLIN)
         self._poll = poller.poll
-        #: Waits no longer for a descriptor.
+        #: Removes a descriptor from those waited for.
         self.leave = poller.unregister
         self._moves = moves
         self._allowed = os.sched_getaffinity(0)
@@ -69,8 +69,8 @@ class SpinWait:
         return self._asleep == 0
 
     def wait(self, timeout_ms: float | None) -> list[tuple[int, int]]:
-        """The descriptors that are readable, each with what :func:`select.poll` says of it; none after the time-out
-        (None: there is none)."""
+        """The readable descriptors, each with its events as in :func:`select.poll`; none after the time-out (None: no
+        time-out)."""
         poll = self._poll
         if self._asleep:
             self._asleep -= 1
@@ -89,7 +89,7 @@ class SpinWait:
         return poll(timeout_ms)
 
     def _came(self, after_ns: int) -> None:
-        """A turn has come, or has not come while the node was awake."""
+        """Note after how long a turn has come; decide whether the node sleeps."""
         if after_ns < _LATE_NS:
             if self._weight:
                 self._weight -= 1
@@ -117,7 +117,7 @@ class SpinWait:
             self._shared = now
 
     def _go_to(self, processors: set[int]) -> bool:
-        # Which processors a container may use can change at any time; to stay is slower, and not wrong.
+        # The processors of a container can change at any time; staying is slower but not wrong.
         with contextlib.suppress(OSError):
             os.sched_setaffinity(0, processors)
             return True

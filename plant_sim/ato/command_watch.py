@@ -16,11 +16,11 @@ EMERGENCY      age > emergency while moving, overspeed,  all the brake has, at o
 ============== ========================================= =================================== ========================
 
 The age is the simulation time since the last accepted command; "in a row" means that each command came within the hold
-limit after the previous one, and nothing suspicious between them. Leaving any level leads to NORMAL. The thresholds are
-scenario data (:class:`railhil.systems.ato.scenario.model.WatchLimits`).
+limit after the previous one, with nothing suspicious between them. Leaving any level leads to NORMAL. The thresholds
+are scenario data (:class:`railhil.systems.ato.scenario.model.WatchLimits`).
 
-The batch compiles the functions that are marked at the end (:mod:`railhil.common.compilable` says what they may be made
-of).
+The batch compiles the functions that are marked at the end (:mod:`railhil.common.compilable` lists the permitted
+language).
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ SERVICE_BRAKE_JERK_MPS3: Final = 0.75
 _NS_PER_MS: Final = 1_000_000
 
 
-# A member of an enum costs as much as a call on CPython 3.11, and the watch is stepped in every tick.
+# Looking up a member of an enum costs as much as a call on CPython 3.11, and the watch is stepped in every tick.
 _NORMAL: Final = WatchLevel.NORMAL
 _HOLD: Final = WatchLevel.HOLD
 _TRACTION_CUT: Final = WatchLevel.TRACTION_CUT
@@ -104,7 +104,7 @@ def watch_step(
     """State of the ladder one tick later.
 
     :param accepted: a command was accepted at this tick.
-    :param suspicion: level demanded by what the gate found in the commands of this tick, NORMAL for none.
+    :param suspicion: level demanded by the gate's findings in the commands of this tick, NORMAL for none.
     :param moving: the train is not at standstill.
     :param below_limit: the speed is below the limit of the line and the train.
     :param emergency: overspeed, an emergency command, an open safety loop, or a check of the train's forces and place.

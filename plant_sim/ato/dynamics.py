@@ -15,7 +15,7 @@ Within a step the notch is constant, so the actuator is solved exactly (mean for
 midpoint rule with a predicted midpoint (second order). Departure, stop and the crossing of a force limit are located
 within the step, so the whole run is of second order in the step.
 
-The batch compiles all functions here (:mod:`railhil.common.compilable` says what they may be made of).
+The batch compiles all functions here (:mod:`railhil.common.compilable` lists the permitted language).
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ class Lag(NamedTuple):
 
 
 class Window(NamedTuple):
-    """What the train's protection leaves of the forces.
+    """Limits of the forces set by the train's protection.
 
     ``traction`` False removes all traction; ``brake_min_n`` is a braking force applied whatever the actuator does
     (infinite: full brake force).

@@ -1,4 +1,4 @@
-"""The train of the system ``ato`` with an FMU for its motion; all else stays the bench's."""
+"""The train of the system ``ato`` with an FMU for its motion; all other parts are the bench's."""
 
 from __future__ import annotations
 
@@ -29,9 +29,9 @@ _AT_REST = 1e-6
 
 
 class FmuTrain(TrainOnBus):
-    """Commands, gate, watch, interlocks, sensors, balises and telegrams are those of :class:`TrainOnBus`.
+    """Commands, gate, watch, interlocks, sensors, balises and telegrams are as in :class:`TrainOnBus`.
 
-    The FMU gets the force that the notch demands and what the train's protection leaves of it, and answers with
+    The FMU gets the force that the notch demands and the limits set by the train's protection. It answers with
     position, speed and force at the end of the step.
     """
 
@@ -76,7 +76,7 @@ class FmuTrain(TrainOnBus):
         step_s = lag_step.step_s
         brake_min_n = min(window.brake_min_n, self._brake_max_n)
         force_n = steady_n
-        # What the FMU is not told, the demanded force contains.
+        # The demanded force contains the limits for which the FMU has no input.
         if "traction_allowed" not in self._take and not window.traction:
             force_n = min(force_n, 0.0)
         if "brake_min_n" not in self._take and brake_min_n > 0.0:
@@ -102,7 +102,7 @@ class FmuTrain(TrainOnBus):
 
 
 def _numbers(train: Train, constants: TrainConstants) -> dict[str, float]:
-    """What parameters of an FMU can be set to, by name: keys of the train, resistance in SI units, force limits."""
+    """Values for parameters of an FMU, by name: keys of the train, resistance in SI units, force limits."""
     found = {field.name: getattr(train, field.name) for field in fields(train)}
     found |= constants._asdict()
     # The mass of the constants includes the rotating parts.

@@ -12,10 +12,10 @@ from railhil.wire.ato import NotchCmd, WatchCause
 #: Number of commands with a wrong check variable among the last :data:`RECENT` that is suspicious.
 BAD_FOR_SUSPICION: Final = 3
 RECENT = 10
-#: Number of the last commands in which old ones are looked for.
+#: Number of recent commands that are searched for old ones.
 ORDER = 16
 
-# A member of an enum costs as much as a call on CPython 3.11, and this runs with every command.
+# Looking up a member of an enum costs as much as a call on CPython 3.11, and this runs with every command.
 _NO_SUSPICION: Final = WatchCause.NONE
 _NEXT: Final = Life.NEXT
 _GAP: Final = Life.GAP
@@ -29,12 +29,13 @@ class CommandGate:
     Refusals are counted by cause: ``duplicate``, ``out_of_order``, ``check_variable``, ``out_of_range``; ``gap``
     counts accepted telegrams that came after lost ones, ``notch_step`` those whose step was too large.
 
-    ``suspicion``: what the last telegram means for the train's watch. Two controllers answer in turn, so that good
-    commands and old ones alternate.
+    ``suspicion``: level of the watch that the last telegram demands. If two controllers answer in turn, good and old
+    commands alternate.
 
-    :param step_max_256th: largest step from one command to the next; a command after a larger one is followed only as
-        far as it brakes.
-    :param two_sources_max: so many old commands, each directly after a good one, are permitted less one.
+    :param step_max_256th: largest step from one command to the next; after a larger step the train follows the command
+        only if it brakes.
+    :param two_sources_max: number of old commands, each directly after a good one, from which on two controllers are
+        suspected.
     """
 
     def __init__(self, notch_max_256th: int, step_max_256th: int, two_sources_max: int) -> None:

@@ -1,6 +1,6 @@
 """The train on its line: dynamics, actuator with loop delay, sensors, interlocks and the train's own watch.
 
-Events inside a tick have their exact instants.
+Events have their exact instants within a tick.
 """
 
 from __future__ import annotations
@@ -64,7 +64,7 @@ NOTCH_LSB_PER_NOTCH: Final = 256
 #: Grade up to which an applied parking brake holds the train.
 PARKING_BRAKE_PERMIL: Final = 40.0
 
-# A member of an enum costs as much as a call on CPython 3.11, and these are needed in every tick.
+# Looking up a member of an enum costs as much as a call on CPython 3.11, and these are needed in every tick.
 _NOTHING: Final = WatchCause.NONE
 _NO_DEMAND: Final = WatchLevel.NORMAL
 _TRACTION_CUT: Final = WatchLevel.TRACTION_CUT
@@ -79,7 +79,7 @@ class Plant(PlantReadings):
     """One train on one run, advanced tick by tick (``scenario.timing.base_tick_ns``) from standstill at position 0.
 
     All readings are those of the instant ``tick * base_tick``, before :meth:`advance`. ``seed`` is the run's; the noise
-    of the speed sensor depends on it and on the tick alone, not on what is read.
+    of the speed sensor depends only on the seed and the tick, not on the number of readings.
     """
 
     def __init__(self, scenario: Scenario, seed: int) -> None:
@@ -107,7 +107,7 @@ class Plant(PlantReadings):
         self._limits = watch_ticks(scenario.watch, timing.base_tick_ns)
         self._overspeed_margin_mps = scenario.watch.overspeed_margin_mps
         self._watch = INITIAL
-        #: Why the watch has its present level.
+        #: Cause of the present level of the watch.
         self.watch_cause = WatchCause.NO_COMMAND
         self._watch_brake_mps2 = train.service_braking_mps2
         self._accepted = False
@@ -146,7 +146,7 @@ class Plant(PlantReadings):
             self._staged.append((self.tick + self._delay_ticks, code))
 
     def suspect(self, cause: WatchCause) -> None:
-        """What the gate found in a NOTCH_CMD of the current tick; of several the strongest counts."""
+        """Take the gate's finding in a NOTCH_CMD of the current tick; the strongest of several counts."""
         if SUSPICIONS[cause] > SUSPICIONS[self._suspicion]:
             self._suspicion = cause
 
@@ -236,11 +236,11 @@ class Plant(PlantReadings):
             brake_min_n = max(brake_min_n, self._parking_brake_n)
         self._window = Window(traction, brake_min_n)
         if not traction and actuator_n > 0.0:
-            # The contactors are open: when they close again, traction builds up from zero.
+            # The contactors are open. When they close again, traction builds up from zero.
             self._motion = self._motion._replace(actuator_n=0.0)
 
     def _cause(self, watch: CommandWatchState) -> WatchCause:
-        """Why the watch has just entered its level."""
+        """Cause for which the watch has just entered its level."""
         if watch.level == WatchLevel.NORMAL:
             return WatchCause.NONE
         if self._emergency_commanded:
@@ -251,7 +251,7 @@ class Plant(PlantReadings):
             return WatchCause.OVERSPEED
         if self._own is not WatchCause.NONE:
             return self._own
-        # The age of the command is named where it demands as much.
+        # The age of the command is named if it demands this level, too.
         by_age = watch.age_ticks > self._limits.service_brake or (
             watch.age_ticks > self._limits.traction_cut and watch.level <= WatchLevel.TRACTION_CUT
         )
@@ -278,8 +278,8 @@ class Plant(PlantReadings):
             self._pass_balise(
                 self._balises.popleft(), (from_tick - self.tick) * self._step_s + moving_from_s + passed_s
             )
-        # Decided by the speed, not by the distance: far from 0, the floating-point position of a creeping train no
-        # longer changes in a step.
+        # The speed decides, not the distance: far from 0, the floating-point position of a creeping train no longer
+        # changes in a step.
         if motion.speed_mps <= 0.0 < before.speed_mps and position_m - self._leg_from_m >= STOP_LEG_MIN_M:
             self._leg_from_m = position_m
             self._event("stopped", (from_tick - self.tick) * self._step_s + moving_to_s, position_m)

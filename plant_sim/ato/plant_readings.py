@@ -1,6 +1,6 @@
-"""What the train says of itself at an instant: its axle sensors, the status of its equipment, and the truth.
+"""Readings of the train at an instant: its axle sensors, the status of its equipment, and the truth.
 
-The batch compiles the readings of the axle sensors (:mod:`railhil.common.compilable` says what they may be made of).
+The batch compiles the readings of the axle sensors (:mod:`railhil.common.compilable` lists the permitted language).
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ def odometer_reading_mm(position_m: float, wheel_factor: float, lsb_m: float) ->
 
 
 class AxleSensors:
-    """Readings of one run. Each tick has its own speed noise, whether it is read or not, and however often."""
+    """Readings of one run. Each tick has its own speed noise, independent of the number of readings."""
 
     def __init__(self, sensors: Sensors, seed: int) -> None:
         self.sensors = sensors

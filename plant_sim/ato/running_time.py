@@ -1,7 +1,7 @@
 """Shortest running time: a flat-out run under speed limits and braking curves.
 
-The train accelerates at its traction limit until it reaches the speed ceiling, follows the ceiling as far as its force
-allows, and brakes at its service deceleration so that every lower limit and the stop are met. Braking is kinematic (the
+The train accelerates at its traction limit until it reaches the speed ceiling, follows the ceiling within its force
+limit, and brakes at its service deceleration so that every lower limit and the stop are met. Braking is kinematic (the
 deceleration is given, the force results from it), resistance and traction are those of :mod:`railhil.plant_sim.forces`.
 There is no actuator lag: the result is a lower bound, to be compared with published running times.
 
@@ -108,7 +108,7 @@ def _pulled_mps(constants: TrainConstants, grades: GradeTable, from_m: float, to
     grade = mean_grade_permil(grades, (from_m + to_m) / 2)
     squared = speed_mps**2
     middle_mps = speed_mps
-    # Two passes: first with the speed at the start, then with that in the middle of the cell.
+    # Two passes: first with the speed at the start, then with the speed in the middle of the cell.
     for _ in range(2):
         net_n = effort_limit_n(constants.traction, middle_mps) - resistance_n(constants, middle_mps, grade)
         end = squared + 2.0 * net_n / constants.mass_kg * (to_m - from_m)

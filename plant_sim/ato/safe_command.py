@@ -1,8 +1,9 @@
 """The train's end of the safe command: NOTCH_CMD acts only if NOTCH_SDT confirms it at the same instant.
 
-NOTCH_SDT is polled directly after NOTCH_CMD. It confirms if SDTv2's sink finds it fresh (:mod:`railhil.bus.sdt`), its
-time is the present one, and its notch and emergency flag are those of the command. A command that is not confirmed is
-not accepted: its age grows in the train's watch. An emergency command acts without confirmation.
+NOTCH_SDT is polled directly after NOTCH_CMD. It confirms the command if SDTv2's sink finds it fresh
+(:mod:`railhil.bus.sdt`), its time is the present one, and its notch and emergency flag equal the command's. A command
+that is not confirmed is not accepted: its age grows in the train's watch. An emergency command acts without
+confirmation.
 """
 
 from __future__ import annotations
@@ -18,8 +19,8 @@ from railhil.wire.ato import NotchCmd, NotchSdt
 class SafeCommand:
     """Confirms commands that have passed the gate.
 
-    ``counters``: safe telegrams that confirmed nothing, by cause: those of :class:`railhil.bus.sdt.SafeSink`, ``time``,
-    ``differs``; each with ``safe_`` before it.
+    ``counters``: safe telegrams that confirmed nothing, by cause with the prefix ``safe_``: the causes of
+    :class:`railhil.bus.sdt.SafeSink`, ``time``, ``differs``.
     """
 
     def __init__(self, scenario: Scenario) -> None:

@@ -24,7 +24,7 @@ from railhil.wire.ato import BalisePassed, PltStat, SimTruth, SpeedSdt, TrkInfo,
 _BIPOLAR_FULL: Final = 0x4000
 #: The target speed is computed for this many ticks at once: numpy takes as long for one as for a hundred.
 _TARGET_TICKS: Final = 1024
-# A member of an enum costs as much as a call on CPython 3.11.
+# Looking up a member of an enum costs as much as a call on CPython 3.11.
 _RUNNING: Final = TimeState.RUNNING
 
 
@@ -48,7 +48,7 @@ class TrainTelegrams:
         self._distance_max = _highest(TrkInfo, "next_limit_distance_m")
         # Life signs of the ports that the train publishes, each with its own modulus.
         self._lives: dict[str, Iterator[int]] = defaultdict(lambda: cycle(range(16)), {TrkInfo.PORT: cycle(range(4))})
-        # Those of the most frequent ports.
+        # The life signs of the most frequent ports.
         self._speed_life = self._lives[TrnSpeed.PORT]
         self._position_life = self._lives[TrnPos.PORT]
         self._truth_life = self._lives[SimTruth.PORT]
@@ -71,14 +71,14 @@ class TrainTelegrams:
     def _speed(self) -> TrnSpeed:
         speed_01mmps = self._plant.speed_01mmps
         if speed_01mmps > self._speed_max:
-            # A slipping axle: the reading stays at its end, and says that it is none.
+            # A slipping axle can exceed the range: the reading stays at its end and is marked as erroneous.
             return TrnSpeed(self._speed_max, CHECK_ERRONEOUS, life=next(self._speed_life))
         return TrnSpeed(speed_01mmps, life=next(self._speed_life))
 
     def _safe_speed(self) -> SpeedSdt | None:
         plant = self._plant
         if plant.speed_01mmps > self._speed_max:
-            # It has no check variable.
+            # This port has no check variable.
             return None
         telegram = SpeedSdt(plant.speed_01mmps, odometer_mm=plant.odometer_mm, **safe_tick_fields(plant.tick))
         return SpeedSdt.decode(self._safe.secured(telegram.encode()))

@@ -53,7 +53,7 @@ class TrainOnBus(Plant):
 
     @property
     def judged(self) -> dict[str, tuple[int, Mapping[str, int]]]:
-        """For each port with commands how many were accepted, and the counters of its check."""
+        """For each port with commands: the number accepted, and the counters of its check."""
         found: dict[str, tuple[int, Mapping[str, int]]] = {
             NotchCmd.PORT: (self.gate.counters["accepted"], self.gate.counters)
         }
@@ -62,8 +62,8 @@ class TrainOnBus(Plant):
         return found
 
     def take(self, telegram: Telegram) -> None:
-        """Take NOTCH_CMD if it passes the gate, and tell the watch what the gate finds suspicious; with a safe channel,
-        take it only if NOTCH_SDT confirms it."""
+        """Take NOTCH_CMD if it passes the gate, and pass the gate's suspicion to the watch. With a safe channel, take
+        it only if NOTCH_SDT confirms it."""
         gate, safe = self.gate, self._safe
         if isinstance(telegram, NotchSdt):
             assert safe is not None

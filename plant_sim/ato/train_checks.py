@@ -1,4 +1,4 @@
-"""What the train's own watch looks at besides the commands: its forces, and the end of its authority.
+"""Checks of the train's own watch besides the commands: its forces, and the end of its authority.
 
 ==================== =========================================================== =======================================
 check                found when                                                  limit of detection
@@ -12,10 +12,10 @@ end of authority     the speed is above that from which the train stops before  
                      its end with ``end_of_authority_braking``
 ==================== =========================================================== =======================================
 
-The forces are looked at every 50 ms. All three checks apply the emergency brake. Nothing here depends on the
-controller: forces, speed and position are the train's own, the notch is the one that acts.
+The forces are checked every 50 ms. All three checks apply the emergency brake. Nothing here depends on the controller:
+forces, speed and position are the train's own, and the notch is the acting one.
 
-The batch compiles the marked functions (:mod:`railhil.common.compilable` says what they may be made of).
+The batch compiles the marked functions (:mod:`railhil.common.compilable` lists the permitted language).
 """
 
 from __future__ import annotations
@@ -31,21 +31,21 @@ from railhil.plant_sim.forces import TrainConstants, effort_limit_n
 from railhil.systems.ato.scenario.model import Scenario
 from railhil.wire.ato import WatchCause
 
-#: Share of the actuator's pole that is taken for granted.
+#: Share of the actuator's pole that the checks assume.
 SLOWEST: Final = 0.9
 RUNNING_S: Final = 0.1
 WEAK_S: Final = 1.0
-#: Time between two looks at the forces.
+#: Time between two checks of the forces.
 LOOK_S: Final = 0.05
 _LSB_PER_NOTCH: Final = 256
 
 
-# A member of an enum costs as much as a call on CPython 3.11.
+# Looking up a member of an enum costs as much as a call on CPython 3.11.
 _NOTHING: Final = WatchCause.NONE
 
 
 class TrainChecks(NamedTuple):
-    """Limits of a scenario. ``end_m`` is infinite without an end of authority; the forces are looked at every
+    """Limits of a scenario. ``end_m`` is infinite without an end of authority; the forces are checked every
     ``look_ticks``."""
 
     look_ticks: int
@@ -59,8 +59,8 @@ class TrainChecks(NamedTuple):
 
 
 class ForceState(NamedTuple):
-    """Traction that may be left and looks at more in a row, braking that the acting notch has reached at least and
-    looks at less."""
+    """Traction that may be left, and checks above it in a row; braking that the acting notch must have reached, and
+    checks below it in a row."""
 
     left_n: float
     running_looks: int
@@ -89,7 +89,7 @@ def train_checks(scenario: Scenario) -> TrainChecks:
 
 
 def slow_decay(checks: TrainChecks, pole_per_s: float, tick_s: float) -> float:
-    """Factor of a force from one look to the next with an actuator as slow as is taken for granted."""
+    """Factor of a force from one check to the next, with the slowest actuator that is assumed."""
     return exp(-SLOWEST * pole_per_s * tick_s * checks.look_ticks)
 
 
@@ -111,12 +111,12 @@ def forces_step(
     speed_mps: float,
     accel_mps2: float,
 ) -> ForceState:
-    """State after a look at the forces of a moving train without a traction notch.
+    """State after a check of the forces of a moving train without a traction notch.
 
     :param decay: see :func:`slow_decay`.
     :param steady_n: force of the acting notch in the long run, at most 0.
     :param actuator_n: force of the actuator, traction positive.
-    :param brake_min_n: what the watch itself demands; infinite: the full brake.
+    :param brake_min_n: demand of the watch itself; infinite: the full brake.
     """
     left_n, running, floor_n, weak = state
     left_n = smaller(left_n * decay, larger(actuator_n, 0.0))
@@ -153,7 +153,7 @@ class OwnChecks:
         self._has_end = scenario.watch.end_of_authority
         self._constants = constants
         self._decay = slow_decay(self._checks, constants.pole_per_s, scenario.timing.base_tick_ns * 1e-9)
-        #: With an end of authority every tick is looked at, else those of the forces.
+        #: Every tick is checked with an end of authority, else the ticks of the force checks.
         self.every_ticks = 1 if self._has_end else self._checks.look_ticks
         self._n_per_notch = scenario.train.force_per_notch_n
         self._forces = FREE_FORCES

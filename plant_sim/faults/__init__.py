@@ -1,1 +1,1 @@
-"""Faults that live in the plant: of its sensors, its actuators, its equipment and of the commands that it takes."""
+"""Faults inside the plant: of its sensors, actuators and equipment, and of the commands that it takes."""

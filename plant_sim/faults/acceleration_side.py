@@ -9,7 +9,7 @@ from railhil.faults.activity import Activity
 from railhil.faults.actuators import FaultySide
 from railhil.plant_sim.faults.injections import Injections
 
-#: A side whose acceleration differs by more than this from the healthy one shows its fault.
+#: A fault of a side counts as visible if the acceleration differs by more than this from the healthy one.
 _NOTICED_MPS2 = 0.001
 
 
@@ -28,9 +28,9 @@ class AccelerationSide(FaultySide):
         self.instead_mps2: float | None = None
 
     def update(self, most_mps2: float) -> None:
-        """Faults have begun or ended.
+        """Take the faults that have begun or ended.
 
-        :param most_mps2: magnitude of all the acceleration that this side has.
+        :param most_mps2: largest magnitude of the acceleration of this side.
         """
         self.change(self.healthy_mps2 if self.instead_mps2 is None else self.instead_mps2)
         instead = self.state.instead

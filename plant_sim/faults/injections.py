@@ -1,4 +1,4 @@
-"""The faults of one plant: when each of them is active, what they draw, and the log of what they changed."""
+"""The faults of one plant: when each of them is active, its random numbers, and the log of its changes."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from railhil.scenarios import streams
 
 
 class MotionEvents:
-    """Events that the motion itself makes: ``standstill``, ``braking`` and ``traction``, each when it begins."""
+    """Events of the motion: the beginning of ``standstill``, ``braking`` and ``traction``."""
 
     def __init__(self) -> None:
         self._before = (True, False, False)
@@ -31,7 +31,7 @@ class MotionEvents:
 class Injections:
     """Faults of one plant in one run, in the order of their numbers.
 
-    :param faults: the run's faults that live in the plant, each with its number in the run's list, distributions drawn.
+    :param faults: the run's faults inside the plant, each with its number in the run's list, distributions drawn.
     """
 
     def __init__(self, faults: Sequence[tuple[int, Fault]], seed: int, tick_ns: int) -> None:
@@ -46,7 +46,7 @@ class Injections:
     def at(self, level: str, *names: str, unit: int = 0) -> list[Activity]:
         """The faults of a level, and of these places if any are named.
 
-        :param unit: only those of this unit of the train, from 1; 0: of any.
+        :param unit: only the faults of this unit of the train, from 1; 0: of any unit.
         """
         places = [(one, one.fault.place) for one in self.activities]
         found = [one for one, place in places if place.level == level and (not names or place.name in names)]
@@ -57,27 +57,28 @@ class Injections:
         return streams.fault_generator(streams.FAULT_SAMPLES, self._seed, activity.number, activity.fault.seed)
 
     def look(self, tick: int, position_m: float, speed_mps: float) -> bool:
-        """Decide which faults are active at a tick, by the truth at its instant; True if any began or ended."""
+        """Find the faults that are active at a tick, by the truth at its instant; True if any began or ended."""
         self._all.look(tick * self._tick_ns, position_m, speed_mps)
         # Compared with the last tick: a fault may also have ended by its count or an order since then.
         before, self._active = self._active, [one.active for one in self.activities]
         return self._active != before
 
     def happened(self, event: str) -> None:
-        """An event of the run at the present tick, in lower case; a fault that waits for it begins with the next."""
+        """Take an event of the run at the present tick, in lower case; a fault that waits for it begins with the next
+        tick."""
         self._all.happened((event,))
 
     def order(self, number: int, order: int) -> None:
-        """An order by hand (:class:`railhil.bus.codes.FaultOrder`) for the fault of that number; numbers of faults
+        """Take an order by hand (:class:`railhil.bus.codes.FaultOrder`) for the fault of that number; numbers of faults
         elsewhere are ignored."""
         self._all.order_now(number, order)
 
     def hit(self, activity: Activity, before: str, after: str) -> None:
-        """A fault has changed one sample or command at the present tick."""
+        """Note that a fault has changed one sample or command at the present tick."""
         self._all.note(activity, before, after)
 
     def effect(self, activity: Activity, acts: bool, before: str, after: str) -> None:
-        """Whether a lasting fault changes anything at the present tick: a hit each time that it begins to."""
+        """Note whether a lasting fault changes anything at the present tick; each beginning of a change is a hit."""
         if acts and not self._acting.get(activity.number, False):
             self.hit(activity, before, after)
         self._acting[activity.number] = acts
@@ -88,7 +89,7 @@ SAFETY_LOOP = "safety_loop"
 
 
 class SafetyLoop:
-    """The safety loop of a train that has no interlocks on its bus: open, it takes the emergency brake for good.
+    """The safety loop of a train that has no interlocks on its bus. An open loop applies the emergency brake for good.
 
     Closing it again does not release the brake of the run.
     """
@@ -96,11 +97,11 @@ class SafetyLoop:
     def __init__(self, injections: Injections) -> None:
         self._injections = injections
         self._faults = injections.at("train", SAFETY_LOOP)
-        #: It is, or has been, open.
+        #: The loop is, or has been, open.
         self.opened = False
 
     def look(self) -> None:
-        """Faults have begun or ended."""
+        """Take the faults that have begun or ended."""
         for one in self._faults:
             self._injections.effect(one, one.active, "closed", "open")
             self.opened = self.opened or one.active

@@ -1,4 +1,4 @@
-"""A train and a line that differ from what the controller knows: mass and gradient."""
+"""A train and a line that differ from the controller's data in mass and gradient."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from railhil.systems.ato.scenario.model import Line, Scenario, Train
 
 @dataclass(frozen=True, slots=True)
 class Mismatch:
-    """Factors on both masses, on the Davis coefficients and on the grade, and what is added to the grade.
+    """Factors on both masses, on the Davis coefficients and on the grade, and an addition to the grade.
 
     Each is a number, or an array over N trains.
     """
@@ -45,7 +45,7 @@ class Mismatch:
 
     @classmethod
     def over(cls, mismatches: Sequence[Mismatch]) -> Mismatch:
-        """Those of N trains as arrays of shape (N,)."""
+        """The mismatches of N trains as arrays of shape (N,)."""
         return cls(*(np.array([getattr(one, item.name) for one in mismatches]) for item in fields(cls)))
 
     def applied(self, scenario: Scenario) -> Scenario:

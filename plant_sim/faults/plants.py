@@ -1,6 +1,6 @@
-"""Makes the plant of a run: the one with faults only for a run that has any in its plant.
+"""Makes the plant of a run. The plant with faults is used only for a run with faults inside its plant.
 
-Every plant is made here, so the language of faults and what injects them are loaded only for runs with faults.
+Every plant is made here, so the language of faults and their injection are loaded only for runs with faults.
 """
 
 from __future__ import annotations
@@ -19,12 +19,12 @@ if TYPE_CHECKING:
     from railhil.plant_sim.faults.injections import Injections
     from railhil.plant_sim.faults.mismatch import Mismatch
 
-#: Levels of the faults that live in the plant.
+#: Levels of the faults inside the plant.
 LEVELS = ("train", "sensor", "actuator")
-#: The part of a system that makes its plant with faults, from what its plant is made from and the numbered faults: a
+#: The part of a system that makes its plant with faults, from the arguments of its plant and the numbered faults: a
 #: :class:`FaultyPlant`. The system lists the places of these faults in ``injects``; others are refused at load.
 PART = "faulty_plant"
-#: The part of a system that makes its plant with an FMU for its motion, from what its plant is made from and the
+#: The part of a system that makes its plant with an FMU for its motion, from the arguments of its plant and the
 #: :class:`~railhil.scenarios.plant_fmu.PlantFmu`: a :class:`~railhil.plant_sim.fmu.determinism.FmuPlant`. A system
 #: without it takes no FMU.
 FMU_PART = "fmu_plant"
@@ -33,12 +33,12 @@ FMU_PART = "fmu_plant"
 class FaultyPlant(AnyPlant, Protocol):
     """A plant with faults."""
 
-    #: Its faults, and what they have changed.
+    #: Its faults, and their changes.
     injections: Injections
 
 
 def in_plant(faults: Sequence[Fault]) -> list[tuple[int, Fault]]:
-    """The faults of a run that live in the plant, with their numbers in its list, from 1."""
+    """The faults of a run inside the plant, with their numbers in its list, from 1."""
     return [(number, fault) for number, fault in enumerate(faults, 1) if fault.place.level in LEVELS]
 
 

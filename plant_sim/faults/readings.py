@@ -1,4 +1,4 @@
-"""Sensors of the plants with faults: those that give one number (:mod:`railhil.faults.sensors`), and the balise reader.
+"""Sensors of the plants with faults: sensors of one number (:mod:`railhil.faults.sensors`), and the balise reader.
 
 ============ ================================================================================
 missed       no report of a balise
@@ -49,7 +49,7 @@ class FaultySensor:
         ]
         #: The reading at the present tick.
         self.reading = Reading(0)
-        #: How much its reading differs from the healthy one, in raw counts.
+        #: Difference of its reading from the healthy one, in raw counts.
         self.error = 0
         self._changes: list[tuple[Activity, Reading, Reading]] = []
 
@@ -69,7 +69,7 @@ class FaultySensor:
         self.error = reading.raw - raw
 
     def sent(self) -> Reading:
-        """The reading at the present tick, which is sent now: whatever changed it has hit a telegram."""
+        """The reading at the present tick, which is sent now: each fault that changed it has hit a telegram."""
         for activity, before, after in self._changes:
             self._injections.hit(activity, _text(before), _text(after))
         self._changes = []
@@ -82,7 +82,7 @@ def _text(reading: Reading) -> str:
 
 @dataclass(frozen=True, slots=True)
 class UnreadBalise(Balise):
-    """A balise of which the reader has nothing but its number: its telegram's check variable says erroneous."""
+    """A balise of which the reader has only the number: its telegram's check variable is erroneous."""
 
 
 def _unread(reports: list[Balise]) -> list[Balise]:
@@ -93,7 +93,7 @@ def _misplaced(reports: list[Balise], error_m: float) -> list[Balise]:
     return [replace(each, surveyed_m=each.surveyed_m + error_m) for each in reports]
 
 
-#: Word of a fault of the reader -> the reports that it leaves.
+#: Word of a fault of the reader -> the reports that remain.
 _BALISE_WORDS: Mapping[str, Callable[[list[Balise], Fault, np.random.Generator], list[Balise]]] = {
     "missed": lambda reports, fault, source: [],
     "doubled": lambda reports, fault, source: [each for each in reports for _ in range(2)],
@@ -106,7 +106,7 @@ _BALISE_WORDS: Mapping[str, Callable[[list[Balise], Fault, np.random.Generator],
 
 
 class FaultyReader:
-    """What the reader reports for a balise, with the faults that are active, in the order of their numbers."""
+    """The reader's reports of a balise under the active faults, in the order of their numbers."""
 
     def __init__(self, injections: Injections) -> None:
         self._injections = injections

@@ -1,4 +1,4 @@
-"""Whether an FMU does the same twice, and where it begins."""
+"""Checks whether an FMU is deterministic, and its position at the start."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from railhil.plant_sim.fmu.names import Input
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 
-#: Steps of each of the two runs, and the shares of the command that they go through, each for an equal part.
+#: Steps of each of the two runs, and the shares of the command in their equal parts.
 TICKS = 4000
 _SHARES = (1.0, 0.4, -0.15, 0.6, 0.0, -0.7, -1.0, 0.2)
 
@@ -27,7 +27,7 @@ class FmuPlant(Protocol):
 
 
 class Twice(NamedTuple):
-    """``same``: two equal runs gave the same; None: this cannot be found out. ``why``: not the same, or unknown."""
+    """``same``: two equal runs gave the same; None: unknown. ``why``: the reason if they differ or it is unknown."""
 
     same: bool | None
     why: str
@@ -36,7 +36,7 @@ class Twice(NamedTuple):
 def outputs_sha256(fmu: Fmu) -> str:
     """SHA-256 over all outputs of a new instance after every step, driven by fixed inputs.
 
-    An FMU that is deterministic gives the same one each time.
+    A deterministic FMU gives the same SHA-256 each time.
 
     :raises PlantError: it refuses a step.
     """
@@ -83,7 +83,7 @@ _SAME_MPS = 1e-6
 
 
 def place_of(fmu: Fmu, position_m: float, speed_mps: float) -> float:
-    """Position of the train where the FMU says 0, so that it begins at ``position_m``.
+    """Position of the train at the FMU's 0, so that it begins at ``position_m``.
 
     :raises InputError: it does not begin with ``speed_mps``.
     """

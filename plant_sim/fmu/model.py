@@ -36,7 +36,7 @@ def _library(command: str) -> Any:
 class Fmu:
     """One instance of an FMU, from the start of its time.
 
-    :param quantities: what it exchanges with the plant.
+    :param quantities: quantities exchanged with the plant.
     :param train: values of the train's keys, for the parameters that name one.
     :param step_s: the bench's step.
     :param alone: whether the plant needs no other instance.
@@ -57,7 +57,7 @@ class Fmu:
         try:
             self.description = fmpy.read_model_description(str(self.file))
         except Exception as error:
-            # The reader raises what XML, zip and its own checks raise.
+            # The reader passes on the exceptions of XML, zip and its own checks.
             cause = " ".join(str(error).split())
             raise InputError(self.file, "modelDescription.xml", Words("cannot be read"), "an FMU", cause) from None
         self._check_kind(fmpy)
@@ -73,7 +73,7 @@ class Fmu:
         self.variable_step = bool(simulation.canHandleVariableCommunicationStepSize)
         self._folder = tempfile.mkdtemp(prefix="railhil-fmu-")
         weakref.finalize(self, rmtree, self._folder, True).atexit = False
-        # That of weakref is lost in a forked process, in which the handlers of this one are cleared.
+        # weakref's own hook is lost in a forked process, because the handlers of this process are cleared there.
         atexit.register(rmtree, self._folder, True)
         self._start(fmpy, train)
 
@@ -142,7 +142,7 @@ class Fmu:
             # The temporary folder cannot be written.
             raise
         except Exception as error:
-            # The reader raises what zip and its own checks of names raise.
+            # The reader passes on the exceptions of zip and its own checks of names.
             cause = " ".join(str(error).split())
             raise InputError(self.file, "archive", Words("cannot be unpacked"), "an FMU", cause) from None
         given = {
@@ -175,7 +175,7 @@ class Fmu:
             #: The outputs at the start.
             self.begun = self.read()
         except Exception as error:
-            # Also a library that cannot be loaded.
+            # A library that cannot be loaded raises it, too.
             cause = " ".join(str(error).split())
             raise InputError(self.file, "start", Words("cannot be started"), "an FMU that starts", cause) from None
 
@@ -209,7 +209,7 @@ class Fmu:
         ]
 
     def _check_step(self, step_s: float) -> None:
-        """Refuse a step that the FMU says it cannot make."""
+        """Refuse a step that the FMU declares impossible."""
         fixed = getattr(self.description.coSimulation, "fixedInternalStepSize", None)
         if fixed and abs(step_s / float(fixed) - round(step_s / float(fixed))) > 1e-6:
             raise InputError(self.file, "step", f"{float(fixed):g} s", f"one of which {step_s:g} s is a multiple")
@@ -238,7 +238,7 @@ class Fmu:
             self._time_s += step_s
             return self.read()
         except Exception as error:
-            # Whatever the interface to native code raises.
+            # The interface to native code may raise anything.
             cause = " ".join(str(error).split())
             raise PlantError(
                 f"{self.file.name}: refuses the step of {step_s:g} s at {self._time_s:g} s: {cause}"

@@ -1,4 +1,4 @@
-"""What an FMU of a train exchanges with the bench, and the file with its names for it."""
+"""Quantities that an FMU of a train exchanges with the bench, and the file with the FMU's names for them."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ UNITS = {
 
 
 class Input(NamedTuple):
-    """Something that the bench gives to the FMU: its unit, its usual value, and another one for the check of
+    """A quantity that the bench gives to the FMU: its unit, its usual value, and another value for the check of
     determinism (:mod:`railhil.plant_sim.fmu.determinism`)."""
 
     unit: str
@@ -29,11 +29,11 @@ class Input(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Quantities:
-    """What the plant of a system exchanges with an FMU of its train.
+    """Quantities that the plant of a system exchanges with an FMU of its train.
 
     :param inputs: by name; the first is the command.
     :param outputs: units by name.
-    :param needed: those that every map must have.
+    :param needed: names that every map must have.
     :param switches: inputs that may be Boolean.
     """
 

@@ -4,9 +4,9 @@
 
     x' = v        v' = d - r(v) - g i(x) + w + f/m        tau d' = K clip(u_t(t - T_t) + u_b(t - T_b)) - d
 
-``u_t`` and ``u_b`` are the commanded acceleration as far as it is traction (positive) and braking (negative): each side
-has its own delay and both add, so at a change of the mode they overlap or leave a gap. ``clip`` keeps to the largest
-traction, to power by speed and to the largest braking. ``r`` is the running resistance (Davis), ``i`` the grade
+``u_t`` and ``u_b`` are the traction part (positive) and the braking part (negative) of the commanded acceleration. Each
+side has its own delay and both add, so at a change of the mode they overlap or leave a gap. ``clip`` keeps to the
+largest traction, to power by speed and to the largest braking. ``r`` is the running resistance (Davis), ``i`` the grade
 averaged over the train, ``w`` the wind, ``f`` the force of the couplers. The holding brake keeps a standing train until
 traction acts; a train never rolls backwards.
 
@@ -27,7 +27,7 @@ from railhil.common.compilable import compilable, larger, smaller
 
 #: Standard gravity.
 GRAVITY_MPS2 = 9.80665
-#: Below this speed the power limits no more than at this speed.
+#: Below this speed the power limit is the same as at this speed.
 POWER_FROM_MPS = 1.0
 
 
@@ -103,7 +103,7 @@ def grade_mps2(grades: Grades, position_m: float) -> float:
 
 @compilable
 def joined(traction_mps2: float, braking_mps2: float) -> float:
-    """The commands that come out of the delays of traction and braking: each counts for its own side, and both add."""
+    """The delayed commands of traction and braking: each counts for its own side, and both add."""
     return (traction_mps2 if traction_mps2 > 0.0 else 0.0) + (braking_mps2 if braking_mps2 < 0.0 else 0.0)
 
 
@@ -151,7 +151,7 @@ def moved(
     accel -= grade_mps2(grades, now.position_m + now.speed_mps * half_s)
     speed_mps = now.speed_mps + accel * step_s
     if speed_mps <= 0.0:
-        # It stops within the step, or the traction does not move it yet.
+        # The train stops within the step, or the traction does not move it yet.
         stop_m = 0.5 * now.speed_mps * now.speed_mps / -accel if accel < 0.0 else 0.0
         return UnitMotion(now.position_m + stop_m, 0.0, drive_mps2, 0.0)
     position_m = now.position_m + (now.speed_mps + speed_mps) * half_s

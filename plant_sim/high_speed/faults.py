@@ -4,8 +4,8 @@
 gain       achieved share of the commanded acceleration, multiplied
 lag        time constant of traction and brake, multiplied
 delay      both delays longer
-loop       ``safety_loop off``: all units brake with all that they have, for good
-========== ==============================================================================================
+loop ``safety_loop off``: all units apply their full brake, for good ==========
+==============================================================================================
 
 Faults of traction and brake of a unit (:mod:`railhil.faults.actuators`) act on its acceleration: ``slow`` divides its
 lag by the factor, ``dead_time`` adds to the delay of this side. Faults of the sensor: :mod:`railhil.faults.sensors`.
@@ -40,7 +40,7 @@ class _Side(AccelerationSide):
         self.drive = Drive(1.0, 0.0, 0.0)
 
     def mutate(self, data: UnitData, limits: UnitLimits) -> float:
-        """Faults have begun or ended; returns the delay of this side in s."""
+        """Take the faults that have begun or ended; returns the delay of this side in s."""
         is_traction = self.sign > 0
         self.update(limits.traction_mps2 if is_traction else limits.braking_mps2)
         lag_s, delay_s = data.lag_s, data.traction_delay_s if is_traction else data.braking_delay_s
@@ -62,7 +62,7 @@ class FaultyUnit(PowerUnit):
         super().__init__(data, motion, command_mps2)
 
     def change(self, mutations: Sequence[Activity], limits: UnitLimits) -> None:
-        """Faults have begun or ended."""
+        """Take the faults that have begun or ended."""
         data = self.healthy
         for one in mutations:
             if not one.active:
@@ -120,7 +120,7 @@ class FaultyHighSpeedPlant(HighSpeedPlant):
         self._inject()
 
     def _inject(self) -> None:
-        """Look which faults are active at this instant."""
+        """Find the faults that are active at this instant."""
         train, injected = self.train, self.injections
         for event in self._motions.seen(train.speed_mps, train.accel_mps2, max(0.0, train.drive_mps2)):
             injected.happened(event)
@@ -135,7 +135,7 @@ class FaultyHighSpeedPlant(HighSpeedPlant):
     def _obey(self, unit: int, command_mps2: float | None) -> None:
         watch = self.watches[unit]
         if self._loop.opened and watch.cause is not UnitCause.BRAKE_NOT_ANSWERING:
-            # The wire has no cause for it; the log of the faults has.
+            # The wire has no code for this cause; the log of the faults names it.
             watch.level, watch.cause = UnitLevel.SERVICE_BRAKE, UnitCause.NONE
             command_mps2 = -self.train.limits.braking_mps2
         super()._obey(unit, command_mps2)

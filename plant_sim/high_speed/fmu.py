@@ -1,4 +1,4 @@
-"""The high-speed train with an FMU for the motion of each unit; all else stays the bench's."""
+"""The high-speed train with an FMU for the motion of each unit; all other parts are the bench's."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _OUTSIDE = "outside_mps2"
 
 
 def quantities_of(units: int) -> Quantities:
-    """What an FMU of a unit exchanges with the bench; units that are coupled must take the force between them."""
+    """Quantities that an FMU of a unit exchanges with the bench; coupled units must take the force between them."""
     return Quantities(
         {
             "command_mps2": Input("m/s2", 0.0, 0.5),
@@ -31,9 +31,9 @@ def quantities_of(units: int) -> Quantities:
 
 
 class FmuHighSpeedPlant(HighSpeedPlant):
-    """Delays of the commands, watches, couplers, wind, wayside and sensors are those of :class:`HighSpeedPlant`.
+    """Delays of the commands, watches, couplers, wind, wayside and sensors are as in :class:`HighSpeedPlant`.
 
-    The FMU of a unit gets the commanded acceleration after its delay and what acts from outside, and answers with
+    The FMU of a unit gets the commanded acceleration after its delay and the acceleration from outside. It answers with
     position, speed and the acceleration by traction and brake.
     """
 
@@ -78,7 +78,7 @@ def _moved(
 ) -> UnitMotion:
     """As :func:`railhil.plant_sim.high_speed.dynamics.moved`; drive, resistance and grade are the FMU's.
 
-    :param place_m: position of the unit where the FMU says 0.
+    :param place_m: position of the unit at the FMU's 0.
     """
     found = fmu.step(
         {

@@ -1,4 +1,4 @@
-"""A high-speed train on the bus: its units, the wayside, and the bench's own look at the truth."""
+"""A high-speed train on the bus: its units, the wayside, and the truth for the bench."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ class HighSpeedPlant(TimedPlant):
     def _feedback(self, unit: int) -> Telegram:
         kind = self._wire.feedback[unit]
         speed = self.train.read_speed_raw(unit)
-        # At the end of its range the reading says that it is none.
+        # A reading at the end of its range is marked as erroneous.
         return kind(speed, CHECK_CORRECT if speed < SPEED_RAW_MAX else CHECK_ERRONEOUS, self.next_life(kind.PORT))
 
     def _force(self, unit: int) -> Telegram:
@@ -94,7 +94,7 @@ class HighSpeedPlant(TimedPlant):
         if unit < len(self.train.couplers_n):
             coupler = round(self.train.couplers_n[unit] / 100.0)
             rear = self.train.units[unit + 1].motion
-            # Units without couplers go apart, and the record shows no more than it can.
+            # Units without couplers drift apart, and the record is limited to its range.
             gap = min(max(round((motion.position_m - rear.position_m) * _MM), -_GAP_MAX_MM), _GAP_MAX_MM)
         return kind(
             round(motion.drive_mps2 * ACCEL_PER_MPS2),
@@ -161,7 +161,7 @@ class HighSpeedPlant(TimedPlant):
         self._look()
 
     def _look(self) -> None:
-        """What happens at this instant besides the motion."""
+        """Events of this instant besides the motion."""
         if self.wayside.look(self.tick, self.train.position_m):
             self.milestone("emergency_called", self.position_01mm)
         if self.train.speed_mps > 0.0:
@@ -171,7 +171,7 @@ class HighSpeedPlant(TimedPlant):
 
 
 class _HighSpeedEnd(TimedEnd):
-    """The run ends after its duration; if the controller is lost, already when the train stands."""
+    """The run ends after its duration, or when the train stands if the controller is lost."""
 
     def __init__(self, duration_s: float, tick_ns: int, train: HighSpeedTrain) -> None:
         super().__init__(duration_s, tick_ns)

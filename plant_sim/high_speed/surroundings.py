@@ -1,4 +1,5 @@
-"""What a high-speed train meets: grades drawn for the run, wind, noise of its readings, each with its stream."""
+"""Surroundings of a high-speed train: grades drawn for the run, wind, noise of its readings, each with its random
+stream."""
 
 from __future__ import annotations
 
@@ -12,7 +13,7 @@ from railhil.scenarios import streams
 
 #: Random numbers are drawn in blocks, which gives the same numbers faster.
 _BLOCK = 4096
-#: The grades go on behind the stopping point for a train that overruns it.
+#: The grades continue behind the stopping point for a train that overruns it.
 _BEYOND_M = 10_000.0
 
 
@@ -45,7 +46,7 @@ class Wind:
         self.accel_mps2 = sigma_mps2 * self._normals()
 
     def step(self) -> None:
-        """Go on to the next value."""
+        """Advance to the next value."""
         self.accel_mps2 = self.keep * self.accel_mps2 + self.add * self._normals()
 
 

@@ -1,4 +1,4 @@
-"""A high-speed train of one or several power units, and the wayside that tells it its speeds, without a bus."""
+"""A high-speed train of one or several power units, and the wayside that gives it its speeds, without a bus."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ _KMH = 3.6
 
 
 class UnitData(NamedTuple):
-    """What a mutation changes: gain, lag, delays of traction and braking."""
+    """Quantities that a mutation changes: gain, lag, delays of traction and braking."""
 
     gain: float
     lag_s: float
@@ -58,7 +58,7 @@ class PowerUnit:
 
     def __init__(self, data: UnitData, motion: UnitMotion, command_mps2: float) -> None:
         self.motion = motion
-        #: How it moves in a step.
+        #: Its motion in a step.
         self.moved = moved
         #: Braking that should act in the present step, <= 0.
         self.told_mps2 = 0.0
@@ -66,7 +66,7 @@ class PowerUnit:
         self.mutate(data)
 
     def mutate(self, data: UnitData) -> None:
-        """From now on the unit has these data; its state and the commands on their way stay."""
+        """Give the unit these data from now on; its state and the commands on their way stay."""
         self.data = data
         self.drive: Drive = drive(data.gain, data.lag_s, STEP_S)
         self.traction_steps = round(data.traction_delay_s / STEP_S)
@@ -78,7 +78,7 @@ class PowerUnit:
         return joined(traction, braking)
 
     def delayed_mps2(self, step: int, command_mps2: float) -> tuple[float, float]:
-        """The commands that come out of the delays of traction and braking when one is sent at a step."""
+        """The delayed commands of traction and braking when one is sent at a step."""
         sent = self._sent
         sent[step % REMEMBERED] = command_mps2
         traction = sent[(step - self.traction_steps) % REMEMBERED]
@@ -88,7 +88,7 @@ class PowerUnit:
 
 
 class HighSpeedTrain:
-    """The simulated train at one instant; :meth:`advance` goes on by a tick.
+    """The simulated train at one instant; :meth:`advance` simulates a tick.
 
     ``speed_mps``, ... of the train are means over its units, by mass for ``drive_mps2``.
 
@@ -230,7 +230,7 @@ class Wayside:
         :returns: ``PREVIEW + 1`` numbers, the present one first.
         """
         place = (tick * self._tick_s - self._from_s) / GRID_S
-        # The sum makes up for a quotient just below a whole number.
+        # The addition corrects a quotient just below a whole number.
         first = int(place + _NEAR)
         found = self._raw[first : first + PREVIEW * _STRIDE + 1 : _STRIDE]
         share = place - first

@@ -1,4 +1,4 @@
-"""The watch of a power unit: what it does of itself when commands stay away, or its brake does not answer.
+"""The watch of a power unit: its own reactions when commands stay away, or its brake does not answer.
 
 ============================================== ==================================================================
 seen                                           reaction
@@ -17,10 +17,10 @@ from railhil.wire.power_units import SAFE
 
 #: Periods of a command without a new life sign after which the unit acts by itself.
 STALE_PERIODS = 3
-#: A brake is watched when this much should act; it answers if this share of it does.
+#: A brake is watched when at least this braking should act; it answers if this share of it acts.
 BRAKING_FROM_MPS2 = 0.1
 ANSWER_SHARE = 0.4
-#: A brake that has not answered for so long is given up.
+#: A brake that has not answered for this time counts as failed.
 ANSWER_S = 2.0
 
 
@@ -28,7 +28,7 @@ ANSWER_S = 2.0
 def brake_looked_at(
     expected_mps2: float, silent_ticks: int, told_mps2: float, drive_mps2: float, share: float
 ) -> tuple[float, int]:
-    """Look at the brake once a tick: braking expected by now, and ticks since the brake answered.
+    """Check the brake once a tick: braking expected by now, and ticks since the brake answered.
 
     :param told_mps2: braking that should act, <= 0.
     :param share: of a change of it that is expected within a tick (:func:`share_of`).
@@ -45,7 +45,7 @@ def share_of(tick_s: float, lag_s: float) -> float:
 
 
 def answer_ticks(tick_s: float) -> int:
-    """Ticks after which a brake that has not answered is given up."""
+    """Ticks without an answer after which a brake counts as failed."""
     return round(ANSWER_S / tick_s)
 
 
@@ -70,7 +70,8 @@ class UnitWatch:
         self._silent_ticks = 0
 
     def command(self, tick: int, accel_mps2: float, mode: int) -> float | None:
-        """A command that was accepted at a tick: the one that the unit carries out; None: it keeps the one it has."""
+        """Take a command accepted at a tick; returns the command that the unit carries out, None to keep the present
+        one."""
         self._heard = tick
         if self.cause is UnitCause.BRAKE_NOT_ANSWERING:
             return None
@@ -80,10 +81,10 @@ class UnitWatch:
         return accel_mps2
 
     def look(self, tick: int, told_mps2: float, drive_mps2: float) -> float | None:
-        """The end of a tick: a command that the unit gives itself; None: it keeps the one it has.
+        """End a tick; returns a command that the unit gives itself, None to keep the present one.
 
         :param told_mps2: braking that should act, <= 0.
-        :param drive_mps2: what traction and brake do.
+        :param drive_mps2: acceleration by traction and brake.
         """
         if self.cause is UnitCause.BRAKE_NOT_ANSWERING:
             return None

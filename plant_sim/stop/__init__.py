@@ -1,1 +1,1 @@
-"""A train that stops at a platform: its brake and motion, what is drawn for it, its own watch."""
+"""A train that stops at a platform: its brake and motion, its random draws, its own watch."""

@@ -4,8 +4,9 @@
 
     lag a' = target - a      v' = factor a + outside      s' = v
 
-``a`` is what traction and brake would do; ``factor`` is 1, less while braking power is lost, 0 while the adhesion
-limits the brake (the limit is then part of ``outside``). The pure delay is in the instants at which targets begin.
+``a`` is the acceleration by traction and brake without losses. ``factor`` is 1, less while braking power is lost, and 0
+while the adhesion limits the brake (the limit is then part of ``outside``). The pure delay is in the instants at which
+targets begin.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from typing import Any, NamedTuple
 from railhil.common.compilable import compilable, compilable_aside
 
 GRAVITY_MPS2 = 9.81
-#: Halvings of a step in which an instant is looked for: beyond the resolution of the numbers.
+#: Number of halvings of a step in the search for an instant: beyond the resolution of the numbers.
 _HALVINGS = 60
 
 
@@ -90,7 +91,7 @@ def time_at_position(
 
 
 class Course(NamedTuple):
-    """What does not change in a run: lag of the brake, what it loses at low speed, and the grades.
+    """Constants of a run: lag of the brake, its loss at low speed, and the grades.
 
     ``adhesion_mps2``: largest deceleration that the rail allows, 0: no limit. ``bounds_m``: where each piece of the
     grades but the first begins; ``grades_mps2``: the acceleration by each. Tables in the interpreter, arrays when
@@ -120,7 +121,7 @@ class Going(NamedTuple):
 
 @compilable
 def achieved(target_mps2: float, gain: float, notch_mps2: float) -> float:
-    """What traction and brake make of a target: braking with its notches (0: stepless) and its gain."""
+    """Acceleration of traction and brake for a target: braking with its notches (0: stepless) and its gain."""
     if target_mps2 >= 0.0:
         return target_mps2
     if notch_mps2 > 0.0:
@@ -130,7 +131,8 @@ def achieved(target_mps2: float, gain: float, notch_mps2: float) -> float:
 
 @compilable
 def gone_on(course: Course, going: Going, target_mps2: float, wander_mps2: float, end_s: float) -> Going:
-    """Go on with a constant target to an instant, or to where the grade changes, the braking fades or the train stands.
+    """Continue with a constant target to an instant, or to the point where the grade changes, the braking fades or the
+    train stands.
 
     :param target_mps2: :func:`achieved`.
     :param wander_mps2: further acceleration from outside.

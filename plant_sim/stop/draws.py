@@ -1,7 +1,7 @@
-"""What is drawn for a train and its line, and for one of its runs.
+"""Random draws for a train and its line, and for one of its runs.
 
-Every number of a stream is drawn in every run, in the same order: a key of the scenario that switches something on does
-not change the other draws.
+Every number of a stream is drawn in every run, in the same order: a scenario key that switches a draw on does not
+change the other draws.
 """
 
 from __future__ import annotations
@@ -11,12 +11,13 @@ from typing import Any, NamedTuple
 from railhil.scenarios import streams
 
 _KMH = 3.6
-#: A brake that were drawn weaker than this would not be one.
+#: Smallest gain of a drawn brake.
 _GAIN_MIN = 0.1
 
 
 class TrainDraw(NamedTuple):
-    """The same in all runs of a sequence: gain without the load, delay, wheel error, error of each piece of the map."""
+    """Draws that are the same in all runs of a sequence: gain without the load, delay, wheel error, error of each piece
+    of the map."""
 
     gain: float
     delay_s: float

@@ -57,7 +57,7 @@ class FaultyStopTrain(StopTrain):
         self._lag_s = self.course.lag_s
 
     def change(self, mutations: Sequence[Activity]) -> None:
-        """Faults have begun or ended."""
+        """Take the faults that have begun or ended."""
         self.gain, self.delay_s, self.course = self._healthy
         self._lag_s = self.course.lag_s
         for one in mutations:
@@ -134,7 +134,7 @@ class FaultyStopPlant(StopPlant):
         return FaultyStopTrain(self._task, train, run, seed, run_number, FaultyReader(injected), sides)
 
     def _inject(self) -> None:
-        """Look which faults are active at this instant."""
+        """Find the faults that are active at this instant."""
         train, injected = self.train, self.injections
         motion = train.motion
         for event in self._motions.seen(motion.speed_mps, train.accel_mps2, max(0.0, motion.drive_mps2)):
@@ -143,7 +143,7 @@ class FaultyStopPlant(StopPlant):
             train.change(injected.at("train", *_MUTATIONS))
             self._loop.look()
             if self._loop.opened and self.watch.level is not BrakeLevel.EMERGENCY:
-                # The wire has no cause for it; the log of the faults has.
+                # The wire has no code for this cause; the log of the faults names it.
                 self.watch.level, self.watch.cause = BrakeLevel.EMERGENCY, BrakeCause.NONE
             for one in injected.at("train", *_MUTATIONS):
                 (value,) = one.fault.values.values()

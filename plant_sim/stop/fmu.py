@@ -1,4 +1,4 @@
-"""The train of the system ``stop`` with an FMU for its motion; all else stays the bench's."""
+"""The train of the system ``stop`` with an FMU for its motion; all other parts are the bench's."""
 
 from __future__ import annotations
 
@@ -29,10 +29,10 @@ QUANTITIES = Quantities(
 
 
 class FmuStopPlant(StopPlant):
-    """Delay, notches and gain of the brake, watch, grades, sensors and balises are those of :class:`StopPlant`.
+    """Delay, notches and gain of the brake, watch, grades, sensors and balises are as in :class:`StopPlant`.
 
-    The FMU gets the acceleration that traction and brake are to reach, and answers with position, speed, the
-    acceleration that they have reached before any loss, and whether the wheels slide.
+    The FMU gets the acceleration that traction and brake are to reach. It answers with position, speed, the
+    acceleration reached before any loss, and whether the wheels slide.
 
     :raises InputError: the FMU cannot make steps of any length, which commands within a cycle need.
     """
@@ -43,7 +43,7 @@ class FmuStopPlant(StopPlant):
         super().__init__(scenario, seed, drawn, rate, run_number)
 
     def made_train(self, train: TrainDraw, run: RunDraw, seed: int, run_number: int) -> StopTrain:
-        """The train of the run, which goes on by the FMU."""
+        """The train of the run, moved by the FMU."""
         made = super().made_train(train, run, seed, run_number)
         course, start = made.course, made.motion
         numbers = {
@@ -71,7 +71,7 @@ def _gone_on(
 ) -> Going:
     """As :func:`railhil.plant_sim.stop.brake.gone_on`, always to ``end_s``; brake, loss and rail are the FMU's.
 
-    :param place_m: position of the train where the FMU says 0.
+    :param place_m: position of the train at the FMU's 0.
     """
     before, step_s = going.motion, end_s - going.now_s
     found = fmu.step(

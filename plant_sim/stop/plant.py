@@ -1,4 +1,4 @@
-"""The train of the system ``stop`` on the bus, and the bench's own look at the truth."""
+"""The train of the system ``stop`` on the bus, and the truth for the bench."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ from railhil.wire.stop_counts import CONTRACT, MM, START_PER_S, TRUE_PER_UNIT
 TICK_NS = 16_000_000
 #: The doors open this long after the standstill.
 DOORS_NS = 1_000_000_000
-#: Readings stay at the end of their range, and the telegram then says that it is erroneous.
+#: Readings stay at the end of their range, and the telegram is then marked as erroneous.
 ODO_MAX = CONTRACT.port(Odo.PORT).signal("OdoDistance").raw_range[1]
 _WHEEL_PER_UNIT = 1e6
 

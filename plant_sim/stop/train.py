@@ -25,7 +25,7 @@ class Passed(NamedTuple):
 
 
 def course_of(task: Any, train: TrainDraw, run: RunDraw) -> Course:
-    """What does not change in a run.
+    """Constants of a run.
 
     :param task: a :class:`railhil.systems.stop.task.StopTask`.
     """
@@ -54,7 +54,7 @@ def wander_of(task: Any) -> tuple[float, float]:
 
 
 class StopTrain:
-    """The train at one instant; :meth:`advance` goes on by a tick of five sub-steps.
+    """The train at one instant; :meth:`advance` simulates a tick of five sub-steps.
 
     :param task: a :class:`railhil.systems.stop.task.StopTask`.
     :param seed, run_number: of the noise, the wander and the balises.
@@ -65,11 +65,11 @@ class StopTrain:
         self.gain, self.delay_s, self.wheel = run.gain, run.delay_s, train.wheel
         self.course = course_of(task, train, run)
         self.going = start_of(task, self.course, run)
-        #: How it goes on to an instant.
+        #: Its motion to an instant.
         self.gone_on = gone_on
         #: Mean acceleration of the train in the last tick.
         self.accel_mps2 = 0.0
-        #: What has been commanded to act now, and the commands on their way: instant and acceleration.
+        #: The command that acts now, and the commands on their way: instant and acceleration.
         self.target_mps2 = self.motion.drive_mps2
         self._coming: deque[tuple[float, float]] = deque()
         #: The emergency brake acts.
@@ -81,7 +81,7 @@ class StopTrain:
         self._start_m: float = task.start_m
         self._noise_mps: float = task.sensors.speed_noise_mps
         self._balises = Normals(streams.run_generator(seed, streams.RUN_BALISES, run_number))
-        # Balises behind the start of the run are not read.
+        # Balises before the start of the run are not read.
         self._left_m = [at_m for before_m in task.balises_m if (at_m := task.stop_m - before_m) > task.start_m]
         self._noise = Normals(streams.run_generator(seed, streams.RUN_SPEED_NOISE, run_number))
         self._wander = Normals(streams.run_generator(seed, streams.RUN_WANDER, run_number))
@@ -108,7 +108,7 @@ class StopTrain:
     # -- commands -------------------------------------------------------------------------------------------------
 
     def command(self, accel_mps2: float, after_s: float = 0.0) -> None:
-        """A target acceleration that is given some time after the present instant; it begins to act after the delay."""
+        """Give a target acceleration some time after the present instant; it begins to act after the delay."""
         at_s = self.going.now_s + after_s + self.delay_s
         while self._coming and self._coming[-1][0] >= at_s:
             self._coming.pop()
@@ -120,7 +120,7 @@ class StopTrain:
         return min(self.target_mps2, 0.0)
 
     def achieved_mps2(self) -> float:
-        """What traction and brake make of the target."""
+        """Acceleration of traction and brake for the target."""
         if self.emergency:
             return min(self.target_mps2, self._emergency_mps2)
         return achieved(self.target_mps2, self.gain, self._notch_mps2)
@@ -140,7 +140,7 @@ class StopTrain:
         self.accel_mps2 = (self.motion.speed_mps - before_mps) / TICK_S
 
     def _step(self, until_s: float, wander_mps2: float) -> None:
-        """Go on to an instant, piece by piece: a command begins to act, the grade changes, the braking fades."""
+        """Move to an instant, piece by piece: a command begins to act, the grade changes, the braking fades."""
         while self.going.now_s < until_s:
             while self._coming and self._coming[0][0] <= self.going.now_s:
                 self.target_mps2 = self._coming.popleft()[1]
@@ -168,5 +168,5 @@ class StopTrain:
         self.read_balise(Passed(len(self.task.balises_m) - len(self._left_m), max(0.0, distance_m)))
 
     def read_balise(self, passed: Passed) -> None:
-        """The reader has a balise."""
+        """Note a balise that the reader has passed."""
         self.passed = passed

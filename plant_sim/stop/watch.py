@@ -1,4 +1,4 @@
-"""The train's own watch: what its brake does when commands stay away, or when it does not answer.
+"""The train's own watch: its reactions when commands stay away, or when its brake does not answer.
 
 ================================================ ================================================================
 seen                                             reaction
@@ -44,7 +44,7 @@ class StopWatch:
         self._silent_ticks = 0
 
     def command(self, tick: int, accel_mps2: float, valid: bool) -> float | None:
-        """A command that was accepted at a tick: the one to carry out; None: the present one stays."""
+        """Take a command accepted at a tick; returns the command to carry out, None to keep the present one."""
         self._heard = tick
         if self.level is BrakeLevel.EMERGENCY:
             return None
@@ -54,10 +54,10 @@ class StopWatch:
         return accel_mps2
 
     def look(self, tick: int, told_mps2: float, drive_mps2: float, stands: bool) -> float | None:
-        """The end of a tick: a command that the train gives itself; None: the present one stays.
+        """End a tick; returns a command that the train gives itself, None to keep the present one.
 
         :param told_mps2: braking that should act, <= 0.
-        :param drive_mps2: what traction and brake do.
+        :param drive_mps2: acceleration by traction and brake.
         :param stands: a standing train has nothing left to do.
         """
         if self.level is BrakeLevel.EMERGENCY:
@@ -75,7 +75,7 @@ class StopWatch:
         return None
 
     def _alone(self, tick: int, cause: BrakeCause) -> float:
-        """What the train does without usable commands."""
+        """The train's reaction without usable commands."""
         if self.level is BrakeLevel.NORMAL:
             self._since, self.cause = tick, cause
         brakes = self._last_mps2 < BRAKING_MPS2

@@ -1,7 +1,7 @@
 """Faults of the train's equipment: interlocks that open, the line voltage, traction and service brake.
 
 Faults of traction and brake: :mod:`railhil.faults.actuators`. A delayed notch acts later in whole ticks. ``full`` is
-all the force that the side has at the present speed.
+the largest force of the side at the present speed.
 
 The emergency brake is a path of its own, as on a train whose brake pipe or loop does not pass through the service
 brake's electronics: at EMERGENCY these faults of the brake do not act, and the main breaker opens, which ends traction
@@ -33,14 +33,14 @@ LINE_VOLTAGE = "line_voltage"
 
 
 class FaultyEquipment:
-    """Sets the status of a train to what the active faults make of it; other fields stay as they are."""
+    """Sets the fields of a train's status that active faults change; other fields stay as they are."""
 
     def __init__(self, injections: Injections) -> None:
         self._injections = injections
         self._faults = injections.at("train", LINE_VOLTAGE, *INTERLOCKS)
 
     def change(self, status: TrainStatus) -> None:
-        """Faults have begun or ended."""
+        """Take the faults that have begun or ended."""
         healthy = TrainStatus()
         for one in self._faults:
             field = INTERLOCKS.get(one.fault.place.name, "line_voltage_percent")
@@ -72,7 +72,7 @@ def share_limit(limit: EffortLimit, share: float) -> EffortLimit:
 
 
 def cap_limit(limit: EffortLimit, force_n: float) -> EffortLimit:
-    """A force limit, and never more than ``force_n``."""
+    """A force limit, cut at ``force_n``."""
     return limit._replace(force_max_n=min(limit.force_max_n, max(0.0, force_n)))
 
 
@@ -107,7 +107,7 @@ class Side(FaultySide):
         return max(code, 0) if self._sign > 0 else min(code, 0)
 
     def acting(self, code: int) -> int:
-        """The notch code of this side that acts, when the plant's is ``code``."""
+        """The notch code of this side that acts when the plant's code is ``code``."""
         if self.state.instead is not None:
             return 0
         if self._dead_ticks and self._past is not None:

@@ -1,6 +1,6 @@
-"""The forces of a train with faults: of its two sides (traction, service brake) and of the rail that carries them.
+"""The forces of a train with faults of its two sides (traction, service brake) and of the rail that carries them.
 
-Low adhesion: the force that the rail can carry, and an axle that slips or slides when more is demanded.
+Low adhesion limits the force that the rail can carry. An axle slips or slides when more is demanded.
 
 The train is one equivalent axle that carries the whole weight ``m g``, is driven and braked, and is the one whose
 speed is measured. With the coefficient of adhesion ``mu``, the force ``F`` demanded of the axle, its speed ``w`` at the
@@ -10,7 +10,7 @@ wheel's rim, the train's speed ``v``, and the rotating mass ``J`` (inertial mass
                          = mu m g sign(w - v)                otherwise
     J d(w - v)/dt        = F - mu m g sign(w - v)            w >= 0: a locked wheel stands
 
-``sign(w - v)`` is that of ``F`` when a slide begins, and the axle rolls again when ``w`` reaches ``v``. This is
+``sign(w - v)`` equals the sign of ``F`` when a slide begins. The axle rolls again when ``w`` reaches ``v``. This is
 Coulomb's friction and Newton's law for the rotating mass, a model of our own: no creep curve, no slip or slide
 protection, one coefficient whatever the speed. The train's acceleration keeps the full inertial mass while the axle
 slips. When the adhesion is good again, the axle rolls at once.
@@ -71,8 +71,8 @@ class Allowed(NamedTuple):
     """Forces of one tick: constants and window for the dynamics, and the force that no command explains, traction
     positive.
 
-    That force is already in the constants, as a negative resistance: it adds to the others, and as a brake it holds the
-    train but never moves it.
+    The constants already contain that force as a negative resistance: it adds to the others, and as a brake it holds
+    the train but never moves it.
     """
 
     constants: TrainConstants
@@ -81,8 +81,8 @@ class Allowed(NamedTuple):
 
 
 class Demand(NamedTuple):
-    """What is demanded in one tick: notch code of the plant, speed, whether the train is powered and whether the
-    emergency brake is applied."""
+    """Demands of one tick: notch code of the plant, speed, whether the train is powered and whether the emergency brake
+    is applied."""
 
     code: int
     speed_mps: float
@@ -91,7 +91,7 @@ class Demand(NamedTuple):
 
 
 class FaultyForces:
-    """What the faults of the actuators and of the adhesion make of the forces, tick by tick."""
+    """The forces under faults of the actuators and of the adhesion, tick by tick."""
 
     def __init__(self, injections: Injections, step_s: float) -> None:
         self.traction = Side(injections.at("actuator", "traction"), 1, step_s)
@@ -107,9 +107,9 @@ class FaultyForces:
         self._carried_n = inf
 
     def change(self, train: Train, motion: Motion, force_n: float) -> Motion:
-        """Faults have begun or ended: the motion from here on.
+        """Take the faults that have begun or ended, for the motion from here on.
 
-        The force present follows a change of its side at once; from nothing it builds up anew.
+        The present force follows a change of its side at once. After a loss it builds up from zero.
 
         :param train: as it is, with its mass.
         :param force_n: force on the train at this instant, traction positive.
@@ -142,7 +142,7 @@ class FaultyForces:
         return train, dynamics.lag(train.actuator_pole_per_s, self._step_s)
 
     def acting(self, code: int) -> int:
-        """Notch code that acts on the actuators, when the plant's is ``code``."""
+        """Notch code that acts on the actuators when the plant's code is ``code``."""
         return self.traction.acting(code) + self.brake.acting(code)
 
     def mover(self, acting_code: int, actuator_n: float) -> tuple[Train, Lag]:
@@ -153,7 +153,7 @@ class FaultyForces:
         """The forces of the coming tick.
 
         :param healthy: constants without these faults.
-        :param window: what watch and interlocks allow.
+        :param window: forces that watch and interlocks allow.
         """
         constants, extra_n = healthy, 0.0
         self.runaway_n, self.demanded_n = 0.0, window.brake_min_n
@@ -186,7 +186,7 @@ class FaultyForces:
         return self._carried(constants, window, extra_n)
 
     def _carried(self, constants: TrainConstants, window: Window, extra_n: float) -> Allowed:
-        """These forces as far as the rail carries them; while the axle slips or slides, its friction in their place."""
+        """These forces if the rail carries them; while the axle slips or slides, its friction in their place."""
         carried_n = self._carried_n
         if carried_n < inf and self.axle.slip_mps != 0.0:
             extra_n = copysign(carried_n, self.axle.slip_mps)
@@ -210,7 +210,7 @@ class FaultyForces:
         return notch_n if window.traction and window.brake_min_n == 0.0 else 0.0
 
     def moved(self, motion: Motion, code: int) -> None:
-        """The end of a tick: notches for dead times, and the axle's slip or slide.
+        """End a tick: note the notch for dead times, move a slipping or sliding axle.
 
         :param code: notch code of the plant.
         """
@@ -229,7 +229,7 @@ class FaultyForces:
 
 
 class FeltChecks(OwnChecks):
-    """The train's own checks: they see the force of the drive as it is, and what was demanded of the brake."""
+    """Inputs of the train's own checks: the actual force of the drive, and the demand on the brake."""
 
     def __init__(self, scenario: Scenario, constants: TrainConstants, forces: FaultyForces) -> None:
         super().__init__(scenario, constants)

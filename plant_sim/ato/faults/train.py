@@ -38,7 +38,7 @@ class FaultyTrain(TrainOnBus):
     def __init__(
         self, scenario: Scenario, seed: int, drawn: bool, rate: float, faults: Sequence[tuple[int, Fault]]
     ) -> None:
-        # As in the plant without faults; the mismatch of a fault is applied to what was drawn.
+        # As in the plant without faults; the mismatch of a fault is applied to the drawn scenario.
         self._healthy = perturbed(scenario, seed) if drawn else scenario
         tick_ns = scenario.timing.base_tick_ns
         tick_s = tick_ns * 1e-9
@@ -75,7 +75,7 @@ class FaultyTrain(TrainOnBus):
         return Mismatch.of(one.fault for one in self._mismatches if one.active)
 
     def _change(self) -> None:
-        """Faults have begun or ended: the train and its forces from this tick on."""
+        """Take the faults that have begun or ended, for the train and its forces from this tick on."""
         self._changed = False
         mismatch = self._mismatch()
         if mismatch != self._applied_mismatch:
@@ -92,7 +92,7 @@ class FaultyTrain(TrainOnBus):
     # -- time ---------------------------------------------------------------------------------------------------------
 
     def advance(self) -> None:
-        """Simulate one base tick, then look which faults are active at its end."""
+        """Simulate one base tick, then find the faults that are active at its end."""
         if self._changed:
             self._change()
         for one in self._models:
@@ -105,13 +105,13 @@ class FaultyTrain(TrainOnBus):
         for event in self._motions.seen(motion.speed_mps, self.accel_mps2, self.traction_n):
             self.injections.happened(event)
         if self.injections.look(self.tick, motion.position_m, motion.speed_mps):
-            # The readings of this instant still show the forces up to it, and the status from it on.
+            # The readings of this instant still show the forces before it, and the status after it.
             self._changed = True
             self._equipment.change(self.status)
         self._read()
 
     def _protect(self) -> None:
-        """The forces that watch and interlocks allow, then what the faults make of them."""
+        """The forces that watch and interlocks allow, changed by the faults."""
         super()._protect()
         emergency = self.watch_level is WatchLevel.EMERGENCY
         demand = Demand(self._acting_code, self._motion.speed_mps, self._powered, emergency)
@@ -128,7 +128,7 @@ class FaultyTrain(TrainOnBus):
         )
 
     def _move(self, from_tick: float, ticks: float) -> None:
-        """Simulate a tick or a part of it, with the force per notch and the pole of the side that acts."""
+        """Simulate a tick or a part of it with the force per notch and the pole of the acting side."""
         self._train, self._full_lag = self._forces.mover(self.notch_acting, self._motion.actuator_n)
         if self._constants.pole_per_s != self._train.actuator_pole_per_s:
             self._constants = self._constants._replace(pole_per_s=self._train.actuator_pole_per_s)
@@ -144,7 +144,7 @@ class FaultyTrain(TrainOnBus):
             self._position_sensor.sample(self._axle_odometer_mm)
 
     def _safe_reading(self, make: Callable[[], Telegram | None]) -> Callable[[], Telegram | None]:
-        """A maker of SPEED_SDT, which has no check variable: without valid readings it is not sent."""
+        """A maker of SPEED_SDT. The port has no check variable, so it is not sent without valid readings."""
         sensors = self._speed_sensor, self._position_sensor
         return lambda: make() if all(sensor.reading.valid for sensor in sensors) else None
 
@@ -200,7 +200,7 @@ class FaultyTrain(TrainOnBus):
             self.injections.happened(kind)
 
     def telegram_of(self, event: Any) -> Telegram | None:
-        """The telegram of an event; that of a balise without a valid value says so."""
+        """The telegram of an event. A balise telegram without a valid value is marked as erroneous."""
         telegram = super().telegram_of(event)
         if isinstance(telegram, BalisePassed) and isinstance(event.balise, UnreadBalise):
             telegram.check = CHECK_ERRONEOUS
