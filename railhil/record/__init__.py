@@ -1,1 +1,1 @@
-"""The record of a run: what the supervisor writes while the run is made, and the same read back as telegrams."""
+"""The record of a run: its files, written by the supervisor while the run is made, and their telegrams read back."""

@@ -20,11 +20,11 @@ _CHECK, _CHECKS, _MASTER = "check sequence", "check sequences", "master word"
 
 @dataclass(frozen=True, slots=True)
 class Difference:
-    """Where two records differ first.
+    """The first difference of two records.
 
-    ``line``: of the log, from 1 on; ``time_s``: simulation time there. ``frame``: what the frame is, with its source;
-    empty if the two are not the same part of the same telegram. ``recorded``, ``repeated``: both frames in words, empty
-    after the end of a record. ``signals``: those that differ: name, value recorded, value now.
+    ``line``: of the log, from 1 on; ``time_s``: simulation time there. ``frame``: port or poll, with its source; empty
+    if the two are not the same part of the same telegram. ``recorded``, ``repeated``: both frames in words, empty after
+    the end of a record. ``signals``: the signals that differ: name, value recorded, value now.
     """
 
     line: int
@@ -60,7 +60,7 @@ class Difference:
 
 
 class FrameWords:
-    """Frames of a wire contract in words, each without those around it."""
+    """Frames of a wire contract in words, each decoded by itself."""
 
     def __init__(self, contract: Contract) -> None:
         self._poll_id = contract.poll_id
@@ -74,7 +74,7 @@ class FrameWords:
         self._polled = {master_tail(port.f_code, port.address): port.name for port in contract.ports}
 
     def name(self, frame: Frame) -> str:
-        """What the frame is: port and source, a poll, or a frame of no port."""
+        """Kind of the frame: port and source, a poll, or a frame of no port."""
         is_own = frame in self._own
         if is_own and frame.can_id == self._poll_id:
             asked = self._polled.get(frame.data)
@@ -86,7 +86,7 @@ class FrameWords:
         return f"{port.name}{' trailer' if part == -1 else block} ({port.source})"
 
     def values(self, frame: Frame) -> dict[str, str]:
-        """Signals of the frame with unit, then check sequences and whatever else it holds; as a person reads them."""
+        """Signals of the frame with unit, then check sequences and its other fields, in readable form."""
         data = frame.data
         found = {"flags": f"{frame.flags:X}"} if frame.flags & ~FD else {}
         port, part = self._parts.get(frame.can_id, (None, None))
@@ -106,7 +106,7 @@ class FrameWords:
         )
 
     def of(self, timed: Timed | None) -> str:
-        """A frame with its time and all that it holds; empty for None."""
+        """A frame with its time and all of its fields; empty for None."""
         if timed is None:
             return ""
         time_ns, frame = timed
@@ -115,12 +115,12 @@ class FrameWords:
 
 
 def _tail(data: bytes) -> dict[str, str]:
-    """What follows the process data in a single frame."""
+    """The fields behind the process data in a single frame."""
     return {_CHECK: data[4:5].hex().upper(), _MASTER: data[5:].hex().upper()}
 
 
 def _trailer(data: bytes, blocks: int) -> dict[str, str]:
-    """What the trailer of a longer telegram holds."""
+    """The fields of the trailer of a longer telegram."""
     sequence = str(data[4] >> 4) if len(data) > 4 else "none"
     return {_CHECKS: data[:blocks].hex().upper(), "sequence": sequence, _MASTER: data[5:].hex().upper()}
 
@@ -154,7 +154,7 @@ def difference_of(
         signals = tuple(
             (name, old.get(name, "none"), new.get(name, "none")) for name in names if old.get(name) != new.get(name)
         )
-        # A check sequence is worth a word only where the signals are equal.
+        # Check sequences are reported only where the signals are equal.
         signals = tuple(row for row in signals if row[0] not in (_CHECK, _CHECKS)) or signals
     return Difference(line, first[0] / 1e9, kind, *words, signals)
 

@@ -1,4 +1,5 @@
-"""Faults by hand to which an operator gives other values during a run: the prepared fault, and what SUP_CMD carries."""
+"""Faults by hand to which an operator gives other values during a run: the prepared fault, and the octets in
+SUP_CMD."""
 
 from __future__ import annotations
 
@@ -13,7 +14,7 @@ from railhil.scenarios.operator_commands import OperatorCommand
 class GivenValues:
     """Values on their way to the nodes: one octet in each SUP_CMD, then ``inject``.
 
-    ``inject`` and ``clear`` of other faults may come in between; what was collected is then sent again.
+    ``inject`` and ``clear`` of other faults may come in between; the collected octets are then sent again.
     """
 
     def __init__(self) -> None:
@@ -54,15 +55,15 @@ class GivenValues:
 def prepared_for(
     text: str, faults: Sequence[str], injected: Collection[int]
 ) -> tuple[int, bytes, float | None, str] | str:
-    """The prepared fault that a text of an operator means, by its place, word and count, whatever its values.
+    """The prepared fault for an operator's text, found by its place, word and count, independent of its values.
 
     :param text: such as ``TRN_SPEED loss 5% for 3s``: it begins now.
     :param faults: of the run.
-    :param injected: numbers of those that were injected.
+    :param injected: numbers of the faults that were injected.
     :returns: its number, the octets of its values (:func:`railhil.faults.operator_values.octets_of`), its duration in s
         (None: until it is cleared) and its new text; or why there is none, in one line.
     """
-    # The language is loaded only when somebody uses it.
+    # The language is loaded only when it is used.
     from railhil.faults.language import fault_text, parse, sameness, with_hand
     from railhil.faults.model import Draw
     from railhil.faults.operator_values import is_kind, octets_of

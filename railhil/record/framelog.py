@@ -26,7 +26,7 @@ from railhil.common.errors import InputError
 from railhil.dbc import Contract
 from railhil.record.log_columns import ClassicColumns, classic_columns, plain_lines
 
-#: Channel name in the log, whatever the transport was.
+#: Channel name in the log, the same for every transport.
 CHANNEL: Final = "mvb0"
 #: Name in a run folder.
 LOG_NAME: Final = "frames.log"
@@ -38,7 +38,7 @@ _DATA_BYTES: Final = 8
 _TIME_MAX_NS: Final = (1 << 63) - 1
 #: Longest line: 64 bytes of CAN FD in hexadecimal, with time stamp, channel and identifier.
 _LINE_MAX_BYTES: Final = 1024
-#: Of a log, read at once.
+#: Part of a log that is read at once.
 _PART_BYTES: Final = 1 << 20
 BLF_SUFFIX: Final = ".blf"
 #: Standard identifiers as formatted in the log.
@@ -76,16 +76,16 @@ def log_line(time_ns: int, frame: Frame) -> str:
 
 
 class LateLines:
-    """What has been recorded and is not written yet, in its order: many lines are formatted at once, which takes a
-    tenth of the time of one by one.
+    """Recorded frames that are not written yet, in their order. Many lines are formatted at once, which takes a tenth
+    of the time of single lines.
 
     :param write: takes the text of whole lines.
     """
 
     def __init__(self, write: Callable[[str], object]) -> None:
         self._write = write
-        # Lines, or how many of the frames below; then time, identifier and data of frames taken one by one, which the
-        # garbage collector does not look at.
+        # Lines, or numbers of the frames below; then time, identifier and data of frames taken one by one, in a form
+        # that the garbage collector does not visit.
         self._waiting: list[str | int] = []
         self._single: list[int | bytes] = []
         self._frames: list[npt.NDArray[Any]] = []
@@ -139,7 +139,7 @@ class LateLines:
     def settle(self) -> None:
         """Write all of it.
 
-        :raises OSError: as ``write`` does, which then has been given everything.
+        :raises OSError: as ``write`` does, which has then been given all lines.
         """
         self._put_together()
         waiting, self._waiting = self._waiting, []
@@ -165,14 +165,14 @@ class LateLines:
 class FrameLog:
     """Writes ``frames.log`` of one run folder during the run.
 
-    A log that could not be written once takes no more lines: what came after them would hide the gap.
+    A log that could not be written once takes no more lines: later lines would hide the gap.
     """
 
     def __init__(self, folder: Path) -> None:
         self.path = folder / LOG_NAME
         self._stream = self.path.open("w", encoding="ascii", newline="\n", buffering=1 << 16)
         self._failure: OSError | None = None
-        #: What waits to be written; a recorder that uses it writes all its lines to it.
+        #: Lines that wait to be written; a recorder that uses it writes all its lines to it.
         self.late = LateLines(self.write)
 
     def write(self, text: str) -> None:
@@ -235,7 +235,7 @@ def sha256_of(path: Path) -> str:
 
 
 def log_sha256(path: Path) -> str:
-    """SHA-256 of a record as in its certificate: that of the candump log, also for the BLF made from it."""
+    """SHA-256 of a record as in its certificate: the hash of the candump log, also for the BLF made from it."""
     if path.suffix != BLF_SUFFIX:
         return sha256_of(path)
     digest = hashlib.sha256()
@@ -245,7 +245,7 @@ def log_sha256(path: Path) -> str:
 
 
 def telegrams_sha256(path: Path, contract: Contract) -> str:
-    """SHA-256 of the frames of a record that are of its wire contract: the same on a bus that others use, too."""
+    """SHA-256 of the frames of a record that belong to its wire contract: it stays the same on a shared bus."""
     own, digest = OwnFrames(contract), hashlib.sha256()
     for time_ns, frame in read_log(path):
         if frame in own:
@@ -261,14 +261,14 @@ def read_log(path: Path) -> Iterator[tuple[int, Frame]]:
     """
     if path.suffix != BLF_SUFFIX:
         return _read_candump(path)
-    # It loads python-can, which nothing else needs here.
+    # It loads python-can, which the other functions do not need.
     from railhil.record.blf_reader import read_blf
 
     return read_blf(path)
 
 
 def log_parts(path: Path) -> Iterator[ClassicColumns | Iterator[tuple[int, Frame]]]:
-    """The frames of a candump log in parts: as columns, or one by one where they are not all alike.
+    """The frames of a candump log in parts: as columns, or one by one in parts with different kinds of frames.
 
     :raises InputError: as :func:`read_log`, also while such a part is read.
     """
@@ -321,7 +321,7 @@ def frames_of(text: bytes) -> list[Frame]:
 
 
 class _Channels:
-    """A log is of one bus: the first line names it."""
+    """A log belongs to one bus, which its first line names."""
 
     def __init__(self, path: Path) -> None:
         self._path = path

@@ -1,11 +1,11 @@
 """``SHA256SUMS``: the hashes of all files of a folder of evidence, which every reader compares with the files.
 
-One line per file as ``sha256sum`` writes them, by name. A folder below that has a list of its own stands in it with
-that list, so that the list of a campaign, a comparison or a sequence covers the run folders in it. It can be signed
+One line per file as ``sha256sum`` writes them, by name. A folder below with a list of its own is entered by that list,
+so that the list of a campaign, a comparison or a sequence covers its run folders. It can be signed
 (:mod:`railhil.record.signature`).
 
-The document that marks a folder as complete says under :data:`HASH_LIST_KEY` that there is a list, so that none is
-missed where there was one. Folders of earlier versions have none.
+The document that marks a folder as complete names the list under :data:`HASH_LIST_KEY`, so that a deleted list is
+noticed. Folders of earlier versions have none.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ _MISSING = "no such file"
 
 
 class Changed(NamedTuple):
-    """A file that is not as listed: its name, what was found, and the hash in the list."""
+    """A file that is not as listed: its name, the hash found, and the hash in the list."""
 
     name: str
     found: str
@@ -49,7 +49,7 @@ class Changed(NamedTuple):
 
     @property
     def sentence(self) -> str:
-        """For a report of all of them."""
+        """The line for a report of all such files."""
         return f"{self.name}: {self.found if self.is_missing else f'sha256 {self.found}'}, in {HASH_LIST} {self.listed}"
 
     def error(self, folder: Path) -> InputError:
@@ -72,7 +72,7 @@ def write_hash_list(folder: Path, instead: Mapping[str, Path] | None = None, onl
     """Write the list of a folder; a signature of another list is removed.
 
     :param instead: files that come under these names when the list is written.
-    :param only: the files of the list; None: all that there are.
+    :param only: the files of the list; None: all files.
     :raises OSError: a file cannot be read, or the list not be written.
     """
     instead = instead or {}
@@ -144,7 +144,7 @@ def _is_below(name: str) -> bool:
 
 
 def changed_files(folder: Path, hashes: Mapping[str, str]) -> Iterator[Changed]:
-    """The files that are not as listed, and those that are missing.
+    """The files that are not as listed, and the missing ones.
 
     :raises InputError: a file cannot be read.
     """
@@ -159,8 +159,8 @@ def changed_files(folder: Path, hashes: Mapping[str, str]) -> Iterator[Changed]:
 
 
 def check_document(folder: Path, name: str, document: Mapping[str, Any] | None) -> dict[str, str]:
-    """Refuse a folder whose complete document has been changed since its list was written, or whose signature is not
-    one of its list.
+    """Refuse a folder whose complete document has changed since its list was written, or whose signature belongs to
+    another list.
 
     :param name: of the document that marks the folder as complete; ``document``: its content, None if the folder has
         none.
@@ -188,6 +188,6 @@ def check_hash_list(folder: Path, name: str, document: Mapping[str, Any] | None)
     :raises InputError: as :func:`check_document`, and the first file that is not as listed or missing.
     """
     for changed in changed_files(folder, check_document(folder, name, document)):
-        # A page that was deleted says nothing, and is made again from the rest.
+        # A deleted page is no fault: it is made again from the other files.
         if not (changed.is_missing and changed.name == REPORT):
             raise changed.error(folder)

@@ -14,9 +14,9 @@ _SECONDS_DIGITS, _MICROS_DIGITS = 10, 6
 #: Character -> its hexadecimal value, 16: it is none.
 _HEX = np.full(256, 16, np.uint8)
 _HEX[list(b"0123456789ABCDEF")] = range(16)
-#: What stands after the data.
+#: The characters after the data.
 _END = b" R\n"
-#: Standard identifier -> as it is written, with the mark behind it; number below 1000 -> three digits.
+#: Standard identifier -> its text with the mark behind it; number below 1000 -> three digits.
 _STANDARD = np.frombuffer(b"".join(b"%03X#" % can_id for can_id in range(0x800)), "V4")
 _THREE = np.frombuffer(b"".join(b"%03d" % number for number in range(1000)), np.uint8).reshape(1000, 3)
 
@@ -47,13 +47,13 @@ class ClassicColumns(NamedTuple):
 
 
 def classic_columns(text: bytes, channel: str) -> ClassicColumns | None:
-    """Columns of lines; None if there are none, or any is not exactly as such a frame is written in a log.
+    """Columns of lines; None if there are none, or if any line has another form than the log's own.
 
     :param channel: the one in each line.
     """
-    # What stands between the time and the identifier.
+    # The characters between the time and the identifier.
     middle = f") {channel} ".encode("ascii")
-    # Room for what is looked at before the first line and behind the last one.
+    # Margin for characters that are read before the first line and behind the last one.
     around = 2 * _DATA_BYTES
     chars = np.frombuffer(bytes(around) + text + bytes(around), np.uint8)
     marks, ends = np.flatnonzero(chars == ord("#")), np.flatnonzero(chars == ord("\n"))
@@ -90,8 +90,8 @@ def _number(
     base: int,
     used: npt.NDArray[np.int64] | None = None,
 ) -> tuple[npt.NDArray[np.int64], bool]:
-    """Numbers of ``count`` digits that begin at ``first``, of which the last ``used`` count, and whether all are
-    digits."""
+    """Numbers of ``count`` digits that begin at ``first``, of which only the last ``used`` digits count, and whether
+    all are digits."""
     number, good = np.zeros(len(first), np.int64), True
     for k in range(count):
         digit = values[first + k].astype(np.int64)
@@ -110,12 +110,12 @@ def plain_lines(
     data: npt.NDArray[np.uint8],
     channel: str,
 ) -> tuple[str, npt.NDArray[np.int64]]:
-    """Lines of classic data frames with standard identifiers, and where in the text each of the n lines ends.
+    """Lines of classic data frames with standard identifiers, and the end of each of the n lines in the text.
 
     :param times_ns: below 10^18; the first ``counts[0]`` lines have the first one, and so on.
     :param can_ids: (n,); ``lengths``: (n,) in bytes; ``data``: (n, 8), not used beyond its length.
     """
-    # What is not used is zero, and removed from the text.
+    # Unused characters are zero and are removed from the text.
     stamps = _stamps(np.array(times_ns, np.int64), channel)
     count, width = len(can_ids), stamps.shape[1]
     digits = np.frombuffer(data.tobytes().hex().upper().encode("ascii"), np.uint8).reshape(count, 2 * _DATA_BYTES)

@@ -1,7 +1,7 @@
 """The trace of a frame log.
 
-Most parts of most logs have nothing but whole telegrams: each complete, in its order and without a fault, each poll
-answered before the next one of its port. They are taken as columns. Every other part is read frame by frame
+Most parts of most logs contain only whole telegrams: complete, in order and without a fault, each poll answered before
+the next one of its port. These parts are read as columns. Every other part is read frame by frame
 (:class:`railhil.record.trace.TraceReader`), which defines the result; the tests compare both.
 """
 
@@ -24,7 +24,7 @@ from railhil.record.trace import Noted, Telegrams, Trace, TraceReader
 
 Ints: TypeAlias = npt.NDArray[np.int64]
 _IDS: Final = 0x800
-#: Kinds of identifiers: none of the contract's classic ones, that of the polls, a block, the end of a telegram.
+#: Kinds of identifiers: not a classic one of the contract, the polls', a block, the end of a telegram.
 _STRANGE, _POLL, _BLOCK, _END = range(4)
 _POLL_BYTES, _FRAME_BYTES = 3, 8
 _TABLES = tuple(np.frombuffer(table, np.uint8) for table in CHECK_TABLES)
@@ -34,7 +34,7 @@ def trace_of_log(log: Path, contract: Contract | None = None, senders: Senders |
     """Trace of a candump log or of the BLF made from it.
 
     :param contract: the one used for recording; default: this version's.
-    :param senders: compares the frames on their way with what the nodes have sent.
+    :param senders: compares the frames with the nodes' own lists while they are read.
     :raises InputError: as :func:`railhil.record.framelog.read_log`.
     """
     reader = TraceReader(contract)
@@ -91,7 +91,7 @@ class _Whole:
         self._kinds[contract.poll_id] = _POLL
 
     def end(self, part: ClassicColumns) -> int:
-        """Number of rows up to the last frame that is not the block of a telegram which goes on."""
+        """Number of rows up to the last frame that is not the block of an unfinished telegram."""
         others = np.flatnonzero(self._kinds[part.can_ids] != _BLOCK)
         return int(others[-1]) + 1 if others.size else 0
 
@@ -118,7 +118,7 @@ class _Whole:
         left = []
         for name, rows in asked.items():
             ended = found.get(name)
-            # How many telegrams there are before the first poll, between two of them, and after the last one.
+            # Numbers of telegrams before the first poll, between two polls, and after the last one.
             between = np.bincount(np.searchsorted(rows, [] if ended is None else ended.rows), minlength=len(rows) + 1)
             if not between[1:-1].all() or (len(rows) and not between[0] and trace.is_awaited(name)):
                 return False

@@ -43,7 +43,7 @@ class ReportedNote:
         return " ".join(word for word in (self.title, self.symbol, f"({self.unit})" if self.unit else "") if word)
 
 
-#: The notes of a record whose wire contract names them: up to version 0.1.0 they were those of IPFC.
+#: The notes of a record whose wire contract names them: up to version 0.1.0 they were the notes of IPFC.
 _EARLIER = (
     ReportedNote("BasisInUse", "basis_in_use", "basis functions", "", "", 1.0, False, ("step", "wavelet", "ramp")),
     ReportedNote("SofteningFactor", "softening_factor", "softening factor", "α", "", _UNIPOLAR2, False, ()),

@@ -1,4 +1,4 @@
-"""What SUP_CMD says besides "start": ordered by a person at the panel or by the run's own list.
+"""Commands of SUP_CMD besides "start": ordered by a person at the panel or by the run's own list.
 
 In lockstep a pause is a SUP_CMD with command "none": the plant then stands still and polls SUP_CMD again until it says
 "start". Simulation time does not depend on the wall clock there, so a slower pace is an answer that is sent later.
@@ -21,11 +21,11 @@ PAUSE_S = 1.0
 _TELL_S = 0.1
 #: Wall time between two measurements of the lateness.
 _LATENESS_S = 1.0
-#: Longest wait without a look for signals.
+#: Longest wait without a check for signals.
 _LOOK_S = 0.05
 #: Paces that can be asked for, simulated seconds per second; 0: as fast as possible.
 PACE_MIN, PACE_MAX = 0.1, 1000.0
-#: Longest duration of a fault that can be asked for; one without lasts until it is cleared.
+#: Longest duration of a fault that can be asked for; a fault without duration lasts until it is cleared.
 DURATION_MAX_S = 86_400.0
 _FAULT_ORDERS = {"inject": FaultOrder.INJECT, "clear": FaultOrder.CLEAR, "value": FaultOrder.VALUE}
 REALTIME_PAUSE = "in real time nothing can stand still: pause a run in lockstep"
@@ -35,7 +35,7 @@ class Panel(Protocol):
     """The connection to a panel."""
 
     def take(self, timeout_s: float) -> list[dict[str, Any]]:
-        """Commands that have come, after at most this time."""
+        """Commands that have arrived, after at most this time."""
 
     def tell(self, report: dict[str, Any]) -> None:
         """Report to the panel."""
@@ -45,8 +45,7 @@ class OperatorCommands:
     """Orders of one run.
 
     :param planned: orders that are sent again, as in a certificate.
-    :param panel: a person gives orders there; None: nobody does.
-    :param lockstep: time can stand still.
+    :param panel: a person gives orders there; None: there is no panel. :param lockstep: time can stand still.
     :param faults: of the run, as texts.
     """
 
@@ -60,7 +59,7 @@ class OperatorCommands:
         #: Durations asked for, by the number of a fault; then the simulation times at which it is cleared.
         self._lasts_s: dict[int, float] = {}
         self._ends_s: dict[int, float] = {}
-        #: Numbers of faults that were injected, and of those that can still be cleared.
+        #: Numbers of faults that were injected, and of the faults that can still be cleared.
         self._injected: set[int] = set()
         self._active: set[int] = set()
         self._paused = False
@@ -70,7 +69,7 @@ class OperatorCommands:
         self._pace = 0.0
         self._pace_from: tuple[float, float] = (0.0, 0.0)
         self._told_s = 0.0
-        #: All that was ordered, as texts.
+        #: All orders, as texts.
         self.sent: list[str] = []
         #: Lateness of a real-time run (:class:`railhil.live.live_values.LiveLateness`); None: not measured.
         self.lateness: Callable[[], dict[str, Any] | None] = lambda: None
@@ -80,7 +79,7 @@ class OperatorCommands:
         self.while_waiting: Callable[[], None] = lambda: None
 
     def answer(self, number: int, sim_time_s: float) -> tuple[SupCommand, int, FaultOrder]:
-        """What the SUP_CMD of this number says: command, number of a fault or octet, and what is ordered.
+        """Content of the SUP_CMD of this number: command, number of a fault or octet, and the order.
 
         :param sim_time_s: the present simulation time.
         """
@@ -97,7 +96,7 @@ class OperatorCommands:
         if order.word == "pause":
             return SupCommand.NONE, 0, FaultOrder.NONE
         if order.word == "inject":
-            # An order of the run's own list, too, can be cleared on the page.
+            # A fault injected by the run's own list can also be cleared on the page.
             self._injected.add(order.number)
             self._active.add(order.number)
             if order.number in self._lasts_s:
@@ -152,7 +151,7 @@ class OperatorCommands:
             panel.tell({"answer": command.get("id"), "refused": why})
 
     def _obey(self, command: dict[str, Any], sim_time_s: float) -> str:
-        """Carry out one command; returns why not."""
+        """Carry out one command; returns the reason if it is refused."""
         if self._stopped or ("stop", 0) in self._waiting:
             return "the run has been stopped"
         what, number, pace = command.get("do"), command.get("fault"), command.get("pace")
@@ -170,7 +169,7 @@ class OperatorCommands:
         if what == "fault":
             return self._inject_text(str(command.get("text", "")))
         if what == "stop":
-            # What was to be cleared later is over with the run.
+            # Faults that were to be cleared later end with the run.
             self._ends_s.clear()
             self._waiting.append(("stop", 0))
             self._paused = False
@@ -191,7 +190,8 @@ class OperatorCommands:
         return f"no such command: {what}"
 
     def _inject(self, number: int, octets: bytes, for_s: object) -> str:
-        """Inject a fault of the run with these values, for a duration if one is given; returns why not."""
+        """Inject a fault of the run with these values, for a duration if one is given; returns the reason if it is
+        refused."""
         if number in self._injected:
             return f"fault {number} has been injected: a fault is injected once"
         if for_s is not None:
@@ -207,7 +207,8 @@ class OperatorCommands:
         return ""
 
     def _inject_text(self, text: str) -> str:
-        """Inject the prepared fault that a text means (``TRN_SPEED loss 5% for 3s``), now; returns why not."""
+        """Inject the prepared fault of a text (``TRN_SPEED loss 5% for 3s``) now; returns the reason if it is
+        refused."""
         found = prepared_for(text, self._faults, self._injected)
         if isinstance(found, str):
             return found

@@ -1,8 +1,8 @@
 """The time that a record itself holds: TIME_SYNC, life signs and polls, counted as the recorder of a run counts them.
 
-A log of another program has other stamps: the wall clock's, or those since its first frame. The run is then recorded
-again from its frames (:class:`railhil.record.session.Session`), which gives the same stamps as
-``railhil run`` writes. What was before the run or after its end is left out, as by the recorder.
+A log of another program has other stamps: wall-clock times, or times since its first frame. The run is then recorded
+again from its frames (:class:`railhil.record.session.Session`), which gives the same stamps as ``railhil run`` writes.
+Frames before the run or after its end are left out, as by the recorder.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 
 Timed = tuple[int, Frame]
-#: A logger may give stamps to two frames in the wrong order, but not so far apart.
+#: A logger may stamp two frames in the wrong order, but not further apart than this.
 _BACK_MAX_NS: Final = 1_000_000_000
 #: Faults with these words touch TIME_SYNC.
 _TOUCHING: Final = (TimeSync.PORT, "bus")
@@ -42,8 +42,8 @@ _OF_FD: Final = FD | BRS
 class OwnTime:
     """A record in its own time.
 
-    :param frames: those of the run, in bus order.
-    :param notes: what of the log was not used, a sentence each; empty: the log is as railhil writes it.
+    :param frames: frames of the run, in bus order.
+    :param notes: parts of the log that were not used, a sentence each; empty: the log is as railhil writes it.
     """
 
     frames: list[Timed]
@@ -51,7 +51,7 @@ class OwnTime:
 
     @property
     def sha256(self) -> str:
-        """Of the log that railhil would have written."""
+        """SHA-256 of the log that railhil would have written."""
         digest = hashlib.sha256()
         for time_ns, frame in self.frames:
             digest.update(log_line(time_ns, frame).encode("ascii"))
@@ -59,7 +59,7 @@ class OwnTime:
 
 
 class _Again(Session):
-    """Keeps what the recorder would write."""
+    """Keeps the lines that the recorder would write."""
 
     def __init__(self, scenario: AnyScenario, contract: Contract) -> None:
         super().__init__(scenario, str, RunSpec(), contract=contract)
@@ -82,14 +82,14 @@ def own_time(log: Path, scenario: AnyScenario, contract: Contract) -> OwnTime:
     latest_ns, count = 0, 0
     first, clock, poll_id = contract.port(PltIdent.PORT), contract.clock_port, contract.poll_id
     opening, clock_ids, own = (first.address, first.fd_id), (clock.address, clock.fd_id), OwnFrames(contract)
-    # Where a run was heard that has begun before: its PLT_IDENT is a repetition, until nodes are searched again.
+    # A run that has begun before is heard: its PLT_IDENT is a repetition until nodes are searched again.
     others_from = 0
     for number, (time_ns, frame) in enumerate(read_log(log), 1):
         if time_ns < latest_ns - _BACK_MAX_NS:
             raise _at(log, number, f"{time_ns / 1e9:.6f} s", f"{latest_ns / 1e9:.6f} s or later")
         latest_ns = max(latest_ns, time_ns)
         if not session.recording and (others_from or frame.can_id not in opening):
-            # Of another run, or the search for nodes: the time begins with the run.
+            # Frames of another run, or of the search for nodes: the time begins with the run.
             is_scan = _is_scan(frame, contract)
             before += not is_scan
             if is_scan:
@@ -139,9 +139,10 @@ def _is_scan(frame: Frame, contract: Contract) -> bool:
 
 
 class _Order:
-    """Notices where more of a run lies between two TIME_SYNC than time has passed: lost frames make it less.
+    """Finds two TIME_SYNC between which the record holds more simulation time than they tell. Lost frames only make it
+    less.
 
-    What has passed is counted by the telegrams of the truth, which no fault touches.
+    The simulation time is counted by the telegrams of the truth, which no fault touches.
     """
 
     def __init__(self, scenario: AnyScenario, contract: Contract) -> None:
@@ -157,7 +158,7 @@ class _Order:
         self._said_ns = self._passed_ns = 0
 
     def contradiction(self, frame: Frame) -> tuple[str, str] | None:
-        """What is found and what would be allowed, if this frame is such a TIME_SYNC."""
+        """The value found and the values allowed, if this frame is such a TIME_SYNC."""
         self._passed_ns += self._period_ns if frame.can_id in self._counted_ids else 0
         if frame.can_id not in self._ids or frame.flags & ~_OF_FD or len(frame.data) < self._bytes:
             return None

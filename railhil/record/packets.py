@@ -1,10 +1,10 @@
-"""Takes frames as they are packed on pipes: most of them are recorded as they come, without being taken apart.
+"""Takes packed frames of pipes: most of them are recorded as they come, without being decoded.
 
-What a frame means is decided where it is decided for all transports (:class:`railhil.record.session.Session`); here
-are only those that every tick brings. The frames before one that needs more are taken, and the others are left.
+The meaning of a frame is decided in one place for all transports (:class:`railhil.record.session.Session`); this module
+handles only the frames of every tick. It takes the frames before one that needs more, and leaves the others.
 
-A packet that ends with the poll of SUP_CMD may be answered before it is looked at, if nothing in it can change the
-answer: then plant and controller go on meanwhile, and many packets are taken one after the other.
+A packet that ends with the poll of SUP_CMD may be answered before it is read, if nothing in it can change the answer.
+Plant and controller then continue meanwhile, and many packets are read one after the other.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ _LIFE_MASK: Final = 0xF
 
 
 class Taken(NamedTuple):
-    """Frames that have been recorded: how many, and the ticks that began with them; then the frame that needs more,
+    """Frames that have been recorded: their number, and the ticks that began with them; then the frame that needs more,
     if there is one."""
 
     frames: int
@@ -53,11 +53,11 @@ class Taken(NamedTuple):
 
 
 class Packets:
-    """Takes the frames that every tick brings.
+    """Takes the frames of every tick.
 
-    :param seen_ids: identifiers of all frames that the recorder looks at; the others are only recorded.
-    :param pace: process data of the poll that keeps the time going while the clock port is missing; empty: none does.
-    :param pace_ticks: its period.
+    :param seen_ids: identifiers of all frames that the recorder reads; other frames are only recorded.
+    :param pace: process data of the poll that keeps the time going while the clock port is missing; empty: no poll
+        does. :param pace_ticks: its period.
     :param truth: keeps the time instead of the bus clock.
     """
 
@@ -77,17 +77,17 @@ class Packets:
         self._late = late
         self._pace = int.from_bytes(pace)
         self._pace_ticks = pace_ticks
-        # Those that the supervisor answers, and those of nobody, need more.
+        # Polls that the supervisor answers, and polls of no port, need more.
         polled = (port for port in contract.ports if port.mode == "poll" and port.source != "supervisor")
         self._polls = [int.from_bytes(master_tail(port.f_code, port.address)) for port in polled]
-        # By identifier; the last one stands for all that are no standard ones.
+        # Kind by identifier; the last entry is for all identifiers that are not standard ones.
         self._kinds = np.full(SFF_MASK + 2, _PLAIN, np.uint8)
         self._kinds[[*seen_ids, SFF_MASK + 1]] = _OTHER
         self._kinds[contract.poll_id] = _POLL
         self._kinds[contract.clock_port.address] = _CLOCK
         self._clock_port = contract.clock_port
         if truth is not None:
-            # Packed frames are classic: with the identifier of an FD frame they are nobody's, and looked at one by one.
+            # Packed frames are classic. One with the identifier of an FD frame is foreign and is read by itself.
             self._kinds[list(truth.truth_ids - {port.fd_id for port in contract.ports})] = _TRUTH
         #: The poll of SUP_CMD.
         self.command_poll, ident_poll, status_poll = supervisor_polls(contract)
@@ -105,18 +105,18 @@ class Packets:
         """Whether a packet ends with the poll of SUP_CMD, and nothing before it needs or changes an answer."""
         if packet.find(self._command_poll) != len(packet) - CLASSIC_SIZE:
             return False
-        # Found anywhere: data that look like it only make it wait no longer.
+        # The search may also find data that look like it; the packet then only waits less.
         return not any(map(packet.__contains__, self._urgent))
 
     def take(self, packet: bytes, known: Sequence[int] = ()) -> Iterator[Taken]:
-        """Record the frames of a packet, up to each one that needs more; whoever is given it records it before it asks
+        """Record the frames of a packet, up to each one that needs more. The caller records that frame before it asks
         for the next.
 
-        :param known: places of frames that have been looked at already, and are only recorded.
+        :param known: places of frames that have been read already, and are only recorded.
         """
         frames = np.frombuffer(packet, PACKED)
         lengths, data = frames["length"], frames["data"]
-        # Those with flags have larger identifiers.
+        # Frames with flags have larger identifiers.
         kinds = self._kinds[np.minimum(frames["can_id"], SFF_MASK + 1)]
         numbers = data[:, 0].astype(np.int64) << 16 | data[:, 1].astype(np.int64) << 8 | data[:, 2]
         kinds[(kinds == _POLL) & ~((lengths == _POLL_BYTES) & np.isin(numbers, self._polls))] = _OTHER
@@ -137,8 +137,8 @@ class Packets:
             begin = end + 1
 
     def _count(self, part: Frames, clocks: Ints, paces: Ints, ticks: list[int]) -> bool:
-        """Record frames of which each one of the clock port opens the next tick, and no poll moves the time; False, and
-        nothing is done, if it is not so."""
+        """Record frames if each frame of the clock port opens the next tick and no poll moves the time; otherwise do
+        nothing and return False."""
         clock = self._clock
         if not clock.is_regular:
             return False

@@ -53,7 +53,7 @@ def write_json(path: Path, document: dict[str, Any]) -> None:
         draft.write_text(json_text(document), encoding="utf-8")
 
 
-#: Names in the run folder of what the nodes leave there: the controller its telemetry, the plant its timing.
+#: Names of the nodes' files in the run folder: telemetry of the controller, timing of the plant.
 TELEMETRY, TIMING = "telemetry.json", "timing.csv"
 #: Free disk space required to begin a run: for the output of the nodes and the beginning of the log. A run of 3 min
 #: takes 6 MB.
@@ -80,7 +80,7 @@ def run_folder(out: str | Path | None, scenario: str, controller: str) -> tuple[
         else:
             folder.mkdir(parents=True, exist_ok=True)
         occupied = any(folder.iterdir())
-        # Leaves nothing behind; a check of permissions would not detect a read-only or full file system.
+        # The test file leaves nothing behind. A check of permissions would not detect a read-only or full file system.
         with tempfile.TemporaryFile(dir=folder) as probe:
             probe.write(bytes(ROOM_MIN_BYTES))
             probe.flush()
@@ -109,7 +109,7 @@ def _new_folder(wanted: Path) -> Path:
 
 
 def discard_folder(folder: Path, made: bool) -> None:
-    """Remove what a run that never began has left: the files, and the folder itself if it was created for the run."""
+    """Remove the files of a run that never began, and the folder itself if it was created for the run."""
     for path in folder.iterdir():
         path.unlink()
     if made:

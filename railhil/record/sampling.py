@@ -17,7 +17,7 @@ from railhil.scenarios.model import AnyScenario
 
 #: A port that is silent for more of its periods has no value (sink-time supervision).
 SILENT_PERIODS: Final = 3
-#: Where the row that stands for a gap comes, after the last one before it.
+#: Time from the last row before a gap to the row that stands for the gap.
 _AFTER_S: Final = 0.001
 
 
@@ -33,12 +33,12 @@ def holding_s(scenario: AnyScenario, contract: Contract) -> dict[str, float]:
 
 def silences(time_s: FloatArray, holds_s: float) -> npt.NDArray[np.int64]:
     """Places of the instants after which the next one comes later than ``holds_s``, shape (k,)."""
-    # Instants are multiples of a tick: what is left is rounding.
+    # Instants are multiples of a tick: a smaller difference is rounding.
     return np.flatnonzero(np.diff(time_s) > holds_s + _AFTER_S / 2)
 
 
 def gap_after(rows: FloatArray, position: int = -1) -> FloatArray:
-    """For each row the one that says that nothing is known from then on but time and position.
+    """For each row a row after which nothing is known but time and position.
 
     :param rows: shape (n, columns), the time in s first.
     :param position: column of the position; -1: there is none.
@@ -51,10 +51,11 @@ def gap_after(rows: FloatArray, position: int = -1) -> FloatArray:
 
 
 class DrawnTrace(Trace):
-    """A record as figures get it, so that no line goes over what the record does not have.
+    """A record prepared for figures, so that no line crosses a gap of the record.
 
     A port that is silent for longer than its values hold has one more row there, just after the last telegram before
-    the silence. Nothing is known in it: :meth:`values` has NaN, and :meth:`raw` is masked. All else is the record's.
+    the silence. Its values are unknown: :meth:`values` has NaN, and :meth:`raw` is masked. All other rows are the
+    record's.
     """
 
     def __init__(self, trace: Trace, holds_s: Mapping[str, float]) -> None:
@@ -114,19 +115,19 @@ class DrawnTrace(Trace):
         return self._record.ident(telegram)
 
     def _rows(self, port: str, found: Any) -> Any:
-        """With the row before once more where nothing is known."""
+        """The row before is repeated where nothing is known."""
         unknown = self.unknown(port)
         before = unknown - 1 - np.arange(len(unknown))
         return np.insert(found, before + 1, found[before])
 
 
 def drawn_trace(scenario: AnyScenario, trace: Trace) -> Trace:
-    """The record as figures get it."""
+    """The record prepared for figures."""
     return trace if isinstance(trace, DrawnTrace) else DrawnTrace(trace, holding_s(scenario, trace.contract))
 
 
 class Sampler:
-    """Many signals come from one port: the telegrams that were the newest are searched once.
+    """Many signals come from one port, so its newest telegrams are searched once.
 
     :param time_s: the instants in s, shape (n,).
     :param holds_s: how long the value of a port holds (:func:`holding_s`); None: until the next.
@@ -136,11 +137,11 @@ class Sampler:
         self._trace = trace
         self._time_s = time_s
         self._holds_s = holds_s or {}
-        #: Place of the telegram that holds at each instant, and whether there is one at all of them.
+        #: Place of the valid telegram at each instant, and whether there is one at all of them.
         self._places: dict[str, tuple[npt.NDArray[np.int64], bool]] = {}
 
     def of(self, port: str, values: FloatArray) -> FloatArray:
-        """The last known one of the values of a port's telegrams at each instant, NaN where none holds; shape (n,)."""
+        """The last known value of a port's telegrams at each instant, NaN where none is valid; shape (n,)."""
         known = self._places.get(port)
         if known is None:
             told_s = self._trace.times_s(port)
@@ -149,9 +150,9 @@ class Sampler:
                 places[self._time_s - told_s[places] > self._holds_s[port] + _AFTER_S / 2] = -1
             known = self._places[port] = places, bool((places >= 0).all())
         places, always = known
-        # -1 is the NaN at the end.
+        # Place -1 is the NaN at the end.
         return values[places] if always else np.append(values, np.nan)[places]
 
     def signal(self, port: str, signal: str) -> FloatArray:
-        """As :meth:`of`, of a signal in its unit."""
+        """As :meth:`of`, for a signal in its unit."""
         return self.of(port, self._trace.values(port, signal))

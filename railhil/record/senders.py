@@ -1,9 +1,9 @@
-"""Who has sent the frames of a record: it is compared with what each node says that it has sent.
+"""Senders of the frames of a record: it is compared with each node's own list of frames that it has sent.
 
-On a shared bus anybody can send under any identifier. What decides the verdict (SIM_TRUTH, RUN_EVENT) and what moves
+Any program on a shared bus can send under any identifier. Frames that decide the verdict (SIM_TRUTH, RUN_EVENT) or move
 the train must come from the node that owns the port: a frame that its owner did not send makes the record INVALID. A
-node that the supervisor has not started (attached, a board) does not say what it has sent: its ports are *not
-witnessed*, except that none may be answered more often than the plant has polled it.
+node that the supervisor has not started (attached, a board) leaves no list. Its ports are *not witnessed*, except that
+none may be answered more often than the plant has polled it.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from railhil.dbc import Contract, Port
 from railhil.record.log_columns import ClassicColumns
 
 Array: TypeAlias = npt.NDArray[Any]
-#: Where the data of a packed frame begin.
+#: Beginning of the data of a packed frame.
 _DATA_AT = 8
 
 
@@ -65,14 +65,15 @@ class EqualFrames(Sequence[bytes]):
 
 
 class NodeReport(NamedTuple):
-    """A node's file: data of the telegrams' frames that it has sent, in order, by CAN identifier; what it received."""
+    """A node's file: data of the telegrams' frames that it has sent, in order, by CAN identifier; the telegrams that it
+    received."""
 
     frames: dict[int, Sequence[bytes]]
     received: dict[str, Any] | None
 
 
 def read_sent(path: Path) -> NodeReport | None:
-    """What a node has written; None without a readable file."""
+    """The list of a node; None without a readable file."""
     try:
         line, _, columns = path.read_bytes().partition(b"\n")
         head = json.loads(line)
@@ -103,8 +104,8 @@ def _by_id(ids: Array, telegrams: Array, lengths: Array, data: Array, starts: Ar
 
 
 def _frames(data: Array, starts: Array, lengths: Array) -> Sequence[bytes]:
-    """Frames of one identifier: they have one length, except under faults (empty ones for "no answer", truncated ones,
-    those of another port)."""
+    """Frames of one identifier: they have one length, except under faults (empty frames for "no answer", truncated
+    frames, frames of another port)."""
     size = int(lengths[0])
     if size and (lengths == size).all():
         return EqualFrames(data[starts[:, None] + np.arange(size)].tobytes(), size)
@@ -113,19 +114,19 @@ def _frames(data: Array, starts: Array, lengths: Array) -> Sequence[bytes]:
     return [text[start:end] for start, end in zip(starts.tolist(), ends, strict=True)]
 
 
-#: Nodes that write what they have sent; the supervisor knows by itself what it has sent.
+#: Nodes that write a list of the frames that they have sent; the supervisor knows its own frames.
 WITNESSES = ("plant", "controller")
-#: Frames that may be missing in a row where the record differs from what was sent.
+#: Frames that may be missing in a row where the record differs from the list.
 _AHEAD = (0, 1, 8, 64, 512)
 
 
 def sent_file(folder: Path, node: str) -> Path:
-    """Where a node writes what it has sent; the file is removed when the record agrees with it."""
+    """File of a node's list of sent frames; it is removed when the record agrees with it."""
     return folder / f"{node}.sent"
 
 
 class ForeignFrames:
-    """Frames of one port that its owner did not send: how many, and when the first one came (ns)."""
+    """Frames of one port that its owner did not send: their number, and the time of the first one (ns)."""
 
     __slots__ = ("count", "first_ns")
 
@@ -140,7 +141,7 @@ class ForeignFrames:
         self.count += 1
 
     def sentence(self, what: str, node: str) -> str:
-        """The clause of the verdict; empty: there were none."""
+        """The clause of the verdict; empty: there were no such frames."""
         if not self.count:
             return ""
         frames = count_of(self.count, "frame")
@@ -149,15 +150,15 @@ class ForeignFrames:
 
 @dataclass(slots=True)
 class _Stream:
-    """The frames of one identifier: what its owner has sent, and how far the record agrees with it.
+    """The frames of one identifier: the list of its owner, and its agreement with the record.
 
-    ``foreign``: what the other node has sent under the identifier, as a fault of the run has made it do (masquerade).
+    ``foreign``: frames that the other node has sent under the identifier because of a fault of the run (masquerade).
     """
 
     sent: Sequence[bytes] = ()
     foreign: Counter[bytes] = field(default_factory=Counter)
     position: int = 0
-    #: Recorded frames from the first one that is not the next one sent.
+    #: The recorded frames from the first deviation from the list on.
     rest: list[tuple[int, bytes]] = field(default_factory=list)
 
     def take(self, time_ns: int, data: bytes) -> None:
@@ -182,7 +183,7 @@ class _Stream:
         return same
 
     def judge(self, foreign_frames: ForeignFrames) -> int:
-        """Count the frames that were not sent; returns how many of those sent are missing in the record."""
+        """Count the frames that were not sent; returns the number of sent frames that are missing in the record."""
         due, rest, foreign = self.sent[self.position :], [], self.foreign.copy()
         for time_ns, data in self.rest:
             if foreign[data]:
@@ -199,9 +200,10 @@ class _Stream:
 
 
 def _strange(rest: Sequence[tuple[int, bytes]], due: Sequence[bytes], ahead: int) -> tuple[list[int], int]:
-    """Times of recorded frames that are not among those due, in their order, and how many of those are missing.
+    """Times of recorded frames that are not among the due ones, in their order, and the number of due frames that are
+    missing.
 
-    :param ahead: how many frames may be missing in a row.
+    :param ahead: largest number of frames that may be missing in a row.
     """
     places: dict[bytes, list[int]] = {}
     for place, data in enumerate(due):
@@ -220,8 +222,8 @@ def _strange(rest: Sequence[tuple[int, bytes]], due: Sequence[bytes], ahead: int
 
 @dataclass(slots=True)
 class Findings:
-    """``said``: one clause for each port on which somebody else spoke, or of which frames are missing;
-    ``not_witnessed``: names of the recorded ports whose owner has not said what it sent."""
+    """``said``: one clause for each port with foreign or missing frames; ``not_witnessed``: names of the recorded ports
+    whose owner has left no list."""
 
     said: list[str] = field(default_factory=list)
     not_witnessed: list[str] = field(default_factory=list)
@@ -230,8 +232,8 @@ class Findings:
 class Senders:
     """Compares a record with the nodes' own lists.
 
-    :param folder: where the nodes have written them.
-    :param complete: no frame can have been lost on its way to the recorder: those sent must all be recorded.
+    :param folder: folder of the nodes' lists.
+    :param complete: no frame can have been lost on its way to the recorder, so all sent frames must be recorded.
     """
 
     def __init__(self, folder: Path, contract: Contract, *, complete: bool) -> None:
@@ -240,10 +242,10 @@ class Senders:
         self._complete = complete
         self._folder = folder
         self._streams: dict[int, _Stream] = {}
-        # Frames of nodes that have said nothing, and of nobody.
+        # Frames of nodes without a list, and foreign frames.
         self._answers: Counter[int] = Counter()
         lists = {node: read_sent(sent_file(folder, node)) for node in WITNESSES}
-        #: By node what it has received (:mod:`railhil.bus.reception`).
+        #: Telegrams received, by node (:mod:`railhil.bus.reception`).
         self.received = {node: sent.received for node, sent in lists.items() if sent is not None and sent.received}
         self._witnesses = [node for node, sent in lists.items() if sent is not None]
         owned = [(port.source, can_id) for port in contract.ports for can_id in (*port.can_ids, port.fd_id)]
@@ -274,7 +276,8 @@ class Senders:
             yield item
 
     def pass_columns(self, part: ClassicColumns) -> None:
-        """As :meth:`passing`: the frames of each identifier together where they are the next ones sent."""
+        """As :meth:`passing`, but the frames of each identifier are taken together where they are the next ones
+        sent."""
         ids = part.can_ids
         for can_id in distinct(ids).tolist():
             rows = np.flatnonzero(ids == can_id)
@@ -291,7 +294,7 @@ class Senders:
                 stream.take(time_ns, block[:size].tobytes())
 
     def findings(self) -> Findings:
-        """What the comparison has found; lists that agree with the record are removed."""
+        """The result of the comparison; lists that agree with the record are removed."""
         found = Findings()
         for port in self._contract.ports:
             if port.source in self._witnesses:
@@ -327,5 +330,5 @@ class Senders:
 
 
 def _without_scan(polls: _Stream) -> _Stream:
-    """The polls without those of the device status, which are not recorded."""
+    """The polls except the device status polls, which are not recorded."""
     return _Stream([data for data in polls.sent if not data or data[0] >> 4 != F_DEVICE_STATUS])

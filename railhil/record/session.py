@@ -40,9 +40,10 @@ class Session:
 
     :param write: called with each line of the log.
     :param on_progress: called at each SUP_CMD poll with the simulation time in s, of packets as far as it is known.
-    :param operator: gives the orders of an operator; None: those of the run, if it has some.
-    :param late: formats lines later, many of them at once; ``write`` is its own. None: each at once.
-    :param contract: that of the record, where an earlier one is recorded again; None: that of the scenario's system.
+    :param operator: gives the orders of an operator; None: the orders of the run, if it has some. :param late: formats
+        lines later, many of them at once; ``write`` is its own. None: each at once.
+    :param contract: the contract of an earlier record that is recorded again; None: the contract of the scenario's
+        system.
     """
 
     def __init__(
@@ -85,7 +86,7 @@ class Session:
         self.operator = operator
         # SUP_CMD sent in this run.
         self._answers = 0
-        # Numbers of faults and what is ordered for them, not sent yet.
+        # Numbers of faults and the orders for them, not sent yet.
         self._orders: deque[tuple[int, FaultOrder]] = deque()
         self._ident = make_ident(Role.SUPERVISOR, scenario.sha256, **run.identity, contract=contract)
         clock_port = contract.clock_port
@@ -94,7 +95,7 @@ class Session:
         # A fault may touch the clock port and TIME_SYNC, but not the truth.
         truth = system.truth if scenario.faults else None
         self._truth_clock = None if truth is None else TruthClock(contract, schedule, truth.port)
-        # Without faults the fastest poll, whoever is asked, keeps the time going while the clock port is missing.
+        # Without faults the fastest poll of any node advances the time while the clock port is missing.
         polled = [port for port in contract.ports if port.mode == "poll" and port.period_ns]
         self._pace_ticks, fastest = min(((schedule.ticks(port.name), port) for port in polled), key=itemgetter(0))
         self._pace: Frame | None = None
@@ -118,7 +119,7 @@ class Session:
         self._clock_ids = {clock_port.address, clock_port.fd_id}
         opening = contract.port(PltIdent.PORT)
         self._opening_ids = {opening.address, opening.fd_id}
-        # Ticks were heard, and no scan since: PLT_IDENT is a repetition in the run of somebody else, no handshake.
+        # Ticks were heard, and no scan since: PLT_IDENT is a repetition in another bench's run, not a handshake.
         self._is_others = False
         self._time = self._truth_clock or self._clock
         self._truth_ids = self._truth_clock.truth_ids if self._truth_clock is not None else set()
@@ -133,7 +134,7 @@ class Session:
             if port.name in self.foreign_frames
             for can_id in (*port.can_ids, port.fd_id)
         }
-        # By identifier: their flags, as one of the contract's frames.
+        # Their flags by identifier, for frames of the contract.
         own = OwnFrames(contract).flags
         self._seen = {can_id: own[can_id] for can_id in (*seen_ids, *self._own_ids)}
         self._packets: Packets | None = None
@@ -143,7 +144,7 @@ class Session:
             self._packets = Packets(
                 self._responder, contract, self._seen, pace, self._pace_ticks, self._truth_clock, late
             )
-            # Where the poll of SUP_CMD moves a time, it is a frame like any other.
+            # If the poll of SUP_CMD advances a time, it is handled like any other frame.
             paces = self._pace == self._packets.command_poll if self._pace else schedule.ticks(SupCmd.PORT) <= MAX_STEP
             self._may_wait = self.operator is None and not paces
         # Packets that are answered and not recorded yet, each with the answer; places of polls and answers.
@@ -191,11 +192,11 @@ class Session:
         if self._seen.get(can_id) == flags & ~BRS:
             if can_id in self._clock_ids:
                 self._is_others = not self.recording
-                # Under faults too: TIME_SYNC is judged by it.
+                # Needed under faults too: TIME_SYNC is judged by it.
                 new = self._responder.opens_tick(frame)
                 truth_clock = self._truth_clock
                 if new if truth_clock is None else truth_clock.clock(frame):
-                    # As in _arrived; a call for each tick is felt.
+                    # Written out as in _arrived: a call for each tick takes noticeable time.
                     self.wall_ticks.append(self._time.tick)
                     self.wall_ns.append(time.monotonic_ns())
             elif can_id == self._status_id:
@@ -231,7 +232,7 @@ class Session:
                     lines.clear()
                 answers += self.handle(frame)
                 continue
-            # The majority: recorded without inspection.
+            # Most frames are recorded without inspection.
             if time_ns != self._time.now_ns:
                 time_ns = self._time.now_ns
                 stamp = log_stamp(time_ns)
@@ -244,8 +245,8 @@ class Session:
     def take_packed(self, packet: bytes) -> list[Frame]:
         """:meth:`take` for classic frames as they are packed on pipes (:mod:`railhil.bus.hub.wire`).
 
-        What can wait is answered, and recorded with :meth:`settle` or the next packet that cannot: until then
-        :attr:`sim_time_s` and :attr:`frames` are those of the last one.
+        A packet that can wait is answered at once and recorded with :meth:`settle` or the next packet that cannot wait.
+        Until then :attr:`sim_time_s` and :attr:`frames` keep their last values.
         """
         packets = self._packets
         may_wait = packets is not None and self._may_wait and self.recording and self.ending is None
@@ -260,7 +261,7 @@ class Session:
         return answers
 
     def settle(self) -> None:
-        """Record what has been answered and has not been looked at yet."""
+        """Record the packets that have been answered and not been read yet."""
         if self._backlog:
             packet, answered = b"".join(self._backlog), self._answered
             self._backlog, self._answered, self._backlog_frames = [], [], 0
@@ -303,7 +304,7 @@ class Session:
         if not self.recording and not scan:
             # A run that began without this supervisor belongs to another one.
             return []
-        # A TIME_SYNC that corrects the time has the time of its other frames.
+        # A TIME_SYNC that corrects the time gets the time of the other frames of its tick.
         time_ns = self._time.now_ns
         answers = self._responder.handle(frame)
         if answers:

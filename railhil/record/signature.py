@@ -14,7 +14,7 @@ from typing import Final, NamedTuple
 from railhil.common.errors import InputError, Words
 from railhil.common.streams import say
 
-#: Names in a folder: the list, and its signature, which OpenSSH names so.
+#: Names in a folder: the list, and its signature, named by OpenSSH.
 HASH_LIST, SIGNATURE = "SHA256SUMS", "SHA256SUMS.sig"
 NAMESPACE: Final = "railhil"
 OPTION, KEY = "--sign", "--key"
@@ -31,7 +31,7 @@ def add_sign_argument(parser: argparse.ArgumentParser) -> None:
 
 
 def check_key(key: Path | None) -> None:
-    """Make a signature of nothing, before the work whose result is to be signed.
+    """Try the key on an empty text before the work whose result it is to sign.
 
     :raises InputError: the key, or OpenSSH, cannot sign.
     """
@@ -43,7 +43,7 @@ def check_key(key: Path | None) -> None:
 
 
 def sign_list(folder: Path, key: Path | None) -> None:
-    """Sign the list of a folder, which has one; None: with no key.
+    """Sign the list of a folder, which must exist; None: no key, no signature.
 
     :param key: private key, or a public one whose private key the SSH agent has.
     :raises InputError: it cannot sign.
@@ -58,11 +58,11 @@ def sign_list(folder: Path, key: Path | None) -> None:
 
 
 class Signed(NamedTuple):
-    """What is known of a signature.
+    """The result of checking a signature.
 
-    ``by``: fingerprint of the key that has made it, empty if it is not one of this list. ``is_good``: whether it was
-    made with the key that was given; None: none was given. ``said``: what OpenSSH says of one that is not good, or why
-    it was not checked. ``is_checked``: False without OpenSSH.
+    ``by``: fingerprint of the key that has made it, empty if the signature belongs to another list. ``is_good``:
+    whether it was made with the key that was given; None: none was given. ``said``: OpenSSH's message on a bad
+    signature, or the reason why it was not checked. ``is_checked``: False without OpenSSH.
     """
 
     by: str
@@ -75,7 +75,7 @@ def signed(folder: Path, key: Path | None) -> Signed | None:
     """Check the signature of a folder's list; None: there is none.
 
     :param key: public key, or a file of allowed signers.
-    :raises InputError: the key is none, or OpenSSH, which a key needs, is missing.
+    :raises InputError: the file is not a key, or OpenSSH, which a key needs, is missing.
     """
     signature = folder / SIGNATURE
     if not signature.is_file():
@@ -102,10 +102,10 @@ def signed(folder: Path, key: Path | None) -> Signed | None:
 
 
 def check_signature(folder: Path) -> None:
-    """Refuse a signature that is not one of the folder's list, whoever has made it. Without OpenSSH that is not known,
-    and a line says so.
+    """Refuse a signature that does not belong to the folder's list, with any key. Without OpenSSH this cannot be
+    checked, and a line says so.
 
-    :raises InputError: it is of another list, or of none.
+    :raises InputError: it belongs to another list, or to none.
     """
     found = signed(folder, None)
     if found is None or found.by:
@@ -121,7 +121,7 @@ def _say_once(line: str) -> None:
 
 
 def _allowed_signers(key: Path) -> str:
-    """A file of allowed signers as it is, of a public key one line.
+    """A file of allowed signers, unchanged; a public key becomes one line of such a file.
 
     :raises InputError: it is neither.
     """
@@ -143,7 +143,7 @@ def _ssh_keygen(verb: str, *words: str, given: bytes | None = None) -> subproces
     namespace = () if verb == "find-principals" else ("-n", NAMESPACE)
     command = [_PROGRAM, "-Y", verb, *namespace, *words]
     try:
-        # A key with a passphrase is asked for on the terminal, not here.
+        # OpenSSH asks for a passphrase on the terminal, not here.
         return subprocess.run(command, input=given or b"", capture_output=True, check=False)
     except FileNotFoundError:
         raise InputError("command line", OPTION, Words(f"no {_PROGRAM}"), "OpenSSH 8.1 or later installed") from None

@@ -1,4 +1,5 @@
-"""Where a controller reports on the bus on its arithmetic and its law: flags, and the notes defined by its system."""
+"""The telegram in which a controller reports on its arithmetic and its law: flags, and the notes defined by its
+system."""
 
 from __future__ import annotations
 
@@ -19,8 +20,8 @@ WRAP_FAILURE = "fixed-point wrap in the controller"
 class Status:
     """``port`` of the telegram; ``flags``: its signal of :class:`~railhil.bus.codes.ControllerFlag`, empty: none.
 
-    ``notes``: those that are the same for every law of the system; a law may declare further ones. ``further``: other
-    telegrams with notes.
+    ``notes``: the notes common to all laws of the system; a law may declare further ones. ``further``: other telegrams
+    with notes.
     """
 
     port: str
@@ -58,7 +59,7 @@ def _of_telegram(interface: Any, telegram: Any) -> Status:
 def wrap_failure(trace: Trace, status: Status | None) -> str:
     """The failure if the controller reports a wrap, after which its commands are meaningless; empty without one.
 
-    :param status: where it reports this; None: nowhere.
+    :param status: its report; None: it does not report.
     """
     if status is None or not status.flags:
         return ""
@@ -67,12 +68,12 @@ def wrap_failure(trace: Trace, status: Status | None) -> str:
 
 
 def untold_wrap(trace: Trace, status: Status | None, wraps: int) -> str:
-    """Why a run without a wrap in its record is not trusted, if the controller itself has counted some; else empty.
+    """Reason not to trust a run without a wrap in its record, if the controller itself has counted some; else empty.
 
-    A fault may keep the telegram from the bus, or change its flags: what the record says of the arithmetic is then not
-    what happened.
+    A fault may keep the telegram from the bus or change its flags. The record then does not show what the arithmetic
+    did.
 
-    :param wraps: those in the controller's own telemetry.
+    :param wraps: wraps in the controller's own telemetry.
     """
     if not wraps or status is None or not status.flags or wrap_failure(trace, status):
         return ""

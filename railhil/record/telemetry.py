@@ -1,8 +1,8 @@
-"""What the controller reports of itself: its name, its arithmetic, and what its law leaves.
+"""The controller's reports on itself: its name, its arithmetic, and the memory that its law leaves.
 
-:func:`read_kept` and its like read ``telemetry.json`` of a run folder, which another process has written and which may
-be missing or damaged: that does not affect the verdict, which depends on the record alone. A controller that was
-started elsewhere leaves no file here; its status telegrams then give slightly less information.
+:func:`read_kept` and similar functions read ``telemetry.json`` of a run folder. Another process has written it, and it
+may be missing or damaged. The verdict does not depend on it, only on the record. A controller that was started
+elsewhere leaves no file here; its status telegrams then give slightly less information.
 """
 
 from __future__ import annotations
@@ -29,8 +29,8 @@ from railhil.wire.ato import TelemetryHeadroom, TelemetryIndex
 
 @dataclass(frozen=True, slots=True)
 class Kept:
-    """What the law wants to keep: key and values; ``used``: the place of the record that it began with (empty: none);
-    ``refused``: places that it could not use, with the fault and what is wrong, by name."""
+    """The memory that the law wants to keep: key and values. ``used``: the place of the record that it began with
+    (empty: none). ``refused``: places that it could not use, by name, with the fault and its description."""
 
     key: str
     values: dict[str, Any]
@@ -39,7 +39,7 @@ class Kept:
 
 
 def kept_of(document: Mapping[str, Any]) -> Kept:
-    """What :func:`railhil.controller_node.laws.memory.kept` has made.
+    """The document made by :func:`railhil.controller_node.laws.memory.kept`.
 
     :raises LookupError, TypeError, ValueError: something else.
     """
@@ -53,14 +53,14 @@ NOTHING_LEARNED: Mapping[str, Any] = {"memory_used": None, "memory_refused": {},
 
 @dataclass(frozen=True, slots=True)
 class Learned:
-    """What a run left: what its law wants to keep, and the record of it; None: the law has learned from this run
-    before."""
+    """Memory left by a run: the values that its law wants to keep, and their record; None: the law has learned from
+    this run before."""
 
     kept: Kept
     record: Record | None
 
     def as_json(self) -> dict[str, Any]:
-        """For the certificate: which stored record the law used, what was wrong with others, and the new record."""
+        """For the certificate: the stored record that the law used, the faults of other records, and the new record."""
         return {
             "memory_used": self.kept.used,
             "memory_refused": {slot: list(why) for slot, why in self.kept.refused.items()},
@@ -69,14 +69,14 @@ class Learned:
 
 
 UNKNOWN: Final = "unknown"
-#: Keys of a run that the handshake of the controller confirms, with its fields; 0 there: not said.
+#: Keys of a run that the handshake of the controller confirms, with its fields; 0 there: not stated.
 _CONFIRMED: Final = {"controller": "law", "arithmetic": "arithmetic", "indexing": "indexing"}
 
 
 def reported(start_up: StartUp, trace: Trace) -> dict[str, str]:
-    """What has to be said instead of what was asked for, by key of a run; empty if the controller has confirmed it.
+    """Corrections of the values that were asked for, by key of a run; empty if the controller has confirmed them.
 
-    A controller of somebody else that says what it is has said what was asked for: others are refused.
+    A foreign controller that states its values has confirmed them: others are refused at the handshake.
     """
     if not start_up.joins:
         return {}
@@ -158,7 +158,7 @@ def summary(document: dict[str, Any]) -> TelemetrySummary:
 
 @dataclass(frozen=True, slots=True)
 class LawOrigin:
-    """What a law declares: where its own parameters come from, the perturbed runs (name of the scenario, seeds) from
+    """Declarations of a law: the source of its own parameters, the perturbed runs (name of the scenario, seeds) from
     which they were chosen, and the meaning of its notes in CTL_STAT."""
 
     text: str
@@ -197,7 +197,7 @@ def read_origin(folder: Path) -> LawOrigin | None:
 
 
 def read_kept(folder: Path) -> Kept | None:
-    """What the law wants to keep, from a run folder; None if there is nothing."""
+    """The memory that the law wants to keep, from a run folder; None if there is none."""
     return _read(folder, lambda document: kept_of(document["memory"]))
 
 
@@ -238,7 +238,7 @@ _IN_TURNS = ("Index", "Maximum", "Extreme", "Headroom", "Wrapped", "Saturated", 
 def shown_telemetry(trace: Trace, status: Status | None) -> ShownTelemetry | None:
     """Telemetry from the recorded status telegrams; None if they report none, or no such telegram was recorded.
 
-    :param status: that of the system; None: it has none.
+    :param status: the status telegram of the system; None: it has none.
     """
     if status is None or not status.flags or not trace.count(status.port):
         return None

@@ -21,7 +21,7 @@ from railhil.dbc import Contract, Signal, wire_contract
 FloatArray: TypeAlias = npt.NDArray[np.float64]
 #: Source of refused frames that belong to no port.
 BUS: Final = "bus"
-#: So many telegrams are decoded faster one by one than as arrays.
+#: Up to this number, telegrams are decoded faster one by one than as arrays.
 _FEW: Final = 12
 _NO_WORDS: Final[list[int]] = []
 #: Causes that say nothing about the port whose identifier the frame may have.
@@ -29,7 +29,7 @@ _OF_THE_BUS: Final = ("error_frame", "remote_frame", "extended_id")
 
 
 class Noted(NamedTuple):
-    """A telegram or frame that was refused, or a poll that was missed: when, its port, and the cause."""
+    """A telegram or frame that was refused, or a poll that was missed: its time, port and cause."""
 
     time_ns: int
     source: str
@@ -37,7 +37,7 @@ class Noted(NamedTuple):
 
 
 class Telegrams(NamedTuple):
-    """Telegrams of one port: times in ns, shape (n,); place of each among all that are taken together, shape (n,);
+    """Telegrams of one port: times in ns, shape (n,); place of each among all telegrams taken together, shape (n,);
     process data, joined."""
 
     port: str
@@ -47,7 +47,7 @@ class Telegrams(NamedTuple):
 
 
 class NodeCounters(NamedTuple):
-    """What nodes say that they have received (:mod:`railhil.bus.reception`), by node.
+    """The nodes' own counts of telegrams received (:mod:`railhil.bus.reception`), by node.
 
     ``exact``: the record and the nodes have got the same frames, except those that an injected fault kept from a node.
     """
@@ -74,11 +74,11 @@ class Trace:
         self._order: dict[str, array[int]] = {}
         self._added = 0
         self._data: dict[str, bytearray] = {}
-        #: What :meth:`ident` has found, with the data of the telegrams; a trace that continues another takes it over.
+        #: The telegrams found by :meth:`ident`, with their data; a trace that continues another takes them over.
         self.idents: dict[type[Ident], tuple[bytes, Ident | None]] = {}
-        #: The telegrams of a port as numbers, of which the signals are cut, while there are few of them.
+        #: The telegrams of a port as whole numbers, from which the signals are extracted while there are few telegrams.
         self._words: dict[str, list[int]] = {}
-        #: Frames in the record that are not of the contract.
+        #: Frames in the record that do not belong to the contract.
         self.foreign = 0
         #: Polls in the record.
         self.polls = 0
@@ -86,12 +86,12 @@ class Trace:
         self.refused: list[Noted] = []
         #: Empty frames, with which a source says that it does not answer.
         self.no_answers: list[Noted] = []
-        #: What the nodes themselves have counted; None: it is not known.
+        #: The nodes' own counts; None: unknown.
         self.reported: NodeCounters | None = None
         #: Time of the last frame, in ns.
         self.end_ns = 0
         self._missed: list[Noted] = []
-        # Ports whose last poll has no good answer yet, with its time and what is wrong with the answer.
+        # Ports whose last poll has no good answer yet, with its time and the fault of the answer.
         self._awaited: dict[str, Noted] = {}
 
     @property
@@ -136,7 +136,7 @@ class Trace:
         self._data[port] += data
 
     def take_whole(self, telegrams: Iterable[Telegrams], polls: int, awaited: Iterable[Noted]) -> None:
-        """As :meth:`polled` and :meth:`add` for frames of which none is refused and no poll is missed.
+        """As :meth:`polled` and :meth:`add`, for frames without a refused one or a missed poll.
 
         :param telegrams: in the order in which the first of each port is complete.
         :param polls: how many there are.
@@ -170,7 +170,7 @@ class Trace:
     def order(self, port: str) -> npt.NDArray[np.int64]:
         """Place of each telegram of a port among all telegrams of the record, shape (n,).
 
-        It tells which of two telegrams came first where both have the same instant.
+        It gives the order of two telegrams of the same instant.
         """
         return np.array(self._order.get(port, ()), dtype=np.int64)
 
@@ -179,7 +179,7 @@ class Trace:
         return np.array(self.times_ns(port), dtype=np.int64) / 1e9
 
     def has(self, port: str, signal: str) -> bool:
-        """Whether the contract of the record has this signal; that of an earlier version may not."""
+        """Whether the contract of the record has this signal; an earlier version may lack it."""
         return self.contract.has(port, signal)
 
     def word(self, port: str, signal: str, raw: int) -> str:
@@ -268,7 +268,7 @@ class TraceReader:
 
     @property
     def is_between_telegrams(self) -> bool:
-        """False while blocks of a telegram are kept that has not come to its end."""
+        """False while blocks of an incomplete telegram are kept."""
         return self._store.is_empty
 
     def take(self, frames: Iterable[tuple[int, Frame]]) -> None:

@@ -10,15 +10,16 @@ _LIFE_MODULUS = 16
 
 
 class TruthClock:
-    """Counts ticks by the telegrams of the truth, which no fault touches, and between them by those of the clock port.
+    """Counts ticks by the telegrams of the truth, which no fault touches, and between them by the telegrams of the
+    clock port.
 
-    Where the clock port is lost or wrong, a time is wrong by less than the period of the truth.
+    If the clock port is lost or wrong, the error of the time is less than the period of the truth.
 
     :param truth: name of the truth's port.
     """
 
     def __init__(self, contract: Contract, schedule: Schedule, truth: str) -> None:
-        # A run without faults has no such clock, and does not load what belongs to them.
+        # A run without faults has no such clock and does not load the faults' modules.
         from railhil.faults.capability import life_signal
 
         port, clock = contract.port(truth), contract.clock_port
@@ -30,7 +31,7 @@ class TruthClock:
         # Ticks of the last telegrams of the truth and of the clock port.
         self._last, self._clock_tick = -self._truth_ticks, 0
         self._begun = False
-        # What of the silences is less than the period of the truth.
+        # The part of the silences that is less than the period of the truth.
         self._spare_ns = 0
         # Telegrams of the clock port since the last one of the truth.
         self._seen = 0
@@ -53,7 +54,7 @@ class TruthClock:
             self._truth_life = life
         self._last += step * self._truth_ticks
         if self._seen * self._clock_ticks == self._truth_ticks:
-            # None is missing, so the last one has opened this tick.
+            # No frame is missing, so the last one has opened this tick.
             self._clock_tick = self._last
         self._seen = 0
         return self._set(max(self.tick, self._last))
@@ -75,7 +76,7 @@ class TruthClock:
         return self._set(tick)
 
     def silence(self, sim_ns: int) -> None:
-        """Nothing could be received for some simulation time."""
+        """Take note that nothing could be received for some simulation time."""
         frames, self._spare_ns = divmod(self._spare_ns + sim_ns, self._truth_ticks * self._base_tick_ns)
         self._last += frames * self._truth_ticks
         self._set(max(self.tick, self._last))

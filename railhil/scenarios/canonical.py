@@ -9,8 +9,8 @@ from typing import Any
 
 
 def injected(faults: Sequence[str]) -> list[str]:
-    """The faults of a scenario without what only explains and judges them."""
-    # Here, not above: a run without faults does not load their language, which takes a tenth of a node's start.
+    """The faults of a scenario without the keys that only explain and judge them."""
+    # Imported here: a run without faults does not load their language, which takes a tenth of a node's start.
     from railhil.faults.language import fault_text, parse
 
     return [fault_text(parse(text, "faults"), judging=False) for text in faults]

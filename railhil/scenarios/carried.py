@@ -1,9 +1,9 @@
-"""What a run can reach, against what the signals of its telegrams can carry: checked when a scenario is loaded.
+"""Compares the values that a run can reach with the ranges of its signals, when a scenario is loaded.
 
-A :class:`Reach` says up to where a quantity can go in a run of the scenario, by the keys that determine it. The range
-of the signal is that of the port table. Normal draws count up to :data:`SIGMAS` standard deviations. What lies beyond
-(a rarer draw, a fault, a train that does not stop) is not refused here: a reading then stays at the end of its range
-and its check variable says that it is erroneous, anything else ends the run as an error of the plant.
+A :class:`Reach` gives the range of a quantity in a run of the scenario, by the keys that determine it. The port table
+gives the range of the signal. Normal draws count up to :data:`SIGMAS` standard deviations. Values beyond (a rarer draw,
+a fault, a train that does not stop) are not refused here: a reading then stays at the end of its range with an
+erroneous check variable, and any other value ends the run as an error of the plant.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ Keys = tuple[str | int, ...]
 
 
 class Reach(NamedTuple):
-    """How far a quantity goes: ``PORT.Signal``, the smallest and the largest value in its unit.
+    """Range of a quantity: ``PORT.Signal``, the smallest and the largest value in its unit.
 
     ``keys``, ``found``: the key that is named when the signal cannot carry it, and its value.
     """
@@ -35,7 +35,7 @@ class Reach(NamedTuple):
 def check_carried(
     contract: Contract, reaches: Iterable[Reach], refuse: Callable[[Keys, object, str], InputError]
 ) -> None:
-    """Refuse what the wire cannot carry.
+    """Refuse values that the wire cannot carry.
 
     :raises InputError: a quantity can leave the range of its signal.
     """

@@ -1,4 +1,4 @@
-"""Standard normal numbers by their place in a sequence: each can be drawn without those before it.
+"""Standard normal numbers by their place in a sequence: each can be drawn without its predecessors.
 
 A place gives a word of 64 bits: the output of SplitMix64 at that place (Steele, Lea and Flood, "Fast splittable
 pseudorandom number generators", OOPSLA 2014), whose state is a sum and needs no predecessors. The word gives the number
@@ -27,13 +27,13 @@ _FIRST_SHIFT, _SECOND_SHIFT, _LAST_SHIFT = np.uint64(30), np.uint64(27), np.uint
 _ONE = np.uint64(1)
 #: The highest 52 bits of a word, and a half, are a probability between 0 and 1, neither of which it reaches.
 _UNIT_SHIFT, _UNIT = np.uint64(12), 2.0**-52
-#: How far from the median AS 241 computes without a logarithm.
+#: Distance from the median within which AS 241 needs no logarithm.
 _MIDDLE = 0.425
 
 
 @lru_cache(maxsize=_KEPT)
 def key_of(seed: int, stream: int) -> int:
-    """Where a run's sequence begins: 64 bits that numpy's ``SeedSequence`` makes of seed and stream.
+    """Start of a run's sequence: 64 bits that numpy's ``SeedSequence`` makes of seed and stream.
 
     :raises ValueError: a negative number.
     """

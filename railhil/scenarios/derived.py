@@ -1,7 +1,7 @@
-"""What a scenario that is based on another one may still say of it.
+"""Published results and sentences that a scenario inherits from the one that it is based on.
 
-Published results and sentences about chosen values belong to the file that gives them. Where the run is another one,
-the results are left out; where a file above it, or ``--set``, gives other values, it is said whose the sentences are.
+Published results and sentences about chosen values belong to the file that gives them. If the run is another one, the
+results are left out. If a file above it, or ``--set``, gives other values, the sentences name their file.
 """
 
 from __future__ import annotations
@@ -25,12 +25,12 @@ def with_own_words(scenario: S, layers: Layers, read: Callable[[Layers], S], run
     """The scenario without the published results of another run, and with sentences about what it changes.
 
     :param read: reads a scenario.
-    :param run: what defines the run of published results; equal where it is the same.
+    :param run: the part that defines the run of published results; equal for the same run.
     """
     assumptions, published = list(scenario.assumptions), scenario.published
     of, other = layers.changes_since("assumptions")
     for section in ("train", "line"):
-        # Their sentences are those of the files that describe them, and are gone with those.
+        # Their sentences come from the files that describe them, and are left out with these.
         _, inside = layers.changes_since(section, "assumptions")
         other += [keys for keys in inside if keys[0] == section and len(keys) > 1 and keys not in other]
     if assumptions and other:
@@ -41,7 +41,7 @@ def with_own_words(scenario: S, layers: Layers, read: Callable[[Layers], S], run
         try:
             is_same = run(read(Layers(of))) == run(scenario)
         except InputError:
-            # A file with what several scenarios share, which is none by itself.
+            # A file with the keys that several scenarios share; it is no scenario by itself.
             is_same = not other
         if not is_same:
             published = ()

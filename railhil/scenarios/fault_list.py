@@ -158,7 +158,7 @@ def _start_s(fault: Fault) -> float | None:
 def draw_values(fault: Fault, number: int, seed: int) -> Fault:
     """A fault with its distributions drawn for one run: its text is in the language again.
 
-    Counts are rounded down; what is drawn outside a parameter's bounds becomes the nearer bound.
+    Counts are rounded down; a draw outside a parameter's bounds becomes the nearer bound.
 
     :param number: its place in the run's list, from 1.
     :param seed: of the run.
@@ -185,7 +185,7 @@ def draw_values(fault: Fault, number: int, seed: int) -> Fault:
 
 
 def injection_of(scenario: AnyScenario, seed: int) -> Injection | None:
-    """What the injectors of a run need to know; None: nothing is injected.
+    """The data that the injectors of a run need; None: nothing is injected.
 
     :param seed: of the run.
     """
@@ -208,9 +208,9 @@ def injection_of(scenario: AnyScenario, seed: int) -> Injection | None:
 
 
 def draw_faults(texts: Sequence[str], seed: int) -> list[Fault]:
-    """The faults of a scenario as one run injects them, in their order: number n is the n-th.
+    """The faults of a scenario with the draws of one run, in their order: number n is the n-th.
 
     :param texts: the scenario's ``faults``.
-    :raises InputError: a text that is not in the language, as in a stored scenario that was changed.
+    :raises InputError: a text is not in the language, as in a stored scenario that was changed.
     """
     return [draw_values(parse(text, "faults"), number, seed) for number, text in enumerate(texts, start=1)]

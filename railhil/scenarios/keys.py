@@ -5,7 +5,7 @@ from __future__ import annotations
 #: By dotted key; ``[]`` stands for the rows of an array of tables.
 MEANING = {
     "schema_version": "version of this format",
-    "system": "kind of train and task, one that is installed (railhil.systems); this page describes ato",
+    "system": "kind of train and task, an installed one (railhil.systems); this page describes ato",
     "name": "name of the run in folders, logs and tables",
     "title": "title of the run in tables and reports",
     "assumptions": "sentences about values that are chosen rather than published or measured",
@@ -88,7 +88,7 @@ MEANING = {
     "watch.scale_error_max_percent": "disagreement of speed and odometer over 5 s above which the speed is implausible",
     "watch.channel_bad_max": "bad speed telegrams permitted in 10 s",
     "watch.brake_share_min_percent": "share of the demanded deceleration below which the brake does not answer",
-    "watch.runaway_kmh": "excess of the speed over that expected without traction above which the train runs away",
+    "watch.runaway_kmh": "excess of the speed over the expected speed without traction above which the train runs away",
     "watch.overruns_max": "control periods that may be late one after another",
     "watch.notch_step_max": "largest step from one notch command to the next that the train follows, notches; 254: any",
     "watch.two_sources_max": "old commands between good ones, of the last 16, from which two controllers are assumed",
@@ -108,7 +108,7 @@ MEANING = {
     "perturbations.loop_delay_s": "loop delay",
     "perturbations.wheel_factor": "sensors.wheel_factor",
     "perturbations.balise_position_error_m": "offset of each balise from its surveyed position",
-    "fault": "what is injected (faults.md): tables [[fault]] or texts",
+    "fault": "faults to inject (faults.md): tables [[fault]] or texts",
     "published[].controller": "law of a published row, by its name in railhil",
     "published[].itae": "its ITAE, as published",
     "published[].energy_kj": "its energy",

@@ -24,7 +24,7 @@ _FOLDERS = {"train": "trains", "line": "lines", "target": "targets"}
 _FOREIGN = {"train": ("railtoolkit",), "line": ("railtoolkit", "ttobench"), "target": ()}
 _CHAIN_MAX = 8
 
-#: With all of these keys a section is complete: another train or line, which inherits nothing.
+#: A section with all of these keys is complete: another train or line, which inherits nothing.
 COMPLETE = {
     "train": ("name", "mass_t", "length_m", "davis", "traction", "brake", "actuator_pole_per_s"),
     "line": ("name", "grade_permil", "speed_limit_kmh"),
@@ -61,7 +61,7 @@ class Layers:
         self._stack: list[tuple[Path, Table]] = []
         #: Complete scenario files as written.
         self._written: list[tuple[Path, Table]] = []
-        #: Section that inherits nothing -> place in the stack of the file that says so.
+        #: Section that inherits nothing -> place in the stack of the file that closes it.
         self._closed: dict[str, int] = {}
         #: Section of which a lower file gives something that is not inherited -> place of the file that replaces it.
         self._replaced: dict[str, int] = {}
@@ -111,9 +111,9 @@ class Layers:
         return next((place for place, (_, table) in enumerate(self._stack) if _depth(table, keys) == len(keys)), 0)
 
     def changes_since(self, *keys: str) -> tuple[Path, list[tuple[str, ...]]]:
-        """What files and settings above the file that gives a key change, without what only explains.
+        """Changes by files and settings above the file that gives a key, without explaining keys.
 
-        :returns: that file; the keys that it gives, or what is below it, and that have another value above.
+        :returns: that file, and the keys that it or a file below it gives and that have another value above.
         """
         place = self.place(*keys)
         above, below = _together(self._stack[:place]), _together(self._stack[place:])
@@ -128,7 +128,7 @@ class Layers:
         return self._stack[place][0], other
 
     def _is_given(self, row: str | int) -> bool:
-        """Whether a row of ``fault`` is one of those given in addition to the files."""
+        """Whether a row of ``fault`` was given in addition to the files."""
         rows: object = next((table["fault"] for _, table in self._stack if "fault" in table), [])
         return isinstance(row, int) and isinstance(rows, list) and row >= len(rows)
 
@@ -180,7 +180,7 @@ class Layers:
                 self._stack.append((there, {section: referred}))
 
     def _drop_nodes(self, section: str, table: Table) -> None:
-        """If a file only says how to generate the target, ignore nodes of the files below it."""
+        """If a file only tells how to generate the target, ignore nodes of the files below it."""
         if section == "target":
             if self._target_made_anew is not None:
                 if table.pop("nodes_s_mps2", None):

@@ -111,7 +111,7 @@ def invalid_key(layers: Layers, error: InputError, loads: Callable[[Without], bo
 
     A check names the key that fails, which may be in a shipped file: a speed limit set below a shipped target curve
     would be reported as an error of the curve. The shipped file is valid by itself, so the key to report is the one
-    without which the scenario loads.
+    whose removal lets the scenario load.
 
     :param loads: tells whether the scenario loads without one key of one of its files.
     """

@@ -9,8 +9,8 @@
 ``runs`` counts the runs that the law has learned from, ``last_run`` is the number of the last one. The CRC-32 (that of
 zlib) covers everything except itself as canonical JSON: keys sorted, no blanks, ASCII.
 
-A run begins with a :class:`Memory`: the records that its law may choose from, the best first, with what was found wrong
-with the others. :mod:`railhil.scenarios.memory_store` keeps them in two slots.
+A run begins with a :class:`Memory`: the records that its law may choose from, the best first, with the faults of the
+others. :mod:`railhil.scenarios.memory_store` keeps them in two slots.
 """
 
 from __future__ import annotations
@@ -32,10 +32,10 @@ from railhil.scenarios.validation import validated
 VERSION = 1
 #: Names in a run folder: the memory with which the run began, and the record that the law has left.
 MEMORY_BEFORE, MEMORY_AFTER = "memory_before.json", "memory.json"
-#: Places of a record: the two slots of a store, its default, and a file that somebody has named.
+#: Places of a record: the two slots of a store, its default, and a file named by the user.
 SLOT_A, SLOT_B, LINE_DEFAULT, NAMED_FILE = "A", "B", "default", "file"
-#: Why a record cannot be used, and its number on the bus: no file that can be read, no JSON, a number that is not
-#: finite, another CRC, another version, missing or wrong fields, another key, values that the law refuses.
+#: Causes for which a record cannot be used, with their numbers on the bus: no file that can be read, no JSON, a number
+#: that is not finite, another CRC, another version, missing or wrong fields, another key, values that the law refuses.
 FAULTS: Mapping[str, int] = {
     "unreadable": 1,
     "json": 2,
@@ -83,7 +83,7 @@ class _Memory(_Part):
 
 @dataclass(frozen=True)
 class Record:
-    """What a law has left after one run; see the top of this module."""
+    """The memory that a law has left after one run; see the top of this module."""
 
     law: str
     key: str
@@ -128,7 +128,7 @@ class BadRecord(Exception):
 
 @dataclass(frozen=True)
 class Stored:
-    """One place of a memory: a record, or what is wrong with what was found there (``fault`` of :data:`FAULTS`)."""
+    """One place of a memory: a record, or the fault of its content (``fault`` of :data:`FAULTS`)."""
 
     slot: str
     record: Record | None
@@ -146,11 +146,10 @@ class Stored:
 
 @dataclass(frozen=True)
 class Memory:
-    """What a law may begin a run with.
+    """The records that a law may begin a run with.
 
-    :param stored: the best first: the slot of the last run, the other one, the default of the line; then places that
-        cannot be used.
-    :param source: the store or file that it was read from, or whose name is used for it.
+    :param stored: the best first: the slot of the last run, the other one, the default of the line; then unusable
+        places. :param source: the store or file that it was read from, or whose name it has.
     """
 
     law: str
@@ -185,7 +184,7 @@ class Memory:
         return next((one.record for one in self.stored if one.slot == slot), None)
 
     def after(self, record: Record, used: str, refused: Collection[str]) -> Memory:
-        """The memory after one more run, as a store has it that was written with the same arguments.
+        """The memory after one more run, as in a store that was written with the same arguments.
 
         :param used: the place of the record that the law began with; empty: none.
         :param refused: slots whose content the law has refused.
@@ -297,7 +296,8 @@ def _record(document: Mapping[str, Any], source: Path) -> Record:
 
 
 def load_memory(path: Path) -> Memory:
-    """The memory of a file: one record, or what a run has begun with (``memory_before.json``, ``certificate.json``).
+    """The memory of a file: one record, or the memory that a run has begun with (``memory_before.json``,
+    ``certificate.json``).
 
     :raises InputError: it cannot be read or is damaged: one line, and the file is left unchanged.
     """

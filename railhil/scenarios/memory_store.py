@@ -4,10 +4,10 @@
 
     a.json, b.json      records, written by turns; the one with more runs is newer
     default.json        optional: a record to begin with while no slot can be used, put there by a person
-    refused/            what was found in a slot and could not be used, under its SHA-256
+    refused/ files of slots that could not be used, under their SHA-256
 
 A record is written to the slot that the run did not begin with: temporary file, fsync, rename. Therefore the record
-that the law has begun with stays, whatever happens to the new one.
+that the law has begun with stays if the new one is lost.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ _ALLOWED = "a folder in which railhil keeps the memory of a law"
 
 
 class StoreChanged(Exception):
-    """Somebody else has written the store since it was read."""
+    """Another program has written the store since it was read."""
 
 
 @dataclass(frozen=True)
@@ -64,10 +64,9 @@ class MemoryStore:
         return self.path / SLOT_FILES[slot]
 
     def read(self, law: str | None = None) -> Memory:
-        """What is stored: records first, the newest first, then what cannot be used. A store that does not exist is
-        empty.
+        """The stored records, the newest first, then unusable places. A store that does not exist is empty.
 
-        :param law: the law that asks; None: that of the records.
+        :param law: the law that asks; None: the law of the records.
         :raises InputError: the path is no folder or not ours, or a record is of another law.
         """
         try:
@@ -99,7 +98,7 @@ class MemoryStore:
         check_writable(there / "new.json")
 
     def write(self, record: Record, began: Memory, used: str, refused: Mapping[str, str]) -> str:
-        """Write what a law has left; returns the slot.
+        """Write the memory that a law has left; returns the slot.
 
         :param began: the memory that the run began with.
         :param used: the place of the record that its law has used; empty: none.
@@ -119,7 +118,7 @@ class MemoryStore:
 
     @contextmanager
     def _alone(self) -> Iterator[None]:
-        """One process at a time. Removes what a killed one has left.
+        """Lock out other processes, and remove files of a killed one.
 
         :raises OSError: the folder cannot be made, or another program keeps it locked.
         """
@@ -136,7 +135,7 @@ class MemoryStore:
             os.close(handle)
 
     def _set_aside(self, slot: str) -> None:
-        """Move the file of a slot to ``refused/``, for somebody to look at. Raises OSError."""
+        """Move the file of a slot to ``refused/``, where the user can examine it. Raises OSError."""
         file = self.file(slot)
         try:
             name = hashlib.sha256(given_bytes(file)).hexdigest()[:16]

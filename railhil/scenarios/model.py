@@ -1,4 +1,4 @@
-"""What the bench needs of a scenario of any system."""
+"""The part of a scenario that the bench needs, for any system."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class PublishedScore:
 
 
 class AnyScenario(Protocol):
-    """What the bench itself needs from a scenario of any system."""
+    """The part of a scenario that the bench itself needs, for any system."""
 
     @property
     def name(self) -> str:
@@ -74,11 +74,11 @@ class AnyScenario(Protocol):
 
     @property
     def sha256(self) -> str:
-        """Hash of everything that changes the run."""
+        """Hash of all values that change the run."""
 
     @property
     def faults(self) -> tuple[str, ...]:
-        """What is injected, as canonical texts (:mod:`railhil.faults.language`), in the order of their numbers."""
+        """The faults, as canonical texts (:mod:`railhil.faults.language`), in the order of their numbers."""
 
     @property
     def planned_s(self) -> float:
@@ -94,15 +94,15 @@ class AnyScenario(Protocol):
 
     @property
     def can_be_perturbed(self) -> bool:
-        """Whether it defines what a perturbed run draws."""
+        """Whether it defines the draws of a perturbed run."""
 
     @property
     def every_run_is_drawn(self) -> bool:
-        """Whether runs that are not perturbed draw the same."""
+        """Whether nominal runs make the same draws."""
 
 
 def watch_sentence(scenario: AnyScenario) -> str:
-    """What stands beside every verdict under watches that are weaker than usual: it says less; empty when none is."""
+    """Remark beside every verdict under weaker watches than usual, because it proves less; empty if none is weaker."""
     weakened = scenario.watch_weakened
     return f"watch weakened: {weakened}" if weakened else ""
 

@@ -15,9 +15,9 @@ from railhil.common.errors import InputError
 
 #: The option of ``railhil run``.
 ORDER = "--order"
-#: What can be ordered; the first two with the number of a fault of the run, the third with an octet.
+#: Words of an order; the first two with the number of a fault of the run, the third with an octet.
 WORDS = ("inject", "clear", "value", "pause", "stop")
-#: The smallest number of each that has one; faults are numbered in 8 bits.
+#: The smallest number of each word that has one; faults are numbered in 8 bits.
 _LOWEST = {"inject": 1, "clear": 1, "value": 0}
 _NUMBER_MAX = 255
 _TEXT = re.compile(r"(?P<answer>[0-9]{1,9}) (?P<word>[a-z]+)(?: (?P<number>[0-9]{1,3}))?")
@@ -41,8 +41,8 @@ class OperatorCommand:
 def parse_command(text: str, source: str | Path = ORDER) -> OperatorCommand:
     """The order of a text.
 
-    :param source: what errors name as its source.
-    :raises InputError: it is none.
+    :param source: source named in errors.
+    :raises InputError: it is no order.
     """
     found = _TEXT.fullmatch(text)
     if found is not None:
@@ -57,7 +57,7 @@ def parse_command(text: str, source: str | Path = ORDER) -> OperatorCommand:
 def parse_commands(texts: Iterable[str], source: str | Path = ORDER) -> dict[int, OperatorCommand]:
     """The orders of a run by the number of their SUP_CMD.
 
-    :raises InputError: a text is none, or two are for one SUP_CMD.
+    :raises InputError: a text is no order, or two are for one SUP_CMD.
     """
     found: dict[int, OperatorCommand] = {}
     for text in texts:

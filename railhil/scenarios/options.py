@@ -1,6 +1,6 @@
 """The options that describe a run. Each is declared once, here; a command may change its help or its default.
 
-The parsed command line stays in the module of the command: what others get is a :class:`RunSpec`, a :class:`LawSpec` or
+The parsed command line stays in the module of the command. Other modules get a :class:`RunSpec`, a :class:`LawSpec` or
 a :class:`PlantFmu` made of it.
 """
 
@@ -54,7 +54,7 @@ def _lifeline(text: str) -> tuple[str, int]:
 def patience_help(awaited: str) -> str:
     """Help of ``--patience``.
 
-    :param awaited: what the node waits for.
+    :param awaited: the event that the node waits for.
     """
     return f"lockstep: wall time for {awaited} when nobody says that its node has ended (default {PATIENCE_S:g} s)"
 
@@ -70,7 +70,7 @@ _DECLARED: Final[Mapping[str, Mapping[str, Any]]] = {
         "type": canonical_fault, "action": "append", "default": [], "metavar": "TEXT",
         "help": 'inject a fault ("TRN_SPEED loss 30%% @20s for 5s"); may be given again',
     },
-    # The law, and how it is run.
+    # The law, and the way to run it.
     "--controller": {"metavar": "LAW", "help": "control law (default: that of the system)"},
     "--parameters": {"type": Path, "metavar": "FILE", "help": "parameters of the law (default: its own)"},
     "--arithmetic": {"choices": sorted(ARITHMETICS), "help": "(default: that of the scenario's system)"},
@@ -144,7 +144,7 @@ def add_options(parser: argparse.ArgumentParser, *names: str) -> None:
 
 
 def add_law_options(parser: argparse.ArgumentParser) -> None:
-    """Options that say how a law is run: the same for the controller node and for the command that starts it."""
+    """Options of running a law: the same for the controller node and for the command that starts it."""
     add_options(parser, *_OF_THE_LAW)
 
 
@@ -167,7 +167,7 @@ def law_spec(
 ) -> LawSpec:
     """The law of a command line with :func:`add_law_options`.
 
-    :param system: of the scenario: its law and its arithmetic are those that are not asked for.
+    :param system: of the scenario: its law and its arithmetic are the defaults.
     """
     arithmetic = namespace.arithmetic or system.arithmetic
     law = controller or system.law
@@ -179,7 +179,7 @@ def run_spec(namespace: argparse.Namespace, law: LawSpec) -> RunSpec:
 
     :raises InputError: there is no such scenario.
     """
-    # A node is handed its scenario by the command that starts it, which has found it.
+    # A node gets its scenario from the command that starts it and has found it.
     name = namespace.scenario
     if getattr(namespace, "handed_scenario", None) is None:
         from railhil.scenarios.load import stable_name

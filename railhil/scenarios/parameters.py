@@ -9,7 +9,7 @@
     scenario = "lvshun_tieshan"
     seeds = [0, 1, 2, 3, 4, 5, 6, 7]
 
-Only the controller knows which parameters a law has and what they mean: here they are just names and values.
+Only the controller knows which parameters a law has and what they mean: for this module they are names and values.
 """
 
 from __future__ import annotations
@@ -111,7 +111,7 @@ class ParameterSet:
         }
 
     def seen(self, seeds: Iterable[int]) -> list[int]:
-        """Those of the seeds that the search used, in order, whatever the scenario.
+        """The given seeds that the search used, in order, for any scenario.
 
         A seed draws the same mass, resistance, force and delay for every scenario.
         """

@@ -20,13 +20,12 @@ KEY = "plant_fmu"
 
 @dataclass(frozen=True, slots=True)
 class PlantFmu:
-    """The file of the FMU, and that of the names of its variables (TOML).
+    """The file of the FMU, and the file with the names of its variables (TOML).
 
     An FMU is native code. It is named on the command line only: no scenario, file of a run or certificate can make a
     command load one.
 
-    ``same_twice``: whether it has been seen to do the same in two equal runs; None: nobody has looked, or it cannot be
-    found out, for the reason ``why``.
+    ``same_twice``: whether two equal runs gave the same; None: not checked, or unknown for the reason ``why``.
     """
 
     file: str
@@ -55,7 +54,7 @@ class PlantFmu:
 
 
 def fmu_again(document: Mapping[str, Any], file: str | Path, given: PlantFmu | None = None) -> PlantFmu | None:
-    """The FMU with which the run of a document is made again: the one that the command line names.
+    """The FMU with which the run of a document is made again, named by the command line.
 
     :param given: on the command line.
     :raises InputError: the document names one and the command line does not, or the other way round, or they are not

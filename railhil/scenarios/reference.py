@@ -27,7 +27,7 @@ the file or by a file that it is based on.
 """
 _NUMBERS = {"number": "number", "integer": "whole number", "string": "text", "boolean": "true or false"}
 
-#: Looks like a length by its ending, but is not one.
+#: Keys with the ending of a length that are no lengths.
 _PURE = ("energy.xi_m",)
 #: Ending of a key and its unit, longer endings first.
 _UNITS = {

@@ -73,7 +73,7 @@ ENVIRONMENT: Mapping[str, str] = {
     if key not in _WITHOUT_VARIABLE
 }
 #: Variables with our prefix that others read: the package itself, its build, its tests, pytest's plugin and compose.
-#: Any other name is a mistake, which must not run something else than was meant.
+#: Any other name is a mistake of the user and is refused.
 OTHER_VARIABLES = frozenset(
     f"RAILHIL_{name}"
     for name in (
@@ -126,7 +126,7 @@ class Layer:
 
     :param source: the file, or a description of the source.
     :param values: by key of a run. ``parameters``, ``memory``: path of their file; in a certificate, their content.
-    :param names: what the source calls a key, if its name differs.
+    :param names: the source's name of a key, if it differs.
     :param folder: file names are relative to it.
     """
 
@@ -137,7 +137,7 @@ class Layer:
 
     @property
     def fault_source(self) -> str | Path:
-        """What errors about a fault name as its source."""
+        """The source named in errors about a fault."""
         return FAULT if self.names is OPTIONS else self.source
 
     def refused(self, key: str, found: object, allowed: str, hint: str | None = None) -> InputError:
@@ -146,7 +146,7 @@ class Layer:
 
 
 def as_asked(document: Mapping[str, Any]) -> dict[str, Any]:
-    """A certificate with what was asked for, where the controller was somebody else's and has not confirmed it."""
+    """A certificate with the values that were asked for, where a foreign controller has not confirmed them."""
     asked = document.get("asked")
     return {**document, **asked} if isinstance(asked, dict) else dict(document)
 
@@ -190,7 +190,7 @@ def environment_layer(environment: Mapping[str, str], faults: Faults) -> Layer:
         faults.found.append(InputError(source, name, environment[name], allowed, hint))
     values: dict[str, Any] = {}
     if not said:
-        # Most often: nothing to check, and no model to build.
+        # Most often there is nothing to check, and no model to build.
         return Layer(source, values, ENVIRONMENT)
     try:
         values = _Named.model_validate_strings(said).model_dump(exclude_unset=True)

@@ -23,7 +23,8 @@ from railhil.scenarios.plant_fmu import KEY as FMU_KEY
 from railhil.scenarios.plant_fmu import PlantFmu, fmu_again
 from railhil.scenarios.settings import fault_words, set_words
 
-# What reads and checks files is loaded where it is used: a node that is handed its scenario needs none of it.
+# The modules that read and check files are imported where they are used: a node that gets its scenario from its parent
+# needs none of them.
 if TYPE_CHECKING:
     from railhil.scenarios.memory import Memory
     from railhil.scenarios.parameters import ParameterSet
@@ -32,14 +33,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class LawSpec:
-    """One law and how it is run.
+    """One law and the way to run it.
 
     :param controller: name of the law.
     :param arithmetic: one of :data:`railhil.common.command_line.ARITHMETICS`.
     :param indexing: set-points by ``time`` or by ``distance``.
     :param parameters: parameters of the law from a file; None: its own.
     :param task_period_ms: simulation time between two readings of the controller's mailboxes; 0: each frame at once.
-    :param memory: what the law kept from its last runs; None: it has no memory.
+    :param memory: memory that the law kept from its last runs; None: it has no memory.
     """
 
     controller: str = USUAL_LAW
@@ -86,7 +87,7 @@ class LawSpec:
 
     @property
     def how(self) -> dict[str, str]:
-        """How the law is run, for documents that name the law elsewhere."""
+        """The way to run the law, for documents that name the law elsewhere."""
         return {"arithmetic": self.arithmetic, "indexing": self.indexing}
 
     def as_json(self) -> dict[str, Any]:
@@ -103,12 +104,12 @@ class LawSpec:
 
 @dataclass(frozen=True, slots=True)
 class StartUp:
-    """Which nodes of a run are started, and how.
+    """The nodes of a run that are started, and the way to start them.
 
     :param ask_for_fifo: real time: request SCHED_FIFO and locked memory.
     :param attach: attach to running nodes instead of starting them.
     :param foreign: the controller is a board or another program: all nodes except it are started.
-    :param controller_name: what to call that controller; empty: as it reports itself.
+    :param controller_name: name of that controller; empty: the name that it reports.
     :param rerun_command: the command that the certificate names for repeating an attached run; empty: a run that starts
         its own nodes.
     :param fault_logs: folder in which running nodes leave the logs of their faults; None: the run folder.
@@ -127,7 +128,7 @@ class StartUp:
 
     @property
     def joins(self) -> bool:
-        """True if a node of the run is started by somebody else: the bus is then theirs, too."""
+        """True if another program starts a node of the run: the bus is then foreign, too."""
         return self.attach or self.foreign
 
 
@@ -135,14 +136,14 @@ class StartUp:
 class RunSpec:
     """One law on one scenario.
 
-    The last three fields say where and how it is made. They are not part of what is run: they are not compared, and no
-    file has them.
+    The last three fields describe the making of the run, not the run itself: they are not compared, and no file has
+    them.
 
     :param scenario: shipped name, or path of a TOML file.
     :param settings: keys that override those of its files, ``KEY=VALUE`` (:mod:`railhil.scenarios.settings`).
-    :param faults: what is injected besides the scenario's own faults (:mod:`railhil.faults.language`).
+    :param faults: faults besides the scenario's own (:mod:`railhil.faults.language`).
     :param perturbed: draw the scenario's perturbations with the seed.
-    :param run_number: of the run in the sequence of its seed, from 1; for systems whose runs have numbers.
+    :param run_number: of the run in the sequence of its seed, from 1; for systems with numbered runs.
     :param pace: ``lockstep`` or ``realtime``; for the latter, ``rate`` is in simulated seconds per second.
     :param patience_s: lockstep: wall time to wait for an answer, see :mod:`railhil.common.patience`.
     :param bus: ``local``: all nodes in one process, without a bus; ``auto``: chosen by :mod:`railhil.bus.select`.
@@ -297,7 +298,7 @@ class RunSpec:
         """The scenario, nominal regardless of the seed.
 
         :raises InputError: it cannot be loaded, a perturbed run is requested and it has no perturbations, or the run
-            has a number and those of its system have none.
+            has a number and runs of its system have none.
         """
         from railhil.scenarios.load import load_any
 

@@ -1,7 +1,7 @@
 """A scenario handed to a node by the command that starts it: read, checked and resolved once for all processes.
 
-The document is in anonymous memory whose descriptor the node inherits, so it cannot come from anybody else, and nothing
-of it remains. A node that is given none reads the files itself.
+The document is in anonymous memory whose descriptor the node inherits, so it cannot come from another program, and
+nothing of it remains. A node without such a descriptor reads the files itself.
 """
 
 from __future__ import annotations

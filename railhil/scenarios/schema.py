@@ -34,7 +34,7 @@ Name = Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9_\-]*$", max_length=80)]
 class Table(BaseModel):
     """Base of the tables of a file: no unknown keys, strict types."""
 
-    #: Key that is used only beside another one -> that key.
+    #: Key that is used only beside another one -> the other key.
     BESIDE: ClassVar[Mapping[str, str]] = {}
 
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False, defer_build=True)
@@ -77,7 +77,7 @@ class WhenTable(Table):
 
 
 class ExpectTable(Table):
-    """What a fault should lead to."""
+    """The expected reaction to a fault."""
 
     level: Text | None = None
     within: Text | NotNegative | None = None

@@ -47,7 +47,7 @@ def set_words(settings: Sequence[str]) -> list[str]:
 def canonical_fault(text: str, source: str | Path = FAULT) -> str:
     """The canonical text of a fault.
 
-    :param source: what errors name as its source.
+    :param source: source named in errors.
     :raises InputError: it is not in the language.
     """
     # A run without faults does not load their language.

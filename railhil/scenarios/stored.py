@@ -1,7 +1,7 @@
-"""Resolved scenarios as JSON: those in run folders, and those of earlier versions for their records.
+"""Resolved scenarios as JSON: in run folders, and of earlier versions for their records.
 
-A record's scenario is never read from the shipped files, because these may have changed since. What a document has is
-said by the system (:class:`railhil.scenarios.task.ScenarioKind`).
+A record's scenario is never read from the shipped files, because these may have changed since. The system defines the
+content of a document (:class:`railhil.scenarios.task.ScenarioKind`).
 """
 
 from __future__ import annotations
@@ -34,12 +34,12 @@ def any_document(scenario: AnyScenario) -> dict[str, Any]:
 
 
 def any_judged_sha256(scenario: AnyScenario) -> str:
-    """Hash of what a run of any system uses and what it is judged by: equal where scores are comparable."""
+    """Hash of the data that a run of any system uses and is judged by: equal where scores are comparable."""
     return scenario.installed_system.scenario_kind.judged_sha256(scenario)
 
 
 def content_sha256(scenario: AnyScenario) -> str:
-    """Hash of what a run of any system uses, whatever the scenario is called."""
+    """Hash of the data that a run of any system uses, without the scenario's name."""
     kind = scenario.installed_system.scenario_kind
     return kind.stored(kind.document(scenario) | {"name": "unnamed"}, Path(SCENARIO)).sha256
 

@@ -17,15 +17,15 @@ SPEED_NOISE = 1
 TUNING = 5
 #: Values of a fault that are drawn once for a run.
 FAULT_VALUES = 6
-#: Whatever a fault draws while it is active.
+#: All draws of a fault while it is active.
 FAULT_SAMPLES = 7
 #: Wind on a high-speed train.
 WIND = 8
 #: Grades of a high-speed line.
 GRADES = 9
-#: What belongs to the train of a sequence of runs, and to its line.
+#: Draws for the train of a sequence of runs, and for its line.
 SEQUENCE = 10
-#: What differs from run to run of a sequence: values drawn once, noise of the speed, wander of the speed, balises.
+#: Draws that differ from run to run of a sequence: values drawn once, noise of the speed, wander of the speed, balises.
 RUN_VALUES, RUN_SPEED_NOISE, RUN_WANDER, RUN_BALISES = 11, 12, 13, 14
 
 #: Noise of the axle speed sensor of a train on its line. With this number seed 0, the default, is a typical run of the

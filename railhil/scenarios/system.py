@@ -1,4 +1,4 @@
-"""Systems: what the bench needs to know about one kind of train and task (entry point group ``railhil.systems``).
+"""Systems: the bench's description of one kind of train and task (entry point group ``railhil.systems``).
 
 A scenario file selects one with ``system = "..."``; railhil's own is ``ato``. A system names its parts by reference,
 ``module:object``: each process imports only those that it needs, and no package has to import another.
@@ -28,7 +28,7 @@ GROUP = "railhil.systems"
 DEFAULT = "ato"
 #: Milestone numbers in RUN_EVENT that systems may use for their own events.
 OWN_EVENTS = range(32, 256)
-#: Field of each part that version 0.1.0 called otherwise.
+#: Field of each part that had another name in version 0.1.0.
 _RENAMED = {"together": "sequence_batch"}
 
 
@@ -63,7 +63,7 @@ class System:
     events: Mapping[str, int] = field(default_factory=dict)
     #: References by the name of their field, as systems of version 0.1.0 give the parts below.
     own: InitVar[Mapping[str, str] | None] = None
-    #: Where the truth is on its bus.
+    #: Ports and signals of the truth on its bus.
     truth: Truth | None = None
     #: Commands by name, each a port and a signal, ``PORT.Signal``.
     named: Mapping[str, str] = field(default_factory=dict)
@@ -71,7 +71,7 @@ class System:
     units: tuple[str, ...] = ()
     #: Places of faults inside its plant, such as ``sensor.speed``.
     injects: tuple[str, ...] = ()
-    #: Whether a seed is a sequence of runs that differ.
+    #: Whether a seed gives a sequence of different runs.
     numbered: bool = False
     #: The section ``[task]`` of its scenario files (:class:`railhil.scenarios.task.Task`).
     task: str | None = None
@@ -85,7 +85,7 @@ class System:
     digest: str | None = None
     #: Name of the module with the batch's compiled loops.
     kernel: str | None = None
-    #: Function of a scenario: why the batch makes each run by itself; empty if it makes many at once.
+    #: Function of a scenario: reason for which the batch makes each run by itself; empty if it makes many at once.
     one_by_one: str | None = None
     #: Makes runs of one scenario and law at once that differ in seed, number and memory
     #: (:func:`railhil.systems.stop.batch.run_together`); without it sequences make them one after the other.
@@ -180,8 +180,8 @@ class System:
         return held_sha256(name)
 
     def law_sha256(self, name: str) -> str | None:
-        """Hash over what the distribution of one of its laws holds; None for a law of railhil, whose hash is in every
-        certificate, and for one that is not installed."""
+        """Hash over the distribution of one of its laws. None for a law of railhil, whose hash is in every certificate,
+        and for a law that is not installed."""
         law = entries(self.laws).get(name)
         return None if law is None or law.module.partition(".")[0] == OURS else held_sha256(law.module, law.dist)
 
@@ -192,7 +192,7 @@ class System:
     def check_law(self, name: str, source: str | Path, key: str) -> None:
         """Refuse a name that no law of this system has.
 
-        :param source, key: where the name comes from, for the error.
+        :param source, key: origin of the name, for the error.
         :raises InputError: there is no such law.
         """
         known = self.law_names()
@@ -220,7 +220,7 @@ def system_named(name: str, file: str | Path = "scenario") -> System:
         with guard_plug_in():
             system = entry.load()
     except InputError:
-        # It says what to change.
+        # The message tells what to change.
         raise
     except Exception as error:
         # Plug-in code may raise anything.

@@ -78,17 +78,17 @@ class Task(Table):
     duration_s: Annotated[float, Field(gt=0, le=RUNNING_TIME_MAX_S, description="how long the run lasts")]
 
     def reaches(self) -> Iterable[Reach]:
-        """How far the quantities of a run can go, for those that the wire might not carry; keys begin with ``task``."""
+        """Ranges of the quantities of a run that the wire might not carry; keys begin with ``task``."""
         return ()
 
     @property
     def can_be_perturbed(self) -> bool:
-        """Whether the plant draws something with the seed in a perturbed run."""
+        """Whether the plant makes random draws in a perturbed run."""
         return False
 
     @property
     def every_run_is_drawn(self) -> bool:
-        """Whether the plant draws as much with the seed in every run: then parameters can be chosen on any run."""
+        """Whether the plant makes the same draws in every run: parameters can then be chosen on any run."""
         return False
 
 
@@ -190,8 +190,8 @@ class TaskScenarios:
         return with_own_words(made, layers, self.read, lambda one: one.task.model_dump(exclude={*one.task.JUDGING}))
 
     def _check_ages(self, timing: Timing, refuse: Refuse) -> None:
-        """No reading of a healthy run is older than the interface of the system's laws allows, and the truth is told as
-        often as a verdict needs it."""
+        """Refuse periods with which a reading of a healthy run would be older than the interface of the system's laws
+        allows, or the truth would be sent too seldom for a verdict."""
         if not timing.port_period_ns:
             # The periods of the port table fit.
             return

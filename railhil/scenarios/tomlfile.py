@@ -47,7 +47,7 @@ def parsed_toml(text: str) -> dict[str, Any]:
 
 
 def _parts_of_a_key(text: str) -> int:
-    """Most parts, with dots between them, of what stands outside texts and comments."""
+    """The largest number of parts, with dots between them, outside texts and comments."""
     most = parts = 0
     after_dot = False
     for found in _TOKEN.finditer(text):

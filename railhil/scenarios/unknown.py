@@ -1,4 +1,4 @@
-"""What stands for the scenario of a run on a bus that a watcher does not have."""
+"""Substitute for the scenario of a run on the bus, for a watcher that does not have its file."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from railhil.scenarios.system import OfSystem
 
 @dataclass(frozen=True, slots=True)
 class UnknownScenario(OfSystem):
-    """A scenario of which only the system and the first 32 bit of the hash are known: whoever shows its run shows what
-    the wire says, and nothing that only the scenario's file says (target, timetable, where the run is to end).
+    """A scenario of which only the system and the first 32 bit of the hash are known. Displays of its run show the data
+    of the wire, and no data of the scenario's file (target, timetable, stopping point).
 
-    Ticks and periods are those of the port table, see :class:`railhil.scenarios.model.AnyScenario`.
+    The port table gives ticks and periods, see :class:`railhil.scenarios.model.AnyScenario`.
     """
 
     system: str
@@ -26,7 +26,7 @@ class UnknownScenario(OfSystem):
 
     @classmethod
     def told(cls, system: str, scenario_hash: int, contract: Contract) -> UnknownScenario:
-        """That of a handshake telegram."""
+        """The number in a handshake telegram."""
         return cls(system, f"{scenario_hash:08x}", Timing(base_tick_ns=contract.base_tick_ns))
 
     @property

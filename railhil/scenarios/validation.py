@@ -72,9 +72,9 @@ def _alone(table: BaseModel, above: Keys = ()) -> Iterator[tuple[Keys, object, s
 
 
 def findings(error: ValidationError, table_type: type[BaseModel], source: str | Path) -> dict[str, InputError]:
-    """All that is wrong with a flat document: key -> its complaint, in the document's order.
+    """All faults of a flat document: key -> its error, in the document's order.
 
-    :param source: the file, or what else the keys come from.
+    :param source: the file, or another source of the keys.
     """
     return {
         dotted(one["loc"][:1]): _translated(one, table_type, lambda keys: source, ())
@@ -87,7 +87,7 @@ def _keys(tagged: Keys, tags: tuple[str, ...]) -> Keys:
 
 
 def _all_missing(missing: list[Keys], origin: Callable[[Keys], str | Path]) -> InputError:
-    """All keys missing in one file; if several files lack keys, those of the first."""
+    """All keys missing in one file; if several files lack keys, the keys of the first."""
     file = origin(missing[0])
     names = [dotted(keys) for keys in missing if origin(keys) == file]
     allowed = _ALLOWED_BY_TYPE["missing"] if len(names) == 1 else "values: the keys are required"
@@ -115,7 +115,7 @@ def _translated(
 
 
 def sentence(one: ErrorDetails) -> str:
-    """What is allowed, from one of pydantic's errors: ``at most 200``."""
+    """The allowed values, from one of pydantic's errors: ``at most 200``."""
     return _from_context(one["type"], one.get("ctx", {})) or _lowered(one["msg"])
 
 
