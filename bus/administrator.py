@@ -29,7 +29,7 @@ from railhil.bus.mvb import (
 from railhil.bus.own_frames import OwnFrames
 from railhil.bus.store import TrafficStore
 from railhil.common.patience import PATIENCE_S
-from railhil.dbc import Contract, Port, wire_contract
+from railhil.dbc import Contract, Port
 
 #: Reply time-out in real time (the MVB's 42.7 us cannot be met on CAN).
 REPLY_NS: Final = 5_000_000
@@ -41,18 +41,14 @@ _LATE_ANSWER_NS: Final = 1_000_000_000
 _LOOK_NS: Final = 100_000_000
 
 
-class Administrator:
-    """Master of the bus on one endpoint.
+class SendQueue:
+    """What the administrator sends, in order: the telegrams it publishes, and polls, with which all of it leaves.
 
-    :param store: mailboxes for the ports that are polled.
-    :param now_ns: returns the simulation time; called at each reception.
-    :param pacer: pace of the run, and the wall clock for all time-outs.
+    :param contract: wire contract of the run's system; the administrator publishes the ports of the plant.
     :param fd: send the CAN FD form.
-    :param reply_ns: real time: wall time after which an answer is too late.
-    :param patience_s: lockstep: wall time for an answer whose owner is not known to have ended.
-    :param contract: wire contract of the run's system; None: the contract of railhil's own train.
-    :param send_early: lockstep: passes published telegrams on before they are sent, and returns False when it cannot
-        now. None: published telegrams wait for the next ``flush`` or poll.
+    :param realtime: nothing is sent early.
+    :param send_early: passes published telegrams on before they are sent, and returns False when it cannot now. None:
+        published telegrams wait for the next ``flush`` or poll.
     :param packed: endpoint for packed frames. In lockstep it sends all frames of the run, and its own ``send_early``
         takes the published telegrams.
     :param unread: port that no node reads before the end of the run; it is passed on with the next telegram or poll.
@@ -61,41 +57,23 @@ class Administrator:
     def __init__(
         self,
         endpoint: Endpoint,
-        store: TrafficStore,
-        now_ns: Callable[[], int],
-        pacer: Pacer,
-        published: Iterable[Port],
+        contract: Contract,
         *,
         fd: bool = False,
-        patience_s: float = PATIENCE_S,
-        reply_ns: int = REPLY_NS,
-        contract: Contract | None = None,
+        realtime: bool = False,
         send_early: Callable[[Sequence[Frame]], bool] | None = None,
         packed: PackedEnd | None = None,
         unread: str = "",
     ) -> None:
-        contract = contract or wire_contract()
-        self.counters: Counter[str] = Counter()
-        #: Answers to the device status that were refused, by the reason in words.
-        self.refused_status: Counter[str] = Counter()
         self._endpoint = endpoint
-        self._store = store
-        self._now_ns = now_ns
-        self._pacer = pacer
-        self._monotonic_ns = pacer.wall.monotonic_ns
-        self._sources = {port.name: TelegramSource(port, fd) for port in published}
-        # Identifiers of the frame that completes a telegram, for classic CAN and CAN FD.
-        self._own = OwnFrames(contract)
-        self._last_ids = {port.name: (port.can_ids[-1], port.fd_id) for port in contract.ports}
+        self._sources = {port.name: TelegramSource(port, fd) for port in contract.ports if port.source == "plant"}
         self._queue: list[Frame] = []
-        self._send_early = None if pacer.rate else send_early
-        self._packed = None if pacer.rate else packed
+        self._send_early = None if realtime else send_early
+        self._packed = None if realtime else packed
         # Instead of the queue.
         self._packet = b""
         self._polls = {port.name: pack_frame(master_frame(port.f_code, port.address)) for port in contract.ports}
         self._unread = unread
-        self._patience_ns = round(patience_s * 1e9)
-        self._reply_ns = reply_ns
 
     def publish(self, telegram: Telegram) -> None:
         """Queue one telegram; it is sent with the next ``flush`` or poll."""
@@ -126,6 +104,55 @@ class Administrator:
             self._queue = []
             self._endpoint.send(queue)
 
+    def poll(self, port: Port) -> None:
+        """Send what is queued, and the poll of a port after it."""
+        if self._packed is not None:
+            self._packet += self._polls[port.name]
+        else:
+            self._queue.append(master_frame(port.f_code, port.address))
+        self.flush()
+
+
+class Administrator:
+    """Master of the bus on one endpoint.
+
+    :param store: mailboxes for the ports that are polled.
+    :param queue: sends telegrams and polls on the same endpoint.
+    :param now_ns: returns the simulation time; called at each reception.
+    :param pacer: pace of the run, and the wall clock for all time-outs.
+    :param contract: wire contract of the run's system.
+    :param reply_ns: real time: wall time after which an answer is too late.
+    :param patience_s: lockstep: wall time for an answer whose owner is not known to have ended.
+    """
+
+    def __init__(
+        self,
+        endpoint: Endpoint,
+        store: TrafficStore,
+        queue: SendQueue,
+        now_ns: Callable[[], int],
+        pacer: Pacer,
+        contract: Contract,
+        *,
+        reply_ns: int = REPLY_NS,
+        patience_s: float = PATIENCE_S,
+    ) -> None:
+        self.counters: Counter[str] = Counter()
+        #: Answers to the device status that were refused, by the reason in words.
+        self.refused_status: Counter[str] = Counter()
+        self.queue = queue
+        self._endpoint = endpoint
+        self.store = store
+        self._now_ns = now_ns
+        self._pacer = pacer
+        self._monotonic_ns = pacer.wall.monotonic_ns
+        self._contract = contract
+        self._own = OwnFrames(contract)
+        # Identifiers of the frame that completes a telegram, for classic CAN and CAN FD.
+        self._last_ids = {port.name: (port.can_ids[-1], port.fd_id) for port in contract.ports}
+        self._patience_ns = round(patience_s * 1e9)
+        self._reply_ns = reply_ns
+
     def poll(self, port: Port) -> bool:
         """Ask the owner of a port for its telegram.
 
@@ -138,11 +165,7 @@ class Administrator:
         self.counters["polls"] += 1
         if self._pacer.rate:
             self._discard_late()
-        if self._packed is not None:
-            self._packet += self._polls[port.name]
-        else:
-            self._queue.append(master_frame(port.f_code, port.address))
-        self.flush()
+        self.queue.poll(port)
         committed = self._in_time(port) if self._pacer.rate else self._awaited(port)
         if committed:
             return True
@@ -211,7 +234,7 @@ class Administrator:
                 # A source under a fault sends this frame in lockstep only: in real time nothing waits for its answer.
                 self.counters["no_answer"] += 1
                 committed = False if committed is None else committed
-            elif self._store.feed(frame, self._now_ns()) == name:
+            elif self.store.feed(frame, self._now_ns()) == name:
                 committed = True
             elif is_last and committed is None:
                 committed = False
@@ -251,7 +274,7 @@ class Administrator:
 
     def _status_answers(self, frames: list[Frame]) -> Counter[int]:
         """Devices that have answered, once per answer."""
-        contract = wire_contract()
+        contract = self._contract
         answers: Counter[int] = Counter()
         for frame in frames:
             if frame not in self._own:

@@ -26,7 +26,7 @@ from railhil.bus.local import LocalBus
 from railhil.bus.mvb import parse_master_frame
 from railhil.judge.judging import judging_of
 from railhil.judge.score import Score
-from railhil.plant_sim.node import PlantNode
+from railhil.plant_sim.node import make_plant_node
 from railhil.record.framelog import FrameLog, read_log
 from railhil.record.session import Session
 from railhil.record.trace import trace_of
@@ -181,7 +181,7 @@ def fuzzed_run(scenario: Scenario, frames: int, seed: int) -> Fuzzed:
             {"controller": node.handle, "supervisor": session.handle}, Noise(scenario, seed),
             system.contract.clock_port.address, -(-frames // ticks), frames,
         )  # fmt: skip
-        plant = PlantNode(scenario, spec, bus)
+        plant = make_plant_node(scenario, spec, bus)
         plant.run()
         log.close()
         score = judging_of(scenario).score(scenario, trace_of(read_log(log.path), system.contract))

@@ -19,7 +19,7 @@ from railhil.common.exit_codes import ignore_ending_signals
 from railhil.common.patience import Lifelines
 from railhil.common.scheduling import NODE_PRIORITY, cycle
 from railhil.common.user_files import check_writable
-from railhil.plant_sim.node import PlantNode
+from railhil.plant_sim.node import PlantNode, make_plant_node
 from railhil.scenarios.options import add_fmu_options, add_options, add_run_options, named_fmu, run_spec
 from railhil.scenarios.run_spec import LawSpec
 from railhil.scenarios.scenario_pipe import OPTION, received_scenario
@@ -71,9 +71,9 @@ def run_plant(node: PlantNode, priority: int, timing_file: Path | None) -> None:
         with cycle("plant", priority):
             node.run()
     finally:
-        if node.faults is not None:
+        if node.faults.sent is not None:
             ignore_ending_signals()
-            node.write_fault_logs()
+            node.faults.write_logs()
         if timing_file is not None and node.timing is not None:
             ignore_ending_signals()
             node.timing.write(timing_file)
@@ -98,7 +98,7 @@ def main(words: Sequence[str] | None = None) -> int:
     try:
         if link.disturber is None and _need_orders(scenario.faults):
             raise BusUnavailable(f"{link.where}: takes no orders to disturb it, it must be a hub started with --faults")
-        node = PlantNode(
+        node = make_plant_node(
             scenario,
             run,
             link,

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, NoReturn
 
-from railhil.bus.administrator import REPLY_NS, Administrator
+from railhil.bus.administrator import REPLY_NS, Administrator, SendQueue
 from railhil.bus.clock import Pacer
 from railhil.bus.codes import Event, SupCommand
 from railhil.bus.errors import PeerSilent
 from railhil.bus.frame import Frame
 from railhil.bus.hub.disturbances import Disturber
-from railhil.bus.ident import Role, make_ident
+from railhil.bus.ident import PltIdent, Role, make_ident
 from railhil.bus.layout import Telegram
 from railhil.bus.link.base import PackedEnd
 from railhil.bus.reception import Document, reception
@@ -26,10 +27,11 @@ from railhil.plant_sim.any_plant import AnyPlant, Happened, PlantError
 from railhil.plant_sim.cycle import Milestones, TickLoop
 from railhil.plant_sim.cycle_times import MISSED_NS, PlantTiming
 from railhil.plant_sim.faults.plants import make_plant
-from railhil.plant_sim.handshake import Refused, agree
+from railhil.plant_sim.handshake import Handshake, Refused
 from railhil.plant_sim.supervision import SILENCE_NS, RunEndpoint, SupervisorWatch
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
+from railhil.scenarios.system import System
 
 if TYPE_CHECKING:
     from railhil.bus.injector.node_faults import NodeFaults
@@ -39,102 +41,79 @@ if TYPE_CHECKING:
 LAST_STATUS_POLLS: Final = 3
 
 
-class PlantNode:
-    """One run of the plant on one endpoint.
+@dataclass(slots=True)
+class PlantFaults:
+    """Faults of a run at the plant.
 
-    :param run: the run; its law is not used by the plant.
-    :param appear_s: how long the other nodes may take to appear, on the wall clock.
-    :param reply_ns: real time: an answer to a poll later than this, on the wall clock, counts as missed.
-    :param silence_ns: real time: a supervisor silent for this long on the wall clock is considered lost; at a slow pace
-        the limit is longer.
-    :param fault_log: the run folder, for the log of the faults of this node; None: no log is written.
-    :param disturber: takes the orders of faults of the bus; None: they are not acted out (a replay).
-    :param packed: the same endpoint for packed frames (:attr:`railhil.bus.link.Link.packed`). With faults, only the
-        frames that they leave are sent early there.
+    ``sent``: faults of the frames that it sends; ``inside``: faults inside it; None: none. ``folder``: the run folder,
+    for the logs; None: none are written.
+    """
+
+    sent: NodeFaults | None
+    inside: Injections | None
+    folder: Path | None
+
+    def order(self, number: int, order: int) -> None:
+        """An order of the supervisor for a fault with this number."""
+        if self.inside is not None:
+            self.inside.order(number, order)
+
+    def write_logs(self) -> None:
+        """Write the logs of the faults into the run folder."""
+        if self.sent is not None:
+            self.sent.write()
+        if self.inside is not None and self.folder is not None:
+            from railhil.bus.injector.activities import INSIDE
+
+            self.inside.log.write(self.folder, INSIDE, self.inside.activities)
+
+
+class PlantNode:
+    """One run of the plant on one endpoint; :func:`make_plant_node` makes it with its parts.
+
+    :param faults: the faults of this node.
+    :param schedule: when each port is due.
+    :param pacer: keeps the pace of the run.
+    :param supervisor: tells whether the run is still recorded.
     """
 
     def __init__(
         self,
-        scenario: AnyScenario,
-        run: RunSpec,
-        endpoint: RunEndpoint,
-        *,
-        fd: bool = False,
-        appear_s: float = APPEAR_S,
-        reply_ns: int = REPLY_NS,
-        silence_ns: int = SILENCE_NS,
-        fault_log: Path | None = None,
-        disturber: Disturber | None = None,
-        packed: PackedEnd | None = None,
+        plant: AnyPlant,
+        faults: PlantFaults,
+        system: System,
+        schedule: Schedule,
+        administrator: Administrator,
+        pacer: Pacer,
+        supervisor: SupervisorWatch,
+        handshake: Handshake,
     ) -> None:
-        system = scenario.installed_system
-        self._contract = contract = system.contract
-        self._own_events = system.events
-        self.plant: AnyPlant
-        #: Faults injected inside the plant; None: none.
-        self.injections: Injections | None
-        self.plant, self.injections = make_plant(scenario, run)
-        self._fault_log = fault_log
-        self._ident = make_ident(
-            Role.PLANT, scenario.sha256, seed=run.seed, perturbed=run.perturbed, pace=run.pace, contract=contract
-        )
-        self._tick_ns = scenario.timing.base_tick_ns
-        self._pacer = Pacer(run.wall_rate)
-        #: None in lockstep, which has no deadlines.
-        self.timing = PlantTiming() if run.is_realtime else None
-        endpoint.lossless = not run.is_realtime
-        schedule = Schedule.from_contract(self._tick_ns, scenario.timing.port_period_ns, contract)
-        #: Faults injected into the frames that the plant sends; None: none.
-        self.faults: NodeFaults | None = None
-        send_early: Callable[[Sequence[Frame]], bool] | None = None
-        if scenario.faults:
-            # The injection is loaded only for a run with faults: it takes a tenth of the start of a node.
-            from railhil.bus.injector.node_faults import NodeFaults
-            from railhil.bus.injector.plant_side import FaultyEndpoint
-            from railhil.scenarios.fault_list import injection_of
-
-            injection = injection_of(scenario, run.seed)
-            assert injection is not None
-            self.faults = NodeFaults(injection, contract, schedule, "plant", fault_log)
-            endpoint = faulty = FaultyEndpoint(endpoint, self.faults, contract, disturber, packed)
-            send_early, packed = faulty.send_early, None
-        polled = [port for port in contract.ports if port.mode == "poll"]
-        self._store = TrafficStore(polled)
-        self.administrator = Administrator(
-            endpoint,
-            self._store,
-            lambda: self.plant.tick * self._tick_ns,
-            self._pacer,
-            [port for port in contract.ports if port.source == "plant"],
-            fd=fd,
-            reply_ns=reply_ns,
-            patience_s=run.patience_s,
-            contract=contract,
-            send_early=send_early,
-            packed=packed,
-            # For the score.
-            unread="" if system.truth is None else system.truth.port,
-        )
-        self.milestones = Milestones(self.administrator.publish, self._tick_ns)
-        #: Attributes of :class:`railhil.plant_sim.cycle.Surroundings`.
-        self.publish = self.administrator.publish
+        self.plant = plant
+        self.faults = faults
+        self.administrator = administrator
         self.ended: Event | None = None
-        plant = self.plant
+        self.controller_lost = False
+        #: None in lockstep, which has no deadlines.
+        self.timing = PlantTiming() if pacer.rate else None
+        self._silence = ""
+        self._handshake = handshake
+        self._own_events = system.events
+        self._tick_ns = schedule.base_tick_ns
+        self._pacer = pacer
+        self._store = administrator.store
+        self._supervisor = supervisor
+        #: Attributes of :class:`railhil.plant_sim.cycle.Surroundings`.
+        self.publish = administrator.queue.publish
+        self.milestones = Milestones(self.publish, self._tick_ns)
+        contract = system.contract
         self._sup_port = contract.port(SupCmd.PORT)
         self._statuses = [contract.port(name) for name in plant.statuses]
-        asked = [self._sup_port, *map(contract.port, plant.commands), *self._statuses]
-        self._loop = TickLoop(plant, plant.ending, schedule, self, self._makers(), asked, contract.clock_port.name)
-        self.controller_lost = False
-        self._silence = ""
         # Counts of the newest telegram of each status in the record.
         self._status_ticks = dict.fromkeys(plant.statuses, -1)
-        self._appear_s = appear_s
-        supervisor_period_ns = schedule.ticks(SupCmd.PORT) * self._tick_ns
-        self._supervisor = SupervisorWatch(
-            endpoint, supervisor_period_ns, run.wall_rate, silence_ns=silence_ns, patience_s=run.patience_s
-        )
-        # Position at the current tick, kept because a failed plant no longer has one.
+        # Position of the current tick, because a plant that has failed no longer has one.
         self._position_01mm = 0
+        asked = [self._sup_port, *map(contract.port, plant.commands), *self._statuses]
+        self._loop = TickLoop(plant, plant.ending, schedule, self, self._makers(), asked, contract.clock_port.name)
 
     def _makers(self) -> dict[str, Callable[[], Telegram | None]]:
         """Telegrams published in a tick: the plant's own, and behind the time the statement of the run for nodes that
@@ -143,12 +122,12 @@ class PlantNode:
         for port, make in self.plant.makers.items():
             found[port] = make
             if port == TimeSync.PORT:
-                found[self._ident.PORT] = self._told
+                found[PltIdent.PORT] = self._repeated_ident
         return found
 
-    def _told(self) -> Telegram | None:
+    def _repeated_ident(self) -> Telegram | None:
         # The handshake has sent it before the first tick.
-        return self._ident if self.plant.tick else None
+        return self._handshake.own if self.plant.tick else None
 
     @property
     def counters(self) -> dict[str, int]:
@@ -163,15 +142,6 @@ class PlantNode:
         found["frames"]["no_answer"] = self.administrator.counters["no_answer"]
         return found
 
-    def write_fault_logs(self) -> None:
-        """Write the logs of the faults injected at this node and inside the plant into the run folder."""
-        if self.faults is not None:
-            self.faults.write()
-        if self.injections is not None and self._fault_log is not None:
-            from railhil.bus.injector.activities import INSIDE
-
-            self.injections.log.write(self._fault_log, INSIDE, self.injections.activities)
-
     # -- before the run -------------------------------------------------------------------------------------------
 
     def handshake(self) -> None:
@@ -181,7 +151,7 @@ class PlantNode:
         :raises Refused: the nodes disagree; they have been told that the run has ended.
         """
         try:
-            self._ident = agree(self.administrator, self._store, self._ident, self._contract, self._appear_s)
+            self._handshake.agree()
         except Refused:
             self.end(Event.ENDED_REFUSED)
             raise
@@ -203,7 +173,7 @@ class PlantNode:
             # A controller on another machine, or a board, learns of the end only from this telegram. Otherwise it would
             # take the next run for this one.
             self._announce(Event.ENDED_BY_SUPERVISOR)
-            self.administrator.flush()
+            self.administrator.queue.flush()
             raise
         return self.ending()
 
@@ -254,7 +224,7 @@ class PlantNode:
     def finish(self) -> None:
         """In real time, telegrams are not held back until the next poll."""
         if self._pacer.rate:
-            self.administrator.flush()
+            self.administrator.queue.flush()
 
     def poll(self, port: Port) -> None:
         """Poll a port, and act on the answer; a lost controller is no longer polled."""
@@ -305,8 +275,8 @@ class PlantNode:
             order, _ = self._store.read(SupCmd, now_ns)
         if order is not None and order.command == SupCommand.STOP:
             self.end(Event.ENDED_BY_SUPERVISOR)
-        elif order is not None and order.fault_order and self.injections is not None:
-            self.injections.order(order.fault_number, order.fault_order)
+        elif order is not None and order.fault_order:
+            self.faults.order(order.fault_number, order.fault_order)
 
     def _controller_silent(self) -> bool:
         """True when the plant stands because it got no commands."""
@@ -317,7 +287,7 @@ class PlantNode:
     def _supervisor_lost(self, silence: PeerSilent) -> NoReturn:
         """The run is no longer recorded: tell the controller, and end."""
         self._announce(Event.ENDED_SUPERVISOR_LOST)
-        self.administrator.flush()
+        self.administrator.queue.flush()
         raise silence
 
     def _announce(self, event: Event) -> None:
@@ -343,3 +313,80 @@ class PlantNode:
                 if self.controller_lost or self._status_ticks[port.name] == self.plant.tick:
                     break
                 self.poll(port)
+
+
+def make_plant_node(
+    scenario: AnyScenario,
+    run: RunSpec,
+    endpoint: RunEndpoint,
+    *,
+    fd: bool = False,
+    appear_s: float = APPEAR_S,
+    reply_ns: int = REPLY_NS,
+    silence_ns: int = SILENCE_NS,
+    fault_log: Path | None = None,
+    disturber: Disturber | None = None,
+    packed: PackedEnd | None = None,
+) -> PlantNode:
+    """The plant of a run.
+
+    :param run: the run; its law is not used by the plant.
+    :param appear_s: how long the other nodes may take to appear, on the wall clock.
+    :param reply_ns: real time: an answer to a poll later than this, on the wall clock, counts as missed.
+    :param silence_ns: real time: a supervisor silent for this long on the wall clock is considered lost; at a slow pace
+        the limit is longer.
+    :param fault_log: the run folder, for the log of the faults of this node; None: no log is written.
+    :param disturber: takes the orders of faults of the bus; None: they are not acted out (a replay).
+    :param packed: the same endpoint for packed frames (:attr:`railhil.bus.link.Link.packed`). With faults, only the
+        frames that they leave are sent early there.
+    :raises InputError: the plant cannot have the run's faults or FMU.
+    """
+    system = scenario.installed_system
+    contract = system.contract
+    tick_ns = scenario.timing.base_tick_ns
+    schedule = Schedule.from_contract(tick_ns, scenario.timing.port_period_ns, contract)
+    plant, inside = make_plant(scenario, run)
+    endpoint.lossless = not run.is_realtime
+    sent: NodeFaults | None = None
+    send_early: Callable[[Sequence[Frame]], bool] | None = None
+    if scenario.faults:
+        # What injects faults is loaded only for a run with faults: it takes a tenth of the start of a node.
+        from railhil.bus.injector.node_faults import NodeFaults
+        from railhil.bus.injector.plant_side import FaultyEndpoint
+        from railhil.scenarios.fault_list import injection_of
+
+        injection = injection_of(scenario, run.seed)
+        assert injection is not None
+        sent = NodeFaults(injection, contract, schedule, "plant", fault_log)
+        endpoint = faulty = FaultyEndpoint(endpoint, sent, contract, disturber, packed)
+        send_early, packed = faulty.send_early, None
+    # The score alone reads the truth.
+    unread = "" if system.truth is None else system.truth.port
+    queue = SendQueue(
+        endpoint, contract, fd=fd, realtime=run.is_realtime, send_early=send_early, packed=packed, unread=unread
+    )
+    pacer = Pacer(run.wall_rate)
+    store = TrafficStore([port for port in contract.ports if port.mode == "poll"])
+    administrator = Administrator(
+        endpoint,
+        store,
+        queue,
+        lambda: plant.tick * tick_ns,
+        pacer,
+        contract,
+        reply_ns=reply_ns,
+        patience_s=run.patience_s,
+    )
+    supervisor = SupervisorWatch(
+        endpoint,
+        schedule.ticks(SupCmd.PORT) * tick_ns,
+        run.wall_rate,
+        silence_ns=silence_ns,
+        patience_s=run.patience_s,
+    )
+    ident = make_ident(
+        Role.PLANT, scenario.sha256, seed=run.seed, perturbed=run.perturbed, pace=run.pace, contract=contract
+    )
+    handshake = Handshake(administrator, ident, contract, appear_s)
+    faults = PlantFaults(sent, inside, fault_log)
+    return PlantNode(plant, faults, system, schedule, administrator, pacer, supervisor, handshake)

@@ -25,7 +25,7 @@ from railhil.common.errors import InputError
 from railhil.controller_node.ato.node import ControllerNode
 from railhil.dbc import wire_contract
 from railhil.plant_sim.handshake import Refused
-from railhil.plant_sim.node import PlantNode
+from railhil.plant_sim.node import make_plant_node
 from railhil.record.framelog import log_line, sha256_of
 from railhil.record.run_folder import run_folder
 from railhil.record.session import Session
@@ -258,7 +258,7 @@ def test_controller_that_is_not_the_one_asked_for(lvshun):
     lines: list[str] = []
     session = Session(lvshun, lines.append, RunSpec())
     node = ControllerNode(lvshun, LawSpec("ipfc", "float64"))
-    plant = PlantNode(lvshun, RunSpec(), LocalBus([node.handle, session.handle]))
+    plant = make_plant_node(lvshun, RunSpec(), LocalBus([node.handle, session.handle]))
     with pytest.raises(Refused):
         plant.run()
     assert session.disagreements == ["arithmetic differs: controller float64, supervisor iq"]
@@ -269,7 +269,7 @@ def test_a_supervisor_that_takes_the_plant_for_another_pace(lvshun):
     """A realtime run recorded as lockstep would be judged without its jitter."""
     session = Session(lvshun, lambda line: None, RunSpec())
     node = ControllerNode(lvshun, LawSpec())
-    plant = PlantNode(lvshun, RunSpec(pace="realtime", rate=100.0), LocalBus([node.handle, session.handle]))
+    plant = make_plant_node(lvshun, RunSpec(pace="realtime", rate=100.0), LocalBus([node.handle, session.handle]))
     with pytest.raises(Refused, match="pace differs: plant realtime, supervisor lockstep"):
         plant.run()
 

@@ -25,7 +25,7 @@ from railhil.bus.local import LocalBus
 from railhil.bus.mvb import F_DEVICE_STATUS, TelegramSource, check_sequence, master_frame
 from railhil.controller_node.ato.node import ControllerNode
 from railhil.dbc import wire_contract
-from railhil.plant_sim.node import PlantNode
+from railhil.plant_sim.node import make_plant_node
 from railhil.record.session import Session
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.systems.ato.scenario.canonical import scenario_sha256
@@ -301,7 +301,7 @@ def late_run(scenario: Scenario, c: CNode, law: str, at_s: float) -> list[NotchC
             told.append(NotchCmd.decode(answer[0].data[:4]))
         return answer
 
-    PlantNode(scenario, spec, LocalBus([node, session.handle])).run()
+    make_plant_node(scenario, spec, LocalBus([node, session.handle])).run()
     counters = {cause: count for cause, count in late.counters.items() if cause in c.counters}
     assert counters == c.counters
     assert c.counters["time_ahead"] == 1

@@ -14,7 +14,7 @@ from railhil.bus.mvb import TelegramSource, master_frame, parse_master_frame
 from railhil.bus.telegrams import TimeSync
 from railhil.controller_node.ato.node import ControllerNode
 from railhil.dbc import wire_contract
-from railhil.plant_sim.node import PlantNode
+from railhil.plant_sim.node import make_plant_node
 from railhil.record.session import Session
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec, RunSpec
@@ -75,7 +75,7 @@ def test_the_age_of_the_speed_is_seen_after_a_silence(
             told.append(NotchCmd.decode(answer[0].data[:4]))
         return answer
 
-    PlantNode(scenario, spec, LocalBus([both, session.handle])).run()
+    make_plant_node(scenario, spec, LocalBus([both, session.handle])).run()
     causes = {one.cause for one in told}
     assert CtlCause.SPEED_AGE in causes
     assert not causes & {CtlCause.POSITION_IMPLAUSIBLE, CtlCause.POSITION_LOST}

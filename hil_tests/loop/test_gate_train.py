@@ -13,7 +13,7 @@ from railhil.bus.layout import CHECK_ERRONEOUS
 from railhil.bus.local import LocalBus
 from railhil.bus.mvb import TelegramSource
 from railhil.controller_node.ato.node import ControllerNode
-from railhil.plant_sim.node import PlantNode
+from railhil.plant_sim.node import PlantNode, make_plant_node
 from railhil.record.session import Session
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.systems.ato.scenario.model import Scenario
@@ -35,7 +35,7 @@ def run_with_answers(scenario: Scenario, change: Wire) -> tuple[PlantNode, Event
             for item in (change(answer) if answer.can_id == NOTCH_ID else [answer])
         ]
 
-    plant = PlantNode(scenario, RunSpec(), LocalBus([controller, session.handle]))
+    plant = make_plant_node(scenario, RunSpec(), LocalBus([controller, session.handle]))
     return plant, plant.run()
 
 

@@ -19,7 +19,7 @@ from railhil.judge.score import score
 from railhil.plant_sim.ato import dynamics
 from railhil.plant_sim.ato.plant import PlantError
 from railhil.plant_sim.handshake import Refused
-from railhil.plant_sim.node import PlantNode
+from railhil.plant_sim.node import PlantNode, make_plant_node
 from railhil.record.session import Session
 from railhil.record.trace import Trace
 from railhil.scenarios.run_spec import LawSpec, RunSpec
@@ -35,7 +35,7 @@ def session(lvshun):
 
 
 def plant_with(lvshun, session, controller) -> PlantNode:
-    return PlantNode(lvshun, RunSpec(), LocalBus([controller, session.handle]))
+    return make_plant_node(lvshun, RunSpec(), LocalBus([controller, session.handle]))
 
 
 def test_controller_that_never_answers_a_notch_ends_the_run_at_once(lvshun, session):
@@ -122,7 +122,7 @@ def test_status_of_the_last_tick_is_always_asked_for_once(lvshun, running_time_s
             asked.append(plant.plant.tick)
         return node.handle(frame)
 
-    plant = PlantNode(scenario, run, LocalBus([listening, session.handle]), reply_ns=10**10)
+    plant = make_plant_node(scenario, run, LocalBus([listening, session.handle]), reply_ns=10**10)
     assert plant.run() is session.ended is Event.ENDED_NOT_STOPPED
     assert asked == ticks
     last_event = max(i for i, frame in enumerate(heard) if frame.can_id == RunEvent.port().can_ids[0])

@@ -18,7 +18,7 @@ from railhil.bus.mvb import TelegramSource
 from railhil.bus.telegrams import SupCmd
 from railhil.controller_node.ato.node import ControllerNode
 from railhil.plant_sim.any_plant import PlantError
-from railhil.plant_sim.node import PlantNode
+from railhil.plant_sim.node import make_plant_node
 from railhil.record.session import Session
 from railhil.scenarios.load import load_any
 from railhil.scenarios.run_spec import LawSpec, RunSpec
@@ -139,10 +139,10 @@ def test_a_fault_is_injected_and_cleared_by_hand(short: str) -> None:
                 found.append(answer)
         return found
 
-    plant = PlantNode(scenario, spec, LocalBus([node.handle, supervisor]))
+    plant = make_plant_node(scenario, spec, LocalBus([node.handle, supervisor]))
     plant.run()
-    assert plant.injections is not None
-    wrong, doors = plant.injections.activities
+    assert plant.faults.inside is not None
+    wrong, doors = plant.faults.inside.activities
     assert wrong.begun_ns == 20_000_000_000
     assert doors.begun_ns is not None
     assert 5.0 < doors.begun_ns / 1e9 < 5.3

@@ -28,7 +28,7 @@ from railhil.common.errors import InputError
 from railhil.controller_node.vector.node import VectorNode, ports_of
 from railhil.judge.reactions.catalogue import Entry, catalogue_of
 from railhil.judge.signals import signal_table
-from railhil.plant_sim.node import PlantNode
+from railhil.plant_sim.node import make_plant_node
 from railhil.record.framelog import log_sha256
 from railhil.record.session import Session
 from railhil.scenarios.fault_list import fault_texts
@@ -222,7 +222,7 @@ def test_the_c_node_answers_both_status_polls_as_ours(tmp_path: Path) -> None:
         answered.update(item.can_id for item in answer)
         return answer
 
-    PlantNode(scenario, spec, LocalBus([both, session.handle])).run()
+    make_plant_node(scenario, spec, LocalBus([both, session.handle])).run()
     assert answered[0x180] > 100
     assert answered[0x188] > 5
 

@@ -29,7 +29,7 @@ from railhil.bus.layout import CHECK_CORRECT
 from railhil.bus.local import LocalBus
 from railhil.bus.mvb import check_sequence
 from railhil.controller_node.vector.node import VectorNode
-from railhil.plant_sim.node import PlantNode
+from railhil.plant_sim.node import make_plant_node
 from railhil.scenarios.load import load_any
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.record.session import Session
@@ -87,7 +87,7 @@ def both(frame):
         answers += bool(ours)
         found += ours
     return found
-PlantNode(scenario, spec, LocalBus([both, session.handle])).run()
+make_plant_node(scenario, spec, LocalBus([both, session.handle])).run()
 counters = {cause: count for cause, count in node.counters.items() if cause != "unknown_id"}
 print(json.dumps([answers, int(node.ended), c.ended, counters, c.counters]))
 """

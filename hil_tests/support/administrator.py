@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from hil_tests.support.clock import SetClock
-from railhil.bus.administrator import Administrator
+from railhil.bus.administrator import Administrator, SendQueue
 from railhil.bus.clock import Pacer
 from railhil.bus.frame import Frame
 from railhil.bus.layout import Telegram
 from railhil.bus.mvb import TelegramSource, master_frame
 from railhil.bus.store import TrafficStore
-from railhil.wire.ato import CtlStat, NotchCmd, TrnPos, TrnSpeed
+from railhil.dbc import wire_contract
+from railhil.wire.ato import CtlStat, NotchCmd
 
 NOTCH, STAT = NotchCmd.port(), CtlStat.port()
 
@@ -67,8 +68,9 @@ def make(
     endpoint: FakeEndpoint, rate: float = 0.0, now_ns: int = 0, fd: bool = False
 ) -> tuple[Administrator, TrafficStore]:
     store = TrafficStore([NOTCH, STAT])
-    ports = [TrnSpeed.port(), TrnPos.port()]
-    return Administrator(endpoint, store, lambda: now_ns, Pacer(rate, endpoint.wall), ports, fd=fd), store
+    queue = SendQueue(endpoint, wire_contract(), fd=fd, realtime=bool(rate))
+    pacer = Pacer(rate, endpoint.wall)
+    return Administrator(endpoint, store, queue, lambda: now_ns, pacer, wire_contract()), store
 
 
 def controller(delay_ns: int = 1000, notch: int = 5) -> Callable[[Frame], list[tuple[int, Frame]]]:

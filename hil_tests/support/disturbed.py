@@ -7,7 +7,7 @@ from pathlib import Path
 
 from railhil.bus.frame import Frame
 from railhil.bus.local import LocalBus
-from railhil.plant_sim.node import PlantNode
+from railhil.plant_sim.node import make_plant_node
 from railhil.record.framelog import FrameLog, read_log
 from railhil.record.session import Session
 from railhil.record.trace import Trace, trace_of
@@ -45,7 +45,7 @@ def disturbed_run(scenario: AnyScenario, folder: Path, disturbance: Disturbance,
     def changed(frame: Frame) -> list[Frame]:
         return disturbance(frame, session.sim_time_s)
 
-    plant = PlantNode(scenario, spec, _DisturbedBus([node.handle, session.handle], changed))
+    plant = make_plant_node(scenario, spec, _DisturbedBus([node.handle, session.handle], changed))
     plant.run()
     log.close()
     return trace_of(read_log(log.path), system.contract)

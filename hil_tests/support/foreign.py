@@ -18,7 +18,7 @@ from railhil.bus.ident import CtlIdent
 from railhil.bus.local import LocalBus
 from railhil.controller_node.ato.node import ControllerNode
 from railhil.controller_node.export import make_bundle, write_bundle
-from railhil.plant_sim.node import PlantNode
+from railhil.plant_sim.node import make_plant_node
 from railhil.record.session import Session
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.systems.ato.scenario.model import Scenario
@@ -187,7 +187,7 @@ def twin_run(
             answers += expected
         return answers
 
-    PlantNode(scenario, spec, LocalBus([both, session.handle])).run()
+    make_plant_node(scenario, spec, LocalBus([both, session.handle])).run()
     run.python, run.c = node.counters, c.counters
     run.ended = (int(node.ended or 0), c.ended)
     return run

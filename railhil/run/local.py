@@ -25,7 +25,7 @@ from railhil.judge.jitter import lockstep_timing
 from railhil.judge.result import Result
 from railhil.live.recorder import LOOK_S
 from railhil.plant_sim.any_plant import PlantError
-from railhil.plant_sim.node import PlantNode
+from railhil.plant_sim.node import make_plant_node
 from railhil.record.log_trace import trace_of_log
 from railhil.record.operator_commands import OperatorCommands
 from railhil.record.run_folder import TELEMETRY
@@ -77,7 +77,7 @@ class LocalRun(Run):
                 scenario, spec.law, spec.seed, controller, fd=fd, folder=folder
             )
             bus = LocalBus([self._controller_takes if wire else self.controller.handle, self._recorder_takes()])
-            self.plant = PlantNode(scenario, spec, bus, fd=fd, fault_log=folder)
+            self.plant = make_plant_node(scenario, spec, bus, fd=fd, fault_log=folder)
         except BaseException:
             self.log.close()
             raise
@@ -180,7 +180,7 @@ class LocalRun(Run):
         """Write what the nodes report at their end, their telemetry and the logs of the faults, and close the log;
         returns its SHA-256."""
         write_telemetry(self.controller, self.folder / TELEMETRY)
-        self.plant.write_fault_logs()
+        self.plant.faults.write_logs()
         write_fault_log(self.controller)
         return self.log.close()
 

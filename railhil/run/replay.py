@@ -22,7 +22,7 @@ from railhil.bus.own_frames import OwnFrames
 from railhil.controller_node.any_controller import AnyController
 from railhil.controller_node.faulty import controller_of
 from railhil.dbc import Contract
-from railhil.plant_sim.node import PlantNode
+from railhil.plant_sim.node import make_plant_node
 from railhil.record.difference import Difference, FrameWords, Timed, difference_of
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
@@ -89,7 +89,7 @@ def replay(node: str, record: Sequence[Timed], scenario: AnyScenario, spec: RunS
         _drive_controller(controller, record, replayed, system.contract)
     else:
         bus = RecordedBus(record, replayed, system.contract)
-        plant = PlantNode(scenario, spec, bus, fd=fd)
+        plant = make_plant_node(scenario, spec, bus, fd=fd)
         begun_ns = time.perf_counter_ns()
         # A run that ended because a node was silent ends so again.
         with suppress(_RecordEnds, BusError):

@@ -23,7 +23,7 @@ from railhil.bus.link import Link
 from railhil.bus.link.batch import BatchLink
 from railhil.controller_node.ato.node import ControllerNode
 from railhil.controller_node.serve import serve
-from railhil.plant_sim.node import PlantNode
+from railhil.plant_sim.node import PlantNode, make_plant_node
 from railhil.record.framelog import FrameLog, read_log
 from railhil.record.session import Session
 from railhil.record.trace import Trace, trace_of
@@ -67,7 +67,7 @@ class Bench:
             links = {role: BatchLink(hub.bus(role=role)) for role in ("controller", "supervisor", "plant")}
             for link in links.values():
                 stack.callback(link.close)
-            plant = PlantNode(scenario, spec, links["plant"])
+            plant = make_plant_node(scenario, spec, links["plant"])
             _order_before_ticks(plant, links["plant"].bus, orders)  # type: ignore[arg-type]
 
             def control() -> None:

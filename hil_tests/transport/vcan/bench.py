@@ -32,7 +32,7 @@ from railhil.controller_node.faulty import controller_of, write_fault_log
 from railhil.controller_node.serve import run_controller
 from railhil.controller_node.telemetry_file import write_telemetry
 from railhil.judge.result import Result
-from railhil.plant_sim.node import PlantNode
+from railhil.plant_sim.node import make_plant_node
 from railhil.record.run_folder import TELEMETRY
 from railhil.record.session import Session
 from railhil.run.bus_run import BusRun
@@ -123,13 +123,13 @@ def run_on(
         link = open_link(dict(config), "plant", timeouts=timeouts)
         if controller_command is None:
             link.lifelines = Lifelines({"controller": controller_alive})
-        node = PlantNode(scenario, asked, link, appear_s=appear_s, reply_ns=reply_ns, fault_log=folder)
+        node = make_plant_node(scenario, asked, link, appear_s=appear_s, reply_ns=reply_ns, fault_log=folder)
         try:
             node.run()
         finally:
             link.close()
             _write_counters(folder, "plant", {**link.counters, **node.counters, **node.plant.refused})
-            node.write_fault_logs()
+            node.faults.write_logs()
         return 0
 
     nodes: list[_Forked | _Program] = []
@@ -202,7 +202,7 @@ def beginning(config: Mapping[str, Any], scenario: Scenario, folder: Path) -> tu
     session = Session(scenario, expected.append, RunSpec(), on_progress=enough)
     with contextlib.suppress(_Enough):
         controller = ControllerNode(scenario, LawSpec())
-        PlantNode(scenario, RunSpec(), LocalBus([controller.handle, session.handle])).run()
+        make_plant_node(scenario, RunSpec(), LocalBus([controller.handle, session.handle])).run()
     with contextlib.suppress(_Enough):
         run_on(config, scenario, folder, seed=0, on_progress=enough)
     recorded = (folder / "frames.log").read_text().splitlines(keepends=True)

@@ -13,7 +13,7 @@ from railhil.bus.select import BusChoice
 from railhil.common.exit_codes import USAGE, run_guarded
 from railhil.live.processes import Nodes
 from railhil.live.recorder import open_recorder, refuse_occupied
-from railhil.plant_sim.node import PlantNode
+from railhil.plant_sim.node import make_plant_node
 from railhil.scenarios.run_spec import RunSpec
 from railhil.systems.ato.scenario.model import Scenario
 
@@ -24,7 +24,7 @@ def second_plant(scenario: Scenario) -> int:
     """A bus administrator by itself, as ``railhil node plant``."""
     link = open_link(socketcan(), "plant")
     try:
-        PlantNode(scenario, RunSpec(), link).run()
+        make_plant_node(scenario, RunSpec(), link).run()
     finally:
         link.close()
     return 0

@@ -31,8 +31,8 @@ def test_schedule_is_the_port_table_with_the_overrides() -> None:
 def test_what_is_published_leaves_in_order_and_before_the_poll(wall: SetClock) -> None:
     endpoint = FakeEndpoint(wall, controller())
     administrator, store = make(endpoint, now_ns=70)
-    administrator.publish(TrnSpeed(1))
-    administrator.publish(TrnPos(2))
+    administrator.queue.publish(TrnSpeed(1))
+    administrator.queue.publish(TrnPos(2))
     assert endpoint.sent == []
     assert administrator.poll(NOTCH)
     expected = [*frames_of(TrnSpeed(1)), *frames_of(TrnPos(2)), master_frame(NOTCH.f_code, NOTCH.address)]
@@ -47,11 +47,11 @@ def test_what_is_published_leaves_in_order_and_before_the_poll(wall: SetClock) -
 def test_flush_sends_once_and_nothing_when_there_is_nothing(wall: SetClock) -> None:
     endpoint = FakeEndpoint(wall)
     administrator, _ = make(endpoint, fd=True)
-    administrator.flush()
+    administrator.queue.flush()
     assert endpoint.batches == []
-    administrator.publish(TrnSpeed(1))
-    administrator.flush()
-    administrator.flush()
+    administrator.queue.publish(TrnSpeed(1))
+    administrator.queue.flush()
+    administrator.queue.flush()
     assert endpoint.sent == TelegramSource(TrnSpeed.port(), True).frames(TrnSpeed(1).encode())
     assert endpoint.batches == [1]
 
@@ -64,12 +64,12 @@ def test_what_a_signal_broke_off_is_not_sent_again(wall: SetClock) -> None:
 
     endpoint = FakeEndpoint(wall, broken_off)
     administrator, _ = make(endpoint)
-    administrator.publish(TrnSpeed(1))
+    administrator.queue.publish(TrnSpeed(1))
     with pytest.raises(KeyboardInterrupt):
         administrator.poll(NOTCH)
-    administrator.publish(TrnPos(2))
+    administrator.queue.publish(TrnPos(2))
     with pytest.raises(KeyboardInterrupt):
-        administrator.flush()
+        administrator.queue.flush()
     assert endpoint.batches == [2, len(frames_of(TrnPos(2)))]
     assert endpoint.sent[2:] == frames_of(TrnPos(2))
 

@@ -6,13 +6,14 @@ from collections.abc import Sequence
 
 import pytest
 
-from railhil.bus.administrator import Administrator
+from railhil.bus.administrator import Administrator, SendQueue
 from railhil.bus.clock import Pacer
 from railhil.bus.frame import Frame
 from railhil.bus.hub.wire import unpack_frames
 from railhil.bus.layout import Telegram
 from railhil.bus.mvb import TelegramSource, master_frame
 from railhil.bus.store import TrafficStore
+from railhil.dbc import wire_contract
 from railhil.wire.ato import NotchCmd, TrnPos, TrnSpeed
 
 NOTCH = NotchCmd.port()
@@ -58,16 +59,15 @@ def link() -> EarlyLink:
 
 
 def made(link: EarlyLink, rate: float = 0.0, unread: str = "") -> Administrator:
-    ports = [TrnSpeed.port(), TrnPos.port()]
-    return Administrator(
-        link, TrafficStore([NOTCH]), lambda: 0, Pacer(rate), ports, send_early=link.send_early, unread=unread
-    )
+    contract = wire_contract()
+    queue = SendQueue(link, contract, realtime=bool(rate), send_early=link.send_early, unread=unread)
+    return Administrator(link, TrafficStore([NOTCH]), queue, lambda: 0, Pacer(rate), contract)
 
 
 def test_what_was_sent_early_is_not_sent_again_with_the_poll(link: EarlyLink) -> None:
     administrator = made(link)
-    administrator.publish(TrnSpeed(1))
-    administrator.publish(TrnPos(2))
+    administrator.queue.publish(TrnSpeed(1))
+    administrator.queue.publish(TrnPos(2))
     assert link.passed == [*frames_of(TrnSpeed(1)), *frames_of(TrnPos(2))]
     assert link.packets == []
     assert administrator.poll(NOTCH)
@@ -76,40 +76,40 @@ def test_what_was_sent_early_is_not_sent_again_with_the_poll(link: EarlyLink) ->
 
 def test_what_nobody_reads_goes_with_the_next_telegram_or_poll(link: EarlyLink) -> None:
     administrator, position = made(link, unread=TrnPos.PORT), TelegramSource(TrnPos.port())
-    administrator.publish(TrnPos(1))
+    administrator.queue.publish(TrnPos(1))
     assert link.passed == []
-    administrator.publish(TrnSpeed(2))
+    administrator.queue.publish(TrnSpeed(2))
     assert link.passed == [*position.frames(TrnPos(1).encode()), *frames_of(TrnSpeed(2))]
-    administrator.publish(TrnPos(3))
+    administrator.queue.publish(TrnPos(3))
     assert administrator.poll(NOTCH)
     assert link.packets == [[*position.frames(TrnPos(3).encode()), POLL]]
 
 
 def test_nothing_is_sent_when_all_was_sent_early(link: EarlyLink) -> None:
     administrator = made(link)
-    administrator.publish(TrnSpeed(1))
-    administrator.flush()
+    administrator.queue.publish(TrnSpeed(1))
+    administrator.queue.flush()
     assert link.packets == []
 
 
 def test_what_cannot_be_sent_early_is_queued_in_order(link: EarlyLink) -> None:
     administrator = made(link)
     link.is_open = False
-    administrator.publish(TrnSpeed(1))
+    administrator.queue.publish(TrnSpeed(1))
     assert link.passed == []
     link.is_open = True
-    administrator.publish(TrnPos(2))
+    administrator.queue.publish(TrnPos(2))
     assert link.passed == [*frames_of(TrnSpeed(1)), *frames_of(TrnPos(2))], "what waits goes first"
     link.is_open = False
-    administrator.publish(TrnSpeed(3))
-    administrator.flush()
+    administrator.queue.publish(TrnSpeed(3))
+    administrator.queue.flush()
     assert link.packets == [frames_of(TrnSpeed(3))]
 
 
 def test_nothing_is_sent_early_in_real_time(link: EarlyLink) -> None:
     administrator = made(link, rate=1.0)
-    administrator.publish(TrnSpeed(1))
-    administrator.flush()
+    administrator.queue.publish(TrnSpeed(1))
+    administrator.queue.flush()
     assert (link.passed, link.packets) == ([], [frames_of(TrnSpeed(1))])
 
 
@@ -154,39 +154,40 @@ def packed() -> PackedWay:
 
 
 def of_packets(link: PackedWay, unread: str = "") -> Administrator:
-    ports = [TrnSpeed.port(), TrnPos.port()]
-    return Administrator(link, TrafficStore([NOTCH]), lambda: 0, Pacer(0.0), ports, packed=link, unread=unread)
+    contract = wire_contract()
+    queue = SendQueue(link, contract, packed=link, unread=unread)
+    return Administrator(link, TrafficStore([NOTCH]), queue, lambda: 0, Pacer(), contract)
 
 
 def test_packed_telegrams_are_sent_early_and_polls_are_sent(packed: PackedWay) -> None:
     administrator, position = of_packets(packed), TelegramSource(TrnPos.port())
-    administrator.publish(TrnSpeed(1))
-    administrator.publish(TrnPos(2))
+    administrator.queue.publish(TrnSpeed(1))
+    administrator.queue.publish(TrnPos(2))
     assert packed.passed == [*frames_of(TrnSpeed(1)), *position.frames(TrnPos(2).encode())]
     assert administrator.poll(NOTCH)
     assert packed.packets == [[POLL]]
     packed.is_open = False
-    administrator.publish(TrnSpeed(3))
-    administrator.publish(TrnPos(4))
+    administrator.queue.publish(TrnSpeed(3))
+    administrator.queue.publish(TrnPos(4))
     assert administrator.poll(NOTCH)
     expected = [*frames_of(TrnSpeed(3)), *position.frames(TrnPos(4).encode()), POLL]
     assert packed.packets[1:] == [expected]
-    administrator.flush()
+    administrator.queue.flush()
     assert packed.packets[2:] == [], "nothing twice"
 
 
 def test_packed_telegrams_that_nobody_reads_wait(packed: PackedWay) -> None:
     administrator, position = of_packets(packed, unread=TrnPos.PORT), TelegramSource(TrnPos.port())
-    administrator.publish(TrnPos(1))
+    administrator.queue.publish(TrnPos(1))
     assert packed.passed == []
-    administrator.publish(TrnSpeed(2))
+    administrator.queue.publish(TrnSpeed(2))
     assert packed.passed == [*position.frames(TrnPos(1).encode()), *frames_of(TrnSpeed(2))]
 
 
 def test_packed_telegrams_are_flushed(packed: PackedWay) -> None:
     administrator = of_packets(packed)
     packed.is_open = False
-    administrator.publish(TrnSpeed(1))
-    administrator.flush()
-    administrator.flush()
+    administrator.queue.publish(TrnSpeed(1))
+    administrator.queue.flush()
+    administrator.queue.flush()
     assert packed.packets == [frames_of(TrnSpeed(1))]

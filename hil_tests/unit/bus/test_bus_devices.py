@@ -14,7 +14,7 @@ from railhil.bus.frame import Frame
 from railhil.bus.ident import Role, make_ident
 from railhil.bus.mvb import device_status_frame, master_frame
 from railhil.dbc import wire_contract
-from railhil.plant_sim.handshake import agree
+from railhil.plant_sim.handshake import Handshake
 
 
 @pytest.fixture
@@ -96,19 +96,18 @@ def test_a_device_status_that_is_refused_is_not_silence(
 ) -> None:
     good = device_status_frame(1, 0x1000)
     answer = good._replace(data=change(good.data))
-    administrator, store = make(FakeEndpoint(wall, lambda frame: [(0, answer)]))
-    contract = wire_contract()
+    administrator, _ = make(FakeEndpoint(wall, lambda frame: [(0, answer)]))
     with pytest.raises(PeerSilent) as caught:
-        agree(administrator, store, make_ident(Role.PLANT, "0" * 64), contract, 0.3)
+        Handshake(administrator, make_ident(Role.PLANT, "0" * 64), wire_contract(), 0.3).agree()
     # Two nodes are asked three times.
     expected = f"no good answer within 0.3 s, refused on identifier 088: 6 times {reason}"
     assert str(caught.value) == f"bus administrator waits for controller and supervisor: {expected}"
 
 
 def test_silence_is_called_so(wall: SetClock) -> None:
-    administrator, store = make(FakeEndpoint(wall))
+    administrator, _ = make(FakeEndpoint(wall))
     with pytest.raises(PeerSilent, match=r"waits for controller and supervisor: no answer within 0\.3 s$"):
-        agree(administrator, store, make_ident(Role.PLANT, "0" * 64), wire_contract(), 0.3)
+        Handshake(administrator, make_ident(Role.PLANT, "0" * 64), wire_contract(), 0.3).agree()
 
 
 def test_a_device_status_that_is_not_ours_is_no_answer(wall: SetClock) -> None:

@@ -8,7 +8,7 @@ from typing import Any
 import can
 import pytest
 
-from railhil.bus.administrator import Administrator
+from railhil.bus.administrator import Administrator, SendQueue
 from railhil.bus.clock import Pacer
 from railhil.bus.errors import BusOccupied
 from railhil.bus.frame import Frame, from_message, to_message
@@ -17,6 +17,7 @@ from railhil.bus.link import Link, open_link
 from railhil.bus.link.single import EchoLink
 from railhil.bus.mvb import device_status_frame, master_frame
 from railhil.bus.store import TrafficStore
+from railhil.dbc import wire_contract
 from railhil.wire.ato import NotchCmd, TrnSpeed
 
 POLL = master_frame(NotchCmd.port().f_code, NotchCmd.port().address)
@@ -57,7 +58,8 @@ def two_links() -> tuple[EchoLink, EchoLink]:
 
 
 def administrator_on(link: Link) -> Administrator:
-    return Administrator(link, TrafficStore([]), lambda: 0, Pacer(), [])
+    contract = wire_contract()
+    return Administrator(link, TrafficStore([]), SendQueue(link, contract), lambda: 0, Pacer(), contract)
 
 
 def test_the_link_is_chosen_by_the_interface(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -20,7 +20,7 @@ from railhil.bus.link.single import SingleLink
 from railhil.bus.local import LocalBus
 from railhil.bus.mvb import F_DEVICE_STATUS, TelegramSource, device_status_frame, master_frame
 from railhil.controller_node.ato.node import ControllerNode
-from railhil.plant_sim.node import PlantNode
+from railhil.plant_sim.node import make_plant_node
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.wire.ato import TrnSpeed, WatchLevel
 
@@ -333,7 +333,7 @@ def test_after_an_outage_the_watch_knows_how_old_the_speed_was(lvshun, out_s, le
 
 def test_a_plant_refuses_a_bus_with_another_administrator(lvshun):
     stranger = master_frame(1, 0x110)
-    node = PlantNode(
+    node = make_plant_node(
         lvshun, RunSpec(), LocalBus([lambda frame: [stranger] if frame.can_id == 0x80 else []]), appear_s=1.0
     )
     with pytest.raises(BusOccupied, match="another bus administrator"):
@@ -345,6 +345,6 @@ def test_a_plant_refuses_two_controllers_on_its_bus(lvshun):
     supervisor = [device_status_frame(Role.SUPERVISOR, 0x1000)]
     asked = master_frame(F_DEVICE_STATUS, Role.SUPERVISOR)
     bus = LocalBus([one.handle, other.handle, lambda frame: supervisor if frame == asked else []])
-    node = PlantNode(lvshun, RunSpec(), bus, appear_s=1.0)
+    node = make_plant_node(lvshun, RunSpec(), bus, appear_s=1.0)
     with pytest.raises(BusOccupied, match=r"two nodes answer as device 1 \(controller\)"):
         node.run()

@@ -25,7 +25,7 @@ from railhil.bus.local import LocalBus
 from railhil.common import scheduling as realtime
 from railhil.common.scheduling import HUB_PRIORITY, NODE_PRIORITY, RECORDER_PRIORITY, cycle, permitted_priority, said_in
 from railhil.controller_node.ato.node import ControllerNode
-from railhil.plant_sim.node import PlantNode
+from railhil.plant_sim.node import make_plant_node
 from railhil.record.session import Session
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.systems.ato.scenario.model import Scenario
@@ -274,7 +274,7 @@ def realtime_record(scenario: Scenario) -> list[str]:
     lines: list[str] = []
     session = Session(scenario, lines.append, RunSpec(pace="realtime"))
     node = ControllerNode(scenario, LawSpec())
-    plant = PlantNode(scenario, RunSpec(pace="realtime", rate=100.0), LocalBus([node.handle, session.handle]))
+    plant = make_plant_node(scenario, RunSpec(pace="realtime", rate=100.0), LocalBus([node.handle, session.handle]))
     assert ends_run(plant.run())
     assert plant.administrator.counters["missed_polls"] == 0
     return lines

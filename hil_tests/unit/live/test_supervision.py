@@ -15,7 +15,7 @@ from railhil.bus.local import LocalBus
 from railhil.bus.mvb import master_frame
 from railhil.bus.telegrams import SupCmd
 from railhil.controller_node.ato.node import ControllerNode
-from railhil.plant_sim.node import PlantNode
+from railhil.plant_sim.node import make_plant_node
 from railhil.plant_sim.supervision import SupervisorWatch
 from railhil.record.session import Session
 from railhil.scenarios.run_spec import LawSpec, RunSpec
@@ -95,7 +95,7 @@ def test_a_plant_waits_for_its_own_interface_and_not_for_the_supervisor(run_2m: 
     controller = ControllerNode(run_2m, LawSpec())
     bus = Interrupted([controller.handle, session.handle], from_poll=10, polls=20, is_down=is_down)
     # Two and a half periods of the poll, 20 ms: fewer than 20 polls, also of a plant that makes up for lost time.
-    plant = PlantNode(run_2m, run, bus, reply_ns=2_000_000, silence_ns=0)
+    plant = make_plant_node(run_2m, run, bus, reply_ns=2_000_000, silence_ns=0)
     if is_down:
         assert ends_run(plant.run())
         assert plant.administrator.counters["missed_polls"] >= 20
