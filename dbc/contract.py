@@ -75,7 +75,7 @@ class Port:
     """One MVB port: a logical address with one source, sent as one telegram.
 
     ``period_ns`` is 0 for telegrams without a period (events without repetition, the handshake). ``telegram``: name of
-    its telegram class; ``layout``: that of the class that it shares with other ports (empty: none).
+    its telegram class; ``layout``: name of the class that it shares with other ports (empty: none).
     """
 
     name: str
@@ -104,7 +104,7 @@ class Port:
         object.__setattr__(self, "_cuts", cuts)
 
     def cut(self, name: str) -> tuple[int, int, int]:
-        """Where a signal lies in the telegram as one number: bits behind it, mask, largest raw value; KeyError for an
+        """Place of a signal in the telegram as one number: bits behind it, mask, largest raw value; KeyError for an
         unknown one."""
         return self._cuts[name]
 
@@ -123,7 +123,7 @@ class Port:
 
     @property
     def life(self) -> Signal | None:
-        """The life sign, the signal with a name that ends so; None: the telegram has none."""
+        """The life sign: the signal whose name ends in Life; None: the telegram has none."""
         return next((one for one in self.signals if one.name.endswith("Life")), None)
 
     @property

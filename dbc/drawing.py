@@ -1,4 +1,4 @@
-"""The docstring of a telegram class, made from its port: the layout as a drawing, and what each field means."""
+"""The docstring of a telegram class, made from its port: the layout as a drawing, and the meaning of each field."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ _COLUMNS = 100
 
 
 def described(port: Port) -> str:
-    """What a port is for, the drawing of its telegram, and the meaning of each field."""
+    """The purpose of a port, the drawing of its telegram, and the meaning of each field."""
     layout = [f"    {line}".rstrip() for line in drawing(port).splitlines()]
     words = [f"{port.name}: {port.comment}.", "", "::", "", *layout, "", *map(_meaning, port.signals)]
     return "\n".join(words) + "\n"

@@ -12,7 +12,7 @@ from railhil.dbc.read import load_contract, parsed_contract
 
 @cache
 def house_contract() -> Contract:
-    """The contract of the bench alone: the ports that every system has. Its hash is empty, for no run has it."""
+    """The contract of the bench alone: the ports that every system has. Its hash is empty because no run has it."""
     return parsed_contract(HOUSE, Path(__file__).with_name(HOUSE).read_text(encoding="utf-8"))
 
 
@@ -23,7 +23,7 @@ def own_ports(contract: Contract) -> list[Port]:
 
 
 def _check_same(file: str, port: Port, house: Port) -> None:
-    """Whether a port of the bench is as in every system; what its comments say is free.
+    """Check that a port of the bench is as in every system; its comments are free.
 
     :raises ContractError: it is not.
     """

@@ -1,7 +1,7 @@
-"""Reads a port table ``ports.toml``: that of this installation, of a record, or of a system.
+"""Reads a port table ``ports.toml``: of this installation, of a record, or of a system.
 
-The table is the single source: telegram classes check their fields against it, ``railhil.dbc`` is written from it,
-and its DBC's SHA-256 is what the nodes compare before a run.
+The table is the single source: telegram classes check their fields against it, ``railhil.dbc`` is written from it, and
+the nodes compare its DBC's SHA-256 before a run.
 """
 
 from __future__ import annotations
@@ -134,11 +134,11 @@ def load_contract(path: Path = _FOLDER / PORTS, check_dbc: bool = True) -> Contr
 
 
 def _read(path: Path, sha256: str, current: Contract | None = None) -> Contract:
-    """The port table in a file, whose DBC has this hash; usually it is that of ``current``. Raises ContractError."""
+    """The port table in a file whose DBC has this hash; usually ``current`` has it. Raises ContractError."""
     text = _text(path)
     if current is not None and current.sha256 == sha256 and text == table_text(current):
         return current
-    # Decoded is with the table, certified is the DBC.
+    # The table decodes the record, but the certificate has the hash of the DBC.
     if (derived := _dbc_sha256(path.name, text)) != sha256:
         allowed = f"{sha256}, that of the record: a port table that nobody changed"
         raise ContractError(f"{path}: sha256 of its DBC: found {derived}, allowed {allowed}")

@@ -14,7 +14,7 @@ from railhil.dbc.contract import HOUSE, PORTS, Port, Signal
 from railhil.dbc.drawing import described
 from railhil.dbc.house import house_contract, own_ports, system_contract
 
-#: Stub -> the table whose own ports its module has.
+#: Stub -> the table with the ports of its module.
 _TABLES = {
     "bus/telegrams.pyi": HOUSE,
     "railhil/wire/ato.pyi": PORTS,
@@ -24,7 +24,7 @@ _TABLES = {
 
 
 def write_stubs(root: Path) -> None:
-    """Write the stubs that are not yet as their tables say.
+    """Write the stubs that differ from their tables.
 
     :param root: folder with ``bus/`` and ``railhil/``.
     :raises ContractError: a table is unusable.

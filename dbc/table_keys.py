@@ -1,4 +1,4 @@
-"""The keys of a port table: which there are, and what each may be."""
+"""The keys of a port table, and the values allowed for each."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _KINDS: Mapping[str, tuple[type, ...]] = {
     _TABLES: (list,),
     _LAYOUT: (list, str),
 }
-#: Keys that must be there, and others.
+#: Required keys, and optional ones.
 _OF_TABLE = {"port": _TABLES}, {"bus": _TABLE, "shared": _TABLE}
 _OF_PORT = (
     {

@@ -181,7 +181,7 @@ def table_text(contract: Contract) -> str:
 
 
 def _signal_keys(signal: Signal) -> str:
-    """Keys and values of a signal in a port table; what a reader assumes without them is left out."""
+    """Keys and values of a signal in a port table; a key with the reader's default is left out."""
     keys = {"name": _quoted(signal.name), "at": _quoted(f"{signal.byte}.{signal.msb}:{signal.length}")}
     if signal.signed:
         keys["signed"] = "true"

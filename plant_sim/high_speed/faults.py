@@ -4,8 +4,8 @@
 gain       achieved share of the commanded acceleration, multiplied
 lag        time constant of traction and brake, multiplied
 delay      both delays longer
-loop ``safety_loop off``: all units apply their full brake, for good ==========
-==============================================================================================
+loop       ``safety_loop off``: all units apply their full brake, for good
+========== ==============================================================================================
 
 Faults of traction and brake of a unit (:mod:`railhil.faults.actuators`) act on its acceleration: ``slow`` divides its
 lag by the factor, ``dead_time`` adds to the delay of this side. Faults of the sensor: :mod:`railhil.faults.sensors`.

@@ -1,4 +1,4 @@
-"""What this railhil and this Python were built as: pure or compiled, and CPython's own optimisations."""
+"""The builds of this railhil and this Python: pure or compiled, and CPython's own optimisations."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ def railhil_build() -> str:
 
 
 def python_build(configured: str | None = None, shared: bool | None = None) -> str:
-    """How CPython was compiled, as far as it decides its speed: PGO (``--enable-optimizations``) and LTO.
+    """The options of CPython's build that decide its speed: PGO (``--enable-optimizations``) and LTO.
 
-    Debian builds CPython twice, and its program tells the configuration of the other build, that of the library: then
-    nothing is known.
+    Debian builds CPython twice, and its program reports the configuration of the library's build: the options are then
+    unknown.
 
-    :param configured: the arguments of its ``configure``; None: those of this interpreter.
-    :param shared: whether the interpreter is that of a shared library; None: look.
+    :param configured: the arguments of its ``configure``; None: the arguments of this interpreter.
+    :param shared: whether the interpreter comes from a shared library; None: find out.
     """
     words = str(sysconfig.get_config_var("CONFIG_ARGS") or "") if configured is None else configured
     if "--enable-shared" in words and not (_from_library() if shared is None else shared):

@@ -1,5 +1,5 @@
 """The argument parser of every ``railhil`` command: one line for a usage error, exit codes in each help, allowed values
-of the options that say how a law is run."""
+of the options of running a law."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from railhil.common.streams import escape_controls
 
 #: The order of these values gives their codes in the handshake: new ones come last.
 ARITHMETICS = ("float64", "float32", "iq", "iq-portable", "float32-truncated")
-#: What the set-points of a law are indexed by.
+#: Index of the set-points of a law.
 INDEXINGS = ("time", "distance")
 PACES = ("lockstep", "realtime")
-#: Which bus a run uses: chosen by python-can's options, its configuration and the machine, or none at all.
+#: Bus of a run: chosen by python-can's options, its configuration and the machine, or none at all.
 BUSES = ("auto", "local")
-#: Scenario and law of a run that names none.
+#: Default scenario and law of a run.
 USUAL_SCENARIO, USUAL_LAW = "lvshun_tieshan", "ipfc"
 
 
@@ -134,7 +134,7 @@ def seconds(text: str) -> float:
 def add_priority_argument(parser: argparse.ArgumentParser, default: int | None, said: str) -> None:
     """Option of every node of a real-time run.
 
-    :param said: the help text on the default.
+    :param said: help text on the default.
     """
     parser.add_argument(
         "--realtime-priority",

@@ -32,8 +32,8 @@ P = TypeVar("P", ast.FunctionDef, ast.ClassDef)
 
 #: Functions that are inlined into the compiled loop that calls them.
 INLINE: list[Callable[..., Any]] = []
-#: Functions that are compiled separately and called, because most ticks do not need them. Side by side they answer NaN:
-#: their results are floats, or named tuples of floats, and reach the state.
+#: Functions that are compiled separately and called, because most ticks do not need them. Runs computed side by side
+#: get NaN for their results, which are floats or named tuples of floats and reach the state.
 ASIDE: list[Callable[..., Any]] = []
 
 
@@ -68,7 +68,8 @@ def source_of(module: ModuleType) -> Path:
 
 
 def interpreted(function: Callable[..., Any]) -> FunctionType:
-    """A marked function in bytecode, which is what numba reads: itself, or that of a compiled module from its source.
+    """A marked function in bytecode, which numba reads: itself, or for a compiled module the function made from its
+    source.
 
     Its globals are those of its module.
     """
@@ -105,7 +106,7 @@ def _type_of(item: Any, annotation: ast.expr | None) -> Any:
 
 def _checked(function: Callable[..., Any]) -> Callable[..., Any]:
     if isinstance(function, BuiltinFunctionType):
-        # Of a compiled module; its source is checked where it is interpreted.
+        # A function of a compiled module; its source is checked where it is interpreted.
         return function
     if not isinstance(function, FunctionType) or function.__code__.co_kwonlyargcount or function.__code__.co_freevars:
         raise TypeError(f"{function.__qualname__}: compilable is a plain function of positional arguments")

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-#: Significant digits at which a float stands exactly.
+#: Significant digits that give a float exactly.
 _DIGITS_MAX = 17
 
 
 def text_beside_limit(value: float, limit: float, digits: int, sign: str = "", kind: str = "f") -> str:
-    """A value that is shown beside its limit, with as many digits as it takes to see on which side it is.
+    """A value beside its limit, with enough digits to show on which side of the limit it is.
 
     >>> text_beside_limit(0.30004, 0.3, 3, "+"), text_beside_limit(0.4, 0.3, 3)
     ('+0.30004', '0.400')
 
     :param limit: with a ``sign``, of the magnitude.
-    :param digits: so many at least: decimals, with ``kind`` g significant ones.
+    :param digits: smallest number of decimals, or of significant digits with ``kind`` g.
     :param sign: ``+``: the sign is always shown.
     """
 

@@ -1,4 +1,4 @@
-"""The one exception for bad input: which file, which key, what was found, what is allowed.
+"""The one exception for bad input: file, key, value found, values allowed.
 
 A message is always a single line, so that it can be printed unchanged before exit code 2.
 """
@@ -57,11 +57,11 @@ def did_you_mean(word: str, allowed: Iterable[str]) -> str | None:
 
 
 def near_file(path: Path) -> str | None:
-    """The same for a file that does not exist: a file in its folder with a similar name and suffix."""
+    """As :func:`hint`, for a file that does not exist: a file in its folder with a similar name and suffix."""
     try:
         names = [entry.name for entry in path.parent.iterdir() if entry.is_file() and entry.suffix == path.suffix]
     except OSError:
-        # No such folder, or none that may be listed: then nothing is like the name.
+        # There is no such folder, or it cannot be listed: no hint.
         return None
     nearest = nearest_key(path.name, names)
     return f"did you mean {path.parent / nearest}?" if nearest else None
@@ -97,7 +97,7 @@ class InputError(Exception):
 
 
 class InputErrors(InputError):
-    """Several at once, in one line; its fields are those of the first."""
+    """Several errors in one line; the fields come from the first."""
 
     def __init__(self, errors: Sequence[InputError]) -> None:
         first = errors[0]
@@ -110,21 +110,21 @@ class InputErrors(InputError):
 
 
 class Faults:
-    """Collects bad input, so that all of it is said together."""
+    """Collects bad input, to report all of it together."""
 
     def __init__(self) -> None:
         self.found: list[InputError] = []
 
     @contextmanager
     def kept(self) -> Iterator[None]:
-        """Bad input within is kept, and what follows the ``with`` goes on."""
+        """Keep bad input of the block; the code after the ``with`` continues."""
         try:
             yield
         except InputError as error:
             self.found.append(error)
 
     def raise_all(self) -> None:
-        """:raises InputError: what was kept, if anything was."""
+        """:raises InputError: the kept errors, if there are any."""
         if self.found:
             raise self.found[0] if len(self.found) == 1 else InputErrors(self.found)
 
@@ -134,7 +134,7 @@ def _flat(text: str) -> str:
 
 
 class Words:
-    """What was found, in words: a missing value, or a state that is not a value."""
+    """A finding in words: a missing value, or a state that is not a value."""
 
     def __init__(self, words: str = "nothing") -> None:
         self.words = words

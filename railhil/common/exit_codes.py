@@ -28,14 +28,14 @@ INVALID = 3
 #: A defect of the bench itself, or the record could not be written (disk full).
 TOOL_ERROR = 4
 
-#: There is no room for a file: on the disk, for this user, or for one so large.
+#: Errors for a file without room: on the disk, for this user, or for its size.
 _FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 
 
 def provide_streams() -> None:
     """Replace a standard stream that the caller has closed (``>&-``) by the null device.
 
-    Else the next file that is opened, such as a log, gets its number, and every process that is started writes there.
+    Otherwise the next file opened, such as a log, would get its number, and every process started would write into it.
     """
     for number, name in enumerate(("stdin", "stdout", "stderr")):
         if getattr(sys, name) is None:
@@ -73,7 +73,7 @@ def leave_terminal() -> None:
 
 
 class _Terminal(io.FileIO):
-    """A terminal that may go away: what is written afterwards is discarded."""
+    """A terminal that may go away: later output is discarded."""
 
     def write(self, content: Buffer, /) -> int:
         try:
@@ -86,7 +86,7 @@ class _Terminal(io.FileIO):
 
 
 def outlive_terminal() -> None:
-    """For a command that ignores SIGHUP: it goes on when its terminal is gone, which no signal tells it."""
+    """Used by a command that ignores SIGHUP: it continues when its terminal is gone, of which no signal informs it."""
     for name in ("stdout", "stderr"):
         stream = getattr(sys, name)
         if isinstance(stream, io.TextIOWrapper) and stream.isatty():
@@ -96,7 +96,7 @@ def outlive_terminal() -> None:
 
 
 def ignore_ending_signals() -> None:
-    """From here on ignore signals that would end this process, which only writes its results and ends.
+    """Ignore signals that would end this process from here on: it only writes its results and ends.
 
     When a node is lost the supervisor ends the others, and Ctrl-C at a terminal reaches all of them, perhaps twice.
     """
@@ -124,14 +124,14 @@ def hold_back_interrupts() -> None:
 
 
 def hear_interrupts() -> None:
-    """End :func:`hold_back_interrupts`; a Ctrl-C that came meanwhile raises KeyboardInterrupt here."""
+    """End :func:`hold_back_interrupts`; a Ctrl-C that has come since raises KeyboardInterrupt here."""
     signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGINT])
 
 
 def _is_output_full(error: OSError) -> bool:
-    """Whether standard output cannot be written for this reason, which names no file: so the next line fails as well.
+    """Whether this reason, which names no file, is a failure of standard output: the next line then fails as well.
 
-    If it can be, the line that is tried is the last one of a command that has failed.
+    If standard output works, the line written for the check is the last one of a failed command.
     """
     if error.filename is not None or error.errno not in _FULL:
         return False
@@ -146,7 +146,7 @@ def _multiply_in_one_thread() -> None:
     """Numpy, if it is loaded from here on, multiplies matrices in one thread, in this process and in those it starts.
 
     All matrices here are small; threads for them would cost every process 40 ms at its start, and sums could depend on
-    the number of processors. What the user has set stays.
+    the number of processors. Settings of the user stay.
     """
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
@@ -177,11 +177,11 @@ def run_guarded(name: str, main: Callable[[], int]) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return PASS
     except Exception as error:
-        # Whatever nobody has expected: one line and an exit code, no traceback.
+        # Report an unexpected exception: one line and an exit code, no traceback.
         if os.environ.get("RAILHIL_TRACEBACK"):
             raise
         if isinstance(error, PermissionError) and error.filename is not None:
-            # Of a path that the user names, or of the user's home: whoever looks there finds no defect of the bench.
+            # An error about a path that the user names, or about the user's home, is no defect of the bench.
             path = os.fsdecode(error.filename) if not isinstance(error.filename, int) else str(error.filename)
             from railhil.common.errors import InputError, Words
 
@@ -192,7 +192,7 @@ def run_guarded(name: str, main: Callable[[], int]) -> int:
         kind = "" if expected else f"{type(error).__name__}: "
         if isinstance(error, OSError) and _is_output_full(error):
             kind, text = "standard output: ", str(error.strerror).lower()
-        # What is wrong with the command itself names it: a library that is missing.
+        # An import error of the command itself names the missing library.
         is_named = f"{getattr(error, 'file', '')} ".startswith(f"{name} ")
         line = text if is_named else f"{name}: {kind}{text}"
         # If standard error is full or closed, the exit code still tells.

@@ -1,4 +1,5 @@
-"""Libraries of the extras: the command that installs missing ones for this kind of installation, and one not to load.
+"""Libraries of the extras: the command that installs missing ones for this kind of installation, and a library that is
+not loaded.
 
 python-can imports asammdf, and pandas with it, for MF4 files of its own. That takes half a second at the start of every
 command and node of an installation with the extra ``mdf``.
@@ -25,7 +26,7 @@ _PIPX = "pipx_metadata.json"
 def install_command(extra: str) -> str:
     """The command that installs the libraries of an extra into the running environment.
 
-    The libraries are named one by one, which works in a clone, for a wheel and with pipx, wherever railhil came from.
+    The libraries are named one by one, which works in a clone, for a wheel and with pipx.
     """
     # Loading this takes a tenth of the start of a command.
     from importlib.metadata import requires
@@ -52,8 +53,7 @@ def missing_library(command: str, error: ImportError, extra: str) -> InputError:
 def need(module: str, extra: str, command: str = "railhil campaign") -> ModuleType:
     """Import a module of an extra.
 
-    :param command: that needs it.
-    :raises InputError: it is not installed.
+    :param command: command that needs the module. :raises InputError: it is not installed.
     """
     try:
         return importlib.import_module(module)

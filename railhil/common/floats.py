@@ -12,7 +12,7 @@ from railhil.common.compilable import compilable_functions
 
 #: A sum with this float has no binary places: it is rounded to a whole number, halves to the even one (IEEE 754).
 _NO_PLACES: Final = 1.5 * 2.0**52
-#: Up to this magnitude the sum is exact but for that.
+#: Up to this magnitude the sum is exact except for the rounding.
 _WHOLE_MAX: Final = 2.0**51
 
 

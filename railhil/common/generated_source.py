@@ -16,7 +16,7 @@ from typing import Any
 def compile_source(title: str, text: str, names: Mapping[str, Any] | None = None) -> dict[str, Any]:
     """The functions that a text defines, by name.
 
-    :param title: what the text is, for tracebacks and debuggers. A comma in it would keep pdb from stopping there.
+    :param title: name of the text, for tracebacks and debuggers. A comma in it would keep pdb from stopping there.
     :param names: global names that the text uses; the functions see them and each other.
     """
     known = dict(names or {})
@@ -29,7 +29,7 @@ def compile_source(title: str, text: str, names: Mapping[str, Any] | None = None
 def _code(title: str, text: str) -> CodeType:
     """The code of a text; another text with the same title gets a number in its name."""
     name, count = f"<railhil {title}>", 1
-    # Without a time of change: linecache would drop the text when it looks for files that have changed.
+    # The entry has no time of change: otherwise linecache would drop the text when it checks files for changes.
     entry = (len(text), None, text.splitlines(keepends=True), name)
     while linecache.cache.setdefault(name, entry) != entry:
         count += 1

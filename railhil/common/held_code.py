@@ -1,4 +1,4 @@
-"""The code on which a law or a system may depend: what its package and its distribution hold."""
+"""The code on which a law or a system may depend: its package and its distribution."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from pathlib import Path
 
 import railhil
 
-#: The package whose builds (compiled, sources) give the same results: of it only sources and tables count.
+#: The package whose builds (compiled, sources) give the same results, so that only its sources and tables count.
 OURS = __name__.partition(".")[0]
 _SOURCES = (".py", ".toml", ".dbc", ".csv")
 
@@ -31,10 +31,10 @@ def place_of(name: str) -> Path:
 
 @cache
 def held_sha256(module: str, distribution: Distribution | None = None) -> str:
-    """Hash over all files beside a module on which what it does may depend (names and contents, in order of names).
+    """Hash over all files on which the results of a module may depend (names and contents, in order of names).
 
     These are the files of its top-level package, and those of the distribution that it comes from: a module that it
-    imports from there may change as well. What Python makes of them (``__pycache__``) does not count.
+    imports from there may change as well. Files that Python makes of them (``__pycache__``) do not count.
 
     :param module: name with dots.
     :param distribution: None: only the top-level package.
@@ -57,7 +57,7 @@ def held_sha256(module: str, distribution: Distribution | None = None) -> str:
 def _files_of(top: str) -> dict[str, Path]:
     """The files of a top-level package or module by their names below the folder that it is in.
 
-    Those of railhil have the names that they have in a wheel.
+    Files of railhil have the names that they have in a wheel.
     """
     if top == OURS:
         roots = {top: Path(railhil.__path__[0]), **{f"{top}/{name}": place_of(name) for name in railhil.AT_TOP}}

@@ -17,7 +17,7 @@ from railhil.common.streams import discard_output, escape_controls
 
 #: Width of output into a file or pipe unless COLUMNS is set.
 _FILE_COLUMNS = 100
-#: Letters of a word that a column keeps together; more are a name, which may be folded.
+#: Longest word that a column keeps together, in letters; a longer one is a name, which may be folded.
 _WORD_LETTERS = 5
 #: A word that counts as a number, with sign, brackets and unit around it; a longer one is a hash.
 _NUMBER = re.compile(r"[^\w\s]*\d\S{0,29}")
@@ -50,7 +50,7 @@ class Output(Console):
         super().print(*objects, **{"crop": False, **options})
 
     def say(self, text: str, style: str | None = None) -> None:
-        """Print one line, however long."""
+        """Print one line of any length."""
         self.print(text, style=style, soft_wrap=True)
 
 

@@ -1,4 +1,4 @@
-"""How long one node waits for another in lockstep, where a slow node and a dead one look the same on the bus.
+"""Waiting times between nodes in lockstep, where a slow node and a dead one look the same on the bus.
 
 ==================================================== =================================================================
 what is known                                        what is done
@@ -22,8 +22,7 @@ from typing import Protocol
 PATIENCE_S = 60.0
 #: Wall time for all nodes of a run to appear.
 APPEAR_S = 25.0
-#: Nodes that wait for the bus administrator wait longer than it does itself, because it knows better which node is
-#: missing.
+#: Nodes wait longer for the bus administrator than it waits itself, because it knows better which node is missing.
 LATER_S = 2.0
 
 

@@ -31,13 +31,13 @@ SHIPPED = {
 
 
 class EndsInterpreter(Exception):
-    """Code that plugs in has called ``sys.exit``."""
+    """Plug-in code has called ``sys.exit``."""
 
 
 @contextmanager
 def guard_plug_in() -> Iterator[None]:
-    """While code that plugs in is imported or begins, its ``sys.exit`` is an error like any other: a command would else
-    end with its exit code, and without a word.
+    """Turn a ``sys.exit`` of plug-in code, while it is imported or begins, into an error: otherwise a command would end
+    with its exit code and without a message.
 
     :raises EndsInterpreter: it called it. (``os._exit`` ends the process at once, which nobody can prevent.)
     """
@@ -52,8 +52,7 @@ def guard_plug_in() -> Iterator[None]:
 
 
 def cause_of(error: Exception) -> str:
-    """What an exception of code that plugs in says; of an import of a module of railhil that has moved, also where it
-    is now."""
+    """Message of an exception of plug-in code; for an import of a moved module of railhil also its new place."""
     said = f"{type(error).__name__}: {error}"
     name = error.name if isinstance(error, ModuleNotFoundError) else None
     if name is None or name.count(".") < 2 or name.partition(".")[0] != __name__.partition(".")[0]:
@@ -96,5 +95,5 @@ def _shipped(group: str) -> Iterator[importlib.metadata.EntryPoint]:
 
 @cache
 def _every(path: tuple[str, ...]) -> Any:
-    # EntryPoints, or what has the same select() in Python 3.11.
+    # EntryPoints, or the class with the same select() in Python 3.11.
     return importlib.metadata.entry_points()

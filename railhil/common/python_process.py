@@ -1,9 +1,9 @@
 """A module as a process of its own, ``python -P -m MODULE WORDS``: forked where that is safe, else a new interpreter.
 
-A process that is forked has loaded already what this one has, which saves most of its start: a third of a second for a
-node. It gets what a new interpreter would: its standard streams and no other descriptors, default signals, its own
-command line for :mod:`sys`, no handlers of this process's end. Only tools that list processes show this command's line;
-their short name is the given title. The last functions end or stop this process.
+A forked process has already loaded the modules of this one, which saves most of its start: a third of a second for a
+node. Like a new interpreter it gets its standard streams and no other descriptors, default signals, its own command
+line for :mod:`sys`, and no exit handlers of this process. Only tools that list processes show this command's line; the
+short name there is the given title. The last functions end or stop this process.
 """
 
 from __future__ import annotations
@@ -28,12 +28,12 @@ from typing import NoReturn, Protocol
 _PR_SET_PDEATHSIG = 1
 #: prctl(2): the name of this process in /proc/PID/comm, at most 15 bytes.
 _PR_SET_NAME = 15
-#: Between two looks whether a process has ended, s.
+#: Interval between two checks whether a process has ended, s.
 _LOOK_S = 0.002
 
 
 class Process(Protocol):
-    """What :class:`subprocess.Popen` and a forked process have in common."""
+    """The common interface of :class:`subprocess.Popen` and a forked process."""
 
     pid: int
     returncode: int | None
@@ -88,7 +88,7 @@ class _Forked:
         self.returncode: int | None = None
         for stream in (sys.stdout, sys.stderr):
             stream.flush()
-        # In the new process this command's handlers would raise in this command's code, which would go on there.
+        # In the new process this command's handlers would raise in this command's code, which would continue there.
         before = signal.pthread_sigmask(signal.SIG_BLOCK, signal.valid_signals())
         gc.freeze()
         try:
@@ -104,7 +104,7 @@ class _Forked:
             try:
                 pid, status = os.waitpid(self.pid, os.WNOHANG)
             except ChildProcessError:
-                # Somebody else has waited for it; as subprocess does.
+                # Other code has waited for it; handled as in subprocess.
                 pid, status = self.pid, 0
             if pid:
                 self.returncode = os.waitstatus_to_exitcode(status)
@@ -163,7 +163,7 @@ def _become(
                 with contextlib.suppress(Exception):
                     stream.flush()
         finally:
-            # Whatever happens, never back into this command's code.
+            # Never return into this command's code.
             os._exit(code & 0xFF)
 
 
@@ -188,7 +188,7 @@ def _take_streams(output: int, handed: Sequence[int]) -> None:
         low = kept + 1
     os.closerange(low, os.sysconf("SC_OPEN_MAX"))
     sys.stdin = os.fdopen(0, encoding="utf-8")
-    # As a new interpreter has them for a file, but each line is written when it is complete.
+    # Buffered as for a file in a new interpreter, but each line is written when it is complete.
     for name, number in (("stdout", 1), ("stderr", 2)):
         setattr(sys, name, os.fdopen(number, "w", buffering=1, encoding="utf-8", errors="backslashreplace"))
 
@@ -212,7 +212,7 @@ def kill_this_process() -> None:
 def stop_this_process(duration_s: float) -> None:
     """Stop this process (SIGSTOP) and have it continued (SIGCONT) after a time on the wall clock in s."""
     number = str(os.getpid())
-    # Stopped, it cannot continue itself.
+    # A stopped process cannot continue itself.
     words = ["sh", "-c", 'kill -STOP "$1"; sleep "$2"; kill -CONT "$1"', "sh", number, f"{duration_s:g}"]
     with subprocess.Popen(words, stdin=subprocess.DEVNULL, start_new_session=True) as helper:
         helper.wait()

@@ -1,4 +1,4 @@
-"""What a node of a real-time run requests from the kernel while it keeps deadlines.
+"""Requests of a node of a real-time run to the kernel while it keeps deadlines.
 
 ============================ =======================================================================================
 request                      reason
@@ -9,9 +9,9 @@ SCHED_FIFO                   the node runs as soon as it is woken, however busy 
 locked memory                no page of the node has to be loaded in the middle of a tick
 ============================ =======================================================================================
 
-The last two need a permission; without it the node says what it was granted and continues. A node that computes for
-:data:`RUNAWAY_S` without a pause gives up SCHED_FIFO, and one that can no longer do so is killed by the kernel
-(RLIMIT_RTTIME), so a defect of the bench cannot block the machine.
+The last two need a permission; without it the node reports the scheduling it was granted and continues. A node that
+computes for :data:`RUNAWAY_S` without a pause gives up SCHED_FIFO, and one that can no longer do so is killed by the
+kernel (RLIMIT_RTTIME), so a defect of the bench cannot block the machine.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ PRIORITY_MAX = 98
 RUNAWAY_S, KILLED_S = 0.5, 2.0
 _MCL_CURRENT, _MCL_FUTURE = 1, 2
 _PR_SET_TIMERSLACK, _PR_GET_TIMERSLACK = 29, 30
-#: Normal scheduling as it is restored: without CAP_SYS_NICE a process may not clear the flag again (sched(7)).
+#: Normal scheduling after restoring: without CAP_SYS_NICE a process may not clear the flag again (sched(7)).
 _GIVEN_BACK = os.SCHED_OTHER | os.SCHED_RESET_ON_FORK
 _NORMAL = "normal scheduling"
 _MARK = ": scheduling: "
@@ -45,7 +45,7 @@ _MARK = ": scheduling: "
 
 @dataclass(slots=True)
 class Scheduling:
-    """How a node is scheduled: ``priority`` of SCHED_FIFO (0: normal scheduling), and the same in words.
+    """Scheduling of a node: ``priority`` of SCHED_FIFO (0: normal scheduling), and the same in words.
 
     ``name``: the node's name for the printed line, empty to print nothing.
     """
@@ -59,8 +59,8 @@ class Scheduling:
 def cycle(name: str, priority: int, aloud: bool = True) -> Iterator[Scheduling]:
     """Context in which a process keeps deadlines; everything is restored at its end.
 
-    :param name: of the node, for the line on standard error that says what was granted.
-    :param priority: SCHED_FIFO priority to ask for; 0 asks for none and says nothing.
+    :param name: of the node, for the line on standard error on the scheduling granted.
+    :param priority: SCHED_FIFO priority to ask for; 0 asks for none and prints nothing.
     :param aloud: False for a process whose standard error belongs to the user.
     """
     collecting = gc.isenabled()
@@ -167,14 +167,14 @@ def _ask(priority: int) -> tuple[int, str]:
 
 
 def _lock_memory(libc: ctypes.CDLL) -> str:
-    """Lock memory as far as permitted; returns what was achieved, in words.
+    """Lock as much memory as permitted; returns the result in words.
 
     Future memory is locked only if there is no limit: at a limit the next allocation would fail.
     """
     limit = resource.getrlimit(resource.RLIMIT_MEMLOCK)[0]
     if libc.mlockall(_MCL_CURRENT) != 0:
         return f"memory not locked ({os.strerror(ctypes.get_errno()).lower()}, memlock limit {limit // 1024} KiB)"
-    # More locked than the limit means that CAP_IPC_LOCK is effective, which is not so in every container.
+    # More locked memory than the limit means that CAP_IPC_LOCK is effective; in some containers it is not.
     unlimited = limit == resource.RLIM_INFINITY or _locked_bytes() > limit
     if unlimited and libc.mlockall(_MCL_CURRENT | _MCL_FUTURE) == 0:
         return "memory locked"

@@ -1,5 +1,5 @@
-"""Standard output and error of the commands, for text that needs no library: those of tables and styles are loaded
-later (:mod:`railhil.common.output`).
+"""Standard output and error of the commands, for text that needs no library; the libraries of tables and styles are
+loaded later (:mod:`railhil.common.output`).
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import sys
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    # Not loaded before a command listens to Ctrl-C.
+    # Loaded only after a command listens to Ctrl-C.
     import argparse
 
 #: Control characters except line feed and tab, line and paragraph separators, invisible marks (direction, width,
@@ -24,7 +24,7 @@ _UNSAFE = re.compile(
 
 
 def escape_controls(text: str) -> str:
-    r"""The text with such characters escaped: ``\x1b`` for the one that begins an escape sequence."""
+    r"""The text with such characters escaped: ``\x1b`` for the character that begins an escape sequence."""
     return text if text.isprintable() else _UNSAFE.sub(_written_out, text)
 
 

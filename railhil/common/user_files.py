@@ -27,7 +27,7 @@ _ALLOWED = "a regular file"
 def open_given(path: Path, bytes_max: int = BYTES_MAX) -> BufferedReader:
     """The file, open for reading.
 
-    :raises InputError: it is no regular file, or a larger one.
+    :raises InputError: it is no regular file, or it is larger.
     :raises OSError: it cannot be opened.
     """
     stream = open(os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC), "rb")  # noqa: SIM115
@@ -142,7 +142,7 @@ def write_synced(path: Path, content: bytes) -> None:
 
 
 def lock_within(descriptor: int, wait_s: float) -> bool:
-    """Lock an open file or folder for this process alone; False if somebody else holds the lock for so long.
+    """Lock an open file or folder for this process alone; False if another process holds the lock for this time.
 
     The lock ends with the process or the descriptor.
 

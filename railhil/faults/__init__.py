@@ -1,4 +1,4 @@
-"""Faults: what a run injects, where, when and for how long, as text, as a table of a scenario file and as an object."""
+"""Faults: kind, place, time and duration of an injection, as text, as a table of a scenario file and as an object."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from railhil.faults.model import Fault
 
-#: What errors name as the source of a fault given on the command line.
+#: Source named in errors about a fault given on the command line.
 FAULT = Path("--fault")
 
 
 def parse_faults(texts: Iterable[str]) -> list[Fault]:
     """Each text as a fault, see :func:`railhil.faults.language.parse`.
 
-    :raises InputError: one of them is not in the language.
+    :raises InputError: a text is not in the language.
     """
     texts = list(texts)
     if not texts:

@@ -12,7 +12,7 @@ class Activity:
     """One fault of a run: waiting, active, or over. It becomes active once.
 
     The injector calls :meth:`look` at every tick before it uses :attr:`active`, in addition :meth:`happened` with each
-    event, and :meth:`telegram` before each telegram of the fault's port. ``spent`` counts what it has changed.
+    event, and :meth:`telegram` before each telegram of the fault's port. ``spent`` counts its changes.
 
     :param fault: with all distributions drawn.
     :param number: its place in the run's list, from 1.
@@ -33,13 +33,13 @@ class Activity:
         #: Simulation time at which it became active and at which it ended; None before.
         self.begun_ns: int | None = None
         self.ended_ns: int | None = None
-        #: How many telegrams or samples it has changed.
+        #: Number of telegrams or samples that it has changed.
         self.hits = 0
         trigger = fault.trigger
         # The simulation time from which it is active, as soon as its condition has been met.
         self._at_ns: int | None = None
         self._met = False
-        # Value of a position or speed at the last look: only a crossing counts.
+        # Value of a position or speed at the last tick: only a crossing counts.
         self._before: float | None = None
         self._edge = 1 if trigger.edge == "rising" else -1
         self._duration_ns = None if fault.duration_s is None else round(fault.duration_s * _NS_PER_S)
@@ -68,7 +68,7 @@ class Activity:
         return self.active
 
     def happened(self, event: str, now_ns: int) -> None:
-        """An event of the run: a milestone or a level of one of the watches, in lower case."""
+        """Take an event of the run: a milestone or a level of one of the watches, in lower case."""
         trigger = self.fault.trigger
         if not self._met and trigger.kind == "event" and trigger.value == event:
             self._meet(now_ns)
@@ -76,13 +76,13 @@ class Activity:
             self._finish(now_ns)
 
     def telegram(self, number: int, now_ns: int) -> None:
-        """The telegram that comes next on the fault's port, counted from 1."""
+        """Take the number of the next telegram on the fault's port, counted from 1."""
         trigger = self.fault.trigger
         if not self._met and trigger.kind == "telegram" and number >= float(trigger.value):
             self._meet(now_ns)
 
     def order(self, inject: bool, now_ns: int) -> None:
-        """An order by hand: inject the fault now, or clear it."""
+        """Take an order by hand: inject the fault now, or clear it."""
         if inject and not self._met:
             self._meet(now_ns)
         elif not inject and not self.over:
@@ -101,7 +101,7 @@ class Activity:
         return found is not None
 
     def hit(self, now_ns: int) -> None:
-        """It has changed one more telegram or sample; after ``count`` of them it is over."""
+        """Note one more changed telegram or sample; after ``count`` of them the fault is over."""
         self.hits += 1
         if self.fault.count is not None and self.hits >= self.fault.count:
             self._finish(now_ns)

@@ -1,7 +1,8 @@
 """Kinds of faults of traction and brake, each with its word, and a side of the train that has them.
 
 A new kind is a class here, listed in :data:`ACTUATOR_KINDS`. The language, its documentation and the plants of all
-systems read that list. Each plant says what the fields of a :class:`SideState` mean for its forces or accelerations.
+systems read that list. Each plant defines the meaning of the fields of a :class:`SideState` for its forces or
+accelerations.
 """
 
 from __future__ import annotations
@@ -19,11 +20,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class SideState:
-    """What the active faults make of traction or of the brake.
+    """State of traction or brake under the active faults.
 
-    ``share``: of its force, whoever commands it. ``poles``: factors on its pole while it acts. ``delays_s``: its
-    commands act later. ``instead``: the force that it gives instead of the commanded one, in the unit of the plant;
-    infinite: all that it has; None: no such fault.
+    ``share``: of its force, for any source of the command. ``poles``: factors on its pole while it acts. ``delays_s``:
+    its commands act later. ``instead``: the force that it gives instead of the commanded one, in the unit of the plant;
+    infinite: its full force; None: no such fault.
     """
 
     share: float = 1.0
@@ -133,7 +134,7 @@ ACTUATOR_KINDS: tuple[type[ActuatorFault], ...] = (
 class FaultySide:
     """Traction or brake with its faults, in the order of their numbers.
 
-    :ivar state: what the active faults make of it since :meth:`change`.
+    :ivar state: its state under the active faults, from :meth:`change`.
     """
 
     def __init__(self, activities: Iterable[Activity]) -> None:
@@ -142,7 +143,7 @@ class FaultySide:
         self.state = SideState()
 
     def change(self, present: float) -> None:
-        """Faults have begun or ended.
+        """Take the faults that have begun or ended.
 
         :param present: force of the side at this instant.
         """

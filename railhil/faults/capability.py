@@ -1,4 +1,4 @@
-"""Where a fault acts: its ports, and what cannot be injected on which transport and at which pace, and why not.
+"""The ports of a fault, and the faults that cannot be injected on a transport or at a pace, with the reasons.
 
 :data:`REFUSALS` is one table, for the check and the document.
 """
@@ -15,7 +15,7 @@ from railhil.faults.model import Fault, Word
 from railhil.faults.truth import Truth
 from railhil.faults.words import CLEAR, WORDS, kind_of_part
 
-#: Transports: what they are called here, and what they are.
+#: Transports: name and description.
 TRANSPORTS = {
     "local": "all nodes in one process (`--bus local`, tests, campaigns through the nodes)",
     "hub": "railhil's hub, also as a gateway to other buses",
@@ -24,17 +24,17 @@ TRANSPORTS = {
     "board": "a controller that is not railhil's (`--no-controller`), on any of these",
     "batch": "the compiled batch of `campaign` and `tune`",
 }
-#: Those without the hub's model of CAN controllers and lines; a board is not told what happens to it.
+#: Transports without the hub's model of CAN controllers and lines; a board gets no reports of them.
 _NOT_THE_HUB = tuple(name for name in TRANSPORTS if name != "hub")
 PACES = ("lockstep", "realtime")
 
 
 @dataclass(frozen=True, slots=True)
 class Refusal:
-    """What cannot be injected; an empty field matches everything.
+    """Faults that cannot be injected; an empty field matches everything.
 
     ``names``: places of the level; ``parts``: as in :class:`railhil.faults.words.Word`; ``sources``: nodes at which the
-    fault acts; ``unless_constant``: not about what :func:`is_constant` says.
+    fault acts; ``unless_constant``: does not match faults for which :func:`is_constant` is true.
     """
 
     why: str
@@ -48,7 +48,7 @@ class Refusal:
     sources: tuple[str, ...] = ()
 
     def fits(self, word: Word, name: str) -> bool:
-        """Whether it is about a word at a place, on some transport."""
+        """Whether it matches a word at a place, on any transport."""
         return (
             word.name != CLEAR
             and (not self.levels or word.level in self.levels)
@@ -58,7 +58,7 @@ class Refusal:
         )
 
 
-#: The table; the first entry that fits says why.
+#: The table; the first matching entry gives the reason.
 REFUSALS: tuple[Refusal, ...] = (
     Refusal("only railhil's hub has two lines", ("bus",), parts=("line",), transports=_NOT_THE_HUB),
     Refusal(
@@ -86,14 +86,14 @@ REFUSALS: tuple[Refusal, ...] = (
 )
 
 
-#: Places of the train and words that a changed scenario expresses.
+#: Places of the train and words that a changed scenario can express.
 MISMATCHES = (("mass", "scale"), ("resistance", "scale"), ("gradient", "scale"), ("gradient", "offset"))
 
 
 def is_constant(fault: Fault) -> bool:
-    """Whether a fault is a mismatch that lasts from the start to the end: a changed scenario says the same.
+    """Whether a fault is a mismatch from the start to the end, which a changed scenario can express.
 
-    The batch computes these, with whatever values are drawn; runs with any other fault go through the nodes.
+    The batch computes such faults with any drawn values; runs with any other fault go through the nodes.
     """
     begins = fault.trigger.kind == "time" and not fault.trigger.value and not fault.trigger.delay_s
     ends = fault.duration_s is not None or fault.count is not None or bool(fault.until)
@@ -101,12 +101,12 @@ def is_constant(fault: Fault) -> bool:
 
 
 def refusals(word: Word, name: str) -> Iterator[Refusal]:
-    """All entries about a word at a place."""
+    """All entries that match a word at a place."""
     return (entry for entry in REFUSALS if entry.fits(word, name))
 
 
 def why_not(fault: Fault, transport: str, pace: str, sources: Sequence[str] = ()) -> str:
-    """Why a fault cannot be injected; empty if it can.
+    """Reason for which a fault cannot be injected; empty if it can.
 
     :param transport: one of :data:`TRANSPORTS`.
     :param sources: nodes at which it acts.
@@ -149,7 +149,7 @@ def instruments(truth: Truth | None) -> frozenset[str]:
 def port_names(fault: Fault, contract: Contract, units: Sequence[str], named: Mapping[str, str]) -> list[str]:
     """Names of the ports of a fault of a telegram or a command; they need not exist.
 
-    With units the fault names what follows the unit in the names of their ports.
+    With units the fault has the part of a port's name after the unit.
 
     :param units: first words of the ports of each unit.
     :param named: commands by name, each ``PORT.Signal``.

@@ -52,7 +52,7 @@ class Complain(Protocol):
     """Makes the error for a part of a fault."""
 
     def __call__(self, found: str, allowed: str, hint: str | None = None) -> InputError:
-        """``found`` is empty for something that is missing."""
+        """``found`` is empty for a missing part."""
 
 
 class _Reader:
@@ -78,7 +78,7 @@ class _Reader:
         return self._words[0] if self._words else ""
 
     def take(self) -> str:
-        """The next word, which is then behind us."""
+        """Read the next word."""
         return self._words.pop(0) if self._words else ""
 
     def refused(self, found: str, allowed: str, hint: str | None = None) -> InputError:
@@ -89,7 +89,7 @@ class _Reader:
 def parse(text: str, source: str | Path = FAULT, trigger: Trigger | None = None) -> Fault:
     """The fault of a text.
 
-    :param source: where it comes from, for errors.
+    :param source: source named in errors.
     :param trigger: used if the text has no ``@WHEN``; None: it must have one.
     :raises InputError: it is not in the language: what was found, what is allowed.
     """
@@ -128,7 +128,7 @@ def _expected(word: Word, values: dict[str, Value]) -> str:
 
 
 def _values(reader: _Reader, word: Word) -> dict[str, Value]:
-    """Parameters by name: those without a keyword by their place, then those with one in any order."""
+    """Parameters by name: parameters without a keyword by their place, then the others in any order."""
     values: dict[str, Value] = {}
     for one in word.parameters:
         if not one.keyword and not _ends(reader, word):
@@ -304,7 +304,7 @@ def _check_expect(expect: Expect, complain: Complain) -> None:
 
 
 def with_hand(text: str) -> str:
-    """The text with ``@manual`` where a text says when, if it says nothing: before ``for``, ``until``, ..."""
+    """The text with ``@manual`` at the place of the trigger if it has none: before ``for``, ``until``, ..."""
     if "@" in text or not text.strip():
         return text
     found = _FIRST_OF_TAIL.search(text)
@@ -313,14 +313,14 @@ def with_hand(text: str) -> str:
 
 
 def sameness(fault: Fault) -> tuple[object, ...]:
-    """What makes two faults the same but for when they begin and end."""
+    """Identity of a fault apart from its beginning and end."""
     return fault.place, fault.what, tuple(sorted(fault.values.items())), fault.count, fault.after, fault.units
 
 
 def fault_text(fault: Fault, *, judging: bool = True) -> str:
     """The canonical text of a fault: :func:`parse` reads it back.
 
-    :param judging: with ``id`` and ``expect``, which change nothing in the run.
+    :param judging: with ``id`` and ``expect``, which do not change the run.
     """
     place = fault.place
     word = word_of(place.level, place.name, place.part, fault.what)
@@ -340,7 +340,7 @@ def fault_text(fault: Fault, *, judging: bool = True) -> str:
 
 
 def _value_words(fault: Fault, word: Word) -> Iterator[str]:
-    """Values up to the last one that is not the usual one; with a keyword only if one of its values is not."""
+    """Values up to the last unusual one; a keyword and its values only if one of these is unusual."""
     placed = [one for one in word.parameters if not one.keyword]
     given = [index for index, one in enumerate(placed) if fault.values.get(one.name, one.usual) != one.usual]
     for one in placed[: max(given, default=-1) + 1]:

@@ -1,7 +1,7 @@
 """One fault of a run, and the words of which its text is made.
 
-Times are simulation time. What a fault does to a sensor, a telegram or a process is done by the injectors:
-:mod:`railhil.plant_sim.faults` in the plant, :mod:`railhil.bus.injector` at the nodes' connections.
+Times are simulation time. Injectors apply a fault to a sensor, a telegram or a process: :mod:`railhil.plant_sim.faults`
+in the plant, :mod:`railhil.bus.injector` at the nodes' connections.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 #: Levels, in the order in which they act on a value on its way: from the sensor to the bus.
 LEVELS = ("train", "sensor", "actuator", "command", "clock", "telegram", "node", "bus")
 
-#: Levels of the watches, weakest first, as people read them.
+#: Levels of the watches, weakest first, in readable form.
 WATCH_LEVELS = ("NORMAL", "HOLD", "TRACTION CUT", "SERVICE BRAKE", "EMERGENCY")
 
 #: Event ``braking``: the train decelerates by at least this much.
@@ -33,7 +33,7 @@ SHARE, TIME, LENGTH, SPEED, NUMBER, COUNT, PPM, NAME = "share", "s", "m", "m/s",
 
 #: Origins of words in several modules.
 PX4, RAILWAY = "PX4 failure injection", "railway"
-#: What becomes of frames held back, and how a counter continues after its fault; the first is the usual one.
+#: Treatment of frames held back, and continuation of a counter after its fault; the first is the usual one.
 DELIVERY = ("drop", "deliver")
 CONTINUING = ("correct", "last_valid", "last")
 
@@ -58,11 +58,11 @@ class Parameter:
 
 @dataclass(frozen=True, slots=True)
 class Word:
-    """What may happen at a place.
+    """A kind of fault at a place.
 
-    ``part``: for telegrams, what of them: ``whole``, ``counter``, ``checksum``, ``signal``; of the bus ``whole`` or
-    ``line``. ``origin``: where the word comes from. ``after``: what may be said about its end, the usual one first.
-    ``names``: places of its level that have it; empty: all. ``lasts``: whether it has a duration at all.
+    ``part``: part of a telegram: ``whole``, ``counter``, ``checksum``, ``signal``; of the bus ``whole`` or ``line``.
+    ``origin``: where the word comes from. ``after``: words allowed for its end, the usual one first. ``names``: places
+    of its level that have it; empty: all. ``lasts``: whether it has a duration at all.
     """
 
     name: str
@@ -78,7 +78,7 @@ class Word:
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Where a fault acts.
+    """The place of a fault.
 
     ``level``: one of :data:`LEVELS`. ``name``: the sensor, port, node, ... of that level; ``bus`` itself has none.
     ``part``: of a telegram ``counter``, ``checksum`` or the name of a signal; of the bus a line; else empty.
@@ -91,7 +91,7 @@ class Place:
 
 @dataclass(frozen=True, slots=True)
 class Trigger:
-    """When a fault begins, decided by the simulated truth.
+    """The beginning of a fault, decided by the simulated truth.
 
     ``value``: s (time), m (position), m/s (speed), name of a milestone or of the watches' levels (event), number of
     the telegram of the place's port, from 1 (telegram); unused for ``manual``. ``edge``: for position and speed, the
@@ -121,7 +121,7 @@ _NO_VALUES: Mapping[str, Value] = MappingProxyType({})
 
 @dataclass(frozen=True, slots=True)
 class Expect:
-    """What a fault should lead to; every part may be missing.
+    """The expected reaction to a fault; every part may be missing.
 
     ``level``: of one of the watches, in capitals with spaces (``TRACTION CUT``); ``within_s``: from the fault's first
     effect; ``detected_by``: a cause of the watches (``speed_age``); ``verdict``: of the run.
@@ -138,7 +138,7 @@ class Fault:
     """One fault. At most one of ``duration_s``, ``count`` and ``until`` ends it; without them it lasts to the end.
 
     ``values``: parameters of ``what`` by name. ``count``: number of telegrams that it changes. ``until``: an event, as
-    a trigger's. ``after``: what happens to frames held back (``drop``, ``deliver``), or how a counter continues
+    a trigger's. ``after``: treatment of frames held back (``drop``, ``deliver``), or continuation of a counter
     (``correct``, ``last_valid``, ``last``); empty: the word's usual one. ``seed``: of its own random numbers; None:
     derived from the run's seed and the fault's number. ``units``: of a train with several, from 1; empty: all.
     ``combine``: permits other faults on the same target and level. ``id``: its name in the catalogue.
@@ -166,7 +166,7 @@ class Fault:
 
     @property
     def kills_controller(self) -> bool:
-        """Whether the run goes on without a controller, as asked for."""
+        """Whether the run is meant to continue without a controller."""
         return (self.place.level, self.place.name, self.what) == ("node", "controller", "kill")
 
 
@@ -182,10 +182,10 @@ class Random(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Injection:
-    """What the injectors of one run need to know.
+    """Data of one run for its injectors.
 
     ``faults``: all of the run with their distributions drawn; number n is the n-th. ``samples``: number of a fault ->
-    its random numbers. ``truth``, ``named``, ``units``: those of the system; ``events``: its milestones, by number.
+    its random numbers. ``truth``, ``named``, ``units``: of the system; ``events``: its milestones, by number.
     """
 
     faults: tuple[Fault, ...]
@@ -218,7 +218,7 @@ class Kind:
         return self.activity.fault.parameter(name)
 
     def largest(self, name: str) -> float:
-        """The largest that a parameter can become: an operator may give a fault by hand other values."""
+        """The largest possible value of a parameter: an operator may give a fault by hand other values."""
         if self.activity.fault.trigger.kind == "manual":
             return next(one.high for one in self.word.parameters if one.name == name)
         return self.parameter(name)

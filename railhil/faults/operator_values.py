@@ -1,12 +1,12 @@
 """Values of a fault that an operator changes during a run, as octets in SUP_CMD.
 
 SUP_CMD has room for one octet: the orders :attr:`railhil.bus.codes.FaultOrder.VALUE` carry them one after the other,
-and the next ``INJECT`` says which prepared fault they are for::
+and the next ``INJECT`` names the prepared fault that they belong to::
 
     which parameters (bit n: the n-th of the word) | 4 octets of each, float32, high octet first | check octet
 
-The check octet is the low octet of the CRC-32 of the fault's number and what stands before it: a part that was lost on
-the bus makes no other fault. Without octets the fault has the values with which it was prepared.
+The check octet is the low octet of the CRC-32 of the fault's number and the octets before it, so a part lost on the bus
+cannot make another fault. Without octets the fault has the values with which it was prepared.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from railhil.faults.model import NAME, Fault, Parameter, Value
 from railhil.faults.notation import LARGEST
 from railhil.faults.words import word_of
 
-#: Decimal digits that every float32 has at most.
+#: Largest number of decimal digits of a float32.
 _DIGITS_MAX = 9
 
 
@@ -34,14 +34,14 @@ def parameters_of(fault: Fault) -> Sequence[Parameter]:
 
 
 def is_kind(prepared: Fault, wanted: Fault) -> bool:
-    """Whether a prepared fault becomes the wanted one by other numbers alone."""
+    """Whether a prepared fault differs from the wanted one only in numbers."""
     kinds = [(one.place, one.what, one.count, one.after, one.units) for one in (prepared, wanted)]
     names = (one.name for one in parameters_of(prepared) if one.unit == NAME)
     return kinds[0] == kinds[1] and all(prepared.values[name] == wanted.values[name] for name in names)
 
 
 def octets_of(number: int, prepared: Fault, wanted: Fault) -> bytes:
-    """What an operator's values are on the bus; empty: they are those prepared.
+    """An operator's values as octets for the bus; empty if they equal the prepared ones.
 
     :param number: of the fault in the run's list.
     :param wanted: a fault of the same kind (:func:`is_kind`) whose values are numbers.

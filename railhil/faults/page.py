@@ -1,4 +1,5 @@
-"""``docs/faults.md``: the fault language, all words and what can be injected where, from the tables of this room.
+"""``docs/faults.md``: the fault language, all words and the places where each can be injected, from the tables of this
+package.
 
 ``python -m railhil.faults.page`` writes it; a test compares the file with the generated text.
 """
@@ -51,46 +52,45 @@ Further keys: `with = { share = "30%" }` (values by name), `units = [1, 3]` (of 
 **When.** `@60s` time, `@1200m` position of the train's front, `@v>60km/h` and `@v<5km/h` crossing of a speed,
 `@#4711` the n-th telegram of the port, `@manual` by hand; `@braking`, `@traction`, `@standstill`, `@departed`,
 `@stopped` and the levels of the watches (`@traction_cut`, `@service_brake`, `@emergency`) are events. `+2s` behind
-any of them: later. All of it is decided by the simulated truth, at the instants at which the truth is sent, so a
-run stays the same bytes. `braking`: the train decelerates by 0.3 m/s² or more; `traction`: there is traction force.
+any of them: later. The simulated truth decides all of these at the instants at which it is sent, so a run gives the
+same bytes again. `braking`: the train decelerates by 0.3 m/s² or more; `traction`: there is traction force.
 
 **Values.** A value may be a distribution, `uniform(0.9,1.1)` or `normal(0,0.1)`: it is drawn once per run with the
 run's seed. The certificate (`injected`) holds the drawn value, and that text makes the run again. Random losses and
 bit errors are drawn with the run's seed too, or with `seed N`.
 
 **One at a time.** Two faults on one target are refused unless their times exclude each other or both say `combine`.
-Signals change first, then the telegram, then the bus. `ok` ends what is active at a place.
+Signals change first, then the telegram, then the bus. `ok` ends the active faults at a place.
 
-**Where it acts.** A fault of a telegram acts where the telegram leaves its source: record and receivers see what is
-left of it. `faults.csv` in the run folder lists each change with what was before and after it. The telegrams by
-which the bench itself observes the run (`SUP_CMD`, `RUN_EVENT`, the truth, the handshake) are never disturbed, and
-the level of the train's own watch (`TRN_WATCH`) not by faults of the whole bus. A telegram that is asked for by a poll
-can be sent late only in the place of a later answer. In lockstep the bus administrator waits for the answer to each
-poll: if there is none, the source sends an empty frame on the telegram's last identifier instead, counted as
-`no_answer`. In real time nothing is sent.
+**Where it acts.** A fault of a telegram acts where the telegram leaves its source: record and receivers get the changed
+telegram. `faults.csv` in the run folder lists each change with the values before and after it. The telegrams by which
+the bench itself observes the run (`SUP_CMD`, `RUN_EVENT`, the truth, the handshake) are never disturbed, and the level
+of the train's own watch (`TRN_WATCH`) not by faults of the whole bus. A polled telegram can be sent late only in place
+of a later answer. In lockstep the bus administrator waits for the answer to each poll: if there is none, the source
+sends an empty frame on the telegram's last identifier instead, counted as `no_answer`. In real time nothing is sent.
 
-**Error counters and lines** are those of the hub's model ([hub.md](hub.md)): `railhil run` starts its hub with
-`--faults` when a fault needs it. The plant gives the orders between its own frames, so a run stays the same bytes.
-Plant and controller are disturbed, not the supervisor, and the plant itself never becomes bus-off. The hits are what
-the plant's CAN controller reports: error frames, error-passive, another trusted line, answers that no line carries. A
-line that nobody trusts (`bus.b` at the start) can be open without any effect, and such a run is INVALID.
+**Error counters and lines** come from the hub's model ([hub.md](hub.md)): `railhil run` starts its hub with `--faults`
+when a fault needs it. The plant gives the orders between its own frames, so a run gives the same bytes again. Plant and
+controller are disturbed, not the supervisor, and the plant itself never becomes bus-off. The hits are reports of the
+plant's CAN controller: error frames, error-passive, another trusted line, answers that no line carries. A line that no
+node trusts (`bus.b` at the start) can be open without any effect, and such a run is INVALID.
 
-**A fault that never began, or changed nothing, makes the run INVALID**; the reason names it. A fault `@manual` that
-nobody ordered does not. **What a fault expects** (`expect`) is judged: if the run does not show it, the verdict is FAIL
-with what was expected and what came.
+**A fault that never began, or changed nothing, makes the run INVALID**; the reason names it. A fault `@manual` that was
+not ordered does not. **What a fault expects** (`expect`) is judged: if the run does not show it, the verdict is FAIL
+with the expected and the actual reaction.
 
 **The catalogue** (`railhil/judge/reactions/catalogue.toml`) has the faults with the reaction that each must lead
-to and its time. `railhil faults` runs them, one run each, and prints when each was noticed, by which cause, and the
-reaction with its bound; exit code 1 if one is not as it must be, 3 if nothing was run. Each entry has a level that must
-be reached (`reaction`, and `steps` on the way), a cause (`detected`), a time (`within_ms`) and what must not happen
-(`at_most`, `ends`, and in all of them a broken rule of every run); an entry without one of them is refused. What needs
-the hub's controllers, its lines or a process of its own (B1, B2, B7, N5) runs on a hub, K2 on it in real time, as long
-as the run takes. Entries whose trigger does not occur on the scenario, or that are tested elsewhere, are counted as
-entries without a run. With `--pairs N` it makes N runs with two random
-faults each and checks the rules that hold in every run. The faults of a pair begin about a second apart, those of
-telegrams while the run sends them, so that most runs have a verdict; the rules are checked in the others, too. For many
-pairs a short journey is enough (`hil_tests/data/pairs.toml`). A signal (Ctrl-C, `timeout`) ends all processes of the
-command at once; it prints what was found so far.
+to and its time. `railhil faults` runs them, one run each, and prints time and cause of each detection, and the reaction
+with its bound. Exit code 1: a reaction is not as it must be, 3: nothing was run. Each entry has a level that must be
+reached (`reaction`, and `steps` on the way), a cause (`detected`), a time (`within_ms`) and forbidden reactions
+(`at_most`, `ends`, and in all of them a broken rule of every run); an entry without one of them is refused. Entries
+that need the hub's controllers, its lines or a process of its own (B1, B2, B7, N5) run on a hub; K2 runs on it in real
+time and takes as long as the run. Entries whose trigger does not occur on the scenario, or that are tested elsewhere,
+are counted as entries without a run. With `--pairs N` it makes N runs with two random faults each and checks the rules
+that hold in every run. The faults of a pair begin about a second apart, and faults of telegrams while the run sends
+them, so that most runs have a verdict. The rules are checked in the other runs, too. For many pairs a short journey is
+enough (`hil_tests/data/pairs.toml`). A signal (Ctrl-C, `timeout`) ends all processes of the command at once; it prints
+the results so far.
 
 Nodes that are started by hand (`railhil node`, `railhil run --attach`) are given the same faults and the same
 `--seed`, also the controller, and write their logs with `--fault-log FOLDER`, the run folder, or any folder that
@@ -121,10 +121,8 @@ def page() -> str:
             if word.name != CLEAR:
                 text += f"| {' | '.join(row(word))} |\n"
     text += "\n## What can be injected where\n\n"
-    text += (
-        "Everything above can be injected on each of these, except for what the second table says: that is refused\n"
-    )
-    text += "in one line before the run begins.\n\n| transport | what it is |\n|---|---|\n"
+    text += "Everything above can be injected on each of these, except for the faults of the second table. These are\n"
+    text += "refused in one line before the run begins.\n\n| transport | what it is |\n|---|---|\n"
     text += "".join(f"| {name} | {what} |\n" for name, what in TRANSPORTS.items())
     text += "\n| not injected | on | pace | why |\n|---|---|---|---|\n"
     text += "".join(f"| {' | '.join(_refusal(entry))} |\n" for entry in REFUSALS)
@@ -132,7 +130,7 @@ def page() -> str:
 
 
 def row(word: Word) -> list[str]:
-    """A word as cells: name with its place, values, meaning, what may come after it, origin."""
+    """A word as cells: name with its place, values, meaning, words after it, origin."""
     at = _PARTS.get(word.part) or (", ".join(f"`{name}`" for name in word.names))
     values = "; ".join(_parameter(one) for one in word.parameters) or "-"
     after = ", ".join(f"`{one}`" for one in word.after) or "-"

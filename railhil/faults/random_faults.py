@@ -1,4 +1,4 @@
-"""Random faults: combinations that nobody thought of, each a plain fault that can be run again."""
+"""Random faults for unforeseen combinations; each is a plain fault that can be run again."""
 
 from __future__ import annotations
 
@@ -24,19 +24,19 @@ from railhil.faults.model import (
 )
 from railhil.faults.words import CLEAR, PLACES, WORDS
 
-#: Words whose effect is a run without verdict, and those of real time.
+#: Words whose effect is a run without verdict, and words for real time only.
 LEFT_OUT = frozenset({("train", "nan"), ("clock", "pause"), ("node", "kill"), ("bus", "error_frames"), ("bus", "full")})
 #: Nodes without which there is no verdict.
 _OTHER_NODES = ("plant", "supervisor")
 #: Shortest and longest time of a fault, in s.
 DURATIONS_S = (0.01, 10.0)
-#: Shortest time of a fault where something happens only now and then: TIME_SYNC is sent each 1.28 s, a force acts
-#: while it is commanded, and a wheel slips while it drives or brakes. In s.
+#: Shortest time of a fault in s, where its target is only used at times: TIME_SYNC is sent each 1.28 s, a force acts
+#: while it is commanded, and a wheel slips while it drives or brakes.
 _RARE_S = {"clock": 1.5, "actuator": 1.0, "train": 1.0}
-#: Place that acts only at single points of the line: its faults stay.
+#: Place that acts only at single points of the line: its faults last to the end.
 _LASTING = "balise"
-#: The first fault begins in this share of the timetable, and the second this long after it on average, in s: where the
-#: first one stops the train, it still finds a run to act on.
+#: The first fault begins in this share of the timetable, and the second this long after it on average, in s: the second
+#: then still acts on a run whose train the first one stops.
 _BEGIN_SHARE, _APART_S = 0.8, 1.0
 _DIGITS = 3
 #: Ports with the names of their signals.
@@ -57,7 +57,7 @@ def _rounded(value: float) -> float:
 
 
 def _value(chance: random.Random, word: Word, parameter: Parameter, ports: Sequence[str]) -> Value:
-    """A value of the size that a field engineer would try, within the parameter's range and with an effect."""
+    """A value of realistic size, within the parameter's range and with an effect."""
     unit = parameter.unit
     if unit == NAME:
         return chance.choice(list(ports))
@@ -94,9 +94,9 @@ def random_fault(
     """One fault that begins at about ``begin_s``; it may meet others on its target.
 
     :param ports: telegrams on which it may act.
-    :param sent: those of them that a run without faults sends; a fault begins while its telegram is sent, and lasts
+    :param sent: the telegrams that a run without faults sends; a fault begins while its telegram is sent, and lasts
         until one is.
-    :param words: those of :func:`words_drawn`.
+    :param words: words of :func:`words_drawn`.
     """
     level = chance.choice(sorted({word.level for word in words}))
     word = chance.choice([word for word in words if word.level == level])

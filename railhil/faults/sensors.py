@@ -1,8 +1,8 @@
 """Kinds of faults of a sensor that gives one number, each with its word.
 
-A sensor is sampled at every tick, whether its reading is sent or not; a fault changes the sample. A changed reading
-keeps to the numbers that its signal can hold. A new kind is a class here, listed in :data:`SENSOR_KINDS`. The language,
-its documentation and the plants of all systems read that list.
+A sensor is sampled at every tick, even if its reading is not sent; a fault changes the sample. A changed reading is
+limited to the numbers that its signal can hold. A new kind is a class here, listed in :data:`SENSOR_KINDS`. The
+language, its documentation and the plants of all systems read that list.
 """
 
 from __future__ import annotations
@@ -24,21 +24,21 @@ _NUMBERS = ("speed", "position")
 
 
 class Reading(NamedTuple):
-    """A raw reading, and whether the sensor vouches for it."""
+    """A raw reading, and whether the sensor marks it as valid."""
 
     raw: int
     valid: bool = True
 
 
 class Quantity(NamedTuple):
-    """What a sensor measures: raw counts per m/s or m, and the raw numbers that its signal can hold."""
+    """Scale of a sensor: raw counts per m/s or m, and the raw numbers that its signal can hold."""
 
     per_unit: float
     low: int
     high: int
 
     def raw(self, value: float) -> int:
-        """A value as a raw number, to the ends of the range."""
+        """A value as a raw number, limited to the range."""
         return min(max(round(value * self.per_unit), self.low), self.high)
 
 
@@ -72,12 +72,12 @@ class SensorFault(Kind):
         """Take note of the first reading of the active fault."""
 
     def changed(self, reading: Reading) -> Reading:
-        """What becomes of a reading."""
+        """The changed reading."""
         raise NotImplementedError
 
 
 class SensorOff(SensorFault):
-    word = Word("off", "sensor", "no value: the telegram's check variable says erroneous, the value is 0", PX4)
+    word = Word("off", "sensor", "no value: the telegram's check variable is erroneous, the value is 0", PX4)
 
     def changed(self, reading: Reading) -> Reading:
         return Reading(0, False)
@@ -189,7 +189,7 @@ class SensorValue(SensorFault):
 
 
 class SensorJump(SensorFault):
-    word = Word("jump", "sensor", "the count jumps once and goes on from there", RAILWAY,
+    word = Word("jump", "sensor", "the count jumps once and continues from there", RAILWAY,
                 (Parameter("distance_m", LENGTH, None, "distance", low=-1e6, high=1e6),), names=("position",),
                 lasts=False)  # fmt: skip
 

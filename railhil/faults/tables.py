@@ -27,7 +27,7 @@ def fault_of(row: Mapping[str, Any] | str, complain: Complain, source: Any) -> F
     """The fault of a row: a table whose keys have been checked for their types, or a text.
 
     :param complain: makes the error for a table.
-    :param source: where the row comes from, for the error about a text.
+    :param source: source of the row, for the error about a text.
     :raises InputError: it is not in the language.
     """
     if isinstance(row, str):

@@ -13,7 +13,7 @@ HOLE_MAX_S: Final = 1.0
 
 @dataclass(frozen=True, slots=True)
 class Truth:
-    """Where the simulated truth stands on a system's bus, for triggers: names of a port and of its signals.
+    """Place of the simulated truth on a system's bus, for triggers: names of a port and of its signals.
 
     ``speed``, ``position``: without them triggers by speed or position are refused. ``acceleration``: for the event
     ``braking``; ``traction``: for the event ``traction``. ``levels``: ports with the level of a watch, and its signal;

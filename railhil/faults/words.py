@@ -1,4 +1,4 @@
-"""The words of the fault language: what may happen at which place, with parameters, units, usual values and origin.
+"""The words of the fault language: the kinds of faults at each place, with parameters, units, usual values and origin.
 
 One table: the parser, the checks of a scenario and the documentation read it. The words of sensors and actuators come
 from the classes of their kinds (:mod:`railhil.faults.sensors`, :mod:`railhil.faults.actuators`). Values are in base
@@ -28,7 +28,7 @@ from railhil.faults.model import (
 )
 from railhil.faults.sensors import SENSOR_KINDS
 
-#: Places by level, with what they are. Telegrams are named by their ports.
+#: Places by level, with their descriptions. Telegrams are named by their ports.
 PLACES: dict[str, dict[str, str]] = {
     "train": {
         "mass": "mass with its load, and the inertial mass",
@@ -57,13 +57,13 @@ PLACES: dict[str, dict[str, str]] = {
         "brake": "brake",
     },
     "command": {"notch": "notch command, where it leaves the controller, with correct check sequences and counter"},
-    "clock": {"time": "time told by the plant (TIME_SYNC)", "wall": "real time: the plant's computer"},
+    "clock": {"time": "time sent by the plant (TIME_SYNC)", "wall": "real time: the plant's computer"},
     "node": {"controller": "controller's process", "plant": "plant's process", "supervisor": "supervisor's process"},
     "bus": {"": "the vehicle's bus; the bench's own telegrams are not affected"},
 }
 #: Lines of the bus.
 LINES = ("a", "b")
-#: The word that ends what is active at a place.
+#: The word that ends the active faults at a place.
 CLEAR = "ok"
 
 
@@ -115,11 +115,11 @@ _COMMAND = (
 )  # fmt: skip
 
 _CLOCK = (
-    Word("step", "clock", "the time told is wrong by a constant", "NTP",
+    Word("step", "clock", "the time sent is wrong by a constant", "NTP",
          (Parameter("error_s", TIME, None, "error", low=-1e6, high=1e6),), names=("time",)),
-    Word("drift", "clock", "the time told runs away", "oscillators",
+    Word("drift", "clock", "the time sent drifts", "oscillators",
          (Parameter("rate_ppm", PPM, None, "rate", low=-1e5, high=1e5),), names=("time",)),
-    Word("stuck", "clock", "the time told stands still", PX4, names=("time",)),
+    Word("stuck", "clock", "the time sent stands still", PX4, names=("time",)),
     Word("pause", "clock", "the plant's computer pauses once", _POSIX,
          (Parameter("pause_s", TIME, 0.2, "duration on the wall clock", low=0.001, high=60.0),), names=("wall",),
          lasts=False),
@@ -149,7 +149,7 @@ _TELEGRAM = (
          (Parameter("bytes", COUNT, 4.0, "bytes that are left", low=0.0, high=7.0),)),
     Word("replay", "telegram", "telegrams of some time ago instead of the present ones", "SDTv2",
          (Parameter("age_s", TIME, None, "how long ago", low=0.001, high=1000.0),)),
-    Word("stuck", "telegram", "the telegram of the first instant is repeated, counter and all", PX4),
+    Word("stuck", "telegram", "the telegram of the first instant is repeated, its counter included", PX4),
     Word("remote", "telegram", "remote frames instead of data frames", _CAN),
     Word("value", "telegram", "a fixed counter", _CANOE, (Parameter("value", COUNT, None, "counter", low=0.0),),
          "counter", CONTINUING),
@@ -199,7 +199,7 @@ _BUS = (
 )  # fmt: skip
 
 _CLEARING = tuple(
-    Word(CLEAR, level, "ends what is active at this place", PX4, part=part, lasts=False)
+    Word(CLEAR, level, "ends the active faults at this place", PX4, part=part, lasts=False)
     for level in LEVELS
     for part in {"telegram": ("whole", "counter", "checksum", "signal"), "bus": ("whole", "line")}.get(
         level, ("whole",)
@@ -213,7 +213,7 @@ WORDS: tuple[Word, ...] = (
 
 
 def kind_of_part(level: str, part: str) -> str:
-    """What the part of a place is: ``whole``, ``counter``, ``checksum``, ``signal`` or ``line``."""
+    """Kind of the part of a place: ``whole``, ``counter``, ``checksum``, ``signal`` or ``line``."""
     if not part:
         return "whole"
     if level == "bus":

@@ -4,7 +4,7 @@
 
     a.json, b.json      records, written by turns; the one with more runs is newer
     default.json        optional: a record to begin with while no slot can be used, put there by a person
-    refused/ files of slots that could not be used, under their SHA-256
+    refused/            files of slots that could not be used, under their SHA-256
 
 A record is written to the slot that the run did not begin with: temporary file, fsync, rename. Therefore the record
 that the law has begun with stays if the new one is lost.
