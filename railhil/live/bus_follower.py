@@ -26,10 +26,10 @@ MILESTONES = 6
 
 
 class HeardTime:
-    """Simulation time of a run that is only listened to, perhaps not from its beginning and not without gaps.
+    """Simulation time of a run for a listener, perhaps without its beginning and with gaps.
 
-    It is known from the handshake on, or from the TIME_SYNC on that the clock takes. Until then nothing that is heard
-    has an instant.
+    It is known from the handshake on, or from the TIME_SYNC on that the clock takes. Until then the instants of frames
+    are unknown.
 
     :param counters: of the clock.
     """
@@ -41,14 +41,14 @@ class HeardTime:
         #: Identifiers of the clock port.
         self.clock_ids = {port.address, port.fd_id} if port.name != TimeSync.PORT else set()
         asked = contract.port(CtlIdent.PORT)
-        #: The poll with which the handshake of a run goes on: whoever has heard ticks before hears another run.
+        #: The poll that continues the handshake of a run: after ticks it means that another run begins.
         self.handshake_poll = master_tail(asked.f_code, asked.address)
         self._ticks = self.schedule.ticks(port.name)
-        # The polls of the fastest port keep the time going while the clock port is missing.
+        # The polls of the fastest port advance the time while the clock port is missing.
         polled = [one for one in contract.ports if one.mode == "poll" and one.period_ns]
         paces = ((self.schedule.ticks(one.name), one.name, master_tail(one.f_code, one.address)) for one in polled)
         self._pace_ticks, _, self._pace = min(paces, default=(MAX_STEP + 1, "", b""))
-        # Periods that are only believed may be others: then the clock does not agree with TIME_SYNC.
+        # Assumed periods may be wrong: the clock then does not agree with TIME_SYNC.
         self._is_believed = isinstance(scenario, UnknownScenario)
         self.counters = counters
         self.is_known = False
@@ -58,7 +58,7 @@ class HeardTime:
         return BusClock(self.schedule.base_tick_ns, self._ticks, self.counters)
 
     def begin(self) -> None:
-        """The handshake was heard: the run begins."""
+        """Take note that the handshake was heard: the run begins."""
         self.clock, self.is_known = self._clock(), True
 
     def polled(self, data: bytes) -> None:
@@ -67,7 +67,7 @@ class HeardTime:
             self.clock.polled(self._pace_ticks)
 
     def hole(self) -> None:
-        """Frames were lost, nobody knows how many: the time is not known until TIME_SYNC tells it."""
+        """Take note that an unknown number of frames was lost: the time is unknown until TIME_SYNC gives it."""
         self.clock, self.is_known = self._clock(), False
 
     def synchronise(self, telegram: TimeSync) -> bool:
@@ -82,16 +82,16 @@ class HeardTime:
 
 
 class BusObserver:
-    """Is told what a :class:`Listener` hears. Each method does nothing here."""
+    """Gets the frames and events of a :class:`Listener`. Each method does nothing here."""
 
     def on_run(self) -> None:
-        """Another run begins: what was heard is of an earlier one."""
+        """Another run begins: the frames so far belong to an earlier one."""
 
     def on_hole(self) -> None:
-        """Frames were lost, or the time was not known: what was heard is not of now."""
+        """Frames were lost, or the time was unknown: the last values are out of date."""
 
     def on_frame(self, frame: Frame, now_ns: int | None) -> None:
-        """A frame, at this simulation time; None: it is not known."""
+        """A frame at this simulation time; None: unknown."""
 
     def on_poll(self, port: str) -> None:
         """The bus administrator has polled a port."""
@@ -124,19 +124,19 @@ class Listener:
         self.run += 1
         self.newest = Newest(self.contract)
         self._time = HeardTime(self._scenario, self.contract, self.newest.counters)
-        # The last instant that was known before a hole; -1: there was none.
+        # The last known instant before a gap; -1: there was none.
         self._last_ns = -1
         for observer in self._observers:
             observer.on_run()
 
     @property
     def clock(self) -> BusClock:
-        """The clock, which tells the time of the run if :attr:`knows_time`."""
+        """The clock, which has the time of the run if :attr:`knows_time`."""
         return self._time.clock
 
     @property
     def knows_time(self) -> bool:
-        """Whether the time is that of the run: its beginning was heard, or TIME_SYNC has told it."""
+        """Whether the time of the run is known: its beginning was heard, or TIME_SYNC has given it."""
         return self._time.is_known
 
     @property
@@ -145,14 +145,14 @@ class Listener:
         return self.clock.now_ns / 1e9 if self.knows_time else None
 
     def hole(self) -> None:
-        """Frames were lost: what was heard before is not of now, and the time is not known."""
+        """Take note that frames were lost: the last values are out of date, and the time is unknown."""
         if self.knows_time:
             self._last_ns = self.clock.now_ns
         self._time.hole()
         self._forget()
 
     def _forget(self) -> None:
-        """Forget the telegrams so far: nobody knows when they were, or they are not of now."""
+        """Forget the telegrams so far: their times are unknown, or they are out of date."""
         self.newest = Newest(self.contract)
         for observer in self._observers:
             observer.on_hole()
@@ -194,11 +194,11 @@ class Listener:
             observer.on_poll(port)
 
     def _know(self) -> None:
-        """The time is known from now on; earlier than before the hole, it is that of another run."""
+        """The time is known from now on. If it is earlier than before the gap, another run has begun."""
         if self.clock.now_ns < self._last_ns:
             self.run += 1
             self._last_ns = -1
-        # Heard before the time was known.
+        # The telegram was heard before the time was known.
         self._forget()
 
 

@@ -1,7 +1,7 @@
-"""What a run shows at this moment: speed, target, command, ladders and distance to go, of any system.
+"""Present values of a run of any system: speed, target, command, ladders and distance to go.
 
-From the newest telegram of each port; nothing is done per tick or frame for it while nobody looks.
-Lateness of a real-time run, for the panel, is that of the arrivals of the ticks at the recorder.
+They come from the newest telegram of each port, without any work per tick or frame between two readings. Lateness of a
+real-time run, for the panel, is measured at the arrivals of the ticks at the recorder.
 """
 
 from __future__ import annotations
@@ -27,7 +27,8 @@ from railhil.record.trace import Trace
 from railhil.report.display_columns import ShownColumn, shown_columns
 from railhil.scenarios.model import AnyScenario
 
-#: Of a log: its beginning, which has the handshake, and its end, which has every cyclic telegram several times.
+#: Parts of a log that are read: its beginning with the handshake, and its end with several telegrams of every cyclic
+#: port.
 _HEAD_BYTES, _TAIL_BYTES = 8192, 12288
 #: Significant digits of a number without words.
 _DIGITS = 4
@@ -60,11 +61,11 @@ class Newest:
         return self.store.raw(port) if port in self._times_ns else b""
 
     def silent_s(self, port: str) -> float:
-        """For how long no telegram of a port has come."""
+        """Time since the last telegram of a port."""
         return (self._now_ns - self._times_ns.get(port, 0)) / 1e9
 
     def accepts(self, frame: Frame) -> bool:
-        """Whether the check of the single frame finds nothing wrong."""
+        """Whether the check of the single frame accepts it."""
         return not self.store.check(frame).cause
 
     def trace(self, truth: str) -> Trace:
@@ -77,7 +78,7 @@ class Newest:
 
 
 class LogTail:
-    """The newest telegrams of a log that is being written; a look reads the end of the file and nothing else.
+    """The newest telegrams of a log that is being written. A reading takes the end of the file and nothing else.
 
     :param path: it need not exist yet.
     """
@@ -87,19 +88,19 @@ class LogTail:
         self._head = b""
 
     def look(self) -> Newest:
-        """The newest telegrams as far as they have been written."""
+        """The newest telegrams that have been written."""
         newest = Newest(self._contract)
         try:
             with self._path.open("rb") as stream:
                 if not self._head:
                     head = stream.read(_HEAD_BYTES)
-                    # Kept once it is complete.
+                    # The beginning is kept once it is complete.
                     self._head = head if len(head) == _HEAD_BYTES else b""
                 size = stream.seek(0, os.SEEK_END)
                 stream.seek(max(0, size - _TAIL_BYTES))
                 tail = stream.read(_TAIL_BYTES)
         except OSError:
-            # A run that does not write any more ends by itself, and says why.
+            # A run that cannot write its log ends by itself and gives the reason.
             return newest
         lines = self._head.split(b"\n")[:-1] if size > _TAIL_BYTES else []
         lines += tail.split(b"\n")[1 if size > _TAIL_BYTES else 0 : -1]
@@ -109,7 +110,7 @@ class LogTail:
 
 
 class Instruments:
-    """What a scenario's system shows.
+    """The displayed values of a scenario's system.
 
     :param notes: the law's declaration of its notes; None: not known.
     """
@@ -122,7 +123,8 @@ class Instruments:
         self._ends_at_m = self._judging.ends_at_m(scenario)
 
     def values(self, newest: Newest) -> dict[str, float]:
-        """Values of the columns that are known now, in the units shown; empty while nothing is told of the truth."""
+        """Values of the columns that are known now, in their display units; empty before the first telegram of the
+        truth."""
         judging, truth = self._judging, self._judging.truth
         header, rows = table_of(judging, self._scenario, newest.trace(truth), self._notes, self._holds_s)
         if not len(rows) or newest.silent_s(truth) > self._holds_s.get(truth, np.inf):
@@ -135,7 +137,7 @@ class Instruments:
         return found
 
     def to_go_m(self, values: Mapping[str, float]) -> float | None:
-        """Distance to where the run is to end; None if the system declares no such place."""
+        """Distance to the planned end of the run; None if the system declares none."""
         position_m = values.get(self.shown.position)
         return None if self._ends_at_m is None or position_m is None else self._ends_at_m - position_m
 
@@ -159,7 +161,8 @@ class Instruments:
         return ", ".join(found) if found else "normal" if known else ""
 
     def line(self, values: Mapping[str, float]) -> str:
-        """Speed, target, command, ladder and distance to go, as far as the system has them, in one line."""
+        """Speed, target, command, ladder and distance to go in one line, without the values that the system does not
+        have."""
         shown, parts = self.shown, []
         if speed := shown.named(shown.speed):
             parts.append(self._pair(values, speed))
@@ -188,7 +191,7 @@ class Instruments:
         return f"{value:.{digits}f} {unit}".strip()
 
 
-#: Ticks of which the 99 % are told: those of the last seconds, so that the page shows what is happening now.
+#: Number of ticks for the 99 % value: the last seconds, so that the page shows the present state.
 RECENT = 1000
 
 
@@ -196,7 +199,7 @@ class LiveLateness:
     """Lateness of arrivals behind deadlines that are a tick apart, the earliest arrival so far defining zero, as in
     :func:`railhil.judge.jitter.arrivals_of`.
 
-    :param ticks, wall_ns: of the session, which goes on filling them: number and monotonic wall time of each tick.
+    :param ticks, wall_ns: lists that the session continues to fill: number and monotonic wall time of each tick.
     """
 
     def __init__(self, ticks: array[int], wall_ns: array[int]) -> None:
@@ -216,7 +219,7 @@ class LiveLateness:
         if not count:
             return None
         if tick_ns != self._tick_ns:
-            # The plant has told another pace: with it all deadlines are others.
+            # The plant has sent another pace, which changes all deadlines.
             self._tick_ns, self._seen = tick_ns, 0
         fresh = self._offsets(self._seen)
         known = [self._first_ns, self._last_ns] if self._seen else []

@@ -19,7 +19,7 @@ _PANELS_MAX = 16
 
 
 class PanelSocket:
-    """The supervisor's end. It never waits for a panel: a report that one cannot take is left out.
+    """The supervisor's end. It never waits for a panel: a report that a panel cannot take is left out.
 
     :raises InputError: the socket cannot be made.
     """
@@ -29,7 +29,7 @@ class PanelSocket:
         self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM | socket.SOCK_CLOEXEC | socket.SOCK_NONBLOCK)
         self._panels: dict[Any, None] = {}
         self._last: dict[str, Any] = {}
-        # Commands that came before anybody asked for them.
+        # Commands that came before the first :meth:`take`.
         self._early: list[dict[str, Any]] = []
         before = os.umask(0o177)
         try:
@@ -50,7 +50,7 @@ class PanelSocket:
         return bool(self._panels)
 
     def take(self, timeout_s: float) -> list[dict[str, Any]]:
-        """Commands that have come, after at most this time."""
+        """Commands that have arrived, after at most this time."""
         found, self._early = self._early, []
         return found + self._read(0.0 if found else timeout_s)
 

@@ -51,7 +51,7 @@ class Node:
         return self.process.poll()
 
     def last_words(self) -> str:
-        """The node's last line about the reason for its end, or how it ended."""
+        """The signal that ended the node, or else its last line about the reason for its end."""
         code = self.process.poll()
         if code is not None and code < 0:
             return f"killed by {signal.Signals(-code).name}"
@@ -81,7 +81,7 @@ class Node:
 
 
 def nodes_processor() -> tuple[int, set[int]]:
-    """In lockstep: the processor of the nodes that this process starts, and those of all others (none: there is only
+    """In lockstep: the processor of the nodes that this process starts, and the other processors (none: there is only
     one). The processor is chosen by the process number, so that several benches spread over the processors."""
     processors = sorted(os.sched_getaffinity(0))
     chosen = processors[os.getpid() % len(processors)]
@@ -94,7 +94,7 @@ class Nodes:
     def __init__(self, folder: Path) -> None:
         self._folder = folder
         self.nodes: list[Node] = []
-        # Write ends of the lifelines of nodes that are not started yet, and the supervisor's own.
+        # Write ends of the lifelines of nodes that are not started yet, and of the supervisor.
         self._lifelines: dict[str, int] = {}
 
     def start(
@@ -107,11 +107,11 @@ class Nodes:
     ) -> Node:
         """Start ``python -P -m module arguments`` with its output in ``<role>.txt``.
 
-        :param watches: this command (``supervisor``) and nodes that are started later, whose end it notices at once.
+        :param watches: this command (``supervisor``) and nodes started later; it notices their end at once.
         :param inherits: open descriptors that its arguments name.
         """
         output = self._folder / f"{role}.txt"
-        # See common.patience.Lifelines: this node's own write end, and the read ends of those that it watches.
+        # See common.patience.Lifelines: this node's own write end, and the read ends of the processes that it watches.
         handed = [self._lifelines.pop(role)] if role in self._lifelines else []
         words = []
         for other in watches:
@@ -131,7 +131,8 @@ class Nodes:
         """Put hub, plant and controller on one processor.
 
         In lockstep only one of the three works at a time, so nothing is lost; switching between processors that have
-        gone to sleep would cost more than the work itself. The supervisor works beside them, where there is room.
+        gone to sleep would cost more than the work itself. The supervisor works beside them on another processor, if
+        there is one.
         """
         chosen, others = nodes_processor()
         if not others:
@@ -146,7 +147,7 @@ class Nodes:
         return [node for node in self.nodes if node.exit_code() is not None]
 
     def failed_node(self) -> Node | None:
-        """Of the nodes that have ended, the probable cause: a killed one, and the hub before all others."""
+        """The node that probably caused the end of the others: a killed one first, the hub before all others."""
         roles = ("hub", "plant", "controller")
         return min(self.ended(), key=lambda node: (not node.was_killed, roles.index(node.role)), default=None)
 

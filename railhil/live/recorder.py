@@ -1,6 +1,6 @@
 """The recorder: the supervisor's link to the bus, and the loop that takes frames until the run has ended.
 
-The link is checked for other benches on the bus; the loop notices when it cannot go on.
+It looks for other benches on the bus first; the loop notices when it cannot continue.
 """
 
 from __future__ import annotations
@@ -83,17 +83,17 @@ def refuse_occupied(link: Link, choice: BusChoice) -> None:
 SILENCE_S = 4.0
 #: Time for the other nodes to stop by themselves after a node was lost; while the plant ticks, the record goes on.
 AFTER_LOSS_S = 4.0
-#: Real time: wall time for which the controller may be suspended by a signal; then it counts as lost. For how long a
-#: fault of the run stops it comes on top.
+#: Real time: wall time for which the controller may be suspended by a signal; then it counts as lost. The time for
+#: which a fault of the run stops it is added.
 SUSPENDED_S = 5.0
-#: Interval (wall time) at which it looks at the nodes, and in lockstep writes what has arrived.
+#: Interval (wall time) at which it checks the nodes, and in lockstep writes the frames that have arrived.
 LOOK_S = 0.05
-#: Interval (wall time) at which the log is flushed to the kernel: roughly what a killed recorder can lose.
+#: Interval (wall time) at which the log is flushed to the kernel: about the part that a killed recorder can lose.
 FLUSH_S = 0.2
 
 
 class Recorder:
-    """Passes what arrives on a link to the session of a run, and watches the nodes meanwhile.
+    """Passes frames from a link to the session of a run, and watches the nodes meanwhile.
 
     :param flush: writes the buffer of the log to the kernel.
     :param transport: the bus, for messages.
@@ -115,7 +115,7 @@ class Recorder:
         silence_s: float,
         after_loss_s: float,
     ) -> None:
-        #: Why the run was given up; empty if it was not.
+        #: Reason for which the run was given up; empty if it was not.
         self.lost = ""
         #: Scheduling of this process while it recorded.
         self.scheduling = Scheduling()
@@ -139,7 +139,7 @@ class Recorder:
             try:
                 self.record(link, nodes, stop)
             except BusLost:
-                # Ctrl-C also ends the other nodes, which may end sooner.
+                # Ctrl-C also reaches the other nodes, which may end sooner.
                 stop.check()
                 raise
             stop.check()
@@ -159,11 +159,10 @@ class Recorder:
         flush_s = time.monotonic() + interval_s
         opened_s = open_s = time.monotonic()
         give_up_s: float | None = None
-        # Looks in a row, not wall time: this process may have been suspended together with the others.
+        # Checks in a row are counted, not wall time: this process may have been suspended together with the others.
         suspended_looks = 0
         silence_s = self._silence_s if self._spec.is_realtime else self._spec.patience_s + LATER_S
-        # The supervisor knows more about nodes that it has started itself; in real time the reaction ladder has its
-        # time.
+        # The supervisor observes the nodes that it has started itself; in real time the reaction ladder gets its time.
         told = self._spec.start_up.attach and not self._spec.is_realtime
         apart = not self._spec.is_realtime and bool(nodes.nodes)
         while session.ended is None:
@@ -203,7 +202,7 @@ class Recorder:
                 if suspended_looks * LOOK_S > SUSPENDED_S + self.stopped_s:
                     self.lost = self.who_died(nodes)
                     return
-            # Only the plant's ticks count: on a shared bus there may always be frames of other nodes.
+            # Only the plant's ticks count: a shared bus may always carry frames of other nodes.
             if not session.recording and now_s - opened_s > self._spec.start_up.appear_s + LATER_S:
                 self.lost = self.lost or f"no plant on {self._transport} within {self._spec.start_up.appear_s:g} s"
                 return
@@ -213,7 +212,7 @@ class Recorder:
                 return
 
     def await_continued(self, nodes: Nodes, stop: StopSignals) -> None:
-        """A controller that a fault has stopped continues by itself, and then writes what the fault did."""
+        """A controller that a fault has stopped continues by itself, and then writes the log of the fault."""
         give_up_s = time.monotonic() + self.stopped_s
         while nodes.suspended() == "controller" and time.monotonic() < give_up_s and not stop.number:
             time.sleep(LOOK_S)
@@ -256,7 +255,7 @@ class Recorder:
         return bool(frames or arrived)
 
     def who_died(self, nodes: Nodes) -> str:
-        """The node that is missing, and why; empty if none is."""
+        """The missing node and the reason; empty if none is missing."""
         dead = nodes.failed_node()
         at = f"at simulation time {self._session.sim_time_s:.2f} s" if self._session.recording else "before the run"
         if (dead is None or not dead.was_killed) and (role := nodes.suspended()):

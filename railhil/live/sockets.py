@@ -1,4 +1,5 @@
-"""The folder for the socket of a run's own hub: removed after the run, or, after a killed run, at the next start.
+"""The folder for the socket of a run's own hub: it is removed after the run, or at the next start if the run was
+killed.
 
 Whether a folder is still in use is determined by a lock, which the kernel releases with the process, and not by a
 process number, because containers that share /tmp have different ones.

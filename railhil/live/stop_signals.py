@@ -27,7 +27,7 @@ class StopSignals:
 
     def __enter__(self) -> StopSignals:
         self._entered += 1
-        # Python delivers signals only to its main thread; in another thread of a user's program none can be handled.
+        # Python delivers signals only to its main thread; another thread of a user's program cannot handle them.
         if self._entered == 1 and threading.current_thread() is threading.main_thread():
             self._before = {number: signal.signal(number, self._note) for number in ending_signals()}
         return self

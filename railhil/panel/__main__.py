@@ -9,7 +9,7 @@ from railhil.common.exit_codes import run_guarded
 
 
 def main(words: Sequence[str] | None = None) -> int:
-    """Serve the page until a signal, or until what is shown has ended.
+    """Serve the page until a signal, or until the displayed run has ended.
 
     Its modules are loaded here: python-can, which they need, must not load asammdf (:func:`run_guarded`).
     """
@@ -31,7 +31,7 @@ def main(words: Sequence[str] | None = None) -> int:
         return serve_panel(namespace)
     except OSError as error:
         if error.filename is not None:
-            # Of a file, not of the port.
+            # An error of a file, not of the port.
             raise
         reason = (error.strerror or str(error)).lower()
         raise InputError("command line", "--port", namespace.port, f"a free port ({reason})") from None

@@ -1,5 +1,5 @@
-"""What passes on the bus: frames by identifier, missed polls, load; and the list of frames that the page shows, like
-CANoe's trace in fixed mode: count, period, age, and the decoded telegram."""
+"""Statistics of the bus: frames by identifier, missed polls, load. The page's list of frames is like CANoe's trace in
+fixed mode: count, period, age, and the decoded telegram."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from railhil.dbc.contract import ANTIVALENT_VALUES, CHECK_VALUES
 from railhil.live.bus_follower import BusObserver, Listener
 from railhil.record.trace import Trace
 
-#: Raw frames kept of an identifier that somebody watches.
+#: Number of raw frames kept of a watched identifier.
 WATCHED_FRAMES = 100
 #: Simulation time over which the load of the bus is counted.
 _LOAD_NS = 500_000_000
 
 
 class FrameStatistics:
-    """The frames of one identifier: how many, the last two instants (simulation time; None: not known), the newest
+    """The frames of one identifier: their number, the last two instants (simulation time; None: unknown), the newest
     data."""
 
     __slots__ = ("before_ns", "count", "data", "flags", "last_ns")
@@ -35,7 +35,7 @@ class FrameStatistics:
 
 
 class BusStatistics(BusObserver):
-    """Counts and keeps what passes on a bus."""
+    """Counts the frames of a bus and keeps the newest."""
 
     def __init__(self, contract: Contract) -> None:
         self._contract = contract
@@ -92,7 +92,7 @@ class BusStatistics(BusObserver):
         self._trace.add(port, now_ns, data)
 
     def next_trace(self) -> Trace:
-        """The telegrams since the last call, behind the newest one of each port before them."""
+        """The telegrams since the last call, preceded by the newest earlier one of each port."""
         trace, self._trace = self._trace, Trace(self._contract)
         self._trace.idents = trace.idents
         for port, data in self._data.items():
@@ -102,7 +102,7 @@ class BusStatistics(BusObserver):
 
 
 class FrameList:
-    """Decodes the newest telegram of each port; what has not changed is not decoded again."""
+    """Decodes the newest telegram of each port; an unchanged one is not decoded again."""
 
     def __init__(self, contract: Contract) -> None:
         self._signals = {port.name: {item.name: item for item in port.signals} for port in contract.ports}
@@ -136,7 +136,7 @@ class FrameList:
 
     @staticmethod
     def list_watched(heard: BusStatistics) -> dict[int, list[list[Any]]]:
-        """The last raw frames of the identifiers that somebody watches: instant in s and data in hex."""
+        """The last raw frames of the watched identifiers: instant in s and data in hex."""
         return {
             can_id: [[None if time_s is None else round(time_s, 4), data.hex(" ")] for time_s, data in kept]
             for can_id, kept in heard.watched.items()

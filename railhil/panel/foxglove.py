@@ -1,11 +1,11 @@
 """A bridge for Lichtblick, PlotJuggler and Foxglove: the Foxglove WebSocket protocol with CDR payloads.
 
-Messages are flat ROS 2 messages (:mod:`railhil.bus.ros2`), which is all that PlotJuggler reads. Reading needs no token,
-orders do. Programs and viewers served by this machine may connect, and the hosted ones of :data:`_VIEWERS`; the page of
-anybody else may not.
+Messages are flat ROS 2 messages (:mod:`railhil.bus.ros2`), because PlotJuggler reads no others. Orders need a token,
+reading does not. Programs and viewers served by this machine may connect, and the hosted viewers of :data:`_VIEWERS`;
+other pages may not.
 
-Source: foxglove/ws-protocol, docs/spec.md (opcodes, ``foxglove.websocket.v1``); ``foxglove.sdk.v1`` is the same for
-what is used here.
+Source: foxglove/ws-protocol, docs/spec.md (opcodes, ``foxglove.websocket.v1``); ``foxglove.sdk.v1`` is the same for the
+messages used here.
 """
 
 from __future__ import annotations
@@ -27,13 +27,13 @@ from railhil.panel.live import LiveRun
 from railhil.panel.wire import POLICY_VIOLATION, TooDeep, is_token, parse_object
 from railhil.record.trace import FloatArray, Trace
 
-#: Newest name first, as clients offer them.
+#: Names of the protocol, newest first, as offered by clients.
 SUBPROTOCOLS = [Subprotocol("foxglove.sdk.v1"), Subprotocol("foxglove.websocket.v1")]
 _CDR_HEADER = b"\0\1\0\0"
 _MESSAGE_DATA, _TIME, _SERVICE_RESPONSE, _SERVICE_REQUEST = 1, 2, 3, 2
 _WARNING = 1
 _BACKLOG_MAX_BYTES = 1 << 20
-#: Origins of viewers that are hosted elsewhere, and hosts of this machine.
+#: Origins of viewers hosted elsewhere, and names of this machine.
 _VIEWERS = ("https://app.foxglove.dev",)
 _LOOPBACK = re.compile(r"(127\.0\.0\.1|localhost|\[::1\])(:\d+)?")
 #: Rows of the default topics in one look: at 10 looks a second 60 Hz, above which viewers warn.
@@ -47,7 +47,7 @@ _REQUEST, _RESPONSE = "string token\nstring command", "bool done\nstring why"
 
 
 class Viewer:
-    """One client: what it subscribes to, as (channel, its own number of the subscription)."""
+    """One client with its subscriptions, as (channel, the client's number of the subscription)."""
 
     def __init__(self, connection: ServerConnection) -> None:
         self.connection = connection
@@ -58,7 +58,7 @@ class Viewer:
 class FoxgloveBridge:
     """Serves a live run to viewers, beside the pages.
 
-    :param token: what an order must carry; empty: there are no orders.
+    :param token: word that an order must carry; empty: there are no orders.
     """
 
     def __init__(self, live: LiveRun, token: str, port: int) -> None:
@@ -69,11 +69,11 @@ class FoxgloveBridge:
         self._prepare()
 
     def _prepare(self) -> None:
-        """Make the channels of what the live run shows."""
+        """Make the channels of the displayed live run."""
         live = self._live
         self._layout = live.layout
         self._run = live.listener.run
-        # Viewers get the units of the columns' names.
+        # Viewers get the units in the columns' names.
         self._factors = np.array([column.factor for column in live.layout.columns])
         self._accepted: dict[str, int] = {}
         self._ports = {_FULL_ID + at: port for at, port in enumerate(live.contract.ports)}
@@ -100,7 +100,7 @@ class FoxgloveBridge:
     # -- what is new ---------------------------------------------------------------------------------------------
 
     def tell(self) -> None:
-        """Send what the last look at the run has brought."""
+        """Send the news of the last reading of the run."""
         live = self._live
         if not self._viewers:
             return
@@ -159,7 +159,7 @@ class FoxgloveBridge:
         broadcast([viewer.connection], message)
 
     def _readvertise(self) -> None:
-        """Something else is shown from now on: tell the viewers which channels have gone and which are new."""
+        """Another run is shown from now on: tell the viewers which channels have gone and which are new."""
         before = self._list_channels()
         self._prepare()
         now = self._list_channels()
@@ -262,7 +262,7 @@ def _read_number(found: Any) -> int:
 
 
 def _refuse(connection: ServerConnection, request: Request) -> Response | None:
-    """Any page of the web could connect to a port of this machine: those of others are refused."""
+    """Any page of the web could connect to a port of this machine: foreign pages are refused."""
     for origin in request.headers.get_all("Origin"):
         scheme, _, rest = origin.partition("://")
         is_web = scheme in ("http", "https", "null")

@@ -1,4 +1,4 @@
-"""What the panel shows of a system, from what the system declares: columns, charts, tracks, lamps.
+"""The panel's display of a system, from the system's declarations: columns, charts, tracks, lamps.
 
 The columns are those of ``signals.csv`` (:func:`railhil.judge.signals.signal_table`), with those that the system
 declares for the panel only (``Judging.shown``); nothing here knows a system.
@@ -23,7 +23,7 @@ LAMP = "lamp"
 
 @dataclass(frozen=True, slots=True)
 class Chart:
-    """Curves with one axis: places of their columns."""
+    """Curves on one axis: places of their columns."""
 
     title: str
     unit: str
@@ -46,7 +46,7 @@ class Lamp:
 
 @dataclass(frozen=True, slots=True)
 class Layout:
-    """Everything that the page needs to know before the first value.
+    """The data that the page needs before the first value.
 
     ``speed``, ``target``, ``position``, ``command``: places of the columns of the gauges; -1: there is none.
     The tracking error is a column if there are speed and target.
@@ -62,11 +62,11 @@ class Layout:
     command: int
 
     def as_json(self) -> dict[str, Any]:
-        """As the page gets it."""
+        """The JSON form for the page."""
         return asdict(self)
 
 
-#: Of a run whose system is not known.
+#: The layout of a run of an unknown system.
 NO_LAYOUT = Layout((), (), (), (), -1, -1, -1, -1)
 
 
@@ -77,7 +77,7 @@ def make_layout(scenario: AnyScenario, contract: Contract, notes: Sequence[Mappi
     """
     judging = judging_of(scenario)
     shown = shown_columns(scenario, contract, notes)
-    # A level without words, of which a watch has those with words, is no curve.
+    # A level without words is no curve if the watch also has a level with words.
     columns = [
         replace(one, kind=STATE) if one.kind == SIGNAL and one.name.endswith("_level") else one for one in shown.columns
     ]
@@ -106,7 +106,7 @@ def _find_unit(contract: Contract, port: str, signal: str) -> str:
 
 
 def _make_charts(columns: Sequence[ShownColumn], command: int) -> tuple[Chart, ...]:
-    """Curves of signals and notes; the position is that of the train in the page's own picture."""
+    """Curves of signals and notes; the position belongs to the train in the page's own picture."""
     places = {column.name: at for at, column in enumerate(columns)}
     curves = [column for column in columns if column.kind in (SIGNAL, NOTE)]
     groups = grouped(curves, columns[command].name if command >= 0 else "")
@@ -118,7 +118,7 @@ def _make_charts(columns: Sequence[ShownColumn], command: int) -> tuple[Chart, .
 
 
 def _make_lamps(judging: Judging, contract: Contract, before: int) -> tuple[Lamp, ...]:
-    """The lamps, whose columns follow so many others."""
+    """The lamps; their columns follow the others."""
     found = [
         (item.port, name, normal)
         for item in judging.interlocks
@@ -126,7 +126,7 @@ def _make_lamps(judging: Judging, contract: Contract, before: int) -> tuple[Lamp
         if any(entry.name == item.port and name in {one.name for one in entry.signals} for entry in contract.ports)
     ]
     return tuple(
-        # A number that is 0 in normal operation says that there is none of something.
+        # A number that is 0 in normal operation tells that something is absent.
         Lamp(port, name, _make_label(name) if normal else f"no {_make_label(name)}", normal, before + place)
         for place, (port, name, normal) in enumerate(found)
     )

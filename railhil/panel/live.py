@@ -29,7 +29,7 @@ from railhil.scenarios.model import AnyScenario, Timing
 from railhil.scenarios.system import System
 from railhil.scenarios.unknown import UnknownScenario
 
-#: Kept for pages that come later.
+#: Messages kept for pages that connect later.
 EVENTS_MAX = 1000
 
 
@@ -117,9 +117,9 @@ LIST_S = 0.95
 
 
 class LiveRun:
-    """Listens to a bus and says what is new.
+    """Listens to a bus and reports the news.
 
-    What it shows is that of the run that the plant tells; before that, of the scenario that the user names, if any.
+    It shows the run that the plant announces, and before that the scenario that the user names, if any.
 
     :param operator: the connection to the supervisor; None: there are no commands.
     """
@@ -135,7 +135,7 @@ class LiveRun:
         self._show()
 
     def _show(self) -> None:
-        """Show the watched scenario from now on; None: only frames, because it is not known which system runs."""
+        """Show the watched scenario from now on; None: only frames, because the system is unknown."""
         scenario, notes = self._watched.scenario, self._watched.notes
         system: System | None = None if scenario is None else scenario.installed_system
         self._scenario = scenario
@@ -152,13 +152,13 @@ class LiveRun:
         # The last row and its instant; no row while the curves have a gap.
         self._last: FloatArray | None = None
         self._last_s = -1.0
-        #: Rows and telegrams of the last look; the trace begins with the newest telegram of each port before it.
+        #: Rows and telegrams of the last reading; the trace begins with the newest earlier telegram of each port.
         self.fresh_rows: FloatArray = np.empty((0, 1))
         self.fresh_trace = Trace(contract)
         self.scenario_name = "" if scenario is None else scenario.name
 
     def describe(self) -> dict[str, Any]:
-        """What a page is told first."""
+        """The first message to a page."""
         facts = {} if self._scenario is None else {"scenario": self._scenario.name, "system": self._scenario.system}
         name = self.scenario_name or "a run that is not known yet"
         return {
@@ -169,14 +169,14 @@ class LiveRun:
         }
 
     def read_past(self) -> list[str | bytes]:
-        """Everything so far, for a page that has just come."""
+        """All data so far, for a page that has just connected."""
         messages: list[str | bytes] = [encode_batch(REPLACE, 0, self._history.rows)]
         messages.append(json.dumps({"events": [] if self._events is None else self._events.all, "replace": True}))
         messages += [json.dumps(self._make_state()), json.dumps(self._make_frame_list())]
         return messages
 
     def look(self) -> list[str | bytes]:
-        """What is new on the bus."""
+        """The news of the bus."""
         self.fresh_rows = self.fresh_rows[:0]
         frames = self.receiver.look()
         messages: list[str | bytes] = []
@@ -208,7 +208,7 @@ class LiveRun:
         return json.dumps(self._make_frame_list())
 
     def execute(self, command: dict[str, Any]) -> str:
-        """Pass a command to the supervisor; returns why not, empty if it was."""
+        """Pass a command to the supervisor; returns the reason if it was not passed, else empty."""
         if self._operator is None:
             return "no supervisor takes commands here: start the run with railhil run --panel"
         return self._operator.execute(command)
@@ -255,7 +255,7 @@ class LiveRun:
         return messages
 
     def _end_curves(self, rows: Rows) -> list[str | bytes]:
-        """Nothing that is not heard stands still."""
+        """A value that is no longer received must not look constant."""
         last, self._last = self._last, None
         return [] if last is None else [self._draw(rows.gap_after(last[None]))]
 
@@ -264,7 +264,7 @@ class LiveRun:
         return encode_batch(APPEND, 0, rows)
 
     def _list_notices(self) -> list[str]:
-        """What must be said large."""
+        """Warnings that the page must show large."""
         found = [self._watched.warning]
         if dropped := self.receiver.dropped:
             found.append(f"{dropped} FRAMES DROPPED HERE: the gaps in the curves are not of the run")

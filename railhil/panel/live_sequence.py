@@ -1,5 +1,5 @@
-"""Runs of a law that learns: its errors and its memory by the number of the run, also of a sequence that is being
-recorded, as soon as another run has ended."""
+"""Runs of a law that learns: its errors and its memory by the number of the run. A sequence that is being recorded is
+read again when another run has ended."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from railhil.record.documents import read_certificate, read_score
 from railhil.scenarios.memory import MEMORY_AFTER, BadRecord, read_record
 from railhil.scenarios.model import AnyScenario
 
-#: What ``railhil sequence run`` writes beside its run folders, and how it names these.
+#: File that ``railhil sequence run`` writes beside its run folders, and the names of these.
 SEQUENCE, _RUNS = "sequence.json", "run[0-9]*"
 
 
 def find_run_folders(texts: Sequence[str]) -> tuple[list[str], list[str]]:
-    """The run folders that are meant: whose curves are shown, and all of them.
+    """The run folders of a command line: the folders whose curves are shown, and all of them.
 
-    Of a recorded sequence, the curves of its first and its last run are shown.
+    A recorded sequence shows the curves of its first and its last run.
 
     :raises InputError: a sequence has no finished run.
     """
@@ -44,7 +44,7 @@ def find_run_folders(texts: Sequence[str]) -> tuple[list[str], list[str]]:
 
 
 def make_learning_charts(scenario: AnyScenario, folders: Sequence[str]) -> list[dict[str, Any]]:
-    """Charts over the number of the run: what the system measures over sequences, and each number in the memory.
+    """Charts over the number of the run: the system's measures of a sequence, and each number in the memory.
 
     ``data`` of a chart: numbers of the runs, then a list for each of its ``series``, None where there is no value.
 
@@ -89,7 +89,7 @@ def make_learning_charts(scenario: AnyScenario, folders: Sequence[str]) -> list[
 
 
 def _find_numbers(values: Any, name: str = "") -> Iterator[tuple[str, float]]:
-    """What a memory holds besides counters, keys and histories: each number with a decimal point, by its place."""
+    """The numbers with a decimal point in a memory, without counters, keys and histories, by their place."""
     if isinstance(values, Mapping):
         for key, value in values.items():
             yield from _find_numbers(value, f"{name} {key}".strip())
@@ -100,14 +100,14 @@ def _find_numbers(values: Any, name: str = "") -> Iterator[tuple[str, float]]:
         yield name, values
 
 
-#: Wall time between two looks at a folder.
+#: Wall time between two readings of a folder.
 _LOOK_S = 0.5
 
 
 class LiveSequence:
-    """The sequences among some folders; one that is complete does not change any more, and looking costs one stat.
+    """The sequences among some folders; a complete one does not change any more, and checking it costs one stat.
 
-    :param folders: as they were asked for.
+    :param folders: as given by the user.
     """
 
     def __init__(self, scenario: AnyScenario, folders: Sequence[str]) -> None:
@@ -118,8 +118,7 @@ class LiveSequence:
         self._look_s = time.monotonic()
 
     def look(self) -> list[dict[str, Any]] | None:
-        """The charts of :func:`make_learning_charts`, if another run has ended since the last look;
-        else None."""
+        """The charts of :func:`make_learning_charts`, if another run has ended since the last reading; else None."""
         now_s = time.monotonic()
         if not self._files or now_s - self._look_s < _LOOK_S:
             return None
@@ -130,7 +129,7 @@ class LiveSequence:
         try:
             charts = make_learning_charts(self._scenario, find_run_folders(self._folders)[1])
         except InputError:
-            # The next run is being written: at the next look it is whole, or has not begun.
+            # The next run is being written: at the next reading it is complete, or has not begun.
             return None
         self._stamps = stamps
         return charts

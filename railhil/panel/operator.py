@@ -1,5 +1,5 @@
-"""What an operator of the panel may do: commands over the supervisor's socket (:mod:`railhil.live.panel_socket`), and
-the kinds of faults to which he may give values of his own during a run."""
+"""Commands of the panel's operator over the supervisor's socket (:mod:`railhil.live.panel_socket`), and the kinds of
+faults to which an operator may give other values during a run."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from collections.abc import Iterable
 from math import isfinite
 from typing import Any
 
-#: Wall time between two greetings; the supervisor tells those that have greeted it.
+#: Wall time between two greetings; the supervisor reports to panels that have greeted it.
 _HELLO_S = 0.5
 _DATAGRAM_MAX = 16384
-#: What a page may ask for.
+#: Commands that a page may send.
 COMMANDS = ("start", "pause", "stop", "pace", "inject", "clear", "fault")
 
 
@@ -32,12 +32,12 @@ class Operator:
         self.report: dict[str, Any] = {}
 
     def greet(self) -> None:
-        """Tell the supervisor that this panel is there. It tells nothing back before the first :meth:`look`."""
+        """Greet the supervisor. Its reports are read with the first :meth:`look`."""
         self._send({"do": "hello"})
         self.close()
 
     def execute(self, command: dict[str, Any]) -> str:
-        """Pass on a command; returns why not, empty if it was."""
+        """Pass on a command; returns the reason if it was not passed, else empty."""
         if command.get("do") not in COMMANDS:
             return f"no such command: {command.get('do')}"
         if not self.report or not self._send(command):
@@ -45,7 +45,7 @@ class Operator:
         return ""
 
     def look(self) -> list[dict[str, Any]]:
-        """The supervisor's answers to commands since the last look; brings :attr:`report` up to date."""
+        """The supervisor's answers to commands since the last call; brings :attr:`report` up to date."""
         now_s = time.monotonic()
         if now_s - self._hello_s >= _HELLO_S:
             self._hello_s = now_s
@@ -68,7 +68,7 @@ class Operator:
         return answers
 
     def close(self) -> None:
-        """Let go of the socket."""
+        """Close the socket."""
         if self._socket is not None:
             self._socket.close()
             self._socket = None
@@ -77,7 +77,7 @@ class Operator:
         try:
             if self._socket is None:
                 self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM | socket.SOCK_NONBLOCK)
-                # An address of its own, to which the supervisor can answer.
+                # A separate address to which the supervisor can answer.
                 self._socket.bind("")
                 self._socket.connect(self._path)
             self._socket.send(json.dumps(document).encode())
@@ -93,11 +93,11 @@ class Operator:
 def list_fault_kinds(texts: Iterable[str]) -> list[dict[str, Any]]:
     """The kinds among the faults of a run that are triggered by hand, each once, in their order.
 
-    ``name``: place and word; ``tail``: its count and what else is fixed; ``parameters``: name, meaning, ``keyword``
+    ``name``: place and word; ``tail``: its count and other fixed parts; ``parameters``: name, meaning, ``keyword``
     before it (empty: none), ``value`` as prepared, ``usual`` value (empty: none), ``unit`` of a number without one,
     ``range`` (empty: any), all as texts of the fault language, and whether it is ``fixed`` (a name).
     """
-    # The language is loaded only when somebody uses it.
+    # The language is loaded only when it is used.
     from railhil.faults.language import parse
     from railhil.faults.model import NAME, Fault, Parameter
     from railhil.faults.notation import UNITS, number_text, place_text, value_text

@@ -1,5 +1,5 @@
-"""The frames that the panel reads: of a bus, without waiting, never sending, and opened again when it comes back; or of
-the log of a run that is being made, where the run has no bus to join."""
+"""The frames that the panel reads: from a bus, without waiting and sending, opened again when it comes back; or from
+the log of a run in progress that has no bus to join."""
 
 from __future__ import annotations
 
@@ -17,25 +17,26 @@ from railhil.bus.link import open_link
 from railhil.bus.link.opening import listen_only
 from railhil.record.framelog import LOG_NAME, frames_of
 
-#: Frames taken at one look; of more than these the oldest are dropped. A real-time run at 1x sends about 60.
+#: Largest number of frames taken at one reading; of more frames the oldest are dropped. A real-time run at 1x sends
+#: about 60.
 LOOK_FRAMES = 8000
 #: Wall time between two attempts to open a bus that is not there.
 _RETRY_S = 0.5
 #: Frames that the hub hands over together.
 _BULK_FRAMES = 256
-#: Packets read at one look at most, so that a bus faster than this process cannot keep it.
+#: Largest number of packets taken at one reading, so that a bus faster than this process cannot block it.
 _LOOK_PACKETS = 400
 
 
 class FrameSource(Protocol):
-    """What frames are read from."""
+    """A source of frames."""
 
     @property
     def counters(self) -> Mapping[str, int]:
-        """Counts of what happened; ``rx_lost``: frames lost."""
+        """Counters; ``rx_lost``: frames lost."""
 
     def receive(self, timeout_s: float | None) -> list[Frame]:
-        """Frames that have come; raises BusLost."""
+        """Frames that have arrived; raises BusLost."""
 
     def close(self) -> None:
         """Leave it."""
@@ -52,10 +53,10 @@ def open_passive_bus(config: dict[str, Any], name: str) -> FrameSource:
 
 
 class Receiver:
-    """Reads a bus by looking at it; ``dropped`` counts frames left out because there were too many.
+    """Polls a bus; ``dropped`` counts frames left out because there were too many.
 
     :param config: arguments of ``can.Bus``.
-    :param waits: what is not read at one look waits for the next one, as in a file.
+    :param waits: frames not taken at one reading wait for the next one, as in a file.
     """
 
     def __init__(
@@ -67,7 +68,7 @@ class Receiver:
         self._packets = 1 if waits else _LOOK_PACKETS
         self._frames_max = None if waits else LOOK_FRAMES
         self._config = dict(config)
-        # A hub on this machine: its socket's file says when it is there.
+        # A hub on this machine is there when its socket's file exists.
         self._path = ""
         if config.get("interface") == HUB_INTERFACE:
             self._path = str(config.get("channel", ""))
@@ -78,9 +79,9 @@ class Receiver:
         self._retry_s = 0.0
         self._lost_before = 0
         self.dropped = 0
-        #: What the last look lacks: frames before its first one, and frames at places that are not known.
+        #: Losses of the last reading: frames before its first one, and frames at unknown places.
         self.lacks_before = self.lacks_within = False
-        #: Why there is no bus; empty while there is one.
+        #: Reason for which there is no bus; empty while there is one.
         self.trouble = "not opened yet"
 
     @property
@@ -89,7 +90,7 @@ class Receiver:
         return self._link is not None
 
     def look(self) -> list[Frame]:
-        """Frames that have arrived since the last look, oldest first; see :attr:`lacks_before`,
+        """Frames that have arrived since the last reading, oldest first; see :attr:`lacks_before`,
         :attr:`lacks_within`."""
         self.lacks_before = self.lacks_within = False
         if self._link is None and not self._open():
@@ -128,7 +129,7 @@ class Receiver:
         is_new, self._was_there = is_there and not self._was_there, is_there
         if not is_new and now_s < self._retry_s:
             return False
-        # The file is there an instant before the hub answers: the next look may be the one that succeeds.
+        # The file appears an instant before the hub answers: the next attempt may succeed.
         self._retry_s = now_s if is_new else now_s + _RETRY_S
         try:
             self._link = self._open_bus(self._config, "panel")
@@ -136,16 +137,16 @@ class Receiver:
             self.trouble = str(error)
             return False
         self._lost_before = 0
-        # Not before the first time.
+        # Nothing was lost before the first opening.
         self.lacks_before = self._was_open
         self._was_open = True
         self.trouble = ""
         return True
 
 
-#: Read at one look: about 8000 classic frames.
+#: Bytes taken at one reading: about 8000 classic frames.
 LOOK_BYTES = 360_000
-#: What may wait to be read, about 350 000 frames; of more the oldest lines are left out.
+#: Bytes that may wait to be read, about 350 000 frames; of more the oldest lines are left out.
 BACKLOG_BYTES = 16 << 20
 _SKIP_BYTES = 1 << 20
 
@@ -185,14 +186,14 @@ class LogFollower:
             raise BusLost(f"{self._path}: found lines that are no frames, allowed: the log of a run") from None
 
     def _skip(self) -> None:
-        """Count the lines that are too many, without reading what they say."""
+        """Count the excess lines without parsing them."""
         unread = os.fstat(self._stream.fileno()).st_size - self._stream.tell() - BACKLOG_BYTES
         if unread <= 0:
             return
         while unread > 0 and (part := self._stream.read(min(unread, _SKIP_BYTES))):
             unread -= len(part)
             self.counters["rx_lost"] += part.count(b"\n")
-        # Where it stops is inside a line, as a rule.
+        # The end of the skipped part usually lies inside a line.
         rest = self._stream.read(LOOK_BYTES)
         self.counters["rx_lost"] += 1
         self._begun = b""

@@ -24,21 +24,23 @@ from railhil.record.trace import FloatArray
 from railhil.report.display_columns import ShownColumn
 from railhil.report.recorded import recorded_run, told_apart
 
-#: Rows of a run that a page gets; of a longer run the smallest and largest value of each column in equal parts.
+#: Rows of a run for a page; a longer run is divided into equal parts with the smallest and largest value of each
+#: column.
 ROWS_MAX = 40_000
 
 
 class RecordedRuns:
-    """Run folders beside each other, of one system; of a recorded sequence its first and last run, and what it learned.
+    """Run folders of one system beside each other; a recorded sequence has its first and last run and its learned
+    values.
 
-    :raises InputError: one cannot be read, or is of another system than the first.
+    :raises InputError: a folder cannot be read, or belongs to another system than the first.
     """
 
     def __init__(self, folders: Sequence[str]) -> None:
         asked, (folders, every) = list(folders), find_run_folders(folders)
         records = [checked_record(folder, None) for folder in folders]
         for place in map(Path, set(every).difference(folders)):
-            # Of a sequence only two runs are read as records; the charts over its runs show them all.
+            # Only two runs of a sequence are read as records; the charts over its runs show all of them.
             check_folder(place, read_certificate(place))
         first = records[0].scenario
         for folder, record in zip(folders, records, strict=True):
@@ -58,7 +60,7 @@ class RecordedRuns:
         ]
 
     def describe(self) -> dict[str, Any]:
-        """What a page is told first."""
+        """The first message to a page."""
         runs = [
             {"name": name, "facts": {"scenario": one.scenario.name, "verdict": _describe_verdict(name, one)}}
             for name, one in zip(self._names, self._records, strict=True)
@@ -78,7 +80,7 @@ class RecordedRuns:
         return [*rows, json.dumps({"events": events, "replace": True})]
 
     def look(self) -> list[str | bytes]:
-        """New is only what a sequence that is being recorded has learned."""
+        """The only news are learned values of a sequence in progress."""
         charts = self._growing.look()
         if charts is None:
             return []
@@ -102,8 +104,8 @@ class RecordedRuns:
 
 
 def thin_rows(rows: FloatArray, position: int = -1) -> FloatArray:
-    """At most about :data:`ROWS_MAX` rows: of each part of a longer table its smallest and its largest values; a gap
-    remains one.
+    """At most about :data:`ROWS_MAX` rows: each part of a longer table gives its smallest and its largest values; gaps
+    remain gaps.
 
     :param position: place of its column; -1: there is none.
     """

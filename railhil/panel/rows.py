@@ -1,4 +1,4 @@
-"""Rows of the page's columns from telegrams: while they come, of a whole record, and of a run since its beginning."""
+"""Rows of the page's columns from telegrams: as they arrive, for a whole record, and for a run since its beginning."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from railhil.record.trace import FloatArray, Trace
 from railhil.report.display_columns import ERROR
 from railhil.scenarios.model import AnyScenario
 
-#: Rows kept at most; then the older ones become half as dense.
+#: Largest number of rows; beyond it the older ones become half as dense.
 HISTORY_ROWS_MAX = 24_000
 
 
 def is_gap(rows: FloatArray, position: int) -> npt.NDArray[np.bool_]:
-    """Which rows stand for a gap: nothing is known but time and position, shape (n,).
+    """Marks the rows of gaps, in which only time and position are known; shape (n,).
 
     :param position: place of its column; -1: there is none.
     """
@@ -31,7 +31,7 @@ def is_gap(rows: FloatArray, position: int) -> npt.NDArray[np.bool_]:
 
 
 class History:
-    """Rows of one run; ``stride``: every how many rows one is kept, besides those of gaps.
+    """Rows of one run; ``stride``: one of this number of rows is kept, besides the rows of gaps.
 
     :param position: place of its column; -1: there is none.
     """
@@ -93,8 +93,7 @@ class Rows:
     def make(self, trace: Trace, after_s: float = -1.0, before_s: float = np.inf) -> FloatArray:
         """One row for each telegram of the truth: time in s, then the columns in their shown units.
 
-        :param after_s, before_s: only rows later than the one and earlier than the other; the present tick is not
-            complete.
+        :param after_s, before_s: only rows after the first and before the second; the present tick is not complete.
         :returns: shape (n, 1 + columns); unknown values are NaN.
         """
         layout = self._layout
@@ -115,16 +114,16 @@ class Rows:
         return rows
 
     def gap_after(self, rows: FloatArray) -> FloatArray:
-        """For each row the one that says that nothing is known from then on (:func:`is_gap`)."""
+        """For each row the row after which nothing is known (:func:`is_gap`)."""
         position = self._layout.position
         return gap_after(rows, 1 + position if position >= 0 else -1)
 
     def is_over(self, last_s: float, now_s: float) -> bool:
-        """Whether the row of ``last_s``, the newest one, says nothing of now any more."""
+        """Whether the newest row, at ``last_s``, is out of date."""
         return bool(len(silences(np.array([last_s, now_s]), self._truth_holds_s)))
 
     def insert_gaps(self, rows: FloatArray, before: FloatArray | None = None) -> FloatArray:
-        """The rows, with one for each gap between them: no line is drawn over it.
+        """The rows, with an additional one for each gap between them, so that no line is drawn across it.
 
         :param before: the row before them, shape (1 + columns,); None: there is none.
         """

@@ -1,7 +1,8 @@
-"""The page's server: static files and one WebSocket, on loopback, in one thread; and what one command line serves.
+"""The page's server: static files and one WebSocket, on loopback, in one thread; and the source that a command line
+names.
 
-A page is served what is new as long as it keeps up; to one that does not, rows are left out and counted. What only some
-command lines need is loaded for them alone.
+A page gets all news as long as it keeps up; otherwise rows are left out and counted. Modules that only some command
+lines need are imported for them alone.
 """
 
 from __future__ import annotations
@@ -37,9 +38,9 @@ from railhil.panel.wire import POLICY_VIOLATION, SUBPROTOCOL, TooDeep, is_token,
 if TYPE_CHECKING:
     from railhil.panel.foxglove import FoxgloveBridge
 
-#: Batches a second at most; a look costs about the same however little has come.
+#: Largest number of batches a second; a reading costs about the same for few frames as for many.
 RATE_HZ = 10.0
-#: Bytes that may wait for a page; then batches are left out.
+#: Bytes that may wait for a page; beyond it batches are left out.
 _BACKLOG_MAX_BYTES = 1 << 20
 _POLICY = "default-src 'self'; frame-ancestors 'none'; base-uri 'none'; form-action 'none'"
 _TYPES = {".html": "text/html", ".css": "text/css", ".js": "text/javascript"}
@@ -57,19 +58,19 @@ class PageSource(Protocol):
     """What is shown."""
 
     def describe(self) -> dict[str, Any]:
-        """What a page is told first."""
+        """The first message to a page."""
 
     def read_past(self) -> list[str | bytes]:
         """Everything so far."""
 
     def look(self) -> list[str | bytes]:
-        """What is new; called :data:`RATE_HZ` times a second."""
+        """The news; called :data:`RATE_HZ` times a second."""
 
     def list_frames(self) -> str:
-        """The list of frames for the pages that show it; called after a look, empty if it is not due yet."""
+        """The list of frames for the pages that show it; called after :meth:`look`, empty if it is not due yet."""
 
     def execute(self, command: dict[str, Any]) -> str:
-        """Carry out a command of a page with the right token; returns why not, empty if it was."""
+        """Carry out a command of a page with the right token; returns the reason if it was refused, else empty."""
 
     def watch(self, can_ids: set[int]) -> None:
         """Keep raw frames of these identifiers."""
@@ -91,8 +92,8 @@ class Page:
 class PanelServer:
     """Serves one source to any number of pages.
 
-    :param token: what commands must carry; empty: there are no commands.
-    :param socket: listen at this Unix socket instead of ``port``, under which something else publishes it.
+    :param token: word that commands must carry; empty: there are no commands.
+    :param socket: listen at this Unix socket instead of ``port``; another program publishes it under that port.
     """
 
     def __init__(self, source: PageSource, token: str, port: int, socket: str | None = None) -> None:
@@ -100,7 +101,7 @@ class PanelServer:
         self._socket = socket
         self.token = token
         self._pages: dict[ServerConnection, Page] = {}
-        #: Whether the source is looked at while there is no page.
+        #: Whether the source is read while there is no page.
         self.looks_alone = True
         self.port = port
 
@@ -128,9 +129,9 @@ class PanelServer:
         return server
 
     async def run(self, ends: Callable[[], bool], beside: Callable[[], None] = lambda: None) -> None:
-        """Look at the source and tell the pages, until ``ends``.
+        """Read the source and send its news to the pages, until ``ends``.
 
-        :param beside: called after each look.
+        :param beside: called after each reading.
         """
         loop = asyncio.get_running_loop()
         due_s = loop.time()
@@ -150,7 +151,7 @@ class PanelServer:
 
     @staticmethod
     def _tell(message: str | bytes, pages: Sequence[Page]) -> None:
-        """Send without waiting; a page that has gone is noticed where it is read."""
+        """Send without waiting; the reading side notices a page that has gone."""
         takes = []
         for page in pages:
             if isinstance(message, bytes) and page.connection.transport.get_write_buffer_size() > _BACKLOG_MAX_BYTES:
@@ -183,7 +184,7 @@ class PanelServer:
         return Response(HTTPStatus.OK.value, HTTPStatus.OK.phrase, headers, body)
 
     def _check_origin(self, connection: ServerConnection, request: Request) -> Response | None:
-        """A page of somebody else must not talk to this server, under whatever name it reaches it."""
+        """A foreign page must not talk to this server, under any name of this machine."""
         own = {f"http://{host}:{self.port}" for host in ("127.0.0.1", "localhost", "[::1]")}
         origins = request.headers.get_all("Origin")
         if len(origins) != 1 or origins[0] not in own:
@@ -268,7 +269,7 @@ def serve_panel(namespace: argparse.Namespace) -> int:
 
         bridge = FoxgloveBridge(source, token, namespace.foxglove)
     panel = PanelServer(source, token, port, namespace.socket)
-    # A record waits for who reads it, a bus does not; viewers of the bridge are not counted.
+    # A record waits for its reader, a bus does not; viewers of the bridge are not counted.
     panel.looks_alone = namespace.follow is None or bridge is not None
     return asyncio.run(_serve(panel, Output(stderr=True), bridge, operator))
 

@@ -1,8 +1,9 @@
 """``python -m railhil.panel.tcp_to_unix SOCKET PORT``: from a published port of a container to a panel without network.
 
-The containers of a bench share a network namespace that nobody can reach. The panel therefore listens at a Unix socket
-in their common volume (``railhil panel --socket``), and this program, alone in a container with a network, passes bytes
-between it and the port that Docker publishes on the host's loopback. It knows nothing of what it passes.
+The containers of a bench share a network namespace that cannot be reached from outside. The panel therefore listens at
+a Unix socket in their common volume (``railhil panel --socket``), and this program, alone in a container with a
+network, passes bytes between it and the port that Docker publishes on the host's loopback. It does not interpret the
+bytes.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ _CHUNK_BYTES = 1 << 16
 
 
 async def _pass(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-    """Pass everything on until the end, or until one side has gone."""
+    """Pass all bytes on until the end, or until one side has gone."""
     with contextlib.suppress(OSError):
         while data := await reader.read(_CHUNK_BYTES):
             writer.write(data)

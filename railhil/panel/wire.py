@@ -1,4 +1,4 @@
-"""What goes over the page's WebSocket: JSON texts, and rows of values as binary batches.
+"""Messages of the page's WebSocket: JSON texts, and rows of values as binary batches.
 
 A batch: u32 kind, u32 run (place among the runs of the page), u32 rows, u32 columns, then the times as float64 and the
 columns as float32, one column after the other, little-endian.
@@ -18,7 +18,7 @@ from railhil.record.trace import FloatArray
 SUBPROTOCOL = "railhil.panel.v1"
 #: Code with which a WebSocket is closed (RFC 6455, 7.4.1).
 POLICY_VIOLATION = 1008
-#: Kinds of a batch: rows that continue those sent before, or replace them.
+#: Kinds of a batch: its rows continue the rows sent before, or replace them.
 APPEND, REPLACE = 1, 2
 
 
@@ -31,7 +31,7 @@ def encode_batch(kind: int, run: int, rows: FloatArray) -> bytes:
 
 
 class TooDeep(ValueError):
-    """JSON that is nested so deeply that nobody who means well has written it: its sender is not talked to."""
+    """JSON that is nested too deeply for an honest sender: the connection is closed."""
 
 
 def parse_object(text: str | bytes) -> dict[str, Any]:
@@ -52,5 +52,5 @@ def parse_object(text: str | bytes) -> dict[str, Any]:
 
 
 def is_token(found: Any, token: str) -> bool:
-    """Whether a message carries the token; the time that this takes says nothing of it."""
+    """Whether a message carries the token; the time of the comparison does not reveal it."""
     return isinstance(found, str) and hmac.compare_digest(found.encode(errors="replace"), token.encode())

@@ -1,4 +1,4 @@
-"""Examines what timing this machine can provide, one module per subject; each finding says how to improve it.
+"""Examines the timing that this machine can provide, one module per subject; each finding gives a remedy.
 
 Every examination takes the root of the file system (a different one in the tests) and changes nothing.
 """

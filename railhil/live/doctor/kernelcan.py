@@ -15,7 +15,7 @@ from railhil.live.doctor.machine import Finding, said_by, text_of
 _CAN_TYPE = "280"
 #: IFF_UP of linux/if.h.
 _UP = 1
-#: Fits the burst of one tick many times; the kernel's default of 10 is too small for a pause of the recorder.
+#: Holds the burst of one tick many times; the kernel's default of 10 is too small for a pause of the recorder.
 _QUEUE_MIN = 100
 _SUBJECT = "kernel CAN"
 _WITHOUT = "use the hub, or `railhil vcan -- COMMAND`"
@@ -27,7 +27,7 @@ def kernel_can(
 ) -> list[Finding]:
     """Whether the kernel has CAN, and the state of each interface.
 
-    :param refusal: why no CAN socket can be opened, empty if one can; None: try it.
+    :param refusal: reason for which no CAN socket can be opened, empty if one can; None: try it.
     """
     reason = (refusal or _refusal)()
     if reason:
@@ -84,7 +84,7 @@ def _details(name: str) -> dict[str, Any]:
 
 
 def _refusal() -> str:
-    """Why no CAN socket can be opened; empty if one can."""
+    """Reason for which no CAN socket can be opened; empty if one can."""
     if not hasattr(socket, "AF_CAN"):
         return "this Python has no AF_CAN"
     try:

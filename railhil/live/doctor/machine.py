@@ -1,4 +1,4 @@
-"""What this machine has for a run: its kernel and processors, serial ports, Docker, the tools for a virtual machine."""
+"""Equipment of this machine for a run: kernel and processors, serial ports, Docker, the tools for a virtual machine."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ TOOL_TIMEOUT_S = 5.0
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """One line: subject, what was found, and the command or step that improves it (empty: nothing to do)."""
+    """One line: subject, finding, and the command or step that improves it (empty: nothing to do)."""
 
     subject: str
     found: str
@@ -29,7 +29,7 @@ def text_of(path: Path) -> str:
     try:
         return path.read_text(encoding="utf-8", errors="replace").strip()
     except OSError:
-        # Not in this kernel, or not for this user.
+        # The file is not in this kernel, or not for this user.
         return ""
 
 
@@ -128,7 +128,7 @@ def below(root: Path) -> list[Finding]:
     return found
 
 
-#: What `railhil vcan` needs to fetch a user-mode kernel and to start it, and the Debian package of each.
+#: Tools that `railhil vcan` needs to fetch a user-mode kernel and to start it, and the Debian package of each.
 _MACHINE_TOOLS = {"dpkg-deb": "dpkg", "setpriv": "util-linux"}
 _SYSTEM_PATH = "/usr/local/sbin:/usr/sbin:/sbin"
 

@@ -1,4 +1,4 @@
-"""What this machine permits of realtime scheduling, and the lateness of a loop with absolute deadlines, measured."""
+"""The realtime scheduling that this machine permits, and the measured lateness of a loop with absolute deadlines."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def fifo(granted: int, reason: str) -> Finding:
     """SCHED_FIFO.
 
     :param granted: highest priority granted to this process of those that the bench requests, 0: none.
-    :param reason: why not a higher one.
+    :param reason: reason why a higher one is not granted.
     """
     if granted == HUB_PRIORITY:
         return Finding("SCHED_FIFO", f"permitted at the bench's priorities, up to {HUB_PRIORITY}")
@@ -44,7 +44,8 @@ def fifo(granted: int, reason: str) -> Finding:
 
 
 def _memory() -> Finding:
-    """What a node would be granted, found by trying, because limit or capabilities alone do not determine it."""
+    """Scheduling that a node would be granted, found by trying, because limit or capabilities alone do not determine
+    it."""
     with cycle("doctor", HUB_PRIORITY, aloud=False) as granted:
         memory = granted.sentence.rpartition(", memory ")[2]
     if memory == "locked":
@@ -75,7 +76,7 @@ def _throttle(root: Path) -> Finding:
 
 
 def preemption(root: Path, version: str) -> Finding:
-    """How soon the kernel runs a woken process."""
+    """Preemption model: it decides how soon the kernel runs a woken process."""
     if text_of(root / "sys/kernel/realtime") == "1" or "PREEMPT_RT" in version:
         return Finding("preemption", "PREEMPT_RT: latencies have a bound")
     chosen = text_of(root / "sys/kernel/debug/sched/preempt")
@@ -86,7 +87,7 @@ def preemption(root: Path, version: str) -> Finding:
         advice = "kernel parameter preempt=full" if "DYNAMIC" in kind else "a kernel with PREEMPT or PREEMPT_RT"
         return Finding("preemption", f"{shown}: latencies of milliseconds are possible", advice)
     if kind == "PREEMPT_DYNAMIC" and not mode:
-        # It may have been started with preempt=none: claim nothing without checking.
+        # The kernel may have been started with preempt=none, so nothing is claimed without a check.
         shown += ", its mode not known (root can read /sys/kernel/debug/sched/preempt)"
     advice = "for a bound: a PREEMPT_RT kernel (Debian: sudo apt install linux-image-rt-amd64)"
     return Finding("preemption", f"{shown}: no bound; the 10 ms loop measures", advice)
@@ -101,7 +102,7 @@ _REAL = "a driver, another realtime process or the firmware (SMI): a PREEMPT_RT 
 
 
 def lateness() -> list[Finding]:
-    """Measured for 2 s with normal scheduling, and for 2 s more with SCHED_FIFO if permitted."""
+    """Measure for 2 s with normal scheduling, and for 2 s more with SCHED_FIFO if permitted."""
     priorities = [0, NODE_PRIORITY] if permitted_priority()[0] else [0]
     virtual = is_virtual(Path("/"))
     return [judged(measured(priority), priority, virtual) for priority in priorities]
@@ -114,7 +115,7 @@ def measured(priority: int, cycles: int = CYCLES) -> Jitter:
         pacer = Pacer(1.0)
         pacer.start()
         for tick in range(cycles):
-            # The first deadline is in the future, so that it is waited for.
+            # The first deadline is in the future, so that the loop waits for it.
             late_ms[tick] = pacer.wait((tick + 1) * CYCLE_NS) / 1e6
     return jitter_from(late_ms)
 
