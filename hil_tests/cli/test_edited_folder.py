@@ -24,7 +24,6 @@ from railhil.panel.recorded import RecordedRuns
 from railhil.record.blf_writer import write_blf
 from railhil.record.hash_list import HASH_LIST, SIGNATURE, listed_files, write_hash_list
 from railhil.record.signature import sign_list
-from railhil.report.recorded import recorded_run
 from railhil.run.report import report_line
 
 _needs_ssh_keygen = pytest.mark.skipif(shutil.which("ssh-keygen") is None, reason="MISSING CAPABILITY ssh-keygen")
@@ -47,7 +46,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     place = tmp_path_factory.mktemp("made")
     (place / "short.toml").write_text(RUN_2M_TOML)
     run = library.run(place / "short.toml", faults=["TRN_SPEED loss 30% @0s"], out=place / "run")
-    assert report_line([recorded_run(run)], run.folder).startswith("report ")
+    assert report_line([run], run.folder).startswith("report ")
     return run.folder
 
 

@@ -14,11 +14,11 @@ from railhil.cli.commands import work
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import FAIL, PASS
 from railhil.scenarios.load import load
-from railhil.scenarios.memory import Record, read_record
+from railhil.scenarios.memory import MemoryRecord, read_record
 from railhil.scenarios.memory_store import MemoryStore
 
 _KEY = Learning.memory_key(load("lvshun_tieshan"))
-FIRST = Record("learning", _KEY, 1, 1, {"runs": 1, "offset": 0.5})
+FIRST = MemoryRecord("learning", _KEY, 1, 1, {"runs": 1, "offset": 0.5})
 SECOND = replace(FIRST, runs=2, last_run=2, values={"runs": 2, "offset": 0.25})
 
 

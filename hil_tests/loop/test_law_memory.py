@@ -23,7 +23,7 @@ from railhil.judge.result import Result
 from railhil.run import make
 from railhil.run.memory import learned
 from railhil.scenarios.load import load
-from railhil.scenarios.memory import Record, load_memory, read_record
+from railhil.scenarios.memory import MemoryRecord, load_memory, read_record
 from railhil.scenarios.memory_store import MemoryStore
 from railhil.scenarios.run_spec import RunSpec
 
@@ -58,7 +58,7 @@ def certificate(folder: Path) -> dict[str, Any]:
     return found
 
 
-def stored(path: Path) -> Record:
+def stored(path: Path) -> MemoryRecord:
     """The newest record of a store."""
     newest = MemoryStore(path).read("learning").newest
     assert newest is not None
@@ -70,7 +70,7 @@ def content(path: Path) -> dict[str, bytes]:
     return {entry.name: entry.read_bytes() for entry in path.iterdir() if entry.is_file()}
 
 
-def put(path: Path, slot: str, record: Record) -> None:
+def put(path: Path, slot: str, record: MemoryRecord) -> None:
     path.mkdir(exist_ok=True)
     MemoryStore(path).file(slot).write_text(record.text)
 
@@ -184,7 +184,7 @@ _DAMAGE = {
 def test_a_damaged_slot_is_passed_over_said_and_kept_aside(fault: str, short: Path, tmp_path: Path) -> None:
     damage, said = _DAMAGE[fault]
     memory, folder = tmp_path / "memory", tmp_path / "third"
-    first = Record("learning", Learning.memory_key(load(str(short))), 1, 1, {"runs": 1, "offset": 0.25})
+    first = MemoryRecord("learning", Learning.memory_key(load(str(short))), 1, 1, {"runs": 1, "offset": 0.25})
     put(memory, "A", first)
     bad = damage(replace(first, runs=2, last_run=2))
     (memory / "b.json").write_text(bad)
@@ -287,7 +287,7 @@ def test_a_memory_that_changed_meanwhile_stays(short: Path, tmp_path: Path, monk
     assert spec.memory_store == str(path)
 
     def late(result: Result) -> Any:
-        put(path, "A", Record("learning", "x", 1, 1, {}))
+        put(path, "A", MemoryRecord("learning", "x", 1, 1, {}))
         return learned(result)
 
     monkeypatch.setattr(make, "learned", late)

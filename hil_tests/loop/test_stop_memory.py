@@ -10,7 +10,7 @@ import pytest
 
 from hil_tests.support.stops import SHORT
 from railhil.scenarios.load import load_any
-from railhil.scenarios.memory import FAULTS, Memory, Record, Stored
+from railhil.scenarios.memory import FAULTS, Memory, MemoryRecord, Stored
 from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.sequences.one import OneRun, runner_of, sequence, sequences, through_nodes
@@ -31,7 +31,7 @@ _VALUES = {
         }
     ],
 }  # fmt: skip
-GOOD = Record("ilc_stop", _KEY, 8, 8, _VALUES)
+GOOD = MemoryRecord("ilc_stop", _KEY, 8, 8, _VALUES)
 NEWER = replace(GOOD, runs=9, last_run=8)
 _TOO_FAR = {"version": 1, "records": [{**_VALUES["records"][0], "offset_m": 12.5}]}  # type: ignore[index, dict-item]
 

@@ -19,7 +19,6 @@ from railhil.record.framelog import log_line, read_log
 from railhil.record.hash_list import write_hash_list
 from railhil.record.run_folder import write_inputs
 from railhil.record.trace import Trace
-from railhil.report.recorded import RecordedRun, recorded_run
 from railhil.run.report import as_recorded
 from railhil.scenarios.load import load, names
 from railhil.scenarios.model import AnyScenario
@@ -27,7 +26,7 @@ from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.systems.ato.scenario.model import Scenario
 
 
-def recorded_folder(scenario: Scenario, folder: Path, *, seed: int = 0, arithmetic: str = "iq") -> RecordedRun:
+def recorded_folder(scenario: Scenario, folder: Path, *, seed: int = 0, arithmetic: str = "iq") -> Record:
     """One run in this process; its folder has the same files as that of the command."""
     folder.mkdir()
     write_inputs(folder, scenario, None)
@@ -43,7 +42,7 @@ def recorded_folder(scenario: Scenario, folder: Path, *, seed: int = 0, arithmet
         events=events_of(scenario, run.trace),
     )
     write_folder(result)
-    return recorded_run(as_recorded(result))
+    return as_recorded(result)
 
 
 def row_of(
@@ -53,12 +52,9 @@ def row_of(
     trace: Trace,
     score: Score,
     events: tuple[RecordedEvent, ...] = (),
-) -> RecordedRun:
+) -> Record:
     """A run of a folder, in which only what the test needs is there, as the report takes it."""
-    record = Record(
-        folder / "frames.log", scenario, trace, certificate=certificate, known_score=score, known_events=events
-    )
-    return recorded_run(record)
+    return Record(folder / "frames.log", scenario, trace, certificate=certificate).copy_with(score=score, events=events)
 
 
 def _named(scenario: Scenario) -> str:

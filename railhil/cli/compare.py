@@ -20,14 +20,13 @@ from railhil.common.digits import count_of
 from railhil.common.errors import InputError, Words
 from railhil.common.output import Output
 from railhil.common.streams import add_json_argument, print_json
-from railhil.judge.judging import judging_of
+from railhil.judge.record import Record
 from railhil.judge.training_seeds import check_unseen
 from railhil.record.run_folder import run_folder
 from railhil.record.signature import add_sign_argument, check_key, sign_list
 from railhil.record.telemetry import LawOrigin, law_origin
 from railhil.report.comparison_file import write_comparison
 from railhil.report.facts import parameters_sentence
-from railhil.report.recorded import RecordedRun, recorded_run
 from railhil.run.make import NeverBegan, Observer, Plan, record_run
 from railhil.run.report import as_recorded, report_line
 from railhil.scenarios.model import AnyScenario
@@ -157,7 +156,7 @@ def work(namespace: argparse.Namespace) -> int:
     observers += [] if namespace.quiet or namespace.json else [Progress(lambda: console)]
     folder: Path | None = None
     made = False
-    runs: list[tuple[Path, RecordedRun]] = []
+    runs: list[tuple[Path, Record]] = []
     codes: list[int] = []
     try:
         for spec in plan:
@@ -169,7 +168,7 @@ def work(namespace: argparse.Namespace) -> int:
             finally:
                 if made and not any(folder.iterdir()):
                     folder.rmdir()
-            runs.append((own, recorded_run(as_recorded(result))))
+            runs.append((own, as_recorded(result)))
             codes.append(result.exit_code)
             if result.stopped_exit_code:
                 print_verdict(console, "INVALID", f"{result.line or 'stopped'}; {_so_far(runs, plan, folder)}")
@@ -185,7 +184,7 @@ def work(namespace: argparse.Namespace) -> int:
     print_scores(console, scenario, [(f"{run.label} (measured)", run.score) for run in found])
     report = "" if namespace.no_report else report_line(found, folder, notes)
     sign_list(folder, namespace.sign)
-    if remark := judging_of(scenario).remark([run.score for run in found]):
+    if remark := found[0].judging.remark([run.score for run in found]):
         console.say(f"runs that {remark}")
     for line in assumption_lines(scenario, folder, namespace.verbose):
         console.say(line, style="dim")
@@ -205,7 +204,7 @@ def work(namespace: argparse.Namespace) -> int:
     return max(codes)
 
 
-def _so_far(runs: Sequence[tuple[Path, RecordedRun]], plan: Sequence[RunSpec], folder: Path) -> str:
+def _so_far(runs: Sequence[tuple[Path, Record]], plan: Sequence[RunSpec], folder: Path) -> str:
     return f"{len(runs)} of {count_of(len(plan), 'run')} recorded in {folder}, no comparison written"
 
 

@@ -16,7 +16,7 @@ from railhil.common.streams import add_json_argument, print_json
 from railhil.common.user_files import write_synced
 from railhil.record.run_folder import not_written
 from railhil.scenarios.load import load_any
-from railhil.scenarios.memory import Memory, Record, Stored
+from railhil.scenarios.memory import Memory, MemoryRecord, Stored
 from railhil.scenarios.memory_store import SLOT_FILES, MemoryStore, memory_at
 from railhil.scenarios.options import add_option
 
@@ -122,7 +122,7 @@ def _flat(values: Any) -> str:
 def _export(namespace: argparse.Namespace) -> int:
     """Write one record as a file that ``--memory-from`` and the ``default.json`` of a store take."""
     memory = _read(namespace.memory)
-    record: Record | None = memory.newest if namespace.slot is None else memory.at(namespace.slot)
+    record: MemoryRecord | None = memory.newest if namespace.slot is None else memory.at(namespace.slot)
     if record is None:
         found = Words(f"no record in {namespace.slot}" if namespace.slot else "no record that can be used")
         raise InputError(namespace.memory, "", found, "a place with one (railhil memory show)")

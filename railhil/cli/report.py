@@ -13,7 +13,6 @@ from railhil.judge.record import checked_record
 from railhil.record.documents import COMPARISON, read_comparison
 from railhil.record.hash_list import REPORT, check_hash_list
 from railhil.record.run_folder import not_written
-from railhil.report.recorded import recorded_run
 from railhil.scenarios.stored import any_judged_sha256
 
 #: The file by which the folder of a campaign is known.
@@ -49,10 +48,9 @@ def work(namespace: argparse.Namespace) -> int:
         folders += [path] if compared is None else [path / row["folder"] for row in compared["runs"]]
         notes += [] if compared is None else compared.get("notes", [])
     records = [checked_record(str(folder), namespace.scenario) for folder in folders]
-    runs = [recorded_run(record) for record in records]
     notes += [note for record in records for note in record.notes]
-    first = runs[0].scenario
-    for folder, run in zip(folders, runs, strict=True):
+    first = records[0].scenario
+    for folder, run in zip(folders, records, strict=True):
         if any_judged_sha256(run.scenario) != any_judged_sha256(first):
             raise InputError(folder, "scenario", run.scenario.name, f"{first.name}, as in {folders[0]}")
     if namespace.out is not None:
@@ -62,7 +60,7 @@ def work(namespace: argparse.Namespace) -> int:
     else:
         out = Path(REPORT)
     try:
-        write_report(runs, out, list(dict.fromkeys(notes)), folders)
+        write_report(records, out, list(dict.fromkeys(notes)), folders)
     except OSError as error:
         raise not_written("--out", out, "file", error) from None
     Output().say(str(out))

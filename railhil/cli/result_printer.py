@@ -11,11 +11,11 @@ from rich.table import Table
 from railhil.common.digits import count_of
 from railhil.common.output import Output, table
 from railhil.judge.judging import judging_of
+from railhil.judge.record import Record
 from railhil.judge.result import Result
 from railhil.judge.score import Score
 from railhil.record.hash_list import REPORT
 from railhil.report.facts import parameters_sentence
-from railhil.report.recorded import RecordedRun
 from railhil.report.tables import published_text
 from railhil.report.timing import answers_sentence, jitter_sentence, scheduling_sentence
 from railhil.scenarios.model import AnyScenario, watch_sentence
@@ -75,12 +75,12 @@ def assumption_lines(scenario: AnyScenario, folder: Path, verbose: bool) -> list
     return [f"assumed: {len(sentences)} choices of the scenario that its sources leave open ({where}, or --verbose)"]
 
 
-def next_step(run: RecordedRun, folder: Path) -> str:
+def next_step(run: Record, folder: Path) -> str:
     """What to try after a FAIL, depending on the cause; empty for other verdicts and for a foreign controller."""
     certificate = run.certificate
     if run.verdict != "FAIL" or certificate.get("foreign") or certificate.get("attached"):
         return ""
-    if advice := judging_of(run.scenario).advice(run, folder):
+    if advice := run.judging.advice(run, folder):
         return advice
     shown = folder / REPORT
     return f"next: {shown} shows where" if shown.is_file() else f"next: railhil report {folder} draws the run"
@@ -88,7 +88,7 @@ def next_step(run: RecordedRun, folder: Path) -> str:
 
 def print_result(
     console: Output,
-    run: RecordedRun,
+    run: Record,
     result: Result,
     notes: Sequence[str],
     report: str,

@@ -257,9 +257,8 @@ def work(namespace: argparse.Namespace) -> int:
     from railhil.cli.result_printer import print_result
     from railhil.judge.folder import score_json
     from railhil.record.hash_list import REPORT
-    from railhil.report.recorded import recorded_run
 
-    folder, found = result.place, recorded_run(as_recorded(result))
+    folder, found = result.place, as_recorded(result)
     report = "" if namespace.no_report else report_line([found], folder)
     sign_list(folder, namespace.sign)
     # Faults may have been typed while the run waited for its start.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -15,23 +16,26 @@ from railhil.judge.cross_check import check_folder, check_record
 from railhil.judge.events.derive import events_of
 from railhil.judge.events.event import RecordedEvent
 from railhil.judge.events.injected import fault_events
-from railhil.judge.events.summary import why
-from railhil.judge.judging import judging_of
+from railhil.judge.events.summary import explained, why
+from railhil.judge.judging import Judging, judging_of
 from railhil.judge.reactions.expected import with_expectations
 from railhil.judge.score import Score
 from railhil.judge.signals import Signals, signal_table, signal_units
-from railhil.record.documents import CERTIFICATE, read_certificate
+from railhil.record.documents import CERTIFICATE, read_certificate, read_score
 from railhil.record.framelog import log_sha256, read_log
 from railhil.record.hash_list import HASH_LIST
 from railhil.record.log_trace import trace_of_log
 from railhil.record.own_time import Timed, own_time
 from railhil.record.trace import NodeCounters, Trace, trace_of
 from railhil.scenarios.load import load_any
-from railhil.scenarios.model import AnyScenario
+from railhil.scenarios.model import AnyScenario, PublishedScore
+from railhil.scenarios.parameters import DIGEST_DIGITS
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.stored import SCENARIO, any_judged_sha256, earlier_scenario, read_scenario
 from railhil.scenarios.system import System
 
+#: A curve needs two points.
+_POINTS_MIN = 2
 _BESIDE = "a certificate beside the log, or --scenario"
 
 
@@ -53,15 +57,26 @@ class Record:
     unused: tuple[str, ...] = ()
     #: The frames in the record's own time; None: the log has it.
     timed: Sequence[Timed] | None = field(default=None, repr=False)
-    #: Score and events of a run that has just been judged; None: those of the record.
-    known_score: Score | None = field(default=None, repr=False)
-    known_events: tuple[RecordedEvent, ...] | None = field(default=None, repr=False)
+
+    def copy_with(self, **values: Any) -> Record:
+        """A copy with other values of its attributes, given also for those that are else derived from the record
+        (``score``, ``events``, ``label``): a run that has just been made is judged already."""
+        derived = {name for name, kind in vars(Record).items() if isinstance(kind, cached_property)}
+        assert values.keys() <= vars(self).keys() | derived, f"only {sorted(vars(self).keys() | derived)} can be given"
+        made = copy(self)
+        vars(made).update(values)
+        return made
 
     @property
     def system(self) -> System:
         """The system of the scenario."""
         found: System = self.scenario.installed_system
         return found
+
+    @cached_property
+    def judging(self) -> Judging:
+        """How the system judges and shows it."""
+        return judging_of(self.scenario)
 
     @property
     def folder(self) -> Path:
@@ -75,17 +90,13 @@ class Record:
     @cached_property
     def events(self) -> tuple[RecordedEvent, ...]:
         """What happened, as in ``events.csv``, in the order of the instants; injected faults from the certificate."""
-        if self.known_events is not None:
-            return self.known_events
         injected = fault_events(self.certificate.get("injected", ()), self.trace.end_s)
         return events_of(self.scenario, self.trace, injected)
 
     @cached_property
     def score(self) -> Score:
         """The score of the record, with the expectations of its faults."""
-        if self.known_score is not None:
-            return self.known_score
-        found = judging_of(self.scenario).score(self.scenario, self.trace)
+        found = self.judging.score(self.scenario, self.trace)
         injected = self.certificate.get("injected", ())
         return with_expectations(found, injected, self.events, self.scenario, self.trace) if injected else found
 
@@ -108,6 +119,11 @@ class Record:
     def why(self) -> str:
         """What the watches did, or which telegrams were refused or missing, in a sentence; empty for a healthy run."""
         return why(self.scenario, self.events)
+
+    @property
+    def line(self) -> str:
+        """The reasons of the verdict, and what the watches did."""
+        return explained("; ".join(self.reasons), self.why)
 
     @cached_property
     def scores(self) -> Mapping[str, float | None]:
@@ -133,6 +149,51 @@ class Record:
         return (*self.unused, f"{CERTIFICATE} of {self.folder} says {certified}, the record gives {found.verdict}")
 
     @property
+    def controller(self) -> str:
+        """Name of the law; ``?`` for a record without certificate."""
+        return str(self.certificate.get("controller", "?"))
+
+    @cached_property
+    def label(self) -> str:
+        """What stands for the run in tables: its law, parameters and memory, as far as they are known."""
+        found = law_label(self.certificate, self.folder.name)
+        if memory := _confirmed(self.certificate).get("memory"):
+            found += f"@{memory['sha256'][:DIGEST_DIGITS]}"
+        return found + (" (on this seed)" if self.seed_was_trained else "")
+
+    @property
+    def published(self) -> PublishedScore | None:
+        """The published row of this law, if there is one."""
+        return next((row for row in self.scenario.published if row.controller == self.controller), None)
+
+    @property
+    def seed_was_trained(self) -> bool:
+        """True if the controller's parameters are known to come from this very run, which is then not an evaluation."""
+        return bool(self.certificate.get("seed_was_trained"))
+
+    @property
+    def caution(self) -> str:
+        """The warning for a run that is not an evaluation, empty for the others."""
+        if not self.seed_was_trained:
+            return ""
+        how = "tuned" if self.certificate.get("parameters") else "designed"
+        seed = self.certificate.get("seed")
+        return f"NOT AN EVALUATION: the parameters of {self.controller} were {how} on this very run, seed {seed}"
+
+    @property
+    def can_be_drawn(self) -> bool:
+        """True if the truth was recorded more than once."""
+        return self.trace.count(self.judging.truth) >= _POINTS_MIN
+
+    @cached_property
+    def score_document(self) -> dict[str, Any]:
+        """Content of ``score.json``; empty without certificate, or without the file.
+
+        :raises InputError: it is damaged.
+        """
+        return (read_score(self.folder) if self.certificate else None) or {}
+
+    @property
     def frames_sha256(self) -> str:
         """SHA-256 of ``frames.log``; empty without certificate."""
         return str(self.certificate.get("frames_sha256", ""))
@@ -154,6 +215,22 @@ class Record:
         notes = self.certificate.get("notes")
         header, rows = signal_table(self.scenario, self.trace, notes)
         return Signals(dict(zip(header, rows.T.copy(), strict=True)), signal_units(self.scenario, self.trace, notes))
+
+
+def _confirmed(certificate: Mapping[str, Any]) -> Mapping[str, Any]:
+    """What may be said of the law: of a controller that has not said that it has them, nothing is known."""
+    return {} if certificate.get("asked") else certificate
+
+
+def law_label(certificate: Mapping[str, Any], otherwise: str) -> str:
+    """The law with its parameters, if they are not its own.
+
+    :param otherwise: for a record without certificate.
+    """
+    label = str(certificate.get("controller") or otherwise)
+    if parameters := _confirmed(certificate).get("parameters"):
+        label += f"+{parameters['sha256'][:DIGEST_DIGITS]}" + (" tuned" if parameters.get("training") else "")
+    return label
 
 
 def log_path(text: str) -> Path:

@@ -22,7 +22,7 @@ from railhil.panel.wire import REPLACE, encode_batch
 from railhil.record.documents import read_certificate
 from railhil.record.trace import FloatArray
 from railhil.report.display_columns import ShownColumn
-from railhil.report.recorded import recorded_run, told_apart
+from railhil.report.recorded import distinct_labels
 
 #: Rows of a run for a page; a longer run is divided into equal parts with the smallest and largest value of each
 #: column.
@@ -177,8 +177,9 @@ def _arrange(rows: FloatArray, layout: Layout, wanted: Layout) -> FloatArray:
 
 
 def _name_runs(records: Sequence[Record]) -> list[str]:
-    runs = [recorded_run(one) for one in records]
-    return [f"{run.scenario.name} {run.label}" if len(runs) == 1 else run.label for run in told_apart(runs)]
+    if len(records) == 1:
+        return [f"{records[0].scenario.name} {records[0].label}"]
+    return distinct_labels(records)
 
 
 def _describe_verdict(name: str, record: Record) -> str:

@@ -22,7 +22,7 @@ from railhil.record.notes import ReportedNote, told_notes
 from railhil.record.run_folder import TELEMETRY
 from railhil.record.status import Status
 from railhil.record.trace import Trace
-from railhil.scenarios.memory import Record
+from railhil.scenarios.memory import MemoryRecord
 from railhil.scenarios.run_spec import StartUp
 from railhil.wire.ato import TelemetryHeadroom, TelemetryIndex
 
@@ -57,7 +57,7 @@ class Learned:
     this run before."""
 
     kept: Kept
-    record: Record | None
+    record: MemoryRecord | None
 
     def as_json(self) -> dict[str, Any]:
         """For the certificate: the stored record that the law used, the faults of other records, and the new record."""

@@ -8,11 +8,10 @@ from pathlib import Path
 from typing import Any
 
 from railhil.common.user_files import whole_file
-from railhil.judge.judging import judging_of
+from railhil.judge.record import Record
 from railhil.record.documents import COMPARISON
 from railhil.record.hash_list import HASH_LIST, HASH_LIST_KEY, write_hash_list
 from railhil.record.run_folder import RecordFailed, json_text
-from railhil.report.recorded import RecordedRun
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 
@@ -20,7 +19,7 @@ from railhil.scenarios.run_spec import RunSpec
 _TABLE = "compare.csv"
 
 
-def _row(folder: Path, run: RecordedRun) -> dict[str, Any]:
+def _row(folder: Path, run: Record) -> dict[str, Any]:
     """One law, without wall-clock figures."""
     found, row = run.score, run.published
     parameters = run.certificate.get("parameters")
@@ -54,7 +53,7 @@ def write_comparison(
     folder: Path,
     scenario: AnyScenario,
     common: RunSpec,
-    runs: Sequence[tuple[Path, RecordedRun]],
+    runs: Sequence[tuple[Path, Record]],
     notes: Sequence[str] = (),
 ) -> dict[str, Any]:
     """Write both files atomically; ``compare.json`` comes last and marks the comparison as complete.
@@ -72,7 +71,7 @@ def write_comparison(
         "notes": list(notes),
         "watch_weakened": scenario.watch_weakened,
         "runs": rows,
-        **judging_of(scenario).counted([run.score for _, run in runs]),
+        **runs[0][1].judging.counted([run.score for _, run in runs]),
         "published": [row.as_table() for row in scenario.published],
         HASH_LIST_KEY: HASH_LIST,
     }

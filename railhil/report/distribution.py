@@ -10,8 +10,9 @@ import numpy as np
 
 from railhil.charts.figure import Area, Chart, Curve, Figure
 from railhil.judge.criteria import Criterion
+from railhil.judge.record import Record
 from railhil.record.trace import FloatArray
-from railhil.report.recorded import RecordedRun, law_labels
+from railhil.report.recorded import law_labels
 from railhil.report.styles import Style, styles
 
 #: Points of one curve in the page.
@@ -42,7 +43,7 @@ def limits_of(scenario: Any, criterion: Criterion) -> tuple[float, ...]:
 
 
 def spreads_of(
-    scenario: Any, criteria: Sequence[Criterion], runs: Sequence[RecordedRun]
+    scenario: Any, criteria: Sequence[Criterion], runs: Sequence[Record]
 ) -> tuple[list[Spread], dict[str, Style]]:
     """The scores of recorded runs by what they are runs of (:func:`railhil.report.recorded.law_labels`), and
     a style for each."""
@@ -60,11 +61,11 @@ def spreads_of(
     return spreads, dict(zip(laws, styles([*laws.values()]), strict=True))
 
 
-def worst_first(scenario: Any, criteria: Sequence[Criterion], runs: Sequence[RecordedRun]) -> list[int]:
+def worst_first(scenario: Any, criteria: Sequence[Criterion], runs: Sequence[Record]) -> list[int]:
     """Places of the runs, worst first: those that are not trusted or missed a limit, by how far they missed it; equal
     ones stay in their order."""
 
-    def badness(run: RecordedRun) -> tuple[bool, bool, float]:
+    def badness(run: Record) -> tuple[bool, bool, float]:
         worst = 0.0
         for criterion in criteria:
             value, limit = run.score.values[criterion.key], criterion.limit_in(scenario)

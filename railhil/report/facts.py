@@ -14,9 +14,8 @@ from typing import Any
 
 from railhil.bus.transports import limits_of
 from railhil.common.digits import count_of
-from railhil.judge.judging import judging_of
+from railhil.judge.record import Record
 from railhil.record.telemetry import Headroom, ShownTelemetry, TelemetrySummary
-from railhil.report.recorded import RecordedRun
 from railhil.report.timing import timing_rows
 from railhil.scenarios.parameters import DIGEST_DIGITS
 
@@ -95,7 +94,7 @@ def _telemetry(document: Any) -> str:
     return TelemetrySummary(**{name: document[name] for name in names} | {"least_headroom": least}).sentence()
 
 
-def parameters_sentence(run: RecordedRun) -> str:
+def parameters_sentence(run: Record) -> str:
     """Origin of the parameters with which the controller ran."""
     given, own = run.certificate.get("parameters"), run.certificate.get("own_parameters")
     if run.certificate.get("foreign"):
@@ -109,7 +108,7 @@ def parameters_sentence(run: RecordedRun) -> str:
     return words
 
 
-def _parameters(run: RecordedRun) -> str:
+def _parameters(run: Record) -> str:
     if run.certificate.get("foreign"):
         return parameters_sentence(run)
     values = (run.certificate.get("parameters") or {}).get("values", {})
@@ -129,7 +128,7 @@ def _settings(certificate: dict[str, Any]) -> str:
     return "".join(f"; set: {without_paths(text)}" for text in certificate.get("settings", ()))
 
 
-def facts_of(run: RecordedRun) -> list[tuple[str, str]]:
+def facts_of(run: Record) -> list[tuple[str, str]]:
     """All facts of one run, in reading order."""
     certificate, scenario, document = run.certificate, run.scenario, run.score_document
 
@@ -138,7 +137,7 @@ def facts_of(run: RecordedRun) -> list[tuple[str, str]]:
         return _UNKNOWN if found is None else str(found)
 
     transport, profile = said("transport"), certificate.get("arithmetic_profile")
-    own = list(judging_of(scenario).facts(run))
+    own = list(run.judging.facts(run))
     rows = [
         ("Scenario", f"{scenario.title} ({scenario.name}){_settings(certificate)}"),
         *own[:1],
@@ -175,7 +174,7 @@ def facts_of(run: RecordedRun) -> list[tuple[str, str]]:
     return rows
 
 
-def facts(runs: Sequence[RecordedRun]) -> Facts:
+def facts(runs: Sequence[Record]) -> Facts:
     """Facts of all runs, the common ones only once."""
     each = [facts_of(run) for run in runs]
     shared = set(each[0]).intersection(*map(set, each[1:]))

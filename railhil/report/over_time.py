@@ -10,6 +10,7 @@ import numpy as np
 
 from railhil.charts.figure import FREE, TIME, Area, Bounds, Chart, Curve, Figure, FloatArray, Look
 from railhil.judge.events.event import FAULT, LEVEL, START, RecordedEvent
+from railhil.judge.record import Record
 from railhil.judge.signals import drawn_table
 from railhil.record.sampling import drawn_trace
 from railhil.record.trace import Trace
@@ -26,7 +27,6 @@ from railhil.report.display_columns import (
     with_error,
 )
 from railhil.report.display_columns import LEVEL as LEVEL_KIND
-from railhil.report.recorded import RecordedRun
 from railhil.report.styles import Style
 from railhil.report.tables import event_rows, has_unusual
 from railhil.scenarios.model import AnyScenario
@@ -60,19 +60,21 @@ class RunColumns:
         return Curve(label, self.time_s, values, look, column.unit, is_step, run=self.number, column=column.name)
 
 
-def system_pictures(scenario: AnyScenario, runs: Sequence[RecordedRun]) -> list[Any]:
+def system_pictures(scenario: AnyScenario, runs: Sequence[Record]) -> list[Any]:
     """The figures of the scenario's system, which gets the records with their gaps
     (:class:`railhil.record.sampling.DrawnTrace`).
 
     Each has ``name``, ``title``, ``caption`` and ``svg``: a :class:`railhil.charts.figure.Figure`, or what the system
     has drawn itself (:class:`railhil.report.pictures.Picture`).
     """
-    drawn = [replace(run, trace=drawn_trace(run.scenario, run.trace)) for run in runs]
+    drawn = [
+        run.copy_with(trace=drawn_trace(run.scenario, run.trace), score=run.score, events=run.events) for run in runs
+    ]
     found: list[Any] = scenario.installed_system.part("pictures")(scenario, drawn)
     return found
 
 
-def columns_of(run: RecordedRun, number: int, style: Style) -> RunColumns:
+def columns_of(run: Record, number: int, style: Style) -> RunColumns:
     """What a record has of its columns.
 
     :param number: of the run on the page.

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Final
 from urllib.parse import quote
@@ -13,14 +12,14 @@ from urllib.parse import quote
 import numpy as np
 
 from railhil.charts.figure import Figure
-from railhil.judge.judging import judging_of
+from railhil.judge.record import Record
 from railhil.record.hash_list import REPORT, listed_file
 from railhil.report import timing as timing
 from railhil.report.display_columns import ShownColumn
 from railhil.report.distribution import picture, spreads_of, worst_first
 from railhil.report.facts import facts, without_paths
 from railhil.report.over_time import RunColumns, columns_of, reactions, signals, system_pictures
-from railhil.report.recorded import RecordedRun, told_apart
+from railhil.report.recorded import distinct_labels
 from railhil.report.styles import styles
 from railhil.report.tables import better_sentence, event_rows, has_unusual, rows
 from railhil.report.templates import script, styles_text, template
@@ -33,7 +32,7 @@ RUNS_MAX, _WORST = 20, 6
 TEMPLATE: Final = "report.html.j2"
 
 
-def page(runs: Sequence[RecordedRun], notes: Sequence[str] = (), links: Sequence[str] = ()) -> str:
+def page(runs: Sequence[Record], notes: Sequence[str] = (), links: Sequence[str] = ()) -> str:
     """The report of one run or of several of one scenario, as one HTML document without external references.
 
     The same records give the same bytes: no date, no path, and no wall-clock figure of a lockstep run.
@@ -41,9 +40,8 @@ def page(runs: Sequence[RecordedRun], notes: Sequence[str] = (), links: Sequence
     :param notes: sentences on the comparison as a whole.
     :param links: of the runs, shown for the worst ones of more than :data:`RUNS_MAX`.
     """
-    runs = [replace(run, line=without_paths(run.line)) for run in told_apart(runs)]
-    scenario = runs[0].scenario
-    judging = judging_of(scenario)
+    runs = [run.copy_with(label=label) for run, label in zip(runs, distinct_labels(runs), strict=True)]
+    scenario, judging = runs[0].scenario, runs[0].judging
     criteria = judging.criteria
     many = len(runs) > RUNS_MAX
     worst = worst_first(scenario, criteria, runs)[:_WORST] if many else []
@@ -62,6 +60,7 @@ def page(runs: Sequence[RecordedRun], notes: Sequence[str] = (), links: Sequence
     return template(TEMPLATE).render(
         scenario=scenario,
         runs=runs,
+        without_paths=without_paths,
         watch=watch_sentence(scenario),
         notes=notes,
         columns=criteria,
@@ -104,9 +103,7 @@ def _over(runs: Sequence[RunColumns]) -> ShownColumn | None:
     return runs[0].shown.named(name) if steady else None
 
 
-def write_report(
-    runs: Sequence[RecordedRun], out: Path, notes: Sequence[str] = (), folders: Sequence[Path] = ()
-) -> None:
+def write_report(runs: Sequence[Record], out: Path, notes: Sequence[str] = (), folders: Sequence[Path] = ()) -> None:
     """Write the report completely or not at all.
 
     :param folders: of the runs, to link the worst ones of many.

@@ -1,144 +1,57 @@
-"""A recorded run as input of the report: only what its folder contains."""
+"""Runs beside each other on a page: their labels, and the curves of a run of ``ato``."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from railhil.bus.ident import INDEXINGS, CtlIdent, PltIdent
-from railhil.judge.events.event import RecordedEvent
-from railhil.judge.events.summary import explained
-from railhil.judge.judging import judging_of
 from railhil.judge.measures import KMH
-from railhil.judge.record import Record
-from railhil.judge.score import Score
-from railhil.record.documents import read_score
+from railhil.judge.record import Record, law_label
 from railhil.record.notes import ReportedNote, note_values, notes_of
 from railhil.record.sampling import drawn_trace
 from railhil.record.trace import FloatArray, Trace
-from railhil.scenarios.model import PublishedScore
-from railhil.scenarios.parameters import DIGEST_DIGITS
 from railhil.systems.ato.scenario.model import Scenario
 from railhil.systems.ato.scenario.target import target_of
 from railhil.wire.ato import CtlStat, NotchCmd, SimTruth
 
-#: A curve needs two points.
-_POINTS_MIN = 2
+#: The name of a record in version 0.1.0.
+RecordedRun = Record
 
 
-@dataclass(frozen=True, slots=True)
-class RecordedRun:
-    """One run: scenario, telegrams, score, and the other documents of the folder (empty if there are none).
-
-    ``label`` is the name of the law in tables, extended if it must be distinguished from other runs of the same law.
-    """
-
-    label: str
-    #: Type defined by the system; only the system's own parts know it.
-    scenario: Any
-    trace: Trace
-    score: Score
-    verdict: str
-    line: str
-    certificate: dict[str, Any]
-    score_document: dict[str, Any]
-    #: What happened, in the order of the instants.
-    events: tuple[RecordedEvent, ...] = ()
-
-    @property
-    def controller(self) -> str:
-        """Name of the law; ``?`` for a record without certificate."""
-        return str(self.certificate.get("controller", "?"))
-
-    @property
-    def published(self) -> PublishedScore | None:
-        """The published row of this law, if there is one."""
-        return next((row for row in self.scenario.published if row.controller == self.controller), None)
-
-    @property
-    def seed_was_trained(self) -> bool:
-        """True if the controller's parameters are known to come from this very run, which is then not an evaluation."""
-        return bool(self.certificate.get("seed_was_trained"))
-
-    @property
-    def caution(self) -> str:
-        """The warning for a run that is not an evaluation, empty for the others."""
-        if not self.seed_was_trained:
-            return ""
-        how = "tuned" if self.certificate.get("parameters") else "designed"
-        seed = self.certificate.get("seed")
-        return f"NOT AN EVALUATION: the parameters of {self.controller} were {how} on this very run, seed {seed}"
-
-    @property
-    def can_be_drawn(self) -> bool:
-        """True if the truth was recorded more than once."""
-        return self.trace.count(judging_of(self.scenario).truth) >= _POINTS_MIN
-
-
-def recorded_run(record: Record) -> RecordedRun:
-    """A record as the report takes it; its line is the verdict's reason, and what the watches did.
-
-    :raises InputError: ``score.json`` is damaged.
-    """
-    scenario, certificate = record.scenario, record.certificate
-    line = explained("; ".join(record.reasons), record.why)
-    document = read_score(record.folder) if certificate else None
-    label = _law_label(certificate, record.folder.name)
-    if memory := _confirmed(certificate).get("memory"):
-        label += f"@{memory['sha256'][:DIGEST_DIGITS]}"
-    label += " (on this seed)" if certificate.get("seed_was_trained") else ""
-    return RecordedRun(
-        label, scenario, record.trace, record.score, record.verdict, line, certificate, document or {}, record.events
-    )
-
-
-def _confirmed(certificate: dict[str, Any]) -> dict[str, Any]:
-    """What may be said of the law: of a controller that has not said that it has them, nothing is known."""
-    return {} if certificate.get("asked") else certificate
-
-
-def _law_label(certificate: dict[str, Any], otherwise: str) -> str:
-    """The law with its parameters, if they are not its own."""
-    label = str(certificate.get("controller") or otherwise)
-    if parameters := _confirmed(certificate).get("parameters"):
-        label += f"+{parameters['sha256'][:DIGEST_DIGITS]}" + (" tuned" if parameters.get("training") else "")
-    return label
-
-
-def law_labels(runs: Sequence[RecordedRun]) -> list[str]:
+def law_labels(runs: Sequence[Record]) -> list[str]:
     """For each run what it is a run of: the law with its parameters, and in which arithmetic, by which set-points and
     of which train, as far as runs of the law differ in it. Runs that differ in the seed alone have the same."""
-    bare = [replace(run, label=_law_label(run.certificate, run.controller)) for run in runs]
-    return [run.label for run in _extended(bare, ("arithmetic", "indexing", "perturbed"))]
+    bare = [law_label(run.certificate, run.controller) for run in runs]
+    return _extended(bare, runs, ("arithmetic", "indexing", "perturbed"))
 
 
-def told_apart(runs: Sequence[RecordedRun]) -> list[RecordedRun]:
-    """The same runs with distinct labels: equal labels are extended by what differs between the runs."""
-    found = _extended(runs, ("arithmetic", "indexing", "perturbed", "seed", "pace"))
-    labels = [run.label for run in found]
+def distinct_labels(runs: Sequence[Record]) -> list[str]:
+    """A label for each run, all different: equal labels are extended by what differs between the runs."""
+    labels = _extended([run.label for run in runs], runs, ("arithmetic", "indexing", "perturbed", "seed", "pace"))
     for label in {text for text in labels if labels.count(text) > 1}:
         same = [index for index, text in enumerate(labels) if text == label]
         for serial, index in enumerate(same, start=1):
-            found[index] = replace(found[index], label=f"{label} #{serial}")
-    return found
+            labels[index] = f"{label} #{serial}"
+    return labels
 
 
-def _extended(runs: Sequence[RecordedRun], keys: Sequence[str]) -> list[RecordedRun]:
-    """The runs with equal labels extended by what their certificates differ in, among these keys."""
-    found = list(runs)
+def _extended(labels: Sequence[str], runs: Sequence[Record], keys: Sequence[str]) -> list[str]:
+    """Equal labels extended by what the certificates of the runs differ in, among these keys."""
+    found = list(labels)
     for key in keys:
-        labels = [run.label for run in found]
-        for label in {text for text in labels if labels.count(text) > 1}:
-            same = [index for index, text in enumerate(labels) if text == label]
-            values = [found[index].certificate.get(key) for index in same]
+        before = list(found)
+        for label in {text for text in before if before.count(text) > 1}:
+            same = [index for index, text in enumerate(before) if text == label]
+            values = [runs[index].certificate.get(key) for index in same]
             if len(set(map(str, values))) > 1:
                 for index, value in zip(same, values, strict=True):
                     word = f"seed {value}" if key == "seed" else value
                     word = ("perturbed" if value else "nominal") if key == "perturbed" else word
-                    found[index] = replace(found[index], label=f"{label} {word}")
+                    found[index] = f"{label} {word}"
     return found
 
 

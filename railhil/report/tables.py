@@ -12,7 +12,7 @@ from railhil.judge.events.summary import level_shown
 from railhil.scenarios.model import AnyScenario, PublishedScore
 
 if TYPE_CHECKING:
-    from railhil.report.recorded import RecordedRun
+    from railhil.judge.record import Record
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,7 +40,7 @@ def published_text(row: PublishedScore, criterion: Criterion) -> str:
     return criterion.shown(row.values.get(criterion.key), criterion.published_digits)
 
 
-def _cell(run: RecordedRun, criterion: Criterion, best: str) -> Cell:
+def _cell(run: Record, criterion: Criterion, best: str) -> Cell:
     text = criterion.shown(run.score.values[criterion.key])
     is_best = text == best and not run.seed_was_trained
     published = published_text(run.published, criterion) if run.published else ""
@@ -48,7 +48,7 @@ def _cell(run: RecordedRun, criterion: Criterion, best: str) -> Cell:
     return Cell(text, published, is_best, bool(missed))
 
 
-def rows(scenario: AnyScenario, criteria: Sequence[Criterion], runs: Sequence[RecordedRun]) -> list[Row]:
+def rows(scenario: AnyScenario, criteria: Sequence[Criterion], runs: Sequence[Record]) -> list[Row]:
     """Rows of the runs in their order, then the published rows of laws that were not run."""
     best = []
     judged = [run.score for run in runs if not run.seed_was_trained]

@@ -10,7 +10,7 @@ import numpy as np
 from railhil.charts.figure import Area, Chart, Curve, Figure
 from railhil.common.digits import count_of
 from railhil.judge.jitter import LATE_MS, LATE_SHARE_MAX, PLANT
-from railhil.report.recorded import RecordedRun
+from railhil.judge.record import Record
 from railhil.report.styles import styles
 
 HEADINGS = ("law", "cycles", "p50", "p99", "p99.9", "max", f"over {LATE_MS:g} ms", "polls", "missed")
@@ -22,7 +22,7 @@ _BY_RECORDER = (
 )
 
 
-def timing_of(run: RecordedRun) -> dict[str, Any]:
+def timing_of(run: Record) -> dict[str, Any]:
     """``run.timing`` of a run, empty if there is none."""
     found: dict[str, Any] = run.score_document.get("run", {}).get("timing") or {}
     return found
@@ -73,12 +73,12 @@ def timing_rows(document: Mapping[str, Any]) -> list[tuple[str, str]]:
     return rows
 
 
-def timed(runs: Sequence[RecordedRun]) -> list[RecordedRun]:
+def timed(runs: Sequence[Record]) -> list[Record]:
     """The real-time runs, with their timing."""
     return [run for run in runs if timing_of(run).get("lateness")]
 
 
-def table(runs: Sequence[RecordedRun]) -> list[tuple[str, ...]]:
+def table(runs: Sequence[Record]) -> list[tuple[str, ...]]:
     """A row per real-time run, cells under :data:`HEADINGS`; empty if all runs were in lockstep."""
     found = []
     for run in timed(runs):
@@ -94,7 +94,7 @@ def table(runs: Sequence[RecordedRun]) -> list[tuple[str, ...]]:
 _DURATIONS_MS = (0.001, 0.01, 0.1, 1.0, 10.0, 100.0, 1000.0)
 
 
-def lateness(runs: Sequence[RecordedRun]) -> list[Figure]:
+def lateness(runs: Sequence[Record]) -> list[Figure]:
     """Number of cycles over lateness with the limit that counts against the run; empty if no run has kept time."""
     curves = []
     for number, (run, style) in enumerate(zip(runs, styles([run.controller for run in runs]), strict=True)):

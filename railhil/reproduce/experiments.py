@@ -80,9 +80,8 @@ class CoupledRun:
     def make(self, spec: RunSpec, folder: Path) -> EntryResult:
         scenario = spec.load()
         run = coupled_run(scenario, VectorController(scenario, spec.law).step, spec, self.ports)
-        outcome = Record(
-            Path(), scenario, run.trace, certificate=spec.as_json(), known_score=run.score, known_events=()
-        )
+        record = Record(Path(), scenario, run.trace, certificate=spec.as_json())
+        outcome = record.copy_with(score=run.score, events=())
         return EntryResult(outcome.verdict, outcome.reasons, "", outcome)
 
 

@@ -15,7 +15,7 @@ from railhil.common.digits import count_of
 from railhil.common.errors import InputError
 from railhil.record.run_folder import RecordFailed, not_written
 from railhil.record.telemetry import Learned
-from railhil.scenarios.memory import MEMORY_AFTER, MEMORY_BEFORE, Record, next_record, write_memory
+from railhil.scenarios.memory import MEMORY_AFTER, MEMORY_BEFORE, MemoryRecord, next_record, write_memory
 from railhil.scenarios.memory_store import MemoryStore, StoreChanged
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
@@ -61,7 +61,7 @@ def learned(result: Result) -> Learned | None:
     return Learned(kept, next_record(spec.law.controller, kept.key, kept.values, before, number))
 
 
-def number_of(scenario: AnyScenario, spec: RunSpec, before: Record | None) -> int:
+def number_of(scenario: AnyScenario, spec: RunSpec, before: MemoryRecord | None) -> int:
     """Number under which a law learns from a run: that of the run, or where runs have none the next one.
 
     :param before: the record with which it began the run.

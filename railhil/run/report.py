@@ -11,7 +11,6 @@ from railhil.common.extras import install_command
 if TYPE_CHECKING:
     from railhil.judge.record import Record
     from railhil.judge.result import Result
-    from railhil.report.recorded import RecordedRun
 
 
 def as_recorded(result: Result) -> Record:
@@ -20,18 +19,11 @@ def as_recorded(result: Result) -> Record:
     from railhil.record.documents import read_certificate
 
     certificate = read_certificate(result.place) or {}
-    return Record(
-        result.log,
-        result.scenario,
-        result.trace,
-        result.invalid,
-        certificate,
-        known_score=result.score,
-        known_events=result.events,
-    )
+    record = Record(result.log, result.scenario, result.trace, result.invalid, certificate)
+    return record.copy_with(score=result.score, events=result.events)
 
 
-def report_line(runs: Sequence[RecordedRun], folder: Path, notes: Sequence[str] = ()) -> str:
+def report_line(runs: Sequence[Record], folder: Path, notes: Sequence[str] = ()) -> str:
     """Write ``report.html``; returns the line that says where, or why there is none. The record is complete without
     it."""
     from railhil.record.hash_list import REPORT

@@ -82,7 +82,7 @@ class _Memory(_Part):
 
 
 @dataclass(frozen=True)
-class Record:
+class MemoryRecord:
     """The memory that a law has left after one run; see the top of this module."""
 
     law: str
@@ -131,7 +131,7 @@ class Stored:
     """One place of a memory: a record, or the fault of its content (``fault`` of :data:`FAULTS`)."""
 
     slot: str
-    record: Record | None
+    record: MemoryRecord | None
     fault: str = ""
     detail: str = ""
 
@@ -171,7 +171,7 @@ class Memory:
         return self.sha256[:_DIGEST_DIGITS]
 
     @property
-    def newest(self) -> Record | None:
+    def newest(self) -> MemoryRecord | None:
         """The record that a law begins with unless it refuses it."""
         return next((one.record for one in self.stored if one.record is not None), None)
 
@@ -179,11 +179,11 @@ class Memory:
         """The memory in a certificate and in a run folder: enough to begin the run again."""
         return self._content | {"sha256": self.sha256}
 
-    def at(self, slot: str) -> Record | None:
+    def at(self, slot: str) -> MemoryRecord | None:
         """The record in that place."""
         return next((one.record for one in self.stored if one.slot == slot), None)
 
-    def after(self, record: Record, used: str, refused: Collection[str]) -> Memory:
+    def after(self, record: MemoryRecord, used: str, refused: Collection[str]) -> Memory:
         """The memory after one more run, as in a store that was written with the same arguments.
 
         :param used: the place of the record that the law began with; empty: none.
@@ -234,7 +234,9 @@ def no_memory(law: str, source: Path) -> Memory:
     return Memory(law, (), source)
 
 
-def next_record(law: str, key: str, values: Mapping[str, Any], before: Record | None, run: int) -> Record | None:
+def next_record(
+    law: str, key: str, values: Mapping[str, Any], before: MemoryRecord | None, run: int
+) -> MemoryRecord | None:
     """The record that a law leaves after a run; None if it has learned from this run, or a later one, before.
 
     :param before: the record with which it began the run.
@@ -242,10 +244,10 @@ def next_record(law: str, key: str, values: Mapping[str, Any], before: Record | 
     """
     if before is not None and run <= before.last_run:
         return None
-    return Record(law, key, 1 if before is None else before.runs + 1, run, values)
+    return MemoryRecord(law, key, 1 if before is None else before.runs + 1, run, values)
 
 
-def read_record(path: Path) -> Record:
+def read_record(path: Path) -> MemoryRecord:
     """The record of a file.
 
     :raises BadRecord: it cannot be used.
@@ -273,7 +275,7 @@ def _document(path: Path) -> dict[str, Any]:
     return document
 
 
-def _record(document: Mapping[str, Any], source: Path) -> Record:
+def _record(document: Mapping[str, Any], source: Path) -> MemoryRecord:
     """A record from its JSON object.
 
     :raises BadRecord: it cannot be used.
@@ -292,7 +294,7 @@ def _record(document: Mapping[str, Any], source: Path) -> Record:
         found = validated(_Record, dict(document), lambda keys: source)
     except InputError as error:
         raise BadRecord("version" if error.key == "version" else "fields", error) from None
-    return Record(found.law, found.key, found.runs, found.last_run, found.values)
+    return MemoryRecord(found.law, found.key, found.runs, found.last_run, found.values)
 
 
 def load_memory(path: Path) -> Memory:

@@ -28,7 +28,7 @@ from railhil.scenarios.memory import (
     SLOT_B,
     BadRecord,
     Memory,
-    Record,
+    MemoryRecord,
     Stored,
     in_order,
     load_memory,
@@ -97,7 +97,7 @@ class MemoryStore:
         there = next(place for place in (self.path, *self.path.resolve().parents) if place.exists())
         check_writable(there / "new.json")
 
-    def write(self, record: Record, began: Memory, used: str, refused: Mapping[str, str]) -> str:
+    def write(self, record: MemoryRecord, began: Memory, used: str, refused: Mapping[str, str]) -> str:
         """Write the memory that a law has left; returns the slot.
 
         :param began: the memory that the run began with.

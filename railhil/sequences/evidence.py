@@ -30,7 +30,15 @@ from railhil.judge.cross_check import check_folder
 from railhil.record.documents import CERTIFICATE, read_certificate
 from railhil.record.framelog import log_sha256, sha256_of
 from railhil.record.hash_list import HASH_LIST, HASH_LIST_KEY, check_document, enter
-from railhil.scenarios.memory import MEMORY_AFTER, MEMORY_BEFORE, Memory, Record, load_memory, no_memory, read_record
+from railhil.scenarios.memory import (
+    MEMORY_AFTER,
+    MEMORY_BEFORE,
+    Memory,
+    MemoryRecord,
+    load_memory,
+    no_memory,
+    read_record,
+)
 from railhil.scenarios.memory import BadRecord as BadMemory
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.validation import validated
@@ -164,7 +172,7 @@ def read_evidence(folder: Path) -> Evidence:
     return evidence
 
 
-def left(folder: Path, began: Memory) -> tuple[Memory, Record | None]:
+def left(folder: Path, began: Memory) -> tuple[Memory, MemoryRecord | None]:
     """The memory after a run in its folder, and the record that it left.
 
     :param began: the memory before it.

@@ -19,7 +19,7 @@ from railhil.record.telemetry import Kept, kept_of
 from railhil.record.trace import Trace
 from railhil.run.local import unrecorded_run
 from railhil.run.memory import number_of
-from railhil.scenarios.memory import Memory, Record, next_record, no_memory
+from railhil.scenarios.memory import Memory, MemoryRecord, next_record, no_memory
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import System
@@ -57,7 +57,7 @@ class OneRun:
         return self.spec.law.memory
 
     @property
-    def record(self) -> Record | None:
+    def record(self) -> MemoryRecord | None:
         """The record that it leaves; None if it cannot be trusted, or was learned from before."""
         if self.kept is None or self.missed or self.score.verdict not in ("PASS", "FAIL"):
             return None

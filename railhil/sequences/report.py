@@ -11,11 +11,11 @@ import pyarrow as pa
 
 from railhil.controller_node.laws import find
 from railhil.controller_node.laws.memory import memory_key
+from railhil.judge.record import Record
 from railhil.record.hash_list import REPORT, listed_file
 from railhil.report.over_time import system_pictures
-from railhil.report.recorded import RecordedRun
 from railhil.report.templates import styles_text, template
-from railhil.scenarios.memory import SLOT_A, SLOT_B, Memory, Record, Stored, no_memory
+from railhil.scenarios.memory import SLOT_A, SLOT_B, Memory, MemoryRecord, Stored, no_memory
 from railhil.sequences.one import through_nodes
 from railhil.sequences.pictures import pictures
 from railhil.sequences.plan import Plan
@@ -64,7 +64,7 @@ def _examples(plan: Plan, table: pa.Table) -> list[Any]:
     return system_pictures(plan.scenario, runs)
 
 
-def _example(plan: Plan, table: pa.Table, number: int, values: Mapping[str, Any] | None) -> RecordedRun:
+def _example(plan: Plan, table: pa.Table, number: int, values: Mapping[str, Any] | None) -> Record:
     """One run of the first sequence, made again.
 
     :param values: what the run before it has left.
@@ -74,13 +74,14 @@ def _example(plan: Plan, table: pa.Table, number: int, values: Mapping[str, Any]
     if values is not None:
         key = memory_key(find(law, plan.scenario.installed_system.laws), plan.scenario)
         slot = row_of(table, number - 1)["memory_used"]
-        record = Record(law, key, number - 1, number - 1, values)
+        record = MemoryRecord(law, key, number - 1, number - 1, values)
         memory = Memory(law, (Stored(slot if slot in (SLOT_A, SLOT_B) else SLOT_A, record),), Path("memory"))
     spec = plan.specs(plan.seeds[0])[number - 1]
     run = through_nodes(plan.scenario, replace(spec, law=replace(spec.law, memory=memory)))
     assert run.trace is not None
     label = f"run {number}"
-    return RecordedRun(label, plan.scenario, run.trace, run.score, run.score.verdict, "", {"controller": label}, {})
+    made = Record(Path(), plan.scenario, run.trace, certificate={"controller": label})
+    return made.copy_with(score=run.score, events=())
 
 
 def report_line(plan: Plan, summary: Mapping[str, Any], table: pa.Table, folder: Path) -> str:

@@ -13,7 +13,6 @@ from railhil.common.command_line import USUAL_SCENARIO
 from railhil.common.errors import InputError, Words
 from railhil.record.documents import CERTIFICATE
 from railhil.record.hash_list import REPORT
-from railhil.report.recorded import recorded_run
 from railhil.run.report import report_line
 from railhil.run.spec import bus_of, checked_spec, spec_of
 from railhil.testing.live import Live
@@ -149,7 +148,7 @@ class Bench:
         lines = []
         for run in self.runs:
             lines.append(f"run folder {run.folder}: {run.verdict} {'; '.join(run.reasons)}".rstrip())
-            line = report_line([recorded_run(run.outcome)], run.folder, [note])
+            line = report_line([run.outcome], run.folder, [note])
             report = (run.folder / REPORT).resolve()
             lines.append(f"[[ATTACHMENT|{report}]]" if report.is_file() else line)
         return lines

@@ -11,14 +11,14 @@ from railhil.common.errors import InputError
 from railhil.controller_node.ato.laws.ipfc import Ipfc
 from railhil.controller_node.laws.memory import NOTHING, Remembered, choice, memory_arguments
 from railhil.scenarios.load import load
-from railhil.scenarios.memory import Memory, Record, Stored, no_memory
+from railhil.scenarios.memory import Memory, MemoryRecord, Stored, no_memory
 
 _SCENARIO = load("lvshun_tieshan")
 _KEY = Learning.memory_key(_SCENARIO)
 
 
-def record(offset: float, key: str = _KEY) -> Record:
-    return Record("learning", key, 3, 3, {"runs": 3, "offset": offset})
+def record(offset: float, key: str = _KEY) -> MemoryRecord:
+    return MemoryRecord("learning", key, 3, 3, {"runs": 3, "offset": offset})
 
 
 def memory(*stored: Stored) -> Memory:
@@ -47,8 +47,8 @@ _BAD = [
     (Stored("A", None, "json", "torn"), 2),
     (Stored("A", record(0.5, "another platform")), 7),
     (Stored("A", record(99.0)), 8),
-    (Stored("A", Record("learning", _KEY, 3, 3, {"runs": 3})), 8),
-    (Stored("A", Record("learning", _KEY, 3, 3, {"runs": 3, "offset": "sixty"})), 8),
+    (Stored("A", MemoryRecord("learning", _KEY, 3, 3, {"runs": 3})), 8),
+    (Stored("A", MemoryRecord("learning", _KEY, 3, 3, {"runs": 3, "offset": "sixty"})), 8),
 ]
 
 
@@ -81,7 +81,7 @@ def test_what_is_wrong_is_said() -> None:
         (record(0.1, "x"), "store: key: found 'x', allowed .*, what learning keeps on this scenario"),
     ],
 )
-def test_a_named_file_is_used_or_refused(given: Record, line: str) -> None:
+def test_a_named_file_is_used_or_refused(given: MemoryRecord, line: str) -> None:
     with pytest.raises(InputError, match=line) as refused:
         begun(Stored("file", given))
     assert len(str(refused.value).splitlines()) == 1

@@ -26,9 +26,8 @@ from railhil.judge.events.derive import events_of
 from railhil.judge.events.event import COLUMNS
 from railhil.judge.events.summary import explained, summary, why
 from railhil.judge.judging import judging_of
-from railhil.judge.record import checked_record
+from railhil.judge.record import Record, checked_record
 from railhil.report.page import page
-from railhil.report.recorded import RecordedRun
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.systems.ato.scenario.model import Scenario
@@ -218,7 +217,7 @@ def test_a_controller_without_good_answers_shows_the_trains_own_watch(silent_con
     assert silent_controller.trace.missed_polls == 20
 
 
-def in_report(run: Run, folder: Path) -> RecordedRun:
+def in_report(run: Run, folder: Path) -> Record:
     return row_of(folder, {}, run.scenario, run.trace, run.score, events=run.events)
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import re
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -34,13 +33,13 @@ from railhil.judge.jitter import (
     plant_timing,
     realtime_timing,
 )
+from railhil.judge.record import Record
 from railhil.judge.score import Score
 from railhil.plant_sim.cycle_times import MISSED_NS, PlantTiming
 from railhil.record.documents import read_score
 from railhil.record.run_folder import TIMING, write_json
 from railhil.record.trace import Trace, trace_of
 from railhil.report.page import page
-from railhil.report.recorded import RecordedRun
 from railhil.run.conclusion import late_reason
 from railhil.scenarios.load import load
 from railhil.wire.ato import NotchCmd
@@ -235,7 +234,7 @@ def test_polls_without_an_answer_are_counted_from_the_record() -> None:
 
 
 @pytest.fixture(scope="module")
-def lockstep(tmp_path_factory) -> RecordedRun:
+def lockstep(tmp_path_factory) -> Record:
     folder = tmp_path_factory.mktemp("timing")
     (folder / "short.toml").write_text(RUN_2M_TOML, encoding="utf-8")
     return recorded_folder(load(str(folder / "short.toml")), folder / "run")
@@ -248,10 +247,10 @@ def document(tmp_path: Path) -> dict:
     return realtime_timing(tmp_path, Trace(), late(100, 0), SCHEDULING).as_json()
 
 
-def realtime(run: RecordedRun, timing: dict) -> RecordedRun:
+def realtime(run: Record, timing: dict) -> Record:
     own = {**run.score_document["run"], "timing": timing}
     score = {**run.score_document, "run": own, "jitter": timing["lateness"]}
-    return replace(run, certificate={**run.certificate, "pace": "realtime"}, score_document=score)
+    return run.copy_with(certificate={**run.certificate, "pace": "realtime"}, score_document=score)
 
 
 def words(text: str) -> str:
@@ -259,7 +258,7 @@ def words(text: str) -> str:
 
 
 @pytest.mark.slow
-def test_lockstep_has_no_timing_and_says_so(lockstep: RecordedRun) -> None:
+def test_lockstep_has_no_timing_and_says_so(lockstep: Record) -> None:
     timing = lockstep.score_document["run"]["timing"]
     assert timing == lockstep_timing(lockstep.trace).as_json()
     assert set(timing) == {"source", "polls", "missed_polls"}
@@ -271,7 +270,7 @@ def test_lockstep_has_no_timing_and_says_so(lockstep: RecordedRun) -> None:
     assert 'id="timing"' not in text
 
 
-def test_report_of_a_realtime_run_shows_how_it_kept_time(lockstep: RecordedRun, document: dict) -> None:
+def test_report_of_a_realtime_run_shows_how_it_kept_time(lockstep: Record, document: dict) -> None:
     text = page([realtime(lockstep, document)])
     figure = re.search(r'<figure id="lateness">.*?</figure>', text, re.DOTALL)
     assert figure is not None
@@ -288,7 +287,7 @@ def test_report_of_a_realtime_run_shows_how_it_kept_time(lockstep: RecordedRun, 
         assert sentence in words(text)
 
 
-def test_report_says_when_the_recorder_measured(lockstep: RecordedRun) -> None:
+def test_report_says_when_the_recorder_measured(lockstep: Record) -> None:
     arrivals = late(100, 0)
     timing = RunTiming(RECORDER, 9, 2, arrivals, arrivals, (), {"supervisor": "normal scheduling"}).as_json()
     shown = words(page([realtime(lockstep, timing)]))
@@ -298,9 +297,9 @@ def test_report_says_when_the_recorder_measured(lockstep: RecordedRun) -> None:
 
 
 @pytest.mark.slow
-def test_several_runs_share_the_picture(lockstep: RecordedRun, document: dict) -> None:
+def test_several_runs_share_the_picture(lockstep: Record, document: dict) -> None:
     one = realtime(lockstep, document)
-    two = replace(one, certificate={**one.certificate, "seed": 5})
+    two = one.copy_with(certificate={**one.certificate, "seed": 5})
     text = page([one, two, lockstep])
     assert text.count('<figure id="lateness">') == 1
     figure = words(text.partition('<figure id="lateness">')[2].partition("</figure>")[0])

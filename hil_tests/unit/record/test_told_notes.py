@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 from hil_tests.support.recordings import recorded_folder
+from railhil.judge.record import Record
 from railhil.judge.signals import signal_table
 from railhil.record.notes import note_values, notes_of, told_notes
 from railhil.record.trace import Trace
 from railhil.report.page import page
-from railhil.report.recorded import RecordedRun
 from railhil.systems.ato.scenario.model import Scenario
 from railhil.wire.ato import CtlStat
 
@@ -29,12 +27,12 @@ TURN = {
 
 
 @pytest.fixture(scope="module")
-def run(lvshun: Scenario, tmp_path_factory: pytest.TempPathFactory) -> RecordedRun:
+def run(lvshun: Scenario, tmp_path_factory: pytest.TempPathFactory) -> Record:
     return recorded_folder(lvshun, tmp_path_factory.mktemp("notes") / "run")
 
 
 @pytest.mark.slow
-def test_certificate_and_signals_name_what_the_controller_said(run: RecordedRun) -> None:
+def test_certificate_and_signals_name_what_the_controller_said(run: Record) -> None:
     told = run.certificate["notes"]
     assert [one["name"] for one in told] == ["basis_in_use", "softening_factor", "satisfaction"]
     header, rows = signal_table(run.scenario, run.trace, told)
@@ -43,16 +41,16 @@ def test_certificate_and_signals_name_what_the_controller_said(run: RecordedRun)
     assert np.nanmax(rows[:, first + 1]) == pytest.approx(0.85, abs=1e-4)
 
 
-def test_a_record_of_an_unknown_law_has_numbered_notes(run: RecordedRun) -> None:
+def test_a_record_of_an_unknown_law_has_numbered_notes(run: Record) -> None:
     notes = notes_of(run.trace, None)
     assert [note.name for note in notes] == ["note_1", "note_2", "note_3"]
-    text = page([replace(run, certificate={**run.certificate, "notes": None})])
+    text = page([run.copy_with(certificate={**run.certificate, "notes": None})])
     assert "Note 1 and note 2 and note 3 over time" in text
 
 
-def test_a_law_without_notes_has_no_column_and_no_figure(run: RecordedRun) -> None:
+def test_a_law_without_notes_has_no_column_and_no_figure(run: Record) -> None:
     assert notes_of(run.trace, []) == ()
-    assert 'id="softening_factor"' not in page([replace(run, certificate={**run.certificate, "notes": []})])
+    assert 'id="softening_factor"' not in page([run.copy_with(certificate={**run.certificate, "notes": []})])
 
 
 def test_a_signed_note_with_its_own_scale() -> None:

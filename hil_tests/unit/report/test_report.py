@@ -16,11 +16,12 @@ from hil_tests.support.recordings import recorded_folder, row_of
 from hil_tests.support.scores import with_values
 from railhil.bus.transports import limits, limits_of
 from railhil.dbc import wire_contract
+from railhil.judge.record import Record
 from railhil.judge.score import score
 from railhil.record.trace import Trace
 from railhil.report.deviations import deviations
 from railhil.report.page import page
-from railhil.report.recorded import RecordedRun, curves, told_apart
+from railhil.report.recorded import curves, distinct_labels
 from railhil.report.styles import Style
 from railhil.report.tables import rows
 from railhil.systems.ato import panels as ato_panels
@@ -36,22 +37,22 @@ def folders(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def run(lvshun: Scenario, folders: Path) -> RecordedRun:
+def run(lvshun: Scenario, folders: Path) -> Record:
     return recorded_folder(lvshun, folders / "one", seed=5)
 
 
 @pytest.fixture(scope="module")
-def other(lvshun: Scenario, folders: Path) -> RecordedRun:
+def other(lvshun: Scenario, folders: Path) -> Record:
     return recorded_folder(lvshun, folders / "other", seed=4, arithmetic="float64")
 
 
 @pytest.fixture(scope="module")
-def single(run: RecordedRun) -> str:
+def single(run: Record) -> str:
     return page([run])
 
 
 @pytest.fixture(scope="module")
-def several(run: RecordedRun, other: RecordedRun) -> str:
+def several(run: Record, other: Record) -> str:
     return page([run, other])
 
 
@@ -97,26 +98,25 @@ def test_page_is_well_formed_and_needs_nothing_else(which: str, request: pytest.
 
 
 @pytest.mark.slow
-def test_same_record_gives_the_same_bytes(lvshun: Scenario, run: RecordedRun, single: str, folders: Path) -> None:
+def test_same_record_gives_the_same_bytes(lvshun: Scenario, run: Record, single: str, folders: Path) -> None:
     """Other folder, other wall time, other socket: the same page."""
     again = recorded_folder(lvshun, folders / "again", seed=5)
     slower = {**again.score_document, "run": {**again.score_document["run"], "wall_time_s": 99.0}}
-    assert page([replace(again, score_document=slower)]) == single
+    assert page([again.copy_with(score_document=slower)]) == single
     assert again.certificate["transport"] != run.certificate["transport"]
     assert str(folders) not in single
     assert "wall" not in words(single)
 
 
 @pytest.mark.slow
-def test_another_seed_gives_other_curves(other: RecordedRun, single: str) -> None:
+def test_another_seed_gives_other_curves(other: Record, single: str) -> None:
     theirs, ours = figures(page([other])), figures(single)
     assert all(theirs[name] != ours[name] for name in ("speed", "error", "notch"))
 
 
-def test_realtime_run_states_its_jitter(run: RecordedRun) -> None:
+def test_realtime_run_states_its_jitter(run: Record) -> None:
     jitter = {"cycles": 19500, "p50_ms": 0.111, "p99_ms": 0.222, "p999_ms": 0.333, "max_ms": 4.444, "late_share": 0.0}
-    realtime = replace(
-        run,
+    realtime = run.copy_with(
         certificate={**run.certificate, "pace": "realtime"},
         score_document={**run.score_document, "jitter": jitter},
     )
@@ -125,14 +125,14 @@ def test_realtime_run_states_its_jitter(run: RecordedRun) -> None:
     assert "9.00 s simulated in 6.25 s of wall time" in found
 
 
-def test_text_of_files_is_harmless_in_the_page(lvshun: Scenario, run: RecordedRun) -> None:
+def test_text_of_files_is_harmless_in_the_page(lvshun: Scenario, run: Record) -> None:
     title = "<b>\x1b[2J \u202edne"
-    text = page([replace(run, scenario=replace(lvshun, title=title))])
+    text = page([run.copy_with(scenario=replace(lvshun, title=title))])
     assert r"&lt;b&gt;\x1b[2J \u202edne" in text
     assert not {"\x1b", "\u202e"} & set(text)
 
 
-def test_facts_are_there(lvshun: Scenario, run: RecordedRun, single: str) -> None:
+def test_facts_are_there(lvshun: Scenario, run: Record, single: str) -> None:
     found = words(single)
     for text in (
         lvshun.title,
@@ -154,7 +154,7 @@ def test_facts_are_there(lvshun: Scenario, run: RecordedRun, single: str) -> Non
     assert f"{run.verdict} {run.label}: {run.line}" in found
 
 
-def test_every_deviation_from_the_paper_is_listed(lvshun: Scenario, run: RecordedRun, single: str) -> None:
+def test_every_deviation_from_the_paper_is_listed(lvshun: Scenario, run: Record, single: str) -> None:
     source, listed = deviations()
     assert len(listed) >= 25
     found = words(single)
@@ -162,12 +162,12 @@ def test_every_deviation_from_the_paper_is_listed(lvshun: Scenario, run: Recorde
     for item in listed:
         assert " ".join(f"{item.at} {item.reading} {item.other}".split()) in found
     unpublished = replace(lvshun, published=())
-    text = words(page([replace(run, scenario=unpublished)]))
+    text = words(page([run.copy_with(scenario=unpublished)]))
     assert "Deviations" not in text
     assert "published" not in text.split("Figures")[0]
 
 
-def test_measured_stands_beside_published(lvshun: Scenario, run: RecordedRun, other: RecordedRun) -> None:
+def test_measured_stands_beside_published(lvshun: Scenario, run: Record, other: Record) -> None:
     table = rows(lvshun, JUDGING.criteria, [run, other])
     assert [row.label for row in table[:2]] == [run.label, other.label]
     assert [cell.published for cell in table[0].cells] == ["262", "74075", "0.0439", "0.0464", "20.658"]
@@ -178,32 +178,29 @@ def test_measured_stands_beside_published(lvshun: Scenario, run: RecordedRun, ot
         values = [item.score.values[key] for item in (run, other)]
         best = [row.cells[index].best for row in table[:2]]
         assert best[values.index(min(values))]
-    own = rows(lvshun, JUDGING.criteria, [replace(run, certificate={**run.certificate, "controller": "mine"})])
+    own = rows(lvshun, JUDGING.criteria, [run.copy_with(certificate={**run.certificate, "controller": "mine"})])
     assert ({cell.published for cell in own[0].cells}, len(own)) == ({""}, 6)
 
 
 @pytest.mark.slow
 def test_the_page_says_how_many_runs_stopped_within_strict_figures(
-    lvshun: Scenario, run: RecordedRun, other: RecordedRun
+    lvshun: Scenario, run: Record, other: Record
 ) -> None:
     """Whatever the scenario allows; a run that never stopped is within none."""
-    near, far = (replace(run, score=with_values(run.score, stop_error_m=error)) for error in (0.1, 0.25))
-    never = replace(other, score=with_values(other.score, stop_error_m=None))
+    near, far = (run.copy_with(score=with_values(run.score, stop_error_m=error)) for error in (0.1, 0.25))
+    never = other.copy_with(score=with_values(other.score, stop_error_m=None))
     text = words(page([near, far, never]))
     assert "Runs that stopped within 0.1 m: 1 of 3, 0.2 m: 1 of 3, 0.3 m: 2 of 3." in text
     assert stopped_within([]) == {0.1: 0, 0.2: 0, 0.3: 0}
 
 
-def test_runs_of_one_law_are_told_apart(run: RecordedRun, other: RecordedRun) -> None:
-    def labels(*runs: RecordedRun) -> list[str]:
-        return [item.label for item in told_apart(runs)]
-
-    seed = replace(run, certificate={**run.certificate, "seed": 9})
-    law = replace(run, label="tdmc", certificate={**run.certificate, "controller": "tdmc"})
-    assert labels(run, law) == ["ipfc", "tdmc"]
-    assert labels(run, other) == ["ipfc iq", "ipfc float64"]
-    assert labels(run, seed, law) == ["ipfc seed 5", "ipfc seed 9", "tdmc"]
-    assert labels(run, run) == ["ipfc #1", "ipfc #2"]
+def test_runs_of_one_law_are_told_apart(run: Record, other: Record) -> None:
+    seed = run.copy_with(certificate={**run.certificate, "seed": 9})
+    law = run.copy_with(label="tdmc", certificate={**run.certificate, "controller": "tdmc"})
+    assert distinct_labels([run, law]) == ["ipfc", "tdmc"]
+    assert distinct_labels([run, other]) == ["ipfc iq", "ipfc float64"]
+    assert distinct_labels([run, seed, law]) == ["ipfc seed 5", "ipfc seed 9", "tdmc"]
+    assert distinct_labels([run, run]) == ["ipfc #1", "ipfc #2"]
 
 
 @pytest.mark.parametrize(
@@ -215,7 +212,7 @@ def test_runs_of_one_law_are_told_apart(run: RecordedRun, other: RecordedRun) ->
     ],
 )
 def test_parameters_of_a_file_are_named_and_so_is_their_training_seed(
-    run: RecordedRun, folders: Path, training: dict[str, object] | None, trained: bool, label: str
+    run: Record, folders: Path, training: dict[str, object] | None, trained: bool, label: str
 ) -> None:
     given = {"law": "ipfc", "sha256": "ab" * 32, "values": {"softening_max": 0.8}, "training": training}
     certificate = {**run.certificate, "parameters": given, "perturbed": trained, "seed_was_trained": trained}
@@ -230,20 +227,20 @@ def test_parameters_of_a_file_are_named_and_so_is_their_training_seed(
 
 
 @pytest.mark.slow
-def test_own_parameters_say_where_they_come_from(run: RecordedRun, single: str, folders: Path) -> None:
+def test_own_parameters_say_where_they_come_from(run: Record, single: str, folders: Path) -> None:
     assert "the law's own (the paper's, and ours where it prints none)" in words(single)
     certificate = {**run.certificate, "seed_was_trained": True}
     designed = row_of(folders / "one", certificate, run.scenario, run.trace, run.score)
     assert designed.label == "ipfc (on this seed)"
     assert "the parameters of ipfc were designed on this very run, seed 5" in words(page([designed]))
-    unknown = replace(run, certificate={**run.certificate, "own_parameters": None})
+    unknown = run.copy_with(certificate={**run.certificate, "own_parameters": None})
     assert "the law's own (not recorded where they come from)" in words(page([unknown]))
 
 
 @pytest.mark.slow
-def test_a_run_that_is_no_evaluation_is_never_the_best(lvshun: Scenario, run: RecordedRun, other: RecordedRun) -> None:
-    trained = replace(run, certificate={**run.certificate, "seed_was_trained": True})
-    third = replace(other, label="third")
+def test_a_run_that_is_no_evaluation_is_never_the_best(lvshun: Scenario, run: Record, other: Record) -> None:
+    trained = run.copy_with(certificate={**run.certificate, "seed_was_trained": True})
+    third = other.copy_with(label="third")
     for cells in zip(*(row.cells for row in rows(lvshun, JUDGING.criteria, [trained, other, third])[:3]), strict=True):
         # Two of one score are both the best; the trained run is not, whatever its score.
         assert [cell.best for cell in cells] == [False, True, True]
@@ -252,9 +249,9 @@ def test_a_run_that_is_no_evaluation_is_never_the_best(lvshun: Scenario, run: Re
 
 
 @pytest.mark.slow
-def test_without_score_json_nothing_is_said_of_the_controller(run: RecordedRun) -> None:
-    assert "not recorded: score.json is missing" in words(page([replace(run, score_document={})]))
-    silent = replace(run, score_document={**run.score_document, "telemetry": None})
+def test_without_score_json_nothing_is_said_of_the_controller(run: Record) -> None:
+    assert "not recorded: score.json is missing" in words(page([run.copy_with(score_document={})]))
+    silent = run.copy_with(score_document={**run.score_document, "telemetry": None})
     assert "the controller has not reported on its arithmetic" in words(page([silent]))
 
 
@@ -282,15 +279,15 @@ def cut(trace: Trace, end_ns: int) -> Trace:
 
 
 @pytest.mark.slow
-def test_laws_without_basis_and_softening_have_no_such_figure(run: RecordedRun, other: RecordedRun) -> None:
-    plain = replace(run, label="plain", trace=without(run.trace, CtlStat.PORT))
+def test_laws_without_basis_and_softening_have_no_such_figure(run: Record, other: Record) -> None:
+    plain = run.copy_with(label="plain", trace=without(run.trace, CtlStat.PORT))
     text = page([plain])
     assert 'id="notch"' in text
     assert not re.search('id="(basis_in_use|softening_factor)"', text)
     assert "plain" not in figures(page([plain, other]))["basis_in_use"]
 
 
-def test_every_set_of_basis_functions_has_a_row_and_a_name(run: RecordedRun) -> None:
+def test_every_set_of_basis_functions_has_a_row_and_a_name(run: Record) -> None:
     measured = curves(run.scenario, run.trace, run.certificate["notes"])
     (basis, values), *others = measured.notes
     used = np.resize([0.0, 1.0, 2.0, 3.0, 5.0, 9.0], len(values))
@@ -302,7 +299,7 @@ def test_every_set_of_basis_functions_has_a_row_and_a_name(run: RecordedRun) -> 
     np.testing.assert_array_equal(chart.curves[0].y[:6], range(6))
 
 
-def test_close_views_show_where_a_run_is_off(run: RecordedRun) -> None:
+def test_close_views_show_where_a_run_is_off(run: Record) -> None:
     """A bump of 5 km/h in each half is found, and a larger one at crawling speed is not."""
     measured = curves(run.scenario, run.trace)
     bumps = [(700.0, 5.0), (2100.0, 5.0), (2935.0, 9.0)]
@@ -315,10 +312,8 @@ def test_close_views_show_where_a_run_is_off(run: RecordedRun) -> None:
     assert places == pytest.approx([700.0, 2100.0], abs=4.0)
 
 
-def test_a_run_without_curves_is_reported_and_not_drawn(run: RecordedRun) -> None:
-    lost = replace(
-        run, label="lost", trace=Trace(), score=score(run.scenario, Trace()), verdict="INVALID", line="controller lost"
-    )
+def test_a_run_without_curves_is_reported_and_not_drawn(run: Record) -> None:
+    lost = run.copy_with(label="lost", trace=Trace(), score=score(run.scenario, Trace()), invalid="controller lost")
     text = page([lost])
     assert "<svg" not in text
     assert "INVALID lost: controller lost" in words(text)
@@ -327,34 +322,34 @@ def test_a_run_without_curves_is_reported_and_not_drawn(run: RecordedRun) -> Non
 
 
 @pytest.mark.slow
-def test_a_record_that_breaks_off_is_drawn_as_far_as_it_goes(run: RecordedRun, other: RecordedRun) -> None:
+def test_a_record_that_breaks_off_is_drawn_as_far_as_it_goes(run: Record, other: Record) -> None:
     until = cut(run.trace, 40_000_000_000)
-    lost = replace(run, label="lost", trace=until, score=score(run.scenario, until), verdict="INVALID", line="lost")
+    lost = run.copy_with(label="lost", trace=until, score=score(run.scenario, until), invalid="lost")
     text = page([lost, other])
     assert {"speed", "error", "stop", "notch"} <= set(figures(text))
     assert "Outside the right-hand picture: lost." in words(text)
-    assert "speed" in figures(page([replace(lost, trace=without(until, NotchCmd.PORT))]))
+    assert "speed" in figures(page([lost.copy_with(trace=without(until, NotchCmd.PORT))]))
 
 
 @pytest.mark.slow
-def test_a_stop_far_off_is_said_instead_of_drawn(run: RecordedRun) -> None:
-    far = replace(run, label="far", score=with_values(run.score, stop_error_m=12.0))
+def test_a_stop_far_off_is_said_instead_of_drawn(run: Record) -> None:
+    far = run.copy_with(label="far", score=with_values(run.score, stop_error_m=12.0))
     assert "Outside the right-hand picture: far." in words(page([run, far]))
     assert "Outside" not in words(page([run]))
 
 
 @pytest.mark.slow
-def test_names_are_text_whatever_they_hold(run: RecordedRun) -> None:
+def test_names_are_text_whatever_they_hold(run: Record) -> None:
     odd = '<b>&"$x_1^2$ </svg>'
-    text = page([replace(run, label=odd, scenario=replace(run.scenario, title=odd)), replace(run, label="b")])
+    text = page([run.copy_with(label=odd, scenario=replace(run.scenario, title=odd)), run.copy_with(label="b")])
     assert words(text).count(odd) >= 4
     assert read(text).tags.isdisjoint({"b>", "img"})
     assert ET.fromstring(f"<p>{figures(text)['speed']}</p>") is not None
 
 
-def test_sentences_hold_no_folders(run: RecordedRun) -> None:
+def test_sentences_hold_no_folders(run: Record) -> None:
     line = "plant lost: railhil:/tmp/railhil-x1/hub.sock gone, /a/b/c.toml wrong, /dev/ttyACM0, 60 km/h, tcp://host:1/x"
-    found = words(page([replace(run, verdict="INVALID", line=line)]))
+    found = words(page([run.copy_with(invalid=line)]))
     assert "railhil:hub.sock gone, c.toml wrong, /dev/ttyACM0, 60 km/h, tcp://host:1/x" in found
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -55,7 +54,7 @@ def reports(lvshun: Scenario, tmp_path_factory: pytest.TempPathFactory) -> dict[
     laws = ("ipfc", "tpfc2", "tpfc1", "tdmc", "fuzzy_pid", "ipfc_plus", "ipfc_plus_stop")
     labels = [(law, law + tail) for law in laws for tail in ("", "+1a2b3c4d tuned (on this seed)")]
     many = [
-        replace(runs[index % 2], label=label, certificate={**runs[index % 2].certificate, "controller": law})
+        runs[index % 2].copy_with(label=label, certificate={**runs[index % 2].certificate, "controller": law})
         for index, (law, label) in enumerate(labels)
     ]
     found = {"one": folder / "one.html", "many": folder / "many.html"}

@@ -18,12 +18,12 @@ from hil_tests.support.scores import with_values
 from hil_tests.support.svg_paths import path_points
 from railhil.charts.curve_points import pick_rows
 from railhil.judge.events.event import FAULT, LEVEL, LOST, RecordedEvent
+from railhil.judge.record import Record
 from railhil.judge.signals import write_signals
 from railhil.report import page as report_page
 from railhil.report.display_columns import shown_columns
 from railhil.report.distribution import shares, spreads_of, worst_first
 from railhil.report.page import page, write_report
-from railhil.report.recorded import RecordedRun
 from railhil.scenarios.load import load, load_any
 from railhil.systems.ato.judge import JUDGING
 
@@ -35,15 +35,15 @@ _EVENTS = (
 
 
 @pytest.fixture(scope="module")
-def run(tmp_path_factory: pytest.TempPathFactory) -> RecordedRun:
+def run(tmp_path_factory: pytest.TempPathFactory) -> Record:
     folder = tmp_path_factory.mktemp("explored") / "run"
     found = recorded_folder(load("yizhuang_05"), folder, seed=5)
     write_signals(found.scenario, found.trace, folder / "signals.csv", found.certificate.get("notes"))
-    return replace(found, events=(*found.events, *_EVENTS))
+    return found.copy_with(events=(*found.events, *_EVENTS))
 
 
 @pytest.fixture(scope="module")
-def table(run: RecordedRun, tmp_path_factory: pytest.TempPathFactory) -> dict[str, np.ndarray]:
+def table(run: Record, tmp_path_factory: pytest.TempPathFactory) -> dict[str, np.ndarray]:
     path = tmp_path_factory.mktemp("signals") / "signals.csv"
     write_signals(run.scenario, run.trace, path, run.certificate.get("notes"))
     header, *rows = csv.reader(path.read_text(encoding="utf-8").splitlines())
@@ -93,9 +93,7 @@ def test_a_level_keeps_every_change_and_a_gap_stays_one() -> None:
 
 
 @pytest.mark.slow
-def test_each_curve_is_drawn_once_with_the_values_of_signals_csv(
-    run: RecordedRun, table: dict[str, np.ndarray]
-) -> None:
+def test_each_curve_is_drawn_once_with_the_values_of_signals_csv(run: Record, table: dict[str, np.ndarray]) -> None:
     """The points of a path are rows of the table; what lies between two is as far from the line as the path says."""
     text = page([run])
     assert text == page([run])
@@ -126,7 +124,7 @@ def test_each_curve_is_drawn_once_with_the_values_of_signals_csv(
 
 
 @pytest.mark.slow
-def test_faults_and_events_are_marks_and_levels_have_words(run: RecordedRun) -> None:
+def test_faults_and_events_are_marks_and_levels_have_words(run: Record) -> None:
     text = page([run])
     figure = text[text.index('<figure id="reactions">') :]
     figure = figure[: figure.index("</figure>")]
@@ -143,7 +141,7 @@ def test_faults_and_events_are_marks_and_levels_have_words(run: RecordedRun) -> 
                for said in labels) or any("speed (km/h)" in said for said in labels)  # fmt: skip
 
 
-def test_columns_have_names_units_and_words(run: RecordedRun) -> None:
+def test_columns_have_names_units_and_words(run: Record) -> None:
     shown = shown_columns(run.scenario, run.trace.contract, run.certificate.get("notes"))
     speed, level = shown.named("true_speed_mps"), shown.named("train_level")
     assert speed is not None
@@ -163,15 +161,17 @@ def test_columns_have_names_units_and_words(run: RecordedRun) -> None:
 
 @pytest.mark.slow
 def test_above_twenty_runs_the_page_shows_distributions_and_links_the_worst(
-    run: RecordedRun, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    run: Record, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The limits are lowered: drawing is what takes long."""
     monkeypatch.setattr(report_page, "RUNS_MAX", 3)
     monkeypatch.setattr(report_page, "_WORST", 1)
     runs = [
-        replace(
-            run, certificate={**run.certificate, "seed": seed}, score=with_values(run.score, stop_error_m=error),
-            verdict="FAIL" if error is None or error > 0.3 else "PASS",
+        run.copy_with(
+            certificate={**run.certificate, "seed": seed},
+            score=replace(
+                with_values(run.score, stop_error_m=error), verdict="FAIL" if error is None or error > 0.3 else "PASS"
+            ),
         )
         for seed, error in enumerate((0.1, 0.9, None, 0.2))
     ]  # fmt: skip
@@ -202,11 +202,11 @@ def test_shares_of_runs() -> None:
 
 
 @pytest.fixture(scope="module")
-def opened(run: RecordedRun, tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Any, str, list[str]]]:
+def opened(run: Record, tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Any, str, list[str]]]:
     """A browser, the address of a report of two runs, and what any page has asked for."""
     api = pytest.importorskip("playwright.sync_api", reason="MISSING CAPABILITY playwright")
     path = tmp_path_factory.mktemp("page") / "report.html"
-    write_report([run, replace(run, label="other", certificate={**run.certificate, "controller": "tdmc"})], path)
+    write_report([run, run.copy_with(label="other", certificate={**run.certificate, "controller": "tdmc"})], path)
     asked: list[str] = []
     with api.sync_playwright() as play:
         program = play.chromium.launch(executable_path=browser(), args=["--no-sandbox"])
@@ -322,11 +322,11 @@ def test_narrow_dark_and_printed(opened: tuple[Any, str, list[str]]) -> None:
 
 
 @pytest.mark.slow
-def test_runs_of_a_law_with_other_parameters_or_arithmetic_are_distributions_of_their_own(run: RecordedRun) -> None:
+def test_runs_of_a_law_with_other_parameters_or_arithmetic_are_distributions_of_their_own(run: Record) -> None:
     tuned = {"sha256": "1a2b3c4d" + "0" * 56, "training": {"seeds": [1]}}
     how = ({}, {"parameters": tuned}, {"arithmetic": "float64"}, {"perturbed": True})
     runs = [
-        replace(run, certificate={**run.certificate, "seed": seed, **others}, score=with_values(run.score, itae=value))
+        run.copy_with(certificate={**run.certificate, "seed": seed, **others}, score=with_values(run.score, itae=value))
         for value, others in enumerate(how)
         for seed in (1, 2)
     ]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -20,13 +19,14 @@ from hil_tests.support.svg_paths import path_points
 from railhil.bench import local_run
 from railhil.charts.figure import TIME, Chart, Curve, Figure
 from railhil.charts.svg import markup
+from railhil.judge.record import Record
 from railhil.judge.score import score
 from railhil.record.framelog import read_log
 from railhil.record.notes import ReportedNote
 from railhil.record.sampling import drawn_trace, holding_s
 from railhil.record.trace import Trace, trace_of
 from railhil.report.over_time import columns_of, signal_charts, signals, system_pictures
-from railhil.report.recorded import RecordedRun, curves
+from railhil.report.recorded import curves
 from railhil.report.styles import Style
 from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario
@@ -57,7 +57,7 @@ class Gappy:
             if not (_FROM_S < time_ns / 1e9 < _TO_S and frame.can_id in ids)
         )
 
-    def run(self, trace: Trace) -> RecordedRun:
+    def run(self, trace: Trace) -> Record:
         return row_of(self.folder, {}, self.scenario, trace, score(self.scenario, trace))
 
 
@@ -87,7 +87,7 @@ def drawn_over_time(figures: Sequence[Figure]) -> Iterator[tuple[str, Curve]]:
 
 @pytest.mark.parametrize(("silent", "is_bridged"), [(_SILENT, False), ((), True)])
 def test_no_figure_has_a_line_over_a_gap(gappy: Gappy, silent: tuple[str, ...], is_bridged: bool) -> None:
-    run = replace(gappy.run(gappy.trace(*silent)), certificate={"notes": [_NOTE.as_json()]})
+    run = gappy.run(gappy.trace(*silent)).copy_with(certificate={"notes": [_NOTE.as_json()]})
     found = dict(drawn_over_time(ato_panels.pictures(run.scenario, [run])))
     assert {name.split()[0] for name in found} >= {"error", "stop", "notch", "force", _NOTE.name}
     for name, curve in found.items():

@@ -12,12 +12,12 @@ from pathlib import Path
 import pytest
 
 from railhil.common.errors import InputError
-from railhil.scenarios.memory import Memory, Record
+from railhil.scenarios.memory import Memory, MemoryRecord
 from railhil.scenarios.memory_store import MemoryStore, StoreChanged, memory_at
 
 
-def record(runs: int, law: str = "mylaw") -> Record:
-    return Record(law, "here", runs, runs, {"offset_m": runs / 10})
+def record(runs: int, law: str = "mylaw") -> MemoryRecord:
+    return MemoryRecord(law, "here", runs, runs, {"offset_m": runs / 10})
 
 
 def after(path: Path, runs: int) -> MemoryStore:

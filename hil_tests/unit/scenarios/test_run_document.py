@@ -15,7 +15,7 @@ from railhil.common.command_line import parse
 from railhil.common.errors import Faults, InputError
 from railhil.run.memory import number_of
 from railhil.scenarios.load import load_any
-from railhil.scenarios.memory import Memory, Record, Stored, write_memory
+from railhil.scenarios.memory import Memory, MemoryRecord, Stored, write_memory
 from railhil.scenarios.memory_store import MemoryStore
 from railhil.scenarios.run_document import ENVIRONMENT, OPTIONS, environment_layer
 from railhil.scenarios.run_spec import LawSpec, RunSpec
@@ -103,7 +103,7 @@ def test_every_variable_says_its_key() -> None:
 
 
 def test_the_memory_of_a_law_is_said_by_one_of_two_keys(tmp_path: Path) -> None:
-    record = Record("ipfc", "here", 1, 1, {"offset_m": 0.5})
+    record = MemoryRecord("ipfc", "here", 1, 1, {"offset_m": 0.5})
     memory = Memory("ipfc", (Stored("A", record),), tmp_path / "old.json")
     write_memory(memory, memory.source)
     path = written(tmp_path / "run.toml", 'memory_store = "new"\n')
@@ -212,7 +212,7 @@ def test_a_run_with_a_store_has_the_next_number(tmp_path: Path) -> None:
     store = MemoryStore(tmp_path / "store")
     words = ("yizhuang_stop", "--controller", "ilc_stop", "--memory", str(store.path))
     assert asked(*words).run_number == 1
-    store.write(Record("ilc_stop", "here", 3, 7, {}), store.read("ilc_stop"), "", {})
+    store.write(MemoryRecord("ilc_stop", "here", 3, 7, {}), store.read("ilc_stop"), "", {})
     assert asked(*words).run_number == 8
     assert asked(*words, "--run-number", "7").run_number == 7
     assert asked("lvshun_tieshan", "--memory", str(tmp_path / "other")).run_number == 1

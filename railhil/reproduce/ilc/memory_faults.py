@@ -11,7 +11,7 @@ import numpy as np
 
 from railhil.common.extras import need
 from railhil.reproduce.experiments import EntryResult, summarize_sequences
-from railhil.scenarios.memory import Memory, Record, Stored, in_order
+from railhil.scenarios.memory import Memory, MemoryRecord, Stored, in_order
 from railhil.scenarios.run_spec import RunSpec
 
 if TYPE_CHECKING:
@@ -53,7 +53,7 @@ def _with_offset(one: Stored, offset: Callable[[float], float]) -> Stored:
 
 
 def _elsewhere(one: Stored) -> Stored:
-    record: Record | None = one.record
+    record: MemoryRecord | None = one.record
     assert record is not None
     return replace(one, record=replace(record, key=f"{record.key} elsewhere"))
 

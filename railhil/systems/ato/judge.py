@@ -11,12 +11,13 @@ from railhil.common.law_order import LAW_ORDER
 from railhil.judge.counters import unchecked, unreconciled
 from railhil.judge.criteria import ATO_CRITERIA, OVERSPEED, STOP_ERROR, STOP_WITHIN_M, TIME_ERROR
 from railhil.judge.judging import Judging
+from railhil.judge.record import Record
 from railhil.judge.score import STATUS, Score, score
 from railhil.record.notes import note_values, notes_of
 from railhil.record.status import WRAP_FAILURE
 from railhil.record.trace import FloatArray, Trace
 from railhil.report.deviations import deviations
-from railhil.report.recorded import RecordedRun, wanted_mps
+from railhil.report.recorded import wanted_mps
 from railhil.systems.ato.events import INTERLOCKS, WATCHES, received
 from railhil.systems.ato.scenario.model import Scenario
 from railhil.wire.ato import CtlStat, NotchCmd, SimTruth, TrkInfo, TrnPos, TrnSpeed
@@ -70,7 +71,7 @@ def checks(scenario: Scenario, found: Score) -> list[tuple[str, str]]:
     ]
 
 
-def facts(run: RecordedRun) -> list[tuple[str, str]]:
+def facts(run: Record) -> list[tuple[str, str]]:
     """Train and line, and how the run stopped."""
     scenario = run.scenario
     return [
@@ -80,7 +81,7 @@ def facts(run: RecordedRun) -> list[tuple[str, str]]:
     ]
 
 
-def _counted(run: RecordedRun) -> str:
+def _counted(run: Record) -> str:
     """Whether the nodes' own counters of telegrams agree with the record."""
     if silent := unchecked(run.trace):
         return f"not checked against the record: the {silent} did not report"
@@ -88,7 +89,7 @@ def _counted(run: RecordedRun) -> str:
     return "; ".join(said) or "by controller and plant, as the record shows"
 
 
-def _signed(run: RecordedRun) -> str:
+def _signed(run: Record) -> str:
     late_s, past_m = (run.score.with_sign(criterion) for criterion in (TIME_ERROR, STOP_ERROR))
     if late_s is None or past_m is None:
         return "did not stop"
@@ -118,7 +119,7 @@ def counted(found: Sequence[Score]) -> dict[str, Any]:
     return {"stopped_within_m": shares}
 
 
-def advice(run: RecordedRun, folder: Path) -> str:
+def advice(run: Record, folder: Path) -> str:
     """What to try after a FAIL, depending on the cause."""
     certificate, scenario = run.certificate, run.scenario
     name = certificate.get("scenario") or scenario.name

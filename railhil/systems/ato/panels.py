@@ -11,11 +11,12 @@ import numpy as np
 from railhil.charts.figure import TARGET, TIME, ZERO, Area, Chart, Curve, Figure, FloatArray, Look, Point
 from railhil.judge.criteria import STOP_ERROR, TIME_ERROR
 from railhil.judge.measures import KMH, limits_under_train
+from railhil.judge.record import Record
 from railhil.judge.score import Score, score
 from railhil.record.notes import ReportedNote
 from railhil.record.trace import Trace
 from railhil.report.display_columns import ERROR
-from railhil.report.recorded import Curves, RecordedRun, curves
+from railhil.report.recorded import Curves, curves
 from railhil.report.styles import Style, styles
 from railhil.systems.ato.scenario.model import Scenario
 from railhil.systems.ato.scenario.target import Target
@@ -42,7 +43,7 @@ class Drawn:
     number: int = -1
 
 
-def pictures(scenario: Scenario, runs: Sequence[RecordedRun]) -> list[Figure]:
+def pictures(scenario: Scenario, runs: Sequence[Record]) -> list[Figure]:
     """All figures, in reading order; empty if no run can be drawn."""
     drawn = [
         Drawn(run.label, style, curves(scenario, run.trace, run.certificate.get("notes")), run.score, number)
