@@ -10,11 +10,11 @@ import numpy as np
 from benchmarks.figures import Figure, MeasurementError, Setting, median, p99
 from benchmarks.recording import Recording, record
 from railhil.controller_node.arithmetic import make
+from railhil.controller_node.ato.control_loop import ControlLoop
 from railhil.controller_node.ato.controller import WIRE, BatchController, Controller
-from railhil.controller_node.ato.loop import ControlLoop
 from railhil.controller_node.compiled_law import compile_law
+from railhil.controller_node.cost import CPU_MHZ
 from railhil.controller_node.laws.base import NOTCH_Q
-from railhil.controller_node.program.cycles import CPU_MHZ
 from railhil.controller_node.program.ranges import analyse_law
 from railhil.scenarios.run_spec import LawSpec
 from railhil.systems.ato.scenario.model import Scenario

@@ -13,8 +13,8 @@ from casadi import DM
 from benchmarks.figures import Figure, MeasurementError, Setting, median, p99
 from railhil.bench import Result, coupled_run
 from railhil.controller_node.arithmetic import make
+from railhil.controller_node.ato.control_loop import ControlLoop
 from railhil.controller_node.ato.ipfc_constants import IpfcParameters, internal_model
-from railhil.controller_node.ato.loop import ControlLoop
 from railhil.controller_node.ato.pfc_model import polynomial_fit
 from railhil.scenarios.run_spec import LawSpec
 from railhil.systems.ato.scenario.model import Scenario

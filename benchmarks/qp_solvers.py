@@ -29,7 +29,7 @@ from railhil.bench import direct_run
 from railhil.common.command_line import OneLineParser, parse, whole_number
 from railhil.common.exit_codes import run_guarded
 from railhil.controller_node.high_speed.laws import delay_qp
-from railhil.controller_node.high_speed.qp_solver import daqp_solver
+from railhil.controller_node.high_speed.qp_problem import daqp_solver
 from railhil.scenarios.load import load_any
 from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.run_spec import LawSpec, RunSpec
@@ -46,7 +46,7 @@ _SHOWN_DIGITS = 12
 
 
 class Program(NamedTuple):
-    """Arguments of :data:`railhil.controller_node.high_speed.qp_solver.Solver`."""
+    """Arguments of :data:`railhil.controller_node.high_speed.qp_problem.Solver`."""
 
     hessian: Any
     linear: Any

@@ -16,9 +16,9 @@ from railhil.common.command_line import OneLineParser, add_priority_argument, pa
 from railhil.common.exit_codes import ignore_ending_signals
 from railhil.common.python_process import kill_this_process, stop_this_process
 from railhil.common.scheduling import cycle
-from railhil.controller_node.faulty import controller_of, write_fault_log
+from railhil.controller_node.controller import controller_of, write_fault_log
 from railhil.controller_node.laws import find
-from railhil.controller_node.serve import FIRST_FRAME_S, run_controller
+from railhil.controller_node.process_loop import FIRST_FRAME_S, run_controller
 from railhil.controller_node.telemetry_file import check_writable, law_document, write_telemetry
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.options import add_law_options, add_option, add_options, law_spec, patience_help

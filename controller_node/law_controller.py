@@ -16,9 +16,9 @@ from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Arithmetic, Counters
 from railhil.controller_node.compiled_law import compile_law
 from railhil.controller_node.cost import cost_of
-from railhil.controller_node.laws.fault import law_fault
+from railhil.controller_node.laws.failure import law_fault
 from railhil.controller_node.program.ranges import Interval, refuse_wraps
-from railhil.controller_node.program.record import record_loop
+from railhil.controller_node.program.tracer import record_loop
 from railhil.controller_node.telemetry import Telemetry
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec

@@ -12,10 +12,10 @@ from railhil.common.mypyc import mypyc_attr
 from railhil.common.plug_ins import guard_plug_in
 from railhil.controller_node.arithmetic.base import Arithmetic, T
 from railhil.controller_node.compiled_law import CompiledLaw, Values
-from railhil.controller_node.laws.fault import place
+from railhil.controller_node.laws.failure import place
 from railhil.controller_node.laws.memory import kept, memory_arguments
 from railhil.controller_node.laws.parameters import law_parameters
-from railhil.controller_node.program.leaves import leaves, like
+from railhil.controller_node.program.model import leaves, like
 from railhil.controller_node.program.tracer import Tracer
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec

@@ -16,7 +16,7 @@ from railhil.scenarios.run_spec import LawSpec
 @mypyc_attr(allow_interpreted_subclasses=True)
 class LawNode:
     """Handles frames; it has no socket, so it runs in a process of its own or in memory. Base of the nodes, see also
-    :class:`railhil.controller_node.any_controller.AnyController`.
+    :class:`railhil.controller_node.controller.AnyController`.
 
     :param law_type: class of the law.
     :param controller: computes the commands; None: one is made for ``law``.

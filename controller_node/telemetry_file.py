@@ -12,10 +12,10 @@ from typing import Any
 from railhil.bus.ident import PROFILES
 from railhil.common import user_files
 from railhil.common.errors import InputError
-from railhil.controller_node.any_controller import AnyController
+from railhil.controller_node.controller import AnyController
+from railhil.controller_node.cost import CPU_MHZ, FLASH_FACTOR
 from railhil.controller_node.laws import find
 from railhil.controller_node.laws.note import slots
-from railhil.controller_node.program.cycles import CPU_MHZ, FLASH_FACTOR
 from railhil.controller_node.telemetry import QuantityTelemetry
 from railhil.scenarios.system import System
 

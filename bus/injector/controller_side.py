@@ -21,7 +21,7 @@ from railhil.dbc import Contract, Port
 
 
 class Served(Protocol):
-    """Interface of a controller under faults (:class:`railhil.controller_node.any_controller.AnyController`)."""
+    """Interface of a controller under faults (:class:`railhil.controller_node.controller.AnyController`)."""
 
     ended: Event | None
 

@@ -6,7 +6,7 @@ from collections import Counter
 from typing import Final
 
 from railhil.bus.layout import CHECK_CORRECT
-from railhil.controller_node.ato.loop import NO_BALISE, limited_01mm
+from railhil.controller_node.ato.control_loop import NO_BALISE, limited_01mm
 from railhil.controller_node.laws.base import BALISE_ERROR_MAX_M, WHEEL_ERROR_MAX, BaliseReading
 from railhil.wire.ato import BalisePassed
 

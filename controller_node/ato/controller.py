@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from railhil.common.mypyc import mypyc_attr
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Arithmetic
+from railhil.controller_node.ato.control_loop import NO_BALISE, POSITION_MAX_01MM, ControlLoop
 from railhil.controller_node.ato.guard import SPEED_MAX_01MMPS
-from railhil.controller_node.ato.loop import NO_BALISE, POSITION_MAX_01MM, ControlLoop
 from railhil.controller_node.law_controller import CommandCode, LawController
 from railhil.controller_node.laws.base import NOTCH_Q, SPEED_Q, BaliseReading
 from railhil.controller_node.laws.note import on_wire, on_wire_batch

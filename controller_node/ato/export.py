@@ -14,10 +14,10 @@ from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Arithmetic
 from railhil.controller_node.ato import balises, odometer, track_info
 from railhil.controller_node.ato import export_runs as notch_runs
-from railhil.controller_node.ato.channel import Latency
-from railhil.controller_node.ato.loop import NO_BALISE, ControlLoop
+from railhil.controller_node.ato.control_loop import NO_BALISE, ControlLoop
 from railhil.controller_node.ato.node import ANSWERS, MAILBOXES, SAFE_ANSWERS, SAFE_MAILBOXES, end_of_authority_01mm
 from railhil.controller_node.ato.plausibility import MotionLimits
+from railhil.controller_node.ato.speed_monitors import Latency
 from railhil.controller_node.ato.speed_watch import Ladder
 from railhil.controller_node.cost import cost_of
 from railhil.controller_node.export.control import (
@@ -37,7 +37,7 @@ from railhil.controller_node.laws import load
 from railhil.controller_node.laws.base import NOTCH_Q, BaliseReading
 from railhil.controller_node.laws.note import SLOTS, slots
 from railhil.controller_node.program.model import BALISE_INPUTS, Value
-from railhil.controller_node.program.record import record
+from railhil.controller_node.program.tracer import record
 from railhil.dbc import Port
 from railhil.scenarios.run_spec import LawSpec
 from railhil.systems.ato.scenario.model import Scenario

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from railhil.controller_node.arithmetic.base import INT32_MAX, INT32_MIN
-from railhil.controller_node.ato.loop import NO_BALISE, ControlLoop
+from railhil.controller_node.ato.control_loop import NO_BALISE, ControlLoop
 from railhil.controller_node.export.control import FLAG_BEGIN, FLAG_SENT, Generator, Period
 from railhil.controller_node.laws.base import SPEED_Q, BaliseReading
 from railhil.systems.ato.scenario.model import Scenario

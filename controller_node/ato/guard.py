@@ -1,7 +1,7 @@
 """The guard between mailboxes and law: accepts or refuses speed telegrams, and lets the watch limit the law's notch.
 
-The checks of :mod:`railhil.controller_node.ato.channel` and :mod:`railhil.controller_node.ato.plausibility` are called
-here; what they find goes into the watch as a finding.
+The checks of :mod:`railhil.controller_node.ato.speed_monitors` and :mod:`railhil.controller_node.ato.plausibility`
+are called here; what they find goes into the watch as a finding.
 """
 
 from __future__ import annotations
@@ -11,16 +11,16 @@ from typing import Final
 
 from railhil.bus.layout import CHECK_CORRECT
 from railhil.bus.lifesign import Life, LifeSign
-from railhil.controller_node.ato.channel import (
+from railhil.controller_node.ato.odometer import Odometer
+from railhil.controller_node.ato.plausibility import POSITION_AGE_MAX_MS, SAMPLE_MS, Motion, MotionLimits, found
+from railhil.controller_node.ato.safe_speed import SafeSpeed
+from railhil.controller_node.ato.speed_monitors import (
     CHANNEL_WINDOW_MS,
     DISORDER_MAX_MS,
     DISORDER_MS,
     Debt,
     Latency,
 )
-from railhil.controller_node.ato.odometer import Odometer
-from railhil.controller_node.ato.plausibility import POSITION_AGE_MAX_MS, SAMPLE_MS, Motion, MotionLimits, found
-from railhil.controller_node.ato.safe_speed import SafeSpeed
 from railhil.controller_node.ato.speed_watch import (
     LEVELS,
     Finding,

@@ -28,9 +28,14 @@ from railhil.controller_node.ato.ipfc_plus_constants import (
     rounded,
 )
 from railhil.controller_node.ato.ipfc_plus_design import DESIGN_SEEDS as DESIGNED_BEFORE
-from railhil.controller_node.ato.ipfc_plus_design import plan
-from railhil.controller_node.ato.ipfc_plus_stop_design import StopWeights, stop_gains
-from railhil.controller_node.ato.stop_observer_design import StopUncertainty, lag_twice, stop_observer_gains
+from railhil.controller_node.ato.ipfc_plus_design import (
+    StopUncertainty,
+    StopWeights,
+    lag_twice,
+    plan,
+    stop_gains,
+    stop_observer_gains,
+)
 from railhil.controller_node.laws.base import SPEED_Q
 from railhil.controller_node.laws.constant_table import held
 from railhil.systems.ato.scenario.model import Scenario

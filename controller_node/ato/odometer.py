@@ -21,7 +21,7 @@ from typing import Final
 from railhil.bus.layout import CHECK_CORRECT
 from railhil.bus.lifesign import Life, LifeSign
 from railhil.bus.schedule import Schedule
-from railhil.controller_node.ato.loop import POSITION_MAX_01MM
+from railhil.controller_node.ato.control_loop import POSITION_MAX_01MM
 from railhil.systems.ato.scenario.model import DISTANCE_MAX_M, POSITION_AGE_MAX_MS, Scenario
 from railhil.wire.ato import CtlCause, TrnPos
 

@@ -154,7 +154,7 @@ class Control(ABC):
     ``programs``: the recorded law. ``given``, ``told``: the parameters of the C functions ``inputs`` and ``sent``, in
     their order; ``record``: all of them in the order of the log.
 
-    :raises InputError: like :func:`railhil.controller_node.program.record.record`.
+    :raises InputError: like :func:`railhil.controller_node.program.tracer.record`.
     """
 
     #: Column of the word that is the number of the control period; empty: there is none.

@@ -28,11 +28,10 @@ from railhil.controller_node.export.control import (
 from railhil.controller_node.export.headers import octets
 from railhil.controller_node.export.text import SHARED, Names, identifier, literal, wide
 from railhil.controller_node.program.model import Value
-from railhil.controller_node.program.record import record_loop
+from railhil.controller_node.program.tracer import record_loop
 from railhil.controller_node.vector.controller import VectorController, VectorLoop
 from railhil.controller_node.vector.law import Interface, raw_range
-from railhil.controller_node.vector.node import ports_of, refuse_indexing
-from railhil.controller_node.vector.readings import sources_of
+from railhil.controller_node.vector.node import ports_of, refuse_indexing, sources_of
 from railhil.dbc import Port, Signal
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec

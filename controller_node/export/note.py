@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Constant
-from railhil.controller_node.cost import cost_of
+from railhil.controller_node.cost import CPU_MHZ, cost_of
 from railhil.controller_node.export.body import NAMED_Q
 from railhil.controller_node.export.control import Control, Source
 from railhil.controller_node.export.source import STACK_WORDS
 from railhil.controller_node.export.text import comment
-from railhil.controller_node.program.cycles import CPU_MHZ
 from railhil.controller_node.program.model import LawProgram
 
 #: 16-bit words of the F28335: RAM M0, M1, L0..L7; flash (TI SPRS439).

@@ -13,8 +13,7 @@ from railhil.common.errors import InputError, Words
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.export.control import FLAG_SENT, Control, Period, Play
 from railhil.controller_node.export.text import comment
-from railhil.controller_node.program.evaluate import Evaluator
-from railhil.controller_node.program.leaves import leaves
+from railhil.controller_node.program.model import Evaluator, leaves
 
 _MASK = 2**32 - 1
 

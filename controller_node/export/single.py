@@ -16,8 +16,7 @@ from railhil.controller_node.arithmetic.base import Constant
 from railhil.controller_node.arithmetic.float32 import nearest
 from railhil.controller_node.export.source import c_name
 from railhil.controller_node.export.text import Names, comment, identifier, template
-from railhil.controller_node.program.leaves import leaves
-from railhil.controller_node.program.model import Kind, LawProgram, Operation, Program, Value
+from railhil.controller_node.program.model import Kind, LawProgram, Operation, Program, Value, leaves
 from railhil.controller_node.vector.controller import VectorController
 from railhil.controller_node.vector.law import Interface, raw_range
 from railhil.scenarios.model import AnyScenario

@@ -1,11 +1,11 @@
-"""Laws made of one :class:`.core.Core` for each loop: samples in SI units, limits by speed."""
+"""Laws made of one controller for each loop: its samples in SI units, limits of its command by speed."""
 
 from __future__ import annotations
 
-from abc import abstractmethod
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Generic, NamedTuple, TypeVar
 
 from railhil.common.errors import InputError
 from railhil.controller_node.arithmetic.base import Arithmetic, Constant, T
@@ -16,9 +16,76 @@ from railhil.controller_node.high_speed.base import (
     LoopInputs,
     LoopNotes,
 )
-from railhil.controller_node.high_speed.core import Core, Sample, Unit
 from railhil.controller_node.high_speed.reals import Reals
 from railhil.wire.power_units import ACCEL_PER_MPS2, PREVIEW, PREVIEW_STEP_S
+
+State = TypeVar("State")
+
+
+class Sample(NamedTuple, Generic[T]):
+    """What a law knows at a sampling instant.
+
+    ``speed``: m/s, measured. ``reference``: w(k), w(k+1), ..., m/s, one sampling period apart. ``lowest``,
+    ``highest``: limits of the command now, m/s^2. ``emergency``: 1 from its trigger on, else 0.
+    """
+
+    speed: T
+    reference: tuple[T, ...]
+    lowest: T
+    highest: T
+    emergency: T
+
+
+class Move(NamedTuple, Generic[T]):
+    """Result of a step: the command (m/s^2) and the figures that every law reports (0 where it has none).
+
+    ``model_error``: v - v_hat over one sampling period, m/s. ``xi``: estimated residual of the model, m/s per period.
+    ``gain``: estimated effectiveness of the actuators, 1 nominal. ``delay``: estimated extra delay, s.
+    """
+
+    command: T
+    model_error: T
+    xi: T
+    gain: T
+    delay: T
+
+
+@dataclass(frozen=True, slots=True)
+class Unit:
+    """One power unit as the law knows it: delays and lag (s), sampling period (s)."""
+
+    traction_delay_s: float
+    braking_delay_s: float
+    lag_s: float
+    sample_period_s: float
+
+
+class LoopController(ABC, Generic[T, State]):
+    """The law of one power unit. ``step`` is pure and straight-line, see ``VectorLaw``."""
+
+    #: Future samples of the reference that it reads.
+    horizon: int
+
+    def __init__(self, re: Reals[T], unit: Unit, parameters: Any) -> None:
+        """Bind the law to its constants.
+
+        :param parameters: an instance of the law's ``parameters_type``.
+        """
+        self.re = re
+        self.unit = unit
+
+    @abstractmethod
+    def start(self, sample: Sample[T]) -> State:
+        """State before the first step, from the sample of that step."""
+
+    @abstractmethod
+    def step(self, state: State, sample: Sample[T]) -> tuple[State, Move[T]]:
+        """One sampling period."""
+
+    @abstractmethod
+    def sent(self, state: State, command: T) -> State:
+        """The state if another command (m/s^2) than the law's was really sent."""
+
 
 #: Runs on which ``railhil.systems.high_speed.tuning`` chose parameters: its training seed.
 #: Scenarios of the journey, with which parameters are chosen.
@@ -49,8 +116,8 @@ def between(place: float) -> tuple[tuple[int, ...], tuple[float, ...]]:
     return (low, low + 1), (1.0 - share, share)
 
 
-class CoreLaw(HighSpeedLaw[T, Any]):
-    """A law made of one core for each loop; it computes with real numbers and has no formats for fixed point."""
+class LoopControllerLaw(HighSpeedLaw[T, Any]):
+    """A law made of one controller for each loop; it computes with real numbers and has no formats for fixed point."""
 
     parameters_type = LawParameters
     floating = True
@@ -59,15 +126,17 @@ class CoreLaw(HighSpeedLaw[T, Any]):
         super().__init__(arithmetic, scenario, parameters)
         self.re = re = Reals(arithmetic)
         task = scenario.task
-        self.cores: tuple[Core[T, Any], ...] = tuple(
-            self.core(re, Unit(model.traction_delay_s, model.braking_delay_s, model.lag_s, self.sample_s), self.given)
+        self.controllers: tuple[LoopController[T, Any], ...] = tuple(
+            self.make_controller(
+                re, Unit(model.traction_delay_s, model.braking_delay_s, model.lag_s, self.sample_s), self.given
+            )
             for model in self.models
         )
         self._power = re.number("power", task.power_w_per_kg, "scenario, power_kw by mass")
         self._crawl = re.number("crawl", _CRAWL_MPS)
         self._per_count = re.number("per_count", 1.0 / ACCEL_PER_MPS2, "port table")
         steps = self.sample_s / PREVIEW_STEP_S
-        horizon = max(core.horizon for core in self.cores)
+        horizon = max(controller.horizon for controller in self.controllers)
         if horizon * steps > PREVIEW + 1e-9:
             span_s = PREVIEW * PREVIEW_STEP_S
             raise InputError(
@@ -83,7 +152,7 @@ class CoreLaw(HighSpeedLaw[T, Any]):
         ]
 
     @abstractmethod
-    def core(self, re: Reals[T], unit: Unit, parameters: Any) -> Core[T, Any]:
+    def make_controller(self, re: Reals[T], unit: Unit, parameters: Any) -> LoopController[T, Any]:
         """The law of one loop."""
 
     @property
@@ -101,14 +170,14 @@ class CoreLaw(HighSpeedLaw[T, Any]):
         return Sample(inputs.speed, reference, self.least, highest, inputs.emergency)
 
     def loop_start(self, loop: int, inputs: LoopInputs[T]) -> Any:
-        return self.cores[loop].start(self._sample(inputs))
+        return self.controllers[loop].start(self._sample(inputs))
 
     def loop_step(self, loop: int, state: Any, inputs: LoopInputs[T]) -> tuple[Any, LoopAnswer[T]]:
-        after, move = self.cores[loop].step(state, self._sample(inputs))
+        after, move = self.controllers[loop].step(state, self._sample(inputs))
         return after, LoopAnswer(move.command, LoopNotes(move.model_error, move.xi, move.gain, move.delay))
 
     def with_sent(self, state: Any, commands: Sequence[T]) -> Any:
         """The commands really sent are those that the model has to know; the law's own come with the next sample."""
         told = [self.re.mul(count, self._per_count) for count in commands[::2]]
-        loops = zip(self.cores, state.loops, told, strict=False)
-        return state._replace(loops=tuple(core.sent(old, accel) for core, old, accel in loops))
+        loops = zip(self.controllers, state.loops, told, strict=False)
+        return state._replace(loops=tuple(controller.sent(old, accel) for controller, old, accel in loops))

@@ -16,9 +16,8 @@ from pydantic import Field, TypeAdapter, ValidationError
 
 from railhil.common.errors import InputError, Words
 from railhil.controller_node.arithmetic.base import Arithmetic, T
-from railhil.controller_node.high_speed.core import Unit
-from railhil.controller_node.high_speed.estimators import Estimate, Estimator, Past
-from railhil.controller_node.high_speed.law import JOURNEYS
+from railhil.controller_node.high_speed.identification import Estimate, Estimator, Past
+from railhil.controller_node.high_speed.law import JOURNEYS, Unit
 from railhil.controller_node.high_speed.network import Forward, Network
 from railhil.controller_node.high_speed.ngpc import GpcParameters, NgpcLaw
 from railhil.controller_node.high_speed.reals import Reals

@@ -1,6 +1,6 @@
-"""Core of the GPC laws on the sampled model: residual, estimate of xi, identification, control law, in this order.
+"""GPC laws on the sampled model: residual, estimate of xi, identification, control law, in this order.
 
-A law of the family is a subclass of :class:`NgpcLaw` that makes an :class:`~.estimators.Estimator`; nothing else is
+A law of the family is a subclass of :class:`NgpcLaw` that makes an :class:`~.identification.Estimator`; nothing else is
 needed for a law with a network. The readings D1 to D9 and D11 are parameters.
 """
 
@@ -13,9 +13,9 @@ from typing import Annotated, Any, Generic, Literal, NamedTuple
 from pydantic import Field
 
 from railhil.controller_node.arithmetic.base import T
-from railhil.controller_node.high_speed.core import Core, Move, Sample, Unit
-from railhil.controller_node.high_speed.estimators import Estimator, Past
 from railhil.controller_node.high_speed.identification import (
+    Estimator,
+    Past,
     Theta,
     coefficients,
     dead_zone,
@@ -24,12 +24,11 @@ from railhil.controller_node.high_speed.identification import (
     residual,
     theta_of,
 )
-from railhil.controller_node.high_speed.law import CoreLaw, LawParameters
-from railhil.controller_node.high_speed.loop import refuse_short_horizon, refuse_unstable
+from railhil.controller_node.high_speed.law import LawParameters, LoopController, LoopControllerLaw, Move, Sample, Unit
 from railhil.controller_node.high_speed.model import Sampled, bilinear_without_direct, pade_zoh
 from railhil.controller_node.high_speed.predictor import Weights, first_row, predictions, weights
 from railhil.controller_node.high_speed.reals import Reals
-from railhil.controller_node.high_speed.stability import Train, spectral_radius
+from railhil.controller_node.high_speed.stability import Train, refuse_short_horizon, refuse_unstable, spectral_radius
 
 _DISCRETISATIONS = {"zoh": pade_zoh, "bilinear": bilinear_without_direct}
 
@@ -72,7 +71,7 @@ class NgpcState(NamedTuple, Generic[T]):
     memory: Any
 
 
-class NgpcCore(Core[T, NgpcState[T]]):
+class NgpcController(LoopController[T, NgpcState[T]]):
     """The law of 002 section 3 and 004 section 5 for one power unit."""
 
     def __init__(self, re: Reals[T], unit: Unit, parameters: GpcParameters, estimator: Estimator[T, Any]) -> None:
@@ -169,8 +168,8 @@ class NgpcCore(Core[T, NgpcState[T]]):
         return state._replace(past=past._replace(commands=(command, *past.commands[1:])))
 
 
-class NgpcLaw(CoreLaw[T]):
-    """A law of the family: the core with an estimator of xi."""
+class NgpcLaw(LoopControllerLaw[T]):
+    """A law of the family: the controller with an estimator of xi."""
 
     parameters_type = GpcParameters
     parameters_origin = "the repaired set of the specification: N = 3, Nu = 2, lambda = 0.3, T0 = 1 s"
@@ -179,15 +178,17 @@ class NgpcLaw(CoreLaw[T]):
     def estimator(self, re: Reals[T], unit: Unit, parameters: Any) -> Estimator[T, Any]:
         """The estimator of xi of one power unit."""
 
-    def core(self, re: Reals[T], unit: Unit, parameters: Any) -> NgpcCore[T]:
+    def make_controller(self, re: Reals[T], unit: Unit, parameters: Any) -> NgpcController[T]:
         """The law of one power unit.
 
         :raises InputError: the horizon does not exceed the delay, or the loop is unstable; not with ``override``.
         """
         delays = {"traction": unit.traction_delay_s, "braking": unit.braking_delay_s}
         refuse_short_horizon(self.name, parameters, max(delays.values()))
-        core = NgpcCore(re, unit, parameters, self.estimator(re, unit, parameters))
+        controller = NgpcController(re, unit, parameters, self.estimator(re, unit, parameters))
         refuse_unstable(
-            self.name, parameters, {mode: core.radius(Train(delay_s, unit.lag_s)) for mode, delay_s in delays.items()}
+            self.name,
+            parameters,
+            {mode: controller.radius(Train(delay_s, unit.lag_s)) for mode, delay_s in delays.items()},
         )
-        return core
+        return controller

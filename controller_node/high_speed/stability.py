@@ -1,4 +1,4 @@
-"""Spectral radius of the closed loop, from the law's weights and an exact model of the train (spec D1).
+"""Stability of the closed loop: its spectral radius with an exact model of the train, refusals at load (spec D1).
 
 The train is lag and integrator behind the exact transport delay, the input held over a sampling period. The estimator
 of the residual, if closed too, is a low-pass (weight ``smoothing`` of the newest residual).
@@ -7,13 +7,18 @@ of the residual, if closed too, is a low-pass (weight ``smoothing`` of the newes
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
+from railhil.common.errors import InputError, Words
 from railhil.controller_node.high_speed.model import Matrix, Sampled, held, lagged
 from railhil.controller_node.high_speed.predictor import Weights
+
+if TYPE_CHECKING:
+    from railhil.controller_node.high_speed.law import LawParameters
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,3 +113,43 @@ def spectral_radius(
     step[xi, 2 : 2 + len(model.b)] -= smoothing * np.array(model.b)
     law[xi] = -weights.xi
     return magnitude(step + np.outer(drive, law))
+
+
+class Spanning(Protocol):
+    """Parameters of a law with a horizon."""
+
+    @property
+    def horizon(self) -> int: ...
+
+    @property
+    def sample_period_s(self) -> float: ...
+
+    @property
+    def override(self) -> bool: ...
+
+
+_HINT = "parameter override = true runs it"
+
+
+def refuse_short_horizon(law: str, parameters: Spanning, delay_s: float) -> None:
+    """Refuse N * T0 <= T: within such a horizon no command has any effect, or the wrong one.
+
+    :param delay_s: the longest delay.
+    :raises InputError: the horizon is too short and ``parameters.override`` is not set.
+    """
+    span_s = parameters.horizon * parameters.sample_period_s
+    if span_s <= delay_s + 1e-9 and not parameters.override:
+        found = Words(f"horizon {parameters.horizon} * sample_period_s {parameters.sample_period_s:g} = {span_s:g} s")
+        raise InputError("controller", law, found, f"more than the longest delay, {delay_s:g} s", _HINT)
+
+
+def refuse_unstable(law: str, parameters: LawParameters, radii: Mapping[str, float]) -> None:
+    """Refuse a closed loop with a spectral radius of 1 or more.
+
+    :param radii: of each mode of the train, in words (``traction``, ``braking``).
+    :raises InputError: one of them is 1 or more and ``parameters.override`` is not set.
+    """
+    mode, radius = max(radii.items(), key=lambda pair: pair[1])
+    if radius >= 1.0 and not parameters.override:
+        found = Words(f"a closed loop with the spectral radius {radius:.3f} in {mode}")
+        raise InputError("controller", law, found, "a spectral radius below 1", _HINT)

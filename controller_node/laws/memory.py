@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from railhil.common.errors import InputError, Words
-from railhil.controller_node.laws.fault import place
+from railhil.controller_node.laws.failure import place
 from railhil.scenarios.memory import FAULTS, LINE_DEFAULT, NAMED_FILE, SLOT_A, SLOT_B, Memory, Stored
 
 

@@ -2,18 +2,77 @@
 
 The wavelet packet (equation (3)) with node aaa kept is the approximation of the three-level wavelet transform, and on a
 fixed window a fixed FIR filter. Read 63 samples behind it has its full benefit (noise power 1/8) and lags by 202 ms.
+
+The weights come from ``taps.json``, written by ``make_taps.py``, which needs PyWavelets.
 """
 
 from __future__ import annotations
 
+import hashlib
+import json
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
+from functools import cache
+from pathlib import Path
 from typing import Any, Generic, Literal, NamedTuple, TypeVar, get_args
 
+from railhil.common.errors import InputError
 from railhil.controller_node.arithmetic.base import T
 from railhil.controller_node.stop.numbers import ACCEL_Q, GAIN_Q, SPEED_Q, Numbers
-from railhil.controller_node.stop.steady import steady_gains
-from railhil.controller_node.stop.taps import taps
+
+#: Steps of the Riccati equation, and the relative change at which it has settled.
+_STEPS = 200_000
+_SETTLED = 1e-14
+
+
+def steady_gains(period_s: float, noise_mps: float, walk: float) -> tuple[float, float]:
+    """Steady-state gains of the Kalman filter on the innovation: of the speed (1) and of the acceleration (1/s).
+
+    The model is v+ = v + T a, a+ = a + w; only sums, products and quotients, so that it has the same bits everywhere.
+
+    :param noise_mps: standard deviation of a reading. :param walk: of ``a`` after one second, m/s2.
+    :raises ValueError: noise or walk are not positive.
+    """
+    if not (noise_mps > 0.0 and walk > 0.0):
+        raise ValueError(f"noise {noise_mps:g} m/s and walk {walk:g} m/s2 must be positive")
+    reading, walked = noise_mps * noise_mps, walk * walk * period_s
+    vv, va, aa = reading, 0.0, 1.0
+    before = (0.0, 0.0)
+    for _ in range(_STEPS):
+        vv, va, aa = vv + 2.0 * period_s * va + period_s * period_s * aa, va + period_s * aa, aa + walked
+        variance = vv + reading
+        gains = (vv / variance, va / variance)
+        vv, va, aa = reading * gains[0], reading * gains[1], aa - gains[1] * va
+        if all(abs(new - old) <= _SETTLED * new for new, old in zip(gains, before, strict=True)):
+            break
+        before = gains
+    return before
+
+
+PATH = Path(__file__).with_name("taps.json")
+
+
+@cache
+def document(path: Path = PATH) -> dict[str, Any]:
+    """The file: ``low_pass`` (16 numbers of db8), ``rate_hz``, and ``taps`` by filter, oldest sample first.
+
+    :raises InputError: its numbers are not those that were recorded.
+    """
+    found: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+    text = json.dumps(found["taps"], sort_keys=True, separators=(",", ":"))
+    sha256 = hashlib.sha256(text.encode()).hexdigest()
+    if sha256 != found["taps_sha256"]:
+        raise InputError(path, "taps_sha256", sha256, f"{found['taps_sha256']}, as recorded")
+    return found
+
+
+def taps(name: str) -> tuple[float, ...]:
+    """Weights of one filter.
+
+    :raises KeyError: there is no such filter.
+    """
+    return tuple(document()["taps"][name])
+
 
 State = TypeVar("State")
 

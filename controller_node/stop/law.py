@@ -15,14 +15,11 @@ from pydantic import Field
 
 from railhil.controller_node.arithmetic.base import Arithmetic, Constant, T
 from railhil.controller_node.laws.memory import NOTHING, Remembered
-from railhil.controller_node.stop.approach import Approach
-from railhil.controller_node.stop.distance import StoppingDistance
+from railhil.controller_node.stop.interface import COUNT_MAX, Gap, Inputs, Measured, Outputs
 from railhil.controller_node.stop.learning import Learned, Learning, Report, stored_records
-from railhil.controller_node.stop.model import Grades
+from railhil.controller_node.stop.model import Grades, StoppingDistance
 from railhil.controller_node.stop.numbers import ACCEL_Q, DISTANCE_Q, SPEED_Q, TIME_Q, Numbers
-from railhil.controller_node.stop.readings import COUNT_MAX, Gap, Inputs, Measured
-from railhil.controller_node.stop.stages import Stages
-from railhil.controller_node.stop.told import Told
+from railhil.controller_node.stop.stages import Approach, Stages
 from railhil.controller_node.vector.law import Answer, VectorLaw
 from railhil.wire.stop import BrakeLevel
 
@@ -107,7 +104,7 @@ class StopLaw(VectorLaw[T, StopState[T]]):
         self.least = hold("accel_min", -task.brake.braking_max_mps2, ACCEL_Q, origin)
         self._stages = Stages(numbers)
         self._approach = Approach(numbers, self.grades, task, given.hold_per_s, self.period_s)
-        self._told = Told(numbers, memory)
+        self._outputs = Outputs(numbers, memory)
         self._cut = hold("cut", BrakeLevel.HOLD, 0, "port table")
         self.at_once = hold("at_once", 0.0, TIME_Q, "law")
 
@@ -218,7 +215,7 @@ class StopLaw(VectorLaw[T, StopState[T]]):
         accel = ar.clip(ar.where(on, order.accel, pulled), self.most, self.least)
         accel = ar.note("accel", accel, ACCEL_Q, "m/s2")
         # From here on the command is what the train is told, so that no model has another one.
-        code = self._told.code(accel)
+        code = self._outputs.code(accel)
         accel = self._on_the_bus(code)
         start = ar.where(ar.gt(first, zero), order.start, self.at_once)
 
@@ -235,11 +232,11 @@ class StopLaw(VectorLaw[T, StopState[T]]):
         own = self.taught(own, first, taught, measured)
 
         new = StopState(gap, stage, cruise, warm, accel, distance_used, learned, own)
-        return new, self._told.answer(stage, code, start, margin, distance, speed, state.learned.before)
+        return new, self._outputs.answer(stage, code, start, margin, distance, speed, state.learned.before)
 
     def _on_the_bus(self, code: T) -> T:
         """The command (m/s2) that is on the bus as ``code`` (mm/s2, Q0)."""
-        return self.ar.clip(self._told.accel(code), self.most, self.least)
+        return self.ar.clip(self._outputs.accel(code), self.most, self.least)
 
     def with_sent(self, state: Any, commands: Sequence[T]) -> Any:
         """The train does not take a command that is not valid, and such a run is not one to learn from."""

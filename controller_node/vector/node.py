@@ -1,13 +1,16 @@
-"""The controller's node for a law for several units: takes readings, answers the bus administrator's polls."""
+"""The controller's node for a law for several units: takes readings, answers polls with commands and notes."""
 
 from __future__ import annotations
 
+from collections import Counter
+from dataclasses import dataclass
 from functools import partial
 from typing import Any, ClassVar
 
+from railhil.bus.acceptance import Acceptance
 from railhil.bus.ident import CtlIdent, Role
 from railhil.bus.layout import Telegram
-from railhil.bus.responder import Responder
+from railhil.bus.responder import Reading, Responder
 from railhil.bus.schedule import Schedule
 from railhil.bus.telegrams import RunEvent, TimeSync
 from railhil.common.errors import InputError
@@ -15,12 +18,86 @@ from railhil.controller_node.laws import find
 from railhil.controller_node.node import LawNode
 from railhil.controller_node.vector.controller import VectorController, VectorOutput
 from railhil.controller_node.vector.law import Interface, VectorLaw
-from railhil.controller_node.vector.readings import Readings
-from railhil.controller_node.vector.status import status_telegram
 from railhil.dbc import Contract, Port
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec
 from railhil.scenarios.system import System
+
+
+def sources_of(interface: Interface) -> dict[str, type[Telegram]]:
+    """Ports with readings, in the order of the readings, each with its telegram."""
+    found: dict[str, type[Telegram]] = {}
+    for reading in interface.readings:
+        found.setdefault(reading.telegram.PORT, reading.telegram)
+    return found
+
+
+@dataclass(slots=True)
+class _Source:
+    """One port with readings: process data and time of the last accepted telegram."""
+
+    acceptance: Acceptance
+    age_max_ns: int
+    data: bytes = b""
+    taken_ns: int = 0
+
+
+class Readings:
+    """Takes the telegrams with an interface's readings from a responder.
+
+    Only an accepted telegram (:class:`railhil.bus.acceptance.Acceptance`) updates the readings; their age is the time
+    since its arrival. ``counters``: refused telegrams by cause.
+
+    :raises InputError: the life sign of a telegram is not a number of 4 bits.
+    """
+
+    def __init__(self, interface: Interface, responder: Responder) -> None:
+        self.counters: Counter[str] = Counter()
+        self._interface = interface
+        self._clock = responder.clock
+        self._store = responder.store
+        self._sources: dict[str, _Source] = {}
+        self._kinds = sources_of(interface)
+        for port, kind in self._kinds.items():
+            ages_ns = [interface.age_max_ns(item) for item in interface.readings if port == item.telegram.PORT]
+            self._sources[port] = _Source(Acceptance(kind, self.counters), min(ages_ns))
+            responder.on(kind, partial(self._take, port), port)
+
+    def _take(self, port: str, reading: Reading[Any]) -> None:
+        source = self._sources[port]
+        if source.acceptance.accept(reading.telegram):
+            # If this is a TIME_SYNC, it has already set the clock.
+            source.data, source.taken_ns = self._store.raw(port), self._clock.own_ns
+
+    def fresh(self) -> bool:
+        """Whether every reading has an accepted telegram, none of them older than its largest age."""
+        now_ns = self._clock.own_ns
+        return all(source.data and now_ns - source.taken_ns <= source.age_max_ns for source in self._sources.values())
+
+    def raws(self) -> list[int]:
+        """One raw integer for each reading, from the last accepted telegrams; call only when :meth:`fresh`."""
+        telegrams = {port: kind.decode(self._sources[port].data) for port, kind in self._kinds.items()}
+        return [getattr(telegrams[item.telegram.PORT], item.field) for item in self._interface.readings]
+
+
+def status_telegram(
+    interface: Interface, kind: type[Telegram], output: VectorOutput | None, steps: int, life: int
+) -> Telegram:
+    """One of an interface's statuses; a note is limited to the range of its signal, so that a large one ends no run.
+
+    :param output: the law's last result; None before its first step.
+    :param steps: of the law since the start of the run.
+    :param life: life sign of the telegram.
+    """
+    ranges = {name: signal.raw_range for name, signal in kind.signals()}
+    fields = {"step_count": steps & 0xFFFF, "life": life}
+    if output is not None:
+        fields["overflow_flags"] = output.overflow_flags
+        for note, raw in zip(interface.notes, output.notes, strict=True):
+            if interface.status_of(note) is kind:
+                low, high = ranges[note.field]
+                fields[note.field] = min(max(raw, low), high)
+    return kind(**{name: value for name, value in fields.items() if name in ranges})
 
 
 def ports_of(contract: Contract, interface: Interface) -> tuple[list[Port], list[Port]]:
@@ -42,7 +119,7 @@ def refuse_indexing(system: System, law: LawSpec) -> None:
 
 
 class VectorNode(LawNode):
-    """See :class:`railhil.controller_node.any_controller.AnyController`; the system has a part ``interface``.
+    """See :class:`railhil.controller_node.controller.AnyController`; the system has a part ``interface``.
 
     :param controller: computes the commands; None: one is made for ``law``.
     :param bit_rate: of the bus in bit/s; ignored here, since no time stamps are counted in bit times.

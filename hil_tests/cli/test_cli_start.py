@@ -134,7 +134,7 @@ def test_a_run_without_faults_loads_nothing_of_them(module):
     """Their language and what injects them take a tenth of the start of each process."""
     code = (
         f"import sys, railhil.{module}; from railhil.scenarios.run_spec import RunSpec; scenario = RunSpec().load();"
-        "from railhil.controller_node.faulty import controller_of;"
+        "from railhil.controller_node.controller import controller_of;"
         "from railhil.plant_sim.faults.plants import make_plant; make_plant(scenario, RunSpec());"
         "controller_of(scenario, RunSpec().law, 0);"
         "from railhil.judge.fault_report import check_faults, fault_outcomes, missing_logs;"

@@ -15,7 +15,7 @@ from hil_tests.support.paths import ROOT
 from railhil.batch.statistics import estimate
 from railhil.bench import coupled_run
 from railhil.controller_node.arithmetic import make
-from railhil.controller_node.ato.loop import ControlLoop
+from railhil.controller_node.ato.control_loop import ControlLoop
 from railhil.controller_node.laws.base import BaliseReading
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec

@@ -18,7 +18,7 @@ from railhil.bus.mvb import TelegramSource
 from railhil.bus.telegrams import RunEvent
 from railhil.common.errors import InputError
 from railhil.controller_node.ato.node import ControllerNode
-from railhil.controller_node.faulty import controller_of
+from railhil.controller_node.controller import controller_of
 from railhil.dbc import wire_contract
 from railhil.judge.fault_report import fault_outcomes, missed_faults
 from railhil.record.framelog import read_log

@@ -14,8 +14,8 @@ import pytest
 from hil_tests.support.cli import railhil, wait_for
 from railhil.bus.errors import PeerSilent
 from railhil.common.patience import LATER_S, Lifelines
-from railhil.controller_node import serve as serve_module
-from railhil.controller_node.serve import serve
+from railhil.controller_node import process_loop as serve_module
+from railhil.controller_node.process_loop import serve
 from railhil.live.processes import Nodes
 
 _PROGRAM = "import time; time.sleep(600)"

@@ -20,7 +20,7 @@ from railhil.controller_node.laws import load as load_law
 from railhil.controller_node.laws.base import Law
 from railhil.controller_node.laws.parameters import law_parameters
 from railhil.controller_node.program.ranges import analyse_law
-from railhil.controller_node.program.record import record
+from railhil.controller_node.program.tracer import record
 from railhil.scenarios.load import load
 from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.run_spec import LawSpec, RunSpec

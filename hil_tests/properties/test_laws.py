@@ -12,10 +12,10 @@ import pytest
 from hil_tests.properties.laws import SEEDS, LawProperties
 from railhil.batch import Case
 from railhil.controller_node.arithmetic import make
-from railhil.controller_node.ato.loop import ControlLoop
+from railhil.controller_node.ato.control_loop import ControlLoop
 from railhil.controller_node.laws import load as load_law
 from railhil.controller_node.laws import names
-from railhil.controller_node.program.record import record
+from railhil.controller_node.program.tracer import record
 from railhil.scenarios.load import load
 from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.run_spec import LawSpec

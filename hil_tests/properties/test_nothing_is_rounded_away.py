@@ -13,10 +13,10 @@ from hypothesis import strategies as st
 from railhil.bus.clock import BusClock
 from railhil.bus.schedule import Schedule
 from railhil.bus.sdt import SAFE_DATA_VERSION, SafeSource, source_identity
-from railhil.controller_node.ato.channel import CHANNEL_WINDOW_MS, Debt
 from railhil.controller_node.ato.guard import Guard
 from railhil.controller_node.ato.plausibility import Motion, MotionLimits
 from railhil.controller_node.ato.safe_speed import SafeSpeed
+from railhil.controller_node.ato.speed_monitors import CHANNEL_WINDOW_MS, Debt
 from railhil.controller_node.ato.speed_watch import Ladder
 from railhil.scenarios.load import load
 from railhil.systems.ato.scenario.model import Safety

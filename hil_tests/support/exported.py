@@ -14,12 +14,12 @@ from numpy.typing import NDArray
 
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import DIVISION_BY_ZERO, SATURATION
+from railhil.controller_node.ato.control_loop import NO_BALISE, ControlLoop
 from railhil.controller_node.ato.controller import Controller, ControlOutput
-from railhil.controller_node.ato.loop import NO_BALISE, ControlLoop
 from railhil.controller_node.export import Bundle, make_bundle, write_bundle
 from railhil.controller_node.laws.base import BaliseReading
 from railhil.controller_node.laws.note import on_wire
-from railhil.controller_node.program.leaves import leaves
+from railhil.controller_node.program.model import leaves
 from railhil.scenarios.run_spec import LawSpec
 from railhil.systems.ato.scenario.model import Scenario
 

@@ -11,8 +11,8 @@ from railhil.audit.result import Floor, Result
 from railhil.audit.shadow import QuantityError
 from railhil.common.digits import percent
 from railhil.common.output import Output, table
+from railhil.controller_node.cost import CPU_MHZ, FLASH_FACTOR
 from railhil.controller_node.laws.constant_table import COARSE
-from railhil.controller_node.program.cycles import CPU_MHZ, FLASH_FACTOR
 from railhil.judge.score import Score
 
 #: Bits of headroom below which a quantity is flagged.

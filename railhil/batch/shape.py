@@ -11,8 +11,7 @@ from typing import Any
 
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Constant
-from railhil.controller_node.program.leaves import leaves
-from railhil.controller_node.program.model import Value
+from railhil.controller_node.program.model import Value, leaves
 from railhil.controller_node.program.tracer import Tracer
 from railhil.controller_node.vector.controller import VectorLoop
 from railhil.scenarios.model import AnyScenario

@@ -12,9 +12,18 @@ from typing import Any
 from railhil.common.digits import count_of
 from railhil.common.errors import InputError, Words
 from railhil.controller_node.high_speed.model import pade_zoh
-from railhil.controller_node.high_speed.modelling import HELD_OUT, PERIODS_S, ModelError, rows_of, trained
 from railhil.controller_node.high_speed.network import Network
-from railhil.controller_node.high_speed.training import BP_DECAY, BP_ITERATIONS, Recipe, Rows
+from railhil.controller_node.high_speed.training import (
+    BP_DECAY,
+    BP_ITERATIONS,
+    HELD_OUT,
+    PERIODS_S,
+    ModelError,
+    Recipe,
+    Rows,
+    rows_of,
+    trained,
+)
 from railhil.judge.record import Record
 from railhil.learning.series import Series, read_series
 from railhil.record.framelog import log_sha256

@@ -15,12 +15,12 @@ from railhil.bus.ident import Role, make_ident
 from railhil.bus.layout import Telegram
 from railhil.bus.schedule import Schedule
 from railhil.common.errors import InputError, Words
+from railhil.controller_node.ato.control_loop import NO_BALISE, limited_01mm
 from railhil.controller_node.ato.controller import Controller
-from railhil.controller_node.ato.loop import NO_BALISE, limited_01mm
 from railhil.controller_node.laws.base import BaliseReading
 from railhil.controller_node.vector.controller import VectorController, VectorOutput
 from railhil.controller_node.vector.law import Interface
-from railhil.controller_node.vector.status import status_telegram
+from railhil.controller_node.vector.node import status_telegram
 from railhil.dbc import Port
 from railhil.faults.language import parse
 from railhil.judge.judging import judging_of

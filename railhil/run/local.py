@@ -17,8 +17,7 @@ from railhil.bus.reception import received_by
 from railhil.bus.select import LOCAL, BusChoice, no_bus
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import INVALID, PASS, TOOL_ERROR, USAGE
-from railhil.controller_node.any_controller import AnyController
-from railhil.controller_node.faulty import controller_of, was_killed, write_fault_log
+from railhil.controller_node.controller import AnyController, controller_of, was_killed, write_fault_log
 from railhil.controller_node.telemetry_file import telemetry_document, write_telemetry
 from railhil.judge.fault_report import check_faults, fault_outcomes
 from railhil.judge.jitter import lockstep_timing

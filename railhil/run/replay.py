@@ -19,8 +19,7 @@ from railhil.bus.frame import FD, Frame
 from railhil.bus.local import AnsweredAtOnce
 from railhil.bus.mvb import F_DEVICE_STATUS, device_status_frame, parse_master_frame
 from railhil.bus.own_frames import OwnFrames
-from railhil.controller_node.any_controller import AnyController
-from railhil.controller_node.faulty import controller_of
+from railhil.controller_node.controller import AnyController, controller_of
 from railhil.dbc import Contract
 from railhil.plant_sim.node import make_plant_node
 from railhil.record.difference import Difference, FrameWords, Timed, difference_of

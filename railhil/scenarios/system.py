@@ -44,7 +44,7 @@ class System:
     #: ``numbered`` (:class:`railhil.plant_sim.any_plant.AnyPlant`).
     plant: str
     #: Makes the controller's side of the bus from (scenario, law, controller, fd, bit_rate)
-    #: (:class:`railhil.controller_node.any_controller.AnyController`).
+    #: (:class:`railhil.controller_node.controller.AnyController`).
     controller: str
     #: Entry point group of its laws.
     laws: str

@@ -17,10 +17,9 @@ from numpy.typing import NDArray
 
 from railhil.controller_node.arithmetic.base import Curve
 from railhil.controller_node.arithmetic.float64 import Float64Batch, Floats
-from railhil.controller_node.ato.loop import NO_BALISE
+from railhil.controller_node.ato.control_loop import NO_BALISE
 from railhil.controller_node.laws.base import BaliseReading
-from railhil.controller_node.program.evaluate import Evaluator
-from railhil.controller_node.program.model import BALISE_INPUTS, LawProgram, Operation, Program, Table, Value
+from railhil.controller_node.program.model import BALISE_INPUTS, Evaluator, LawProgram, Operation, Program, Table, Value
 
 _OUTPUT = "out."
 
@@ -137,7 +136,8 @@ class _Outputs(NamedTuple):
 
 
 class StackedLoop:
-    """A :class:`~railhil.controller_node.ato.loop.ControlLoop` of ``repeat`` trains for each of several programs.
+    """A :class:`~railhil.controller_node.ato.control_loop.ControlLoop` of ``repeat`` trains for each of
+    several programs.
 
     :param programs: of one :func:`shape`, recorded with ``wide``.
     """

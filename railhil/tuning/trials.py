@@ -10,7 +10,7 @@ from pathlib import Path
 from railhil.batch import Case
 from railhil.common.errors import InputError
 from railhil.controller_node.program.model import LawProgram
-from railhil.controller_node.program.record import record
+from railhil.controller_node.program.tracer import record
 from railhil.judge.score import Score
 from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.run_spec import LawSpec

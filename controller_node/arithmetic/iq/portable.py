@@ -15,7 +15,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from railhil.controller_node.arithmetic.base import DIVISION_BY_ZERO, INT32_MAX, INT32_MIN, SATURATION
-from railhil.controller_node.arithmetic.iq import decimals, portable_angles, series
+from railhil.controller_node.arithmetic.iq import decimals, series
 from railhil.controller_node.arithmetic.iq import portable_functions as functions
 from railhil.controller_node.arithmetic.iq.core import MASK, SIGN, FixedPoint, low32
 from railhil.controller_node.arithmetic.iq.core_batch import FixedPointBatch, Ints
@@ -106,16 +106,16 @@ class Portable(FixedPoint):
         return functions.sine_of_turns(a, q, cosine=True)
 
     def asin(self, a: int, q: int) -> int:
-        return portable_angles.arcsine(a, q)
+        return functions.arcsine(a, q)
 
     def acos(self, a: int, q: int) -> int:
-        return portable_angles.arccosine(a, q)
+        return functions.arccosine(a, q)
 
     def atan2(self, y: int, x: int, q: int) -> int:
-        return portable_angles.angle(y, x, q)
+        return functions.angle(y, x, q)
 
     def atan2_pu(self, y: int, x: int, q: int) -> int:
-        return portable_angles.turn(y, x, q)
+        return functions.turn(y, x, q)
 
     def to_f(self, a: int, q: int) -> int:
         if a == 0:

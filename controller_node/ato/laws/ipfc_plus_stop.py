@@ -12,11 +12,12 @@ from collections.abc import Mapping
 from typing import Any, ClassVar, Generic, NamedTuple
 
 from railhil.controller_node.arithmetic.base import Arithmetic, T
-from railhil.controller_node.ato.balise_odometer import BaliseState, Place
+from railhil.controller_node.ato.balise_odometer import BaliseOdometer, BaliseState, Place
 from railhil.controller_node.ato.ipfc_plus_constants import (
     ACCEL_Q,
     GAP_Q,
     POSITION_GAIN_Q,
+    SHARE_Q,
     UNIT_Q,
     WHEEL_Q,
 )
@@ -24,16 +25,187 @@ from railhil.controller_node.ato.ipfc_plus_stop_constants import (
     DESIGN_SEEDS,
     STOP_GAIN_Q,
     STOP_TUNABLE,
+    IpfcPlusStopConstants,
     IpfcPlusStopParameters,
     stop_constants,
 )
-from railhil.controller_node.ato.stop_observer import StopObserver, StopObserverState
-from railhil.controller_node.ato.survey_odometer import SurveyOdometer, WheelBounds
-from railhil.controller_node.laws.base import NOTCH_Q, SPEED_Q, LawInputs, LawOutputs
+from railhil.controller_node.ato.laws.ipfc_plus import IpfcPlusCore
+from railhil.controller_node.laws.base import NOTCH_Q, SPEED_Q, LawInputs, LawOutputs, State, TrackInputs
 from railhil.systems.ato.scenario.model import Scenario
 
 _UNIT_TO_UNIT = UNIT_Q
+_ACCEL_BY_UNIT_TO_SPEED = ACCEL_Q + UNIT_Q - SPEED_Q
 _SPEED_BY_UNIT_TO_ACCEL = SPEED_Q + UNIT_Q - ACCEL_Q
+_SPEED_BY_UNIT_TO_UNIT = SPEED_Q
+
+
+class StopObserverState(NamedTuple, Generic[T]):
+    """Estimated state of the train at the last reading.
+
+    ``speed`` as measured at the wheel (km/h, Q20), ``disturbance`` (km/h/s, Q22), ``gain`` acceleration per notch
+    (km/h/s, Q22), ``lag`` and ``delay`` by which the actuator's time constant and the loop's delay are longer than in
+    the model (s, Q24), ``lagged`` and ``lagged_twice`` the notch after one and two of the model's lags (Q24).
+    """
+
+    speed: T
+    disturbance: T
+    gain: T
+    lag: T
+    delay: T
+    lagged: T
+    lagged_twice: T
+
+
+class StopObserver(IpfcPlusCore[T, State]):
+    """The part of the law that observes and predicts. Speeds in km/h (Q20), notch in notches.
+
+    The observer of IPFC+ knows one lag, which shifts the force in time. Here the actuator's time constant is an unknown
+    of its own, apart from the loop's delay: its error shows as the lagged notch minus the same notch lagged once more
+    (:func:`railhil.controller_node.ato.ipfc_plus_design.stop_observer_gains` has the equations). The force is then
+    known well enough that the disturbance may be held nearly constant, and noise of the speed is averaged over a longer
+    time.
+    """
+
+    def __init__(self, arithmetic: Arithmetic[T], scenario: Scenario, table: IpfcPlusStopConstants) -> None:
+        super().__init__(arithmetic, scenario, table)
+        ar = arithmetic
+        self._tables["observe_delay"] = ar.table("observe_delay", table.observe_delay)
+        self._twice, self._delay_twice = ar.load(table.twice), ar.load(table.delay_twice)
+        self._delay_limits = self._both(table.delay_max)
+
+    def _unobserved(self, speed: T) -> StopObserverState[T]:
+        """The nominal train with its actuator at rest."""
+        zero = self._zero
+        return StopObserverState(speed, zero, self._gain, zero, zero, zero, zero)
+
+    def _observe(
+        self, old: StopObserverState[T], notches: tuple[T, T], speed: T, planned: dict[str, T]
+    ) -> StopObserverState[T]:
+        """Advance the observer from the last reading to this one: prediction, and correction by the surprise.
+
+        :param notches: those sent two periods ago and one period ago (Q24).
+        """
+        ar = self._ar
+        drive = (old.lagged, *notches)
+        lagged = ar.note("lagged", ar.dot(self._lagged, drive, _UNIT_TO_UNIT), UNIT_Q, "notch")
+        twice = ar.dot(self._twice, (old.lagged_twice, *drive), _UNIT_TO_UNIT)
+        twice = ar.note("lagged_twice", twice, UNIT_Q, "notch")
+        integral = ar.dot(self._integral, drive, _UNIT_TO_UNIT)
+        gained = self._gained(old, integral, lagged, twice)
+        expected, surprise = self._surprise(old.speed, old.disturbance, gained, speed, planned)
+
+        def corrected(value: T, weight: str, shift: int, limits: tuple[T, T]) -> T:
+            return self._corrected(value, surprise, planned[weight], shift, limits)
+
+        to_accel, to_unit = _SPEED_BY_UNIT_TO_ACCEL, _SPEED_BY_UNIT_TO_UNIT
+        seen = corrected(expected, "observe_speed", _UNIT_TO_UNIT, self._speed_limits)
+        disturbance = corrected(old.disturbance, "observe_disturbance", to_accel, self._disturbance_limits)
+        gain = corrected(old.gain, "observe_gain", to_accel, self._gain_limits)
+        lag = corrected(old.lag, "observe_lag", to_unit, self._lag_limits)
+        delay = corrected(old.delay, "observe_delay", to_unit, self._delay_limits)
+        return StopObserverState(
+            ar.note("observed_speed", seen, SPEED_Q, "km/h"),
+            ar.note("disturbance", disturbance, ACCEL_Q, "km/h/s"),
+            ar.note("gain", gain, ACCEL_Q, "km/h/s"),
+            ar.note("lag", lag, UNIT_Q, "s"),
+            ar.note("delay", delay, UNIT_Q, "s"),
+            lagged,
+            twice,
+        )
+
+    def _gained(self, old: StopObserverState[T], integral: T, lagged: T, twice: T) -> T:
+        """Speed (km/h, Q20) gained from the actuator until the notches after one and two lags have these values."""
+        ar = self._ar
+        late = ar.rmpy(old.lag, ar.sub(twice, old.lagged_twice), _UNIT_TO_UNIT)
+        late = ar.add(late, ar.rmpy(old.delay, ar.sub(lagged, old.lagged), _UNIT_TO_UNIT))
+        return ar.rmpy(old.gain, ar.sub(integral, late), _ACCEL_BY_UNIT_TO_SPEED)
+
+    def _ahead(self, observer: StopObserverState[T], notch: T, planned: dict[str, T]) -> tuple[T, T]:
+        """Force (km/h/s, Q22) and speed at the wheel (km/h, Q20) when the next notch takes effect."""
+        ar = self._ar
+        drive = (observer.lagged, notch)
+        lagged = ar.dot(self._delay_lagged, drive, _UNIT_TO_UNIT)
+        integral = ar.dot(self._delay_integral, drive, _UNIT_TO_UNIT)
+        twice = ar.dot(self._delay_twice, (observer.lagged_twice, *drive), _UNIT_TO_UNIT)
+        late = ar.rmpy(observer.lag, ar.sub(lagged, twice), _UNIT_TO_UNIT)
+        late = ar.add(late, ar.rmpy(observer.delay, ar.sub(notch, lagged), _UNIT_TO_UNIT))
+        late = ar.rmpy(late, self._pole, _UNIT_TO_UNIT)
+        force = ar.note("force", ar.rmpy(observer.gain, ar.sub(lagged, late), _UNIT_TO_UNIT), ACCEL_Q, "km/h/s")
+        speed = ar.add(observer.speed, self._gained(observer, integral, lagged, twice))
+        speed = ar.add(speed, ar.rmpy(observer.disturbance, self._delay, _ACCEL_BY_UNIT_TO_SPEED))
+        return force, ar.sub(speed, planned["drag_over_delay"])
+
+
+class WheelBounds(NamedTuple, Generic[T]):
+    """Bounds of the wheel error (Q ``WHEEL_Q``)."""
+
+    low: T
+    high: T
+
+
+class SurveyOdometer(Generic[T]):
+    """Bounds of the wheel error from balises whose survey has a tolerance, beside the fit of a :class:`BaliseOdometer`.
+
+    Every balise passed at odometer o bounds the wheel error w: its true position o (1 + w) lies within the tolerance t
+    of the surveyed one s, so that w is between (s - t - o) / o and (s + t - o) / o. The middle of what all balises
+    leave has the smallest largest error, and with survey errors spread evenly over the tolerance also the smallest
+    median (the midrange; the fit is the best one for normal errors). Where nothing is left, the tolerance was wrong,
+    and the fit is used.
+    """
+
+    def __init__(self, arithmetic: Arithmetic[T], table: IpfcPlusStopConstants, fit: BaliseOdometer[T]) -> None:
+        self._ar = ar = arithmetic
+        self._per_distance = ar.const(fit.per_distance)
+        self._to_share = fit.per_distance.q - SHARE_Q
+        self._to_error = fit.per_distance.q - WHEEL_Q
+        self._odometer_max = ar.const(table.odometer_max)
+        self._wheel_max = ar.const(table.wheel_max)
+        self._wheel_min = ar.neg(self._wheel_max)
+        self._tolerance = ar.const(table.tolerance)
+        self._bounds = ar.const(table.bound_max), ar.neg(ar.const(table.bound_max))
+        self._share_min = ar.const(table.share_min)
+        self._half = ar.const(table.half)
+        self._zero = ar.const(table.zero)
+
+    def start(self) -> WheelBounds[T]:
+        """Before any balise: the whole range of wheels."""
+        return WheelBounds(self._wheel_min, self._wheel_max)
+
+    def step(
+        self,
+        state: WheelBounds[T],
+        fits: tuple[BaliseState[T], BaliseState[T]],
+        track: TrackInputs[T],
+        fitted: Place[T],
+    ) -> tuple[WheelBounds[T], Place[T]]:
+        """Include a new balise.
+
+        :param fits: the fit before it and with it; a balise that the fit did not take in bounds nothing.
+        :param fitted: the place by the fit.
+        """
+        ar, (before, after), (_, surveyed, passed) = self._ar, fits, track.balise
+        surveyed = ar.clip(surveyed, self._odometer_max, self._zero)
+        passed = ar.clip(passed, self._odometer_max, self._zero)
+        share = ar.rmpy(passed, self._per_distance, self._to_share)
+        error = ar.clip(ar.rmpy(ar.sub(surveyed, passed), self._per_distance, self._to_error), *self._bounds)
+        divisor = ar.convert(ar.maximum(share, self._share_min), SHARE_Q, WHEEL_Q)
+        low = ar.div(ar.sub(error, self._tolerance), divisor, WHEEL_Q)
+        high = ar.div(ar.add(error, self._tolerance), divisor, WHEEL_Q)
+        taken, far = ar.gt(after.squares, before.squares), ar.gt(share, self._share_min)
+
+        def tightened(bound: T, old: T) -> T:
+            limited = ar.clip(bound, self._wheel_max, self._wheel_min)
+            return ar.where(taken, ar.where(far, limited, old), old)
+
+        low = ar.note("wheel_low", tightened(ar.maximum(low, state.low), state.low), WHEEL_Q)
+        high = ar.note("wheel_high", tightened(ar.minimum(high, state.high), state.high), WHEEL_Q)
+        middle = ar.rmpy(ar.add(low, high), self._half, UNIT_Q)
+        wheel = ar.note("wheel_bounded", ar.where(ar.gt(low, high), fitted.wheel, middle), WHEEL_Q)
+        correction = ar.rmpy(fitted.odometer, wheel, WHEEL_Q - GAP_Q)
+        correction = ar.note("place_correction", correction, GAP_Q, "0.1 mm")
+        return WheelBounds(low, high), Place(wheel, fitted.odometer, correction)
+
+
 _GAP_TO_ACCEL = GAP_Q + POSITION_GAIN_Q - ACCEL_Q
 _GAP_TO_STOP_ACCEL = GAP_Q + STOP_GAIN_Q - ACCEL_Q
 

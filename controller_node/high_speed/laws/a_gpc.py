@@ -26,13 +26,11 @@ from railhil.controller_node.high_speed.carima import (
     start_track,
     tracked,
 )
-from railhil.controller_node.high_speed.core import Core, Move, Sample, Unit
 from railhil.controller_node.high_speed.identification import coefficients, theta_of
-from railhil.controller_node.high_speed.law import JOURNEYS, CoreLaw
-from railhil.controller_node.high_speed.loop import refuse_short_horizon, refuse_unstable
+from railhil.controller_node.high_speed.law import JOURNEYS, LoopController, LoopControllerLaw, Move, Sample, Unit
 from railhil.controller_node.high_speed.model import pade_zoh
 from railhil.controller_node.high_speed.reals import Reals
-from railhil.controller_node.high_speed.stability import Train
+from railhil.controller_node.high_speed.stability import Train, refuse_short_horizon, refuse_unstable
 
 _PARAMETERS = 5
 
@@ -89,7 +87,7 @@ class AState(NamedTuple, Generic[T]):
     rls: Rls[T]
 
 
-class ACore(Core[T, AState[T]]):
+class AController(LoopController[T, AState[T]]):
     """Identification, weights and command in each sample."""
 
     def __init__(self, re: Reals[T], unit: Unit, parameters: AGpcParameters) -> None:
@@ -135,7 +133,7 @@ class ACore(Core[T, AState[T]]):
         return state._replace(track=resent(state.track, command))
 
 
-class AGpc(CoreLaw[T]):
+class AGpc(LoopControllerLaw[T]):
     """Adaptive GPC."""
 
     name = "a_gpc"
@@ -144,10 +142,10 @@ class AGpc(CoreLaw[T]):
     design_seeds: ClassVar[Mapping[str, range]] = dict.fromkeys(JOURNEYS, range(201, 206))
     parameters_origin = "ours, near those of mm_gpc; the papers print none"
 
-    def core(self, re: Reals[T], unit: Unit, parameters: Any) -> ACore[T]:
+    def make_controller(self, re: Reals[T], unit: Unit, parameters: Any) -> AController[T]:
         delays = {"traction": unit.traction_delay_s, "braking": unit.braking_delay_s}
         refuse_short_horizon(self.name, parameters, max(delays.values()))
-        core = ACore(re, unit, parameters)
-        radii = {mode: core.radius(Train(delay_s, unit.lag_s)) for mode, delay_s in delays.items()}
+        controller = AController(re, unit, parameters)
+        radii = {mode: controller.radius(Train(delay_s, unit.lag_s)) for mode, delay_s in delays.items()}
         refuse_unstable(self.name, parameters, radii)
-        return core
+        return controller

@@ -21,15 +21,26 @@ from pydantic import Field
 
 from railhil.controller_node.arithmetic.base import T
 from railhil.controller_node.arithmetic.float64 import Float64
-from railhil.controller_node.high_speed.core import Core, Move, Sample, Unit
-from railhil.controller_node.high_speed.delay_bank import Bank, BankParameters, DelayBank, Found
+from railhil.controller_node.high_speed.delay_bank import Bank, BankParameters, Belief, DelayBank, Found, steady_gains
 from railhil.controller_node.high_speed.delay_line import DelayLines, step_response
-from railhil.controller_node.high_speed.delay_loop import loop_radius
-from railhil.controller_node.high_speed.kalman import Belief, steady_gains
-from railhil.controller_node.high_speed.law import JOURNEYS, CoreLaw, LawParameters
-from railhil.controller_node.high_speed.loop import refuse_short_horizon, refuse_unstable
+from railhil.controller_node.high_speed.law import (
+    JOURNEYS,
+    LawParameters,
+    LoopController,
+    LoopControllerLaw,
+    Move,
+    Sample,
+    Unit,
+)
+from railhil.controller_node.high_speed.model import Matrix
 from railhil.controller_node.high_speed.reals import Reals
-from railhil.controller_node.high_speed.stability import Train
+from railhil.controller_node.high_speed.stability import (
+    Train,
+    magnitude,
+    refuse_short_horizon,
+    refuse_unstable,
+    transition,
+)
 
 _SIDES = ("traction", "braking")
 
@@ -69,7 +80,7 @@ def error_weights(response: Sequence[float], control_horizon: int, weight: float
     return tuple(float(x) for x in np.linalg.solve(inner, columns.T)[0])
 
 
-class DelayCore(Core[T, DelayState[T]]):
+class DelayController(LoopController[T, DelayState[T]]):
     """Estimation, plan, prediction and correction in each sample."""
 
     def __init__(self, re: Reals[T], unit: Unit, parameters: DelayGpcParameters) -> None:
@@ -196,7 +207,7 @@ class DelayCore(Core[T, DelayState[T]]):
         return state._replace(commands=(command, *state.commands[1:]))
 
 
-class DelayGpc(CoreLaw[T]):
+class DelayGpc(LoopControllerLaw[T]):
     """See the module."""
 
     name = "delay_gpc"
@@ -204,11 +215,11 @@ class DelayGpc(CoreLaw[T]):
     parameters_origin = "ours"
     design_seeds: ClassVar[Mapping[str, range]] = dict.fromkeys(JOURNEYS, range(1, 204))
 
-    def core(self, re: Reals[T], unit: Unit, parameters: Any) -> DelayCore[T]:
+    def make_controller(self, re: Reals[T], unit: Unit, parameters: Any) -> DelayController[T]:
         refuse_short_horizon(self.name, parameters, max(unit.traction_delay_s, unit.braking_delay_s))
-        core = DelayCore(re, unit, parameters)
+        controller = DelayController(re, unit, parameters)
         refuse_unstable(self.name, parameters, radii(unit, parameters))
-        return core
+        return controller
 
 
 @cache
@@ -217,9 +228,57 @@ def radii(unit: Unit, parameters: DelayGpcParameters) -> Mapping[str, float]:
     found = {}
     for mode, delay_s in (("traction", unit.traction_delay_s), ("braking", unit.braking_delay_s)):
         sides = replace(unit, traction_delay_s=delay_s, braking_delay_s=delay_s)
-        core = DelayCore(Reals(Float64()), sides, parameters)
-        gains = steady_gains(core.re, unit.sample_period_s, core.noise)
+        controller = DelayController(Reals(Float64()), sides, parameters)
+        gains = steady_gains(controller.re, unit.sample_period_s, controller.noise)
         train = Train(delay_s, unit.lag_s)
-        found[mode] = loop_radius(core, train, gains, emergency=False)
-        found[f"{mode} in an emergency"] = loop_radius(core, train, gains, emergency=True)
+        found[mode] = loop_radius(controller, train, gains, emergency=False)
+        found[f"{mode} in an emergency"] = loop_radius(controller, train, gains, emergency=True)
     return found
+
+
+#: No command of a loop of unit vectors is as large, m/s^2.
+_UNLIMITED_MPS2 = 1e6
+_NO_COVARIANCE = (0.0,) * 6
+
+
+def loop_radius(controller: DelayController[float], train: Train, gains: tuple[float, float], emergency: bool) -> float:
+    """Largest magnitude of a pole of the closed loop: train, exact predictor, filter of [v, d] and the law.
+
+    The loop is stable if it is below 1. The effectiveness is taken as known and the gains of the filter as steady. With
+    one delay for both sides the law is then linear: the matrix of the loop consists of its answers to unit vectors.
+
+    :param controller: in float64, with the same delay for traction and braking.
+    :param train: with the nominal delay; another one shows what a mismatch does.
+    :param gains: of the filter, on speed and disturbance, see :func:`.kalman.steady_gains`.
+    :param emergency: with the weights from the trigger of an emergency on.
+    """
+    period_s = controller.unit.sample_period_s
+    step, drive = transition(train, period_s)
+    queue = max(controller.lines.count, len(drive) - 2)
+    matrix = [_after(controller, step, drive, gains, float(emergency), row, queue) for row in np.eye(queue + 6)]
+    return magnitude(np.array(matrix).T)
+
+
+def _after(
+    controller: DelayController[float],
+    step: Matrix,
+    drive: Matrix,
+    gains: tuple[float, float],
+    emergency: float,
+    state: Matrix,
+    queue: int,
+) -> list[float]:
+    """The state one period later: speed, acceleration, u(k-1), ..., correction, and v, d, acceleration as estimated."""
+    speed = float(state[0])
+    sent = tuple(map(float, state[2 : 2 + queue]))
+    correction, believed, disturbance, lagging = map(float, state[2 + queue :])
+    period_s, lines = controller.unit.sample_period_s, controller.lines
+    rolled = lines.roll(lagging, lines.parts(sent), 0)
+    predicted = believed + period_s * disturbance + rolled.gained
+    error = speed - predicted
+    belief = Belief(predicted + gains[0] * error, disturbance + gains[1] * error, 1.0, _NO_COVARIANCE)
+    found = Found(belief, rolled.accel, error, 0.0, controller.nominal)
+    sample = Sample(speed, (0.0,) * (controller.horizon + 1), -_UNLIMITED_MPS2, _UNLIMITED_MPS2, emergency)
+    command, correction = controller.commanded(sent[: lines.count], correction, found, sample)
+    moved = step[:2] @ state[: len(drive)] + drive[:2] * command
+    return [*map(float, moved), command, *sent[:-1], correction, belief.speed, belief.disturbance, rolled.accel]

@@ -25,13 +25,11 @@ from railhil.controller_node.high_speed.base import (
     LoopInputs,
     LoopNotes,
 )
-from railhil.controller_node.high_speed.core import Unit
 from railhil.controller_node.high_speed.delay_bank import Bank, BankParameters, DelayBank
-from railhil.controller_node.high_speed.law import JOURNEYS, between
-from railhil.controller_node.high_speed.qp_problem import Limits, Qp, QpParameters, Situation
-from railhil.controller_node.high_speed.qp_solver import daqp_solver
+from railhil.controller_node.high_speed.delay_line import TrainLines
+from railhil.controller_node.high_speed.law import JOURNEYS, Unit, between
+from railhil.controller_node.high_speed.qp_problem import Limits, Qp, QpParameters, Situation, daqp_solver
 from railhil.controller_node.high_speed.reals import Reals
-from railhil.controller_node.high_speed.train_lines import TrainLines
 from railhil.controller_node.high_speed.train_model import CouplerModel, Prediction, TrainModel, UnitModel
 from railhil.wire.power_units import ACCEL_PER_MPS2, PREVIEW, PREVIEW_STEP_S
 
@@ -225,7 +223,7 @@ class DelayQp(HighSpeedLaw[T, Any]):
         return (after,), answers
 
     def with_sent(self, state: Any, commands: Sequence[T]) -> Any:
-        """See :meth:`.law.CoreLaw.with_sent`."""
+        """See :meth:`.law.LoopControllerLaw.with_sent`."""
         told = iter([self.re.mul(count, self._per_count) for count in commands[::2]])
         return state._replace(
             loops=tuple(

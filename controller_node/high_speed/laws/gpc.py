@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from railhil.controller_node.arithmetic.base import T
-from railhil.controller_node.high_speed.core import Unit
-from railhil.controller_node.high_speed.estimators import Estimator, NoEstimate
+from railhil.controller_node.high_speed.identification import Estimator, NoEstimate
+from railhil.controller_node.high_speed.law import Unit
 from railhil.controller_node.high_speed.ngpc import NgpcLaw
 from railhil.controller_node.high_speed.reals import Reals
 

@@ -22,12 +22,10 @@ from railhil.controller_node.high_speed.carima import (
     start_track,
     tracked,
 )
-from railhil.controller_node.high_speed.core import Core, Move, Sample, Unit
-from railhil.controller_node.high_speed.law import DESIGN_SEEDS, CoreLaw
-from railhil.controller_node.high_speed.loop import refuse_short_horizon, refuse_unstable
+from railhil.controller_node.high_speed.law import DESIGN_SEEDS, LoopController, LoopControllerLaw, Move, Sample, Unit
 from railhil.controller_node.high_speed.model import pade_zoh
 from railhil.controller_node.high_speed.reals import Reals
-from railhil.controller_node.high_speed.stability import Train
+from railhil.controller_node.high_speed.stability import Train, refuse_short_horizon, refuse_unstable
 
 
 @dataclass(frozen=True)
@@ -55,7 +53,7 @@ class _Model(NamedTuple, Generic[T]):
     gain: T
 
 
-class MmCore(Core[T, MmState[T]]):
+class MmController(LoopController[T, MmState[T]]):
     """Each model has its weights, computed in advance."""
 
     def __init__(self, re: Reals[T], unit: Unit, parameters: MmGpcParameters) -> None:
@@ -110,7 +108,7 @@ class MmCore(Core[T, MmState[T]]):
         return state._replace(track=resent(state.track, command))
 
 
-class MmGpc(CoreLaw[T]):
+class MmGpc(LoopControllerLaw[T]):
     """Multi-model GPC."""
 
     name = "mm_gpc"
@@ -118,8 +116,8 @@ class MmGpc(CoreLaw[T]):
     parameters_origin = "railhil.systems.high_speed.tuning; the papers print none"
     design_seeds: ClassVar[Mapping[str, range]] = DESIGN_SEEDS
 
-    def core(self, re: Reals[T], unit: Unit, parameters: Any) -> MmCore[T]:
+    def make_controller(self, re: Reals[T], unit: Unit, parameters: Any) -> MmController[T]:
         refuse_short_horizon(self.name, parameters, max(unit.traction_delay_s, unit.braking_delay_s))
-        core = MmCore(re, unit, parameters)
-        refuse_unstable(self.name, parameters, core.radii)
-        return core
+        controller = MmController(re, unit, parameters)
+        refuse_unstable(self.name, parameters, controller.radii)
+        return controller

@@ -8,8 +8,8 @@ from typing import Annotated, Any, Literal
 from pydantic import Field
 
 from railhil.controller_node.arithmetic.base import T
-from railhil.controller_node.high_speed.core import Unit
-from railhil.controller_node.high_speed.estimators import Estimator, LowPass
+from railhil.controller_node.high_speed.identification import Estimator, LowPass
+from railhil.controller_node.high_speed.law import Unit
 from railhil.controller_node.high_speed.ngpc import GpcParameters, NgpcLaw
 from railhil.controller_node.high_speed.reals import Reals
 

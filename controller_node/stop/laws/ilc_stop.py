@@ -18,11 +18,11 @@ from railhil.common.errors import InputError, Words
 from railhil.controller_node.arithmetic.base import Constant, T
 from railhil.controller_node.laws.memory import NOTHING, Remembered
 from railhil.controller_node.stop.filters import FilterName, speed_filter
+from railhil.controller_node.stop.interface import Measured
 from railhil.controller_node.stop.law import Estimate, Order, StopLaw, StopParameters
 from railhil.controller_node.stop.least_squares import LeastSquares, checked
 from railhil.controller_node.stop.model import BrakeModel
 from railhil.controller_node.stop.numbers import ACCEL_Q, DISTANCE_Q, GAIN_Q, SPEED_Q, TIME_Q
-from railhil.controller_node.stop.readings import Measured
 
 #: Slowest speed by which a start instant is computed, m/s.
 _CRAWL_MPS = 0.1

@@ -20,12 +20,12 @@ from pydantic import Field
 from railhil.common.errors import InputError
 from railhil.controller_node.arithmetic.base import T
 from railhil.controller_node.laws.memory import NOTHING, Remembered
+from railhil.controller_node.stop.filters import steady_gains
+from railhil.controller_node.stop.interface import Measured
 from railhil.controller_node.stop.law import Estimate, Order, StopLaw, StopParameters
 from railhil.controller_node.stop.model import BrakeModel, Rolled
 from railhil.controller_node.stop.numbers import ACCEL_Q, DISTANCE_Q, GAIN_Q, SPEED_Q, TIME_Q
-from railhil.controller_node.stop.place import Odometry
-from railhil.controller_node.stop.readings import Measured
-from railhil.controller_node.stop.steady import steady_gains
+from railhil.controller_node.stop.odometry import Odometry
 
 #: The mean of the samples of a cycle is the speed this part of a cycle before its end.
 _MEAN_BEFORE = 0.4

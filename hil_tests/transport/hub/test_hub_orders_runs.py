@@ -22,7 +22,7 @@ from railhil.bus.hub.disturbances import Order
 from railhil.bus.link import Link
 from railhil.bus.link.batch import BatchLink
 from railhil.controller_node.ato.node import ControllerNode
-from railhil.controller_node.serve import serve
+from railhil.controller_node.process_loop import serve
 from railhil.plant_sim.node import PlantNode, make_plant_node
 from railhil.record.framelog import FrameLog, read_log
 from railhil.record.session import Session

@@ -28,8 +28,8 @@ from railhil.common.patience import Lifelines
 from railhil.common.python_process import kill_this_process, stop_this_process
 from railhil.common.scheduling import cycle
 from railhil.controller_node.ato.node import ControllerNode
-from railhil.controller_node.faulty import controller_of, write_fault_log
-from railhil.controller_node.serve import run_controller
+from railhil.controller_node.controller import controller_of, write_fault_log
+from railhil.controller_node.process_loop import run_controller
 from railhil.controller_node.telemetry_file import write_telemetry
 from railhil.judge.result import Result
 from railhil.plant_sim.node import make_plant_node

@@ -30,7 +30,7 @@ from railhil.controller_node.arithmetic.base import Arithmetic, Constant, Counte
 from railhil.controller_node.cost import cost_of
 from railhil.controller_node.law_controller import CommandCode
 from railhil.controller_node.program.model import Quantity, Value
-from railhil.controller_node.program.record import record
+from railhil.controller_node.program.tracer import record
 from railhil.judge.criteria import ATO_CRITERIA
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec, RunSpec

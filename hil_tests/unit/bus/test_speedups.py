@@ -11,7 +11,7 @@ from railhil.bus import telegrams as house_telegrams
 from railhil.bus.frame import Frame, quick_frame
 from railhil.bus.layout import Telegram
 from railhil.bus.mvb import check_sequence, parse_master_frame
-from railhil.controller_node.ato.loop import POSITION_MAX_01MM, limited_01mm
+from railhil.controller_node.ato.control_loop import POSITION_MAX_01MM, limited_01mm
 from railhil.controller_node.ato.speed_watch import Ladder, SpeedWatchState, command
 from railhil.plant_sim.ato import dynamics
 from railhil.plant_sim.ato.plant import Plant

@@ -25,11 +25,9 @@ from railhil.controller_node.compiled_law import compile_law
 from railhil.controller_node.laws import load as load_law
 from railhil.controller_node.laws.base import BaliseReading
 from railhil.controller_node.program.emit_python import FIXED, FLOAT32, FLOAT64, emit_python
-from railhil.controller_node.program.leaves import leaves
-from railhil.controller_node.program.model import Value
+from railhil.controller_node.program.model import Value, leaves
 from railhil.controller_node.program.ranges import analyse_law
-from railhil.controller_node.program.record import record
-from railhil.controller_node.program.tracer import Tracer
+from railhil.controller_node.program.tracer import Tracer, record
 from railhil.controller_node.vector.controller import VectorController, VectorLoop
 from railhil.scenarios.load import load, load_any
 from railhil.scenarios.run_spec import LawSpec

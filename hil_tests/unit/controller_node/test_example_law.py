@@ -14,12 +14,12 @@ from hil_tests.support.exported import STRICT, checked, compiled, written
 from hil_tests.support.paths import ROOT
 from railhil.bench import direct_run
 from railhil.controller_node.arithmetic import make
+from railhil.controller_node.ato.control_loop import ControlLoop
 from railhil.controller_node.ato.controller import WIRE
-from railhil.controller_node.ato.loop import ControlLoop
 from railhil.controller_node.laws import load as load_law
 from railhil.controller_node.laws.base import NOTCH_RAW_Q
 from railhil.controller_node.program.ranges import analyse_law
-from railhil.controller_node.program.record import record
+from railhil.controller_node.program.tracer import record
 from railhil.scenarios.load import load
 from railhil.scenarios.parameters import load_parameters
 from railhil.scenarios.run_spec import LawSpec, RunSpec

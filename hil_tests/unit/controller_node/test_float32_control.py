@@ -15,9 +15,9 @@ from hil_tests.support.ipfc_steps import BASIS, STEPS
 from railhil.bench import local_run
 from railhil.bus.codes import Event
 from railhil.controller_node.arithmetic import make
+from railhil.controller_node.ato.control_loop import ControlLoop
 from railhil.controller_node.ato.controller import Controller
 from railhil.controller_node.ato.laws.ipfc import Ipfc, IpfcState
-from railhil.controller_node.ato.loop import ControlLoop
 from railhil.controller_node.laws.base import NOTCH_Q, LawInputs
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 

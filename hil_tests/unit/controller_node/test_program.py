@@ -10,14 +10,11 @@ import pytest
 
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import INT32_MIN, Constant, Curve
-from railhil.controller_node.ato.loop import ControlLoop
+from railhil.controller_node.ato.control_loop import ControlLoop
+from railhil.controller_node.cost import C28X_CYCLES, FPU_CYCLES, estimated_cycles
 from railhil.controller_node.laws.base import NOTCH_Q
-from railhil.controller_node.program.cycles import C28X_CYCLES, FPU_CYCLES, estimated_cycles
-from railhil.controller_node.program.evaluate import Evaluator
-from railhil.controller_node.program.leaves import leaves, like
-from railhil.controller_node.program.model import BranchError, Kind, Value
-from railhil.controller_node.program.record import record
-from railhil.controller_node.program.tracer import FormatError, Tracer
+from railhil.controller_node.program.model import BranchError, Evaluator, Kind, Value, leaves, like
+from railhil.controller_node.program.tracer import FormatError, Tracer, record
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec
 

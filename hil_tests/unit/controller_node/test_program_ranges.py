@@ -20,17 +20,15 @@ from railhil.bus.telegrams import TimeSync
 from railhil.common.errors import InputError
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Constant, Curve
+from railhil.controller_node.ato.control_loop import ControlLoop
 from railhil.controller_node.ato.controller import WIRE, BatchController, Controller
 from railhil.controller_node.ato.laws.ipfc import Ipfc
-from railhil.controller_node.ato.loop import ControlLoop
 from railhil.controller_node.ato.node import ControllerNode
 from railhil.controller_node.laws import load as load_law
 from railhil.controller_node.laws import names
-from railhil.controller_node.program.leaves import leaves
-from railhil.controller_node.program.model import Program
+from railhil.controller_node.program.model import Program, leaves
 from railhil.controller_node.program.ranges import analyse, analyse_law
-from railhil.controller_node.program.record import record
-from railhil.controller_node.program.tracer import Tracer
+from railhil.controller_node.program.tracer import Tracer, record
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec
 from railhil.systems.ato.scenario.model import Scenario

@@ -15,7 +15,7 @@ from railhil.bus.schedule import Schedule
 from railhil.bus.telegrams import RunEvent, TimeSync
 from railhil.common.errors import InputError
 from railhil.controller_node.vector.law import Interface, Reading
-from railhil.controller_node.vector.readings import Readings
+from railhil.controller_node.vector.node import Readings
 from railhil.wire.ato import TrnPos, TrnSpeed
 
 TICK_NS = 10_000_000

@@ -15,7 +15,7 @@ from railhil.bus.store import TrafficStore
 from railhil.bus.telegrams import RunEvent, TimeSync
 from railhil.common.errors import InputError
 from railhil.controller_node.arithmetic import make
-from railhil.controller_node.ato.loop import ControlLoop
+from railhil.controller_node.ato.control_loop import ControlLoop
 from railhil.plant_sim.ato.dynamics import Motion
 from railhil.plant_sim.ato.plant import Plant
 from railhil.plant_sim.ato.telegrams import TrainTelegrams

@@ -159,6 +159,6 @@ def test_some_mutants_of_the_bench() -> None:
 @pytest.mark.slow
 def test_a_changed_constant_of_the_bench_is_seen() -> None:
     """Its modules must come from the changed tree although they belong to a plugin of pytest."""
-    module = "railhil.controller_node.ato.channel"
+    module = "railhil.controller_node.ato.speed_monitors"
     code, said = command(ROOT, module, "--only", "WINDOW_MS: Final = 10000", "--jobs", "2")
     assert (code, said) == (0, [f"{module}: 2 mutants, 2 noticed, 0 explained, 0 not"])

@@ -22,8 +22,7 @@ from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Constant, Curve
 from railhil.controller_node.arithmetic.float64 import Float64Batch
 from railhil.controller_node.ato.laws.ipfc import Ipfc
-from railhil.controller_node.program.evaluate import Evaluator
-from railhil.controller_node.program.model import Kind, LawProgram
+from railhil.controller_node.program.model import Evaluator, Kind, LawProgram
 from railhil.controller_node.program.tracer import Tracer
 from railhil.judge.score import Score
 from railhil.scenarios.load import load

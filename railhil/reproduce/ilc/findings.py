@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 
 from railhil.common.digits import percent
-from railhil.controller_node.stop.taps import taps
+from railhil.controller_node.stop.filters import taps
 from railhil.reproduce.comparison import (
     Band,
     Finding,

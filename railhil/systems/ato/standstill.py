@@ -17,7 +17,7 @@ from railhil.audit.bars import CODE_DIFFERENCE_MAX, Bar, Look
 from railhil.common.digits import count_of
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Arithmetic
-from railhil.controller_node.ato.loop import ControlLoop
+from railhil.controller_node.ato.control_loop import ControlLoop
 from railhil.controller_node.laws.base import NOTCH_Q, SPEED_Q, BaliseReading, LawInputs, TrackInputs
 from railhil.scenarios.run_spec import LawSpec
 from railhil.systems.ato.scenario.model import Scenario

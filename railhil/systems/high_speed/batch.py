@@ -21,7 +21,7 @@ from railhil.bus.schedule import Schedule
 from railhil.bus.telegrams import RunEvent
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import DIVISION_BY_ZERO, SATURATION, WRAP
-from railhil.controller_node.laws.fault import law_fault
+from railhil.controller_node.laws.failure import law_fault
 from railhil.controller_node.vector.controller import VectorController, VectorLoop
 from railhil.judge.judging import judging_of
 from railhil.judge.score import Score

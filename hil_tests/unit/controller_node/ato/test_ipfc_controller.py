@@ -8,8 +8,8 @@ import pytest
 from hil_tests.support.closed_loop import SCENARIO, closed_loop
 from railhil.common.errors import InputError
 from railhil.controller_node.arithmetic import make, names
+from railhil.controller_node.ato.control_loop import ControlLoop
 from railhil.controller_node.ato.controller import BatchController, Controller
-from railhil.controller_node.ato.loop import ControlLoop
 from railhil.scenarios.run_spec import LawSpec
 
 

@@ -14,9 +14,9 @@ from railhil.batch import Case
 from railhil.bench import Result, coupled_run, direct_run
 from railhil.common.errors import InputError
 from railhil.controller_node.arithmetic import make
+from railhil.controller_node.ato.control_loop import ControlLoop
 from railhil.controller_node.ato.controller import Controller
 from railhil.controller_node.ato.ipfc_plus_constants import IpfcPlusParameters, compute_constants
-from railhil.controller_node.ato.loop import ControlLoop
 from railhil.controller_node.laws.base import BaliseReading
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec, RunSpec

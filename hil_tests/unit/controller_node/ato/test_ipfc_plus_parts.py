@@ -13,6 +13,7 @@ from benchmarks.ablation import LAW
 from railhil.bench import coupled_run
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.ato.balise_odometer import BaliseOdometer
+from railhil.controller_node.ato.control_loop import ControlLoop
 from railhil.controller_node.ato.ipfc_plus_constants import GAP_Q, IpfcPlusParameters, compute_constants, fit_points
 from railhil.controller_node.ato.ipfc_plus_design import (
     Uncertainty,
@@ -21,7 +22,6 @@ from railhil.controller_node.ato.ipfc_plus_design import (
     observer_gains,
     replanning_gains,
 )
-from railhil.controller_node.ato.loop import ControlLoop
 from railhil.controller_node.ato.pfc_model import InternalModel
 from railhil.controller_node.laws.base import BaliseReading, TrackInputs
 from railhil.scenarios.load import load

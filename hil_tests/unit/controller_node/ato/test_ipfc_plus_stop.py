@@ -16,15 +16,15 @@ from railhil.batch import BatchResult, Case
 from railhil.bench import direct_run
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.ato.balise_odometer import BaliseOdometer
+from railhil.controller_node.ato.control_loop import ControlLoop
 from railhil.controller_node.ato.controller import WIRE
 from railhil.controller_node.ato.ipfc_plus_constants import WHEEL_Q
+from railhil.controller_node.ato.ipfc_plus_design import StopWeights, stop_gains
 from railhil.controller_node.ato.ipfc_plus_stop_constants import IpfcPlusStopParameters, stop_constants
-from railhil.controller_node.ato.ipfc_plus_stop_design import StopWeights, stop_gains
-from railhil.controller_node.ato.loop import ControlLoop
-from railhil.controller_node.ato.survey_odometer import SurveyOdometer
+from railhil.controller_node.ato.laws.ipfc_plus_stop import SurveyOdometer
 from railhil.controller_node.laws.base import BaliseReading, TrackInputs
 from railhil.controller_node.program.ranges import analyse_law
-from railhil.controller_node.program.record import record
+from railhil.controller_node.program.tracer import record
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.systems.ato.batch import run_batch

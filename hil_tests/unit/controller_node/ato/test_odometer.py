@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from railhil.controller_node.ato.balises import Balises
-from railhil.controller_node.ato.loop import NO_BALISE
+from railhil.controller_node.ato.control_loop import NO_BALISE
 from railhil.controller_node.ato.odometer import Odometer
 from railhil.controller_node.laws.base import BaliseReading
 from railhil.scenarios.load import load

@@ -11,15 +11,15 @@ import pytest
 
 from railhil.bench import coupled_run
 from railhil.controller_node.arithmetic import make
+from railhil.controller_node.ato.control_loop import ControlLoop
 from railhil.controller_node.ato.ipfc_plus_constants import ACCEL_Q, UNIT_Q
-from railhil.controller_node.ato.ipfc_plus_stop_constants import IpfcPlusStopParameters
-from railhil.controller_node.ato.loop import ControlLoop
-from railhil.controller_node.ato.stop_observer_design import (
+from railhil.controller_node.ato.ipfc_plus_design import (
     StopUncertainty,
     lag_twice,
     lagged_force,
     stop_observer_gains,
 )
+from railhil.controller_node.ato.ipfc_plus_stop_constants import IpfcPlusStopParameters
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.systems.ato.scenario.model import Scenario

@@ -20,7 +20,7 @@ from railhil.controller_node.high_speed.train_model import (
     TrainModel,
     UnitModel,
 )
-from railhil.controller_node.program.evaluate import Evaluator
+from railhil.controller_node.program.model import Evaluator
 from railhil.controller_node.vector.controller import VectorController
 from railhil.plant_sim.high_speed.train import HighSpeedTrain
 from railhil.scenarios.load import load_any

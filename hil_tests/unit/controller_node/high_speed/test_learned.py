@@ -10,18 +10,15 @@ import pytest
 
 from railhil.common.errors import InputError
 from railhil.controller_node.arithmetic import make
-from railhil.controller_node.high_speed.core import Unit
-from railhil.controller_node.high_speed.estimators import Past
-from railhil.controller_node.high_speed.identification import residual, theta_of
+from railhil.controller_node.high_speed.identification import Past, residual, theta_of
+from railhil.controller_node.high_speed.law import Unit
 from railhil.controller_node.high_speed.laws.elm_ngpc import ElmNgpc
-from railhil.controller_node.high_speed.laws.os_elm_ngpc import SequentialEstimator
+from railhil.controller_node.high_speed.laws.os_elm_ngpc import SequentialEstimator, SequentialStep
 from railhil.controller_node.high_speed.learned import LearnedParameters, NetworkEstimator, shipped_networks
 from railhil.controller_node.high_speed.model import pade_zoh
-from railhil.controller_node.high_speed.modelling import HELD_OUT, held_out, rows_of, trained
 from railhil.controller_node.high_speed.network import Forward
-from railhil.controller_node.high_speed.os_elm import SequentialStep
 from railhil.controller_node.high_speed.reals import Reals
-from railhil.controller_node.high_speed.training import Recipe
+from railhil.controller_node.high_speed.training import HELD_OUT, Recipe, held_out, rows_of, trained
 
 MODEL = pade_zoh(0.5, 0.4, 1.0)
 UNIT = Unit(0.5, 1.0, 0.4, 1.0)

@@ -11,9 +11,8 @@ import pytest
 
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Constant
-from railhil.controller_node.high_speed.network import Forward, Network
-from railhil.controller_node.high_speed.os_elm import SequentialStep
-from railhil.controller_node.high_speed.sigmoid import CONSTANTS, REACH, sigmoid, sigmoid_of
+from railhil.controller_node.high_speed.laws.os_elm_ngpc import SequentialStep
+from railhil.controller_node.high_speed.network import REACH, SIGMOID_CONSTANTS, Forward, Network, sigmoid, sigmoid_of
 from railhil.controller_node.high_speed.training import Recipe, Rows, input_scaling, output_weights, train
 
 #: Sampling period, delay and lag of the linear model.
@@ -42,7 +41,7 @@ def test_the_sigmoid_is_within_its_stated_error_everywhere() -> None:
 
 
 def test_the_samples_of_the_sigmoid_are_the_same_bits_on_every_machine() -> None:
-    text = ",".join(constant.value.hex() for constant in CONSTANTS)
+    text = ",".join(constant.value.hex() for constant in SIGMOID_CONSTANTS)
     assert hashlib.sha256(text.encode()).hexdigest()[:16] == "c35fa7f9f8469312"
 
 

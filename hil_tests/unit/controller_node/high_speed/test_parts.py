@@ -7,9 +7,12 @@ import pytest
 
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.high_speed.carima import increments
+from railhil.controller_node.high_speed.delay_bank import Belief, Noise, corrected, predicted
 from railhil.controller_node.high_speed.delay_line import DelayLines, step_response
-from railhil.controller_node.high_speed.estimators import LowPass, NoEstimate, Past
 from railhil.controller_node.high_speed.identification import (
+    LowPass,
+    NoEstimate,
+    Past,
     coefficients,
     dead_zone,
     differenced_step,
@@ -17,7 +20,6 @@ from railhil.controller_node.high_speed.identification import (
     residual,
     theta_of,
 )
-from railhil.controller_node.high_speed.kalman import Belief, Noise, corrected, predicted
 from railhil.controller_node.high_speed.law import between
 from railhil.controller_node.high_speed.laws.a_gpc import Rls, rls_step, triangle
 from railhil.controller_node.high_speed.laws.delay_gpc import error_weights

@@ -14,7 +14,7 @@ import pytest
 from railhil.bench import coupled_run
 from railhil.controller_node.export import write_bundle
 from railhil.controller_node.export.single import single_bundle
-from railhil.controller_node.program.leaves import leaves
+from railhil.controller_node.program.model import leaves
 from railhil.controller_node.vector.controller import VectorController
 from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario

@@ -9,10 +9,9 @@ import pytest
 
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.high_speed.carima import Track, command_of, increments, radius, tracked
-from railhil.controller_node.high_speed.core import Sample, Unit
-from railhil.controller_node.high_speed.delay_loop import loop_radius
-from railhil.controller_node.high_speed.kalman import steady_gains
-from railhil.controller_node.high_speed.laws.delay_gpc import DelayCore, DelayGpcParameters, radii
+from railhil.controller_node.high_speed.delay_bank import steady_gains
+from railhil.controller_node.high_speed.law import Sample, Unit
+from railhil.controller_node.high_speed.laws.delay_gpc import DelayController, DelayGpcParameters, loop_radius, radii
 from railhil.controller_node.high_speed.model import pade_zoh
 from railhil.controller_node.high_speed.reals import Reals
 from railhil.controller_node.high_speed.stability import Train, transition
@@ -47,24 +46,26 @@ def test_the_loop_of_a_comparator_grows_by_its_radius(model_s, train_s, weight):
 
 
 def sides(delay_s):
-    core = DelayCore(RE, replace(UNIT, traction_delay_s=delay_s, braking_delay_s=delay_s), DelayGpcParameters())
-    return core, steady_gains(RE, UNIT.sample_period_s, core.noise)
+    controller = DelayController(
+        RE, replace(UNIT, traction_delay_s=delay_s, braking_delay_s=delay_s), DelayGpcParameters()
+    )
+    return controller, steady_gains(RE, UNIT.sample_period_s, controller.noise)
 
 
 @pytest.mark.parametrize("delay_s", [0.5, 1.0])
 def test_with_the_nominal_delay_the_slowest_pole_is_that_of_the_filter(delay_s):
     """The predictor is exact, so the poles of the law and of the filter are separate."""
-    core, gains = sides(delay_s)
+    controller, gains = sides(delay_s)
     move = np.array([[1.0, UNIT.sample_period_s], [0.0, 1.0]])
     filtered = (np.eye(2) - np.outer(gains, [1.0, 0.0])) @ move
     slowest = np.abs(np.linalg.eigvals(filtered)).max()
     for emergency in (False, True):
-        assert loop_radius(core, Train(delay_s, LAG_S), gains, emergency) == pytest.approx(slowest, abs=1e-6)
+        assert loop_radius(controller, Train(delay_s, LAG_S), gains, emergency) == pytest.approx(slowest, abs=1e-6)
 
 
 def test_a_second_more_delay_makes_our_law_unstable_if_it_is_not_estimated():
-    core, gains = sides(1.0)
-    found = [loop_radius(core, Train(1.0 + extra_s, LAG_S), gains, False) for extra_s in (0.0, 0.4, 1.0)]
+    controller, gains = sides(1.0)
+    found = [loop_radius(controller, Train(1.0 + extra_s, LAG_S), gains, False) for extra_s in (0.0, 0.4, 1.0)]
     assert found[0] < found[1] < 1.0 < found[2]
 
 

@@ -10,7 +10,7 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 
 from railhil.controller_node.arithmetic import make
-from railhil.controller_node.stop.distance import NegativeExp, StoppingDistance
+from railhil.controller_node.stop.model import NegativeExp, StoppingDistance
 from railhil.controller_node.stop.numbers import ACCEL_Q, DISTANCE_Q, GAIN_Q, SPEED_Q, TIME_Q, Numbers
 
 DELAY_S, LAG_S, DECEL_MPS2 = 0.6, 0.4, 0.8

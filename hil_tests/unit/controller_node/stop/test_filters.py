@@ -12,10 +12,17 @@ from scipy.linalg import solve_discrete_are
 
 from railhil.common.errors import InputError
 from railhil.controller_node.arithmetic import make
-from railhil.controller_node.stop.filters import FILTERS, SAMPLE_S, SAMPLES, speed_filter
+from railhil.controller_node.stop.filters import (
+    FILTERS,
+    PATH,
+    SAMPLE_S,
+    SAMPLES,
+    document,
+    speed_filter,
+    steady_gains,
+    taps,
+)
 from railhil.controller_node.stop.numbers import ACCEL_Q, SPEED_Q, Numbers
-from railhil.controller_node.stop.steady import steady_gains
-from railhil.controller_node.stop.taps import PATH, document, taps
 
 GOLDEN = json.loads((Path(__file__).parents[3] / "data/stopping/packet_golden.json").read_text())
 LOW = np.array(document()["low_pass"])

@@ -10,10 +10,10 @@ import pytest
 
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.laws.memory import Remembered
-from railhil.controller_node.stop.distance import StoppingDistance
 from railhil.controller_node.stop.interface import STOP
 from railhil.controller_node.stop.laws.ilc_stop import IlcStop, IlcStopParameters
 from railhil.controller_node.stop.laws.reaim import Reaim, ReaimParameters
+from railhil.controller_node.stop.model import StoppingDistance
 from railhil.controller_node.stop.numbers import Numbers
 from railhil.systems.stop.task import StopTask
 from railhil.wire.stop import BrakeLevel, Stage

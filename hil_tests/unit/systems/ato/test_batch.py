@@ -21,9 +21,9 @@ from railhil.bench import coupled_run, direct_run, local_run
 from railhil.common.errors import InputError
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Constant
+from railhil.controller_node.ato.control_loop import ControlLoop
 from railhil.controller_node.ato.controller import Controller
 from railhil.controller_node.ato.laws.ipfc import Ipfc
-from railhil.controller_node.ato.loop import ControlLoop
 from railhil.controller_node.program.tracer import Tracer
 from railhil.plant_sim.ato.plant_readings import AxleSensors
 from railhil.scenarios.load import load

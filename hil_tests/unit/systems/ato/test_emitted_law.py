@@ -14,7 +14,7 @@ import pytest
 
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import DIVISION_BY_ZERO, SATURATION, WRAP, Constant, Curve
-from railhil.controller_node.ato.loop import ControlLoop
+from railhil.controller_node.ato.control_loop import ControlLoop
 from railhil.controller_node.laws import load as load_law
 from railhil.controller_node.laws.base import BaliseReading
 from railhil.controller_node.program.model import Program

@@ -2,8 +2,8 @@
 
 For the shipped laws in ``iq``, ``float64`` and ``float32``. In another arithmetic, and for a law of somebody else or
 with an operation that cannot be emitted, the law itself is computed on arrays
-(:class:`railhil.controller_node.ato.loop.ControlLoop`); so are the first control period, and a step of a train in which
-something is to be counted.
+(:class:`railhil.controller_node.ato.control_loop.ControlLoop`); so are the first control period, and a step of a train
+in which something is to be counted.
 """
 
 from __future__ import annotations
@@ -16,17 +16,16 @@ from numpy.typing import NDArray
 
 from railhil.batch import compiled, law_parts
 from railhil.controller_node.arithmetic import make
+from railhil.controller_node.ato.control_loop import NO_BALISE, ControlLoop
 from railhil.controller_node.ato.controller import WIRE
-from railhil.controller_node.ato.loop import NO_BALISE, ControlLoop
 from railhil.controller_node.compiled_law import is_shipped
 from railhil.controller_node.laws import load
 from railhil.controller_node.laws.base import BaliseReading
 from railhil.controller_node.program.emit_numba import emit_numba
 from railhil.controller_node.program.emit_python import FIXED, FLOAT32, FLOAT64, is_state
-from railhil.controller_node.program.leaves import leaves, like
-from railhil.controller_node.program.model import Program
+from railhil.controller_node.program.model import Program, leaves, like
 from railhil.controller_node.program.ranges import Ranges, analyse_law
-from railhil.controller_node.program.record import record
+from railhil.controller_node.program.tracer import record
 from railhil.scenarios.run_spec import LawSpec
 from railhil.systems.ato.scenario.model import Scenario
 

@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from railhil.batch.case import Case
 from railhil.bus.codes import Event
 from railhil.controller_node.arithmetic.base import DIVISION_BY_ZERO, SATURATION, WRAP
-from railhil.controller_node.ato.loop import NO_BALISE, POSITION_MAX_01MM
+from railhil.controller_node.ato.control_loop import NO_BALISE, POSITION_MAX_01MM
 from railhil.controller_node.laws import load as load_law
 from railhil.controller_node.laws.base import NOTCH_Q, BaliseReading
-from railhil.controller_node.laws.fault import law_fault
+from railhil.controller_node.laws.failure import law_fault
 from railhil.judge import measures
 from railhil.judge.journey import ErrorGrid, stop_of
 from railhil.judge.score import Measured, Score, judged

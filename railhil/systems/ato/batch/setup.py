@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railhil.bus.schedule import Schedule
-from railhil.controller_node.ato.loop import POSITION_MAX_01MM, limited_01mm
+from railhil.controller_node.ato.control_loop import POSITION_MAX_01MM, limited_01mm
 from railhil.judge.journey import ErrorGrid
 from railhil.plant_sim import force_tables
 from railhil.plant_sim.ato.command_watch import INITIAL, watch_ticks

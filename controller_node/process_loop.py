@@ -1,4 +1,4 @@
-"""The loop of the controller process: passes frames from its link to the node, and the node's answers back."""
+""""""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Final
 from railhil.bus.errors import PeerSilent
 from railhil.bus.link import Link
 from railhil.common.patience import LATER_S, PATIENCE_S
-from railhil.controller_node.any_controller import AnyController
+from railhil.controller_node.controller import AnyController
 
 #: Real time: a controller that receives nothing for this long on the wall clock ends.
 SILENCE_S: Final = 3.0

@@ -6,8 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from railhil.controller_node.ato import channel
-from railhil.controller_node.ato.channel import Debt, Latency
+from railhil.controller_node.ato.speed_monitors import CHANNEL_WINDOW_MS, DISORDER_MAX_MS, DISORDER_MS, Debt, Latency
 from railhil.scenarios.load import load
 from railhil.wire.ato import NotchCmd, TrnSpeed
 
@@ -26,7 +25,7 @@ def with_periods(speed_ms: int, notch_ms: int, traction_cut_ms: int = SCENARIO.w
 
 
 def test_published_numbers() -> None:
-    assert (channel.CHANNEL_WINDOW_MS, channel.DISORDER_MS, channel.DISORDER_MAX_MS) == (10_000, 20, 80)
+    assert (CHANNEL_WINDOW_MS, DISORDER_MS, DISORDER_MAX_MS) == (10_000, 20, 80)
 
 
 @pytest.mark.parametrize(("speed_ms", "notch_ms", "limit_ticks"), [(10, 20, 8), (50, 30, 11), (40, 80, 14)])

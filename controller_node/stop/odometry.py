@@ -9,8 +9,8 @@ from collections.abc import Sequence
 from typing import Generic, NamedTuple
 
 from railhil.controller_node.arithmetic.base import T
+from railhil.controller_node.stop.interface import Measured
 from railhil.controller_node.stop.numbers import DISTANCE_Q, GAIN_Q, Numbers
-from railhil.controller_node.stop.readings import Measured
 
 #: Growth is counted in m per this many m, so that its variance is not too small for a format.
 _SPAN_M = 100.0
@@ -24,7 +24,7 @@ _GROWTH_M = 2.0
 _JUMP_M = 5.0
 
 
-class Place(NamedTuple, Generic[T]):
+class Position(NamedTuple, Generic[T]):
     """Last balise and the odometer at it (m); correction (m, Q24) and growth (m per 100 m); their covariance."""
 
     balise: T
@@ -62,17 +62,17 @@ class Odometry(Generic[T]):
         self._jump = [hold("jump_max", _JUMP_M, _Q, "law"), hold("jump_min", -_JUMP_M, _Q, "law")]
         self._most = [hold("variance_top", 4.0, _Q, "law"), hold("variance_bottom", -4.0, _Q, "law")]
 
-    def start(self) -> Place[T]:
+    def start(self) -> Position[T]:
         """Before the first step."""
         zero, none = self._numbers.zero, self._zero
-        return Place(zero, self._none, none, none, self._start, none, self._growth)
+        return Position(zero, self._none, none, none, self._start, none, self._growth)
 
     def _spans(self, before: T, after: T) -> T:
         ar = self._numbers.ar
         gone = ar.clip(ar.sub(after, before), self._long, self._none)
         return ar.mpy_iqx(gone, DISTANCE_Q, self._per_span, GAIN_Q, _Q)
 
-    def step(self, old: Place[T], measured: Measured[T]) -> tuple[Place[T], T]:
+    def step(self, old: Position[T], measured: Measured[T]) -> tuple[Position[T], T]:
         """One cycle; the second result is the distance run, m (Q ``DISTANCE_Q``)."""
         ar = self._numbers.ar
         at = measured.balise_odometer
@@ -94,7 +94,7 @@ class Odometry(Generic[T]):
         guess = ar.clip(ar.add(old.correction, ar.mpy(spans, old.growth, _Q)), *self._far)
         off = ar.sub(ar.sub(known, at), ar.convert(guess, _Q, DISTANCE_Q))
         off = ar.clip(ar.convert(ar.clip(off, *self._jump_m()), DISTANCE_Q, _Q), *self._jump)
-        new = Place(
+        new = Position(
             measured.balise,
             at,
             ar.clip(ar.add(guess, ar.mpy(on_correction, off, _Q)), *self._far),
@@ -103,7 +103,7 @@ class Odometry(Generic[T]):
             ar.mpy(on_growth, self._variance, _Q),
             ar.clip(ar.sub(old.gg, ar.mpy(on_growth, cg, _Q)), self._growth, self._zero),
         )
-        after = Place(*(ar.where(ar.gt(is_new, self._numbers.zero), a, b) for a, b in zip(new, old, strict=True)))
+        after = Position(*(ar.where(ar.gt(is_new, self._numbers.zero), a, b) for a, b in zip(new, old, strict=True)))
         since = self._spans(after.odometer, measured.odometer)
         correction = ar.clip(ar.add(after.correction, ar.mpy(since, after.growth, _Q)), *self._far)
         return after, ar.add(measured.odometer, ar.convert(correction, _Q, DISTANCE_Q))
