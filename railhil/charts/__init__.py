@@ -1,4 +1,4 @@
-"""Figures of pages and charts of the panel, and what both draw them with.
+"""Figures of pages and charts of the panel, and the code that draws both.
 
 A figure is data (``figure.py``); a page has it as SVG (``svg.py``), which ``static/figures.js`` lets a reader zoom. The
 panel draws streams with uPlot 1.6.32 (MIT, its licence beside it), in ``static/`` as published; ``SHA256SUMS`` are the

@@ -10,18 +10,18 @@ import numpy.typing as npt
 from railhil.charts.figure import FloatArray
 
 Rows: TypeAlias = npt.NDArray[np.int64]
-#: Deviation between the line and one of the extremes that is left out, as a share of the curve's range. How far the
-#: rows between the extremes are from the line, :func:`find_deviation` says of each curve.
+#: Deviation between the line and one of the extremes that is left out, as a share of the curve's range.
+#: :func:`find_deviation` gives the distance of the rows between the extremes from the line, for each curve.
 TOLERANCE = 2e-4
-#: A curve that keeps its value most of the time keeps so many changes at least.
+#: Smallest number of changes kept of a curve that is constant most of the time.
 _CHANGES = 600
 
 
 def pick_rows(values: FloatArray, stretches: int, tolerance: float = TOLERANCE) -> Rows:
     """Rows that are needed to draw a curve; first and last are among them.
 
-    A curve that keeps its value most of the time keeps every change; any other one the extremes of each stretch of
-    rows, without those that lie on the line between their neighbours.
+    A curve that is constant most of the time keeps every change. Any other curve keeps the extremes of each stretch of
+    rows, except extremes that lie on the line between their neighbours.
 
     :param values: shape (n,), NaN: no value.
     :param stretches: at most as many, with two points each.
@@ -56,9 +56,10 @@ def _extremes(values: FloatArray, stretches: int) -> Rows:
 
 
 def _bent(rows: Rows, values: FloatArray, allowed: float) -> Rows:
-    """Rows without those from which the line between the kept ones is at most ``allowed`` away.
+    """The rows that are needed to keep the line within ``allowed`` of all rows.
 
-    From each kept row the line goes as far as one slope fits all rows between (the swinging door of process recorders).
+    The line from each kept row is extended while one slope fits all rows between (the swinging door of process
+    recorders).
     """
     at, y = rows.tolist(), values[rows].tolist()
     kept, low, high = [0], -np.inf, np.inf

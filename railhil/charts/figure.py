@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 FloatArray: TypeAlias = npt.NDArray[np.float64]
-#: Bounds of an axis; None: as far as the curves need it.
+#: Bounds of an axis; None: the bounds of the curves.
 Bounds: TypeAlias = tuple[float | None, float | None]
 FREE: Bounds = (None, None)
 TIME = "time (s)"
@@ -19,7 +19,7 @@ TIME = "time (s)"
 
 @dataclass(frozen=True, slots=True)
 class Look:
-    """How a curve or a point is drawn.
+    """Style of a curve or a point.
 
     ``colour``: ``0`` to ``6`` of the palette, ``target``, ``dim``, ``ink`` or ``fault`` (``--rc-NAME`` of
     ``charts.css``). ``width``, ``dashes``, ``marker_px``: px. ``marker``: ``o s D ^ v P X`` or ``+``, of a point and in
@@ -34,7 +34,7 @@ class Look:
     marker_px: float = 8.0
 
 
-#: Of a set-point: below the runs.
+#: Style of a set-point, drawn below the runs.
 TARGET = Look("target", 3.5)
 
 
@@ -66,7 +66,7 @@ class Area:
     """A rectangle; without an extent in one direction it is a line.
 
     ``x``, ``y``: from and to; None: over all of the axis. ``kind``: ``allowed``, ``line``, ``event`` or ``fault``.
-    ``text``: what it says of itself under the pointer.
+    ``text``: shown under the pointer.
     """
 
     x: tuple[float, float] | None
@@ -95,9 +95,9 @@ class Point:
 class Chart:
     """One pair of axes.
 
-    :param x_label: with its unit; empty: that of the chart below, which has the same axis.
+    :param x_label: with its unit; empty: the label of the chart below, which has the same axis.
     :param y_label: with its unit; above the chart.
-    :param x_names: what stands at some values instead of numbers; ``y_names`` likewise.
+    :param x_names: texts at some values instead of numbers; ``y_names`` likewise.
     :param is_log: both axes are logarithmic.
     :param sync: charts with the same word share cursor and zoom; empty: this one is alone.
     :param share: of the width of the figure; further charts follow beside it.
@@ -134,7 +134,7 @@ def looks(curves: Sequence[Curve]) -> list[Look]:
 
 
 def extent(chart: Chart, axis: str) -> tuple[float, float]:
-    """What an axis shows: its bounds, or what the curves need, with a margin above and below.
+    """Range of an axis: its bounds, or the range of the curves with a margin above and below.
 
     :param axis: ``x`` or ``y``.
     """
@@ -155,7 +155,7 @@ def extent(chart: Chart, axis: str) -> tuple[float, float]:
 
 
 def ticks(low: float, high: float, most: int) -> tuple[list[float], int]:
-    """Round values between two bounds, at most so many, and with how many decimals they are written."""
+    """Round values between two bounds, up to a largest number, and their number of decimals."""
     rough = (high - low) / most
     power = float(10.0 ** np.floor(np.log10(rough)))
     step = power * next(factor for factor in (1.0, 2.0, 5.0, 10.0) if factor * power >= rough * (1 - 1e-9))

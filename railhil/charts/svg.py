@@ -1,7 +1,7 @@
 """The charts of a figure as SVG inside a page.
 
-The numbers of a path are those of the curve: x and y in the units of the axes, which one transformation of the group
-takes to the drawing. ``figures.js`` reads them from there and zooms by another transformation.
+A path has the numbers of the curve: x and y in the units of the axes, which one transformation of the group maps to the
+drawing. ``figures.js`` reads them from there and zooms by another transformation.
 """
 
 from __future__ import annotations
@@ -17,14 +17,14 @@ from railhil.charts.figure import Area, Chart, Curve, Figure, FloatArray, Look, 
 from railhil.common.streams import escape_controls
 
 _WIDTH_PX, _RIGHT_PX, _TOP_PX = 912, 18, 6
-#: Left of the axes: at least, and for each letter of a name there.
+#: Space left of the axes: the least, and for each letter of a name there.
 _LEFT_PX, _LETTER_PX = 56, 6.6
-#: Below the axes: of a chart with its own horizontal axis, and of one above such a chart.
+#: Space below the axes: of a chart with its own horizontal axis, and of a chart above such a one.
 _BOTTOM_PX, _BOTTOM_SHARED_PX = 36, 8
 _TICK_X_PX, _TICK_Y_PX = 62, 32
-#: A curve has at most so many stretches, each with two points; of all curves of a figure together so many.
+#: Largest number of stretches of a curve, each with two points, and of all curves of a figure together.
 _STRETCHES, _STRETCHES_TOGETHER, _STRETCHES_MIN = 500, 8000, 150
-#: What reaches over all of an axis goes so many times as far.
+#: Length of areas over all of an axis, as a multiple of the axis.
 _BEYOND = 20.0
 #: Markers around the origin, one pixel in radius.
 _MARKERS: Mapping[str, str] = {
@@ -59,7 +59,7 @@ def markup(figure: Figure) -> str:
 
 
 class _Axes:
-    """Where a chart draws, and what lies there."""
+    """The plot area of a chart, and its content."""
 
     def __init__(self, chart: Chart, left_px: int) -> None:
         self.chart = chart
@@ -75,11 +75,11 @@ class _Axes:
         return (math.log10(low), math.log10(high)) if self.chart.is_log else bounds
 
     def scaled(self, values: FloatArray) -> FloatArray:
-        """Values as they stand in a path."""
+        """Values as numbers of a path."""
         if not self.chart.is_log:
             return np.asarray(values, dtype=np.float64)
         with np.errstate(divide="ignore"):
-            # What a logarithmic axis cannot show lies below it.
+            # Values that a logarithmic axis cannot show lie below it.
             return np.maximum(np.log10(values), -99.0)
 
     def place(self, x: float, y: float) -> tuple[float, float]:
@@ -129,7 +129,7 @@ def _chart(figure: Figure, chart: Chart, left_px: int, stretches: int) -> str:
 
 
 def _alternative(chart: Chart, axes: _Axes) -> str:
-    """What a reader who does not see the chart is told."""
+    """Description for readers who do not see the chart."""
     names = list(dict.fromkeys(curve.label for curve in chart.curves))
     (low_x, high_x), (low_y, high_y) = axes.x, axes.y
     over = f"{chart.x_label} {low_x:.6g} to {high_x:.6g}" if chart.x_label else f"{low_x:.6g} to {high_x:.6g}"
@@ -156,7 +156,7 @@ def _grid(axes: _Axes) -> str:
 def _marks(
     bounds: tuple[float, float], names: Mapping[float, str], most: int, is_log: bool
 ) -> Iterator[tuple[float, str]]:
-    """Where an axis has a line, and what stands there."""
+    """Places of the lines of an axis, and the texts there."""
     if names:
         for at, name in names.items():
             at = math.log10(at) if is_log else at

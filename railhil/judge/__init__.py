@@ -1,1 +1,1 @@
-"""What a record says: scores and verdict, events and their causes, invariants, expected reactions to faults."""
+"""Evaluation of a record: scores and verdict, events and their causes, invariants, expected reactions to faults."""

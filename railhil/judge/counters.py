@@ -1,14 +1,15 @@
-"""Rules about telegrams that hold in every run: the record compared with what the nodes themselves have counted.
+"""Rules about telegrams that hold in every run: the record compared with the nodes' own counters.
 
 1. No telegram that failed a check reaches the control law or the actuators: a node does not accept more telegrams than
    the record shows good.
-6. The counters reconcile: what is in the record was accepted, refused for a cause, or kept from the node by a fault.
+6. The counters reconcile: each telegram in the record was accepted, refused for a cause, or kept from the node by a
+   fault.
 
-The numbers are those of the specification of the bench, as in :mod:`railhil.judge.invariants`. Good is what
-:mod:`railhil.judge.events.telegrams` finds good in the record; a node may refuse more (a speed that is not
-plausible), and says so. A node that does not report is not checked (:func:`unchecked`). Where frames can be lost
-between node and recorder, and for mailboxes read by a task, only rule 1 is checked, without the life signs. A telegram
-that only the recorder has missed is then no breach, but what the record does not show
+The numbers follow the specification of the bench, as in :mod:`railhil.judge.invariants`.
+:mod:`railhil.judge.events.telegrams` decides which telegrams of the record are good. A node may refuse more (a speed
+that is not plausible), and reports it. A node that does not report is not checked (:func:`unchecked`). Where frames can
+be lost between node and recorder, and for mailboxes read by a task, only rule 1 is checked, without the life signs. A
+telegram that only the recorder has missed is then no breach but a gap of the record
 (:mod:`railhil.judge.record_checks`).
 """
 
@@ -39,8 +40,8 @@ _OF_FRAMES = (
 
 
 def unreconciled(scenario: Scenario, trace: Trace) -> list[str]:
-    """One sentence for the first breach of each rule, or for what the record does not show of it
-    (:mod:`railhil.judge.record_checks`); empty for a run that keeps them, and without reports."""
+    """One sentence for the first breach of each rule, or for a gap of the record that hides it
+    (:mod:`railhil.judge.record_checks`). Empty for a run that keeps the rules, and without reports."""
     told = trace.reported
     if told is None:
         return []
@@ -66,7 +67,7 @@ def unreconciled(scenario: Scenario, trace: Trace) -> list[str]:
 
 
 def unchecked(trace: Trace) -> str:
-    """Nodes whose counters are not known, in words; empty: all are."""
+    """Nodes whose counters are unknown, in words; empty: all are known."""
     nodes = {} if trace.reported is None else trace.reported.nodes
     return " and ".join(node for node in REPORTING if node not in nodes)
 
@@ -130,7 +131,7 @@ def _too_many(node: str, port: str, surplus: int) -> Iterator[str]:
 
 
 def _heard(committed: int, port: str, gaps: list[Mapping[str, Any]]) -> list[Stretch] | None:
-    """What a node has heard of a port; None if that contradicts its gaps."""
+    """The telegrams of a port that a node has heard; None if they contradict its gaps."""
     found, begun, anew, left = [], 0, False, committed
     for gap in gaps:
         if port not in gap["ports"]:
@@ -149,7 +150,7 @@ def _is_all(trace: Trace, port: str, heard: list[Stretch]) -> bool:
 
 
 def _is_the_rest(trace: Trace, port: str, after: int) -> bool:
-    """Whether the telegrams from a number on are none, or came when the node may have left: after the end."""
+    """Whether there are no telegrams from a number on, or only after the end, when the node may have left."""
     times_ns = trace.times_ns(port)
     if after >= len(times_ns):
         return after == len(times_ns)

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 STOP_WITHIN_M = (0.1, 0.2, 0.3)
 
 
-#: What a run without a value of a criterion did, where that is a stop.
+#: Description of a run without a value, for a criterion of a stop.
 DID_NOT_STOP = "did not stop"
 
 
@@ -46,16 +46,16 @@ class Limit:
 class Criterion:
     """One score of a run.
 
-    ``key`` names it in ``score.json`` and in columns, ``title`` for readers; ``unit`` in ASCII. ``measure``
-    gives its value, with the sign if it has one; None: the run did not get that far. ``digits`` are the decimals for
-    one run in a table; published rows, statistics over runs and a tuning's table have the same unless specified.
+    ``key`` names it in ``score.json`` and in columns, ``title`` for readers; ``unit`` in ASCII. ``measure`` gives its
+    value, with the sign if it has one; None: the run ended before. ``digits`` are the decimals for one run in a table;
+    published rows, statistics over runs and a tuning's table have the same unless specified.
 
     ``signed``: key of the same value with its sign; the score itself then has no sign. ``limit``: None if the
-    scenario has none. ``audit_allowed``: allowed difference of a median in fixed point from that of float64, in
+    scenario has none. ``audit_allowed``: allowed difference of a median in fixed point from the median in float64, in
     ``unit``; None: a share of the value is allowed.
 
-    ``applies``: whether runs of a scenario have it at all: if so, one without a value is infinitely bad in statistics.
-    ``without``: what such a run did, in words.
+    ``applies``: whether runs of a scenario have it at all. If so, a run without a value is infinitely bad in
+    statistics; ``without`` describes it in words.
     """
 
     key: str
@@ -106,17 +106,17 @@ class Criterion:
         return values if self.better == "low" else -values
 
     def limit_in(self, scenario: Any) -> float | None:
-        """What the scenario allows; None: it says nothing about this criterion, or has none."""
+        """The limit of the scenario; None: the scenario has no limit for this criterion."""
         return None if self.limit is None or not self.applies(scenario) else self.limit.of(scenario)
 
     def inside(self, scenario: Any, values: NDArray[np.float64]) -> NDArray[np.bool_]:
-        """Which values (without sign) the scenario allows; NaN (a run that did not get that far) is not allowed."""
+        """Marks the values (without sign) that the scenario allows; NaN (a run that ended before) is not allowed."""
         limit = self.limit_in(scenario)
         assert limit is not None
         return np.asarray(values <= limit if self.better == "low" else values >= limit, dtype=np.bool_)
 
     def missed(self, scenario: Any, value: float | None) -> str:
-        """How a value (with its sign) misses the limit, in words; empty if it does not, or if there is no limit."""
+        """The miss of a value (with its sign) in words; empty if it keeps the limit, or if there is no limit."""
         limit = self.limit_in(scenario)
         if value is None or limit is None:
             return ""
@@ -131,7 +131,7 @@ class Criterion:
 
 @dataclass(frozen=True, slots=True)
 class Extra:
-    """A figure of a run that is not a score: 0 in a good run, otherwise the size of something that must not happen.
+    """A figure of a run that is not a score: 0 in a good run, otherwise the size of a forbidden event.
 
     ``key`` names it in ``score.json`` and in columns, ``name`` for readers; ``counted`` is the key in ``summary.json``
     for the number of runs in which it is not 0, ``heading`` the heading of that number on a terminal.
@@ -170,7 +170,7 @@ ATO_CRITERIA = (
 def limited(criteria: Sequence[Criterion], scenario: Any = None) -> list[Criterion]:
     """The criteria with a limit, in the order in which limits are listed.
 
-    :param scenario: only those that apply to it; None: all.
+    :param scenario: only the criteria that apply to it; None: all.
     """
     if scenario is not None:
         criteria = [criterion for criterion in criteria if criterion.applies(scenario)]
@@ -179,7 +179,7 @@ def limited(criteria: Sequence[Criterion], scenario: Any = None) -> list[Criteri
 
 
 def limit_key(criterion: Criterion) -> str:
-    """Key of a limit in documents: that of the limited value, with sign if it has one."""
+    """Key of a limit in documents: the key of the limited value, with sign if it has one."""
     return criterion.signed or criterion.key
 
 

@@ -1,7 +1,7 @@
-"""What stands more than once in a run folder must be the same everywhere.
+"""Values that a run folder contains more than once must be the same everywhere.
 
-The list of hashes finds a file that was changed alone; here the documents are compared with each other and with the
-record, which also a folder without a list has to pass.
+The list of hashes finds a file that was changed alone. This module compares the documents with each other and with the
+record, also in a folder without a list.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ _OF_THE_RUN: Final = (
 )  # fmt: skip
 #: Keys that ``junit.xml`` has as properties.
 _OF_JUNIT: Final = ("scenario", "seed", "verdict", "frames_sha256", "arithmetic")
-#: What the logs of the nodes say of a fault.
+#: The columns of the nodes' logs on a fault.
 _LOGGED: Final = ("number", "begun_s", "effect_s", "ended_s", "hits")
 
 
@@ -56,7 +56,7 @@ def check_folder(folder: Path, document: Mapping[str, Any] | None) -> None:
 
 
 def _score(folder: Path, document: Mapping[str, Any]) -> Iterator[tuple[str, str, Any, Any]]:
-    """File, key, its value there, and that of the certificate."""
+    """File, key, its value there, and the value in the certificate."""
     score = read_score(folder)
     if score is None:
         return
@@ -138,10 +138,10 @@ def check_record(folder: Path, document: Mapping[str, Any], scenario: AnyScenari
 
 
 def _check_described(path: Path, document: Mapping[str, Any], spec: RunSpec, scenario: AnyScenario) -> None:
-    """Check what the certificate says was run against the scenario whose hash ``PLT_IDENT`` in the record has.
+    """Check the run described by the certificate against the scenario whose hash ``PLT_IDENT`` in the record has.
 
-    A scenario of the user's may have changed since or be elsewhere, and a shipped one be another in another version:
-    then only the faults, which the scenario of the record lists, can be compared.
+    A user's scenario may have changed since or be elsewhere, and a shipped one may differ in another version. Then only
+    the faults can be compared, which the scenario of the record lists.
 
     :raises InputError: the certificate describes another scenario.
     """
@@ -164,11 +164,11 @@ def _check_described(path: Path, document: Mapping[str, Any], spec: RunSpec, sce
 
 
 def _is_by_this_code(document: Mapping[str, Any], scenario: AnyScenario) -> bool:
-    """Whether the shipped scenarios of the record are those of this installation."""
+    """Whether this installation has the shipped scenarios of the record."""
     ours = {"code_sha256": code_sha256(), "system_sha256": scenario.installed_system.code_sha256()}
     return all(document.get(key) == value for key, value in ours.items())
 
 
 def _differences(ident: Ident, own: Ident) -> list[str]:
-    """In what a node and the certificate disagree; the certificate does not hold the version of the handshake."""
+    """Disagreements of a node and the certificate; the certificate does not hold the version of the handshake."""
     return ident.differences(replace(own, version=ident.version))

@@ -1,4 +1,4 @@
-"""Whether the files of a run folder that were derived from its log are still what the log gives."""
+"""Checks whether the files of a run folder that were derived from its log still agree with it."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _SAME = 1e-8
 
 
 def blf_difference(record: Record) -> str:
-    """In which frame ``frames.blf`` differs first from the log beside it; empty: in none, or there is no such file.
+    """The first frame in which ``frames.blf`` differs from the log beside it; empty: no difference, or no such file.
 
     :raises InputError: it is no BLF.
     """
@@ -42,9 +42,9 @@ def blf_difference(record: Record) -> str:
 
 
 def signals_difference(record: Record) -> str:
-    """In which value ``signals.csv`` differs first from the log's; empty: in none, or there is no such file.
+    """The first value in which ``signals.csv`` differs from the log; empty: no difference, or no such file.
 
-    It is what the code of the record has made of the log, and other code may make something else.
+    The file was made by the code of the record, and other code may give other values.
     """
     path = record.log.with_name(SIGNALS)
     if not path.is_file():

@@ -1,6 +1,6 @@
-"""What became of the faults of a run: the logs of all nodes in one file, and for each fault whether it acted.
+"""Results of the faults of a run: the logs of all nodes in one file, and for each fault whether it acted.
 
-Every run asks here, so what injects faults is loaded inside the functions, for runs with faults only.
+Every run uses this module, so the injection is imported inside the functions, for runs with faults only.
 """
 
 from __future__ import annotations
@@ -30,8 +30,8 @@ class FaultOutcome:
     """One fault of a run.
 
     ``text``: with all values drawn, and with the instant of a fault injected by hand. Times are simulation time in s:
-    ``begun_s`` when it became active, ``effect_s`` when it first changed something, ``ended_s``; None: it did not.
-    ``hits``: how many telegrams, samples or processes it has changed.
+    ``begun_s``: it became active, ``effect_s``: it first changed something, ``ended_s``: it ended; None: it did not.
+    ``hits``: number of telegrams, samples or processes that it has changed.
     """
 
     number: int
@@ -46,7 +46,8 @@ class FaultOutcome:
 
     @property
     def missed(self) -> str:
-        """Why it says nothing about the controller; empty if it acted, or was left to the hand and never ordered."""
+        """Reason for which the run proves nothing about the controller; empty if the fault acted, or was left to the
+        operator and never ordered."""
         if self.unlogged and not self.hits:
             options = " and ".join(f"railhil node {node} --fault-log FOLDER" for node in self.unlogged)
             return f"fault {self.number}: nothing is known of it without {options}: {self.text}"
@@ -56,7 +57,7 @@ class FaultOutcome:
 
     @property
     def line(self) -> str:
-        """What became of it, for the console."""
+        """Its result, for the console."""
         if self.begun_s is None:
             return f"fault {self.number}: {self.text}: not injected"
         found = "changed nothing" if self.effect_s is None else f"{self.hits} hits, first at {self.effect_s:.2f} s"
@@ -79,7 +80,7 @@ _Row = tuple[int, int, str, str, str]
 
 
 def fault_outcomes(folder: Path, scenario: AnyScenario, seed: int) -> list[FaultOutcome]:
-    """What became of each fault of a run whose nodes have ended, by number; writes :data:`FAULTS`.
+    """The result of each fault of a run whose nodes have ended, by number; writes :data:`FAULTS`.
 
     :param folder: the run folder with the logs of the nodes.
     :raises OSError: it cannot be read or written.
@@ -107,9 +108,9 @@ def fault_outcomes(folder: Path, scenario: AnyScenario, seed: int) -> list[Fault
 
 
 def logged_outcomes(folder: Path, scenario: AnyScenario, seed: int) -> list[FaultOutcome]:
-    """What the logs in a run folder say of each fault, by number; nothing without logs.
+    """Content of the logs in a run folder on each fault, by number; empty without logs.
 
-    :raises InputError: one cannot be read.
+    :raises InputError: a log cannot be read.
     """
     try:
         rows = _logged(folder)
@@ -126,7 +127,7 @@ def _logged(folder: Path) -> list[_Row]:
 def _outcomes(
     scenario: AnyScenario, seed: int, rows: Sequence[_Row]
 ) -> tuple[list[FaultOutcome], tuple[Fault, ...] | list[Fault]]:
-    """What became of each fault, and the faults with what they have drawn."""
+    """The result of each fault, and the faults with their random draws."""
     from railhil.scenarios.fault_list import draw_faults
 
     faults = draw_faults(scenario.faults, seed)
@@ -152,7 +153,7 @@ def missing_logs(folder: Path, scenario: AnyScenario) -> list[str]:
 def take_logs(source: Path, folder: Path) -> None:
     """Move the logs that nodes have left in a folder of their own into the run folder.
 
-    :raises OSError: one cannot be read or written.
+    :raises OSError: a log cannot be read or written.
     """
     for path in sorted(source.glob(LOGS)):
         with whole_file(folder / path.name) as draft:
@@ -180,7 +181,7 @@ def check_faults(scenario: AnyScenario, transports: Sequence[str], pace: str) ->
 
 
 def transports_of(choice: BusChoice, foreign: bool) -> list[str]:
-    """What a run is injected on, in the words of :data:`railhil.faults.capability.TRANSPORTS`.
+    """The transports of a run, in the words of :data:`railhil.faults.capability.TRANSPORTS`.
 
     :param foreign: the controller is not railhil's.
     """
@@ -190,7 +191,7 @@ def transports_of(choice: BusChoice, foreign: bool) -> list[str]:
 
 
 def missed_faults(outcomes: Sequence[FaultOutcome]) -> str:
-    """The faults that did nothing, as the reason for which the run says nothing; empty if all of them acted."""
+    """The faults without effect, as the reason for which the run proves nothing; empty if all of them acted."""
     return "; ".join(filter(None, (one.missed for one in outcomes)))
 
 

@@ -61,18 +61,17 @@ def code_sha256(names: Sequence[str] = _CODE) -> str:
 
 
 def made_by(system: str, law: str, code: str) -> dict[str, str | None]:
-    """By which code a document was made, as every document says it; :func:`railhil.judge.rerun.code_changes`
-    compares.
+    """The code that made a document, as stated in every document; :func:`railhil.judge.rerun.code_changes` compares it.
 
-    :param system: its name; ``law``: that of the law; ``code``: :func:`code_sha256`.
+    :param system: its name; ``law``: the law's name; ``code``: :func:`code_sha256`.
     """
     maker = system_named(system)
     return {
         "railhil": version("railhil"),
         "code_sha256": code,
-        # Of the package that provides the system, which need not be railhil.
+        # Hash of the package that provides the system, which need not be railhil.
         "system_sha256": maker.code_sha256(),
-        # Of the distribution that provides the law; None: railhil.
+        # Hash of the distribution that provides the law; None: railhil.
         "law_sha256": maker.law_sha256(law),
     }
 
@@ -80,8 +79,8 @@ def made_by(system: str, law: str, code: str) -> dict[str, str | None]:
 def run_command(spec: RunSpec, bus_words: Sequence[str]) -> str:
     """The command line that repeats the run.
 
-    Nobody can attach to nodes that have ended. For an attached run it is therefore the command that started all nodes,
-    if known, else a run that starts its own nodes on its own bus; in lockstep that gives the same bytes.
+    A run cannot attach to nodes that have ended. For an attached run it is therefore the command that started all
+    nodes, if known, else a run that starts its own nodes on its own bus. In lockstep this gives the same bytes.
     """
     start_up = spec.start_up
     if start_up.rerun_command:
@@ -133,8 +132,8 @@ def score_json(result: Result) -> dict[str, Any]:
 
 
 def _described(result: Result) -> dict[str, Any]:
-    """The keys of a run. What somebody else's controller has not confirmed is said as it is known, and what was asked
-    for stands under ``asked``."""
+    """The keys of a run. Values that a foreign controller has not confirmed are given as known, and the requested
+    values stand under ``asked``."""
     document = result.spec.as_json()
     if not result.reported:
         return document
@@ -150,7 +149,7 @@ def certificate(result: Result, code: str) -> dict[str, Any]:
     return {
         **made_by(scenario.system, spec.law.controller, code),
         **_described(result),
-        # Of memory.json in the same folder; the initial memory is memory_before.json.
+        # Hash of memory.json in the same folder; the initial memory is memory_before.json.
         **(NOTHING_LEARNED if result.memory is None else result.memory.as_json()),
         "scenario_sha256": scenario.sha256,
         # Includes the limits and factors by which the record is judged.
@@ -158,21 +157,21 @@ def certificate(result: Result, code: str) -> dict[str, Any]:
         "system": scenario.system,
         "dbc_sha256": scenario.installed_system.contract.sha256,
         "own_parameters": None if result.origin is None else {"origin": result.origin.text},
-        # What the law has declared about its notes in CTL_STAT; None: the controller has not reported it.
+        # The law's declaration of its notes in CTL_STAT; None: the controller has not reported it.
         "notes": _notes(result),
         "seed_was_trained": seed_was_trained(scenario, spec, result.origin),
         "arithmetic_profile": None if "arithmetic" in result.reported else PROFILES[spec.law.arithmetic],
         "attached": spec.start_up.attach,
-        # If true, the controller was not railhil's: law, parameters and arithmetic are those of the handshake.
+        # If true, the controller was not railhil's: the handshake gives law, parameters and arithmetic.
         "foreign": spec.start_up.foreign,
         "transport": result.transport,
         "frames": result.frames,
         "frames_sha256": result.frames_sha256,
-        # Of the frames of the wire contract alone, and how many others the record has: on a shared bus the first hash
-        # is also that of what others sent.
+        # Hash of the frames of the wire contract alone, and the number of other frames in the record: on a shared bus
+        # the first hash also covers foreign frames.
         "telegrams_sha256": result.telegrams_sha256,
         "other_frames": result.other_frames,
-        # Ports whose owner was not started by this command and has not said which frames it sent.
+        # Ports whose owner was not started by this command and has left no list of its frames.
         "not_witnessed": list(result.not_witnessed),
         "verdict": result.verdict,
         "line": result.line,
@@ -181,7 +180,7 @@ def certificate(result: Result, code: str) -> dict[str, Any]:
         "machine": machine(),
         "libraries": {name: version(name) for name in ("python-can", "cantools", "numpy", "scipy")},
         "assumptions": list(scenario.assumptions),
-        # What was injected, with all draws: as texts of --fault they make the run again.
+        # The injected faults with all draws: as texts of --fault they make the run again.
         "injected": [one.as_json() for one in result.faults],
         # Watch limits above the usual ones; empty: none.
         "watch_weakened": scenario.watch_weakened,
@@ -197,8 +196,8 @@ def junit(result: Result) -> ET.ElementTree[ET.Element]:
     """JUnit report with one case per limit of the scenario, and one per stop if the run has several.
 
     A missed limit is a ``failure``; a bench that cannot be trusted is an ``error``, and no limit is judged.
-    The messages also say what the watches did, the properties have it for each watch.
-    ``time`` is wall time in s: that of the run in ``bench_valid``, 0 for the limits, which are judged from its record.
+    The messages also give the reactions of the watches, the properties give them for each watch. ``time`` is wall time
+    in s: the run's in ``bench_valid``, 0 for the limits, which are judged from its record.
     """
     scenario, spec, found = result.scenario, result.spec, result.score
     judging = judging_of(scenario)
@@ -251,7 +250,7 @@ def _xml(text: str) -> str:
 def write_folder(result: Result) -> None:
     """Write all results of a finished record; the certificate comes last and marks the folder as complete.
 
-    :raises RecordFailed: the folder cannot be written; it then holds what was recorded (the log, and the output and
+    :raises RecordFailed: the folder cannot be written; it then holds the recorded files (the log, and the output and
         measurements of the nodes) and nothing that looks like a result.
     """
     folder, scenario, trace = result.place, result.scenario, result.trace
@@ -274,7 +273,7 @@ def write_folder(result: Result) -> None:
             draft.write_text(json_text(document | {HASH_LIST_KEY: HASH_LIST}), encoding="utf-8")
             write_hash_list(folder, {CERTIFICATE: draft})
     except BaseException as error:
-        # On Ctrl-C, too, nothing may remain that looks like a result.
+        # Nothing that looks like a result may remain on Ctrl-C, too.
         if isinstance(error, OSError):
             raise record_failed(folder, error) from error
         _discard_results(folder)

@@ -4,13 +4,13 @@
 3. Beyond the overspeed margin the emergency brake is applied.
 4. A watch lowers its level only after the stated number of good telegrams, or at a standstill; EMERGENCY is never left.
 
-What the record does not show breaks no rule: where a rule hangs on a telegram that the record may lack, the run is
-INVALID (:mod:`railhil.judge.record_checks`). So it is where rule 4 hangs on the order of telegrams of two nodes in
-real time: after a pause frames come in one burst, and a node takes them later than the recorder.
+A gap of the record breaks no rule: if a rule depends on a telegram that the record may lack, the run is INVALID
+(:mod:`railhil.judge.record_checks`). The run is also INVALID if rule 4 depends on the order of telegrams of two nodes
+in real time: after a pause frames come in one burst, and a node takes them later than the recorder.
 
-The numbers are those of the specification of the bench. Rule 1 (no telegram that failed a check reaches the law) and 6
-(sent = accepted + refused + lost) need the counters of the nodes: :mod:`railhil.judge.counters`. The checks here
-use neither watch: they read levels, speeds and forces from the record, and count its good telegrams again.
+The numbers follow the specification of the bench. Rule 1 (no telegram that failed a check reaches the law) and 6 (sent
+= accepted + refused + lost) need the counters of the nodes: :mod:`railhil.judge.counters`. The checks here use neither
+watch: they read levels, speeds and forces from the record, and count its good telegrams again.
 """
 
 from __future__ import annotations
@@ -55,13 +55,14 @@ IntArray: TypeAlias = npt.NDArray[np.int64]
 
 def broken(scenario: Scenario, trace: Trace) -> list[str]:
     """One sentence for the first breach of each rule, with those of :mod:`railhil.judge.counters`; empty for a run
-    that keeps them. One that begins with :data:`railhil.judge.missed_telegrams.UNCLEAR` names what the record lacks.
+    that keeps them. A sentence that begins with :data:`railhil.judge.missed_telegrams.UNCLEAR` names the gap of the
+    record.
 
-    A record of an earlier version, without the level of the train's watch, is checked only for the controller's. What
-    a fault has put into NOTCH_CMD is not the controller's, and is not checked; with any fault of NOTCH_CMD, the order
-    of the controller's levels is not. A traction drive with a fault does not obey the train's watch: its traction is
-    checked from EMERGENCY on, where the main breaker opens. With a fault of the adhesion the notch in effect is checked
-    in place of the force at the rail, which is then that of spinning wheels.
+    A record of an earlier version, without the level of the train's watch, is checked only for the controller's level.
+    Content that a fault has put into NOTCH_CMD is not the controller's and is not checked. With any fault of NOTCH_CMD,
+    the order of the controller's levels is not checked either. A traction drive with a fault does not obey the train's
+    watch: its traction is checked from EMERGENCY on, where the main breaker opens. With a fault of the adhesion the
+    notch in effect is checked in place of the force at the rail, because spinning wheels then make this force.
     """
     has_watch = "TRN_WATCH" in {port.name for port in trace.contract.ports}
     found = unreconciled(scenario, trace)
@@ -75,15 +76,15 @@ def broken(scenario: Scenario, trace: Trace) -> list[str]:
         found += [*_applied_traction(scenario, trace), *_overspeed(scenario, trace)]
         found += _left_early_by_train(trace, items, unseen)
     elif has_watch and trace.count(PltIdent.PORT):
-        # A run without a bus has neither.
+        # A run without a bus has none of these telegrams.
         found.append(f"{UNCLEAR}no TRN_WATCH, so the level of the train's watch is not known")
     return found
 
 
 def _is_forged(scenario: Scenario, port: str = NotchCmd.PORT) -> bool:
-    """Whether a fault of the run puts something else into the telegrams of a port than their source has.
+    """Whether a fault of the run changes the content of a port's telegrams.
 
-    Telegrams that are lost, late, repeated or refused are its own all the same: level and notch belong together.
+    Telegrams that are lost, late, repeated or refused keep their content: level and notch belong together.
     """
     return any(_forges(fault, port) for fault in parse_faults(scenario.faults))
 
@@ -92,12 +93,12 @@ def _forges(fault: Fault, port: str) -> bool:
     place = fault.place
     if place.level == "command":
         return port == NotchCmd.PORT
-    # Of many flipped bits, some pass the check sequence.
+    # Some of many flipped bits pass the check sequence.
     return place.name == port and (place.part not in ("", *_OF_THE_FRAME) or fault.what == "corrupt")
 
 
 def _is_out_of_step(scenario: Scenario) -> bool:
-    """Whether the levels in the record may not be those of the controller, each at its instant."""
+    """Whether levels in the record may differ from the controller's at their instants."""
     faults = parse_faults(scenario.faults)
     return any(
         fault.place.level == "command"
@@ -117,14 +118,14 @@ def _has_fault(scenario: Scenario, level: str, name: str) -> bool:
 
 
 def _told_levels(trace: Trace) -> IntArray:
-    """Level of the train's watch in each TRN_WATCH; -1 where the next one is missing from the record: not known."""
+    """Level of the train's watch in each TRN_WATCH; -1 (unknown) where the next one is missing from the record."""
     life = trace.raw(TrnWatch.PORT, "WatchLife")
     before_gap = np.append((np.diff(life) & 0xF) != 1, False)
     return np.where(before_gap, -1, trace.raw(TrnWatch.PORT, "WatchLevel"))
 
 
 def _level_at(trace: Trace, time_s: FloatArray) -> IntArray:
-    """Level of the train's watch at each instant: that of the newest TRN_WATCH; -1 where it is not known."""
+    """Level of the train's watch at each instant: the level in the newest TRN_WATCH; -1 where it is unknown."""
     level = _told_levels(trace)
     index = np.searchsorted(trace.times_s(TrnWatch.PORT), time_s, side="right") - 1
     return np.where(index >= 0, level[np.maximum(index, 0)], -1)
@@ -148,7 +149,7 @@ def _commanded_traction(trace: Trace) -> Iterator[str]:
 
 def _applied_traction(scenario: Scenario, trace: Trace) -> Iterator[str]:
     if _has_fault(scenario, "train", "adhesion"):
-        # Wheels that spin push the train until they have slowed down, whatever the drive does.
+        # Spinning wheels push the train until they have slowed down, even without drive.
         if _is_forged(scenario, TrnPos.PORT):
             return
         time_s, applied = trace.times_s(TrnPos.PORT), trace.values(TrnPos.PORT, "NotchActual")
@@ -156,7 +157,8 @@ def _applied_traction(scenario: Scenario, trace: Trace) -> Iterator[str]:
     else:
         time_s, applied = trace.times_s(SimTruth.PORT), trace.values(SimTruth.PORT, "TractionForce") / 1e3
         least, what = _FORCE_MIN_N / 1e3, "applies {:.1f} kN of traction"
-    # The level before as well: when the port that opens the ticks is lost, a later tick can have the same instant.
+    # The level before is checked as well: when the port that opens the ticks is lost, a later tick can have the same
+    # instant.
     level = np.minimum(_level_at(trace, time_s), _level_at(trace, np.nextafter(time_s, -np.inf)))
     wrong = np.flatnonzero((level >= _cut_from(scenario)) & (applied > least))
     if len(wrong):
@@ -174,7 +176,7 @@ def _overspeed(scenario: Scenario, trace: Trace) -> Iterator[str]:
     beyond = speed_mps > most_mps + _SPEED_SLACK_MPS
     if not beyond.any():
         return
-    # Only what lasts: the level stands in the record some ticks after the speed.
+    # Only a lasting excess counts: the level appears in the record some ticks after the speed.
     later = _level_at(trace, time_s + NOTICE_S)
     ends = np.minimum(np.searchsorted(time_s, time_s + NOTICE_S), len(time_s) - 1)
     noticed = time_s + NOTICE_S <= time_s[-1]
@@ -198,12 +200,12 @@ def _left_early(
     who: str, time_s: FloatArray, level: IntArray, first: IntArray, past: IntArray, standing: Standing, port: str,
     unseen: Unseen,
 ) -> Iterator[str]:  # fmt: skip
-    """The first breach of rule 4, or what the record does not show of it.
+    """The first breach of rule 4, or the gap of the record that hides it.
 
     :param level: at each instant; -1: not known. The good telegrams of ``port`` are numbered in their order: ``first``
-        is the first one that can count for a level entered at an instant, ``past`` the first that is too late for one
-        left.
-    :param standing: whether the train stands at each instant; where it has stood at this level, any may be left.
+        is the first one that can count for a level entered at an instant, ``past`` the first that is too late for a
+        level left.
+    :param standing: whether the train stands at each instant; a train that has stood at this level may leave any level.
     """
     for index in np.flatnonzero(np.diff(level) < 0) + 1:
         left, entered = int(level[index - 1]), index - 1
@@ -215,7 +217,7 @@ def _left_early(
         while entered > 0 and level[entered - 1] == left:
             entered -= 1
         if entered > 0 and level[entered - 1] < 0:
-            # It may have been entered earlier.
+            # The level may have been entered earlier.
             continue
         count = int(past[index] - first[entered])
         rows = slice(entered, index + 1)
@@ -248,7 +250,7 @@ class Standing(NamedTuple):
 
 
 def _standing(trace: Trace, port: str, signal: str, time_s: FloatArray, unseen: Unseen) -> Standing:
-    """What the newest telegram before each instant says, if none is missing after it."""
+    """The content of the newest telegram before each instant, if none is missing after it."""
     told_s, raw = trace.times_s(port), trace.raw(port, signal)
     if not len(raw):
         return Standing(port, np.zeros(len(time_s), dtype=bool), np.zeros(len(time_s), dtype=bool))
@@ -261,7 +263,7 @@ def _standing(trace: Trace, port: str, signal: str, time_s: FloatArray, unseen: 
 def _left_early_by_controller(trace: Trace, items: Mapping[str, Received], unseen: Unseen) -> Iterator[str]:
     """The level stands in each answer, so it was entered after the answer before; telegrams come before the poll.
 
-    Whether the train stands is what TRN_SPEED says: to a controller that hears none, it does not.
+    TRN_SPEED tells whether the train stands; for a controller that hears none, the train does not stand.
     """
     time_s = trace.times_s(NotchCmd.PORT)
     past = _good_before(trace, items[TrnSpeed.PORT], NotchCmd.PORT)
@@ -273,9 +275,9 @@ def _left_early_by_controller(trace: Trace, items: Mapping[str, Received], unsee
 
 
 def _left_early_by_train(trace: Trace, items: Mapping[str, Received], unseen: Unseen) -> Iterator[str]:
-    """The level is told one tick after it was entered, and commands follow it in the tick."""
+    """The level is reported one tick after it was entered, and commands follow it within the tick."""
     told_s = trace.times_s(TrnWatch.PORT)
-    # In the order of the record: without the port that opens a tick, its report has the instant of the last poll.
+    # The order of the record counts: without the port that opens a tick, its report has the instant of the last poll.
     good = _good_before(trace, items[NotchCmd.PORT], TrnWatch.PORT)
     standing = _standing(trace, SimTruth.PORT, "TrueSpeed", told_s, unseen)
     yield from _left_early(

@@ -1,9 +1,8 @@
 """Timing of a run: lateness of the cycles, latency of the answers, missed polls.
 
 It is measured by the plant, which has the deadlines and writes ``timing.csv`` to the run folder. Without that file (a
-plant that was started elsewhere, or was killed) the arrivals of the ticks at the recorder are used instead: they are
-later and less even than the ticks themselves, and an answer that was too late for the plant cannot be told from one in
-time.
+plant that was started elsewhere, or was killed) the arrivals of the ticks at the recorder are used instead. They are
+later and less even than the ticks themselves, and do not show whether an answer was too late for the plant.
 """
 
 from __future__ import annotations
@@ -27,7 +26,7 @@ WALL = "wall.csv"
 #: A run with more than this share of its cycles more than ``LATE_MS`` late is INVALID.
 LATE_SHARE_MAX = 0.001
 LATE_MS = 5.0
-#: So is a run with one cycle this late: in a long run a single pause of the host would be too small a share.
+#: A run with one cycle this late is also INVALID: in a long run a single pause of the host would be too small a share.
 PAUSE_MS = 200.0
 #: Bins of the histogram in ms, five per decade; values outside are counted in the first or last bin.
 EDGES_MS: tuple[float, ...] = tuple(float(f"{10 ** (step / 5):.3g}") for step in range(-15, 16))
@@ -55,7 +54,7 @@ class Jitter:
         return self.late_share <= LATE_SHARE_MAX and self.max_ms < PAUSE_MS
 
     def sentence(self) -> str:
-        """Why the timing is not good enough."""
+        """Reason for which the timing is not good enough."""
         if self.late_share > LATE_SHARE_MAX:
             share = text_beside_limit(100 * self.late_share, 100 * LATE_SHARE_MAX, 2)
             cycles = count_of(self.cycles, "cycle")
@@ -70,7 +69,7 @@ class Jitter:
 
 @dataclass(frozen=True, slots=True)
 class Answers:
-    """Polls of one port: their number, those without an answer in time, and the latency of the others, in ms."""
+    """Polls of one port: their number, the number without an answer in time, and the latency of the others, in ms."""
 
     port: str
     polls: int
@@ -82,10 +81,10 @@ class Answers:
 
 @dataclass(frozen=True, slots=True)
 class RunTiming:
-    """Timing of a run. ``source`` says who measured; in lockstep there are no deadlines and no measurement.
+    """Timing of a run. ``source`` names the measuring node; in lockstep there are no deadlines and no measurement.
 
-    ``answers`` are known only to the plant; ``scheduling`` holds what each process was granted, by role. ``pace``: a
-    sentence if the plant kept a pace other than the requested one, else empty.
+    ``answers`` are known only to the plant; ``scheduling`` has the scheduling granted to each process, by role.
+    ``pace``: a sentence if the plant kept a pace other than the requested one, else empty.
     """
 
     source: str
@@ -165,7 +164,7 @@ def plant_timing(path: Path) -> tuple[Jitter, tuple[Answers, ...]] | None:
             _, event, ns = line.split(",")
             found.setdefault(event, []).append(int(ns))
     except (OSError, ValueError):
-        # Written by a process that may have been killed; then the arrivals are used instead.
+        # The process that writes it may have been killed; then the arrivals are used instead.
         return None
     late_ms = np.array(found.pop(_TICK), dtype=np.float64) / 1e6
     return jitter_from(late_ms), tuple(_answers(port, np.array(taken_ns)) for port, taken_ns in sorted(found.items()))

@@ -61,10 +61,10 @@ def _samples(scenario: Scenario) -> float:
 
 @dataclass(frozen=True, slots=True)
 class ErrorGrid:
-    """Where the ITAE compares speed and set-point: at every SIM_TRUTH until the end of the timetable.
+    """Samples at which the ITAE compares speed and set-point: every SIM_TRUTH until the end of the timetable.
 
     ``time_s`` and ``cycle`` (control period of each, from 0) have the shape (n,); ``counts`` (cycles,) is their number
-    in each cycle, ``shares`` (cycles,) what part of each lies in the timetable: 1 but for the last one.
+    in each cycle, ``shares`` (cycles,) the part of each cycle in the timetable: 1 except for the last one.
     """
 
     step_s: float

@@ -1,4 +1,4 @@
-"""How records of a system are judged and shown: what score, tables, report and run folder take from the system."""
+"""Judging and display of a system's records: the parts of a system for score, tables, report and run folder."""
 
 from __future__ import annotations
 
@@ -49,18 +49,20 @@ class Judging:
     several runs for ``compare.json``; ``remark``: the same in words. ``status``: the telegram in which the controller
     reports on its arithmetic and its laws; None: the one named in the system's part ``interface``, if it has one.
     ``published``: description of the published rows; ``deviations``: their source and how it is interpreted here.
-    ``advice``: (recorded run, report folder) -> what to try after a FAIL. ``extras``: figures of every score that are 0
-    in a good run. ``reckoned``: (scenario, trace) -> columns computed for the rows: header, unit and values.
-    ``shown``: further columns for the panel only, as ``columns``.
+    ``advice``: (recorded run, report folder) -> advice after a FAIL. ``extras``: figures of every score that are 0 in a
+    good run. ``reckoned``: (scenario, trace) -> columns computed for the rows: header, unit and values. ``shown``:
+    further columns for the panel only, as ``columns``.
 
-    ``ends_at_m``: (scenario) -> where the run is to end, as a position of the system's ``truth`` in m; None: nowhere.
+    ``ends_at_m``: (scenario) -> planned end of the run as a position of the system's ``truth`` in m; None: there is
+    none.
 
-    ``learned``: what is measured over sequences of runs; empty: each limit
+    ``learned``: measures over sequences of runs; empty: each limit
     (:func:`railhil.judge.sequence_measure.sequence_measures`).
 
     For the events (:mod:`railhil.judge.events.declared`): ``watches``: the reaction ladders on the bus.
-    ``interlocks``: states of the train, reported when they are not as usual. ``received``: (scenario) -> the telegrams
-    that a receiver judges by their content; by default those of the system's part ``interface``, if it has one.
+    ``interlocks``: states of the train, reported when they differ from the usual ones. ``received``: (scenario) -> the
+    telegrams that a receiver judges by their content; by default the telegrams of the system's part ``interface``, if
+    it has one.
     """
 
     criteria: tuple[Criterion, ...]
@@ -88,7 +90,7 @@ class Judging:
 
 
 def judging_of(scenario: AnyScenario) -> Judging:
-    """The judging of a scenario's system; of an unknown scenario only what is on the wire.
+    """The judging of a scenario's system; for an unknown scenario only the data on the wire.
 
     :raises InputError: the system has no part ``judging``.
     """

@@ -2,7 +2,7 @@
 
 These functions, and the order in which their results are added (:func:`total`), determine every digit of a score. A
 compiled loop over many trains gives the same digits by using them in the same order: the batch compiles the marked ones
-for single numbers (:mod:`railhil.common.compilable` says what they may be made of).
+for single numbers (:mod:`railhil.common.compilable` lists the permitted language).
 """
 
 from __future__ import annotations

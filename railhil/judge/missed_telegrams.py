@@ -1,4 +1,5 @@
-"""What a record may lack: telegrams that its recorder has missed, and in real time when a node has taken one."""
+"""Unknowns of a record: telegrams that its recorder may have missed, and in real time the instants at which a node has
+taken them."""
 
 from __future__ import annotations
 
@@ -10,7 +11,7 @@ from railhil.judge.events.telegrams import Gap, gaps, outages
 from railhil.record.trace import Trace
 from railhil.systems.ato.scenario.model import Scenario
 
-#: Beginning of the reason for which a run is INVALID: the record does not show what a rule needs.
+#: Beginning of the reason for which a run is INVALID: the record lacks data that a rule needs.
 UNCLEAR = "record: "
 
 
@@ -41,8 +42,9 @@ class Unseen:
         )
 
     def lag_s(self, level: int) -> float:
-        """How long after the recorder a node may have taken a telegram, before which it came to a level: in lockstep at
-        once, in real time as late as its watch allows, for the level says that it has taken none for so long."""
+        """Largest delay with which a node takes a telegram after the recorder, for a level entered before it. In
+        lockstep there is none. In real time the node's watch limits it: a stronger level would report that it has taken
+        none for longer."""
         return self._ages_ms[level] / 1e3 if self._is_realtime else 0.0
 
     def period_s(self, port: str) -> float:

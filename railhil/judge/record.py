@@ -43,8 +43,8 @@ _BESIDE = "a certificate beside the log, or --scenario"
 class Record:
     """One recorded run, whose parts belong together.
 
-    ``invalid``: why the run was not trustworthy, or that the log is not the certified one; ``certificate``: empty if
-    there is none for this log.
+    ``invalid``: reason for which the run was not trustworthy, or that the log is not the certified one;
+    ``certificate``: empty if there is none for this log.
     """
 
     log: Path
@@ -53,7 +53,7 @@ class Record:
     trace: Trace = field(repr=False)
     invalid: str = ""
     certificate: dict[str, Any] = field(default_factory=dict, repr=False)
-    #: What of the log was not used, a sentence each.
+    #: Parts of the log that were not used, a sentence each.
     unused: tuple[str, ...] = ()
     #: The frames in the record's own time; None: the log has it.
     timed: Sequence[Timed] | None = field(default=None, repr=False)
@@ -84,12 +84,12 @@ class Record:
         return self.log.parent
 
     def frames(self) -> Iterator[Timed]:
-        """The frames of the run ``(time_ns, frame)`` in bus order, as every reader gets them."""
+        """The frames of the run ``(time_ns, frame)`` in bus order."""
         return read_log(self.log) if self.timed is None else iter(self.timed)
 
     @cached_property
     def events(self) -> tuple[RecordedEvent, ...]:
-        """What happened, as in ``events.csv``, in the order of the instants; injected faults from the certificate."""
+        """The events, as in ``events.csv``, in the order of the instants; injected faults from the certificate."""
         injected = fault_events(self.certificate.get("injected", ()), self.trace.end_s)
         return events_of(self.scenario, self.trace, injected)
 
@@ -112,12 +112,12 @@ class Record:
 
     @property
     def reasons(self) -> tuple[str, ...]:
-        """One sentence for each limit missed, or why the run is INVALID."""
+        """One sentence for each limit missed, or the reason why the run is INVALID."""
         return (self.invalid,) if self.invalid else self.score.failures
 
     @property
     def why(self) -> str:
-        """What the watches did, or which telegrams were refused or missing, in a sentence; empty for a healthy run."""
+        """The reactions of the watches, or the refused or missing telegrams, in a sentence; empty for a healthy run."""
         return why(self.scenario, self.events)
 
     @property
@@ -139,7 +139,8 @@ class Record:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What of the log was not used, and that the certificate has another verdict than the score of the record.
+        """Parts of the log that were not used, and a difference between the certificate's verdict and the score of the
+        record.
 
         Another version may have judged otherwise, so this is no error.
         """
@@ -274,8 +275,8 @@ def checked_record(text: str, name: str | None) -> Record:
     """Log, scenario and telegrams of a record, checked against each other.
 
     The SHA-256 in the certificate is compared last: the message that a log belongs to another scenario is more helpful
-    than that it is not the certified one. A log that is not the certified one byte for byte is taken in its own time
-    (:mod:`railhil.record.own_time`): that of another program may hold the same run.
+    than that it is not the certified one. A log that differs from the certified one is read in its own time
+    (:mod:`railhil.record.own_time`): a log of another program may hold the same run.
 
     :param text: log or run folder.
     :param name: scenario, if the user names one. A damaged certificate is then ignored; a folder of which a file was
@@ -318,7 +319,8 @@ def checked_record(text: str, name: str | None) -> Record:
 
 
 def _certificate(log: Path, name: str | None) -> tuple[dict[str, Any], str]:
-    """The certificate beside a log, empty if there is none, and why its folder cannot be trusted (empty: it can).
+    """The certificate beside a log, empty if there is none, and the reason for which its folder cannot be trusted
+    (empty: it can).
 
     :param name: of the scenario, if the user names one; otherwise such a folder is refused.
     """
@@ -327,7 +329,7 @@ def _certificate(log: Path, name: str | None) -> tuple[dict[str, Any], str]:
         try:
             document = read_certificate(log.parent, _BESIDE)
         finally:
-            # A certificate that cannot be read is first of all one that was changed.
+            # A certificate that cannot be read has most likely been changed.
             check_folder(log.parent, document)
     except (InputError, ContractError) as error:
         if name is None:
@@ -357,6 +359,6 @@ def _check_handshake(log: Path, scenario: AnyScenario, trace: Trace) -> None:
     wanted = int(scenario.sha256[:8], 16)
     if ident.scenario_hash != wanted:
         raise InputError(log, "scenario hash", f"{ident.scenario_hash:08x}", f"{wanted:08x} ({scenario.name})")
-    # The plant repeats its own during the run: a log that begins later has that, and not the other two.
+    # The plant repeats its handshake during the run: a log that begins later has this one, and not the other two.
     if trace.ident(SupIdent) is None and trace.count(trace.contract.clock_port.name):
         raise InputError(log, "SUP_IDENT", Words("no such telegram"), "a log that railhil recorded from its start")

@@ -1,8 +1,8 @@
-"""Whether a record shows what happened: milestones of the run against each other and against SIM_TRUTH.
+"""Checks whether a record is complete: milestones of the run against each other and against SIM_TRUTH.
 
 A verdict depends on a few rare telegrams. Each is numbered by the plant and repeated, so a milestone missing from the
 record leaves a gap in the numbers; and a standstill of the train is also visible in SIM_TRUTH. If the two disagree the
-record is INVALID, because it is not known what happened.
+record is INVALID, because the course of the run is unknown.
 """
 
 from __future__ import annotations
@@ -18,8 +18,7 @@ from railhil.record.trace import FloatArray, Trace
 #: A train that SIM_TRUTH shows at rest for this long has stopped. Speeds below half an LSB (0.05 mm/s) also appear as
 #: rest, but no train creeps so slowly for so long.
 STANDING_S = 0.5
-#: The log's time stamps are those of the recorder: on a bus that loses frames they may differ from the plant's by some
-#: ticks.
+#: The recorder makes the log's time stamps: on a bus that loses frames they may differ from the plant's by some ticks.
 STAMP_ERROR_MAX_S = 0.1
 #: Maximum acceleration of a train: limits the speed that SIM_TRUTH may show shortly after a standstill.
 ACCEL_MAX_MPS2 = 10.0
@@ -28,7 +27,7 @@ _LSB_M = 1e-4
 
 
 def incomplete(trace: Trace, truth: str) -> str:
-    """What a record lacks to be judged as a run, as a reason; empty if it lacks nothing.
+    """The part that a record lacks to be judged as a run, as a reason; empty if it is complete.
 
     :param truth: the port that shows the train.
     """
@@ -66,7 +65,7 @@ def milestone_missing(trace: Trace) -> str:
 def standstill_unclear(trace: Trace, time_s: FloatArray, position_m: FloatArray, speed_mps: FloatArray) -> str:
     """The contradiction between STOPPED and SIM_TRUTH, as a reason; empty if they agree.
 
-    :param time_s: of each SIM_TRUTH in s, increasing, shape (n,); ``position_m`` and ``speed_mps`` are what it says.
+    :param time_s: of each SIM_TRUTH in s, increasing, shape (n,); ``position_m`` and ``speed_mps`` are its values.
     """
     codes = trace.raw(RunEvent.PORT, "RunEvent")
     stopped = np.flatnonzero(codes == Event.STOPPED)
@@ -86,7 +85,7 @@ def standstill_unclear(trace: Trace, time_s: FloatArray, position_m: FloatArray,
                 f"at {time_s[after]:.2f} s"
             )
     stands_s = _first_stand_s(time_s, position_m, speed_mps)
-    # Anywhere within it: a train that creeps to a standstill reads 0 before it has stopped.
+    # The milestone may lie anywhere within the standstill: a creeping train reads 0 before it has stopped.
     if stands_s is not None and not np.any(instants_s <= stands_s[1] + STAMP_ERROR_MAX_S):
         return f"record: no STOPPED, but SIM_TRUTH shows that the train stands from {stands_s[0]:.2f} s on"
     return ""

@@ -1,4 +1,4 @@
-"""Repeating a recorded run: its certificate and log, and what has changed since."""
+"""Repeating a recorded run: its certificate and log, and the changes since."""
 
 from __future__ import annotations
 
@@ -37,12 +37,12 @@ class Recorded:
 
     @property
     def sha256(self) -> str:
-        """Of its ``frames.log``, from the certificate."""
+        """SHA-256 of its ``frames.log``, from the certificate."""
         return str(self.certificate["frames_sha256"])
 
     @property
     def telegrams_sha256(self) -> str:
-        """Of the frames of its wire contract alone; empty: the certificate does not say it."""
+        """SHA-256 of the frames of its wire contract alone; empty: the certificate does not have it."""
         return str(self.certificate.get("telegrams_sha256") or "")
 
 
@@ -77,7 +77,7 @@ def _logs(folder: Path) -> tuple[Path, ...]:
 
 
 def repeatable(run: Recorded) -> None:
-    """Refuse a run that nobody can repeat with the same bytes.
+    """Refuse a run that cannot be repeated with the same bytes.
 
     :raises InputError: it kept real time, or its controller was not railhil's.
     """
@@ -91,9 +91,9 @@ def repeatable(run: Recorded) -> None:
 
 
 def scenario_now(run: Recorded, stored: bool) -> tuple[AnyScenario, str]:
-    """The scenario with which to repeat a run, and in what it differs from the record's; empty: in nothing.
+    """The scenario with which to repeat a run, and its differences from the record's; empty: no differences.
 
-    :param stored: if the scenario named in the certificate has changed or is gone, use that of the run folder.
+    :param stored: if the scenario named in the certificate has changed or is gone, use the scenario of the run folder.
     :raises InputError: there is none.
     """
     wanted, path = run.certificate.get("scenario_sha256"), run.certificate_path.parent / SCENARIO
@@ -111,7 +111,7 @@ def scenario_now(run: Recorded, stored: bool) -> tuple[AnyScenario, str]:
 
 
 def changes(run: Recorded) -> list[str]:
-    """One sentence for each part of the bench that is not that of the record; a cause of other bytes."""
+    """One sentence for each part of the bench that differs from the record's: a cause of other bytes."""
     return document_changes(run.certificate, "the record")
 
 
@@ -123,11 +123,11 @@ def document_changes(document: Mapping[str, Any], since: str) -> list[str]:
 
 
 def code_changes(then: Mapping[str, Any], now: Mapping[str, str | None], since: str) -> list[str]:
-    """One sentence for each part of the code that is not that by which a document was made.
+    """One sentence for each part of the code that differs from the code that made a document.
 
-    :param then: the document; a key that it has not is not compared.
+    :param then: the document; missing keys are not compared.
     :param now: :func:`railhil.judge.folder.made_by`, and further hashes.
-    :param since: what was made then.
+    :param since: the thing that was made then.
     """
     differ = {key for key, value in now.items() if then.get(key) not in (None, value)}
     found = []

@@ -21,13 +21,13 @@ from railhil.scenarios.run_spec import RunSpec
 if TYPE_CHECKING:
     from railhil.controller_node.arithmetic.base import Counters
 
-#: Counters of a node that do not count anything refused.
+#: Counters of a node that do not count refusals.
 _NOT_REFUSED = ("unknown_id", "no_mailbox", "accepted", "polls")
 
 
 @dataclass(slots=True)
 class Result:
-    """A run that has been made and judged: what was run, its telegrams, its score, or why there is none.
+    """A run that has been made and judged: its description, its telegrams, its score, or the reason why there is none.
 
     :param scenario: of its system, interpreted by the system's own parts.
     :param spec: with the memory and the orders that the run had.
@@ -48,25 +48,25 @@ class Result:
     transport: str = ""
     #: Words of a command line that select the bus; none for a bus that existed for this run alone.
     bus_words: Sequence[str] = ()
-    #: Of the controller's telemetry, from its file or else from the bus; None if there is none.
+    #: Summary of the controller's telemetry, from its file or else from the bus; None if there is none.
     summary: TelemetrySummary | ShownTelemetry | None = None
     #: The declaration about the law's own parameters in its file.
     origin: LawOrigin | None = None
-    #: What the recorder and its link counted.
+    #: Counters of the recorder and its link.
     recorder_counters: dict[str, int] = field(default_factory=dict)
     timing: RunTiming | None = None
-    #: Ports whose owner has not said what it sent.
+    #: Ports whose owner has left no list of its frames.
     not_witnessed: Sequence[str] = ()
-    #: What the law wants kept; None for a law without memory, and for a run that cannot be trusted.
+    #: The memory that the law wants to keep; None for a law without memory, and for a run that cannot be trusted.
     memory: Learned | None = None
-    #: What happened in the run, in the order of the instants.
+    #: The events of the run, in the order of the instants.
     events: tuple[RecordedEvent, ...] = ()
-    #: What is said of a controller that is not railhil's own (:mod:`railhil.record.telemetry`).
+    #: Values stated for a controller that is not railhil's own (:mod:`railhil.record.telemetry`).
     reported: Mapping[str, str] = field(default_factory=dict)
     #: SHA-256 of the recorded frames of the wire contract alone, and how many others the record has.
     telegrams_sha256: str = ""
     other_frames: int = 0
-    #: What became of the faults of the run, by number.
+    #: Results of the faults of the run, by number.
     faults: list[FaultOutcome] = field(default_factory=list)
     #: The event with which the run ended.
     ended: Event | None = None
@@ -94,7 +94,7 @@ class Result:
 
     @property
     def invalid(self) -> str:
-        """Why the run is not trustworthy; empty if it is."""
+        """Reason for which the run is not trustworthy; empty if it is."""
         return "" if self.trusted else self.line or "no reason given"
 
     @property
@@ -120,7 +120,7 @@ class Result:
 
     @property
     def refused(self) -> dict[str, int]:
-        """Everything that any node refused, except frames of ports without a mailbox: empty on a healthy bus."""
+        """All refusals of any node, except of frames of ports without a mailbox: empty on a healthy bus."""
         found: dict[str, int] = {}
         for node, counters in self.counters.items():
             for cause, count in counters.items():

@@ -35,14 +35,14 @@ if TYPE_CHECKING:
 
 #: Criteria with a limit, in the order of their failures.
 _LIMITED = tuple(limited(ATO_CRITERIA))
-#: Where the controller of ``ato`` reports on its arithmetic; the notes are defined by the law.
+#: The status telegram of the controller of ``ato``; the law defines the notes.
 STATUS = Status(CtlStat.PORT, "OverflowFlags")
 
 
 @dataclass(frozen=True, slots=True)
 class Score:
-    """Scores of one run by the keys of its criteria; ``None`` if the run did not get that far (a train that did not
-    stop has no stop error).
+    """Scores of one run by the keys of its criteria; ``None`` if the run ended before (a train that did not stop has no
+    stop error).
 
     ``signed``: the scores that have a sign; positive ``time_error_s`` is late, positive ``stop_error_m`` is past the
     stopping point. ``extras``: the system's own figures by the keys of :attr:`Judging.extras`. ``stops``: the stops
@@ -110,7 +110,7 @@ class Measured:
 
 
 def judged(scenario: Scenario, run: Measured) -> Score:
-    """Score of a complete run with its verdict: which limits of the plan it misses."""
+    """Score of a complete run with its verdict and the limits of the plan that it misses."""
     failures = []
     if run.ended is Event.ENDED_CONTROLLER_LOST:
         failures.append("controller lost")
@@ -155,8 +155,8 @@ def score(scenario: Scenario, trace: Trace) -> Score:
     """Score a recorded run.
 
     :param scenario: the *nominal* scenario of the run (its plan, target curve and limits).
-    :returns: verdict PASS or FAIL; INVALID if the record does not hold a complete run. One whose controller a fault has
-        silenced is complete when the train stands; its verdict is FAIL.
+    :returns: verdict PASS or FAIL; INVALID if the record does not hold a complete run. A run whose controller a fault
+        has silenced is complete when the train stands; its verdict is FAIL.
     """
     events = _events(trace)
     ended = next((event for event in sorted(events, reverse=True) if ends_run(event)), None)
@@ -173,7 +173,7 @@ def score(scenario: Scenario, trace: Trace) -> Score:
     time_s, truth = time_s[fresh], {name: values[fresh] for name, values in truth.items()}
     whole = [Event.ENDED_COMPLETE, Event.ENDED_NOT_STOPPED]
     if any(map(_silences_controller, parse_faults(scenario.faults))):
-        # As asked for: what the train did without it is judged.
+        # The fault was requested: the train's run without the controller is judged.
         whole.append(Event.ENDED_CONTROLLER_LOST)
     if ended not in whole or len(time_s) < 2:
         name = ended.name.lower() if ended is not None else "record_incomplete"

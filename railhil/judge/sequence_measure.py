@@ -1,4 +1,4 @@
-"""What is measured over a sequence of runs: how a criterion with a limit gets better while its law learns."""
+"""Measures over a sequence of runs: the improvement of a criterion with a limit while its law learns."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 class SequenceMeasure:
     """A criterion over sequences of runs.
 
-    :param within: limits, in the unit of the criterion, for which the share of runs inside is given.
+    :param within: limits in the unit of the criterion; the share of runs inside each is given.
     :param converged: a sequence has converged at the first of ``in_a_row`` successive runs inside this limit.
     """
 
@@ -27,7 +27,7 @@ class SequenceMeasure:
 
 
 def sequence_measures(scenario: Any, judging: Judging) -> Sequence[SequenceMeasure]:
-    """The measures of a scenario: those that its system names, else each of its limits."""
+    """The measures of a scenario: its system's, else one for each of its limits."""
     if judging.learned:
         return judging.learned
     found = []

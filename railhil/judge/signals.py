@@ -62,7 +62,7 @@ def table_of(
 ) -> tuple[list[str], FloatArray]:
     """As :func:`signal_table`, with the scenario's judging: for a panel, which makes this table 10 times a second.
 
-    :param holds_s: of a port that is silent for longer nothing is known; None: the last value holds.
+    :param holds_s: values of a port that is silent for longer are unknown; None: the last value holds.
     """
     time_s = trace.times_s(judging.truth)
     found = [(header, port, trace.values(port, signal)) for header, port, signal in judging.columns]
@@ -92,7 +92,7 @@ def drawn_table(scenario: AnyScenario, trace: Trace, notes: Any = None) -> tuple
 
 
 def _watches(judging: Judging, trace: Trace) -> list[Watch]:
-    """The watches of which the record has the levels."""
+    """The watches whose levels the record has."""
     return [watch for watch in judging.watches if reports(trace, watch)]
 
 

@@ -1,4 +1,4 @@
-"""The stops of a run: where and when a scenario wants the train to stop, and the result for each stop.
+"""The stops of a run: place and time of the stops that a scenario requires, and the result for each.
 
 A run may have one or several. They are listed in the system's score (:attr:`railhil.judge.score.Score.stops`),
 from which score.json, report, JUnit and console take them.
@@ -101,8 +101,8 @@ def standstills_of(reached: Sequence[tuple[float, float]]) -> tuple[Standstill, 
 
 
 def scored_stops(planned: Sequence[PlannedStop], found: Sequence[Standstill]) -> tuple[ScoredStop, ...]:
-    """Each planned stop with the standstill assigned to it: of the standstills that are nearer to it than to any other
-    planned stop, the nearest one; if several are equally near, the first."""
+    """Each planned stop with the standstill assigned to it: the nearest of the standstills that are nearer to it than
+    to any other planned stop; the first if several are equally near."""
     near: list[list[Standstill]] = [[] for _ in planned]
     for one in found:
         away_m = [abs(one.position_m - stop.target_m) for stop in planned]
@@ -115,5 +115,5 @@ def scored_stops(planned: Sequence[PlannedStop], found: Sequence[Standstill]) ->
 
 
 def missed_stops(stops: Sequence[ScoredStop]) -> list[str]:
-    """Sentences for a verdict: which stops are missed, and why."""
+    """Sentences for a verdict: the missed stops with their reasons."""
     return [f"stop {stop.planned.name}: {stop.missed}" for stop in stops if stop.missed]

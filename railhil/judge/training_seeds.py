@@ -1,4 +1,5 @@
-"""Whether a run counts as an evaluation of its controller: not if the parameters were chosen on that same run."""
+"""Decides whether a run counts as an evaluation of its controller: it does not if the parameters were chosen on that
+same run."""
 
 from __future__ import annotations
 
@@ -14,10 +15,10 @@ from railhil.scenarios.stored import content_sha256
 
 
 def chosen_on(design_seeds: Mapping[str, Collection[int]], scenario: AnyScenario, seeds: Collection[int]) -> list[int]:
-    """Those of the seeds, in order, on which parameters were chosen in this scenario.
+    """The given seeds on which parameters were chosen in this scenario, in order.
 
-    A scenario is the same if it has the name, whatever was set in it, or if its runs are the same under another name: a
-    file that only extends it, or a copy.
+    A scenario is the same if it has the name, with any settings, or if its runs are the same under another name: a file
+    that only extends it, or a copy.
 
     :param design_seeds: the law's declaration: name of a scenario, seeds.
     """
@@ -39,9 +40,9 @@ def _content_of(name: str) -> str | None:
 
 
 def seed_was_trained(scenario: AnyScenario, run: RunSpec, origin: LawOrigin | None) -> bool | None:
-    """True when the parameters were tuned, or the law's own ones designed, on this run.
+    """True when the parameters were tuned, or the law's own parameters were designed, on this run.
 
-    Runs that are not perturbed count in a system whose plant draws the same in every run.
+    Nominal runs count in a system whose plant makes the same draws in every run.
 
     :param origin: the law's declaration about its own parameters; None if unknown.
     :returns: None if unknown, because the controller has not declared the origin of its own parameters.

@@ -58,7 +58,7 @@ def write_comparison(
 ) -> dict[str, Any]:
     """Write both files atomically; ``compare.json`` comes last and marks the comparison as complete.
 
-    :param common: any of the runs, from which the common properties are taken.
+    :param common: one of the runs, which gives the common properties.
     :param runs: run folders below ``folder`` with their recorded runs, in order.
     :param notes: sentences on the comparison as a whole.
     :returns: the content of ``compare.json``.

@@ -1,7 +1,7 @@
-"""How the columns of ``signals.csv`` are shown to readers: names, units, words; which are speed, target and command;
-which share a chart. The page of a run, the panel and ``railhil plot`` take it from here.
+"""Display of the columns of ``signals.csv``: names, units, words; the roles speed, target and command; the columns that
+share a chart. The page of a run, the panel and ``railhil plot`` take it from here.
 
-Everything comes from what the system declares; nothing here knows a system.
+All of it comes from the system's declarations; nothing here knows a system.
 """
 
 from __future__ import annotations
@@ -26,9 +26,9 @@ SIGNAL, NOTE, LEVEL, STATE = "signal", "note", "level", "state"
 #: Target less speed, as a column of its own: two lines of a speed lie too close to be told apart.
 ERROR = "tracking_error"
 _SPEED, _ERROR, _LAW, _LEVELS = "speed", "tracking error", "law", "reactions"
-#: Title of the chart of a unit; others have the unit.
+#: Title of the chart of a unit; other charts have the unit as title.
 _TITLES = {"km/h": _SPEED, "notch": "command", "m/s²": "acceleration", "kN": "force", "m": "position", "‰": "grade"}
-#: Charts in this order, that of the command after the second; others follow.
+#: Order of the charts; the command's chart comes after the second, others follow.
 _ORDER = (_SPEED, _ERROR, "acceleration", "force", _LAW)
 
 
@@ -36,9 +36,9 @@ _ORDER = (_SPEED, _ERROR, "acceleration", "force", _LAW)
 class ShownColumn:
     """One column after the time.
 
-    ``name``: in ``signals.csv``; ``label``: for readers. ``unit`` and ``factor``: as shown, and what the value of the
-    table is multiplied by. ``kind``: ``signal``, ``note`` (of the law), ``level`` (place in a reaction ladder) or
-    ``state`` (a number with words). ``words``: of its values, as far as they have some.
+    ``name``: in ``signals.csv``; ``label``: for readers. ``unit`` and ``factor``: the displayed unit, and the factor
+    from the value of the table. ``kind``: ``signal``, ``note`` (of the law), ``level`` (place in a reaction ladder) or
+    ``state`` (a number with words). ``words``: of its values, if they have some.
     """
 
     name: str
@@ -113,7 +113,7 @@ def with_error(shown: Shown) -> Shown:
 def shown_columns(scenario: AnyScenario, contract: Contract | None = None, notes: Any = None) -> Shown:
     """The columns of a scenario's records.
 
-    :param contract: that of the record; None: the system's own.
+    :param contract: contract of the record; None: the system's own.
     :param notes: the law's declaration of its notes, as in the certificate; None: not known.
     """
     system, judging = scenario.installed_system, judging_of(scenario)
@@ -136,7 +136,7 @@ def shown_columns(scenario: AnyScenario, contract: Contract | None = None, notes
 
 
 def _command(system: System, by_signal: Mapping[tuple[str, str], str], columns: Sequence[ShownColumn]) -> str:
-    """The first command that the system names, else the first column called so."""
+    """The first command that the system names, else the first column of that name."""
     for place in system.named.values():
         port, _, signal = place.partition(".")
         if (port, signal) in by_signal:

@@ -1,4 +1,4 @@
-"""Distributions of scores over many runs: what share of a law's runs is at most at each value."""
+"""Distributions of scores over many runs: the share of a law's runs at or below each value."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Spread:
     """One criterion over the runs of each law and its parameters: values with their sign where they have one, NaN for
     a run without.
 
-    ``limits``: what the scenario allows, empty if it says nothing.
+    ``limits``: of the scenario, empty if it has none.
     """
 
     criterion: Criterion
@@ -35,7 +35,7 @@ class Spread:
 
 
 def limits_of(scenario: Any, criterion: Criterion) -> tuple[float, ...]:
-    """The bounds of what a scenario allows."""
+    """The bounds that a scenario allows."""
     limit = criterion.limit_in(scenario)
     if limit is None:
         return ()
@@ -45,8 +45,7 @@ def limits_of(scenario: Any, criterion: Criterion) -> tuple[float, ...]:
 def spreads_of(
     scenario: Any, criteria: Sequence[Criterion], runs: Sequence[Record]
 ) -> tuple[list[Spread], dict[str, Style]]:
-    """The scores of recorded runs by what they are runs of (:func:`railhil.report.recorded.law_labels`), and
-    a style for each."""
+    """The scores of recorded runs by label (:func:`railhil.report.recorded.law_labels`), and a style for each."""
     labels = law_labels(runs)
     laws = {label: run.controller for label, run in zip(labels, runs, strict=True)}
 
@@ -62,8 +61,8 @@ def spreads_of(
 
 
 def worst_first(scenario: Any, criteria: Sequence[Criterion], runs: Sequence[Record]) -> list[int]:
-    """Places of the runs, worst first: those that are not trusted or missed a limit, by how far they missed it; equal
-    ones stay in their order."""
+    """Places of the runs, worst first: runs that are not trusted or missed a limit, by the size of the miss; equal ones
+    stay in their order."""
 
     def badness(run: Record) -> tuple[bool, bool, float]:
         worst = 0.0
@@ -84,10 +83,10 @@ def worst_first(scenario: Any, criteria: Sequence[Criterion], runs: Sequence[Rec
 def shares(values: FloatArray, points: int = _POINTS) -> tuple[FloatArray, FloatArray]:
     """Points of the distribution function: ascending values, and the share of all runs at or below each, in per cent.
 
-    A run without a value is at or below none.
+    A run without a value counts at no value.
 
     :param values: shape (n,).
-    :param points: at most so many; the first and the last are kept.
+    :param points: largest number of points; the first and the last are kept.
     """
     known, counts = np.unique(values[np.isfinite(values)], return_counts=True)
     below = 100.0 * np.cumsum(counts) / max(len(values), 1)

@@ -30,7 +30,7 @@ def memory_sentence(certificate: Mapping[str, Any]) -> str:
 
     began, stored = "none yet", before["stored"] if before else []
     used = certificate.get("memory_used")
-    # Without it the run cannot be trusted: the law would have used the first.
+    # The run cannot be trusted without it: the law would have used the first.
     record = next((one["record"] for one in stored if one["record"] and used in (None, one["slot"])), None)
     if before and record:
         began = (

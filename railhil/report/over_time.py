@@ -39,10 +39,10 @@ _OPEN = 5
 
 @dataclass(frozen=True, slots=True)
 class RunColumns:
-    """The columns of a run as they are shown, NaN where there is no line.
+    """The displayed columns of a run, NaN where there is no line.
 
-    ``number``: of the run on the page. ``values``: by name, in the units of the columns; without those that the run
-    does not have.
+    ``number``: of the run on the page. ``values``: by name, in the units of the columns, without the columns that the
+    run does not have.
     """
 
     label: str
@@ -64,8 +64,8 @@ def system_pictures(scenario: AnyScenario, runs: Sequence[Record]) -> list[Any]:
     """The figures of the scenario's system, which gets the records with their gaps
     (:class:`railhil.record.sampling.DrawnTrace`).
 
-    Each has ``name``, ``title``, ``caption`` and ``svg``: a :class:`railhil.charts.figure.Figure`, or what the system
-    has drawn itself (:class:`railhil.report.pictures.Picture`).
+    Each has ``name``, ``title``, ``caption`` and ``svg``: a :class:`railhil.charts.figure.Figure`, or a picture drawn
+    by the system itself (:class:`railhil.report.pictures.Picture`).
     """
     drawn = [
         run.copy_with(trace=drawn_trace(run.scenario, run.trace), score=run.score, events=run.events) for run in runs
@@ -75,7 +75,7 @@ def system_pictures(scenario: AnyScenario, runs: Sequence[Record]) -> list[Any]:
 
 
 def columns_of(run: Record, number: int, style: Style) -> RunColumns:
-    """What a record has of its columns.
+    """The columns that a record has.
 
     :param number: of the run on the page.
     """
@@ -84,7 +84,7 @@ def columns_of(run: Record, number: int, style: Style) -> RunColumns:
 
 
 def signal_charts(scenario: Any, trace: Trace) -> list[Chart]:
-    """All signals of a record over time, for a picture that stands alone."""
+    """All signals of a record over time, for a separate picture."""
     run = _columns("train", -1, Style(), scenario, trace, None, ())
     columns = [column for column in run.shown.columns if column.name in run.values]
     made = [_chart(group, [run], set()) for group in grouped(columns, run.shown.command)]
@@ -159,7 +159,7 @@ def _known(run: RunColumns, name: str) -> ShownColumn | None:
 
 
 def _event_rows(run: RunColumns) -> dict[str, list[RecordedEvent]]:
-    """The events that are no level, by kind."""
+    """The events other than levels, by kind."""
     found: dict[str, list[RecordedEvent]] = {}
     for event in run.events:
         if event.kind not in (LEVEL, START):
@@ -185,7 +185,7 @@ def _faults(run: RunColumns) -> Iterator[Area]:
 
 
 def signals(runs: Sequence[RunColumns], drawn: Sequence[Figure]) -> tuple[list[Figure], list[Figure]]:
-    """The columns over time that no figure of the page has yet: what is open at first, and the others.
+    """The columns over time that no figure of the page has yet: the charts that are open at first, and the others.
 
     :param drawn: the other figures of the page.
     """
@@ -211,7 +211,7 @@ def signals(runs: Sequence[RunColumns], drawn: Sequence[Figure]) -> tuple[list[F
 
 
 def _is_open(group: ColumnGroup, runs: Sequence[RunColumns]) -> bool:
-    """Whether a chart is open at first; the position is what others are drawn over."""
+    """Whether a chart is open at first; the position is the axis of other charts."""
     places = {run.shown.position for run in runs}
     is_place = any(column.name in places for column in group.columns) or group.title == "position"
     return group.columns[0].kind in (SIGNAL, LEVEL_KIND) and not is_place and _moves(group, runs)

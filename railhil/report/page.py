@@ -26,7 +26,7 @@ from railhil.report.templates import script, styles_text, template
 from railhil.report.timing import lateness
 from railhil.scenarios.model import watch_sentence
 
-#: Above so many runs the page shows distributions, and figures and charts of the worst runs only.
+#: Number of runs above which the page shows distributions, and figures and charts of the worst runs only.
 RUNS_MAX, _WORST = 20, 6
 #: The page's template.
 TEMPLATE: Final = "report.html.j2"
@@ -92,7 +92,7 @@ def page(runs: Sequence[Record], notes: Sequence[str] = (), links: Sequence[str]
 
 
 def _over(runs: Sequence[RunColumns]) -> ShownColumn | None:
-    """The position, if it never decreases in any run: then everything over time can be drawn over it."""
+    """The position, if it never decreases in any run: then all charts over time can also be drawn over it."""
     if not runs:
         return None
     name = runs[0].shown.position

@@ -44,7 +44,7 @@ def drawing(fonttype: str = "path") -> Iterator[None]:
     settings: dict[Any, Any] = {
         "svg.hashsalt": "railhil",
         "svg.fonttype": fonttype,
-        # Names of laws and lines are literal text, whatever they contain.
+        # Names of laws and lines are literal text with any characters.
         "text.parse_math": False,
         "font.size": 9,
         "font.family": "sans-serif",
@@ -67,7 +67,7 @@ def legend(axes: Axes, columns: int = _LEGEND_COLUMNS) -> None:
 
 
 def sheet(figure: Figure, title: str = "") -> Sheet:
-    """The charts of a figure below each other, those that share a row beside each other.
+    """The charts of a figure below each other, charts of one row beside each other.
 
     :param title: above all charts; empty: none.
     """
@@ -207,7 +207,7 @@ def svg(figure: Sheet, name: str, title: str) -> str:
     """The figure as an element of a page.
 
     Coordinates keep two decimals (a hundredth of a point), which halves the file; identifiers are prefixed with the
-    name; the style sheet, which would apply to the whole page, is left to the page.
+    name; the style sheet is left out, because it would apply to the whole page.
     """
     text = io.StringIO()
     figure.savefig(text, format="svg", metadata={"Date": None, "Creator": None, "Format": None, "Type": None})

@@ -23,14 +23,14 @@ RecordedRun = Record
 
 
 def law_labels(runs: Sequence[Record]) -> list[str]:
-    """For each run what it is a run of: the law with its parameters, and in which arithmetic, by which set-points and
-    of which train, as far as runs of the law differ in it. Runs that differ in the seed alone have the same."""
+    """Label of each run: the law with its parameters, and arithmetic, set-points and train if runs of the law differ in
+    them. Runs that differ in the seed alone have the same label."""
     bare = [law_label(run.certificate, run.controller) for run in runs]
     return _extended(bare, runs, ("arithmetic", "indexing", "perturbed"))
 
 
 def distinct_labels(runs: Sequence[Record]) -> list[str]:
-    """A label for each run, all different: equal labels are extended by what differs between the runs."""
+    """A label for each run, all different: equal labels are extended by the differences of the runs."""
     labels = _extended([run.label for run in runs], runs, ("arithmetic", "indexing", "perturbed", "seed", "pace"))
     for label in {text for text in labels if labels.count(text) > 1}:
         same = [index for index, text in enumerate(labels) if text == label]
@@ -60,7 +60,7 @@ class Curves:
     """The curves drawn for one run: arrays of equal length per source, in the units of their names.
 
     ``time_s`` to ``brake_kn`` from SIM_TRUTH, ``notch*`` from NOTCH_CMD, the rest from CTL_STAT. Where a source falls
-    silent, its arrays have an entry without values, so that no line goes over the gap.
+    silent, its arrays have an entry without values, so that no line crosses the gap.
     """
 
     time_s: FloatArray
@@ -76,7 +76,7 @@ class Curves:
     notes: tuple[tuple[ReportedNote, FloatArray], ...]
 
     def told(self, *, flags: bool) -> list[tuple[ReportedNote, FloatArray]]:
-        """Notes that are bit fields, or the others; without those that were always 0."""
+        """Notes that are bit fields, or the others; without notes that were always 0."""
         return [
             (note, values) for note, values in self.notes if bool(note.bits) == flags and np.nan_to_num(values).any()
         ]
@@ -85,7 +85,7 @@ class Curves:
 def wanted_mps(scenario: Scenario, trace: Trace) -> FloatArray:
     """The set-point that the law followed, at each SIM_TRUTH: by time, or by the train's position; shape (n,)."""
     target = target_of(scenario.target)
-    # Whoever joined late has not heard the controller's.
+    # A recorder that joined late has not heard the controller's handshake.
     ident = trace.ident(CtlIdent) or trace.ident(PltIdent)
     over_distance = ident is not None and ident.indexing == INDEXINGS.index("distance")
     time_s = target.time_s(trace.values(SimTruth.PORT, "TruePos")) if over_distance else trace.times_s(SimTruth.PORT)

@@ -28,7 +28,7 @@ _VARIANTS = ((1.5, "none"), (0.7, "full"), (2.3, "full"), (1.1, "full"))
 #: Number of runs of one law that keep its colour; further ones use styles not taken by other laws.
 _OF_ONE_LAW = 2
 _MARKER_PX = 8.0
-#: Of further columns of a run.
+#: Styles of further columns of a run.
 _DASHES = ((), (7.0, 3.0), (2.0, 2.0), (10.0, 3.0, 2.0, 3.0), (4.0, 4.0))
 
 
@@ -59,7 +59,7 @@ class Style:
         """In shared charts; the marker appears only in the legend, and where a point is marked. A filled one is small,
         so that a hollow one at the same place stays visible."""
         is_full = _VARIANTS[self.variant][1] != "none"
-        # Points of several laws may coincide: three sizes keep them visible.
+        # Points of several laws may coincide; three sizes keep them visible.
         marker_px = 0.75 * _MARKER_PX if is_full else _MARKER_PX + 2.0 * (self.law % 3)
         return Look(str(self.law), self.width, self.dashes, _LAWS[self.law][2], is_full, marker_px)
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 @dataclass(frozen=True, slots=True)
 class Cell:
     """A measured value and the published one, as text (empty: none); ``best``: the best measured value of all runs that
-    count as an evaluation; ``missed``: it is outside what the scenario allows."""
+    count as an evaluation; ``missed``: it is outside the scenario's limits."""
 
     measured: str
     published: str
@@ -68,7 +68,7 @@ def rows(scenario: AnyScenario, criteria: Sequence[Criterion], runs: Sequence[Re
 
 
 def better_sentence(criteria: Sequence[Criterion]) -> str:
-    """The sentence that says whether less or more is better in each column, and which are shown without sign."""
+    """The sentence on the columns in which less or more is better, and on columns shown without sign."""
     more = [criterion.title for criterion in criteria if criterion.better == "high"]
     bare = [criterion.title.removesuffix(" error") for criterion in criteria if criterion.signed]
     text = f"Less is better in every column{f' but {_listed(more)}' if more else ''}"
@@ -84,13 +84,13 @@ _USUAL = (START, MILESTONE)
 
 
 def has_unusual(events: Sequence[RecordedEvent]) -> bool:
-    """Whether anything happened that does not happen in every run."""
+    """Whether the run has events that not every run has."""
     return any(event.kind not in _USUAL for event in events)
 
 
 @dataclass(frozen=True, slots=True)
 class EventRow:
-    """Events of a run that differ only in their instants: the first and the last, their number, and what they are."""
+    """Events of a run that differ only in their instants: the first and the last, their number, and their kind."""
 
     label: str
     first_s: float

@@ -1,4 +1,4 @@
-"""The templates of pages: how they escape, where they are found; script and styles inside them."""
+"""The templates of pages: their escaping and search path; script and styles inside them."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from railhil.charts.svg import markup
 from railhil.common.streams import escape_controls
 
 if TYPE_CHECKING:
-    # Loads matplotlib, which a page does not need.
+    # This import loads matplotlib, which a page does not need.
     from railhil.report.pictures import Picture
 
 
 def script() -> str:
-    """The program of a page: what a reader can do with its figures."""
+    """The program of a page, by which a reader uses its figures."""
     return static_text("figures.js")
 
 
@@ -37,7 +37,7 @@ def _element(figure: Figure | Picture) -> str:
 
 @cache
 def template(name: str, package: str = _HERE) -> Template:
-    """A template, looked for in a package, and then among those of this one; to compile that of a run takes 30 ms.
+    """A template, searched in a package and then in this one; compiling the template of a run takes 30 ms.
 
     :param package: dotted name.
     :raises jinja2.TemplateNotFound: there is none of this name.

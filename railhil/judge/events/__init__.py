@@ -1,5 +1,5 @@
-"""What happened in a run and why: events derived from the record alone.
+"""Events of a run with their causes, derived from the record alone.
 
-``declared`` says where a system reports its reactions, ``derive`` makes the events of a record, ``summary`` says them
-in a line and in ``score.json``.
+``declared``: the reports of a system's reactions; ``derive``: the events of a record; ``summary``: the events in a line
+and in ``score.json``.
 """

@@ -1,4 +1,4 @@
-"""What a system declares so that its events are found: watches with their levels, interlocks, judged telegrams."""
+"""Declarations of a system from which its events are found: watches with their levels, interlocks, judged telegrams."""
 
 from __future__ import annotations
 
@@ -24,10 +24,10 @@ class Watch:
     """A reaction ladder whose level is on the bus.
 
     ``name``: source of its events, and of a column of ``signals.csv``. ``title``: stands before its levels in
-    sentences; empty: nothing. ``port``, ``level``, ``cause``: the telegram and its signals; the words of both are those
-    of the wire contract. ``ladder``: raw values of the level from normal to the strongest reaction; others are no
-    reaction (a controller that initialises). ``start``: causes for which the first level of a run is no reaction but
-    the normal start. ``said``: (scenario, level, cause) -> the cause in words.
+    sentences; empty: nothing. ``port``, ``level``, ``cause``: the telegram and its signals; the wire contract has the
+    words of both. ``ladder``: raw values of the level from normal to the strongest reaction; others are no reaction (a
+    controller that initialises). ``start``: causes for which the first level of a run is no reaction but the normal
+    start. ``said``: (scenario, level, cause) -> the cause in words.
     """
 
     name: str
@@ -56,7 +56,7 @@ class Received:
 
     @classmethod
     def of(cls, kind: type[Telegram], ranges: Mapping[str, tuple[int, int]] | None = None) -> Received:
-        """What :class:`railhil.bus.acceptance.Acceptance` checks in a telegram, and ``ranges``.
+        """The signals that :class:`railhil.bus.acceptance.Acceptance` checks in a telegram, and ``ranges``.
 
         :raises InputError: its life sign is not a number of 4 bits.
         """
@@ -82,12 +82,12 @@ def interface_received(interface: Any) -> tuple[Received, ...]:
     return tuple(Received.of(kind) for kind in kinds)
 
 
-#: Word of a cause that is none.
+#: Word for no cause.
 _NO_CAUSE = "none"
 
 
 def reports(trace: Trace, watch: Watch) -> bool:
-    """Whether the record can have the watch's levels; that of an earlier version may not."""
+    """Whether the record can have the watch's levels; a record of an earlier version may not."""
     return trace.has(watch.port, watch.level)
 
 

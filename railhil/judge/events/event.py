@@ -19,7 +19,7 @@ REFUSED = "refused"
 LOST = "lost"
 #: Polls without a good answer.
 MISSED_POLL = "missed_poll"
-#: An interlock or status of the train that is not as in normal operation.
+#: An interlock or status of the train differs from normal operation.
 INTERLOCK = "interlock"
 #: An injected fault is active.
 FAULT = "fault"
@@ -34,11 +34,11 @@ _DIGITS = 4
 
 @dataclass(frozen=True, slots=True)
 class RecordedEvent:
-    """Something that happened, at an instant of simulation time.
+    """An event at an instant of simulation time.
 
     ``source``: who reports it or, for telegrams, their port; ``kind``: one of this module's; ``cause``: in the words of
-    the wire contract or of the receiver's counters. ``level``: of a watch. ``count``: how many telegrams were merged
-    into the event. ``until_s``: end of a state, or instant of the last merged telegram; None for a single instant.
+    the wire contract or of the receiver's counters. ``level``: of a watch. ``count``: number of telegrams merged into
+    the event. ``until_s``: end of a state, or instant of the last merged telegram; None for a single instant.
     ``position_m``: true position, where the record states it. ``detail``: the cause in words. ``rank``: strength of the
     level, its place in the ladder of its watch; 0 for everything else.
     """
@@ -61,13 +61,13 @@ class RecordedEvent:
 
 
 def in_order(*found: Iterable[RecordedEvent]) -> tuple[RecordedEvent, ...]:
-    """Events of several sources in the order of their instants; at the same instant those of the first source come
+    """Events of several sources in the order of their instants; at the same instant the events of the first source come
     first."""
     return tuple(sorted((event for events in found for event in events), key=lambda event: event.time_s))
 
 
 def write_events(events: Iterable[RecordedEvent], path: Path) -> None:
-    """Write ``events.csv``: one row per event in the order given; what an event does not have is empty."""
+    """Write ``events.csv``: one row per event in the order given; missing properties are empty."""
     with path.open("w", encoding="utf-8", newline="") as stream:
         rows = csv.writer(stream, lineterminator="\n")
         rows.writerow(COLUMNS)

@@ -1,4 +1,4 @@
-"""The injected faults of a run as events, so that they stand beside what they led to."""
+"""The injected faults of a run as events, beside the reactions that they led to."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from typing import Any
 from railhil.common.errors import InputError
 from railhil.judge.events.event import FAULT, RecordedEvent
 
-#: Faults that the line of a verdict names; of the others it says how many.
+#: Largest number of faults named in the line of a verdict; the others are counted.
 _SAID_MAX = 3
 
 
 def fault_events(found: Iterable[Mapping[str, Any]], end_s: float) -> Iterator[RecordedEvent]:
-    """One event for each fault that became active, from then until its end; ``count``: what it has changed.
+    """One event for each fault that became active, from then until its end; ``count``: the number of its changes.
 
     :param found: entries of ``injected`` in ``certificate.json``
         (:meth:`railhil.judge.fault_report.FaultOutcome.as_json`).
@@ -31,7 +31,7 @@ def fault_events(found: Iterable[Mapping[str, Any]], end_s: float) -> Iterator[R
 
 
 def _parts(text: str) -> tuple[str, str]:
-    """Where a fault acts, and what it does there, without when: ``TRN_SPEED`` and ``loss 30%``."""
+    """Place and effect of a fault, without its time: ``TRN_SPEED`` and ``loss 30%``."""
     # A run without faults does not load their language.
     from railhil.faults.language import fault_text, parse
     from railhil.faults.notation import place_text

@@ -1,4 +1,4 @@
-"""What the events of a run come to: one line for people, one entry of ``score.json`` for programs."""
+"""Summary of the events of a run: one line for people, one entry of ``score.json`` for programs."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ _FOREIGN = "unknown_id"
 class Reaction:
     """The reaction of one watch in a run.
 
-    ``first``: where it first left normal; ``worst``: where it first reached its strongest level. ``times``: how often
-    it came to that level from a weaker one; ``seconds``: time at each level, weakest first.
+    ``first``: its first departure from normal; ``worst``: its first arrival at its strongest level. ``times``: number
+    of arrivals at that level from a weaker one; ``seconds``: time at each level, weakest first.
     """
 
     watch: Watch
@@ -31,7 +31,7 @@ class Reaction:
     seconds: dict[str, float]
 
     def sentence(self) -> str:
-        """The strongest level with its first instant and cause, and how often it was reached or how long it lasted."""
+        """The strongest level with its first instant and cause, and the number of arrivals or its duration."""
         often = f"{self.times} times" if self.times > 1 else f"for {self.seconds[self.worst.level]:.2f} s"
         why = ", ".join(filter(None, (self.worst.detail, often)))
         level = level_shown(self.worst.level)
@@ -49,7 +49,7 @@ class Reaction:
 
 
 def level_shown(level: str) -> str:
-    """A level as people read it."""
+    """A level in readable form."""
     return level.upper().replace("_", " ")
 
 
@@ -115,8 +115,8 @@ def summary(scenario: AnyScenario, events: Sequence[RecordedEvent]) -> dict[str,
 
 
 def why(scenario: AnyScenario, events: Sequence[RecordedEvent]) -> str:
-    """One sentence on what the watches did; if they did nothing, on telegrams that were refused, lost or missing; then
-    on the injected faults.
+    """One sentence on the reactions of the watches, or without reactions on telegrams that were refused, lost or
+    missing; then on the injected faults.
 
     Empty for a healthy run.
     """

@@ -1,4 +1,4 @@
-"""Telegrams that were refused, lost or not sent: what receivers would not have taken from the recorded bus."""
+"""Telegrams that were refused, lost or not sent: receivers would not have taken them from the recorded bus."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _LIFE_VALUES = 16
 
 
 def refused(trace: Trace, received: Iterable[Received]) -> Iterator[RecordedEvent]:
-    """Telegrams refused by the traffic store, and those refused by their receiver for what they say."""
+    """Telegrams refused by the traffic store, and telegrams refused by their receiver for their content."""
     judged = (noted for item in received for noted in _judged(trace, item))
     return _bursts(REFUSED, sorted([*trace.refused, *judged]))
 
@@ -68,7 +68,7 @@ def _judged(trace: Trace, item: Received) -> Iterator[Noted]:
 
 class Stretch(NamedTuple):
     """Telegrams of a port by their numbers in the record, from ``first`` up to ``after``; ``anew``: the receiver has
-    forgotten those before."""
+    forgotten earlier ones."""
 
     first: int
     after: int
@@ -76,7 +76,7 @@ class Stretch(NamedTuple):
 
 
 def bad_content(trace: Trace, item: Received) -> tuple[BoolArray, BoolArray]:
-    """Which telegrams of a port have a wrong check variable, and which a value out of range; shape (n,)."""
+    """Marks the telegrams of a port with a wrong check variable, and with a value out of range; shape (n,)."""
     check_failed = np.zeros(trace.count(item.port), dtype=bool)
     for name in item.checks:
         check_failed |= trace.raw(item.port, name) != CHECK_CORRECT
@@ -90,7 +90,7 @@ def bad_content(trace: Trace, item: Received) -> tuple[BoolArray, BoolArray]:
 def judged(trace: Trace, item: Received, heard: Sequence[Stretch] | None = None) -> Iterator[tuple[int, str]]:
     """The telegrams of one port that its receiver refuses: number in the record, and cause.
 
-    :param heard: what the receiver has heard of them; None: all.
+    :param heard: the telegrams that the receiver has heard; None: all.
     """
     names = [name for name in (item.life, *item.checks, *item.ranges) if name]
     if not all(trace.has(item.port, name) for name in names):
@@ -119,8 +119,8 @@ def judged(trace: Trace, item: Received, heard: Sequence[Stretch] | None = None)
 
 
 class Gap(NamedTuple):
-    """Telegrams of a port that the record does not show: how many, when the first of them was due, and when the next
-    one came, or the record ended (ns)."""
+    """Telegrams of a port that the record does not show: their number, the time at which the first was due, and the
+    time of the next one or of the end of the record (ns)."""
 
     missing: int
     begun_ns: int
@@ -142,17 +142,17 @@ def lost(trace: Trace, schedule: Schedule) -> Iterator[RecordedEvent]:
 
 
 def _arrivals(trace: Trace, port: str) -> tuple[Times, Times]:
-    """Times of the telegrams of a port, and of those that were refused, shape (n,) and (m,)."""
+    """Times of the telegrams of a port, and of the refused ones, shape (n,) and (m,)."""
     refused = [time_ns for time_ns, source, _ in trace.refused if source == port]
     return np.array(trace.times_ns(port), dtype=np.int64), np.array(refused, dtype=np.int64)
 
 
 def gaps(trace: Trace, port: Port, schedule: Schedule) -> list[Gap]:
-    """Where telegrams of a periodic port are missing between two others.
+    """Gaps of a periodic port between two of its telegrams.
 
-    The life sign numbers the telegrams, and time says how often it has gone round. Numbers that never came are missing
-    if there was time for them: a stuck counter leaves none out, copies and late telegrams fill no gap. While the clock
-    port itself is disturbed, time stamps are wrong by some ticks; the numbers are not.
+    The life sign numbers the telegrams, and the time gives the number of its turns. Numbers that never came are missing
+    if there was time for them: a stuck counter leaves none out, and copies and late telegrams fill no gap. While the
+    clock port itself is disturbed, time stamps are wrong by some ticks; the numbers are not.
     """
     times_ns, refused_ns = _arrivals(trace, port.name)
     if len(times_ns) < 2:
@@ -160,7 +160,7 @@ def gaps(trace: Trace, port: Port, schedule: Schedule) -> list[Gap]:
     period_ns = schedule.ticks(port.name) * schedule.base_tick_ns
     periods = np.diff(times_ns) / period_ns
     if port.life is None:
-        # Each is the next one, by its time.
+        # The usual case: each telegram is the next one, by its time.
         steps = np.maximum(1, np.ceil(periods - 0.5)).astype(np.int64)
     else:
         values = 1 << port.life.length
@@ -177,7 +177,7 @@ def gaps(trace: Trace, port: Port, schedule: Schedule) -> list[Gap]:
         refused = int(((refused_ns >= after_ns) & (refused_ns <= until_ns)).sum())
         count = int(shown[index + 1] - shown[index]) - 1 - refused
         if port.mode != "event":
-            # Others in between had a wrong life sign.
+            # Other telegrams in between had a wrong life sign.
             between = int(((times_ns > after_ns) & (times_ns < until_ns)).sum())
             count = min(count, round((until_ns - after_ns) / period_ns) - 1 - between - refused)
         if count > 0:
@@ -186,16 +186,16 @@ def gaps(trace: Trace, port: Port, schedule: Schedule) -> list[Gap]:
 
 
 def outages(trace: Trace, port: Port, schedule: Schedule) -> Iterator[Gap]:
-    """Where telegrams of a periodic port are missing before its first one and after its last one.
+    """Gaps of a periodic port before its first telegram and after its last one.
 
-    Before the first one only in a record from the start of a run; what a scenario or a train need not send may begin
-    at any time.
+    The gap before the first one counts only in a record from the start of a run. Telegrams that a scenario or a train
+    need not send may begin at any time.
     """
     period_ns = schedule.ticks(port.name) * schedule.base_tick_ns
     seen_ns = np.sort(np.concatenate(_arrivals(trace, port.name)))
     opened_ns = trace.times_ns(PltIdent.PORT)
     if len(opened_ns) and port.mode != "event" and (len(seen_ns) or not port.optional):
-        # In the last tick of a record not everything has come yet.
+        # The last tick of a record may be incomplete.
         first_ns = int(seen_ns[0]) if len(seen_ns) else trace.end_ns
         if (count := round((first_ns - opened_ns[0]) / period_ns + (0 if len(seen_ns) else 0.5))) > 0:
             yield Gap(count, opened_ns[0], first_ns)

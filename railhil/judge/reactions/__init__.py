@@ -1,1 +1,1 @@
-"""The fault catalogue: what is injected, what the watches must do, and the table of what they did."""
+"""The fault catalogue: faults, required reactions of the watches, and the table of the actual reactions."""

@@ -14,15 +14,15 @@ from railhil.scenarios.fault_list import fault_texts
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.system import System
 
-#: Levels that cost nothing before they are injected: others change what the run waits for, or how the hub is started.
+#: Levels that change nothing before they are injected: others change the waits of the run, or the start of the hub.
 _LEVELS = ("train", "sensor", "actuator", "command", "telegram")
 
 
 def faults_by_hand(scenario: AnyScenario) -> tuple[str, ...]:
-    """What the catalogue of the scenario's system injects, as texts ``@manual combine id ENTRY``; each fault once.
+    """The faults of the catalogue of the scenario's system, as texts ``@manual combine id ENTRY``; each fault once.
 
-    They have no duration: the operator says how long. Left out are places where the scenario has faults of its own, and
-    what this system cannot inject (a train of one unit has no second one).
+    They have no duration: the operator chooses it. Places with faults of the scenario are left out, and faults that
+    this system cannot inject (a train of one unit has no second one).
 
     :raises InputError: the catalogue is damaged.
     """

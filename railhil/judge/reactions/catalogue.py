@@ -15,24 +15,24 @@ from railhil.scenarios.tomlfile import parsed_toml
 from railhil.scenarios.validation import validated
 
 CATALOGUE = Path(__file__).parent / "catalogue.toml"
-#: In ``detected``: no watch looks at it.
+#: In ``detected``: no watch detects the fault.
 NOTHING = "nothing"
 Level = Literal["NORMAL", "HOLD", "TRACTION CUT", "SERVICE BRAKE", "EMERGENCY"]
 
 
 class Entry(Table):
-    """One entry: a level, a cause, a time, and what must not happen.
+    """One entry: a level, a cause, a time, and the forbidden reactions.
 
-    ``faults``: what is injected, in the fault language. ``law``: the law of the run, empty: the one asked for.
-    ``detected``: one of these must show: a cause of a watch, ``refused:CAUSE`` or ``missed_polls``; ``nothing``: no
-    watch looks at it, and ``limit`` says why. ``reaction``: the weakest level that a watch must reach, ``within_ms``
-    from the first effect, NORMAL: none is needed; ``steps``: levels before it, each with its own time in ms.
-    ``at_most``: the strongest allowed; where that is EMERGENCY, ``ends`` says what must not follow. ``ends``:
-    ``resumes`` (both watches at NORMAL again, the train stops as planned), ``standstill`` (the train stands at the
-    end), ``lost`` (it does, and the controller is lost). ``verdict``: the run's,
-    where one is expected; for a run that is not judged (INVALID, TOOL ERROR), ``said`` is part of its line, and nothing
-    else is demanded. ``limit``: what is not detected, in words. ``idle``: why the fault may change nothing, for a
-    scenario without what it disturbs. ``seen_in``: where an entry is tested that is no fault of one run.
+    ``faults``: in the fault language. ``law``: the law of the run, empty: the requested one. ``detected``: one of these
+    must show: a cause of a watch, ``refused:CAUSE`` or ``missed_polls``; ``nothing``: no watch detects the fault, and
+    ``limit`` gives the reason. ``reaction``: the weakest level that a watch must reach, ``within_ms`` from the first
+    effect, NORMAL: none is needed; ``steps``: levels before it, each with its own time in ms. ``at_most``: the
+    strongest allowed; for EMERGENCY, ``ends`` excludes further consequences. ``ends``: ``resumes`` (both watches at
+    NORMAL again, the train stops as planned), ``standstill`` (the train stands at the end), ``lost`` (it does, and the
+    controller is lost). ``verdict``: the run's, where one is expected; for a run that is not judged (INVALID, TOOL
+    ERROR), ``said`` is part of its line, and nothing else is demanded. ``limit``: the undetected part, in words.
+    ``idle``: reason for which the fault may change nothing, for a scenario without its target. ``seen_in``: the test of
+    an entry that is no fault of one run.
     """
 
     id: Annotated[str, Field(pattern=r"^[A-Z][0-9]+[a-z]?$")]
@@ -61,16 +61,16 @@ class Entry(Table):
 
     @property
     def is_judged(self) -> bool:
-        """Whether the run has a verdict on the train: it is then held against levels, causes and times."""
+        """Whether the run has a verdict on the train, so that levels, causes and times are checked."""
         return self.verdict not in ("INVALID", "TOOL ERROR")
 
     @property
     def is_undetected(self) -> bool:
-        """Whether no watch looks at the fault."""
+        """Whether no watch detects the fault."""
         return self.detected == (NOTHING,)
 
     def _lacks(self) -> str:
-        """What an entry that injects something does not demand and should; empty: nothing."""
+        """The missing demand of an entry with faults; empty: none is missing."""
         if not self.is_judged:
             return "" if self.said else f"said: part of the line of a run that is {self.verdict}"
         if self.reaction is None:
@@ -106,7 +106,7 @@ def catalogue(file: Path = CATALOGUE) -> tuple[Entry, ...]:
 
 
 def catalogue_of(system: System) -> tuple[Entry, ...]:
-    """The catalogue of a system: its part ``catalogue`` is the path of a file; without it that of ``ato``.
+    """The catalogue of a system: its part ``catalogue`` is the path of a file; without it the catalogue of ``ato``.
 
     :raises InputError: as :func:`catalogue`.
     """

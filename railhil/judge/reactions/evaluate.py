@@ -1,4 +1,4 @@
-"""What a run with a fault of the catalogue did, beside what it should have done."""
+"""The reaction of a run with a fault of the catalogue, compared with the required one."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from railhil.judge.reactions.catalogue import Entry
 
 #: Beginning of the sentence for a broken rule of every run (:mod:`railhil.judge.invariants`).
 RULE = "invariant"
-#: A watch that is back at NORMAL for less than this before the end of the record has not resumed.
+#: Time at NORMAL before the end of the record after which a watch counts as resumed.
 RESUMED_S = 1.0
 
 
@@ -44,8 +44,9 @@ class Row:
 
     ``detected_by``: cause or refusal that showed first, ``detected_s`` when; ``reaction``: strongest level after the
     first effect, ``reaction_s``: when the level that the entry demands was first reached, or the strongest one if it
-    demands none; ``safe_s``: when the state that the entry demands at the end was reached. ``failures``: how the run
-    differs from the entry, empty if it does not. ``refused``: why the entry cannot be run on this transport.
+    demands none; ``safe_s``: when the state that the entry demands at the end was reached. ``failures``: deviations of
+    the run from the entry, empty if there are none. ``refused``: reason for which the entry cannot be run on this
+    transport.
     """
 
     entry: Entry
@@ -78,7 +79,7 @@ class Row:
 
     @property
     def margin_ms(self) -> float | None:
-        """What is left of the bound, in ms; None without a bound or a reaction."""
+        """Margin to the bound, in ms; None without a bound or a reaction."""
         after_ms = self.after_ms
         return None if after_ms is None or self.entry.within_ms is None else self.entry.within_ms - after_ms
 
@@ -130,7 +131,7 @@ def evaluated(entry: Entry, seen: Seen) -> Row:
     if strongest is not None and strongest.rank > WATCH_LEVELS.index(entry.at_most):
         failures.append(f"reached {WATCH_LEVELS[strongest.rank]} at {strongest.time_s:.2f} s, allowed {entry.at_most}")
     causes = [(max(event.time_s, seen.effective_s), _cause(event)) for event in after]
-    # What nothing looks at may show all the same, at a level that is allowed.
+    # An undetected fault may still cause a reaction, at an allowed level.
     of_entry = [(at_s, cause) for at_s, cause in causes if cause and (entry.is_undetected or cause in entry.detected)]
     detected_s, detected_by = min(of_entry, default=(None, ""))
     if detected_s is None and not entry.is_undetected:
@@ -155,7 +156,7 @@ def evaluated(entry: Entry, seen: Seen) -> Row:
 
 
 def _ending(entry: Entry, seen: Seen, levels: Sequence[RecordedEvent]) -> list[str]:
-    """How the end of the run differs from the one expected."""
+    """Deviation of the end of the run from the expected one."""
     if entry.ends == "resumes":
         late = [event for event in levels if (event.until_s or event.time_s) > seen.end_s - RESUMED_S]
         if late:

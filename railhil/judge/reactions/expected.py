@@ -1,4 +1,4 @@
-"""What a fault says that it should lead to (``expect``), held against the run: an unmet expectation is a FAIL."""
+"""Comparison of a fault's expectation (``expect``) with the run: an unmet expectation is a FAIL."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ if TYPE_CHECKING:
     from railhil.faults.model import Expect
     from railhil.record.trace import Trace
 
-#: The bound is met to within this: instants are on the wire in 0.1 ms.
+#: Tolerance of the bound: instants are on the wire in 0.1 ms.
 _SLACK_S = 1e-4
 
 
 def with_expectations(
     found: Score, injected: Iterable[Mapping[str, Any]], events: Sequence[RecordedEvent], scenario: Any, trace: Trace
 ) -> Score:
-    """The score of a run, with what its faults expected in vain among the failures.
+    """The score of a run, with the unmet expectations of its faults among the failures.
 
-    Where the record may lack reports of the train's watch from the fault on, it is INVALID: the reaction may have come.
+    If the record may lack reports of the train's watch from the fault on, it is INVALID: the reaction may have come.
 
     :param injected: entries of ``injected`` in ``certificate.json``.
     """
@@ -41,7 +41,7 @@ def with_expectations(
 def _unseen(effect_s: float, scenario: Any, trace: Trace) -> str:
     """The reports of a watch that the record may lack from an instant on, in words; empty: none.
 
-    Nobody has seen those that a fault of the run keeps from the bus. Of a watch that is polled, the polls are recorded.
+    No node has seen reports that a fault of the run keeps from the bus. The polls of a polled watch are recorded.
     """
     from railhil.faults import parse_faults
     from railhil.judge.judging import judging_of

@@ -38,7 +38,7 @@ class PairRun:
 
 
 def sent_ports(trace: Trace, ports: Iterable[str]) -> dict[str, Sent]:
-    """When a run sent each of the ports; those that it never sent are left out."""
+    """Times at which a run sent each of the ports; ports that it never sent are left out."""
     found = {}
     for port in ports:
         times_s = trace.times_s(port)
@@ -49,7 +49,7 @@ def sent_ports(trace: Trace, ports: Iterable[str]) -> dict[str, Sent]:
 
 
 def judged_pair(number: int, faults: Sequence[str], result: Result) -> PairRun:
-    """The rules of every run, as far as one run shows them."""
+    """The rules of every run, checked on one run."""
     verdict = VERDICTS.get(result.exit_code, f"exit code {result.exit_code}")
     failures = [text for text in result.score.failures if text.startswith(RULE)]
     if verdict not in _ENDS:

@@ -1,4 +1,4 @@
-"""What a run folder holds, as the exporters need it."""
+"""Content of a run folder for the exporters."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from railhil.judge.signals import signal_table, signal_units
 from railhil.record.trace import FloatArray, Trace
 
 _EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
-#: What BLF (no years before 1990 in python-can) and 64-bit nanoseconds can say.
+#: Years that BLF (none before 1990 in python-can) and 64-bit nanoseconds can express.
 _START_MIN, _START_MAX = datetime(1990, 1, 2, tzinfo=UTC), datetime(2262, 1, 1, tzinfo=UTC)
 _ALLOWED = "date and time with its zone, 1990 to 2262, like 2026-11-22T18:42:55Z"
 #: Time 0 of a run without a start in files that must have one.
@@ -46,7 +46,7 @@ class Content:
 
     @cached_property
     def ports(self) -> tuple[Port, ...]:
-        """The ports of which the record has telegrams."""
+        """The ports with telegrams in the record."""
         return tuple(port for port in self.trace.contract.ports if self.trace.count(port.name))
 
     @cached_property
@@ -66,7 +66,7 @@ class Content:
 
     @property
     def facts(self) -> dict[str, str]:
-        """The certificate, and the parts of it that are asked for most often, as texts."""
+        """The certificate, and its most requested parts, as texts."""
         document = self.record.certificate
         facts = {
             name: str(document.get(name)) for name in ("scenario", "controller", "seed", "verdict", "frames_sha256")

@@ -73,7 +73,7 @@ def _topics(content: Content) -> Iterator[_Topic]:
         rows = _blank(kind_of_table, len(table))
         for field, column in zip(kind_of_table.fields, table.T, strict=True):
             rows[field.name] = column
-        # After the telegrams of their instant.
+        # Rows come after the telegrams of their instant.
         last = np.full(len(table), np.iinfo(np.int64).max)
         yield SIGNALS, kind_of_table, rows, np.rint(table[:, 0] * 1e9).astype(np.int64), last
 

@@ -125,7 +125,7 @@ def _words(entry: Entry) -> dict[str, Any] | None:
 
 
 def _overwrite_history(path: Path, start_ns: int) -> None:
-    """Set the times of the file's history to the start of the run: else two exports of a run would differ."""
+    """Set the times of the file's history to the start of the run: otherwise two exports of a run would differ."""
     with path.open("r+b") as stream:
         stream.seek(_FIRST_HISTORY)
         (at,) = struct.unpack("<Q", stream.read(8))
