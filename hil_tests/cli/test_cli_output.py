@@ -67,6 +67,7 @@ def test_json_of_a_run_is_its_score_file(json_run):
     assert strict_json(folder / "certificate.json")["verdict"] == document["verdict"]
 
 
+@pytest.mark.slow
 @pytest.mark.loop
 def test_a_weakened_watch_stands_in_console_report_and_certificate(tmp_path):
     path = tmp_path / "weak.toml"
@@ -83,6 +84,7 @@ def test_a_weakened_watch_stands_in_console_report_and_certificate(tmp_path):
     assert railhil("score", tmp_path / "run", "--json").json["watch_weakened"] == words
 
 
+@pytest.mark.slow
 @pytest.mark.loop
 def test_a_weakened_watch_stands_in_a_comparison(tmp_path):
     path, out = tmp_path / "weak.toml", tmp_path / "compared"
@@ -95,6 +97,7 @@ def test_a_weakened_watch_stands_in_a_comparison(tmp_path):
     assert f"Watch weakened: {words}." in (out / "report.html").read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 @pytest.mark.loop
 def test_score_of_a_run_that_was_invalid_for_its_timing(json_run, short, tmp_path):
     """The timing does not stand in the log, so the certificate beside it has the last word on validity."""
@@ -189,6 +192,7 @@ def test_json_output_is_json_and_ascii(arguments):
     assert json.loads(text)
 
 
+@pytest.mark.slow
 def test_timing_that_python_can_prints_does_not_spoil_json():
     timing = ["f_clock=8000000", "tseg1=5", "tseg2=2", "sjw=2", "brp=2", "nof_samples=1"]
     done = railhil("doctor", "--quick", "--json", "-i", "socketcan", "-c", "can0", "--timing", *timing)
@@ -301,6 +305,7 @@ def test_errors_in_files_never_steer_the_terminal(tmp_path):
     assert r"found the unknown key \x1b[2J\u202e, allowed" in done.one_line()
 
 
+@pytest.mark.slow
 def test_a_terminal_without_the_characters_gets_question_marks(tmp_path):
     path = tmp_path / "mine.toml"
     path.write_text('extends = "lvshun_tieshan"\nname = "mine"\ntitle = "Zürich – Bern"\n', encoding="utf-8")

@@ -61,6 +61,7 @@ def test_a_word_that_is_no_command_loads_none(word):
     assert set(done.stdout.splitlines()[-1].split()) == {"railhil.cli.commands", "railhil.cli.programs"}
 
 
+@pytest.mark.slow
 def test_a_command_loads_no_library_that_it_does_not_use():
     """Each would cost every start of a command, and in an emulated machine seconds."""
     code = (

@@ -336,6 +336,7 @@ def test_without_the_libraries_the_run_is_whole(place: Path, tmp_path: Path, mon
     assert f"module jinja2: found not installed, allowed {install_command('report')} (" in done.one_line()
 
 
+@pytest.mark.slow
 @pytest.mark.loop
 def test_json_of_a_comparison_is_its_file(place: Path) -> None:
     folder = place / "as_json"

@@ -188,6 +188,7 @@ def test_disk_that_is_full_in_the_run(tmp_path):
     assert not {"certificate.json", "score.json"} & {path.name for path in kept.iterdir()}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("size_kib", [4, 100])
 def test_disk_without_room_for_a_run(tmp_path, size_kib):
     folder = tmp_path / "disk" / "run"

@@ -85,6 +85,7 @@ def _setup(folder: Path, hook: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(words, cwd=folder, env=variables, capture_output=True, text=True, check=False, timeout=60)
 
 
+@pytest.mark.slow
 def test_the_compiled_build_asks_pip_for_mypy_and_is_never_pure_without_a_word(tmp_path: Path) -> None:
     """In pip's environment for builds, which has what a build asks for, and nothing else."""
     assert "'mypy>=1.11'" in _setup(tmp_path, "get_requires_for_build_wheel()").stdout

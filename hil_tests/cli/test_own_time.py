@@ -74,6 +74,7 @@ def test_an_exported_blf_with_absolute_times_is_the_certified_record(here: Railh
     assert "the stamps of run.blf" in found.notes[0]
 
 
+@pytest.mark.slow
 def test_frames_around_the_run_are_left_out_by_every_reader(
     here: Railhil, run: Path, lines: list[_Line], tmp_path: Path
 ) -> None:

@@ -31,6 +31,7 @@ def copy(short: Path, tmp_path: Path) -> Path:
     return shutil.copytree(short, tmp_path / "copy")
 
 
+@pytest.mark.slow
 def test_the_same_bytes_are_one_line(here: Railhil, short: Path) -> None:
     by_folder, by_certificate = here("rerun", short), here("rerun", short / "certificate.json")
     sha256 = json.loads((short / "certificate.json").read_text())["frames_sha256"]
@@ -40,6 +41,7 @@ def test_the_same_bytes_are_one_line(here: Railhil, short: Path) -> None:
     assert "seed 3" in line
 
 
+@pytest.mark.slow
 def test_frames_of_others_are_no_difference(here: Railhil, copy: Path) -> None:
     """As on a shared bus: a record with them, and one of the same telegrams without."""
     log = (copy / "frames.log").read_text().splitlines(keepends=True)
@@ -73,6 +75,7 @@ def test_the_first_other_frame_is_decoded(here: Railhil, copy: Path) -> None:
     shutil.rmtree(folder)
 
 
+@pytest.mark.slow
 def test_a_trailer_and_a_longer_record_are_named(here: Railhil, copy: Path) -> None:
     line = tampered(copy, CtlIdent.port().address + 4, 1, 0)
     done = here("rerun", copy)
@@ -83,6 +86,7 @@ def test_a_trailer_and_a_longer_record_are_named(here: Railhil, copy: Path) -> N
     assert f"line {line}, 0 s: the record has ended, now CTL_IDENT trailer" in here("rerun", copy).out
 
 
+@pytest.mark.slow
 def test_another_version_and_a_changed_scenario_are_said_first(here: Railhil, copy: Path, tmp_path: Path) -> None:
     changed = tmp_path / "short.toml"
     changed.write_text(RUN_2M_TOML.replace("overtime_max_s = 1", "overtime_max_s = 2"))

@@ -37,6 +37,7 @@ def _run(here: Railhil, short: Path, out: Path, *more: str | Path) -> Path:
     return out
 
 
+@pytest.mark.slow
 @_needs_ssh_keygen
 def test_a_signed_run_is_verified_with_the_key(here: Railhil, short: Path, tmp_path: Path) -> None:
     key, other = _key(tmp_path / "key"), _key(tmp_path / "other")

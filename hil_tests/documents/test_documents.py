@@ -115,6 +115,7 @@ def test_rows_are_those_of_the_function(tmp_path: Path) -> None:
         table(block, [])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("command", "said"),
     [

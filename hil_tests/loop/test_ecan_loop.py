@@ -181,6 +181,7 @@ def at_50_ms(brief_file, tmp_path_factory):
     return local_run(load(brief_file), tmp_path_factory.mktemp("task"), run)
 
 
+@pytest.mark.slow
 def test_mailboxes_read_at_once_change_no_byte_of_the_record(brief_file, tmp_path, monkeypatch):
     """Against the same node with its mailboxes taken out."""
     brief = load(brief_file)
@@ -248,6 +249,7 @@ def test_can_fd_has_no_mailboxes(lvshun):
     assert classic.counters == {"no_mailbox": 1}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [

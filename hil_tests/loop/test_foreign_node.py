@@ -194,6 +194,7 @@ def test_a_silent_port_is_answered_as_by_our_node(exported, silent, polls: int) 
         assert max(run.levels) == (WatchLevel.SERVICE_BRAKE if polls == 80 else WatchLevel.NORMAL)
 
 
+@pytest.mark.slow
 def test_speed_is_missing_at_standstill_and_while_braking(exported) -> None:
     """Long before the train moves, when an old speed of 0 is no emergency; shortly and again and again later on, when
     HOLD keeps traction down and braking up."""

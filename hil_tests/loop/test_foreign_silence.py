@@ -129,6 +129,7 @@ class Twins:
         assert self.c.level == self.node.guard.level
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("silent_ms", "level"),
     [

@@ -28,6 +28,7 @@ def quiet(quick: Scenario) -> Fuzzed:
     return fuzzed_run(quick, 0, 1)
 
 
+@pytest.mark.slow
 def test_noise_changes_nothing(quick: Scenario, quiet: Fuzzed) -> None:
     fuzzed = fuzzed_run(quick, 20_000, 1)
     assert fuzzed.frames == 20_000

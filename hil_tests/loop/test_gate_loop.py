@@ -124,6 +124,7 @@ def test_permanent_loss_of_speed_stops_the_train_on_the_ladder(
     assert run.trace.raw(SimTruth.PORT, "TrueSpeed")[-1] == 0
 
 
+@pytest.mark.slow
 @pytest.mark.faults
 def test_stuck_sender_is_like_loss(lvshun: Scenario, tmp_path: Path, train: list[tuple[WatchLevel, float]]) -> None:
     """The last telegram again and again: nothing of it refreshes anything."""
@@ -147,6 +148,7 @@ def test_stuck_sender_is_like_loss(lvshun: Scenario, tmp_path: Path, train: list
 # -- frames that are repeated, exchanged, damaged or not ours ---------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.faults
 def test_duplicates_change_nothing(short: Scenario, clean: Result, tmp_path: Path) -> None:
     wire = SpeedFault(lambda since, frame: [frame] * (1 + since % 3), first=0)
@@ -155,6 +157,7 @@ def test_duplicates_change_nothing(short: Scenario, clean: Result, tmp_path: Pat
     assert run.refused == {"controller.duplicate": wire.passed - wire.sent}
 
 
+@pytest.mark.slow
 @pytest.mark.faults
 def test_exchanged_neighbours_are_counted_and_the_old_one_is_not_used(
     short: Scenario, clean: Result, tmp_path: Path
@@ -177,6 +180,7 @@ def test_exchanged_neighbours_are_counted_and_the_old_one_is_not_used(
     assert run.score.values["stop_error_m"] == pytest.approx(clean.score.values["stop_error_m"], abs=0.05)
 
 
+@pytest.mark.slow
 @pytest.mark.faults
 def test_flipped_bits_are_refused_and_the_run_stays_healthy(short: Scenario, clean: Result, tmp_path: Path) -> None:
     """One to three bits in 1 % of all frames to the controller, polls excepted (without its poll nobody answers)."""
@@ -209,6 +213,7 @@ def test_flipped_bits_are_refused_and_the_run_stays_healthy(short: Scenario, cle
     assert run.score.values["stop_error_m"] == pytest.approx(clean.score.values["stop_error_m"], abs=0.05)
 
 
+@pytest.mark.slow
 @pytest.mark.faults
 def test_a_right_telegram_under_a_wrong_identifier_is_not_used(short: Scenario, clean: Result, tmp_path: Path) -> None:
     """NOTCH_CMD telegrams, right to the last bit, beside each TRN_SPEED under its identifier, and beyond the range."""

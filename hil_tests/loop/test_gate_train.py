@@ -105,6 +105,7 @@ def test_the_train_stops_by_itself_when_commands_fail_a_check(
     assert plant.plant.true_speed_01mmps == 0
 
 
+@pytest.mark.slow
 def test_damaged_commands_age_and_nobody_is_called_silent(
     short: Scenario, train: list[tuple[WatchLevel, float]]
 ) -> None:

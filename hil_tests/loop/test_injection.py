@@ -68,6 +68,7 @@ def test_without_faults_no_injector_is_made(runs: Runs) -> None:
     assert not list(run.log.parent.glob("faults*"))
 
 
+@pytest.mark.slow
 def test_the_same_seed_loses_the_same_telegrams(runs: Runs) -> None:
     text = "TRN_SPEED loss 30% @1s for 1s"
     first = runs(text)
@@ -234,6 +235,7 @@ def test_the_counter_continues_as_asked_for(runs: Runs) -> None:
     assert lives("TRN_SPEED.counter value 9 x2 @1s after last")[1:5] == [9, 9, 10, 11]
 
 
+@pytest.mark.slow
 def test_signals_change_with_the_right_check_sequences(runs: Runs) -> None:
     clean = runs()
     at = slice(100, 105)

@@ -27,6 +27,7 @@ def runs(tmp_path_factory: pytest.TempPathFactory) -> Runs:
     return runs_with_faults(tmp_path_factory)
 
 
+@pytest.mark.slow
 def test_the_time_told_may_be_wrong(runs: Runs) -> None:
     def told(fault: str = "") -> float:
         run = runs(*filter(None, [fault]))
@@ -39,6 +40,7 @@ def test_the_time_told_may_be_wrong(runs: Runs) -> None:
     assert told("time stuck @0s for 1400ms") == pytest.approx(0.0, abs=1e-4)
 
 
+@pytest.mark.slow
 def test_the_bus_is_off_for_both_sides(runs: Runs) -> None:
     run = runs("bus off @1s for 100ms")
     told = ("SUP_CMD", "SIM_TRUTH", "TRN_WATCH")
@@ -58,6 +60,7 @@ def test_the_bus_is_off_for_both_sides(runs: Runs) -> None:
     assert len(frames(newest, SPEED)) == len(frames(runs(), SPEED)) - 9
 
 
+@pytest.mark.slow
 def test_both_watches_react_to_bus_off_and_the_notch_comes_back_without_a_jump(runs: Runs) -> None:
     """B3 of the catalogue; the record shows the train's watch while the bus is off."""
     run = runs("bus off @9s for 300ms", moving=True)

@@ -96,6 +96,7 @@ def test_a_bad_fault_is_refused_in_one_line(tmp_path: Path, words: tuple[str, ..
     assert not (tmp_path / "run").exists()
 
 
+@pytest.mark.slow
 def test_a_bad_table_names_its_file(tmp_path: Path) -> None:
     path = tmp_path / "short.toml"
     for bad, said in (
@@ -144,6 +145,7 @@ def test_error_counters_and_lines_of_the_bus_are_disturbed_on_a_hub_of_the_run(t
     assert "error_passive 1, switch_overs 1" in said
 
 
+@pytest.mark.slow
 def test_a_hub_that_takes_no_orders_is_refused_in_one_line(tmp_path: Path) -> None:
     path = tmp_path / "short.toml"
     path.write_text(RUN_2M_TOML, encoding="utf-8")

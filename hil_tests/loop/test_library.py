@@ -80,6 +80,7 @@ def test_a_run_takes_faults(short: Path, tmp_path: Path) -> None:
         railhil.run(short, faults=["NOTCH_CMD los @1s"], out=tmp_path / "none")
 
 
+@pytest.mark.slow
 @pytest.mark.faults
 def test_a_single_text_is_one_fault_one_setting_one_law(short: Path, tmp_path: Path) -> None:
     outcome = railhil.run(short, faults="NOTCH_CMD loss x1 @1s", settings="plan.overtime_max_s=2", out=tmp_path / "run")

@@ -29,6 +29,7 @@ def bench(scenarios: Path, tmp_path: Path) -> Iterator[Bench]:
     made.close()
 
 
+@pytest.mark.slow
 def test_a_run_that_nobody_disturbs_is_the_ordinary_one(bench: Bench, scenarios: Path) -> None:
     with bench.start(seed=5) as live:
         assert live.step(100)
@@ -44,6 +45,7 @@ def test_a_run_that_nobody_disturbs_is_the_ordinary_one(bench: Bench, scenarios:
     assert run.folder.name == "a_test_with_spaces"
 
 
+@pytest.mark.slow
 def test_waiting_for_speed_place_and_telegrams(bench: Bench) -> None:
     with bench.start() as live:
         assert live.read("NOTCH_CMD")["NotchCmd"] != 0
@@ -62,12 +64,14 @@ def test_waiting_for_speed_place_and_telegrams(bench: Bench) -> None:
     assert run.reasons[0].startswith("ended by the test at simulation time ")
 
 
+@pytest.mark.slow
 @pytest.mark.faults
 def test_the_record_shows_what_was_lost_as_well(bench: Bench) -> None:
     run = bench.run(faults=["TRN_SPEED loss @3s x2"])
     assert run.disturbed["lost TRN_SPEED (gap)"] == 2
 
 
+@pytest.mark.slow
 def test_what_does_not_come_is_said(bench: Bench) -> None:
     with bench.start() as live:
         with pytest.raises(AssertionError, match=r"not within 0.5 s of simulation time, at 0.50 s: true speed .* 50"):
@@ -121,6 +125,7 @@ def test_what_the_bench_refuses(bench: Bench, tmp_path: Path) -> None:
         over_hub.start()
 
 
+@pytest.mark.slow
 @pytest.mark.faults
 def test_a_fault_by_hand_is_one_of_the_run(bench: Bench) -> None:
     """What has been seen before stays as it was; the run again from its description has the same bytes."""

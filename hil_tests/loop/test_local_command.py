@@ -146,11 +146,13 @@ def test_the_hash_of_the_code_covers_what_such_a_run_is_made_by() -> None:
     } <= names
 
 
+@pytest.mark.slow
 def test_what_it_does_not_model_is_said() -> None:
     assert limits_of("local") == limits()["local"]
     assert "one process" in railhil("doctor", "--quick", "--json").json["limits"]["local"]
 
 
+@pytest.mark.slow
 def test_ctrl_c_keeps_what_was_recorded(tmp_path: Path) -> None:
     folder = tmp_path / "run"
     started = Started("run", "--bus", "local", "--out", folder, "--quiet", "--no-report")
@@ -176,6 +178,7 @@ class StopsAfter:
             signal.raise_signal(signal.SIGINT)
 
 
+@pytest.mark.slow
 def test_a_run_that_is_stopped_at_any_poll_has_lost_nothing(short: Path, tmp_path: Path) -> None:
     """Also where the poll of SUP_CMD follows a TIME_SYNC; the check of every test in this folder reads the counters."""
     for polls in range(1, 10):

@@ -47,6 +47,7 @@ def test_nominal_scores_are_those_of_the_paper_s_law_on_this_plant(nominal):
     assert found.extras["overspeed_mps"] == 0
 
 
+@pytest.mark.slow
 def test_same_seed_same_bytes_other_seed_other_bytes(brief, brief_run, tmp_path):
     (tmp_path / "a").mkdir()
     (tmp_path / "b").mkdir()

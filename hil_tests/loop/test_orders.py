@@ -102,6 +102,7 @@ def test_a_fault_of_the_catalogue_that_is_typed_during_a_run_makes_the_same_run_
     assert again.log.path.read_bytes() == by_hand.log.path.read_bytes()
 
 
+@pytest.mark.slow
 @pytest.mark.faults
 def test_faults_with_values_of_the_operator_make_the_same_run_again(spec, tmp_path):
     """At a telegram of the plant, inside the plant and at the controller; the report names the values."""
@@ -149,6 +150,7 @@ def test_the_emergency_button_of_every_train_makes_the_same_run_again(scenario, 
     assert again.log.path.read_bytes() == by_hand.log.path.read_bytes()
 
 
+@pytest.mark.slow
 def test_without_orders_nothing_is_different(spec, tmp_path):
     operator = OperatorCommands((), Hands({}), True, spec.faults)
     assert (

@@ -51,6 +51,7 @@ def test_no_descriptor_of_a_lifeline_is_left_open(tmp_path: Path) -> None:
     assert set(os.listdir("/proc/self/fd")) == before
 
 
+@pytest.mark.slow
 def test_a_lifeline_that_is_none_is_one_line() -> None:
     for words in ("controller=99999", "controller", "controller=x"):
         done = railhil("node", "plant", "--lifeline", words)

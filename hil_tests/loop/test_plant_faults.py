@@ -46,6 +46,7 @@ def first_s(made: Result, port: str, signal: str, least: int) -> float | None:
     return float(found[0]) if found.size else None
 
 
+@pytest.mark.slow
 def test_a_speed_sensor_that_is_off_cuts_the_traction(short: str, tmp_path: Path) -> None:
     """S1a: three telegrams without a valid value in ten."""
     made = run(short, tmp_path, "speed off @8s for 200ms")
@@ -61,6 +62,7 @@ def test_a_speed_sensor_that_is_off_cuts_the_traction(short: str, tmp_path: Path
     assert first_s(made, TrnWatch.PORT, "WatchLevel", WatchLevel.EMERGENCY) is None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("fault", "raw"), [("speed value -1 @8s for 200ms", -10_000), ("speed value 800 @8s for 200ms", 8_000_000)]
 )
@@ -75,6 +77,7 @@ def test_an_impossible_speed_is_a_bad_telegram(short: str, tmp_path: Path, fault
     assert cut_s <= 8.05
 
 
+@pytest.mark.slow
 def test_a_state_that_is_not_a_number_is_no_verdict(short: str, tmp_path: Path) -> None:
     """S4b."""
     with pytest.raises(PlantError):
@@ -86,6 +89,7 @@ def test_a_state_that_is_not_a_number_is_no_verdict(short: str, tmp_path: Path) 
     assert "not finite at tick 801" in ended.out + ended.err
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("fault", ["balise doubled @0s", "balise wrong 5m @0s", "balise off @0s", "balise missed @0s"])
 def test_a_law_that_uses_balises_stands_faults_of_their_reader(fault: str, tmp_path: Path) -> None:
     """S3: it stops, and the train's watch stays at NORMAL."""

@@ -165,6 +165,7 @@ def test_the_same_suite_over_a_hub(suite: pytest.Pytester) -> None:
     done.stdout.fnmatch_lines(["*bench.start: bus: found bus hub, allowed local*"])
 
 
+@pytest.mark.slow
 def test_a_failed_test_keeps_its_folder_and_attaches_the_report(suite: pytest.Pytester) -> None:
     suite.makepyfile(
         test_suite="""
@@ -187,6 +188,7 @@ def test_a_failed_test_keeps_its_folder_and_attaches_the_report(suite: pytest.Py
     assert "<p>Test test_suite.py::test_strict, which shows requirement ATO-1: failed.</p>" in report.read_text()
 
 
+@pytest.mark.slow
 def test_health_is_asserted_after_each_test(suite: pytest.Pytester) -> None:
     """The counters are changed after the run: nothing is lost in a run of this process."""
     suite.makepyfile(

@@ -47,6 +47,7 @@ def safe(plain: Scenario) -> Scenario:
     return replace(plain, safety=Safety(sdt=True))
 
 
+@pytest.mark.slow
 def test_a_run_with_the_channel_is_a_run(safe: Scenario, tmp_path: Path) -> None:
     """On classic CAN and on CAN FD; nothing is refused (asserted for every run here)."""
     for fd in (False, True):
@@ -117,6 +118,7 @@ def silenced(frames: list[Frame], ticks: list[list[Frame]]) -> list[Frame]:
     return frames if frames[0].can_id == TrnSpeed.port().address else []
 
 
+@pytest.mark.slow
 @pytest.mark.faults
 @pytest.mark.parametrize(
     ("change", "counted"),
@@ -183,6 +185,7 @@ def levels_of(scenario: Scenario, attack: Callable[[list[Frame]], list[Frame]]) 
     return levels, plant
 
 
+@pytest.mark.slow
 @pytest.mark.faults
 @pytest.mark.parametrize("back", [16, 256])
 def test_old_commands_of_a_dead_controller_do_not_keep_the_train_rolling(
@@ -202,6 +205,7 @@ def test_old_commands_of_a_dead_controller_do_not_keep_the_train_rolling(
     assert refused["safe_time"] + refused.get("safe_out_of_sequence", 0) > 0
 
 
+@pytest.mark.slow
 @pytest.mark.faults
 def test_a_forged_command_is_not_followed(plain: Scenario, safe: Scenario) -> None:
     """NOTCH_CMD with the next life sign and full traction; NOTCH_SDT says what the controller wants."""
@@ -238,6 +242,7 @@ def test_an_emergency_command_needs_no_confirmation(safe: Scenario) -> None:
     assert levels[0] == WatchLevel.EMERGENCY
 
 
+@pytest.mark.slow
 @pytest.mark.faults
 def test_a_controller_that_restarts_in_motion_brakes_and_is_believed(tmp_path: Path) -> None:
     """It does not know the time of the run; the train accepts its brake all the same, and is no emergency."""

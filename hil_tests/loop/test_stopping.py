@@ -103,6 +103,7 @@ def test_no_controller_has_a_mailbox_for_the_truth() -> None:
     assert {*node.responder.store.ports} == names
 
 
+@pytest.mark.slow
 def test_runs_of_a_sequence_differ_and_are_repeated_by_their_number(tmp_path: Path) -> None:
     scenario = stop_scenario(*SHORT)
     found = []

@@ -153,6 +153,7 @@ def result_of(scenario: Scenario, run: Result, spec: RunSpec | None = None) -> R
     return Result(scenario, spec or RunSpec(), run.trace, run.score, exit_code=FAIL, frames=1)
 
 
+@pytest.mark.slow
 def test_the_wrap_stands_in_the_log_and_in_junit(wrapped: Result, nominal: Result, lvshun: Scenario) -> None:
     assert wrapped.log is not None
     done = railhil("score", wrapped.log, "--scenario", "lvshun_tieshan", "--json")
@@ -327,6 +328,7 @@ def test_a_full_disk_costs_the_file_and_nothing_else(
     assert node.handle(master_frame(NotchCmd.port().f_code, NotchCmd.port().address))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("place", "why"), [(".", "is a directory"), ("gone/x.json", "no such file or directory")])
 def test_a_file_that_cannot_be_written_is_refused_before_the_run(tmp_path: Path, place: str, why: str) -> None:
     done = railhil("node", "controller", "--telemetry", tmp_path / place, cwd=tmp_path)

@@ -100,6 +100,7 @@ class LawProperties:
                 for controller, code in zip(alone, sent, strict=True):
                     controller.sent(int(code))
 
+    @pytest.mark.slow
     def test_fixed_point_follows_float64(self, indexing: str) -> None:
         """A nominal run in fixed point, with a float64 copy on the same inputs."""
         scenario = load(self.scenario)

@@ -6,6 +6,7 @@ compared at every step.
 
 from __future__ import annotations
 
+import pytest
 from hypothesis import HealthCheck, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, rule
@@ -119,7 +120,7 @@ class SpeedWatchBesideReference(RuleBasedStateMachine):
             assert emergency == (self.reference.level == 4)
 
 
-TestSpeedWatchBesideReference = SpeedWatchBesideReference.TestCase
+TestSpeedWatchBesideReference = pytest.mark.slow(SpeedWatchBesideReference.TestCase)
 TestSpeedWatchBesideReference.settings = settings(
     max_examples=150, stateful_step_count=30, deadline=None, suppress_health_check=[HealthCheck.too_slow]
 )

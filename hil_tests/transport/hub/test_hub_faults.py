@@ -96,6 +96,7 @@ def test_a_hub_out_of_descriptors_says_so_once_and_recovers() -> None:
         assert 1 <= hub.stderr().count("\n") <= 20
 
 
+@pytest.mark.slow
 def test_a_client_far_behind_is_cut_off_with_one_line_and_nobody_waits_for_it() -> None:
     with running_hub("--queue-limit", "200000") as hub, hub.bus(name="sleeper") as sleeper:
         with hub.bus() as writer, hub.bus() as reader:

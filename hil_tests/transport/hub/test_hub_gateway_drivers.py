@@ -143,6 +143,7 @@ def test_clients_that_read_in_bulk_get_their_frames_while_others_wait_for_a_bus(
         assert bulk.recv_frames(PATIENCE_S) == [PLAIN]
 
 
+@pytest.mark.slow
 def test_an_adapter_that_takes_nothing_does_not_hold_the_end(terminal: Terminal) -> None:
     port, _ = opened_port(f"slcan:{terminal.link},sleep_after_open=0", lossless=True)
     assert any(port.send(PACKET) for _ in range(MANY))

@@ -96,6 +96,7 @@ def test_three_clients_under_load_see_one_total_order(options: tuple[str, ...]) 
         assert max(runs) <= 2 * 360
 
 
+@pytest.mark.slow
 def test_large_packets_wait_for_a_slow_tcp_reader() -> None:
     """More than the kernel holds, so that packets are cut where the socket buffer ends."""
     packets = 4000

@@ -68,6 +68,7 @@ def test_messages_round_trip(message: can.Message) -> None:
     assert back.equals(message, check_channel=True, timestamp_delta=None), f"{back!r} {message!r}"
 
 
+@pytest.mark.slow
 @given(st.lists(messages().filter(lambda message: not message.is_fd), min_size=1, max_size=20))
 def test_a_batch_is_its_frames_in_order(batch: list[can.Message]) -> None:
     packet = b"".join(map(wire.pack_message, batch))

@@ -27,6 +27,7 @@ def test_the_largest_difference_of_the_command_is_a_limit_of_the_audit() -> None
     assert 0.0 < error.maximum <= 1e-4
 
 
+@pytest.mark.slow
 def test_a_law_without_formats_is_compared_by_a_twin_that_is_told_what_was_sent() -> None:
     shadow = shadow_run(SCENARIO, LAW, make("float32"), twin=make("float32"), seed=1)
     driving, twin = (

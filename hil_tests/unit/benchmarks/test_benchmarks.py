@@ -84,6 +84,7 @@ def test_every_benchmark_has_an_expectation():
     assert set(EXPECTED) == set(NAMES)
 
 
+@pytest.mark.slow
 def test_json_holds_machine_and_figures():
     done = benchmarks("--json", "--quick", "--only", "codec")
     assert done.returncode == 0, done.stderr
@@ -133,6 +134,7 @@ def test_unknown_benchmark_is_one_line():
     ]
 
 
+@pytest.mark.slow
 def test_a_run_that_does_not_start_is_no_measurement(socket_folder):
     setting = Setting(True, str(socket_folder / "missing.toml"), socket_folder)
     running = RunCommand(setting, "iq", socket_folder / "out")
@@ -141,6 +143,7 @@ def test_a_run_that_does_not_start_is_no_measurement(socket_folder):
     assert running.process.returncode == 2
 
 
+@pytest.mark.slow
 def test_a_sequence_that_does_not_start_is_no_measurement(tmp_path):
     with pytest.raises(MeasurementError, match=r"sequence run ended with exit code 2: .*missing\.toml"):
         learning_sequence(str(tmp_path / "missing.toml"), "ilc_stop", 1, tmp_path / "out")

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import pytest
+
 from benchmarks.published import alternating_run, tabulated
 from railhil.scenarios.load import load
 
 SCENARIO = load("lvshun_tieshan")
 
 
+@pytest.mark.slow
 def test_published_comfort_and_energy_are_not_reached_together() -> None:
     plain, shaken = (alternating_run(SCENARIO, notches) for notches in (0.0, 4.0))
     published = next(row for row in SCENARIO.published if row.controller == "ipfc")

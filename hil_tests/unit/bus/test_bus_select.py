@@ -178,6 +178,7 @@ _EXTRA = st.dictionaries(
 )
 
 
+@pytest.mark.slow
 @given(
     st.fixed_dictionaries(
         {"interface": st.sampled_from(["virtual", "socketcan", "railhil"]), "channel": _WORD},

@@ -227,6 +227,7 @@ def test_a_changed_file_is_noticed_without_the_bench(campaign, finished, tmp_pat
             assert "report.html" in (copy / "SHA256SUMS").read_text()
 
 
+@pytest.mark.slow
 def test_a_campaign_without_a_list_has_as_many_rows_as_it_says(finished, tmp_path):
     """As before there were lists."""
     copy = tmp_path / "copy"

@@ -20,6 +20,7 @@ from railhil.record.hash_list import write_hash_list
 from railhil.study.manifest import manifest_of, read_manifest
 
 
+@pytest.mark.slow
 def test_seeds_on_which_a_law_was_designed_are_refused(campaign, short):
     same = ("--runs", "3", "--first-seed", "198", "--laws", "ipfc,ipfc_plus", "--out", "mine")
     refused = campaign(*same)
@@ -151,6 +152,7 @@ def test_a_missing_library_is_one_line(campaign, short, tmp_path, monkeypatch, m
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.slow
 def test_a_disk_that_fails_is_one_line_and_keeps_what_is_there(campaign, short, monkeypatch):
     def full(descriptor: int) -> None:
         if written.append(descriptor) or len(written) > 11:

@@ -50,6 +50,7 @@ def test_compiled_round_and_bisect_are_those_of_python() -> None:
             assert row(np.array(values, dtype=np.float64), value) == bisect_right(values, value)
 
 
+@pytest.mark.slow
 def test_a_marked_function_is_itself_and_numba_compiles_it() -> None:
     table = forces.GradeTable((0.0, 100.0), (5.0, -2.0), (0.0, 0.1))
     grade = numba.njit(lambda table, front_m: forces.mean_grade_permil(table, front_m))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -20,6 +21,7 @@ _CELLS = st.lists(
 )
 
 
+@pytest.mark.slow
 @given(st.lists(st.lists(_CELLS, min_size=3, max_size=9), min_size=1, max_size=4), st.integers(10, 130), st.data())
 def test_every_number_is_whole_at_every_width(rows: list[list[list[str]]], width: int, data: st.DataObject) -> None:
     console = Output()

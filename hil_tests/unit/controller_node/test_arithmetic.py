@@ -21,6 +21,7 @@ REAL = st.floats(-1e6, 1e6)
 CURVE = Curve.sampled("decay", lambda x: math.exp(-x), 24, 30)
 
 
+@pytest.mark.slow
 @settings(deadline=None, max_examples=100)
 @given(st.lists(st.tuples(REAL, REAL), min_size=1, max_size=8))
 def test_float64_scalar_equals_array(pairs: list[tuple[float, float]]) -> None:

@@ -34,8 +34,14 @@ from railhil.scenarios.run_spec import LawSpec
 from railhil.scenarios.system import system_named
 
 SCENARIO = load("lvshun_tieshan")
-CASES = [(law, indexing) for law in system_named("ato").law_names() for indexing in load_law(law).indexings]
+LAWS = [(law, indexing) for law in system_named("ato").law_names() for indexing in load_law(law).indexings]
 ARITHMETICS = ["iq", "iq-portable", "float64", "float32"]
+#: Each law in one arithmetic, each arithmetic with several laws; the other pairs are long.
+CASES = [
+    pytest.param(*law, arithmetic, marks=() if i % len(ARITHMETICS) == k else pytest.mark.long)
+    for i, law in enumerate(LAWS)
+    for k, arithmetic in enumerate(ARITHMETICS)
+]
 #: Control period, speed in 0.1 mm/s, odometer in 0.1 mm; the speeds go beyond what a wire can bring.
 STEP = st.tuples(st.integers(0, 420), st.integers(-10, 1_500_000), st.integers(-(2**31), 2**31 - 1))
 #: A notch sent instead of the law's, or none.
@@ -56,8 +62,7 @@ def _began_anew(controller: Controller) -> Controller:
     return controller
 
 
-@pytest.mark.parametrize("arithmetic", ARITHMETICS)
-@pytest.mark.parametrize(("law", "indexing"), CASES)
+@pytest.mark.parametrize(("law", "indexing", "arithmetic"), CASES)
 @settings(max_examples=12, deadline=None)
 @given(steps=st.lists(st.tuples(STEP, SENT), min_size=2, max_size=6))
 def test_outputs_state_telemetry_and_counters_are_those_of_the_law(
@@ -94,6 +99,7 @@ def _pair_of(scenario: str, law: str, arithmetic: str) -> tuple[VectorController
     return controllers[0], controllers[1]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("scenario", "law", "arithmetic"), OTHERS)
 @settings(max_examples=15, deadline=None)
 @given(data=st.data())

@@ -173,6 +173,7 @@ def test_the_million_is_a_million() -> None:
     assert len(KINDS) * TRAINS * PERIODS >= 1_000_000
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_inputs_reach_every_output(kind: str) -> None:
     """The comparison would say little if the law sat at a limit all the time."""
@@ -240,6 +241,7 @@ def test_log_as_text_is_checked_by_every_build(
     assert done.stdout.startswith(f"line 101, word {5 + len(bundle.source.columns)}: ")
 
 
+@pytest.mark.slow
 def test_broken_records_and_logs_are_refused(programs: dict[str, Path], tmp_path: Path) -> None:
     program = next(iter(programs.values()))
     for text in (b"", b"# only a comment\n", b"00000001 0000", b"what\n"):

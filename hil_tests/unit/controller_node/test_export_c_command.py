@@ -14,6 +14,7 @@ from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec
 
 
+@pytest.mark.slow
 def test_same_law_and_scenario_give_the_same_bytes(tmp_path: Path) -> None:
     """In two processes, whose hash order differs; nothing in the files says where or when they were written."""
     for name in ("one", "two"):
@@ -88,6 +89,7 @@ def test_folder_that_cannot_be_written_is_refused(tmp_path: Path) -> None:
     assert [path.name for path in blocked.iterdir()] == ["ipfc.c"]
 
 
+@pytest.mark.slow
 def test_force_writes_beside_what_is_there(tmp_path: Path) -> None:
     (tmp_path / "mine.txt").write_text("mine")
     (tmp_path / "ipfc.c").write_text("old")

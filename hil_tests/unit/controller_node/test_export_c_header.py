@@ -20,6 +20,7 @@ EDGES = (INT32_MIN, INT32_MIN + 1, -65537, -3, -1, 0, 1, 2, 255, 65536, 0x5A8279
 FORMATS = (1, 8, 15, 24, 30)
 
 
+@pytest.mark.slow
 @pytest.mark.needs_compiler
 def test_header_functions_equal_the_python_arithmetic(tmp_path: Path) -> None:
     """Every product, quotient, root and sum of the header on edges and random numbers, with its events."""

@@ -80,6 +80,7 @@ class Toy(Law[Any, ToyState]):
         return state, LawOutputs(ar.convert(wide, 9, 19), notch, (flags, ar.convert(product, 37, 30), self.zero))
 
 
+@pytest.mark.slow
 @pytest.mark.needs_compiler
 @pytest.mark.parametrize("indexing", ["time", "distance"])
 def test_law_of_every_operation_is_exported(indexing: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

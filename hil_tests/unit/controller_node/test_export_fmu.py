@@ -125,6 +125,7 @@ def test_fmpy_finds_nothing_wrong_and_the_sources_are_there(export: Export, vers
     assert units == ([] if version == "2.0" else ["time"])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("version", VERSIONS)
 def test_a_step_longer_than_a_period_and_a_step_back_are_refused(export: Export, version: str, tmp_path: Path) -> None:
     loop = Loop(export.fmus[version], tmp_path)
@@ -242,6 +243,7 @@ def _newest(run: railhil.Outcome, port: str, signal: str, at_ns: int) -> int:
     return int(run.trace.raw(port, signal)[np.searchsorted(run.trace.times_ns(port), at_ns, side="right") - 1])
 
 
+@pytest.mark.slow
 def test_what_cannot_be_an_fmu_is_refused(tmp_path: Path) -> None:
     done = _export(tmp_path / "a", "ipfc", "lvshun_tieshan", "--fmi-version", "3.0")
     assert done.returncode == 2

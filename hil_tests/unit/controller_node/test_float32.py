@@ -95,6 +95,7 @@ def test_nearest_is_numpy_with_denormals_flushed(x: float, y: float) -> None:
     assert found["mpy"] == ar.rmpy(a, b, 24) == ar.rsmpy(a, b, 24) == ar.mpy_iqx(a, 20, b, 20, 20)
 
 
+@pytest.mark.slow
 @settings(deadline=None, max_examples=400)
 @given(BITS, BITS)
 def test_truncation_is_that_of_exact_fractions(x: float, y: float) -> None:
@@ -120,6 +121,7 @@ def test_doubles_are_rounded_to_nearest_and_cut(x: float) -> None:
     assert same_bits(toward_zero(x), cut(Fraction(x)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("one", "many"), PAIRS_OF_CLASSES)
 @settings(deadline=None, max_examples=120)
 @given(pairs=PAIRS, q=st.integers(0, 30))

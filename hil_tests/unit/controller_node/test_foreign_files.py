@@ -82,5 +82,6 @@ def test_make_node_builds_the_program(folder: Path, compiler: str) -> None:
     assert not (folder / "ipfc_plus_node").exists()
 
 
+@pytest.mark.slow
 def test_program_has_no_warning_of_the_stricter_kind(folder: Path) -> None:
     build_node(folder, "ipfc_plus", (*STRICT, "-O2", "-Wshadow", "-Wcast-qual", "-Wstrict-prototypes", "-Wundef"))

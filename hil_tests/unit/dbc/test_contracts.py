@@ -23,6 +23,7 @@ PACKAGES = (
 MODULES = sorted(path for package in PACKAGES for path in (ROOT / package).rglob("*.py"))
 
 
+@pytest.mark.slow
 def test_import_contracts_of_the_project_file(tmp_path: Path) -> None:
     """The contracts in pyproject.toml, as import-linter sees them (indirect imports included)."""
     make_tree(tmp_path)

@@ -215,6 +215,7 @@ def faults(draw: st.DrawFn) -> Fault:
     )
 
 
+@pytest.mark.slow
 @given(faults())
 def test_every_fault_has_a_text_that_is_read_back(fault: Fault) -> None:
     text = fault_text(fault)
@@ -230,6 +231,7 @@ def test_what_was_drawn_is_a_fault_that_can_be_pasted(fault: Fault, seed: int) -
     assert parse(fault_text(found)) == found
 
 
+@pytest.mark.slow
 @given(st.text(max_size=60))
 def test_no_text_raises_anything_else(text: str) -> None:
     with suppress(InputError):

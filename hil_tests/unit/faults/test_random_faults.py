@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from functools import cache
 
+import pytest
+
 from railhil.common.errors import InputError
 from railhil.faults.language import parse
 from railhil.faults.model import Fault
@@ -37,6 +39,7 @@ def pairs() -> list[list[Fault]]:
     return [pair(seed) for seed in range(1000)]
 
 
+@pytest.mark.slow
 def test_a_number_is_always_the_same_pair() -> None:
     assert pair(5) == pair(5) == pairs()[5]
     assert len({tuple(map(str, faults)) for faults in pairs()}) == len(pairs())

@@ -13,6 +13,7 @@ from railhil.testing import faults
 SHORT = faults("yizhuang_05", max_size=3)
 
 
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None)
 @given(SHORT)
 def test_a_run_can_inject_them(found: tuple[str, ...]) -> None:

@@ -79,6 +79,7 @@ def test_the_console_says_why_the_train_has_not_stopped(slow: Slow) -> None:
     assert f"FAIL: not stopped 0.9 s after the timetable - {CUT}" in slow.done.out.splitlines()
 
 
+@pytest.mark.slow
 def test_the_same_from_the_log_alone(slow: Slow) -> None:
     done = command("score", slow.folder)
     assert f"FAIL: not stopped 0.9 s after the timetable - {CUT}" in done.out.splitlines()
@@ -128,6 +129,7 @@ def test_events_csv_has_a_row_for_each_event(slow: Slow) -> None:
     assert [row["cause"] for row in rows] == [event.cause for event in events]
 
 
+@pytest.mark.slow
 def test_the_threshold_in_the_text_is_that_of_the_scenario(short_file: Path, tmp_path: Path) -> None:
     given = ["--set", "watch.traction_cut_ms=48", "--no-report"]
     done = command("run", short_file, "--bus", "local", "--task-period-ms", "100", *given, "--out", tmp_path / "run")

@@ -279,6 +279,7 @@ def test_the_bus_is_the_one_that_a_run_gets(
 # -- the command ------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_every_finding_stands_in_text_and_json() -> None:
     done = railhil("doctor", "--quick", "--json")
     assert done.exit_code == 0

@@ -40,6 +40,7 @@ def option(words: list[str], name: str) -> str:
     return words[words.index(name) + 1]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("names", "seconds"),
     [
@@ -53,6 +54,7 @@ def test_the_plant_waits_for_the_start_button(names: dict[str, str], seconds: st
     assert option(words_of("plant", tmp_path, **names), "--appear-timeout") == seconds
 
 
+@pytest.mark.slow
 def test_the_supervisor_takes_orders_and_the_panel_gives_them_at_one_socket(tmp_path: Path) -> None:
     for role in ("supervisor", "panel"):
         (tmp_path / role).mkdir()
@@ -71,6 +73,7 @@ def test_the_compose_file_tells_all_roles_of_the_panel() -> None:
     assert "CATALOGUE: ${CATALOGUE:-}" in text
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("role", "names", "logs"),
     [

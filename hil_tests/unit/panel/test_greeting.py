@@ -25,6 +25,7 @@ def _beside(folder: Path, port: int) -> Any:
     return cli.PanelBeside(port, None, None).beside(Plan(spec, spec.load(), own_pipes(), folder))
 
 
+@pytest.mark.slow
 def test_the_page_can_be_opened_when_the_run_begins(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("websockets", reason="MISSING CAPABILITY websockets")
     # On a busy machine a panel takes longer to start than a run waits for it.
@@ -35,6 +36,7 @@ def test_the_page_can_be_opened_when_the_run_begins(tmp_path: Path, monkeypatch:
         pass
 
 
+@pytest.mark.slow
 def test_a_panel_whose_port_is_taken_is_not_waited_for(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("websockets", reason="MISSING CAPABILITY websockets")
     monkeypatch.setattr(cli, "_READY_S", 3600.0)

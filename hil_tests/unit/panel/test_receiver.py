@@ -115,6 +115,7 @@ def test_a_run_in_lockstep_needs_no_hub(tmp_path: Path, options: dict[str, objec
     assert gets_pipes(options, choose_bus(options, tmp_path / "hub", vcan=False)) is gets
 
 
+@pytest.mark.slow
 def test_a_panel_starts_without_python_can() -> None:
     """Its import loads every log format; the start of a panel falls into that of the run."""
     code = "import sys, railhil.panel.command as c, railhil.panel.server; c.arguments().parse_args(['--follow', 'x'])"

@@ -94,6 +94,7 @@ def test_a_log_that_ends_inside_a_telegram_or_before_an_answer(tmp_path: Path) -
         demand_the_same(tmp_path, frames[end - 40 : end])
 
 
+@pytest.mark.slow
 @settings(max_examples=100)
 @given(frames=changed_records(recorded, LINES), part_bytes=st.sampled_from((100, 500, 2000, 1 << 20)))
 def test_whatever_is_wrong_with_a_record_both_ways_find_the_same(frames: Recorded, part_bytes: int) -> None:
@@ -102,6 +103,7 @@ def test_whatever_is_wrong_with_a_record_both_ways_find_the_same(frames: Recorde
         demand_the_same(Path(folder), frames)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "strange",
     [

@@ -232,6 +232,7 @@ def test_a_record_as_figures_get_it_has_one_row_more_for_each_silence(gappy: Gap
         assert drawn.refused is trace.refused
 
 
+@pytest.mark.slow
 @given(st.lists(st.tuples(st.integers(1, 900), st.integers(1, 30)), min_size=1, max_size=6))
 @example([(325, 30), (1, 1), (614, 30)])
 def test_a_path_has_the_extremes_and_goes_over_no_gap(parts: list[tuple[int, int]]) -> None:

@@ -48,6 +48,7 @@ def test_each_paper_has_the_name_by_which_it_is_found() -> None:
         assert len(set(keys)) == len(keys) > 0
 
 
+@pytest.mark.slow
 def test_each_run_of_a_paper_has_its_scenario_and_its_law() -> None:
     specs = [one.spec for paper in map(find_paper, SHIPPED) for one in paper.plan(paper.text.seeds)]
     for scenario, law in {(spec.scenario, spec.law.controller) for spec in specs}:

@@ -77,6 +77,7 @@ def test_a_named_file_is_found_from_any_folder(tmp_path: Path, monkeypatch: pyte
     assert setting("train.file=yizhuang_b6") == "train.file=yizhuang_b6"
 
 
+@pytest.mark.slow
 def test_a_run_with_settings_can_be_scored_and_made_again(tmp_path: Path) -> None:
     path = tmp_path / "quick.toml"
     path.write_text(QUICK_TOML, encoding="utf-8")

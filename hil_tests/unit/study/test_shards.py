@@ -91,6 +91,7 @@ def test_any_shards_killed_at_random_in_any_folders_merge_to_the_same_bytes(take
         assert contents(whole) == undisturbed()
 
 
+@pytest.mark.slow
 @settings(max_examples=10, deadline=None)
 @given(st.integers(1, 9).flatmap(lambda count: st.permutations(range(1, count + 1))))
 def test_the_last_shard_joins_all_parts(order: list[int]) -> None:

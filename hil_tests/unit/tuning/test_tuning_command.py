@@ -82,6 +82,7 @@ def test_a_set_that_is_worse_on_other_runs_is_laid_aside(
     assert notes["objective_tuned"] == notes["objective_default"]
 
 
+@pytest.mark.slow
 def test_the_laws_own_parameters_are_not_called_the_better_set(
     quick: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

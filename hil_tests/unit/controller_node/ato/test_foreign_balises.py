@@ -58,6 +58,7 @@ def c(tmp_path_factory: pytest.TempPathFactory) -> ctypes.CDLL:
     return library
 
 
+@pytest.mark.slow
 @settings(max_examples=300)
 @given(
     heard=st.booleans(),

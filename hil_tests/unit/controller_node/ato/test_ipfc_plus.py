@@ -52,6 +52,7 @@ def sixty(element: str) -> Figures:
     return without(WORN, element, 60, 1000)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("element", "figure", "times"),
     [
@@ -152,6 +153,7 @@ def test_fixed_point_and_float64_share_every_constant() -> None:
     assert all(constant.rounding_error == 0.0 for constant in TABLE.entries())
 
 
+@pytest.mark.slow
 def test_batch_with_balises_is_the_bench() -> None:
     batch = run_batch(Case(WORN, LawSpec(LAW, "iq")), [7])
     score = direct_run(WORN, RunSpec(law=LawSpec(LAW, "iq"), seed=7, perturbed=True)).score

@@ -84,6 +84,7 @@ def test_only_the_operating_point_of_the_file_is_loaded() -> None:
     assert computed == others
 
 
+@pytest.mark.slow
 def test_a_run_at_that_point_needs_no_scipy() -> None:
     code = (
         "import sys, railhil.controller_node.command, railhil.controller_node.ato.laws.ipfc as ipfc;"

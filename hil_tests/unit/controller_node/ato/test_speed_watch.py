@@ -108,6 +108,7 @@ EVENTS = st.lists(
 )
 
 
+@pytest.mark.slow
 @settings(deadline=None, max_examples=250)
 @given(EVENTS)
 def test_ladder_equals_the_reference(events: list[Any]) -> None:

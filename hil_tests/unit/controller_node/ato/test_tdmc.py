@@ -152,6 +152,7 @@ def run(**changes: float) -> Any:
     ).score
 
 
+@pytest.mark.slow
 def test_train_needs_the_ramp_in_the_correction() -> None:
     with_ramp, without = run(), run(correction_ramp=0.0)
     assert with_ramp.values["stop_error_m"] < 0.5
@@ -160,6 +161,7 @@ def test_train_needs_the_ramp_in_the_correction() -> None:
     assert without.values["itae"] > 5 * with_ramp.values["itae"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["lvshun_tieshan", "yizhuang_01_songjiazhuang_xiaocun"])
 def test_train_stops_with_set_points_over_distance_within_the_limits_of_speed(name: str) -> None:
     """Those over time: hil_tests/properties."""

@@ -188,6 +188,7 @@ def given(name: str, **parameters: float) -> ParameterSet:
     return ParameterSet(name, parameters, Path("tuned.toml"))
 
 
+@pytest.mark.slow
 def test_softening_from_a_file_reaches_the_reference_trajectory() -> None:
     own, soft = (
         direct_run(SCENARIO, RunSpec(law=LawSpec("tpfc2", "float64", parameters=p))).score

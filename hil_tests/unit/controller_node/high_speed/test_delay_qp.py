@@ -164,6 +164,7 @@ def test_the_last_digits_of_a_constant_target_do_not_matter() -> None:
     assert np.ptp(found) < 1e-9
 
 
+@pytest.mark.slow
 def test_work_of_the_traction_can_cost() -> None:
     free, dear = (ran("hst_short", 40, energy_weight=weight).score.values for weight in (0.0, 0.005))
     assert dear["energy_kwh"] < free["energy_kwh"]

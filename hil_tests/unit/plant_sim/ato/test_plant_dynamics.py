@@ -100,6 +100,7 @@ def test_actuator_is_exact_for_any_division_of_the_step(first: float, steady: fl
     assert mean == pytest.approx(steady + (first - steady) * whole.mean, rel=1e-9, abs=1e-6)
 
 
+@pytest.mark.slow
 @given(first=st.floats(-10, 10), last=st.floats(-10, 10), low=st.floats(-6, 0), high=st.floats(0, 6))
 def test_mean_of_a_clipped_force(first: float, last: float, low: float, high: float) -> None:
     expected = float(np.clip(np.linspace(first, last, 20001), low, high).mean())

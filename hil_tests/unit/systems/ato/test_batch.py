@@ -171,6 +171,7 @@ def test_the_law_is_given_what_the_bench_gives_it():
         assert len({row[3] for row in alone[seed]}) > 25
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("arithmetic", ["float64", "iq"])
 def test_a_batch_is_what_a_run_through_the_telegrams_is(short, tmp_path, arithmetic):
     batch = run_batch(Case(short, LawSpec(arithmetic=arithmetic, indexing="distance")), [5], keep_notches=True)

@@ -155,6 +155,7 @@ def test_a_mismatch_from_the_start_is_computed_like_in_the_nodes(tmp_path):
     assert len(same_as_the_bench(replace(case, perturbed=False), (3,))) == 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "fault",
     ["speed offset 0.2 @2s", "brake weak 60% @0s", "mass scale 1.3 @3s", "mass scale 1.3 @0s for 2s"],

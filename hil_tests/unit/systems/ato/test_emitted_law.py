@@ -135,6 +135,7 @@ def _program(wide: bool) -> Program:
     return step
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("arithmetic", ARITHMETICS)
 def test_each_operation_at_the_ends_of_its_range(arithmetic: str) -> None:
     """Compared with one train: the same numbers, or it is left because one train counts something or has limits in the
@@ -183,6 +184,7 @@ print(compiled.cached_text("def more(a):\\n    return a + 1\\n", "more", "a law 
 """
 
 
+@pytest.mark.slow
 def test_a_law_is_compiled_once_for_all_processes_and_says_so(tmp_path: Path) -> None:
     def ran() -> tuple[str, str, list[tuple[str, int]]]:
         done = subprocess.run(

@@ -93,6 +93,7 @@ WAYS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("way", WAYS)
 @pytest.mark.parametrize("by_distance", [False, True])
 def test_trains_side_by_side_are_what_they_are_alone(way: str, by_distance: bool) -> None:

@@ -74,6 +74,7 @@ def test_the_batch_gives_the_runs_of_the_bench_with_three_units(name: str, law: 
     check(scenario, LawSpec(law, arithmetic="float64"), [3, 4], 1, direct_run)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("no_repeats")
 @pytest.mark.parametrize("arithmetic", ["iq", "float32"])
 def test_the_batch_gives_the_runs_of_the_bench_in_other_arithmetics(arithmetic: str) -> None:
@@ -93,6 +94,7 @@ def test_the_end_of_the_journey_is_that_of_the_bench(law: str) -> None:
         assert np.isfinite(found.values["arrival_m"]).all()
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("no_repeats")
 @pytest.mark.parametrize("at_km", [204.5, 1.0])
 def test_an_emergency_is_that_of_the_bench(at_km: float) -> None:
@@ -102,6 +104,7 @@ def test_an_emergency_is_that_of_the_bench(at_km: float) -> None:
     assert np.isfinite(found.values["emergency_stop_m"]).all()
 
 
+@pytest.mark.slow
 def test_a_run_in_which_a_watch_acts_is_repeated_one_by_one() -> None:
     """The brake does a fifth of what it is told: the watch gives it up."""
     scenario = load_any("hst_short", [*BRAKING, "task.duration_s=60"])

@@ -75,6 +75,7 @@ def test_energy_is_the_work_of_the_traction(run: Result, scenario: Any) -> None:
     assert (ride.drive_mps2[before] > 0.0).mean() > 0.9
 
 
+@pytest.mark.slow
 def test_limits_and_units_that_act_alone_fail(run: Result, scenario: Any) -> None:
     strict = load_any("jinan_xuzhou_emu3_emergency", [*SETTINGS[:2], "task.rmse_max_kmh=0.001"])
     failures = judge.score(strict, run.trace).failures

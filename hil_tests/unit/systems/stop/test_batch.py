@@ -185,6 +185,7 @@ def left(memory: Memory, run: Together, number: int) -> Memory:
     return memory.after(record, kept.used, kept.refused)
 
 
+@pytest.mark.slow
 def test_a_run_in_which_the_watch_acts_is_that_of_the_bench() -> None:
     scenario = stop_scenario(*SHORT, "task.true.gain=0.35", "task.duration_s=30", name="yizhuang_stop")
     specs = specs_of(LawSpec("one_shot", arithmetic="float64"), 2)
