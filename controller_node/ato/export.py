@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
+from railhil.bus.layout import Telegram
 from railhil.bus.schedule import Schedule
 from railhil.bus.sdt import SAFE_DATA_VERSION, source_identity
 from railhil.controller_node.arithmetic import make
@@ -32,33 +33,31 @@ from railhil.controller_node.export.control import (
     Wire,
     Word,
 )
-from railhil.controller_node.export.text import enumeration, wide
+from railhil.controller_node.export.text import wide
 from railhil.controller_node.laws import load
 from railhil.controller_node.laws.base import NOTCH_Q, BaliseReading
 from railhil.controller_node.laws.note import SLOTS, slots
 from railhil.controller_node.program.model import BALISE_INPUTS, Value
 from railhil.controller_node.program.tracer import record
-from railhil.dbc import Port
+from railhil.dbc import Port, Signal
 from railhil.scenarios.run_spec import LawSpec
 from railhil.systems.ato.scenario.model import Scenario
-from railhil.wire.ato import (
-    CtlCause,
-    CtlMode,
-    NotchCmd,
-    NotchSdt,
-    SpeedSdt,
-    TelemetryHeadroom,
-    TelemetryIndex,
-    TrnPos,
-    TrnSpeed,
-    WatchLevel,
-)
+from railhil.wire.ato import BalisePassed, NotchCmd, NotchSdt, SpeedSdt, TrkInfo, TrnPos, TrnSpeed
 
 _BALISE_WORDS = ";\n * last balise: number (0: none yet), surveyed position, odometer reading when passed (0.1 mm)"
 _ARITHMETIC = "iq"
 _AGES = "age of the last accepted TRN_SPEED"
 _CYCLES_MAX = 0xFFFF
 _NS_PER_S = 1_000_000_000
+
+
+def _signal(kind: type[Telegram], field: str) -> Signal:
+    return dict(kind.signals())[field]
+
+
+def _lsb(kind: type[Telegram], field: str) -> int:
+    """1 of a signal, in 0.1 mm or 0.1 mm/s."""
+    return round(_signal(kind, field).scale * 1e4)
 
 
 def _motion(scenario: Scenario) -> list[Define]:
@@ -116,7 +115,7 @@ class NotchControl(Control):
     period_word = "k"
     folder = "railhil.controller_node.ato:c"
     sources = ("railhil_position.c", "railhil_motion.c", "railhil_guard.c", "railhil_law.c")
-    headers = ("railhil_position.h", "railhil_motion.h", "railhil_safe.h", "railhil_guard.h", "railhil_law.h")
+    headers = ("railhil_position.h", "railhil_motion.h", "railhil_safe.h", "railhil_guard.h")
 
     def __init__(self, scenario: Scenario, law: LawSpec) -> None:
         super().__init__(scenario, law)
@@ -221,6 +220,8 @@ class NotchControl(Control):
             Define("RAMP_CODE_PER_S", wide(ladder.ramp_code_per_s), "jerk limit of the service brake"),
             Define("OVERSPEED_MARGIN_01MMPS", wide(ladder.overspeed_margin_01mmps), "above the limit of TRK_INFO"),
             Define("NEEDS_POSITION", str(int(needs_position)), "1: a lost position applies the service brake"),
+            Define("LIMIT_01MMPS", f"INT32_C({_lsb(TrkInfo, 'speed_limit_4mmps')})", "1 of SpeedLimit"),
+            Define("ODOMETER_01MM", wide(_lsb(TrnPos, "odometer_mm")), "1 of TrainPos"),
             Define("POSITION_IN_TIME_NS", wide(in_time_ns), "period of TRN_POS"),
             Define("RECKONING_MAX_NS", wide(odometer.RECKONING_MAX_NS), "longest time on a dead-reckoned position"),
             Define("FOLLOWING_NS", wide(odometer.FOLLOWING_NS), "time constant of its approach to the odometer"),
@@ -238,6 +239,11 @@ class NotchControl(Control):
         end_01mm = end_of_authority_01mm(self.scenario) if self.programs.track else 0
         return [
             Define("WHEEL_PARTS", wide(balises.WHEEL_PARTS), "the largest error of a wheel is one of so many parts"),
+            Define(
+                "BALISE_WORD_MM",
+                wide(1 << _signal(BalisePassed, "odometer_low_mm").length),
+                "odometer readings of BALISE",
+            ),
             Define("BALISE_ERROR_MM", wide(balises.BALISE_ERROR_MM), "largest error of a surveyed balise"),
             Define("TRACK", str(int(self.programs.track)), "1: the law is given balises"),
             Define("END_01MM", wide(end_01mm), "end of its authority"),
@@ -262,16 +268,6 @@ class NotchControl(Control):
             Define("SAFE_SPEED_SID", identity(SpeedSdt.port()), "identity of its source"),
             Define("SAFE_NOTCH_SID", identity(NotchSdt.port()), "that of the source of NOTCH_SDT"),
             Define("SAFE_DATA_VERSION", str(SAFE_DATA_VERSION), "version of the data of both"),
-        ]
-
-    def tables(self) -> list[str]:
-        """Levels, causes and modes of the watch, and what CTL_STAT has without telemetry."""
-        return [
-            *enumeration(WatchLevel, "RAILHIL_"),
-            *enumeration(CtlCause, "RAILHIL_CAUSE_"),
-            *enumeration(CtlMode, "RAILHIL_MODE_"),
-            *enumeration(TelemetryIndex, "RAILHIL_TELEMETRY_INDEX_"),
-            *enumeration(TelemetryHeadroom, "RAILHIL_TELEMETRY_HEADROOM_"),
         ]
 
     def places(self, source: Source) -> dict[str, str]:

@@ -15,6 +15,7 @@ from railhil.controller_node.export.control import Control, Play, Source, Word
 from railhil.controller_node.export.headers import mailbox_header, node_header
 from railhil.controller_node.export.interface import InterfaceControl
 from railhil.controller_node.export.note import memory_note
+from railhil.controller_node.export.ports import ports_header
 from railhil.controller_node.export.reference import reference_log
 from railhil.controller_node.export.single import SingleBundle
 from railhil.controller_node.export.source import SourceWriter, c_name
@@ -33,7 +34,7 @@ class Bundle:
 
 #: The controller around the law, the same for every kind of control: sources, headers.
 _SOURCES = ("railhil_clock.c", "railhil_control.c")
-_HEADERS = ("railhil_mvb.h", "railhil_clock.h", "railhil_control.h")
+_HEADERS = ("railhil_mvb.h", "railhil_clock.h", "railhil_law.h", "railhil_control.h")
 _PROGRAM = ("railhil_socket.h", "railhil_socket.c", "railhil_node.c")
 
 
@@ -70,6 +71,7 @@ def _node_files(name: str, control: Control, source: Source) -> dict[str, str]:
     places = control.places(source)
     own = [*control.headers, *control.sources]
     return {
+        "railhil_ports.h": ports_header(control),
         f"{name}_node.h": node_header(name, control),
         **{file: template(file, name) for file in (*_HEADERS, *_SOURCES)},
         **{file: template(file, name, control.folder, **places) for file in own},

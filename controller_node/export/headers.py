@@ -1,4 +1,4 @@
-"""Headers of the exported controller: its constants (ports, times, identity, the system's own) and eCAN mailboxes."""
+"""Headers of the exported controller: its constants (times, identity, the system's own) and eCAN mailboxes."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from collections.abc import Sequence
 from railhil.bus.ident import Role, make_ident
 from railhil.bus.lifesign import MAX_STEP
 from railhil.bus.mvb import master_word
-from railhil.bus.responder import slow_port
-from railhil.bus.schedule import Schedule
+from railhil.bus.telegrams import TimeSync
 from railhil.controller_node.ecan import Mailbox
 from railhil.controller_node.export.control import Control, Define
-from railhil.controller_node.export.text import Names, comment, wide
+from railhil.controller_node.export.ports import schedule_of, slow_port_of
+from railhil.controller_node.export.text import Names, comment, header, wide
 from railhil.dbc import Port
 
 
@@ -22,37 +22,23 @@ def node_header(name: str, control: Control) -> str:
     :raises ValueError: see :meth:`~railhil.controller_node.export.control.Control.ports`.
     """
     contract, scenario, law, comments = control.contract, control.scenario, control.law, control.comments(name)
-    received, sent = control.ports()
-    ports = [*received, *sent]
+    _, sent = control.ports()
     ident = make_ident(Role.CONTROLLER, scenario.sha256, **law.identity, contract=contract).encode()
-    guard = f"{name.upper()}_NODE_H"
-    return "\n".join(
+    return header(
+        f"{name.upper()}_NODE_H",
         [
-            f"/* {name}_node.h: constants of the controller's bus, {comments.constants}.",
-            f" * {comment(f'Law {law.label}, scenario {scenario.name}, {law.set_points}')}.",
-            f" * Scenario SHA-256 {scenario.sha256},",
-            f" * DBC SHA-256 {contract.sha256}.",
-            f" * Generated: export again, do not edit. Times in simulation time, {comments.units}.",
-            " */",
-            f"#ifndef {guard}",
-            f"#define {guard}",
-            "",
-            '#include "railhil_mvb.h"',
-            "",
+            f"{name}_node.h: constants of the controller's bus, {comments.constants}.",
+            f"{comment(f'Law {law.label}, scenario {scenario.name}, {law.set_points}')}.",
+            f"Scenario SHA-256 {scenario.sha256},",
+            f"DBC SHA-256 {contract.sha256}.",
+            f"Generated: export again, do not edit. Times in simulation time, {comments.units}.",
+        ],
+        ["railhil_ports.h"],
+        [
             *(
                 f"#define RAILHIL_{each.name} {each.literal}{f' /* {each.words} */' if each.words else ''}"
-                for each in (*_bus(control, received, sent), *control.constants())
+                for each in (*_bus(control, sent), *control.constants())
             ),
-            "",
-            "/* Ports: first those with receive mailboxes, then those that the controller sends. */",
-            "enum {",
-            *(f"    RAILHIL_{port.name}," for port in ports),
-            "};",
-            f"enum {{ RAILHIL_SINK_COUNT = {len(received)} }};",
-            "",
-            f"static const railhil_port_t railhil_ports[{len(ports)}] = {{",
-            *(_port_row(port) for port in ports),
-            "};",
             "",
             "/* CTL_IDENT: hashes of scenario and DBC (32 bits each), seed (unknown), law and arithmetic, role and",
             " * indexing, version of the wire. */",
@@ -61,9 +47,7 @@ def node_header(name: str, control: Control) -> str:
             "};",
             "",
             *control.tables(),
-            "#endif",
-            "",
-        ]
+        ],
     )
 
 
@@ -72,27 +56,24 @@ def octets(data: bytes) -> list[str]:
     return [f"    {', '.join(f'0x{octet:02x}' for octet in data[i : i + 8])}," for i in range(0, len(data), 8)]
 
 
-def _port_row(port: Port) -> str:
-    word = int.from_bytes(master_word(port.f_code, port.address))
-    return f"    {{UINT32_C({port.address:#x}), UINT32_C({word:#x}), {port.data_bytes}}}, /* {port.name} */"
-
-
-def _bus(control: Control, received: list[Port], sent: list[Port]) -> list[Define]:
+def _bus(control: Control, sent: list[Port]) -> list[Define]:
     """Constants of the bus that every controller needs."""
-    contract, timing = control.contract, control.scenario.timing
-    schedule = Schedule.from_contract(timing.base_tick_ns, timing.port_period_ns, contract)
+    contract, schedule = control.contract, schedule_of(control)
     # As in the bench's responder: while the clock port fails, the polls of the controller's fastest port count time.
     paced = [port for port in sent if port.period_ns and schedule.ticks(port.name) <= MAX_STEP]
     words = [(schedule.ticks(port.name), int.from_bytes(master_word(port.f_code, port.address))) for port in paced]
     pace_ticks, pace_word = min(words, default=(0, 0))
     clock = contract.clock_port.name
-    slow = slow_port(received, contract.clock_port, schedule)
+    slow = slow_port_of(control)
     slow_ticks = 0 if slow is None else schedule.ticks(slow.name)
     return [
         Define("POLL_ID", f"UINT32_C({contract.poll_id:#x})", "master frames of the bus administrator"),
         Define("DEVICE_STATUS_ID", f"UINT32_C({contract.device_status_id:#x})"),
         Define("DEVICE", f"UINT32_C({int(Role.CONTROLLER)})", "MVB device address"),
-        Define("BASE_TICK_NS", wide(timing.base_tick_ns)),
+        Define("BASE_TICK_NS", wide(schedule.base_tick_ns)),
+        Define(
+            "FRACTIONS_PER_S", wide(round(1 / dict(TimeSync.signals())["fraction_65536th_s"].scale)), "of TIME_SYNC"
+        ),
         Define("CLOCK_TICKS", wide(schedule.ticks(clock)), f"ticks from one {clock} to the next"),
         Define("PACE_TICKS", wide(pace_ticks), "ticks from one poll of RAILHIL_PACE_WORD to the next, 0: none"),
         Define("PACE_WORD", f"UINT32_C({pace_word:#x})"),
@@ -107,27 +88,24 @@ def mailbox_header(law: str, table: Sequence[Mailbox]) -> str:
     :param table: the checked table, in the order of the mailbox numbers.
     """
     names = Names("RAILHIL_MBX_")
-    guard = f"{law.upper()}_MAILBOXES_H"
     rows = [
         f"    {{{box.number}, {box.length}, {int(box.transmit)}, {int(box.overwrite)}, {int(box.extended)}, "
         f"UINT32_C({box.can_id:#x}), UINT32_C({box.mask:#x})}}, /* {box.name} */"
         for box in table
     ]
     numbers = [f"#define {names.new(box.name.upper())} {box.number}" for box in table]
-    return "\n".join(
+    return header(
+        f"{law.upper()}_MAILBOXES_H",
         [
-            f"/* {law}_mailboxes.h: mailboxes of the eCAN module of a TMS320F28335, made from the port table.",
-            " *",
-            " * can_id: identifier of the frame, 11 bits unless extended; a standard one is in bits 28 to 18 of",
-            " * MSGID. mask: identifier bits that are not compared (1 in LAM); if all are 0, AME stays 0.",
-            " * overwrite: OPC bit clear. All 32 mailboxes exist only in eCAN mode (SCB = 1). The chip has no 8-bit",
-            " * type: the payload is in MDL and MDH, its first byte in the highest bits with DBO = 0.",
-            " */",
-            f"#ifndef {guard}",
-            f"#define {guard}",
+            f"{law}_mailboxes.h: mailboxes of the eCAN module of a TMS320F28335, made from the port table.",
             "",
-            "#include <stdint.h>",
-            "",
+            "can_id: identifier of the frame, 11 bits unless extended; a standard one is in bits 28 to 18 of",
+            "MSGID. mask: identifier bits that are not compared (1 in LAM); if all are 0, AME stays 0.",
+            "overwrite: OPC bit clear. All 32 mailboxes exist only in eCAN mode (SCB = 1). The chip has no 8-bit",
+            "type: the payload is in MDL and MDH, its first byte in the highest bits with DBO = 0.",
+        ],
+        ["<stdint.h>"],
+        [
             "typedef struct {",
             "    uint16_t number;    /* 0..31 */",
             "    uint16_t length;    /* data bytes (DLC) */",
@@ -145,7 +123,5 @@ def mailbox_header(law: str, table: Sequence[Mailbox]) -> str:
             *rows,
             "};",
             "",
-            "#endif",
-            "",
-        ]
+        ],
     )

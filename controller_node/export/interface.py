@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -25,14 +25,14 @@ from railhil.controller_node.export.control import (
     Wire,
     Word,
 )
-from railhil.controller_node.export.headers import octets
+from railhil.controller_node.export.ports import CTelegram
 from railhil.controller_node.export.text import SHARED, Names, identifier, literal, wide
 from railhil.controller_node.program.model import Value
 from railhil.controller_node.program.tracer import record_loop
 from railhil.controller_node.vector.controller import VectorController, VectorLoop
 from railhil.controller_node.vector.law import Interface, raw_range
 from railhil.controller_node.vector.node import ports_of, refuse_indexing, sources_of
-from railhil.dbc import Port, Signal
+from railhil.dbc import Port
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec
 
@@ -41,10 +41,6 @@ _SENT_EVERY = 7
 #: Largest number of control periods that the log takes from a run of the bench.
 _PLAYED_MAX = 2000
 _COMMENT_COLUMNS = 110
-#: Octets of process data in the longest telegram.
-_OCTETS_MAX = 32
-#: A ``railhil_signal_t`` that belongs to no port.
-_NOWHERE = "{-1, 0, 0, 0}"
 
 
 class _Listener(VectorController):
@@ -70,7 +66,7 @@ class InterfaceControl(Control):
 
     folder = f"{SHARED}/interface"
     sources = ("railhil_law.c",)
-    headers = ("railhil_law.h",)
+    headers = ("railhil_guard.h",)
 
     def __init__(self, scenario: AnyScenario, law: LawSpec) -> None:
         super().__init__(scenario, law)
@@ -174,85 +170,95 @@ class InterfaceControl(Control):
 
     def constants(self) -> list[Define]:
         interface = self._interface
-        _, sent = self.ports()
         return [
-            Define("SOURCE_COUNT", str(len(self._signs())), "ports with readings"),
-            Define("CHECK_COUNT", str(len(self._checks())), "check variables of these ports; at least 1"),
+            Define("SOURCE_COUNT", str(len(sources_of(interface))), "ports with readings"),
             Define("READING_COUNT", str(len(interface.readings))),
             Define("COMMAND_COUNT", str(len(interface.commands))),
-            Define("NOTE_COUNT", str(len(self.macros())), "notes"),
-            Define("TOLD_COUNT", str(len(self._told())), "notes; overflow flags and number of steps of each status"),
-            Define("ANSWER_COUNT", str(len(sent) - 1), "ports with commands or a status"),
         ]
 
     def tables(self) -> list[str]:
-        """Positions of all numbers in the process data, and the process data before they are written."""
+        """Largest ages of the readings, and the safe commands."""
         interface = self._interface
-        _, sent = self.ports()
-        kinds = {kind.PORT: kind for kind in (*(item.telegram for item in interface.commands), *interface.statuses)}
-        answers = [kinds[port.name] for port in sent if port.name in kinds]
+        ages_ns = [
+            min(interface.age_max_ns(item) for item in interface.readings if port == item.telegram.PORT)
+            for port in sources_of(interface)
+        ]
         safe = ", ".join(literal(command.safe) for command in interface.commands)
-        ages = ", ".join(wide(interface.age_max_ns(reading)) for reading in interface.readings)
-        blanks = [line for kind in answers for line in ("    {", *octets(kind().encode()), "    },")]
         return [
-            "/* A number in the process data of a port: first bit (0: the highest of the first octet), number of bits",
-            " * (0: the telegram does not contain it). */",
-            "typedef struct {",
-            "    int port;",
-            "    unsigned first_bit;",
-            "    unsigned bits;",
-            "    int is_signed;",
-            "} railhil_signal_t;",
+            "/* Largest age of the readings of each port in ns; above it safe commands. */",
+            f"static const int64_t railhil_ages_ns[RAILHIL_SOURCE_COUNT] = {{{', '.join(map(wide, ages_ns))}}};",
             "",
-            "/* Life sign of each port with readings, and its check variables. */",
-            *_table("signs", "SOURCE_COUNT", self._signs()),
-            *_table("checks", "CHECK_COUNT", self._checks()),
-            *_table("readings", "READING_COUNT", [_place(item.telegram, item.field) for item in interface.readings]),
-            "/* Largest age of each reading in ns; above it safe commands. */",
-            f"static const int64_t railhil_ages_ns[RAILHIL_READING_COUNT] = {{{ages}}};",
-            "",
-            *_table("commands", "COMMAND_COUNT", [_place(item.telegram, item.field) for item in interface.commands]),
             "/* Commands sent while a reading is missing or too old. */",
             f"static const int32_t railhil_safe[RAILHIL_COMMAND_COUNT] = {{{safe}}};",
             "",
-            *_table("told", "TOLD_COUNT", self._told()),
-            "/* For each port that is sent: its life sign, and its process data before the signals are written. */",
-            *_table("lives", "ANSWER_COUNT", [_place(kind, "life") for kind in answers]),
-            f"static const unsigned char railhil_blanks[RAILHIL_ANSWER_COUNT][{_OCTETS_MAX}] = {{",
-            *blanks,
-            "};",
-            "",
         ]
 
-    def _told(self) -> list[str]:
-        """Positions of the notes, then of overflow flags and number of steps in each status."""
-        interface = self._interface
-        notes = [(interface.status_of(note), note.field) for note in interface.notes]
-        # C does not allow an empty array.
-        statuses = interface.statuses or (None,)
-        counts = [(status, field) for status in statuses for field in ("overflow_flags", "step_count")]
-        return [_place(status, field) for status, field in (*(note for note in notes if note[0]), *counts)]
+    def _taken(self) -> list[str]:
+        """The cases of the ports with readings."""
+        lines = []
+        for source, (port, kind) in enumerate(sources_of(self._interface).items()):
+            telegram, signals, life = CTelegram(kind.port()), dict(kind.signals()), life_of(kind)
+            sign = "NO_LIFE" if life is None else f"(int){telegram.member(life)}"
+            checks = [f"{telegram.member(check)} == RAILHIL_CHECK_CORRECT" for check in checks_of(kind).values()]
+            readings = [
+                f"            guard->raws[{number}] = (int32_t){telegram.member(signals[item.field])};"
+                for number, item in enumerate(self._interface.readings)
+                if port == item.telegram.PORT
+            ]
+            lines += [
+                f"    case RAILHIL_{port}: {{",
+                f"        const {telegram.type} telegram = railhil_unpack_{telegram.name}(process);",
+                f"        const int is_correct = {' && '.join(checks) or '1'};",
+                f"        if (accept(guard, {source}, now_ns, {sign}, is_correct, counts)) {{",
+                *readings,
+                "        }",
+                "        break;",
+                "    }",
+            ]
+        return lines
 
-    def _signs(self) -> list[str]:
-        return [_row(port, life_of(kind)) for port, kind in sources_of(self._interface).items()]
-
-    def _checks(self) -> list[str]:
-        sources = sources_of(self._interface).items()
-        # C does not allow an empty array.
-        return [_row(port, signal) for port, kind in sources for signal in checks_of(kind).values()] or [_NOWHERE]
+    def _answers(self, source: Source) -> list[str]:
+        """The cases of the ports with commands or a status."""
+        interface, lines = self._interface, []
+        in_status = [note for note in interface.notes if interface.status_of(note)]
+        noted = [(note, f"{macro}(law->out)") for note, macro in zip(in_status, source.macros, strict=True)]
+        for kind in dict.fromkeys((*(item.telegram for item in interface.commands), *interface.statuses)):
+            telegram = CTelegram(kind.port())
+            lines += [
+                f"    case RAILHIL_{kind.PORT}: {{",
+                f"        {telegram.type} telegram = railhil_new_{telegram.name}();",
+                *_set(kind, {field: str(value) for field, value in kind().items() if not _is_default(kind, field)}),
+            ]
+            if kind in interface.statuses:
+                told = {note.field: value for note, value in noted if interface.status_of(note) is kind}
+                lines += [
+                    *_set(kind, {"step_count": "(int32_t)(law->steps & 0xFFFFu)"}),
+                    "        if (law->steps != 0) {",
+                    *(f"    {line}" for line in _set(kind, {**told, "overflow_flags": "railhil_law_flags(law)"})),
+                    "        }",
+                ]
+            else:
+                commands = enumerate(interface.commands)
+                lines += [
+                    "        command(law, clock, commands, counts);",
+                    *_set(kind, {item.field: f"commands[{n}]" for n, item in commands if item.telegram is kind}),
+                ]
+            lines += [
+                *_set(kind, {"life": "railhil_law_life(law, port)"}),
+                f"        railhil_pack_{telegram.name}(&telegram, process);",
+                "        break;",
+                "    }",
+            ]
+        return lines
 
     def places(self, source: Source) -> dict[str, str]:
         out = [column for column in source.columns if column.startswith("out.")]
         return {
-            "GIVEN": ", ".join(f"law->raws[{i}]" for i in range(len(self.given))),
+            "GIVEN": ", ".join(f"law->guard.raws[{i}]" for i in range(len(self.given))),
             "COMMANDS": ", ".join(f"law->{column}" for column in out[: len(self.told)]),
             "SAFE": ", ".join(f"railhil_safe[{i}]" for i in range(len(self.told))),
-            "TOLD": ", ".join(
-                [
-                    *(f"{macro}(law->out)" for macro in source.macros),
-                    *["flags, (int32_t)(law->steps & 0xFFFFu)"] * max(1, len(self._interface.statuses)),
-                ]
-            ),
+            "TAKEN": "\n".join(self._taken()),
+            "ANSWERS": "\n".join(self._answers(source)),
         }
 
 
@@ -269,22 +275,15 @@ def wires_of(interface: Interface, given: Iterable[str], told: Iterable[str]) ->
     return found
 
 
-def _place(kind: type[Telegram] | None, field: str) -> str:
-    """Position of a field in its telegram, as a C initialiser."""
-    signal = dict(kind.signals()).get(field) if kind else None
-    return _NOWHERE if kind is None or signal is None else _row(kind.PORT, signal)
+def _is_default(kind: type[Telegram], field: str) -> bool:
+    """Whether a new telegram of a class has the value of the port table."""
+    return bool(getattr(kind(), field) == dict(kind.signals())[field].default)
 
 
-def _row(port: str, signal: Signal | None) -> str:
-    """A ``railhil_signal_t`` as a C initialiser; ``signal`` is None for a port without this signal."""
-    if signal is None:
-        return f"{{RAILHIL_{port}, 0, 0, 0}}"
-    return f"{{RAILHIL_{port}, {signal.first_bit}, {signal.length}, {int(signal.signed)}}}"
-
-
-def _table(name: str, size: str, rows: Sequence[str]) -> list[str]:
-    opening = f"static const railhil_signal_t railhil_{name}[RAILHIL_{size}] = {{"
-    return [opening, *(f"    {row}," for row in rows), "};", ""]
+def _set(kind: type[Telegram], values: Mapping[str, str]) -> list[str]:
+    """Statements that give fields of a telegram a value, those that it has."""
+    telegram, signals = CTelegram(kind.port()), dict(kind.signals())
+    return [f"        {telegram.set(signals[field], value)}" for field, value in values.items() if field in signals]
 
 
 def _end(generator: Generator, low: int, high: int) -> int:

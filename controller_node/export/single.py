@@ -15,7 +15,7 @@ from railhil.common.errors import InputError, Words
 from railhil.controller_node.arithmetic.base import Constant
 from railhil.controller_node.arithmetic.float32 import nearest
 from railhil.controller_node.export.source import c_name
-from railhil.controller_node.export.text import Names, comment, identifier, template
+from railhil.controller_node.export.text import Names, comment, header, identifier, template
 from railhil.controller_node.program.model import Kind, LawProgram, Operation, Program, Value, leaves
 from railhil.controller_node.vector.controller import VectorController
 from railhil.controller_node.vector.law import Interface, raw_range
@@ -165,29 +165,24 @@ def single_source(name: str, programs: LawProgram, interface: Interface, origin:
         "step": [*lines["step"], *answers, *_assigned(programs.step, step, state)],
         "sent": ["(void)told;", *sent.lines, *_assigned(programs.sent, sent, state)],
     }
-    head = [
-        f"/* {comment(origin)}.",
-        " * Generated: change the law, not this file. Single precision, no branch except ?:.",
-    ]
-    guard = f"{name.upper()}_H"
+    head = [f"{comment(origin)}.", "Generated: change the law, not this file. Single precision, no branch except ?:."]
     wire = [
-        " *",
-        f" * raw: {', '.join(comment(item.name) for item in interface.readings)}.",
-        f" * commands, told: {', '.join(comment(item.name) for item in interface.commands)}.",
-        f" * notes: {', '.join(comment(item.name) for item in interface.notes)}.",
-        " * All are the raw integers of their telegrams, commands within the bounds of the law's interface.",
-        " */",
+        "",
+        f"raw: {', '.join(comment(item.name) for item in interface.readings)}.",
+        f"commands, told: {', '.join(comment(item.name) for item in interface.commands)}.",
+        f"notes: {', '.join(comment(item.name) for item in interface.notes)}.",
+        "All are the raw integers of their telegrams, commands within the bounds of the law's interface.",
     ]
-    structure = ["typedef struct {", *(f"    float {member};" for member in members.values()), f"}} {kind};"]
-    header = [*head, *wire, f"#ifndef {guard}", f"#define {guard}", "", "#include <stdint.h>", "", *structure, ""]
-    header += [*(f"{signature};" for signature in signatures.values()), "", "#endif", ""]
-    source = [*head, " */", f'#include "{name}.h"', "", '#include "railhil_f32.h"', ""]
+    structure = ["typedef struct {", *(f"    float {member};" for member in members.values()), f"}} {kind};", ""]
+    body = [*structure, *(f"{signature};" for signature in signatures.values()), ""]
+    source = [f"/* {head[0]}", f" * {head[1]}", " */", f'#include "{name}.h"', "", '#include "railhil_f32.h"', ""]
     for table, samples in tables.items():
         source += [f"static const float {table}_table[{len(samples)}] = {{"]
         source += [*(f"    {number(sample.value)}," for sample in samples), "};", ""]
     for word, signature in signatures.items():
         source += [signature, "{", *(f"    {line}" for line in functions[word]), "}", ""]
-    return SingleSource(name, "\n".join(header), "\n".join(source), tuple(members.values()))
+    text = header(f"{name.upper()}_H", [*head, *wire], ["<stdint.h>"], body)
+    return SingleSource(name, text, "\n".join(source), tuple(members.values()))
 
 
 def _live(program: Program, outputs: set[str]) -> set[int]:

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 
 from railhil.controller_node.export.body import Body, Data, remark
 from railhil.controller_node.export.control import Control, Source
-from railhil.controller_node.export.text import LENGTH_MAX, Names, comment, identifier, literal
+from railhil.controller_node.export.text import LENGTH_MAX, Names, comment, header, identifier, literal
 from railhil.controller_node.program.model import Program, Value
 
 _PER_LINE = 5
@@ -143,25 +143,22 @@ class SourceWriter:
 
     def _header(self) -> str:
         law, signatures, comments = self._law, self._signatures(), self._comments
-        guard = f"{law.upper()}_H"
         structs = [line for struct in (self._in, self._state, self._out) for line in (*struct.declaration(), "")]
 
         def prototype(name: str) -> str:
             return f"void {law}_{name}({', '.join(signatures[name])});"
 
-        return "\n".join(
+        return header(
+            f"{law.upper()}_H",
             [
-                f"/* {law}.h: {self._origin}.",
-                f" * Scenario SHA-256 {self._sha256}.",
-                " * Generated: change the law, not this file. Value = raw / 2^Q.",
-                " *",
-                *(f" * {line}".rstrip() for line in comments.use),
-                " */",
-                f"#ifndef {guard}",
-                f"#define {guard}",
+                f"{law}.h: {self._origin}.",
+                f"Scenario SHA-256 {self._sha256}.",
+                "Generated: change the law, not this file. Value = raw / 2^Q.",
                 "",
-                '#include "railhil_iq.h"',
-                "",
+                *comments.use,
+            ],
+            ["railhil_iq.h"],
+            [
                 f"#define {law.upper()}_PERIOD_NS {literal(self._period_ns)} /* control period */",
                 "",
                 *structs,
@@ -178,9 +175,7 @@ class SourceWriter:
                 prototype("sent"),
                 "",
                 *self._note_macros(),
-                "#endif",
-                "",
-            ]
+            ],
         )
 
     def _note_macros(self) -> list[str]:

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
-from enum import IntEnum
+from collections.abc import Iterable, Sequence
 from importlib.resources import files
 
 from railhil.controller_node.arithmetic.base import INT32_MIN
@@ -63,20 +62,30 @@ def wide(value: int) -> str:
     return f"INT64_C({value})"
 
 
-def enumeration(kind: type[IntEnum], prefix: str) -> list[str]:
-    """Lines of an enumeration of the port table in C.
+def header(guard: str, words: Sequence[str], includes: Sequence[str], body: Sequence[str]) -> str:
+    """A header file.
 
-    :param prefix: of the names of its members.
+    :param guard: macro that says that it has been included.
+    :param words: lines of the comment at its top.
+    :param includes: files that it includes.
+    :param body: its lines, the last of them empty.
     """
-    rows = [f"    {prefix}{member.name} = {member.value}" for member in kind]
-    return [
-        f"/* {kind.__name__} of the port table. */",
-        "enum {",
-        *(f"{row}," for row in rows[:-1]),
-        rows[-1],
-        "};",
-        "",
-    ]
+    first, *rest = words
+    return "\n".join(
+        [
+            f"/* {first}",
+            *(f" * {line}".rstrip() for line in rest),
+            " */",
+            f"#ifndef {guard}",
+            f"#define {guard}",
+            "",
+            *(f"#include {file}" if file.startswith("<") else f'#include "{file}"' for file in includes),
+            "",
+            *body,
+            "#endif",
+            "",
+        ]
+    )
 
 
 def comment(text: str) -> str:

@@ -16,7 +16,7 @@ typedef struct {
     int cause;
 } finding_t;
 
-static const finding_t no_finding = {RAILHIL_NORMAL, RAILHIL_CAUSE_NONE};
+static const finding_t no_finding = {RAILHIL_WATCH_LEVEL_NORMAL, RAILHIL_CTL_CAUSE_NONE};
 
 typedef enum { NO_TELEGRAM, GOOD_TELEGRAM, BAD_TELEGRAM, IMPLAUSIBLE_TELEGRAM } seen_t;
 
@@ -31,6 +31,7 @@ void railhil_guard_init(railhil_guard_t *guard)
     guard->odometer.run = RAILHIL_GOOD_POSITIONS;
     guard->latency.doubt = 1;
     guard->watch.sample_ns = -SAMPLE_MS * NS_PER_MS;
+    guard->watch.emergency = RAILHIL_FLAG_FALSE;
 #if RAILHIL_SAFE
     railhil_safe_init(&guard->safe);
 #endif
@@ -51,15 +52,21 @@ static int64_t unconfirmed_ns(const railhil_guard_t *guard, int64_t now_ns)
 static int may_leave(int level, int good_run, int standstill)
 {
     switch (level) {
-    case RAILHIL_EMERGENCY:
+    case RAILHIL_WATCH_LEVEL_EMERGENCY:
         return 0; /* never in a run */
-    case RAILHIL_SERVICE_BRAKE:
+    case RAILHIL_WATCH_LEVEL_SERVICE_BRAKE:
         return standstill || good_run >= GOOD_AFTER_SERVICE_BRAKE;
-    case RAILHIL_TRACTION_CUT:
+    case RAILHIL_WATCH_LEVEL_TRACTION_CUT:
         return good_run >= GOOD_AFTER_TRACTION_CUT;
     default:
         return good_run >= 1;
     }
+}
+
+/* The level that applies the service brake, or the emergency brake. */
+static int brake_level(int is_emergency)
+{
+    return is_emergency ? RAILHIL_WATCH_LEVEL_EMERGENCY : RAILHIL_WATCH_LEVEL_SERVICE_BRAKE;
 }
 
 /* The finding of the higher level, of equal ones that with the smaller cause. */
@@ -87,33 +94,34 @@ static finding_t find(const railhil_guard_t *guard, int64_t now_ns, finding_t fi
     const railhil_motion_t *motion = &guard->motion;
     const int lost = railhil_position_lost(&guard->odometer, now_ns);
     if (watch->stale) {
-        finding = stronger(finding, RAILHIL_TRACTION_CUT, RAILHIL_CAUSE_SPEED_LATENCY);
+        finding = stronger(finding, RAILHIL_WATCH_LEVEL_TRACTION_CUT, RAILHIL_CTL_CAUSE_SPEED_LATENCY);
     }
     if (watch->late > RAILHIL_OVERRUNS_MAX) {
-        finding = stronger(finding, RAILHIL_TRACTION_CUT, RAILHIL_CAUSE_OVERRUNS);
+        finding = stronger(finding, RAILHIL_WATCH_LEVEL_TRACTION_CUT, RAILHIL_CTL_CAUSE_OVERRUNS);
     }
     if (watch->waits) {
-        finding = stronger(finding, RAILHIL_SERVICE_BRAKE, RAILHIL_CAUSE_CLOCK);
+        finding = stronger(finding, RAILHIL_WATCH_LEVEL_SERVICE_BRAKE, RAILHIL_CTL_CAUSE_CLOCK);
     }
     if (watch->beyond) {
-        finding = stronger(finding, RAILHIL_SERVICE_BRAKE, RAILHIL_CAUSE_POSITION_IMPLAUSIBLE);
+        finding = stronger(finding, RAILHIL_WATCH_LEVEL_SERVICE_BRAKE, RAILHIL_CTL_CAUSE_POSITION_IMPLAUSIBLE);
     }
     if (motion->runaway) {
-        finding = stronger(finding, RAILHIL_EMERGENCY, RAILHIL_CAUSE_RUNAWAY);
+        finding = stronger(finding, RAILHIL_WATCH_LEVEL_EMERGENCY, RAILHIL_CTL_CAUSE_RUNAWAY);
     } else if (motion->weak_ms != 0) {
-        finding = stronger(finding, motion->weak_ms > MORE_BRAKE_MS ? RAILHIL_EMERGENCY : RAILHIL_SERVICE_BRAKE,
-                           RAILHIL_CAUSE_BRAKE_NOT_ANSWERING);
+        finding = stronger(finding, brake_level(motion->weak_ms > MORE_BRAKE_MS),
+                           RAILHIL_CTL_CAUSE_BRAKE_NOT_ANSWERING);
     } else if (motion->stuck || motion->off_scale) {
-        finding = stronger(finding, RAILHIL_TRACTION_CUT, RAILHIL_CAUSE_SPEED_IMPLAUSIBLE);
+        finding = stronger(finding, RAILHIL_WATCH_LEVEL_TRACTION_CUT, RAILHIL_CTL_CAUSE_SPEED_IMPLAUSIBLE);
     }
     if (track_older(guard, now_ns, RAILHIL_TRACK_BRAKE_NS)) {
-        finding = stronger(finding, RAILHIL_SERVICE_BRAKE, RAILHIL_CAUSE_TRACK_AGE);
+        finding = stronger(finding, RAILHIL_WATCH_LEVEL_SERVICE_BRAKE, RAILHIL_CTL_CAUSE_TRACK_AGE);
     } else if (track_older(guard, now_ns, RAILHIL_TRACK_CUT_NS)) {
-        finding = stronger(finding, RAILHIL_TRACTION_CUT, RAILHIL_CAUSE_TRACK_AGE);
+        finding = stronger(finding, RAILHIL_WATCH_LEVEL_TRACTION_CUT, RAILHIL_CTL_CAUSE_TRACK_AGE);
     }
     if (lost != RAILHIL_NOT_LOST) {
-        finding = stronger(finding, RAILHIL_SERVICE_BRAKE,
-                           lost == RAILHIL_LOST ? RAILHIL_CAUSE_POSITION_LOST : RAILHIL_CAUSE_POSITION_IMPLAUSIBLE);
+        finding = stronger(finding, RAILHIL_WATCH_LEVEL_SERVICE_BRAKE,
+                           lost == RAILHIL_LOST ? RAILHIL_CTL_CAUSE_POSITION_LOST
+                                                : RAILHIL_CTL_CAUSE_POSITION_IMPLAUSIBLE);
     }
     return finding;
 }
@@ -128,9 +136,9 @@ static void look(railhil_guard_t *guard, int64_t now_ns, seen_t seen, finding_t 
     const int standstill = watch->speed_known && watch->speed_01mmps == 0;
     const int before = watch->level;
     const int bad = seen == BAD_TELEGRAM || seen == IMPLAUSIBLE_TELEGRAM;
-    const int refused = seen == BAD_TELEGRAM ? RAILHIL_CAUSE_BAD_TELEGRAMS : RAILHIL_CAUSE_SPEED_IMPLAUSIBLE;
-    int demanded = RAILHIL_NORMAL;
-    int cause = RAILHIL_CAUSE_NONE;
+    const int refused = seen == BAD_TELEGRAM ? RAILHIL_CTL_CAUSE_BAD_TELEGRAMS : RAILHIL_CTL_CAUSE_SPEED_IMPLAUSIBLE;
+    int demanded = RAILHIL_WATCH_LEVEL_NORMAL;
+    int cause = RAILHIL_CTL_CAUSE_NONE;
     int bad_count = 0;
     unsigned recent;
     if (seen != NO_TELEGRAM) {
@@ -140,25 +148,25 @@ static void look(railhil_guard_t *guard, int64_t now_ns, seen_t seen, finding_t 
         bad_count++;
     }
     finding = find(guard, now_ns, finding);
-    if (bad || finding.level != RAILHIL_NORMAL || age_ms > RAILHIL_HOLD_MS) {
+    if (bad || finding.level != RAILHIL_WATCH_LEVEL_NORMAL || age_ms > RAILHIL_HOLD_MS) {
         watch->good_run = 0;
     } else if (seen == GOOD_TELEGRAM && watch->good_run < GOOD_AFTER_SERVICE_BRAKE) {
         watch->good_run++;
     }
     if (age_ms > RAILHIL_SERVICE_BRAKE_MS) {
-        demanded = age_ms > RAILHIL_EMERGENCY_MS && !standstill ? RAILHIL_EMERGENCY : RAILHIL_SERVICE_BRAKE;
-        cause = RAILHIL_CAUSE_SPEED_AGE;
+        demanded = brake_level(age_ms > RAILHIL_EMERGENCY_MS && !standstill);
+        cause = RAILHIL_CTL_CAUSE_SPEED_AGE;
     } else if (age_ms > RAILHIL_TRACTION_CUT_MS) {
-        demanded = RAILHIL_TRACTION_CUT;
-        cause = RAILHIL_CAUSE_SPEED_AGE;
+        demanded = RAILHIL_WATCH_LEVEL_TRACTION_CUT;
+        cause = RAILHIL_CTL_CAUSE_SPEED_AGE;
     } else if (bad && bad_count >= BAD_FOR_TRACTION_CUT) {
-        demanded = RAILHIL_TRACTION_CUT;
+        demanded = RAILHIL_WATCH_LEVEL_TRACTION_CUT;
         cause = refused;
     } else if (age_ms > RAILHIL_HOLD_MS) {
-        demanded = RAILHIL_HOLD;
-        cause = RAILHIL_CAUSE_SPEED_AGE;
+        demanded = RAILHIL_WATCH_LEVEL_HOLD;
+        cause = RAILHIL_CTL_CAUSE_SPEED_AGE;
     } else if (bad) {
-        demanded = RAILHIL_HOLD;
+        demanded = RAILHIL_WATCH_LEVEL_HOLD;
         cause = refused;
     }
     if (finding.level > demanded) {
@@ -167,19 +175,20 @@ static void look(railhil_guard_t *guard, int64_t now_ns, seen_t seen, finding_t 
     }
     if (watch->speed_known && watch->limit_known &&
         watch->speed_01mmps > watch->limit_01mmps + RAILHIL_OVERSPEED_MARGIN_01MMPS) {
-        demanded = RAILHIL_EMERGENCY;
-        cause = RAILHIL_CAUSE_OVERSPEED;
+        demanded = RAILHIL_WATCH_LEVEL_EMERGENCY;
+        cause = RAILHIL_CTL_CAUSE_OVERSPEED;
     }
     if (may_leave(before, watch->good_run, standstill)) {
-        watch->level = RAILHIL_NORMAL;
+        watch->level = RAILHIL_WATCH_LEVEL_NORMAL;
     }
     if (demanded > watch->level) {
         watch->level = demanded;
     }
     if (watch->level != before) {
-        watch->cause = cause == RAILHIL_CAUSE_SPEED_AGE && confirmed_ns > heard_ns ? RAILHIL_CAUSE_SAFETY_CODE : cause;
+        const int unconfirmed = cause == RAILHIL_CTL_CAUSE_SPEED_AGE && confirmed_ns > heard_ns;
+        watch->cause = unconfirmed ? RAILHIL_CTL_CAUSE_SAFETY_CODE : cause;
     }
-    if (watch->level == RAILHIL_TRACTION_CUT && before != RAILHIL_TRACTION_CUT) {
+    if (watch->level == RAILHIL_WATCH_LEVEL_TRACTION_CUT && before != RAILHIL_WATCH_LEVEL_TRACTION_CUT) {
         watch->kept_code = watch->code < 0 ? watch->code : 0;
     }
 }
@@ -191,7 +200,7 @@ static void refuse(railhil_guard_t *guard, int64_t now_ns, seen_t seen)
     const int64_t now_ms = railhil_floored(now_ns, NS_PER_MS);
     if (railhil_debt_add(&guard->channel, now_ms, CHANNEL_WINDOW_MS, CHANNEL_WINDOW_MS * RAILHIL_CHANNEL_BAD_MAX,
                          RAILHIL_CHANNEL_BAD_MAX)) {
-        finding = stronger(finding, RAILHIL_SERVICE_BRAKE, RAILHIL_CAUSE_CHANNEL_MONITOR);
+        finding = stronger(finding, RAILHIL_WATCH_LEVEL_SERVICE_BRAKE, RAILHIL_CTL_CAUSE_CHANNEL_MONITOR);
     }
     look(guard, now_ns, seen, finding);
 }
@@ -216,10 +225,10 @@ static void sample(railhil_guard_t *guard, int64_t now_ns)
 void railhil_speed(railhil_guard_t *guard, int64_t now_ns, const unsigned char *process, uint32_t *counts)
 {
     railhil_watch_t *watch = &guard->watch;
-    const int life = process[3] & 0xF;
+    const railhil_trn_speed_t telegram = railhil_unpack_trn_speed(process);
+    const int life = (int)telegram.life;
     const railhil_life_t judged = railhil_life(watch->life, life);
-    const uint32_t raw = (railhil_get16(process) << 8) | process[2];
-    const int32_t speed_01mmps = (int32_t)(raw ^ UINT32_C(0x800000)) - INT32_C(0x800000);
+    const int32_t speed_01mmps = telegram.speed_01mmps;
     finding_t finding = no_finding;
     if (judged == RAILHIL_REPEATED || judged == RAILHIL_OLD) {
         /* Nothing new: the age of the speed keeps growing. */
@@ -228,7 +237,7 @@ void railhil_speed(railhil_guard_t *guard, int64_t now_ns, const unsigned char *
             const int64_t now_ms = railhil_floored(now_ns, NS_PER_MS);
             /* Two senders alternate; after a loss there are old ones in a row. */
             if (!guard->latency.old && railhil_debt_add(&guard->disorder, now_ms, DISORDER_MS, DISORDER_MAX_MS, 1)) {
-                finding = stronger(finding, RAILHIL_SERVICE_BRAKE, RAILHIL_CAUSE_TWO_SOURCES);
+                finding = stronger(finding, RAILHIL_WATCH_LEVEL_SERVICE_BRAKE, RAILHIL_CTL_CAUSE_TWO_SOURCES);
             }
             guard->latency.doubt = guard->latency.old = 1;
         }
@@ -240,7 +249,7 @@ void railhil_speed(railhil_guard_t *guard, int64_t now_ns, const unsigned char *
     }
     watch->life = life;
     railhil_latency_received(&guard->latency, life);
-    if (process[3] >> 6 != RAILHIL_CHECK_CORRECT) {
+    if (telegram.check != RAILHIL_CHECK_CORRECT) {
         counts[RAILHIL_SPEED_CHECK]++;
         refuse(guard, now_ns, BAD_TELEGRAM);
     } else if (speed_01mmps < 0 || speed_01mmps > SPEED_MAX_01MMPS) {
@@ -267,9 +276,10 @@ void railhil_speed(railhil_guard_t *guard, int64_t now_ns, const unsigned char *
 
 void railhil_track(railhil_guard_t *guard, int64_t now_ns, const unsigned char *process)
 {
-    const int has_limit = ((process[15] >> 4) & 3) == RAILHIL_CHECK_CORRECT;
-    const int has_grade = ((process[15] >> 2) & 3) == RAILHIL_CHECK_CORRECT;
-    const int life = process[15] & 3;
+    const railhil_trk_info_t telegram = railhil_unpack_trk_info(process);
+    const int has_limit = telegram.limit_check == RAILHIL_CHECK_CORRECT;
+    const int has_grade = telegram.grade_check == RAILHIL_CHECK_CORRECT;
+    const int life = (int)telegram.life;
     if (life == guard->watch.track_life) {
         return; /* Nothing new: its age keeps growing. */
     }
@@ -279,12 +289,11 @@ void railhil_track(railhil_guard_t *guard, int64_t now_ns, const unsigned char *
     }
     if (has_limit) {
         guard->watch.limit_known = 1;
-        guard->watch.limit_01mmps = (int32_t)railhil_get16(process + 6) * 40; /* 4 mm/s */
+        guard->watch.limit_01mmps = telegram.speed_limit_4mmps * RAILHIL_LIMIT_01MMPS;
     }
     if (has_grade) {
-        const int32_t raw = (int32_t)railhil_get16(process + 12);
         guard->watch.grade_known = 1;
-        guard->watch.grade_001permil = raw < 0x8000 ? raw : raw - 0x10000;
+        guard->watch.grade_001permil = telegram.grade_001permil;
     }
 }
 
@@ -314,21 +323,21 @@ int32_t railhil_watched_notch(railhil_guard_t *guard, int64_t now_ns, int32_t la
     int64_t code;
     watch->stale = railhil_latency_polled(&guard->latency);
     railhil_look(guard, now_ns);
-    returning = watch->returning || watch->level >= RAILHIL_TRACTION_CUT;
+    returning = watch->returning || watch->level >= RAILHIL_WATCH_LEVEL_TRACTION_CUT;
     switch (watch->level) {
-    case RAILHIL_EMERGENCY:
+    case RAILHIL_WATCH_LEVEL_EMERGENCY:
         code = -RAILHIL_FULL_CODE;
         break;
-    case RAILHIL_SERVICE_BRAKE:
+    case RAILHIL_WATCH_LEVEL_SERVICE_BRAKE:
         /* A notch of the law, or one kept from before, that brakes harder than the service brake is not released.
          * Traction is cut before the ramp starts, since this level may follow any other directly. */
         code = railhil_lesser(last, 0);
         code = railhil_lesser(railhil_lesser(law_code, railhil_greater(-RAILHIL_SERVICE_CODE, code - ramp)), code);
         break;
-    case RAILHIL_TRACTION_CUT:
+    case RAILHIL_WATCH_LEVEL_TRACTION_CUT:
         code = railhil_lesser(law_code, watch->kept_code);
         break;
-    case RAILHIL_HOLD:
+    case RAILHIL_WATCH_LEVEL_HOLD:
         code = last < 0 ? last : railhil_lesser(railhil_greater(law_code, 0), last);
         break;
     default:

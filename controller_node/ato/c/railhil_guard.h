@@ -35,6 +35,8 @@ typedef struct {
     int32_t limit_01mmps;
     int32_t grade_001permil;
     int32_t code;      /* last notch sent, 1/256 */
+    int32_t told_code; /* the same, as known to the law */
+    int32_t emergency; /* flag of the last NOTCH_CMD, which NOTCH_SDT repeats */
     int32_t kept_code; /* braking to keep during TRACTION_CUT */
     unsigned recent;   /* last telegrams, newest in bit 0, 1: bad */
     int level;
@@ -47,6 +49,7 @@ typedef struct {
     int life;
     int track_life;
     int late; /* late control periods in a row */
+    uint32_t overruns; /* how often control periods were skipped */
     int stale; /* the telegrams are delayed */
     int beyond; /* the train is beyond its end of authority by the balises: the law's position is wrong */
     int waits; /* the train moves, and the time of the run is not known yet: the law cannot run */

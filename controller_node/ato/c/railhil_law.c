@@ -1,9 +1,8 @@
 /* Inputs, notch and status of the law: see railhil_law.h. */
 #include "railhil_law.h"
 
-enum { FLAG_FALSE = 1, FLAG_TRUE = 2 };
-/* Bits of OverflowFlags. */
-enum { SATURATED = 2, DIVIDED_BY_ZERO = 4 };
+/* Largest OverrunCount. */
+enum { OVERRUNS_MAX = 255 };
 
 static const char *const outcome_names[RAILHIL_COUNTS - RAILHIL_CLOCK_OUTCOMES] = {
     "position_duplicate",
@@ -40,7 +39,6 @@ void railhil_law_init(railhil_law_t *law)
     memset(law, 0, sizeof *law);
     railhil_guard_init(&law->guard);
     law->period = -1;
-    law->safe_emergency = FLAG_FALSE;
 }
 
 /* Runs the law if a control period has begun since its last step; it needs the time of the run. */
@@ -58,7 +56,7 @@ static void step(railhil_law_t *law, const railhil_clock_t *clock)
     }
     law->guard.watch.waits = 0;
     late = law->period >= 0 && period > law->period + 1;
-    law->overruns += (uint32_t)late;
+    law->guard.watch.overruns += (uint32_t)late;
     railhil_period(&law->guard, late);
     position_01mm = railhil_position_01mm(&law->guard.odometer, railhil_own_ns(clock));
 #if RAILHIL_TRACK
@@ -69,7 +67,7 @@ static void step(railhil_law_t *law, const railhil_clock_t *clock)
         @LAW@_start(&law->in, &law->state);
     }
     @LAW@_step(&law->state, &law->in, &law->out, &law->events);
-    law->told_code = law->out.notch;
+    law->guard.watch.told_code = law->out.notch;
     law->period = period;
     law->steps++;
 }
@@ -77,59 +75,59 @@ static void step(railhil_law_t *law, const railhil_clock_t *clock)
 static void answer_notch(railhil_law_t *law, const railhil_clock_t *clock, unsigned char *process)
 {
     const railhil_watch_t *watch = &law->guard.watch;
-    unsigned emergency = FLAG_FALSE;
+    railhil_notch_cmd_t telegram = railhil_new_notch_cmd();
     step(law, clock);
     if (law->steps == 0 && watch->speed_known && watch->speed_01mmps != 0) {
         law->guard.watch.waits = 1;
     }
-    law->notch_life = (law->notch_life + 1u) & 0xFu;
-    process[2] = RAILHIL_MODE_INITIALISING << 5;
     if (law->steps != 0 || watch->waits) {
         const int32_t law_code = law->steps != 0 ? law->out.notch : 0;
         const int32_t code = railhil_watched_notch(&law->guard, railhil_own_ns(clock), law_code);
-        if (law->steps != 0 && code != law->told_code) {
-            law->told_code = code;
+        if (law->steps != 0 && code != law->guard.watch.told_code) {
+            law->guard.watch.told_code = code;
             @LAW@_sent(&law->state, code);
         }
-        railhil_put16(process, (uint32_t)code);
-        process[2] = (unsigned char)(((RAILHIL_MODE_RUNNING + watch->level) << 5) | watch->cause);
-        emergency = watch->level == RAILHIL_EMERGENCY ? FLAG_TRUE : FLAG_FALSE;
+        telegram.notch_256th = code;
+        telegram.mode = RAILHIL_CTL_MODE_RUNNING + watch->level;
+        telegram.cause = watch->cause;
+        telegram.emergency =
+            watch->level == RAILHIL_WATCH_LEVEL_EMERGENCY ? RAILHIL_FLAG_TRUE : RAILHIL_FLAG_FALSE;
     }
-    process[3] = (unsigned char)((RAILHIL_CHECK_CORRECT << 6) | (emergency << 4) | law->notch_life);
-    law->safe_emergency = emergency;
-    law->safe_code = watch->code;
+    telegram.life = railhil_law_life(law, RAILHIL_NOTCH_CMD);
+    railhil_pack_notch_cmd(&telegram, process);
+    law->guard.watch.emergency = telegram.emergency;
 }
 
 #if RAILHIL_SAFE
 /* The last command once more. */
 static void answer_safe_notch(railhil_law_t *law, const railhil_clock_t *clock, unsigned char *process)
 {
-    railhil_put16(process, (uint32_t)law->safe_code);
-    process[4] = (unsigned char)(law->safe_emergency << 6);
+    railhil_notch_sdt_t telegram = railhil_new_notch_sdt();
+    telegram.notch_256th = law->guard.watch.code;
+    telegram.emergency = law->guard.watch.emergency;
     /* Before the time of the run is known, that of the train itself. */
-    railhil_safe_secure(process, clock->is_set ? clock->tick : law->guard.safe.told_tick, &law->safe_ssc);
+    railhil_safe_secure(&law->guard.safe, &telegram, clock->is_set ? clock->tick : law->guard.safe.told_tick, process);
 }
 #endif
 
 static void answer_status(railhil_law_t *law, unsigned char *process)
 {
-    const uint32_t overruns = law->overruns < 255u ? law->overruns : 255u;
-    law->status_life = (law->status_life + 1u) & 0xFu;
-    process[12] = RAILHIL_TELEMETRY_INDEX_NONE << 1;
-    process[13] = RAILHIL_TELEMETRY_HEADROOM_UNUSED << 3;
-    process[15] = (unsigned char)((RAILHIL_CHECK_CORRECT << 6) | (FLAG_FALSE << 4) | law->status_life);
+    const railhil_watch_t *watch = &law->guard.watch;
+    railhil_ctl_stat_t telegram = railhil_new_ctl_stat();
+    telegram.life = railhil_law_life(law, RAILHIL_CTL_STAT);
+    telegram.ready = RAILHIL_FLAG_FALSE;
     if (law->steps != 0) {
-        const uint32_t note1 = (uint32_t)@PREFIX@_NOTE1(law->out) & 0xFu;
-        process[0] = (unsigned char)(note1 << 4 | (unsigned)law->guard.watch.level);
-        process[1] = (unsigned char)((law->events.saturations != 0 ? SATURATED : 0) |
-                                     (law->events.zero_divisions != 0 ? DIVIDED_BY_ZERO : 0));
-        railhil_put16(process + 2, (uint32_t)@PREFIX@_NOTE2(law->out));
-        railhil_put16(process + 4, (uint32_t)@PREFIX@_NOTE3(law->out));
-        railhil_put16(process + 6, law->steps);
-        railhil_put16(process + 8, RAILHIL_STEP_CYCLES);
-        process[14] = (unsigned char)overruns;
-        process[15] = (unsigned char)((RAILHIL_CHECK_CORRECT << 6) | (FLAG_TRUE << 4) | law->status_life);
+        telegram.note1 = @PREFIX@_NOTE1(law->out);
+        telegram.note2 = @PREFIX@_NOTE2(law->out);
+        telegram.note3 = @PREFIX@_NOTE3(law->out);
+        telegram.ladder_level = watch->level;
+        telegram.overflow_flags = railhil_law_flags(law);
+        telegram.step_count = (int32_t)(law->steps & 0xFFFFu);
+        telegram.step_cycles = RAILHIL_STEP_CYCLES;
+        telegram.overruns = (int32_t)railhil_lesser(watch->overruns, OVERRUNS_MAX);
+        telegram.ready = RAILHIL_FLAG_TRUE;
     }
+    railhil_pack_ctl_stat(&telegram, process);
 }
 
 void railhil_law_answer(railhil_law_t *law, const railhil_clock_t *clock, int port, unsigned char *process,

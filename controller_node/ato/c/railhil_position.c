@@ -10,7 +10,6 @@
 
 #define NS_PER_S INT64_C(1000000000)
 #define NS_PER_MS INT64_C(1000000)
-#define WORD_MM INT64_C(65536)
 /* Longer pauses are limited to this, so that no product below exceeds 64 bits. */
 #define PAUSE_MAX_NS INT64_C(100000000000)
 #define PLACE_MAX INT64_C(4600000000000000000)
@@ -78,7 +77,8 @@ static int32_t limited_01mm(int64_t position_mm)
 
 void railhil_position(railhil_odometer_t *odometer, int64_t now_ns, const unsigned char *process, uint32_t *counts)
 {
-    const int life = process[7] & 0xF;
+    const railhil_trn_pos_t telegram = railhil_unpack_trn_pos(process);
+    const int life = (int)telegram.life;
     const railhil_life_t judged = railhil_life(odometer->life, life);
     int64_t reading_01mm;
     int64_t off;
@@ -89,13 +89,13 @@ void railhil_position(railhil_odometer_t *odometer, int64_t now_ns, const unsign
         return;
     }
     odometer->life = life;
-    if (process[7] >> 6 != RAILHIL_CHECK_CORRECT) {
+    if (telegram.check != RAILHIL_CHECK_CORRECT) {
         counts[RAILHIL_POSITION_CHECK]++;
         odometer->run = 0;
         return;
     }
     reckon(odometer, now_ns);
-    reading_01mm = railhil_within(INT64_C(10) * (int32_t)railhil_get32(process), READING_MAX_01MM);
+    reading_01mm = railhil_within(RAILHIL_ODOMETER_01MM * telegram.odometer_mm, READING_MAX_01MM);
     if (!odometer->heard) {
         /* The first telegram: there is no earlier position to compare it with. */
         odometer->heard = 1;
@@ -170,7 +170,7 @@ static int is_explained(int64_t surveyed_mm, int64_t passed_mm, int64_t within_m
 static int may_be_earlier(int64_t surveyed_mm, int64_t passed_mm, int64_t within_mm)
 {
     int64_t place_mm;
-    for (place_mm = passed_mm - WORD_MM; place_mm >= -within_mm; place_mm -= WORD_MM) {
+    for (place_mm = passed_mm - RAILHIL_BALISE_WORD_MM; place_mm >= -within_mm; place_mm -= RAILHIL_BALISE_WORD_MM) {
         if (is_explained(surveyed_mm, place_mm, within_mm)) {
             return 1;
         }
@@ -188,15 +188,16 @@ int railhil_is_beyond(const railhil_balise_t *balise, int32_t here_01mm, int64_t
 void railhil_balise(railhil_balise_t *balise, railhil_odometer_t *odometer, int64_t now_ns,
                     const unsigned char *process, uint32_t *counts)
 {
-    const int32_t number = process[0];
+    const railhil_balise_passed_t telegram = railhil_unpack_balise_passed(process);
+    const int32_t number = telegram.balise_id;
     const int32_t number_before = balise->number;
     const int64_t here_mm = railhil_floored(reckoned_01mm(odometer, now_ns), 10);
     const int64_t within_mm = tolerance(odometer) / NS_PER_S / 10 + 1;
-    const int64_t surveyed_mm = (int32_t)railhil_get32(process + 1);
+    const int64_t surveyed_mm = telegram.surveyed_mm;
     const int first = !balise->heard;
-    int64_t furthest_mm = WORD_MM - 1 - within_mm;
+    int64_t furthest_mm = RAILHIL_BALISE_WORD_MM - 1 - within_mm;
     int64_t behind_mm;
-    if (process[7] >> 6 != RAILHIL_CHECK_CORRECT) {
+    if (telegram.check != RAILHIL_CHECK_CORRECT) {
         counts[RAILHIL_BALISE_CHECK]++;
         return;
     }
@@ -215,10 +216,10 @@ void railhil_balise(railhil_balise_t *balise, railhil_odometer_t *odometer, int6
     if (number == number_before || number == balise->last[0]) {
         return;
     }
-    behind_mm = here_mm + within_mm - (int64_t)railhil_get16(process + 5);
-    behind_mm -= railhil_floored(behind_mm, WORD_MM) * WORD_MM + within_mm;
+    behind_mm = here_mm + within_mm - telegram.odometer_low_mm;
+    behind_mm -= railhil_floored(behind_mm, RAILHIL_BALISE_WORD_MM) * RAILHIL_BALISE_WORD_MM + within_mm;
     /* The first telegram may be of a balise passed long ago: the last place is taken if it is the only one. */
-    if (furthest_mm + within_mm >= WORD_MM || behind_mm > furthest_mm ||
+    if (furthest_mm + within_mm >= RAILHIL_BALISE_WORD_MM || behind_mm > furthest_mm ||
         (first && may_be_earlier(surveyed_mm, here_mm - behind_mm, within_mm))) {
         counts[RAILHIL_BALISE_LATE]++;
         return;

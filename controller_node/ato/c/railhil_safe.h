@@ -13,7 +13,8 @@
 
 #if RAILHIL_SAFE
 
-enum { RAILHIL_SAFE_BYTES = 16, RAILHIL_SAFE_BODY = 12, RAILHIL_SAFE_VERSION_AT = 10, RAILHIL_SAFE_SSC_AT = 11 };
+/* Octets of both safe telegrams, and those before the code. */
+enum { RAILHIL_SAFE_BYTES = RAILHIL_SPEED_SDT_BYTES, RAILHIL_SAFE_BODY = RAILHIL_SAFE_BYTES - 4 };
 
 /* Verdicts on a cycle, the worst first. */
 enum { RAILHIL_SAFE_ERROR, RAILHIL_SAFE_INVALID, RAILHIL_SAFE_FRESH };
@@ -43,6 +44,7 @@ typedef struct {
     int failed; /* the channel has failed within the interval */
     int verdict;
     unsigned ssc;
+    unsigned sent_ssc; /* of the next NOTCH_SDT */
 } railhil_safe_t;
 
 static inline void railhil_safe_init(railhil_safe_t *safe)
@@ -66,25 +68,26 @@ static inline uint32_t railhil_safe_code(const unsigned char *data, unsigned cou
     return code;
 }
 
-/* Writes time, version, counter and code into a telegram whose data are there already. */
-static inline void railhil_safe_secure(unsigned char *process, int64_t tick, unsigned *ssc)
+/* Writes a telegram with time, version, counter and code. */
+static inline void railhil_safe_secure(railhil_safe_t *safe, railhil_notch_sdt_t *telegram, int64_t tick,
+                                       unsigned char *process)
 {
-    uint32_t code;
-    process[3] = (unsigned char)((uint64_t)tick >> 16 & 0xFFu);
-    railhil_put16(process + 8, (uint32_t)((uint64_t)tick & 0xFFFFu));
-    process[RAILHIL_SAFE_VERSION_AT] = RAILHIL_SAFE_DATA_VERSION << 4;
-    process[RAILHIL_SAFE_SSC_AT] = (unsigned char)*ssc;
-    *ssc = (*ssc + 1u) & 0xFFu;
-    code = railhil_safe_code(process, RAILHIL_SAFE_BODY, RAILHIL_SAFE_NOTCH_SID);
-    railhil_put16(process + 12, code >> 16);
-    railhil_put16(process + 14, code & 0xFFFFu);
+    telegram->tick_high = (int32_t)((uint64_t)tick >> 16 & 0xFFu);
+    telegram->tick_low = (int32_t)((uint64_t)tick & 0xFFFFu);
+    telegram->version = RAILHIL_SAFE_DATA_VERSION << 4;
+    telegram->ssc = (int32_t)safe->sent_ssc;
+    safe->sent_ssc = (safe->sent_ssc + 1u) & 0xFFu;
+    railhil_pack_notch_sdt(telegram, process);
+    telegram->code = railhil_safe_code(process, RAILHIL_SAFE_BODY, RAILHIL_SAFE_NOTCH_SID);
+    railhil_pack_notch_sdt(telegram, process);
 }
 
 /* Why a telegram is not used; RAILHIL_SAFE_CAUSES: it is. */
 static inline int railhil_safe_refused(railhil_safe_t *safe, const unsigned char *process, uint32_t *counts)
 {
-    const unsigned ssc = process[RAILHIL_SAFE_SSC_AT];
-    if (railhil_safe_code(process, RAILHIL_SAFE_BODY, RAILHIL_SAFE_SPEED_SID) != railhil_get32(process + 12)) {
+    const railhil_speed_sdt_t telegram = railhil_unpack_speed_sdt(process);
+    const unsigned ssc = (unsigned)telegram.ssc;
+    if (railhil_safe_code(process, RAILHIL_SAFE_BODY, RAILHIL_SAFE_SPEED_SID) != telegram.code) {
         const int other = safe->monitored != 0 && memcmp(process, safe->damaged, RAILHIL_SAFE_BYTES) != 0;
         if (other) {
             safe->failed = 1;
@@ -96,7 +99,7 @@ static inline int railhil_safe_refused(railhil_safe_t *safe, const unsigned char
         }
         return RAILHIL_SAFE_CRC;
     }
-    if (process[RAILHIL_SAFE_VERSION_AT] >> 4 != RAILHIL_SAFE_DATA_VERSION) {
+    if (telegram.version >> 4 != RAILHIL_SAFE_DATA_VERSION) {
         return RAILHIL_SAFE_VERSION;
     }
     if (safe->initial) {
@@ -157,9 +160,8 @@ static inline void railhil_safe_speed(railhil_safe_t *safe, const railhil_clock_
     const int64_t now_ns = railhil_own_ns(clock);
     const int64_t cycles = railhil_floored(now_ns - safe->cycle_ns, RAILHIL_SAFE_PERIOD_NS);
     int64_t missed;
-    const uint32_t raw = (railhil_get16(process) << 8) | process[2];
-    const int32_t told_01mmps = (int32_t)(raw ^ UINT32_C(0x800000)) - INT32_C(0x800000);
-    const uint32_t tick = (uint32_t)process[3] << 16 | railhil_get16(process + 8);
+    const railhil_speed_sdt_t telegram = railhil_unpack_speed_sdt(process);
+    const uint32_t tick = (uint32_t)telegram.tick_high << 16 | (uint32_t)telegram.tick_low;
     const uint32_t off = (tick - (uint32_t)((uint64_t)clock->tick & 0xFFFFFFu)) & 0xFFFFFFu;
     /* A telegram that comes late does not take the time of the next one. */
     safe->cycle_ns = cycles > 0 ? safe->cycle_ns + cycles * RAILHIL_SAFE_PERIOD_NS : now_ns;
@@ -171,7 +173,7 @@ static inline void railhil_safe_speed(railhil_safe_t *safe, const railhil_clock_
     }
     if (clock->is_set && off > RAILHIL_SAFE_LATE_TICKS && UINT32_C(0x1000000) - off > RAILHIL_SAFE_LATE_TICKS) {
         counts[RAILHIL_SAFE_TIME]++;
-    } else if (speed_known && speed_01mmps != told_01mmps) {
+    } else if (speed_known && speed_01mmps != telegram.speed_01mmps) {
         counts[RAILHIL_SAFE_DIFFERS]++;
     } else {
         safe->confirmed_ns = now_ns;

@@ -43,7 +43,7 @@ void railhil_clock_frame(railhil_clock_t *clock, unsigned length, const unsigned
         !railhil_has_tail(data + 5, port->word)) {
         return;
     }
-    life = data[3] & 0xF;
+    life = railhil_clock_life(data);
     if (!clock->running) {
         open_tick(clock, 0, life);
         return;
@@ -133,14 +133,14 @@ void railhil_clock_slow(railhil_clock_t *clock, int life)
 }
 
 /* Why a TIME_SYNC is refused; 0: it is not. */
-static unsigned implausible(railhil_clock_t *clock, const unsigned char *process, int64_t off)
+static unsigned implausible(railhil_clock_t *clock, const railhil_time_sync_t *telegram, int64_t off)
 {
     const int64_t near_ticks = RAILHIL_LIFE_STEP_MAX * RAILHIL_CLOCK_TICKS;
-    const int life = process[7] & 0xF;
+    const int life = (int)telegram->life;
     const railhil_life_t judged = railhil_life(clock->sync_life, life);
     const int confirming = clock->ahead_life >= 0 && life == ((clock->ahead_life + 1) & 0xF) &&
                            off - clock->ahead_ticks <= near_ticks && off - clock->ahead_ticks >= -near_ticks;
-    if (process[7] >> 6 != RAILHIL_CHECK_CORRECT) {
+    if (telegram->check != RAILHIL_CHECK_CORRECT) {
         return RAILHIL_TIME_CHECK;
     }
     if (off > near_ticks) {
@@ -162,11 +162,12 @@ static unsigned implausible(railhil_clock_t *clock, const unsigned char *process
 
 int railhil_time_sync(railhil_clock_t *clock, const unsigned char *process, uint32_t *counts)
 {
-    const int64_t fraction_ns = (int64_t)railhil_get16(process + 4) * NS_PER_S / 65536;
-    const int64_t now_ns = (int64_t)railhil_get32(process) * NS_PER_S + fraction_ns;
+    const railhil_time_sync_t telegram = railhil_unpack_time_sync(process);
+    const int64_t fraction_ns = telegram.fraction_65536th_s * NS_PER_S / RAILHIL_FRACTIONS_PER_S;
+    const int64_t now_ns = (int64_t)telegram.seconds_s * NS_PER_S + fraction_ns;
     const int64_t tick = (now_ns + RAILHIL_BASE_TICK_NS / 2) / RAILHIL_BASE_TICK_NS;
     const int64_t off = tick - clock->tick;
-    const unsigned cause = implausible(clock, process, off);
+    const unsigned cause = implausible(clock, &telegram, off);
     /* If only clock frames have been missing, since before the last poll, their count continues. */
     const int known = clock->life >= 0 && clock->polls > 0 &&
                       railhil_greater(off, -off) <= RAILHIL_LIFE_STEP_MAX * RAILHIL_CLOCK_TICKS;
@@ -174,7 +175,7 @@ int railhil_time_sync(railhil_clock_t *clock, const unsigned char *process, uint
         counts[cause]++;
         return 0;
     }
-    clock->sync_life = process[7] & 0xF;
+    clock->sync_life = (int)telegram.life;
     clock->known_tick = -1;
     if (!clock->is_set && off > RAILHIL_LIFE_STEP_MAX * RAILHIL_CLOCK_TICKS) {
         clock->began = off;

@@ -95,13 +95,16 @@ static void take_telegram(railhil_control_t *control, int port, const unsigned c
 {
     if (port == RAILHIL_TIME_SYNC) {
         if (railhil_time_sync(&control->clock, process, control->counts)) {
-            control->rate_10th = process[6];
+            control->rate_10th = (unsigned)railhil_unpack_time_sync(process).rate_10th;
         }
-    } else if (port == RAILHIL_RUN_EVENT && process[0] >= RAILHIL_ENDED && process[0] <= RAILHIL_EVENT_MAX) {
-        control->ended = process[0];
+    } else if (port == RAILHIL_RUN_EVENT) {
+        const int event = (int)railhil_unpack_run_event(process).event;
+        if (event >= RAILHIL_ENDED && event <= RAILHIL_EVENT_MAX) {
+            control->ended = event;
+        }
     }
     if (port == RAILHIL_SLOW_PORT) {
-        railhil_clock_slow(&control->clock, process[railhil_ports[port].bytes - 1u] & 0xF);
+        railhil_clock_slow(&control->clock, railhil_slow_life(process));
     }
     railhil_law_take(&control->law, &control->clock, port, process, control->counts);
 }

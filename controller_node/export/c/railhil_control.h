@@ -14,7 +14,11 @@
 #include "railhil_law.h"
 
 /* RUN_EVENT: values from RAILHIL_ENDED on end the run; RAILHIL_REFUSED: the nodes do not agree on what to run. */
-enum { RAILHIL_ENDED = 4, RAILHIL_REFUSED = 8, RAILHIL_EVENT_MAX = 10 };
+enum {
+    RAILHIL_ENDED = RAILHIL_EVENT_ENDED_COMPLETE,
+    RAILHIL_REFUSED = RAILHIL_EVENT_ENDED_REFUSED,
+    RAILHIL_EVENT_MAX = RAILHIL_EVENT_ENDED_SUPERVISOR_LOST
+};
 
 enum { RAILHIL_PORT_COUNT = sizeof railhil_ports / sizeof railhil_ports[0] };
 

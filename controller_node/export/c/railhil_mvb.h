@@ -94,11 +94,6 @@ static inline uint32_t railhil_get16(const unsigned char *at)
     return ((uint32_t)at[0] << 8) | at[1];
 }
 
-static inline uint32_t railhil_get32(const unsigned char *at)
-{
-    return (railhil_get16(at) << 16) | railhil_get16(at + 2);
-}
-
 /* Master word and its check sequence: the last three bytes of every telegram. */
 static inline void railhil_put_tail(unsigned char *at, uint32_t word)
 {
@@ -219,9 +214,6 @@ static inline unsigned railhil_frames(const railhil_port_t *port, const unsigned
 typedef enum { RAILHIL_FRESH, RAILHIL_GAP, RAILHIL_REPEATED, RAILHIL_OLD } railhil_life_t;
 
 enum { RAILHIL_LIFE_STEP_MAX = 7 };
-
-/* Value of a check variable that marks correct data. */
-enum { RAILHIL_CHECK_CORRECT = 1 };
 
 static inline railhil_life_t railhil_life(int last, int life)
 {

@@ -42,6 +42,7 @@ def test_same_law_and_scenario_give_the_same_bytes(tmp_path: Path) -> None:
             "railhil_motion.h",
             "railhil_mvb.h",
             "railhil_node.c",
+            "railhil_ports.h",
             "railhil_position.c",
             "railhil_position.h",
             "railhil_run.c",

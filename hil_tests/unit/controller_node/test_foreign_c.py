@@ -110,6 +110,7 @@ static void make(railhil_frame_t *frame, const railhil_sink_t *sinks, int64_t no
 int main(void)
 {
     static railhil_control_t control;
+    const railhil_watch_t *watch = &control.law.guard.watch;
     railhil_frame_t frame;
     railhil_frame_t answer[RAILHIL_FRAMES_MAX];
     unsigned long n;
@@ -122,14 +123,14 @@ int main(void)
         unsigned count;
         make(&frame, control.sinks, railhil_now_ns(&control.clock));
         count = railhil_receive(&control, frame.can_id, frame.length, frame.data, answer);
-        if (count > 3 || control.law.guard.watch.level > RAILHIL_EMERGENCY || control.law.guard.watch.level < 0) {
+        if (count > 3 || watch->level > RAILHIL_WATCH_LEVEL_EMERGENCY || watch->level < 0) {
             return 1;
         }
-        if (control.law.guard.watch.code > RAILHIL_FULL_CODE || control.law.guard.watch.code < -RAILHIL_FULL_CODE) {
+        if (watch->code > RAILHIL_FULL_CODE || watch->code < -RAILHIL_FULL_CODE) {
             return 2;
         }
-        if (control.law.guard.watch.level >= RAILHIL_TRACTION_CUT && frame.can_id == RAILHIL_POLL_ID && count == 1 &&
-            answer[0].can_id == railhil_ports[RAILHIL_NOTCH_CMD].address && control.law.guard.watch.code > 0) {
+        if (watch->level >= RAILHIL_WATCH_LEVEL_TRACTION_CUT && frame.can_id == RAILHIL_POLL_ID && count == 1 &&
+            answer[0].can_id == railhil_ports[RAILHIL_NOTCH_CMD].address && watch->code > 0) {
             return 3;
         }
         if (control.ended != 0 && draw(50) == 0) {

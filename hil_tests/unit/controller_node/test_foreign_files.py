@@ -34,7 +34,7 @@ def test_files_include_each_other_one_way(folder: Path) -> None:
     assert "railhil_guard.h" not in found["railhil_position.c"]
     # Raises CycleError if the includes are circular.
     TopologicalSorter(found).prepare()
-    for name in ("mvb", "clock", "position", "motion", "guard", "law", "control"):
+    for name in ("mvb", "ports", "clock", "position", "motion", "guard", "law", "control"):
         (folder / "alone.c").write_text(f'#include "railhil_{name}.h"\nint nothing;\n')
         build(folder, ["alone.c"], "alone.o", (*STRICT, "-c"))
 
@@ -42,7 +42,8 @@ def test_files_include_each_other_one_way(folder: Path) -> None:
 def test_program_is_integer_code_without_memory(folder: Path) -> None:
     """No float and no heap in any file; names differ in their first 31 characters."""
     headers = [
-        f"railhil_{name}.h" for name in ("mvb", "clock", "position", "motion", "guard", "law", "control", "socket")
+        f"railhil_{name}.h"
+        for name in ("mvb", "ports", "clock", "position", "motion", "guard", "law", "control", "socket")
     ]
     names = [*PROGRAM, *headers, "ipfc_plus_node.h"]
     identifiers: set[str] = set()

@@ -1,4 +1,6 @@
-/* A train's law: its inputs from the telegrams, its notch and status into telegrams, and the watch that limits it. */
+/* The law in the controller: its inputs from telegrams, its commands and status into telegrams, and the guard, which
+ * decides what the law is given, and what is sent instead of its commands.
+ */
 #ifndef RAILHIL_LAW_H
 #define RAILHIL_LAW_H
 
@@ -12,15 +14,9 @@ typedef struct {
     @LAW@_state_t state;
     @LAW@_out_t out;
     iq_events_t events;
-    int64_t period;    /* number of the last control period, -1 before the first */
-    int32_t told_code; /* the last notch sent, as known to the law, 1/256 */
+    int64_t period; /* number of the last control period, -1 before the first */
     uint32_t steps;
-    uint32_t overruns; /* how often control periods were skipped */
-    unsigned notch_life;
-    unsigned safe_ssc;       /* sequence counter of NOTCH_SDT */
-    unsigned safe_emergency; /* and the command that it repeats */
-    int32_t safe_code;
-    unsigned status_life;
+    unsigned lives[RAILHIL_SENT_COUNT]; /* last life sign of each port that is sent */
 } railhil_law_t;
 
 void railhil_law_init(railhil_law_t *law);
@@ -38,5 +34,20 @@ void railhil_law_look(railhil_law_t *law, const railhil_clock_t *clock);
 
 /* Name of an outcome; index >= RAILHIL_CLOCK_OUTCOMES. */
 const char *railhil_law_outcome(unsigned index);
+
+/* Overflow flags of a status: events in the law since its start. */
+static inline int32_t railhil_law_flags(const railhil_law_t *law)
+{
+    return (law->events.saturations != 0 ? RAILHIL_OVERFLOW_SATURATION : 0) |
+           (law->events.zero_divisions != 0 ? RAILHIL_OVERFLOW_DIVISION_BY_ZERO : 0);
+}
+
+/* The next life sign of a port that is sent. */
+static inline int32_t railhil_law_life(railhil_law_t *law, int port)
+{
+    unsigned *life = &law->lives[port - RAILHIL_SINK_COUNT];
+    *life = (*life + 1u) & 0xFu;
+    return (int32_t)*life;
+}
 
 #endif
