@@ -28,7 +28,7 @@ from railhil.judge.judging import judging_of
 from railhil.judge.score import Score
 from railhil.plant_sim.node import make_plant_node
 from railhil.record.framelog import FrameLog, read_log
-from railhil.record.session import Session
+from railhil.record.session import make_session
 from railhil.record.trace import trace_of
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec, RunSpec
@@ -174,7 +174,7 @@ def fuzzed_run(scenario: Scenario, frames: int, seed: int) -> Fuzzed:
     spec = RunSpec(law=LawSpec(system.law))
     with tempfile.TemporaryDirectory(prefix="railhil-") as folder:
         log = FrameLog(Path(folder))
-        session = Session(scenario, log.write, spec)
+        session = make_session(scenario, log.write, spec)
         node = system.part("controller")(scenario, spec.law, None)
         ticks = round(scenario.plan.running_time_s * 1e9) // scenario.timing.base_tick_ns
         bus = NoisyBus(

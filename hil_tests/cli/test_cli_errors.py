@@ -28,7 +28,7 @@ from railhil.plant_sim.handshake import Refused
 from railhil.plant_sim.node import make_plant_node
 from railhil.record.framelog import log_line, sha256_of
 from railhil.record.run_folder import run_folder
-from railhil.record.session import Session
+from railhil.record.session import make_session
 from railhil.run.bus_run import BusRun
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec, RunSpec, StartUp
@@ -256,18 +256,18 @@ def test_nodes_that_do_not_agree(tmp_path, socket_folder):
 def test_controller_that_is_not_the_one_asked_for(lvshun):
     """Only the supervisor knows what was asked for: the plant has no opinion on the controller's arithmetic."""
     lines: list[str] = []
-    session = Session(lvshun, lines.append, RunSpec())
+    session = make_session(lvshun, lines.append, RunSpec())
     node = ControllerNode(lvshun, LawSpec("ipfc", "float64"))
     plant = make_plant_node(lvshun, RunSpec(), LocalBus([node.handle, session.handle]))
     with pytest.raises(Refused):
         plant.run()
-    assert session.disagreements == ["arithmetic differs: controller float64, supervisor iq"]
+    assert session.handshake.disagreements == ["arithmetic differs: controller float64, supervisor iq"]
     assert (session.sim_time_s, session.ended) == (0, Event.ENDED_REFUSED)
 
 
 def test_a_supervisor_that_takes_the_plant_for_another_pace(lvshun):
     """A realtime run recorded as lockstep would be judged without its jitter."""
-    session = Session(lvshun, lambda line: None, RunSpec())
+    session = make_session(lvshun, lambda line: None, RunSpec())
     node = ControllerNode(lvshun, LawSpec())
     plant = make_plant_node(lvshun, RunSpec(pace="realtime", rate=100.0), LocalBus([node.handle, session.handle]))
     with pytest.raises(Refused, match="pace differs: plant realtime, supervisor lockstep"):

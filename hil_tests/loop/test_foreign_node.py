@@ -26,7 +26,7 @@ from railhil.bus.mvb import F_DEVICE_STATUS, TelegramSource, check_sequence, mas
 from railhil.controller_node.ato.node import ControllerNode
 from railhil.dbc import wire_contract
 from railhil.plant_sim.node import make_plant_node
-from railhil.record.session import Session
+from railhil.record.session import make_session
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.systems.ato.scenario.canonical import scenario_sha256
 from railhil.systems.ato.scenario.model import Safety, Scenario
@@ -287,7 +287,7 @@ def test_silence_of_all_ports_is_bridged_by_polls_and_time_sync(exported) -> Non
 def late_run(scenario: Scenario, c: CNode, law: str, at_s: float) -> list[NotchCmd]:
     """Answers of a controller that takes over at an instant of a run, its clock at 0; those of the C are equal."""
     spec = RunSpec(law=LawSpec(law))
-    session = Session(scenario, lambda line: None, spec)
+    session = make_session(scenario, lambda line: None, spec)
     first, late = ControllerNode(scenario, spec.law), ControllerNode(scenario, spec.law)
     ticks, told = 0, []
 

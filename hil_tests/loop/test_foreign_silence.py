@@ -15,7 +15,7 @@ from railhil.bus.telegrams import TimeSync
 from railhil.controller_node.ato.node import ControllerNode
 from railhil.dbc import wire_contract
 from railhil.plant_sim.node import make_plant_node
-from railhil.record.session import Session
+from railhil.record.session import make_session
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.systems.ato.scenario.canonical import scenario_sha256
@@ -58,7 +58,8 @@ def test_the_age_of_the_speed_is_seen_after_a_silence(
 ) -> None:
     """Also where the life sign of TRN_SPEED goes on as if nothing had happened (16); never because of the position."""
     spec = RunSpec(law=LawSpec("ipfc_plus"))
-    node, c, session = ControllerNode(scenario, spec.law), CNode(exported, "ipfc_plus"), Session(scenario, print, spec)
+    node, c = ControllerNode(scenario, spec.law), CNode(exported, "ipfc_plus")
+    session = make_session(scenario, print, spec)
     tick, told = -1, list[NotchCmd]()
 
     def both(frame: Frame) -> list[Frame]:

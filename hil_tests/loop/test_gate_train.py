@@ -14,7 +14,7 @@ from railhil.bus.local import LocalBus
 from railhil.bus.mvb import TelegramSource
 from railhil.controller_node.ato.node import ControllerNode
 from railhil.plant_sim.node import PlantNode, make_plant_node
-from railhil.record.session import Session
+from railhil.record.session import make_session
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.systems.ato.scenario.model import Scenario
 from railhil.wire.ato import NotchCmd, WatchLevel
@@ -25,7 +25,7 @@ Wire = Callable[[Frame], list[Frame]]
 
 def run_with_answers(scenario: Scenario, change: Wire) -> tuple[PlantNode, Event]:
     """A run in which ``change`` does something to the controller's NOTCH_CMD answers."""
-    session = Session(scenario, lambda line: None, RunSpec())
+    session = make_session(scenario, lambda line: None, RunSpec())
     node = ControllerNode(scenario, LawSpec())
 
     def controller(frame: Frame) -> list[Frame]:

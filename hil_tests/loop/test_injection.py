@@ -298,7 +298,7 @@ def test_an_order_by_hand_becomes_a_fault_with_its_instant(runs: Runs, tmp_path:
             (1.6, 2, FaultOrder.INJECT),
         ):
             if abs(time_s - at_s) < 1e-6:
-                run.session.order(number, order)
+                run.session.commands.order(number, order)
 
     run = LocalRun(scenario, spec, tmp_path, on_progress)
     run.play()

@@ -20,7 +20,7 @@ from railhil.plant_sim.ato import dynamics
 from railhil.plant_sim.ato.plant import PlantError
 from railhil.plant_sim.handshake import Refused
 from railhil.plant_sim.node import PlantNode, make_plant_node
-from railhil.record.session import Session
+from railhil.record.session import make_session
 from railhil.record.trace import Trace
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.wire.ato import CtlStat, NotchCmd, SimTruth
@@ -31,7 +31,7 @@ STATUS_POLL = master_frame(CtlStat.port().f_code, CtlStat.port().address)
 
 @pytest.fixture
 def session(lvshun):
-    return Session(lvshun, lambda line: None, RunSpec())
+    return make_session(lvshun, lambda line: None, RunSpec())
 
 
 def plant_with(lvshun, session, controller) -> PlantNode:
@@ -67,7 +67,7 @@ def test_a_handshake_telegram_with_a_strange_role_is_counted_and_nothing_else(lv
         return node.handle(frame)
 
     assert plant_with(scenario, session, with_strays).run() is session.ended is Event.ENDED_NOT_STOPPED
-    assert session.disagreements == []
+    assert session.handshake.disagreements == []
     assert session.counters["wrong_role"] == 2
 
 
@@ -96,9 +96,9 @@ def test_the_end_of_the_run_is_heard_when_one_repetition_arrives(lvshun, session
 def test_stop_order_of_the_supervisor_ends_the_run_without_blaming_the_controller(lvshun):
     def changes_its_mind(sim_time_s: float) -> None:
         if sim_time_s > 0.3:
-            session.disagreements.append("the supervisor has changed its mind")
+            session.handshake.disagreements.append("the supervisor has changed its mind")
 
-    session = Session(lvshun, lambda line: None, RunSpec(), on_progress=changes_its_mind)
+    session = make_session(lvshun, lambda line: None, RunSpec(), on_progress=changes_its_mind)
     node = ControllerNode(lvshun, LawSpec())
     assert plant_with(lvshun, session, node.handle).run() is Event.ENDED_BY_SUPERVISOR
     assert session.ended is Event.ENDED_BY_SUPERVISOR
@@ -112,7 +112,7 @@ def test_status_of_the_last_tick_is_always_asked_for_once(lvshun, running_time_s
     plan = dataclasses.replace(lvshun.plan, running_time_s=running_time_s, overtime_max_s=0.0)
     run = RunSpec(pace="realtime" if rate else "lockstep", rate=rate)
     scenario = dataclasses.replace(lvshun, plan=plan)
-    session = Session(scenario, lambda line: None, run)
+    session = make_session(scenario, lambda line: None, run)
     node = ControllerNode(scenario, LawSpec())
     asked, heard = [], []
 

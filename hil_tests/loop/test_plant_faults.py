@@ -19,7 +19,7 @@ from railhil.bus.telegrams import SupCmd
 from railhil.controller_node.ato.node import ControllerNode
 from railhil.plant_sim.any_plant import PlantError
 from railhil.plant_sim.node import make_plant_node
-from railhil.record.session import Session
+from railhil.record.session import make_session
 from railhil.scenarios.load import load_any
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.wire.ato import CtlMode, NotchCmd, SimTruth, TrnPos, TrnSpeed, TrnWatch, WatchLevel
@@ -126,7 +126,7 @@ def test_a_fault_is_injected_and_cleared_by_hand(short: str) -> None:
     """SUP_CMD orders it by its number; it acts from the next tick on."""
     scenario = load_any(short, (), ("speed wrong 1.5 @20s", "doors off @manual"))
     spec = RunSpec(short, law=LawSpec("ipfc", "float64"))
-    session, node = Session(scenario, lambda line: None, spec), ControllerNode(scenario, spec.law)
+    session, node = make_session(scenario, lambda line: None, spec), ControllerNode(scenario, spec.law)
     source, port = TelegramSource(SupCmd.port()), SupCmd.port()
 
     def supervisor(frame: Frame) -> list[Frame]:

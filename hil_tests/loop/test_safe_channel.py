@@ -20,7 +20,7 @@ from railhil.bus.sdt import SAFE_DATA_VERSION, SafeSource, source_identity
 from railhil.common.errors import InputError
 from railhil.controller_node.ato.node import ControllerNode
 from railhil.plant_sim.node import PlantNode, make_plant_node
-from railhil.record.session import Session
+from railhil.record.session import make_session
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.systems.ato.scenario.model import Safety, Scenario
@@ -170,7 +170,7 @@ class AnswerAttack:
 
 def levels_of(scenario: Scenario, attack: Callable[[list[Frame]], list[Frame]]) -> tuple[list[int], PlantNode]:
     """Level of the train's watch from the attack on, tick by tick, for 2 s; 10 ms apart."""
-    session, node = Session(scenario, lambda line: None, RunSpec()), ControllerNode(scenario, LawSpec())
+    session, node = make_session(scenario, lambda line: None, RunSpec()), ControllerNode(scenario, LawSpec())
     plant = make_plant_node(scenario, RunSpec(), LocalBus([lambda frame: attack(node.handle(frame)), session.handle]))
     levels: list[int] = []
     advance = plant.plant.advance

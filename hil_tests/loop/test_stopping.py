@@ -30,7 +30,7 @@ from railhil.judge.reactions.catalogue import Entry, catalogue_of
 from railhil.judge.signals import signal_table
 from railhil.plant_sim.node import make_plant_node
 from railhil.record.framelog import log_sha256
-from railhil.record.session import Session
+from railhil.record.session import make_session
 from railhil.scenarios.fault_list import fault_texts
 from railhil.scenarios.load import load_any
 from railhil.scenarios.run_spec import LawSpec, RunSpec
@@ -212,7 +212,7 @@ def test_the_c_node_answers_both_status_polls_as_ours(tmp_path: Path) -> None:
     assert done.exit_code == 0, done.err
     spec = RunSpec(law=LawSpec("ilc_stop", arithmetic="iq"))
     ours, theirs = VectorNode(scenario, spec.law), CNode(tmp_path / "c", "ilc_stop", PORTABLE_INTERFACE)
-    session = Session(scenario, lambda line: None, spec)
+    session = make_session(scenario, lambda line: None, spec)
     lost, answered = random.Random(1), Counter[int]()
 
     def both(frame: Frame) -> list[Frame]:

@@ -32,11 +32,11 @@ from railhil.controller_node.vector.node import VectorNode
 from railhil.plant_sim.node import make_plant_node
 from railhil.scenarios.load import load_any
 from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.record.session import Session
+from railhil.record.session import make_session
 scenario, seed = load_any(sys.argv[1]), int(sys.argv[3])
 spec = RunSpec(law=LawSpec("apart"), seed=seed, perturbed=bool(seed))
 node, c = VectorNode(scenario, spec.law), CNode(Path(sys.argv[2]), "apart", PORTABLE_INTERFACE)
-session = Session(scenario, lambda line: None, spec)
+session = make_session(scenario, lambda line: None, spec)
 number, polls, answers, late = random.Random(seed), 0, 0, []
 silent = {0x118: range(200, 350), 0x110: range(400, 550), 0x100: range(300, 450)}
 stuck = {0x118: range(600, 700), 0x110: range(750, 850)}

@@ -9,7 +9,7 @@ from railhil.bus.frame import Frame
 from railhil.bus.local import LocalBus
 from railhil.plant_sim.node import make_plant_node
 from railhil.record.framelog import FrameLog, read_log
-from railhil.record.session import Session
+from railhil.record.session import make_session
 from railhil.record.trace import Trace, trace_of
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
@@ -39,7 +39,7 @@ def disturbed_run(scenario: AnyScenario, folder: Path, disturbance: Disturbance,
     system = system_named(scenario.system)
     spec = spec or RunSpec(law=LawSpec(system.law))
     log = FrameLog(folder)
-    session = Session(scenario, log.write, spec)
+    session = make_session(scenario, log.write, spec)
     node = system.part("controller")(scenario, spec.law)
 
     def changed(frame: Frame) -> list[Frame]:

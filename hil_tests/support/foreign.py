@@ -19,7 +19,7 @@ from railhil.bus.local import LocalBus
 from railhil.controller_node.ato.node import ControllerNode
 from railhil.controller_node.export import make_bundle, write_bundle
 from railhil.plant_sim.node import make_plant_node
-from railhil.record.session import Session
+from railhil.record.session import make_session
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.systems.ato.scenario.model import Scenario
 from railhil.wire.ato import CtlStat
@@ -168,7 +168,7 @@ def twin_run(
     """
     spec = RunSpec(law=LawSpec(law, indexing=indexing), seed=seed, perturbed=drawn)
     node = ControllerNode(scenario, spec.law)
-    session = Session(scenario, lambda line: None, spec)
+    session = make_session(scenario, lambda line: None, spec)
     run = TwinRun(0, {}, {}, set(), (0, 0))
     met = False
 

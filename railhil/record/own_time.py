@@ -26,7 +26,7 @@ from railhil.common.digits import count_of
 from railhil.common.errors import InputError, Words
 from railhil.dbc import Contract
 from railhil.record.framelog import BLF_SUFFIX, log_line, read_log
-from railhil.record.session import Session
+from railhil.record.session import make_session
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 
@@ -58,15 +58,6 @@ class OwnTime:
         return digest.hexdigest()
 
 
-class _Again(Session):
-    """Keeps the lines that the recorder would write."""
-
-    def __init__(self, scenario: AnyScenario, contract: Contract) -> None:
-        super().__init__(scenario, str, RunSpec(), contract=contract)
-        self.kept: list[Timed] = []
-        self._keep = lambda time_ns, frame: self.kept.append((time_ns, frame))
-
-
 def own_time(log: Path, scenario: AnyScenario, contract: Contract) -> OwnTime:
     """The frames of a run with the times that they had in it.
 
@@ -74,8 +65,10 @@ def own_time(log: Path, scenario: AnyScenario, contract: Contract) -> OwnTime:
     :raises InputError: as :func:`railhil.record.framelog.read_log`; the order of the log is not that of the bus; it
         begins during the run, or has a second one.
     """
-    session = _Again(scenario, contract)
-    kept = session.kept
+    kept: list[Timed] = []
+    session = make_session(
+        scenario, str, RunSpec(), contract=contract, keep=lambda time_ns, frame: kept.append((time_ns, frame))
+    )
     touched = any(word in text for text in scenario.faults for word in _TOUCHING)
     order = None if touched else _Order(scenario, contract)
     before = after = moved = 0

@@ -18,7 +18,7 @@ import numpy.typing as npt
 
 from railhil.bus.frame import Frame, quick_frame
 from railhil.bus.hub.columns import PACKED
-from railhil.bus.hub.wire import CLASSIC_SIZE, SFF_MASK, pack_frame, unpack_frames
+from railhil.bus.hub.wire import CLASSIC_SIZE, SFF_MASK, pack_frame, pack_frames, unpack_frames
 from railhil.bus.ident import CtlIdent
 from railhil.bus.mvb import master_tail
 from railhil.bus.responder import Responder
@@ -27,7 +27,7 @@ from railhil.bus.telegrams import RunEvent
 from railhil.dbc import Contract
 from railhil.record.framelog import LateLines
 from railhil.record.log_trace import are_whole
-from railhil.record.truth_clock import TruthClock
+from railhil.record.truth_clock import TimeBase
 
 Ints: TypeAlias = npt.NDArray[np.int64]
 #: An array of :data:`PACKED`.
@@ -56,9 +56,7 @@ class Packets:
     """Takes the frames of every tick.
 
     :param seen_ids: identifiers of all frames that the recorder reads; other frames are only recorded.
-    :param pace: process data of the poll that keeps the time going while the clock port is missing; empty: no poll
-        does. :param pace_ticks: its period.
-    :param truth: keeps the time instead of the bus clock.
+    :param waits: a packet that ends with the poll of SUP_CMD may be answered before it is looked at.
     """
 
     def __init__(
@@ -66,17 +64,22 @@ class Packets:
         responder: Responder,
         contract: Contract,
         seen_ids: Collection[int],
-        pace: bytes,
-        pace_ticks: int,
-        truth: TruthClock | None,
+        base: TimeBase,
         late: LateLines,
+        *,
+        waits: bool,
     ) -> None:
         self._responder = responder
         self._clock = responder.clock
-        self._truth = truth
-        self._late = late
-        self._pace = int.from_bytes(pace)
-        self._pace_ticks = pace_ticks
+        self._truth = truth = base.truth
+        self.late = late
+        self._waits = waits
+        self._pace = 0 if base.pace is None else int.from_bytes(base.pace.data)
+        self._pace_ticks = base.pace_ticks
+        # Packets that are answered and not recorded yet, each with the answer; places of polls and answers.
+        self._backlog: list[bytes] = []
+        self._answered: list[int] = []
+        self._backlog_frames = 0
         # Polls that the supervisor answers, and polls of no port, need more.
         polled = (port for port in contract.ports if port.mode == "poll" and port.source != "supervisor")
         self._polls = [int.from_bytes(master_tail(port.f_code, port.address)) for port in polled]
@@ -103,10 +106,23 @@ class Packets:
 
     def may_wait(self, packet: bytes) -> bool:
         """Whether a packet ends with the poll of SUP_CMD, and nothing before it needs or changes an answer."""
-        if packet.find(self._command_poll) != len(packet) - CLASSIC_SIZE:
+        if not self._waits or packet.find(self._command_poll) != len(packet) - CLASSIC_SIZE:
             return False
         # The search may also find data that look like it; the packet then only waits less.
         return not any(map(packet.__contains__, self._urgent))
+
+    def hold(self, packet: bytes, answers: Sequence[Frame]) -> None:
+        """Keep a packet that has been answered, to be recorded later with its answers."""
+        self._backlog += (packet, *pack_frames(answers))
+        poll = self._backlog_frames + len(packet) // CLASSIC_SIZE - 1
+        self._backlog_frames = poll + 1 + len(answers)
+        self._answered += range(poll, self._backlog_frames)
+
+    def release(self) -> tuple[bytes, list[int]]:
+        """The packets that are kept, as one, and the places of polls and answers in it; they are kept no longer."""
+        packet, answered = b"".join(self._backlog), self._answered
+        self._backlog, self._answered, self._backlog_frames = [], [], 0
+        return packet, answered
 
     def take(self, packet: bytes, known: Sequence[int] = ()) -> Iterator[Taken]:
         """Record the frames of a packet, up to each one that needs more. The caller records that frame before it asks
@@ -153,7 +169,7 @@ class Packets:
             or (polls[1:] <= polls[:-1]).any()
         ):
             return False
-        self._late.add(
+        self.late.add(
             part, (opened * clock.base_tick_ns).tolist(), np.diff(clocks, prepend=0, append=len(part)).tolist()
         )
         ticks += opened[1:].tolist()
@@ -190,4 +206,4 @@ class Packets:
                 ticks.append(clock.tick if truth is None else truth.tick)
         times_ns.append(time_ns)
         counts.append(len(part) - begin)
-        self._late.add(part, times_ns, counts)
+        self.late.add(part, times_ns, counts)

@@ -8,149 +8,75 @@ from __future__ import annotations
 
 import time
 from array import array
-from collections import deque
 from collections.abc import Callable, Sequence
-from operator import itemgetter
 
-from railhil.bus.codes import Event, FaultOrder, SupCommand, ends_run
+from railhil.bus.codes import Event, ends_run
 from railhil.bus.frame import BRS, Frame
-from railhil.bus.hub.wire import CLASSIC_SIZE, pack_frames, unpack_frames
-from railhil.bus.ident import CtlIdent, Ident, PltIdent, Role, SupIdent, make_ident
-from railhil.bus.layout import Telegram
+from railhil.bus.hub.wire import unpack_frames
+from railhil.bus.ident import CtlIdent, PltIdent, Role, SupIdent, make_ident
 from railhil.bus.lifesign import MAX_STEP
-from railhil.bus.mvb import F_DEVICE_STATUS, master_frame
-from railhil.bus.own_frames import OwnFrames
+from railhil.bus.mvb import F_DEVICE_STATUS
 from railhil.bus.responder import Reading, Responder
 from railhil.bus.schedule import Schedule
+from railhil.bus.supervisor_polls import supervisor_polls
 from railhil.bus.telegrams import RunEvent, SupCmd, TimeSync
-from railhil.common.mypyc import mypyc_attr
 from railhil.dbc import Contract
 from railhil.record.framelog import LateLines, log_line, log_stamp, plain_line
 from railhil.record.operator_commands import OperatorCommands
 from railhil.record.packets import Packets
-from railhil.record.senders import ForeignFrames
-from railhil.record.truth_clock import TruthClock
+from railhil.record.session_parts import Handshake, InspectedFrames, SupervisorCommands
+from railhil.record.truth_clock import TimeBase
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 
 
-@mypyc_attr(allow_interpreted_subclasses=True)
 class Session:
-    """Records one run.
+    """Records one run; :func:`make_session` makes it with its parts.
 
+    :param responder: receives the ports of the supervisor and answers its polls.
     :param write: called with each line of the log.
-    :param on_progress: called at each SUP_CMD poll with the simulation time in s, of packets as far as it is known.
-    :param operator: gives the orders of an operator; None: the orders of the run, if it has some. :param late: formats
-        lines later, many of them at once; ``write`` is its own. None: each at once.
-    :param contract: the contract of an earlier record that is recorded again; None: the contract of the scenario's
-        system.
+    :param packets: takes packed frames, and formats their lines later; None: frames come one by one.
+    :param keep: called with the time and each frame that is recorded by itself; None: its line is written.
     """
 
     def __init__(
         self,
-        scenario: AnyScenario,
+        responder: Responder,
+        time_base: TimeBase,
+        handshake: Handshake,
+        commands: SupervisorCommands,
+        inspected: InspectedFrames,
         write: Callable[[str], object],
-        run: RunSpec,
-        *,
-        fd: bool = False,
-        on_progress: Callable[[float], None] | None = None,
-        operator: OperatorCommands | None = None,
-        late: LateLines | None = None,
-        contract: Contract | None = None,
+        packets: Packets | None = None,
+        keep: Callable[[int, Frame], object] | None = None,
     ) -> None:
-        system = scenario.installed_system
-        contract = contract or system.contract
         self.ended: Event | None = None
-        #: Disagreements between the nodes, one sentence each; the run is then not started.
-        self.disagreements: list[str] = []
         #: Number and monotonic wall time of each new tick, for the file of arrivals.
         self.wall_ticks: array[int] = array("q")
         self.wall_ns: array[int] = array("q")
         self.first_frame_ns = 0
-        self.last_poll_ns = 0
         self.frames = 0
         self.recording = False
         #: Wall time for which the recorder's interface was down during recording.
         self.unheard_ns = 0
         #: The end announced by the plant; the run has :attr:`ended` with the plant's last poll.
         self.ending: Event | None = None
-        #: Newest handshake telegram of each other node.
-        self._heard: dict[str, Ident] = {}
+        self.handshake = handshake
+        self.commands = commands
+        self.foreign_frames = inspected.foreign_frames
+        self.packets = packets
+        self._responder = responder
+        responder.on(RunEvent, self._event)
+        self._clock = responder.clock
+        self._truth_clock = time_base.truth
+        self._time = time_base.truth or responder.clock
+        self._pace, self._pace_ticks = time_base.pace, time_base.pace_ticks
+        self._inspected = inspected
+        self._flags = inspected.flags
         self._write = write
-        # Records a frame with its time.
-        self._keep: Callable[[int, Frame], object] = self._write_line if late is None else late.frame
-        self._on_progress = on_progress
-        self._life = 0
-        if operator is None and run.orders:
-            operator = OperatorCommands(run.orders, None, not run.is_realtime)
-        self.operator = operator
-        # SUP_CMD sent in this run.
-        self._answers = 0
-        # Numbers of faults and the orders for them, not sent yet.
-        self._orders: deque[tuple[int, FaultOrder]] = deque()
-        self._ident = make_ident(Role.SUPERVISOR, scenario.sha256, **run.identity, contract=contract)
-        clock_port = contract.clock_port
-        sinks = [clock_port, *(contract.port(telegram.PORT) for telegram in (TimeSync, RunEvent, PltIdent, CtlIdent))]
-        schedule = Schedule.from_contract(scenario.timing.base_tick_ns, scenario.timing.port_period_ns, contract)
-        # A fault may touch the clock port and TIME_SYNC, but not the truth.
-        truth = system.truth if scenario.faults else None
-        self._truth_clock = None if truth is None else TruthClock(contract, schedule, truth.port)
-        # Without faults the fastest poll of any node advances the time while the clock port is missing.
-        polled = [port for port in contract.ports if port.mode == "poll" and port.period_ns]
-        self._pace_ticks, fastest = min(((schedule.ticks(port.name), port) for port in polled), key=itemgetter(0))
-        self._pace: Frame | None = None
-        if self._truth_clock is None and self._pace_ticks <= MAX_STEP:
-            self._pace = master_frame(fastest.f_code, fastest.address)
-        self._responder = Responder(
-            Role.SUPERVISOR,
-            schedule,
-            sinks,
-            {SupCmd.PORT: self._command, SupIdent.PORT: self._own_ident},
-            fd=fd,
-            contract=contract,
-            paced=self._pace is None,
-        )
-        self._responder.on(PltIdent, self._take_ident)
-        self._responder.on(CtlIdent, self._take_ident)
-        self._responder.on(RunEvent, self._event)
-        self._clock = self._responder.clock
-        self._poll_id = contract.poll_id
-        self._status_id = contract.device_status_id
-        self._clock_ids = {clock_port.address, clock_port.fd_id}
-        opening = contract.port(PltIdent.PORT)
-        self._opening_ids = {opening.address, opening.fd_id}
+        self._keep = keep or self._write_line
         # Ticks were heard, and no scan since: PLT_IDENT is a repetition in another bench's run, not a handshake.
         self._is_others = False
-        self._time = self._truth_clock or self._clock
-        self._truth_ids = self._truth_clock.truth_ids if self._truth_clock is not None else set()
-        # All other frames, which are the majority, are recorded without inspection.
-        seen_ids = {self._status_id, self._poll_id, *self._truth_ids}
-        seen_ids |= {can_id for port in sinks for can_id in (*port.can_ids, port.fd_id)}
-        #: Frames under the supervisor's own identifiers that came from the bus, by port.
-        self.foreign_frames = {port.name: ForeignFrames() for port in contract.ports if port.source == "supervisor"}
-        self._own_ids = {
-            can_id: self.foreign_frames[port.name]
-            for port in contract.ports
-            if port.name in self.foreign_frames
-            for can_id in (*port.can_ids, port.fd_id)
-        }
-        # Their flags by identifier, for frames of the contract.
-        own = OwnFrames(contract).flags
-        self._seen = {can_id: own[can_id] for can_id in (*seen_ids, *self._own_ids)}
-        self._packets: Packets | None = None
-        self._may_wait = False
-        if late is not None:
-            pace = b"" if self._pace is None else self._pace.data
-            self._packets = Packets(
-                self._responder, contract, self._seen, pace, self._pace_ticks, self._truth_clock, late
-            )
-            # If the poll of SUP_CMD advances a time, it is handled like any other frame.
-            paces = self._pace == self._packets.command_poll if self._pace else schedule.ticks(SupCmd.PORT) <= MAX_STEP
-            self._may_wait = self.operator is None and not paces
-        # Packets that are answered and not recorded yet, each with the answer; places of polls and answers.
-        self._backlog: list[bytes] = []
-        self._answered: list[int] = []
-        self._backlog_frames = 0
 
     @property
     def sim_time_s(self) -> float:
@@ -166,7 +92,7 @@ class Session:
     def heard_ns(self) -> int:
         """Monotonic wall time of the plant's last sign of life: its newest tick or poll, or the start of the record."""
         # In a pause it polls, and no tick comes.
-        return max(self.first_frame_ns, self.last_poll_ns, self.wall_ns[-1] if self.wall_ns else 0)
+        return max(self.first_frame_ns, self.commands.last_poll_ns, self.wall_ns[-1] if self.wall_ns else 0)
 
     @property
     def rate(self) -> float:
@@ -184,13 +110,15 @@ class Session:
     @property
     def counters(self) -> dict[str, int]:
         """Telegrams that the supervisor itself refused, by cause."""
-        return dict(self._responder.store.counters)
+        wrong_roles = self.handshake.wrong_roles
+        return {**self._responder.store.counters, **({"wrong_role": wrong_roles} if wrong_roles else {})}
 
     def handle(self, frame: Frame) -> list[Frame]:
         """Take one frame in bus order: record it, return the answer to a poll of the supervisor."""
         can_id, _, flags = frame
-        if self._seen.get(can_id) == flags & ~BRS:
-            if can_id in self._clock_ids:
+        if self._flags.get(can_id) == flags & ~BRS:
+            inspected = self._inspected
+            if can_id in inspected.clock_ids:
                 self._is_others = not self.recording
                 # Needed under faults too: TIME_SYNC is judged by it.
                 new = self._responder.opens_tick(frame)
@@ -199,12 +127,12 @@ class Session:
                     # Written out as in _arrived: a call for each tick takes noticeable time.
                     self.wall_ticks.append(self._time.tick)
                     self.wall_ns.append(time.monotonic_ns())
-            elif can_id == self._status_id:
+            elif can_id == inspected.status_id:
                 return []
-            elif can_id in self._own_ids:
+            elif can_id in inspected.foreign_by_id:
                 if self.recording:
-                    self._own_ids[can_id].add(self._time.now_ns)
-            elif can_id in self._truth_ids:
+                    inspected.foreign_by_id[can_id].add(self._time.now_ns)
+            elif can_id in inspected.truth_ids:
                 if self._truth_clock is not None and self._truth_clock.truth(frame):
                     self._arrived()
             else:
@@ -220,7 +148,7 @@ class Session:
     def take(self, frames: Sequence[Frame]) -> list[Frame]:
         """:meth:`handle` for frames in bus order; returns the answers to all polls of the supervisor among them."""
         answers: list[Frame] = []
-        seen = self._seen
+        seen = self._flags
         lines: list[str] = []
         time_ns = -1
         stamp = ""
@@ -248,30 +176,26 @@ class Session:
         A packet that can wait is answered at once and recorded with :meth:`settle` or the next packet that cannot wait.
         Until then :attr:`sim_time_s` and :attr:`frames` keep their last values.
         """
-        packets = self._packets
-        may_wait = packets is not None and self._may_wait and self.recording and self.ending is None
-        if packets is None or not may_wait or not packets.may_wait(packet):
+        packets = self.packets
+        if packets is None or not self.recording or self.ending is not None or not packets.may_wait(packet):
             self.settle()
             return self._record(packet, [])
         answers = self._responder.handle(packets.command_poll)
-        self._backlog += (packet, *pack_frames(answers))
-        poll = self._backlog_frames + len(packet) // CLASSIC_SIZE - 1
-        self._backlog_frames = poll + 1 + len(answers)
-        self._answered += range(poll, self._backlog_frames)
+        packets.hold(packet, answers)
         return answers
 
     def settle(self) -> None:
         """Record the packets that have been answered and not been read yet."""
-        if self._backlog:
-            packet, answered = b"".join(self._backlog), self._answered
-            self._backlog, self._answered, self._backlog_frames = [], [], 0
-            self._record(packet, answered)
+        if self.packets is not None:
+            packet, answered = self.packets.release()
+            if packet:
+                self._record(packet, answered)
 
     def _record(self, packet: bytes, known: list[int]) -> list[Frame]:
-        if self._packets is None or not self.recording:
+        if self.packets is None or not self.recording:
             return self.take(unpack_frames(packet))
         answers: list[Frame] = []
-        for count, ticks, others in self._packets.take(packet, known):
+        for count, ticks, others in self.packets.take(packet, known):
             self.frames += count
             self.wall_ticks.extend(ticks)
             self.wall_ns.extend([time.monotonic_ns()] * len(ticks))
@@ -293,14 +217,14 @@ class Session:
 
     def _handle_own(self, frame: Frame) -> list[Frame]:
         """A poll, or a telegram that the supervisor reads itself."""
-        scan = frame.can_id == self._poll_id and frame.data[:1] and frame.data[0] >> 4 == F_DEVICE_STATUS
+        scan = frame.can_id == self._inspected.poll_id and frame.data[:1] and frame.data[0] >> 4 == F_DEVICE_STATUS
         if frame == self._pace:
             self._paced()
         if scan:
             self._is_others = False
-        if not self.recording and not self._is_others and frame.can_id in self._opening_ids:
+        if not self.recording and not self._is_others and frame.can_id in self._inspected.opening_ids:
             self.recording = True
-            self.first_frame_ns = self.last_poll_ns = time.monotonic_ns()
+            self.first_frame_ns = time.monotonic_ns()
         if not self.recording and not scan:
             # A run that began without this supervisor belongs to another one.
             return []
@@ -322,44 +246,62 @@ class Session:
         if self.recording and ends_run(code):
             self.ending = Event(code)
 
-    def _take_ident(self, reading: Reading[Ident]) -> None:
-        """Take a handshake telegram, unless its role differs from that of its port's source."""
-        ident = reading.telegram
-        if not ident.is_own:
-            self._responder.store.counters["wrong_role"] += 1
-            return
-        self._heard[ident.PORT] = ident
-        if ident.PORT == CtlIdent.PORT:
-            self._compare()
 
-    def _compare(self) -> None:
-        """Compare the nodes' handshakes; plant and controller do not know which controller was requested."""
-        plant, controller = self._heard.get(PltIdent.PORT), self._heard.get(CtlIdent.PORT)
-        if plant is not None and controller is not None:
-            own = self._ident
-            found = plant.differences(controller) + plant.differences(own)
-            self.disagreements = found or controller.differences(own)
+def make_session(
+    scenario: AnyScenario,
+    write: Callable[[str], object],
+    run: RunSpec,
+    *,
+    fd: bool = False,
+    on_progress: Callable[[float], None] | None = None,
+    operator: OperatorCommands | None = None,
+    late: LateLines | None = None,
+    contract: Contract | None = None,
+    keep: Callable[[int, Frame], object] | None = None,
+) -> Session:
+    """The recorder of a run.
 
-    def _command(self) -> Telegram:
-        self.last_poll_ns = time.monotonic_ns()
-        self._life = (self._life + 1) & 0xF
-        if self._on_progress is not None:
-            self._on_progress(self.sim_time_s)
-        self._answers += 1
-        command = SupCommand.STOP if self.disagreements else SupCommand.START
-        number, order = self._orders.popleft() if self._orders else (0, FaultOrder.NONE)
-        if self.operator is not None and self._answers > 1 and command is SupCommand.START:
-            command, number, order = self.operator.answer(self._answers, self.sim_time_s)
-        return SupCmd(command=command, fault_number=number, fault_order=order, life=self._life)
+    :param write: called with each line of the log.
+    :param on_progress: called at each SUP_CMD poll with the simulation time in s, of packets as far as it is known.
+    :param operator: gives the orders of an operator; None: the orders of the run, if it has some.
+    :param late: formats lines later, many of them at once; ``write`` is its own. None: each at once.
+    :param contract: the contract of an earlier record that is recorded again; None: the contract of the scenario's
+        system.
+    :param keep: called with the time and each frame that is recorded by itself; None: its line is written.
+    """
+    system = scenario.installed_system
+    contract = contract or system.contract
+    if operator is None and run.orders:
+        operator = OperatorCommands(run.orders, None, not run.is_realtime)
+    handshake = Handshake(make_ident(Role.SUPERVISOR, scenario.sha256, **run.identity, contract=contract))
+    schedule = Schedule.from_contract(scenario.timing.base_tick_ns, scenario.timing.port_period_ns, contract)
+    # A fault may touch the clock port and TIME_SYNC, but not the truth.
+    truth = system.truth if scenario.faults else None
+    base = TimeBase.of(contract, schedule, "" if truth is None else truth.port)
 
-    def order(self, number: int, order: FaultOrder) -> None:
-        """Send an order for a fault that is triggered by hand, with the next SUP_CMD that is free.
+    def now_s() -> float:
+        return (base.truth or responder.clock).now_ns / 1e9
 
-        It acts from the tick after that SUP_CMD on; the certificate then names this instant.
-
-        :param number: place of the fault in the scenario's list, from 1.
-        """
-        self._orders.append((number, order))
-
-    def _own_ident(self) -> Ident:
-        return self._ident
+    commands = SupervisorCommands(handshake, operator, on_progress, now_s)
+    received = (TimeSync, RunEvent, PltIdent, CtlIdent)
+    sinks = [contract.clock_port, *(contract.port(telegram.PORT) for telegram in received)]
+    responder = Responder(
+        Role.SUPERVISOR,
+        schedule,
+        sinks,
+        {SupCmd.PORT: commands.make, SupIdent.PORT: handshake.own},
+        fd=fd,
+        contract=contract,
+        paced=base.pace is None,
+    )
+    responder.on(PltIdent, handshake.take)
+    responder.on(CtlIdent, handshake.take)
+    inspected = InspectedFrames(contract, sinks, base.truth.truth_ids if base.truth is not None else ())
+    packets = None
+    if late is not None:
+        keep = late.frame
+        # If the poll of SUP_CMD advances a time, it is handled like any other frame.
+        command_poll, *_ = supervisor_polls(contract)
+        advances = base.pace == command_poll if base.pace else schedule.ticks(SupCmd.PORT) <= MAX_STEP
+        packets = Packets(responder, contract, inspected.flags, base, late, waits=operator is None and not advances)
+    return Session(responder, base, handshake, commands, inspected, write, packets, keep)

@@ -1,8 +1,14 @@
-"""The recorder's time under faults, which may touch the port that opens the ticks, its life sign and TIME_SYNC."""
+"""The recorder's time: the bus clock; under faults the telegrams of the truth, because a fault may touch the port that
+opens the ticks, its life sign and TIME_SYNC."""
 
 from __future__ import annotations
 
+from operator import itemgetter
+from typing import NamedTuple
+
 from railhil.bus.frame import Frame
+from railhil.bus.lifesign import MAX_STEP
+from railhil.bus.mvb import master_frame
 from railhil.bus.schedule import Schedule
 from railhil.dbc import Contract
 
@@ -86,3 +92,27 @@ class TruthClock:
         self.tick, self._begun = tick, True
         self.now_ns = tick * self._base_tick_ns
         return new
+
+
+class TimeBase(NamedTuple):
+    """Advances the time of a record besides the clock port.
+
+    ``truth``: keeps the time instead of the bus clock; None: the bus clock does. ``pace``: the poll that advances the
+    bus clock while the clock port is missing, the fastest one of any node; None: none does. ``pace_ticks``: its period.
+    """
+
+    truth: TruthClock | None
+    pace: Frame | None
+    pace_ticks: int
+
+    @classmethod
+    def of(cls, contract: Contract, schedule: Schedule, truth: str) -> TimeBase:
+        """The time base of a contract.
+
+        :param truth: name of the truth's port under faults; empty: there are no faults.
+        """
+        polled = [port for port in contract.ports if port.mode == "poll" and port.period_ns]
+        ticks, fastest = min(((schedule.ticks(port.name), port) for port in polled), key=itemgetter(0))
+        if truth:
+            return cls(TruthClock(contract, schedule, truth), None, ticks)
+        return cls(None, master_frame(fastest.f_code, fastest.address) if ticks <= MAX_STEP else None, ticks)

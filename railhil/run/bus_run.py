@@ -22,7 +22,7 @@ from railhil.live.live_values import LiveLateness
 from railhil.live.processes import Nodes, process_start_ns
 from railhil.live.recorder import AFTER_LOSS_S, SILENCE_S, Recorder, open_recorder, refuse_occupied
 from railhil.record.operator_commands import OperatorCommands
-from railhil.record.session import Session
+from railhil.record.session import make_session
 from railhil.run.node_commands import longest_stop_s, start_hub, start_nodes
 from railhil.run.run import Run
 from railhil.scenarios.model import AnyScenario
@@ -68,7 +68,7 @@ class BusRun(Run):
         self._at_end = at_end
         lines = self.log.late if choice.needs_pipes else None
         write = self.log.write if lines is None else lines.write
-        self.session = Session(
+        self.session = make_session(
             scenario, write, spec, fd=choice.fd, on_progress=on_progress, operator=operator, late=lines
         )
         if operator is not None:
@@ -201,10 +201,10 @@ class BusRun(Run):
         blamed = nodes.failed_node()
         killed = blamed is not None and blamed.was_killed
         refusals = [] if killed else [node for node in nodes.ended() if node.exit_code() == USAGE]
-        if refusals and not (self.spec.start_up.foreign and self.session.disagreements):
+        if refusals and not (self.spec.start_up.foreign and self.session.handshake.disagreements):
             return refusals[0].last_words(), True
         if self.session.ended is Event.ENDED_REFUSED:
-            return "; ".join(self.session.disagreements) or "the plant did not start the run", True
+            return "; ".join(self.session.handshake.disagreements) or "the plant did not start the run", True
         return "; ".join(filter(None, (self.recorder.lost, self._hole(counters)))), False
 
     def _hole(self, counters: dict[str, int]) -> str:

@@ -106,7 +106,7 @@ def judged(
         telegrams_sha256=telegrams_sha256(run.log.path, run.contract) if trace.foreign else sha256,
         other_frames=trace.foreign,
         reported=reported(run.spec.start_up, trace),
-        wall_time_s=(session.last_poll_ns - session.first_frame_ns) / 1e9 if session.recording else 0.0,
+        wall_time_s=(session.commands.last_poll_ns - session.first_frame_ns) / 1e9 if session.recording else 0.0,
         sim_time_s=session.sim_time_s,
         first_frame_s=(session.first_frame_ns - run.started_ns) / 1e9 if session.recording else float("nan"),
         transport=choice.transport,

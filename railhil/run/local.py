@@ -28,7 +28,7 @@ from railhil.plant_sim.node import make_plant_node
 from railhil.record.log_trace import trace_of_log
 from railhil.record.operator_commands import OperatorCommands
 from railhil.record.run_folder import TELEMETRY
-from railhil.record.session import Session
+from railhil.record.session import make_session
 from railhil.record.trace import NodeCounters, Trace
 from railhil.run.conclusion import judged
 from railhil.run.run import Run
@@ -65,7 +65,9 @@ class LocalRun(Run):
     ) -> None:
         super().__init__(scenario, spec, choice or no_bus({}, spec.pace), folder)
         late = self.log.late
-        self.session = Session(scenario, late.write, spec, fd=fd, on_progress=self._poll, operator=operator, late=late)
+        self.session = make_session(
+            scenario, late.write, spec, fd=fd, on_progress=self._poll, operator=operator, late=late
+        )
         self._on_progress = on_progress
         self._flush_s = 0.0
         self._wire = wire
@@ -151,7 +153,7 @@ class LocalRun(Run):
         if isinstance(error, (PeerSilent, PlantError)):
             return str(error), TOOL_ERROR if isinstance(error, PlantError) else INVALID
         # Nodes that disagree, or a law that raises.
-        return "; ".join(self.session.disagreements) or str(error), USAGE
+        return "; ".join(self.session.handshake.disagreements) or str(error), USAGE
 
     def finish(self, line: str = "", code: int = PASS) -> Result:
         """End the run and judge its record.

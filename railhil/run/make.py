@@ -234,7 +234,7 @@ def _executed(run: Run, made: bool) -> Result:
 
             raise record_failed(run.folder, error) from error
         raise
-    if run.session.operator is not None and tuple(run.session.operator.sent) != run.spec.orders:
+    if run.session.commands.operator is not None and tuple(run.session.commands.operator.sent) != run.spec.orders:
         # The same run again needs no hand.
-        result.spec = replace(run.spec, orders=tuple(run.session.operator.sent))
+        result.spec = replace(run.spec, orders=tuple(run.session.commands.operator.sent))
     return result

@@ -25,7 +25,7 @@ from railhil.controller_node.ato.node import ControllerNode
 from railhil.controller_node.process_loop import serve
 from railhil.plant_sim.node import PlantNode, make_plant_node
 from railhil.record.framelog import FrameLog, read_log
-from railhil.record.session import Session
+from railhil.record.session import Session, make_session
 from railhil.record.trace import Trace, trace_of
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec, RunSpec
@@ -61,7 +61,7 @@ class Bench:
     ) -> None:
         folder.mkdir(exist_ok=True)
         log = FrameLog(folder)
-        session = Session(scenario, log.write, spec)
+        session = make_session(scenario, log.write, spec)
         controller = ControllerNode(scenario, LawSpec())
         with contextlib.ExitStack() as stack:
             links = {role: BatchLink(hub.bus(role=role)) for role in ("controller", "supervisor", "plant")}

@@ -34,7 +34,7 @@ from railhil.controller_node.telemetry_file import write_telemetry
 from railhil.judge.result import Result
 from railhil.plant_sim.node import make_plant_node
 from railhil.record.run_folder import TELEMETRY
-from railhil.record.session import Session
+from railhil.record.session import make_session
 from railhil.run.bus_run import BusRun
 from railhil.run.memory import learned
 from railhil.scenarios.load import load_any
@@ -199,7 +199,7 @@ def beginning(config: Mapping[str, Any], scenario: Scenario, folder: Path) -> tu
             raise _Enough
 
     expected: list[str] = []
-    session = Session(scenario, expected.append, RunSpec(), on_progress=enough)
+    session = make_session(scenario, expected.append, RunSpec(), on_progress=enough)
     with contextlib.suppress(_Enough):
         controller = ControllerNode(scenario, LawSpec())
         make_plant_node(scenario, RunSpec(), LocalBus([controller.handle, session.handle])).run()

@@ -13,7 +13,7 @@ from railhil.bus.order import BusOrder
 from railhil.bus.own_frames import OwnFrames
 from railhil.bus.store import TrafficStore
 from railhil.record.senders import Findings, Senders
-from railhil.record.session import Session
+from railhil.record.session import make_session
 from railhil.record.trace import TraceReader
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import RunSpec
@@ -40,7 +40,7 @@ def test_the_store_refuses_what_is_not_ours() -> None:
 def test_others_are_recorded_and_move_nothing(tmp_path: Path) -> None:
     """Neither the clock nor the record's beginning, and no answer to a poll of the supervisor."""
     written: list[str] = []
-    session = Session(load("lvshun_tieshan"), written.append, RunSpec())
+    session = make_session(load("lvshun_tieshan"), written.append, RunSpec())
     assert session.take(OTHERS) == []
     assert (session.recording, session.frames, session.sim_time_s) == (False, 0, 0.0)
     session.recording = True

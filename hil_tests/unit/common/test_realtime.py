@@ -26,7 +26,7 @@ from railhil.common import scheduling as realtime
 from railhil.common.scheduling import HUB_PRIORITY, NODE_PRIORITY, RECORDER_PRIORITY, cycle, permitted_priority, said_in
 from railhil.controller_node.ato.node import ControllerNode
 from railhil.plant_sim.node import make_plant_node
-from railhil.record.session import Session
+from railhil.record.session import make_session
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.systems.ato.scenario.model import Scenario
 
@@ -282,7 +282,7 @@ def test_no_process_of_a_run_looks_at_the_wall_clock() -> None:
 def realtime_record(scenario: Scenario) -> list[str]:
     """Lines of the record of a realtime run in this process."""
     lines: list[str] = []
-    session = Session(scenario, lines.append, RunSpec(pace="realtime"))
+    session = make_session(scenario, lines.append, RunSpec(pace="realtime"))
     node = ControllerNode(scenario, LawSpec())
     plant = make_plant_node(scenario, RunSpec(pace="realtime", rate=100.0), LocalBus([node.handle, session.handle]))
     assert ends_run(plant.run())

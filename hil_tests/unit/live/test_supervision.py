@@ -17,7 +17,7 @@ from railhil.bus.telegrams import SupCmd
 from railhil.controller_node.ato.node import ControllerNode
 from railhil.plant_sim.node import make_plant_node
 from railhil.plant_sim.supervision import SupervisorWatch
-from railhil.record.session import Session
+from railhil.record.session import make_session
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.systems.ato.scenario.model import Scenario
 
@@ -91,7 +91,7 @@ class Interrupted(LocalBus):
 @pytest.mark.parametrize("is_down", [False, True])
 def test_a_plant_waits_for_its_own_interface_and_not_for_the_supervisor(run_2m: Scenario, is_down: bool) -> None:
     run = RunSpec(pace="realtime", rate=20.0)
-    session = Session(run_2m, lambda line: None, run)
+    session = make_session(run_2m, lambda line: None, run)
     controller = ControllerNode(run_2m, LawSpec())
     bus = Interrupted([controller.handle, session.handle], from_poll=10, polls=20, is_down=is_down)
     # Two and a half periods of the poll, 20 ms: fewer than 20 polls, also of a plant that makes up for lost time.

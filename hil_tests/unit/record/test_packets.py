@@ -22,7 +22,7 @@ from railhil.bus.telegrams import RunEvent
 from railhil.dbc import wire_contract
 from railhil.record.framelog import FrameLog, LateLines, log_line
 from railhil.record.packets import PACKED, Packets
-from railhil.record.session import Session
+from railhil.record.session import Session, make_session
 from railhil.scenarios.load import load_any
 from railhil.scenarios.run_spec import RunSpec
 from railhil.wire.ato import TrnSpeed
@@ -51,8 +51,8 @@ class Both:
         self.lines: list[str] = []
         self.text: list[str] = []
         self.late = LateLines(self.text.append)
-        self.one = Session(scenario, self.lines.append, RunSpec())
-        self.packed = Session(scenario, self.late.write, RunSpec(), late=self.late)
+        self.one = make_session(scenario, self.lines.append, RunSpec())
+        self.packed = make_session(scenario, self.late.write, RunSpec(), late=self.late)
         self.one_by_one: list[int] = []
         if begun:
             self.demand_the_same([frame for _, frame in recorded(*faults)[:60]], [])
@@ -304,4 +304,6 @@ def no_room(text: str) -> None:
 )
 def test_a_poll_that_moves_a_time_does_not_wait(name: str, faults: tuple[str, ...], waits: bool) -> None:
     late = LateLines(lambda text: None)
-    assert Session(load_any(name, (), faults), late.write, RunSpec(), late=late)._may_wait is waits
+    packets = make_session(load_any(name, (), faults), late.write, RunSpec(), late=late).packets
+    assert packets is not None
+    assert packets.may_wait(pack_frame(packets.command_poll)) is waits

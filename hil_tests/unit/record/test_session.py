@@ -11,7 +11,7 @@ from railhil.bus.frame import ERROR, EXTENDED, FD, REMOTE, Frame
 from railhil.bus.ident import Role
 from railhil.bus.mvb import F_DEVICE_STATUS, master_frame
 from railhil.record.framelog import log_line
-from railhil.record.session import Session
+from railhil.record.session import make_session
 from railhil.scenarios.run_spec import RunSpec
 
 #: A telegram of the plant that is only recorded, with the flags of frames that are no telegrams.
@@ -28,9 +28,9 @@ def test_frames_together_are_recorded_as_one_by_one(run: Recorded, tmp_path: Pat
     # Before the record begins nothing is kept; a stray frame is kept as it is.
     frames = [*_STRAY, *run.frames[:500], *_STRAY, *run.frames[500:]]
     one, many = [], []
-    slow = Session(run.scenario, one.append, RunSpec())
+    slow = make_session(run.scenario, one.append, RunSpec())
     answers = [answer for frame in frames for answer in slow.handle(frame)]
-    fast = Session(run.scenario, many.append, RunSpec())
+    fast = make_session(run.scenario, many.append, RunSpec())
     found = [
         answer for start in range(0, len(frames), together) for answer in fast.take(frames[start : start + together])
     ]
@@ -45,7 +45,7 @@ def test_frames_together_are_recorded_as_one_by_one(run: Recorded, tmp_path: Pat
 def test_the_run_of_somebody_else_is_not_recorded(run: Recorded) -> None:
     """Its plant repeats PLT_IDENT; after a scan it is the handshake of another run."""
     lines: list[str] = []
-    session = Session(run.scenario, lines.append, RunSpec())
+    session = make_session(run.scenario, lines.append, RunSpec())
     ident = run.contract.port("PLT_IDENT").address
     places = [place for place, frame in enumerate(run.frames) if frame.can_id == ident]
     assert len(places) > 2
