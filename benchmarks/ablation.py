@@ -16,7 +16,7 @@ from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
-from railhil.batch import BatchResult, Case
+from railhil.batch import Batch, Case
 from railhil.common.command_line import SEED_MAX, OneLineParser, parse, whole_number
 from railhil.common.exit_codes import run_guarded
 from railhil.controller_node.arithmetic import names as arithmetics
@@ -55,7 +55,7 @@ class Figures:
     passed: int
 
     @classmethod
-    def of(cls, result: BatchResult) -> Figures:
+    def of(cls, result: Batch) -> Figures:
         """Figures of a batch."""
 
         def both(values: Any) -> tuple[float, float]:

@@ -20,7 +20,7 @@ from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
-from railhil.batch import BatchResult, Case
+from railhil.batch import Batch, Case
 from railhil.common.command_line import SEED_MAX, OneLineParser, parse, whole_number
 from railhil.common.exit_codes import run_guarded
 from railhil.controller_node.arithmetic import names as arithmetics
@@ -76,7 +76,7 @@ def both(values: NDArray[np.float64], digits: int) -> str:
     return f"{median:.{digits}f} / {high:.{digits}f}"
 
 
-def row(result: BatchResult, bounded_m: NDArray[np.float64]) -> tuple[str, ...]:
+def row(result: Batch, bounded_m: NDArray[np.float64]) -> tuple[str, ...]:
     """The cells of a batch.
 
     :param bounded_m: the second result of :func:`floors_m`.
@@ -98,7 +98,7 @@ def row(result: BatchResult, bounded_m: NDArray[np.float64]) -> tuple[str, ...]:
     )
 
 
-def batch(scenario: Scenario, law: str, arithmetic: str, seeds: range, changed: Mapping[str, Any]) -> BatchResult:
+def batch(scenario: Scenario, law: str, arithmetic: str, seeds: range, changed: Mapping[str, Any]) -> Batch:
     """The runs of a law with some parameters changed."""
     parameters = ParameterSet(law, changed, Path(law)) if changed else None
     return run_batch(Case(scenario, LawSpec(law, arithmetic, parameters=parameters)), seeds, keep_notches=True)

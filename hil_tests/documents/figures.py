@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 import railhil
 from hil_tests.support.cli import railhil as command
 from hil_tests.support.paths import ROOT
-from railhil.batch import BatchResult, Case
+from railhil.batch import Batch, Case
 from railhil.batch.statistics import estimate
 from railhil.scenarios.load import load
 from railhil.scenarios.parameters import ParameterSet, load_parameters
@@ -76,7 +76,7 @@ def nominal(law: str = "ipfc", scenario: str = LVSHUN, arithmetic: str = "iq", *
 @cache
 def _batch(
     scenario: str, law: str, arithmetic: str, indexing: str, seeds: range, perturbed: bool, changed: Any, settings: Any
-) -> BatchResult:
+) -> Batch:
     parameters = load_parameters(changed) if isinstance(changed, Path) else None
     if changed and parameters is None:
         parameters = ParameterSet(law, dict(changed), Path(law))
@@ -95,7 +95,7 @@ def batch(
     settings: Sequence[str] = (),
     file: Path | None = None,
     **parameters: Any,
-) -> BatchResult:
+) -> Batch:
     """Runs of a law, with some parameters changed or with those of a file."""
     changed = file or tuple(sorted(parameters.items()))
     return _batch(scenario, law, arithmetic, indexing, seeds, perturbed, changed, tuple(settings))
@@ -106,36 +106,36 @@ def tuned(law: str) -> Path:
     return TUNED / f"{law}.toml"
 
 
-def _errors(result: BatchResult, name: str) -> NDArray[np.float64]:
+def _errors(result: Batch, name: str) -> NDArray[np.float64]:
     return np.abs(result.values[name])
 
 
-def median(result: BatchResult, name: str) -> float:
+def median(result: Batch, name: str) -> float:
     """Of a score, as in a campaign's table: a run that did not stop counts as infinitely bad."""
     return estimate(_errors(result, name), 0.5).value
 
 
-def p95(result: BatchResult, name: str) -> float:
+def p95(result: Batch, name: str) -> float:
     """95th percentile of a score."""
     return estimate(_errors(result, name), 0.95).value
 
 
-def both(result: BatchResult, name: str, digits: int) -> str:
+def both(result: Batch, name: str, digits: int) -> str:
     """Median and 95th percentile."""
     return f"{median(result, name):.{digits}f} / {p95(result, name):.{digits}f}"
 
 
-def within(result: BatchResult, limit_m: float) -> float:
+def within(result: Batch, limit_m: float) -> float:
     """Percentage of the runs that stopped within so many metres."""
     return 100 * float(np.mean(np.nan_to_num(_errors(result, "stop_error_m"), nan=np.inf) <= limit_m))
 
 
-def passed(result: BatchResult) -> int:
+def passed(result: Batch) -> int:
     """Number of runs with PASS."""
     return int(np.count_nonzero(result.passed))
 
 
-def percent(result: BatchResult) -> str:
+def percent(result: Batch) -> str:
     """Percentage of runs with PASS."""
     return f"{100 * passed(result) / len(result.passed):g} %"
 

@@ -15,7 +15,7 @@ from hil_tests.documents.laws import YIZHUANG
 from hil_tests.documents.readme import MANY
 from hil_tests.loop.test_position_loop import Fault, changed, late, run_with, silent
 from hil_tests.unit.controller_node.ato.test_ipfc_plus import faulty
-from railhil.batch import BatchResult
+from railhil.batch import Batch
 from railhil.batch.statistics import estimate
 from railhil.scenarios.load import load
 from railhil.wire.ato import BalisePassed, CtlMode, NotchCmd, TrnPos
@@ -129,7 +129,7 @@ def other_lines() -> Sequence[str]:
     for ours, theirs in zip(stop, plus, strict=True):
         assert median(ours, "comfort") < median(theirs, "comfort")
 
-    def spans(runs: Sequence[BatchResult], key: str) -> str:
+    def spans(runs: Sequence[Batch], key: str) -> str:
         return f"{_span([median(run, key) for run in runs], 3)} / {_span([p95(run, key) for run in runs], 3)}"
 
     pairs = zip(stop, plus, strict=True)

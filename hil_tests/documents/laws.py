@@ -22,7 +22,7 @@ from hil_tests.documents.figures import (
     row,
 )
 from hil_tests.support.paths import ROOT
-from railhil.batch import BatchResult
+from railhil.batch import Batch
 from railhil.scenarios.load import load, names
 
 #: Of the table of control periods, in ms.
@@ -187,7 +187,7 @@ def tdmc_fuzzy() -> Sequence[str]:
     return rows
 
 
-def _single(law: str, scenario: str, **given: object) -> BatchResult:
+def _single(law: str, scenario: str, **given: object) -> Batch:
     """The run with seed 0 of the nominal train, in the batch: the same to the last digit."""
     return batch(law, scenario, seeds=range(1), perturbed=False, **given)  # type: ignore[arg-type]
 

@@ -10,9 +10,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from importlib import import_module
 
-from railhil.batch.case import BatchResult, Case
+from railhil.batch.case import Batch, Case
 
-__all__ = ["BatchResult", "Case", "say_compiling"]
+__all__ = ["Batch", "Case", "say_compiling"]
 
 
 def say_compiling(say: Callable[[str], None], kernel: str | None) -> None:

@@ -9,8 +9,9 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from railhil.judge.judging import Judging
+from railhil.judge.judging import judging_of
 from railhil.judge.score import Score
+from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 
 Floats: TypeAlias = NDArray[np.float64]
@@ -38,7 +39,7 @@ class Case:
 
 
 @dataclass(frozen=True, slots=True)
-class BatchResult:
+class Batch:
     """Results of N runs, arrays of shape (N,), in the order of the seeds.
 
     ``verdicts``: PASS, FAIL, or INVALID of a run that says nothing about the controller. ``values``, ``signed`` and
@@ -66,38 +67,41 @@ class BatchResult:
         """Which runs have passed."""
         return np.array([verdict == "PASS" for verdict in self.verdicts], dtype=bool)
 
+    @classmethod
+    def of(
+        cls,
+        scenario: AnyScenario,
+        seeds: Sequence[int],
+        scores: Sequence[Score],
+        counts: Mapping[str, Ints],
+        digests: Sequence[str],
+        missed: Sequence[str | None] = (),
+    ) -> Batch:
+        """Runs of a scenario of any system, from their scores.
+
+        :param counts: ``wraps``, ``saturations`` and ``zero_divisions``, each of shape (N,).
+        :param missed: for each run why it says nothing about the controller, or None; empty: no run has such a reason.
+        """
+        judging, reasons = judging_of(scenario), missed or [None] * len(scores)
+        signed = [criterion.signed for criterion in judging.criteria if criterion.signed is not None]
+        return cls(
+            seed=np.array(seeds, dtype=np.int64),
+            scores=tuple(scores),
+            values={item.key: column([score.values[item.key] for score in scores]) for item in judging.criteria},
+            signed={key: column([score.signed[key] for score in scores]) for key in signed},
+            extras={extra.key: column([score.extras[extra.key] for score in scores]) for extra in judging.extras},
+            verdicts=tuple("INVALID" if why else score.verdict for score, why in zip(scores, reasons, strict=True)),
+            ended=tuple(score.ended for score in scores),
+            failures=tuple(
+                (*score.failures, *filter(None, (why,))) for score, why in zip(scores, reasons, strict=True)
+            ),
+            wraps=counts["wraps"],
+            saturations=counts["saturations"],
+            zero_divisions=counts["zero_divisions"],
+            notch_digest=tuple(digests),
+        )
+
 
 def column(values: Sequence[float | None]) -> Floats:
     """Values of the runs as an array, NaN where there is none."""
     return np.array([np.nan if value is None else value for value in values], dtype=np.float64)
-
-
-def result_of(
-    judging: Judging,
-    seeds: Sequence[int],
-    scores: Sequence[Score],
-    counts: Mapping[str, Ints],
-    digests: Sequence[str],
-    missed: Sequence[str | None] = (),
-) -> BatchResult:
-    """The result of runs of any system, from their scores.
-
-    :param counts: ``wraps``, ``saturations`` and ``zero_divisions``, each of shape (N,).
-    :param missed: for each run why it says nothing about the controller, or None; empty: no run has such a reason.
-    """
-    reasons = missed or [None] * len(scores)
-    signed = [criterion.signed for criterion in judging.criteria if criterion.signed is not None]
-    return BatchResult(
-        seed=np.array(seeds, dtype=np.int64),
-        scores=tuple(scores),
-        values={item.key: column([score.values[item.key] for score in scores]) for item in judging.criteria},
-        signed={key: column([score.signed[key] for score in scores]) for key in signed},
-        extras={extra.key: column([score.extras[extra.key] for score in scores]) for extra in judging.extras},
-        verdicts=tuple("INVALID" if why else score.verdict for score, why in zip(scores, reasons, strict=True)),
-        ended=tuple(score.ended for score in scores),
-        failures=tuple((*score.failures, *filter(None, (why,))) for score, why in zip(scores, reasons, strict=True)),
-        wraps=counts["wraps"],
-        saturations=counts["saturations"],
-        zero_divisions=counts["zero_divisions"],
-        notch_digest=tuple(digests),
-    )

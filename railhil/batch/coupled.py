@@ -12,16 +12,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from railhil.batch.case import BatchResult, Case, result_of
+from railhil.batch.case import Batch, Case
 from railhil.batch.nodes import DIGITS
 from railhil.controller_node.vector.law import Interface
-from railhil.judge.judging import judging_of
 from railhil.judge.result import Result
 from railhil.record.trace import Trace
 from railhil.scenarios.model import AnyScenario
 
 
-def run_coupled(case: Case, seeds: Sequence[int]) -> BatchResult:
+def run_coupled(case: Case, seeds: Sequence[int]) -> Batch:
     """Run a case with each seed through the system's part ``direct``.
 
     :raises InputError: law, arithmetic or parameters do not fit, or a fault needs the nodes.
@@ -29,8 +28,8 @@ def run_coupled(case: Case, seeds: Sequence[int]) -> BatchResult:
     direct = case.scenario.installed_system.part("direct")
     runs: list[Result] = [direct(case.scenario, case.run(int(seed))) for seed in seeds]
     counters = [run.arithmetic for run in runs]
-    return result_of(
-        judging_of(case.scenario),
+    return Batch.of(
+        case.scenario,
         seeds,
         [run.score for run in runs],
         {

@@ -7,9 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from railhil.batch.case import BatchResult, Case, result_of
+from railhil.batch.case import Batch, Case
 from railhil.judge.fault_report import missed_faults
-from railhil.judge.judging import judging_of
 from railhil.plant_sim.faults.plants import needs_nodes
 from railhil.run.local import unrecorded_run
 from railhil.scenarios.model import AnyScenario
@@ -44,7 +43,7 @@ def kernel_of(scenario: AnyScenario) -> str | None:
     return scenario.installed_system.kernel
 
 
-def run_nodes(case: Case, seeds: Sequence[int]) -> BatchResult:
+def run_nodes(case: Case, seeds: Sequence[int]) -> Batch:
     """Run a case with each seed; the digest of a run is the beginning of the SHA-256 of its frame log.
 
     :raises InputError: law, arithmetic, indexing or parameters do not fit.
@@ -54,8 +53,8 @@ def run_nodes(case: Case, seeds: Sequence[int]) -> BatchResult:
     totals = [run.telemetry["totals"] for run in runs]
     # A fault that did nothing: such a run says nothing about the controller.
     missed = [missed_faults(run.faults) for run in runs]
-    return result_of(
-        judging_of(case.scenario),
+    return Batch.of(
+        case.scenario,
         seeds,
         scores,
         {

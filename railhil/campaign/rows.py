@@ -46,7 +46,7 @@ def schema(judging: Judging) -> pa.Schema:
 def table_of(label: str, result: Any, training: Sequence[int], judging: Judging) -> pa.Table:
     """Table of the runs of one chunk.
 
-    :param result: a ``railhil.batch.BatchResult``.
+    :param result: a ``railhil.batch.Batch``.
     :param training: seeds on which the parameters were tuned or chosen.
     """
     seeds = np.asarray(result.seed, dtype=np.int64)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pyarrow as pa
 
-from railhil.batch.case import result_of
+from railhil.batch.case import Batch
 from railhil.campaign.rows import schema as campaign_schema
 from railhil.campaign.rows import table_of
 from railhil.judge.judging import Judging
@@ -42,7 +42,7 @@ def row(seed: int, number: int, run: OneRun, judging: Judging) -> pa.Table:
     """
     record, kept = run.record, run.kept
     counts = {name: np.array([run.counts[name]], dtype=np.int64) for name in COUNTS}
-    result = result_of(judging, [run.spec.seed], [run.score], counts, [run.digest], [run.missed or None])
+    result = Batch.of(run.scenario, [run.spec.seed], [run.score], counts, [run.digest], [run.missed or None])
     shared = table_of(run.spec.law.controller, result, [], judging)
     own = {
         "sequence": [seed],

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from railhil.batch.case import BatchResult, Case
+from railhil.batch.case import Batch, Case
 from railhil.batch.nodes import batch_of, kernel_of, one_by_one, run_nodes
 from railhil.common.errors import InputError, Words
 from railhil.judge.training_seeds import chosen_on
@@ -17,12 +17,12 @@ from railhil.study.plan import law_named
 FIRST_SEED = 1000
 
 
-def run_seeds(scenario: AnyScenario, law: LawSpec, seeds: Sequence[int]) -> BatchResult:
+def run_seeds(scenario: AnyScenario, law: LawSpec, seeds: Sequence[int]) -> Batch:
     """A run with each seed: the same draws for every law and arithmetic.
 
     :raises InputError: the law cannot be made, or has failed.
     """
-    result: BatchResult = (batch_of(scenario) or run_nodes)(Case(scenario, law), seeds)
+    result: Batch = (batch_of(scenario) or run_nodes)(Case(scenario, law), seeds)
     return result
 
 

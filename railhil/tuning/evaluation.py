@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from rich.table import Table
 
-from railhil.batch import BatchResult, Case
+from railhil.batch import Batch, Case
 from railhil.batch.statistics import quantile
 from railhil.common.output import Output, table
 from railhil.judge.criteria import ATO_CRITERIA, OVERSPEED, STOP_ERROR, Criterion, limited
@@ -30,8 +30,8 @@ class Evaluation:
     case: Case
     given: ParameterSet
     seen: tuple[int, ...]
-    default: BatchResult
-    tuned: BatchResult
+    default: Batch
+    tuned: Batch
 
 
 def evaluate(case: Case, given: ParameterSet, seeds: range, allow_training_seeds: bool = False) -> Evaluation:
@@ -47,7 +47,7 @@ def evaluate(case: Case, given: ParameterSet, seeds: range, allow_training_seeds
     return Evaluation(case, given, tuple(training_seeds(case.scenario, laws[1], seeds)), default, tuned)
 
 
-def quantiles(result: BatchResult, criterion: Criterion) -> list[float]:
+def quantiles(result: Batch, criterion: Criterion) -> list[float]:
     """Median and 95th percentile, from the best run to the worst; one that did not stop is infinitely bad in stop and
     time error."""
     worse = criterion.badness(np.asarray(result.values[criterion.key], dtype=np.float64))
@@ -110,7 +110,7 @@ def _cells(found: Evaluation) -> Table:
     return made
 
 
-def _shares(result: BatchResult) -> str:
+def _shares(result: Batch) -> str:
     runs = len(result.seed)
     stopped = int(np.isfinite(result.values[STOP_ERROR.key]).sum())
     over = int((result.extras[OVERSPEED.key] > 0).sum())
@@ -120,7 +120,7 @@ def _shares(result: BatchResult) -> str:
 def document(found: Evaluation) -> dict[str, Any]:
     """The comparison as JSON; a quantile of runs that did not stop is the text ``inf``."""
 
-    def of(result: BatchResult) -> dict[str, Any]:
+    def of(result: Batch) -> dict[str, Any]:
         scores = {
             criterion.key: {
                 key: value if np.isfinite(value) else str(value)

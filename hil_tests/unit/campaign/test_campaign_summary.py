@@ -23,7 +23,7 @@ from railhil.systems.ato.judge import JUDGING
 
 
 def made_result(seeds, stop_m, time_s, overspeed_mps=0.0, wraps=0):
-    """A result of the shape of ``railhil.batch.BatchResult``, signed errors given, NaN for no stop."""
+    """A result of the shape of ``railhil.batch.Batch``, signed errors given, NaN for no stop."""
     stop, time = np.asarray(stop_m, dtype=float), np.asarray(time_s, dtype=float)
     full = np.ones(len(stop))
     stopped = ~np.isnan(stop)

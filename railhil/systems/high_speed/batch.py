@@ -13,7 +13,7 @@ from typing import Any, NamedTuple, TypeAlias, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from railhil.batch.case import BatchResult, Case, result_of
+from railhil.batch.case import Batch, Case
 from railhil.batch.columns import Columns
 from railhil.batch.coupled import digest_of, run_coupled
 from railhil.bus.codes import Event
@@ -40,7 +40,7 @@ _KINDS = {"wraps": WRAP, "saturations": SATURATION, "zero_divisions": DIVISION_B
 Ints: TypeAlias = NDArray[np.int64]
 
 
-def run_high_speed(case: Case, seeds: Sequence[int], *, chunk: int = CHUNK) -> BatchResult:
+def run_high_speed(case: Case, seeds: Sequence[int], *, chunk: int = CHUNK) -> Batch:
     """Run a case with each seed, any number of them.
 
     :param chunk: number of runs computed together; the results do not depend on it.
@@ -60,7 +60,7 @@ def run_high_speed(case: Case, seeds: Sequence[int], *, chunk: int = CHUNK) -> B
             found.append(_coupled(case, seed) if runs.left[train] else runs.found(train))
     counts = {name: np.array([one.counts[name] for one in found], dtype=np.int64) for name in _KINDS}
     scores, digests = [one.score for one in found], [one.digest for one in found]
-    return result_of(judging_of(case.scenario), seeds, scores, counts, digests)
+    return Batch.of(case.scenario, seeds, scores, counts, digests)
 
 
 class _Found(NamedTuple):

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from railhil.batch.case import BatchResult, Case, result_of
+from railhil.batch.case import Batch, Case
 from railhil.batch.columns import Columns
 from railhil.batch.coupled import command_digest, digest_of, run_coupled
 from railhil.batch.stacked import StackedLaw
@@ -55,7 +55,7 @@ class Together(NamedTuple):
     kept: dict[str, Any] | None
 
 
-def run_stops(case: Case, seeds: Sequence[int]) -> BatchResult:
+def run_stops(case: Case, seeds: Sequence[int]) -> Batch:
     """Run the first run of each seed's sequence.
 
     :raises InputError: numba is missing, law, arithmetic or parameters do not fit, or a fault needs the nodes.
@@ -66,7 +66,7 @@ def run_stops(case: Case, seeds: Sequence[int]) -> BatchResult:
     found = run_together(case.scenario, [case.run(int(seed)) for seed in seeds])
     counts = {name: np.array([one.counts[name] for one in found], dtype=np.int64) for name in COUNTS}
     scores, digests = [one.score for one in found], [one.digest for one in found]
-    return result_of(judging_of(case.scenario), seeds, scores, counts, digests)
+    return Batch.of(case.scenario, seeds, scores, counts, digests)
 
 
 def run_together(

@@ -12,7 +12,7 @@ import pytest
 
 from benchmarks import stopping
 from hil_tests.unit.controller_node.ato.test_ipfc_plus import faulty
-from railhil.batch import BatchResult, Case
+from railhil.batch import Batch, Case
 from railhil.bench import direct_run
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.ato.balise_odometer import BaliseOdometer
@@ -132,7 +132,7 @@ def test_balises_that_contradict_the_tolerance_leave_the_fit(arithmetic: str) ->
 
 
 @cache
-def forty(law: str, **changed: float) -> BatchResult:
+def forty(law: str, **changed: float) -> Batch:
     return stopping.batch(WORN, law, "iq", range(1000, 1040), changed)
 
 

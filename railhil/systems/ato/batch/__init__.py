@@ -15,9 +15,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from railhil.batch.case import BatchResult, Case, result_of
+from railhil.batch.case import Batch, Case
 from railhil.controller_node.arithmetic.base import DIVISION_BY_ZERO, SATURATION, WRAP
-from railhil.judge.judging import judging_of
 from railhil.systems.ato.batch.digest import notch_digest
 from railhil.systems.ato.batch.replay import left_the_healthy_path, replayed
 
@@ -30,7 +29,7 @@ CHUNK = 2048
 _SEED_MAX = 2**32 - 1
 
 
-def run_batch(case: Case, seeds: Sequence[int], *, keep_notches: bool = False, chunk: int = CHUNK) -> BatchResult:
+def run_batch(case: Case, seeds: Sequence[int], *, keep_notches: bool = False, chunk: int = CHUNK) -> Batch:
     """Run a case with each seed, any number of them.
 
     :param keep_notches: keep the notch codes of each run.
@@ -49,7 +48,7 @@ def run_batch(case: Case, seeds: Sequence[int], *, keep_notches: bool = False, c
     return _result(case, seeds, chunks, keep_notches)
 
 
-def _result(case: Case, seeds: Sequence[int], chunks: list[BatchRuns], keep_notches: bool) -> BatchResult:
+def _result(case: Case, seeds: Sequence[int], chunks: list[BatchRuns], keep_notches: bool) -> Batch:
     scores = [score for chunk in chunks for score in chunk.scores]
     codes = [chunk.codes[:steps, i].copy() for chunk in chunks for i, steps in enumerate(chunk.steps)]
     counts = {
@@ -63,5 +62,5 @@ def _result(case: Case, seeds: Sequence[int], chunks: list[BatchRuns], keep_notc
                 counts[kind][run] = count
 
     named = {"wraps": counts[WRAP], "saturations": counts[SATURATION], "zero_divisions": counts[DIVISION_BY_ZERO]}
-    found = result_of(judging_of(case.scenario), seeds, scores, named, [notch_digest(run) for run in codes])
+    found = Batch.of(case.scenario, seeds, scores, named, [notch_digest(run) for run in codes])
     return replace(found, notch_codes=tuple(codes) if keep_notches else None)
