@@ -16,7 +16,7 @@ from railhil.scenarios.memory import (
     FAULTS,
     BadRecord,
     Memory,
-    Record,
+    MemoryRecord,
     Stored,
     load_memory,
     memory_from_json,
@@ -27,7 +27,7 @@ from railhil.scenarios.memory import (
 )
 
 GOLDEN = ROOT / "hil_tests" / "data" / "memory" / "golden.json"
-SOME = Record("mylaw", "dalian_12 up", 3, 3, {"offset_m": -0.12})
+SOME = MemoryRecord("mylaw", "dalian_12 up", 3, 3, {"offset_m": -0.12})
 
 
 def in_slots(path: Path) -> Memory:
@@ -140,8 +140,8 @@ def test_a_changed_memory_of_a_run_is_one_line(tmp_path: Path) -> None:
 
 def test_a_run_is_learned_once() -> None:
     first = next_record("mylaw", "here", {"x": 1}, None, 5)
-    assert first == Record("mylaw", "here", 1, 5, {"x": 1})
-    assert next_record("mylaw", "here", {"x": 2}, first, 6) == Record("mylaw", "here", 2, 6, {"x": 2})
+    assert first == MemoryRecord("mylaw", "here", 1, 5, {"x": 1})
+    assert next_record("mylaw", "here", {"x": 2}, first, 6) == MemoryRecord("mylaw", "here", 2, 6, {"x": 2})
     assert next_record("mylaw", "here", {"x": 2}, first, 5) is None
     assert next_record("mylaw", "here", {"x": 2}, first, 4) is None
 
