@@ -15,12 +15,12 @@ from hil_tests.support.short_runs import RUN_2M_TOML
 from railhil.bench import Result, local_run
 from railhil.common.errors import InputError
 from railhil.judge.counters import unchecked, unreconciled
-from railhil.judge.invariants import broken
 from railhil.judge.judging import judging_of
 from railhil.record.hash_list import write_hash_list
 from railhil.record.trace import NodeCounters, Trace
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.systems.ato.judge.invariants import broken
 from railhil.systems.ato.scenario.model import Scenario
 from railhil.wire.ato import NotchCmd, TrnSpeed
 

@@ -15,7 +15,6 @@ from railhil.bus.local import LocalBus
 from railhil.bus.mvb import TelegramSource, master_frame
 from railhil.bus.telegrams import RunEvent
 from railhil.controller_node.ato.node import ControllerNode
-from railhil.judge.score import score
 from railhil.plant_sim.ato import dynamics
 from railhil.plant_sim.ato.plant import PlantError
 from railhil.plant_sim.handshake import Refused
@@ -23,6 +22,7 @@ from railhil.plant_sim.node import PlantNode, make_plant_node
 from railhil.record.session import make_session
 from railhil.record.trace import Trace
 from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.systems.ato.judge.score import score
 from railhil.wire.ato import CtlStat, NotchCmd, SimTruth
 
 NOTCH_POLL = master_frame(NotchCmd.port().f_code, NotchCmd.port().address)

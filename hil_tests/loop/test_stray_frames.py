@@ -14,11 +14,12 @@ from railhil.bus.codes import EVENT_COPIES, Event
 from railhil.bus.frame import Frame
 from railhil.bus.mvb import TelegramSource
 from railhil.bus.telegrams import RunEvent
-from railhil.judge.score import Score, score
+from railhil.judge.score import Score
 from railhil.plant_sim.cycle import Milestones
 from railhil.record.framelog import read_log
 from railhil.record.trace import Trace, trace_of
 from railhil.scenarios.load import load
+from railhil.systems.ato.judge.score import score
 from railhil.systems.ato.scenario.model import Scenario
 from railhil.wire.ato import SimTruth, TrnSpeed
 

@@ -28,11 +28,11 @@ from railhil.controller_node.program.tracer import Tracer
 from railhil.controller_node.telemetry_file import write_telemetry
 from railhil.judge.folder import junit, rerun_needs, run_command, score_json
 from railhil.judge.result import Result
-from railhil.judge.score import STATUS
 from railhil.record.telemetry import Headroom, read_summary, shown_telemetry
 from railhil.record.trace import Trace
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec, RunSpec, StartUp
+from railhil.systems.ato.judge.score import STATUS
 from railhil.systems.ato.scenario.model import Scenario
 from railhil.wire.ato import CtlStat, NotchCmd, SimTruth
 

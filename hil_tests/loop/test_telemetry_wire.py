@@ -19,11 +19,11 @@ from railhil.controller_node.arithmetic.base import DIVISION_BY_ZERO, SATURATION
 from railhil.controller_node.ato.node import ControllerNode
 from railhil.controller_node.telemetry import Telemetry
 from railhil.controller_node.telemetry_file import telemetry_document
-from railhil.judge.score import STATUS
 from railhil.record.framelog import read_log
 from railhil.record.telemetry import shown_telemetry
 from railhil.record.trace import Trace
 from railhil.scenarios.run_spec import LawSpec
+from railhil.systems.ato.judge.score import STATUS
 from railhil.systems.ato.scenario.model import Scenario
 from railhil.wire.ato import CtlStat, TelemetryHeadroom, TelemetryIndex
 

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from railhil.judge.criteria import ATO_CRITERIA, OVERSPEED, limited, scores
+from railhil.judge.criteria import limited, scores
 from railhil.judge.score import Score
+from railhil.systems.ato.judge.criteria import CRITERIA, OVERSPEED
 
 
 def made_score(
@@ -25,10 +26,10 @@ def made_score(
         "stop_error_m": stop_error_m,
         "comfort": comfort,
     }
-    return Score(verdict, *scores(measured, ATO_CRITERIA), failures, "ended_complete", {OVERSPEED.key: 0.0})
+    return Score(verdict, *scores(measured, CRITERIA), failures, "ended_complete", {OVERSPEED.key: 0.0})
 
 
 def with_values(score: Score, **changes: float | None) -> Score:
     """The score with other values; a signed value is changed together with its signed form."""
-    signed = {one.signed: changes[one.key] for one in limited(ATO_CRITERIA) if one.signed and one.key in changes}
+    signed = {one.signed: changes[one.key] for one in limited(CRITERIA) if one.signed and one.key in changes}
     return replace(score, values={**score.values, **changes}, signed={**score.signed, **signed})

@@ -15,7 +15,7 @@ from railhil.campaign.plan import Entry, Plan
 from railhil.campaign.rows import rows_of
 from railhil.campaign.worst import failures_of, without_stop, worst_runs
 from railhil.common.digits import count_of
-from railhil.judge.criteria import DID_NOT_STOP, STOP_ERROR, STOP_WITHIN_M, Criterion, limit_key, limited
+from railhil.judge.criteria import DID_NOT_STOP, STOP_ERROR_KEY, STOP_WITHIN_M, Criterion, limit_key, limited
 from railhil.scenarios.model import watch_sentence
 from railhil.scenarios.stored import any_judged_sha256
 from railhil.study.table import numbers
@@ -82,8 +82,8 @@ def _stops(limits: Sequence[Criterion], rows: pa.Table) -> dict[str, Any]:
     if not any(criterion.without == DID_NOT_STOP for criterion in limits):
         return {}
     found: dict[str, Any] = {"not_stopped": int(np.count_nonzero(without_stop(rows, limits)))}
-    if STOP_ERROR.key in rows.column_names:
-        errors_m = numbers(rows, STOP_ERROR.key)
+    if STOP_ERROR_KEY in rows.column_names:
+        errors_m = numbers(rows, STOP_ERROR_KEY)
         found["stopped_within_m"] = {f"{limit:g}": _share(share(_within(errors_m, limit))) for limit in STOP_WITHIN_M}
     return found
 

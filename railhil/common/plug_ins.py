@@ -52,20 +52,25 @@ def guard_plug_in() -> Iterator[None]:
 
 
 def cause_of(error: Exception) -> str:
-    """Message of an exception of plug-in code; for an import of a moved module of railhil also its new place."""
+    """Message of an exception of plug-in code; for an import of a module of railhil that has moved, in its room or to a
+    system, also its new place."""
     said = f"{type(error).__name__}: {error}"
     name = error.name if isinstance(error, ModuleNotFoundError) else None
     if name is None or name.count(".") < 2 or name.partition(".")[0] != __name__.partition(".")[0]:
         return said
-    room, last = ".".join(name.split(".")[:2]), name.rpartition(".")[2]
+    found = _places(".".join(name.split(".")[:2]), name) or _places("railhil.systems", name)
+    return f"{said}; now {' or '.join(sorted(found))}" if found else said
+
+
+def _places(room: str, name: str) -> set[str]:
+    """The modules of a room that have the last name of a module."""
     package = find_spec(room)
     folders = package.submodule_search_locations if package is not None else None
-    found = {
+    return {
         ".".join((room, *path.relative_to(folder).with_suffix("").parts))
         for folder in folders or ()
-        for path in Path(folder).rglob(f"{last}.py")
+        for path in Path(folder).rglob(f"{name.rpartition('.')[2]}.py")
     }
-    return f"{said}; now {' or '.join(sorted(found))}" if found else said
 
 
 def entries(group: str) -> Mapping[str, importlib.metadata.EntryPoint]:

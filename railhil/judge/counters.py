@@ -5,12 +5,11 @@
 6. The counters reconcile: each telegram in the record was accepted, refused for a cause, or kept from the node by a
    fault.
 
-The numbers follow the specification of the bench, as in :mod:`railhil.judge.invariants`.
-:mod:`railhil.judge.events.telegrams` decides which telegrams of the record are good. A node may refuse more (a speed
-that is not plausible), and reports it. A node that does not report is not checked (:func:`unchecked`). Where frames can
-be lost between node and recorder, and for mailboxes read by a task, only rule 1 is checked, without the life signs. A
-telegram that only the recorder has missed is then no breach but a gap of the record
-(:mod:`railhil.judge.record_checks`).
+The numbers follow the specification of the bench. :mod:`railhil.judge.events.telegrams` decides which telegrams of the
+record are good. A node may refuse more (a speed that is not plausible), and reports it. A node that does not report is
+not checked (:func:`unchecked`). Where frames can be lost between node and recorder, and for mailboxes read by a task,
+only rule 1 is checked, without the life signs. A telegram that only the recorder has missed is then no breach but a gap
+of the record (:mod:`railhil.judge.record_checks`).
 """
 
 from __future__ import annotations
@@ -24,10 +23,10 @@ from railhil.common.digits import count_of
 from railhil.faults import parse_faults
 from railhil.judge.events.declared import Received
 from railhil.judge.events.telegrams import Stretch, bad_content, judged
-from railhil.judge.missed_telegrams import UNCLEAR, Unseen
+from railhil.judge.judging import judging_of
+from railhil.judge.record_checks import UNCLEAR, Unseen
 from railhil.record.trace import Trace
-from railhil.systems.ato.events import received
-from railhil.systems.ato.scenario.model import Scenario
+from railhil.scenarios.model import AnyScenario
 
 #: Nodes that report.
 REPORTING = ("controller", "plant")
@@ -39,14 +38,14 @@ _OF_FRAMES = (
 )  # fmt: skip
 
 
-def unreconciled(scenario: Scenario, trace: Trace) -> list[str]:
+def unreconciled(scenario: AnyScenario, trace: Trace) -> list[str]:
     """One sentence for the first breach of each rule, or for a gap of the record that hides it
     (:mod:`railhil.judge.record_checks`). Empty for a run that keeps the rules, and without reports."""
     told = trace.reported
     if told is None:
         return []
     found: dict[str, str] = {}
-    items = {item.port: item for item in received(scenario)}
+    items = {item.port: item for item in judging_of(scenario).received(scenario)}
     # Frames of a node on identifiers that it reads itself: the record has them, the node does not hear them.
     own_frames = any(fault.what == "masquerade" for fault in parse_faults(scenario.faults))
     unseen = Unseen(scenario, trace)

@@ -1,8 +1,6 @@
-"""The criteria by which a run is judged, each defined once.
+"""Criteria: by what the runs of a system are judged. Each system defines its own, each once.
 
 Score, tables, JUnit cases, campaign, tuning, audit and report iterate over such a tuple and know no criterion by name.
-A further criterion is a further entry here; the batch, which computes the scores in its compiled loop, must compute it
-too.
 """
 
 from __future__ import annotations
@@ -10,22 +8,18 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from railhil.common.digits import text_beside_limit
-from railhil.judge import journey
 
-if TYPE_CHECKING:
-    pass
-
+#: Key of the distance from the stopping point, in every system that scores it.
+STOP_ERROR_KEY = "stop_error_m"
 #: Stop errors, in m, for which runs are counted in addition to the scenario's own limit: the stricter figures stay
 #: visible.
 STOP_WITHIN_M = (0.1, 0.2, 0.3)
-
-
 #: Description of a run without a value, for a criterion of a stop.
 DID_NOT_STOP = "did not stop"
 
@@ -141,30 +135,6 @@ class Extra:
     name: str
     counted: str
     heading: str
-
-
-#: Largest excess over the speed limit, in m/s.
-OVERSPEED = Extra("overspeed_mps", "overspeed", "overspeeds", "over-\nspeed")
-#: Eq. (8): distance of the standstill from the stopping point.
-STOP_ERROR = Criterion(
-    "stop_error_m", "stop error", "m", 4, lambda run: run.stop.error_m,
-    limit=Limit(lambda scenario: scenario.plan.stop_error_max_m, 0), signed="stop_error_m", tuning_digits=3,
-    audit_allowed=0.01, without=DID_NOT_STOP,
-)  # fmt: skip
-#: Eq. (7): difference of the arrival time from the timetable.
-TIME_ERROR = Criterion(
-    "punctuality_s", "time error", "s", 4, lambda run: run.stop.late_s,
-    limit=Limit(lambda scenario: scenario.plan.time_error_max_s, 1), signed="time_error_s", tuning_digits=3,
-    audit_allowed=0.01, without=DID_NOT_STOP,
-)  # fmt: skip
-#: The five criteria of the paper, for a train that drives automatically from one stop to the next, in column order.
-ATO_CRITERIA = (
-    Criterion("itae", "ITAE", "km/h s2", 1, journey.itae_kmh_s2, published_digits=0, tuning_digits=0),
-    Criterion("energy_kj", "energy", "kJ", 0, journey.energy_kj),
-    TIME_ERROR,
-    STOP_ERROR,
-    Criterion("comfort", "comfort", "m/s2/km", 3, journey.comfort_mps2_per_km, statistics_digits=4),
-)
 
 
 def limited(criteria: Sequence[Criterion], scenario: Any = None) -> list[Criterion]:

@@ -1,29 +1,28 @@
-"""Checks whether a record is complete: milestones of the run against each other and against SIM_TRUTH.
+"""Checks whether a record is complete: the milestones of the run, and telegrams that its recorder may have missed.
 
 A verdict depends on a few rare telegrams. Each is numbered by the plant and repeated, so a milestone missing from the
-record leaves a gap in the numbers; and a standstill of the train is also visible in SIM_TRUTH. If the two disagree the
-record is INVALID, because the course of the run is unknown.
+record leaves a gap in the numbers. If a rule needs data that the record lacks, the run is INVALID, because its course
+is unknown.
 """
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
-from railhil.bus.codes import STOP_LEG_MIN_M, Event
+from railhil.bus.schedule import Schedule
 from railhil.bus.telegrams import RunEvent
 from railhil.common.digits import text_beside_limit
 from railhil.faults.truth import HOLE_MAX_S
-from railhil.record.trace import FloatArray, Trace
+from railhil.judge.events.telegrams import Gap, gaps, outages
+from railhil.record.trace import Trace
+from railhil.scenarios.model import AnyScenario
 
-#: A train that SIM_TRUTH shows at rest for this long has stopped. Speeds below half an LSB (0.05 mm/s) also appear as
-#: rest, but no train creeps so slowly for so long.
-STANDING_S = 0.5
+#: Beginning of the reason for which a run is INVALID: the record lacks data that a rule needs.
+UNCLEAR = "record: "
 #: The recorder makes the log's time stamps: on a bus that loses frames they may differ from the plant's by some ticks.
 STAMP_ERROR_MAX_S = 0.1
-#: Maximum acceleration of a train: limits the speed that SIM_TRUTH may show shortly after a standstill.
-ACCEL_MAX_MPS2 = 10.0
-#: Resolution of positions on the wire, rounded once in the milestone and once in the truth.
-_LSB_M = 1e-4
 
 
 def incomplete(trace: Trace, truth: str) -> str:
@@ -44,7 +43,7 @@ def _hole(trace: Trace, truth: str) -> str:
     if gaps_s[longest] <= HOLE_MAX_S:
         return ""
     gap = f"{text_beside_limit(gaps_s[longest], HOLE_MAX_S, 2)} s from {time_s[longest]:.2f} s on"
-    return f"record: no {truth} for {gap}, allowed {HOLE_MAX_S:g} s"
+    return f"{UNCLEAR}no {truth} for {gap}, allowed {HOLE_MAX_S:g} s"
 
 
 def milestone_missing(trace: Trace) -> str:
@@ -59,43 +58,31 @@ def milestone_missing(trace: Trace) -> str:
     if not missing:
         return ""
     which = ", ".join(str(number) for number in missing[:5]) + (", ..." if len(missing) > 5 else "")
-    return f"record: RUN_EVENT {which} of {max(numbers)} is missing"
+    return f"{UNCLEAR}RUN_EVENT {which} of {max(numbers)} is missing"
 
 
-def standstill_unclear(trace: Trace, time_s: FloatArray, position_m: FloatArray, speed_mps: FloatArray) -> str:
-    """The contradiction between STOPPED and SIM_TRUTH, as a reason; empty if they agree.
+class Unseen:
+    """Telegrams of periodic ports that may be missing from a record; none from one that is known to have all frames."""
 
-    :param time_s: of each SIM_TRUTH in s, increasing, shape (n,); ``position_m`` and ``speed_mps`` are its values.
-    """
-    codes = trace.raw(RunEvent.PORT, "RunEvent")
-    stopped = np.flatnonzero(codes == Event.STOPPED)
-    instants_s, places_m = (trace.values(RunEvent.PORT, name)[stopped] for name in ("EventTime", "EventPos"))
-    for instant_s, place_m in zip(instants_s, places_m, strict=True):
-        after = min(int(np.searchsorted(time_s, instant_s + STAMP_ERROR_MAX_S)), len(time_s) - 1)
-        before = max(int(np.searchsorted(time_s, instant_s - STAMP_ERROR_MAX_S)) - 1, 0)
-        allowed_mps = ACCEL_MAX_MPS2 * max(STAMP_ERROR_MAX_S, time_s[after] - instant_s)
-        if speed_mps[after] > allowed_mps:
-            return (
-                f"record: STOPPED at {instant_s:.2f} s, but SIM_TRUTH shows {speed_mps[after]:.2f} m/s "
-                f"at {time_s[after]:.2f} s"
-            )
-        if not position_m[before] - 2 * _LSB_M <= place_m <= position_m[after] + 2 * _LSB_M:
-            return (
-                f"record: STOPPED at {place_m:.2f} m, but SIM_TRUTH shows the train at {position_m[after]:.2f} m "
-                f"at {time_s[after]:.2f} s"
-            )
-    stands_s = _first_stand_s(time_s, position_m, speed_mps)
-    # The milestone may lie anywhere within the standstill: a creeping train reads 0 before it has stopped.
-    if stands_s is not None and not np.any(instants_s <= stands_s[1] + STAMP_ERROR_MAX_S):
-        return f"record: no STOPPED, but SIM_TRUTH shows that the train stands from {stands_s[0]:.2f} s on"
-    return ""
+    def __init__(self, scenario: AnyScenario, trace: Trace) -> None:
+        timing = scenario.timing
+        self._schedule = Schedule.from_contract(timing.base_tick_ns, timing.port_period_ns, trace.contract)
+        self._trace = trace
+        #: Whether the record is known to have all frames.
+        self.is_whole = trace.reported is not None and trace.reported.exact
+        self._gaps: dict[str, list[Gap]] = {}
 
+    def count(self, port: str, from_s: float = 0.0, until_s: float = math.inf) -> int:
+        """Number of telegrams of a port that may be missing around an interval of time."""
+        if self.is_whole:
+            return 0
+        if port not in self._gaps:
+            entry = self._trace.contract.port(port)
+            self._gaps[port] = [*gaps(self._trace, entry, self._schedule), *outages(self._trace, entry, self._schedule)]
+        return sum(
+            gap.missing for gap in self._gaps[port] if gap.begun_ns <= until_s * 1e9 and gap.until_ns >= from_s * 1e9
+        )
 
-def _first_stand_s(time_s: FloatArray, position_m: FloatArray, speed_mps: FloatArray) -> tuple[float, float] | None:
-    """First and last SIM_TRUTH of the first standstill that counts as a stop; None if there is none."""
-    rest = (speed_mps == 0.0) & (position_m >= position_m[0] + STOP_LEG_MIN_M + _LSB_M)
-    edges = np.flatnonzero(np.diff(rest.astype(np.int8), prepend=0, append=0))
-    for first, end in zip(edges[::2], edges[1::2], strict=True):
-        if time_s[end - 1] - time_s[first] >= STANDING_S:
-            return float(time_s[first]), float(time_s[end - 1])
-    return None
+    def period_s(self, port: str) -> float:
+        """Period of a port."""
+        return self._schedule.ticks(port) * self._schedule.base_tick_ns / 1e9

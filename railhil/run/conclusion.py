@@ -20,7 +20,7 @@ from railhil.judge.jitter import (
     write_wall_times,
 )
 from railhil.judge.judging import judging_of
-from railhil.judge.missed_telegrams import UNCLEAR
+from railhil.judge.record_checks import UNCLEAR
 from railhil.judge.result import Result
 from railhil.record.framelog import telegrams_sha256
 from railhil.record.log_trace import trace_of_log

@@ -11,10 +11,11 @@ from rich.table import Table
 from railhil.batch import Batch, Case
 from railhil.batch.statistics import quantile
 from railhil.common.output import Output, table
-from railhil.judge.criteria import ATO_CRITERIA, OVERSPEED, STOP_ERROR, Criterion, limited
+from railhil.judge.criteria import Criterion, limited
 from railhil.scenarios.model import watch_sentence
 from railhil.scenarios.parameters import ParameterSet
 from railhil.study.perturbed_runs import check_unseen, run_seeds, training_seeds
+from railhil.systems.ato.judge.criteria import CRITERIA, OVERSPEED, STOP_ERROR
 from railhil.tuning.objective import Scale, objective
 
 _QUANTILES = (("median", 0.5), ("p95", 0.95))
@@ -75,7 +76,7 @@ def worse(found: Evaluation, scale: Scale) -> list[str]:
     said = [f"objective {before:.3f} -> {after:.3f}"] if after > before else []
     passes = [int(result.passed.sum()) for result in (found.default, found.tuned)]
     said += [f"PASS {passes[0]} -> {passes[1]}"] if passes[1] < passes[0] else []
-    for criterion in limited(ATO_CRITERIA):
+    for criterion in limited(CRITERIA):
         own, tuned = (np.array(quantiles(result, criterion)[:1]) for result in (found.default, found.tuned))
         grown = criterion.badness(tuned) > criterion.badness(own)
         if (grown & ~criterion.inside(found.case.scenario, tuned)).any():
@@ -103,7 +104,7 @@ def _cells(found: Evaluation) -> Table:
     for who in ("default", "tuned"):
         for name, _ in _QUANTILES:
             made.add_column(f"{who}\n{name}", justify="right", no_wrap=True)
-    for criterion in ATO_CRITERIA:
+    for criterion in CRITERIA:
         values = [*quantiles(found.default, criterion), *quantiles(found.tuned, criterion)]
         cells = (criterion.shown(value, _digits(criterion)) if np.isfinite(value) else "no stop" for value in values)
         made.add_row(criterion.title, criterion.unit, *cells)
@@ -126,7 +127,7 @@ def document(found: Evaluation) -> dict[str, Any]:
                 key: value if np.isfinite(value) else str(value)
                 for (key, _), value in zip(_QUANTILES, quantiles(result, criterion), strict=True)
             }
-            for criterion in ATO_CRITERIA
+            for criterion in CRITERIA
         }
         return {
             "scores": scores,

@@ -5,7 +5,7 @@ For each run::
 
     stop error / its limit  +  time error / its limit  +  ITAE / I  +  energy / E  +  comfort / C
 
-(each criterion of :data:`railhil.judge.criteria.ATO_CRITERIA`), with the limits of the scenario's plan, and I, E,
+(each criterion of the system), with the limits of the scenario's plan, and I, E,
 C the medians of IPFC with its published parameters on the same runs: a fixed scale on which every score of a good law
 is about 1. A train that does not stop has the maximum stop and time terms (``TERM_MAX`` each); overspeed adds
 ``OVERSPEED`` plus its amount in km/h. The objective is the mean over the runs, so that every run matters.
@@ -17,10 +17,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from statistics import fmean, median
 
-from railhil.judge import criteria
-from railhil.judge.criteria import ATO_CRITERIA, Criterion, limit_key, limited
-from railhil.judge.measures import KMH
+from railhil.judge.criteria import Criterion, limit_key, limited
 from railhil.judge.score import Score
+from railhil.systems.ato.judge import criteria
+from railhil.systems.ato.judge.criteria import CRITERIA
+from railhil.systems.ato.judge.measures import KMH
 from railhil.systems.ato.scenario.model import Scenario
 
 #: Increased with every change of the formula; recorded in the files.
@@ -30,7 +31,7 @@ TERM_MAX = 100.0
 #: Added for a run with overspeed, in addition to the overspeed in km/h.
 OVERSPEED = 10.0
 #: Criteria without a limit: they are compared with the reference.
-_UNLIMITED = tuple(criterion for criterion in ATO_CRITERIA if criterion.limit is None)
+_UNLIMITED = tuple(criterion for criterion in CRITERIA if criterion.limit is None)
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,11 +48,7 @@ class Scale:
     def of(cls, scenario: Scenario, reference: Sequence[Score]) -> Scale:
         """Limits of the scenario, and medians of the reference law's runs."""
         return cls(
-            {
-                limit_key(criterion): criterion.limit.of(scenario)
-                for criterion in limited(ATO_CRITERIA)
-                if criterion.limit
-            },
+            {limit_key(criterion): criterion.limit.of(scenario) for criterion in limited(CRITERIA) if criterion.limit},
             {
                 criterion.key: median(float(score.values[criterion.key] or 0.0) for score in reference)
                 for criterion in _UNLIMITED
@@ -74,7 +71,7 @@ def run_cost(scale: Scale, score: Score) -> float:
         if value is None:
             raise ValueError(f"a run without scores: {', '.join(score.failures)}")
         cost += _share(criterion, value, scale.medians[criterion.key])
-    values = [(criterion, score.values[criterion.key]) for criterion in limited(ATO_CRITERIA)]
+    values = [(criterion, score.values[criterion.key]) for criterion in limited(CRITERIA)]
     if any(value is None for _, value in values):
         cost += len(values) * TERM_MAX
     else:

@@ -31,10 +31,10 @@ from railhil.controller_node.cost import cost_of
 from railhil.controller_node.law_controller import CommandCode
 from railhil.controller_node.program.model import Quantity, Value
 from railhil.controller_node.program.tracer import record
-from railhil.judge.criteria import ATO_CRITERIA
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.systems.ato import ATO
+from railhil.systems.ato.judge.criteria import CRITERIA
 from railhil.systems.ato.standstill import look
 from railhil.wire.ato import TrnSpeed
 
@@ -318,7 +318,7 @@ def test_effect_compares_each_draw_with_its_own_twin(sound):
         ]
         for itaes, stops_m in (((12.0, 11.0, 10.0), (0.1, 0.1, None)), ((10.0,) * 3, (0.1,) * 3))
     )
-    found = {one.score: one for one in compared(fixed, real, ATO_CRITERIA)}
+    found = {one.score: one for one in compared(fixed, real, CRITERIA)}
     itae = found["itae"]
     assert (itae.audited, itae.reference, itae.difference, itae.largest_single) == (11.0, 10.0, 1.0, 2.0)
     assert not itae.met
@@ -331,7 +331,7 @@ def test_a_wrap_in_a_perturbed_run_misses_a_bar_that_the_nominal_run_meets(short
     result = audit(short, Options(runs=2))
     assert {bar.found for bar in result.bars if bar.name == "wraps in the perturbed runs"} == {"0"}
     scores = [sound.run.score] * 2
-    over_runs = Effect(compared(scores, scores, ATO_CRITERIA), Counters(1, 10, 2))
+    over_runs = Effect(compared(scores, scores, CRITERIA), Counters(1, 10, 2))
     result = replace(result, effect=over_runs, bars=bars(sound, result.cost, over_runs=over_runs))
     found = {bar.name: (bar.found, bar.met) for bar in result.bars}
     assert found["wraps in the run"] == ("0", True)

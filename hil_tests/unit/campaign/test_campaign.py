@@ -18,11 +18,11 @@ from railhil.bench import direct_run
 from railhil.campaign.report import report_of
 from railhil.cli import report as cli_report
 from railhil.common.errors import InputError
-from railhil.judge.criteria import ATO_CRITERIA
 from railhil.record.hash_list import write_hash_list
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.study.plan import bench_sha256
+from railhil.systems.ato.judge.criteria import CRITERIA
 from railhil.systems.ato.scenario.canonical import judged_sha256
 
 #: Of every campaign here that is to give the same results.
@@ -64,7 +64,7 @@ def test_manifest_and_summary(finished, short):
     assert (manifest["campaign"]["runs"], manifest["campaign"]["first_seed"]) == (24, 50)
     summary = json.loads((finished / "summary.json").read_text())
     assert (summary["runs"], summary["first_seed"], summary["last_seed"]) == (24, 50, 73)
-    assert list(summary["laws"]["ipfc"]["scores"]) == [criterion.key for criterion in ATO_CRITERIA]
+    assert list(summary["laws"]["ipfc"]["scores"]) == [criterion.key for criterion in CRITERIA]
     assert summary["warnings"] == []
 
 

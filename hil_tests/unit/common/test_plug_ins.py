@@ -63,6 +63,7 @@ def test_a_shipped_law_is_its_module(group: str) -> None:
     [
         ("railhil.controller_node.laws.pfc", "; now railhil.controller_node.ato.pfc"),
         ("railhil.plant_sim.dynamics", "; now railhil.plant_sim.ato.dynamics or railhil.plant_sim.high_speed.dynamics"),
+        ("railhil.judge.journey", "; now railhil.systems.ato.judge.journey"),
         ("railhil.controller_node.nothing", "No module named 'railhil.controller_node.nothing'"),
         ("nothing_of_ours", "No module named 'nothing_of_ours'"),
     ],

@@ -12,36 +12,25 @@ import pytest
 import railhil
 from hil_tests.support.paths import ROOT
 from railhil.batch import Case
-from railhil.judge.criteria import (
-    ATO_CRITERIA,
-    STOP_ERROR,
-    STOP_WITHIN_M,
-    TIME_ERROR,
-    Criterion,
-    Limit,
-    limit_key,
-    limited,
-    scores,
-    unscored,
-    with_sign,
-)
+from railhil.judge.criteria import STOP_WITHIN_M, Criterion, Limit, limit_key, limited, scores, unscored, with_sign
 from railhil.systems.ato.batch import run_batch
+from railhil.systems.ato.judge.criteria import CRITERIA, STOP_ERROR, TIME_ERROR
 from railhil.systems.ato.scenario.model import Scenario
 
 HEADROOM = Criterion("headroom_m", "headroom", "m3", 1, lambda run: 3.0, "high", Limit(lambda scenario: 2.0, 2))
 
 
 def test_documented_keys() -> None:
-    assert [criterion.key for criterion in ATO_CRITERIA] == [
+    assert [criterion.key for criterion in CRITERIA] == [
         "itae", "energy_kj", "punctuality_s", "stop_error_m", "comfort",
     ]  # fmt: skip
-    assert list(with_sign(ATO_CRITERIA)) == ["time_error_s", "stop_error_m"]
-    assert limited(ATO_CRITERIA) == [STOP_ERROR, TIME_ERROR]
-    assert [criterion.heading for criterion in ATO_CRITERIA] == [
+    assert list(with_sign(CRITERIA)) == ["time_error_s", "stop_error_m"]
+    assert limited(CRITERIA) == [STOP_ERROR, TIME_ERROR]
+    assert [criterion.heading for criterion in CRITERIA] == [
         "ITAE\nkm/h s2", "energy\nkJ", "time\nerror s", "stop\nerror m", "comfort\nm/s2/km",
     ]  # fmt: skip
     shown = ("digits", "published_digits", "statistics_digits", "tuning_digits", "audit_allowed", "name", "brief")
-    assert [tuple(getattr(criterion, field) for field in shown) for criterion in ATO_CRITERIA] == [
+    assert [tuple(getattr(criterion, field) for field in shown) for criterion in CRITERIA] == [
         (1, 0, None, 0, None, "ITAE", "ITAE"),
         (0, None, None, None, None, "energy", "energy"),
         (4, None, None, 3, 0.01, "time_error", "time"),
@@ -49,17 +38,17 @@ def test_documented_keys() -> None:
         (3, None, 4, None, None, "comfort", "comfort"),
     ]
     assert STOP_WITHIN_M == (0.1, 0.2, 0.3)
-    assert [criterion.limit.place for criterion in limited(ATO_CRITERIA) if criterion.limit is not None] == [0, 1]
+    assert [criterion.limit.place for criterion in limited(CRITERIA) if criterion.limit is not None] == [0, 1]
     assert [limit_key(criterion) for criterion in (STOP_ERROR, HEADROOM)] == ["stop_error_m", "headroom_m"]
     assert limit_key(TIME_ERROR) == "time_error_s"
-    assert [criterion.unit_typeset for criterion in ATO_CRITERIA] == ["km/h s²", "kJ", "s", "m", "m/s²/km"]
+    assert [criterion.unit_typeset for criterion in CRITERIA] == ["km/h s²", "kJ", "s", "m", "m/s²/km"]
 
 
 def test_no_other_module_knows_a_score_by_its_name() -> None:
     roots = [Path(railhil.__file__).parent, *(ROOT / name for name in railhil.AT_TOP)]
     # The batch measures in its compiled loop; the schema says what a published row may hold; a paper names its own.
     known = {
-        "judge/criteria.py",
+        "systems/ato/judge/criteria.py",
         "systems/ato/batch/engine.py",
         "systems/ato/scenario/schema.py",
         "scenarios/keys.py",
@@ -91,7 +80,7 @@ def test_a_value_with_a_sign_is_scored_without_it() -> None:
         (HEADROOM, 2.0, ""),
         (replace(HEADROOM, better="low"), 2.0, ""),
         (replace(HEADROOM, better="low"), 2.5, "2.5 m3, allowed at most 2 m3"),
-        (ATO_CRITERIA[0], 1e9, ""),
+        (CRITERIA[0], 1e9, ""),
     ],
 )
 def test_what_is_said_of_a_limit(lvshun: Scenario, criterion: Criterion, value: float | None, said: str) -> None:
@@ -114,6 +103,6 @@ def test_more_may_be_better(lvshun: Scenario) -> None:
 
 def test_the_batch_gives_every_criterion_and_the_stop(lvshun: Scenario) -> None:
     (score,) = run_batch(Case(lvshun), (1,)).scores
-    assert list(score.values) == [criterion.key for criterion in ATO_CRITERIA]
+    assert list(score.values) == [criterion.key for criterion in CRITERIA]
     (stop,) = score.stops
     assert stop.error_m == score.signed["stop_error_m"]

@@ -22,7 +22,7 @@ from railhil.judge.events.event import RecordedEvent
 from railhil.judge.events.summary import summary, why
 from railhil.record.trace import Trace, trace_of
 from railhil.scenarios.load import load
-from railhil.systems.ato.events import SPEED_RANGE_01MMPS
+from railhil.systems.ato.judge.events import SPEED_RANGE_01MMPS
 from railhil.systems.ato.scenario.model import Scenario
 from railhil.wire.ato import CtlCause, CtlMode, NotchCmd, PltStat, TrnPos, TrnSpeed, TrnWatch, WatchCause
 

@@ -17,12 +17,12 @@ from hil_tests.support.recordings import recorded_folder
 from railhil.common.errors import InputError
 from railhil.dbc import ContractError, recorded_contract, wire_contract
 from railhil.judge.record import checked_record
-from railhil.judge.score import score
 from railhil.record.hash_list import write_hash_list
 from railhil.record.run_folder import write_inputs
 from railhil.scenarios.layers import DATA
 from railhil.scenarios.load import load
 from railhil.scenarios.stored import earlier_scenario, read_scenario, sha256_0_1_0
+from railhil.systems.ato.judge.score import score
 from railhil.systems.ato.scenario import model
 from railhil.systems.ato.scenario.canonical import judged_sha256, scenario_sha256
 from railhil.systems.ato.scenario.kind import document, scenario_of

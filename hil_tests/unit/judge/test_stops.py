@@ -13,13 +13,13 @@ from hil_tests.support.scores import made_score
 from railhil.cli.result_printer import print_scores
 from railhil.common.output import Output
 from railhil.judge.folder import junit
-from railhil.judge.journey import stop_of
 from railhil.judge.result import Result
 from railhil.judge.score import Score
 from railhil.judge.stops import PlannedStop, missed_stops, scored_stops, standstills_of
 from railhil.record.trace import Trace
 from railhil.report.page import page
 from railhil.scenarios.run_spec import RunSpec
+from railhil.systems.ato.judge.journey import stop_of
 from railhil.systems.ato.scenario.model import Scenario
 
 _TWO = (PlannedStop("Xiaocun", 1000.0, 0.3, 90.0, 5.0), PlannedStop("Xiaohongmen", 2300.0, 0.3))

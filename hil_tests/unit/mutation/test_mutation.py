@@ -149,7 +149,7 @@ def test_every_explained_survivor_is_a_mutant(module: str) -> None:
 @pytest.mark.slow
 def test_some_mutants_of_the_bench() -> None:
     """A fixed sample; all of them: ``python -m hil_tests.mutation``."""
-    subjects = ("railhil.judge.measures", "railhil.judge.record_checks", "railhil.bus.acceptance")
+    subjects = ("railhil.systems.ato.judge.measures", "railhil.judge.record_checks", "railhil.bus.acceptance")
     code, said = command(ROOT, *subjects, "--sample", "8", "--seed", "12", "--jobs", "2")
     assert code == 0, said
     assert [line.partition(":")[0] for line in said] == list(subjects)

@@ -12,10 +12,10 @@ from hil_tests.support.recordings import recorded_folder
 from railhil.bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame, to_message
 from railhil.common.errors import InputError
 from railhil.judge.record import checked_record
-from railhil.judge.score import score
 from railhil.record.blf_writer import write_blf
 from railhil.record.framelog import log_line, log_sha256, read_log, sha256_of
 from railhil.scenarios.load import load
+from railhil.systems.ato.judge.score import score
 
 FRAMES = [
     (0, Frame(0x100, b"\1\2")),

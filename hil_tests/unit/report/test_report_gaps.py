@@ -20,18 +20,18 @@ from railhil.bench import local_run
 from railhil.charts.figure import TIME, Chart, Curve, Figure
 from railhil.charts.svg import markup
 from railhil.judge.record import Record
-from railhil.judge.score import score
 from railhil.record.framelog import read_log
 from railhil.record.notes import ReportedNote
 from railhil.record.sampling import drawn_trace, holding_s
 from railhil.record.trace import Trace, trace_of
 from railhil.report.over_time import columns_of, signal_charts, signals, system_pictures
-from railhil.report.recorded import curves
 from railhil.report.styles import Style
 from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.systems.ato import panels as ato_panels
+from railhil.systems.ato.judge.curves import curves
+from railhil.systems.ato.judge.score import score
 from railhil.systems.ato.panels import Drawn
 
 _FROM_S, _TO_S = 10.0, 16.0

@@ -12,7 +12,6 @@ import pytest
 from hil_tests.support.paths import ROOT
 from hil_tests.support.short_paper import PAPERS, SHORT
 from railhil.common.errors import InputError
-from railhil.judge.criteria import ATO_CRITERIA
 from railhil.reproduce.__main__ import arguments, main
 from railhil.reproduce.comparison import FOLLOWS_NOT, OPEN, Line, Table, least, order
 from railhil.reproduce.document import (
@@ -29,6 +28,7 @@ from railhil.reproduce.paper import Measurement, Results, find_paper
 from railhil.run.make import NeverBegan
 from railhil.scenarios.load import load_any
 from railhil.scenarios.system import system_named
+from railhil.systems.ato.judge.criteria import CRITERIA
 
 IPFC = {"ipfc": SHIPPED["ipfc"]}
 
@@ -220,7 +220,7 @@ def test_a_paper_is_not_confirmed_by_runs_that_did_not_get_that_far(lost: str) -
     """The order of the laws is that of the paper where nothing is known; a run that cannot be trusted is not known."""
     paper = find_paper("ipfc")
     keys = [one.key for one in paper.plan(paper.text.seeds)]
-    names = [one.key for one in ATO_CRITERIA] + [RMS_ERROR, CHATTER, ADAPTED]
+    names = [one.key for one in CRITERIA] + [RMS_ERROR, CHATTER, ADAPTED]
     runs = {
         key: Measurement(key, "INVALID" if lost == "INVALID" else "FAIL", (), "", dict.fromkeys(names))
         for key in keys

@@ -17,12 +17,12 @@ from hil_tests.support.scores import with_values
 from railhil.batch import Case
 from railhil.common.errors import InputError
 from railhil.controller_node import laws
-from railhil.judge.criteria import ATO_CRITERIA, STOP_ERROR
 from railhil.judge.folder import code_sha256
 from railhil.scenarios.load import load
 from railhil.scenarios.parameters import ParameterSet, load_parameters
 from railhil.scenarios.run_spec import LawSpec
 from railhil.systems.ato.batch import run_batch
+from railhil.systems.ato.judge.criteria import CRITERIA, STOP_ERROR
 from railhil.systems.ato.scenario.model import Scenario
 from railhil.tuning import __main__ as tool
 from railhil.tuning.command import seed_list
@@ -133,7 +133,7 @@ def test_a_run_that_does_not_stop_is_infinitely_bad(short: Scenario) -> None:
     stop[1] = np.nan
     spoiled = replace(result, values=result.values | {"stop_error_m": stop})
     assert quantiles(spoiled, STOP_ERROR) == [max(stop[0], stop[2]), math.inf]
-    assert quantiles(spoiled, ATO_CRITERIA[0]) == quantiles(result, ATO_CRITERIA[0])
+    assert quantiles(spoiled, CRITERIA[0]) == quantiles(result, CRITERIA[0])
 
 
 def test_seed_list() -> None:

@@ -11,7 +11,7 @@ from railhil.faults.model import WATCH_LEVELS
 from railhil.judge.events.event import LEVEL, MISSED_POLL, REFUSED, RecordedEvent
 from railhil.judge.reactions.catalogue import Entry
 
-#: Beginning of the sentence for a broken rule of every run (:mod:`railhil.judge.invariants`).
+#: Beginning of the sentence for a broken rule of every run (:mod:`railhil.systems.ato.judge.invariants`).
 RULE = "invariant"
 #: Time at NORMAL before the end of the record after which a watch counts as resumed.
 RESUMED_S = 1.0

@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from railhil.judge.events.event import LEVEL, RecordedEvent
-from railhil.judge.missed_telegrams import UNCLEAR, Unseen
+from railhil.judge.record_checks import UNCLEAR, Unseen
 from railhil.judge.score import Score
 
 if TYPE_CHECKING:

@@ -7,8 +7,6 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from railhil.common.digits import percent
-from railhil.judge.criteria import ATO_CRITERIA, STOP_ERROR, TIME_ERROR
-from railhil.judge.measures import KMH
 from railhil.reproduce.comparison import Finding, Line, Table, decimal, least, order, quotient
 from railhil.reproduce.ipfc.runs import (
     ADAPTED,
@@ -26,6 +24,8 @@ from railhil.reproduce.ipfc.runs import (
     load_scenario,
 )
 from railhil.reproduce.paper import Results
+from railhil.systems.ato.judge.criteria import CRITERIA, STOP_ERROR, TIME_ERROR
+from railhil.systems.ato.judge.measures import KMH
 
 if TYPE_CHECKING:
     from railhil.report.pictures import Picture
@@ -75,7 +75,7 @@ def _find_medians(results: Results, law: str, name: str) -> tuple[float | None, 
 
 
 def _make_score_lines(results: Results) -> Iterator[Line]:
-    for criterion in ATO_CRITERIA:
+    for criterion in CRITERIA:
         for law in list_laws():
             measured = _find_medians(results, law, criterion.key)
             last = measured[-1]
@@ -97,7 +97,7 @@ def _compute_reduction(value: float | None, other: float | None) -> float | None
 
 
 def _make_improvement_lines(results: Results) -> Iterator[Line]:
-    for criterion in ATO_CRITERIA:
+    for criterion in CRITERIA:
         for other in _IN_USE:
             printed = _BETTER[criterion.key][other]
             own = _compute_reduction(find_printed("ipfc", criterion.key), find_printed(other, criterion.key))
@@ -137,7 +137,7 @@ def _rank_laws(values: dict[str, float | None], shown: Callable[[float | None], 
 
 def _check_orders(results: Results) -> Iterator[Finding]:
     """Each column of Table 2 has the same order of the laws."""
-    for criterion in ATO_CRITERIA:
+    for criterion in CRITERIA:
         values = _find_values(results, criterion.key)
         # Two laws without a value have no order.
         known = sum(value is not None for value in values.values()) >= len(values) - 1
@@ -149,15 +149,14 @@ def _check_orders(results: Results) -> Iterator[Finding]:
 def _check_improvement(results: Results) -> Finding:
     """The sentence of the abstract on the laws in use."""
     better = {
-        law: [c.title for c in ATO_CRITERIA if (compute_improvement(results, USUAL, c.key, law) or 0.0) > 0]
+        law: [c.title for c in CRITERIA if (compute_improvement(results, USUAL, c.key, law) or 0.0) > 0]
         for law in _IN_USE
     }
     text = "; ".join(
-        f"than {law} in {len(found)} of {len(ATO_CRITERIA)} columns ({', '.join(found)})"
-        for law, found in better.items()
+        f"than {law} in {len(found)} of {len(CRITERIA)} columns ({', '.join(found)})" for law, found in better.items()
     )
     counts = [len(found) for found in better.values()]
-    holds = [min(counts) == len(ATO_CRITERIA), any(counts)]
+    holds = [min(counts) == len(CRITERIA), any(counts)]
     return Finding("improvement", f"better {text}; by how much: in the table above.", holds)
 
 
@@ -168,7 +167,7 @@ def _check_adaptation(results: Results) -> Finding:
 
 
 def _check_comfort(results: Results) -> Finding:
-    comfort = next(criterion for criterion in ATO_CRITERIA if criterion.key == "comfort")
+    comfort = next(criterion for criterion in CRITERIA if criterion.key == "comfort")
     printed, value = find_printed("ipfc", "comfort"), find_median(results, "ipfc", USUAL, "comfort")
     assert printed is not None
     reached = value is not None and value > printed / 2

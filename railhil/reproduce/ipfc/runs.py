@@ -8,14 +8,15 @@ from functools import cache
 
 import numpy as np
 
-from railhil.judge.score import Score, score
+from railhil.judge.score import Score
 from railhil.library import Outcome
 from railhil.report.deviations import deviations
-from railhil.report.recorded import Curves
-from railhil.report.recorded import curves as recorded_curves
 from railhil.reproduce.paper import Entry, Results, read_text
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.systems.ato.judge.curves import Curves
+from railhil.systems.ato.judge.curves import curves as recorded_curves
+from railhil.systems.ato.judge.score import score
 from railhil.systems.ato.scenario.model import Scenario
 
 SCENARIO = "lvshun_tieshan"

@@ -9,15 +9,16 @@ from pathlib import Path
 import numpy as np
 
 from railhil.charts.figure import TARGET, TIME, ZERO, Area, Chart, Curve, Figure, FloatArray, Look, Point
-from railhil.judge.criteria import STOP_ERROR, TIME_ERROR
-from railhil.judge.measures import KMH, limits_under_train
 from railhil.judge.record import Record
-from railhil.judge.score import Score, score
+from railhil.judge.score import Score
 from railhil.record.notes import ReportedNote
 from railhil.record.trace import Trace
 from railhil.report.display_columns import ERROR
-from railhil.report.recorded import Curves, curves
 from railhil.report.styles import Style, styles
+from railhil.systems.ato.judge.criteria import STOP_ERROR, TIME_ERROR
+from railhil.systems.ato.judge.curves import Curves, curves
+from railhil.systems.ato.judge.measures import KMH, limits_under_train
+from railhil.systems.ato.judge.score import score
 from railhil.systems.ato.scenario.model import Scenario
 from railhil.systems.ato.scenario.target import Target
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from railhil.bus.codes import Event
 from railhil.bus.telegrams import RunEvent
-from railhil.judge.criteria import DID_NOT_STOP, Criterion, Limit, scores, unscored
+from railhil.judge.criteria import DID_NOT_STOP, STOP_ERROR_KEY, Criterion, Limit, scores, unscored
 from railhil.judge.events.declared import Watch
 from railhil.judge.judging import Judging
 from railhil.judge.record_checks import incomplete
@@ -23,13 +23,13 @@ from railhil.wire.stop import BrakeCommand, BrakeLevel, BrakeStatus, Odo, SpeedR
 #: Median in fixed point against float64: a stop is as exact as lengths on the bus are, whatever the law makes of it.
 _AUDIT_ALLOWED_M = 0.001
 STOP_ERROR = Criterion(
-    "stop_error_m",
+    STOP_ERROR_KEY,
     "stop error",
     "m",
     3,
     Approach.stop_error_m,
     limit=Limit(lambda scenario: scenario.task.stop_error_max_m, 0),
-    signed="stop_error_m",
+    signed=STOP_ERROR_KEY,
     audit_allowed=_AUDIT_ALLOWED_M,
     without=DID_NOT_STOP,
 )

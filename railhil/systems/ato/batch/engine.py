@@ -16,9 +16,7 @@ from railhil.controller_node.ato.control_loop import NO_BALISE, POSITION_MAX_01M
 from railhil.controller_node.laws import load as load_law
 from railhil.controller_node.laws.base import NOTCH_Q, BaliseReading
 from railhil.controller_node.laws.failure import law_fault
-from railhil.judge import measures
-from railhil.judge.journey import ErrorGrid, stop_of
-from railhil.judge.score import Measured, Score, judged
+from railhil.judge.score import Score
 from railhil.plant_sim.any_plant import PlantError
 from railhil.record.status import WRAP_FAILURE
 from railhil.systems.ato.batch import lanes
@@ -27,6 +25,9 @@ from railhil.systems.ato.batch.kernel import run_period, stand_to_the_end
 from railhil.systems.ato.batch.layout import READ_ENDED
 from railhil.systems.ato.batch.noise import standard_noise
 from railhil.systems.ato.batch.setup import Times, Trains, common, status_tick, trains
+from railhil.systems.ato.judge import measures
+from railhil.systems.ato.judge.journey import ErrorGrid, stop_of
+from railhil.systems.ato.judge.score import Measured, judged
 from railhil.wire.ato import SimTruth
 
 Ints: TypeAlias = NDArray[np.int64]

@@ -15,8 +15,6 @@ from typing import Any
 from railhil.batch import compiled
 from railhil.common.compilable import larger, smaller
 from railhil.common.held_code import place_of
-from railhil.judge import measures
-from railhil.judge.measures import error_kmh
 from railhil.plant_sim import forces
 from railhil.plant_sim.ato import command_watch, dynamics, plant, plant_readings, train_checks
 from railhil.plant_sim.ato.command_watch import (
@@ -29,6 +27,8 @@ from railhil.plant_sim.ato.plant import SLIVER_TICKS
 from railhil.systems.ato.batch import curve, lanes, layout, rows, side_by_side, train
 from railhil.systems.ato.batch import lanes as at
 from railhil.systems.ato.batch.lanes import LANES
+from railhil.systems.ato.judge import measures
+from railhil.systems.ato.judge.measures import error_kmh
 from railhil.systems.ato.scenario import target
 from railhil.wire.ato import WatchLevel
 

@@ -9,10 +9,10 @@ import numpy as np
 
 from railhil.batch import compiled
 from railhil.common.compilable import larger, smaller
-from railhil.judge.measures import limits_under_train
 from railhil.plant_sim.ato.command_watch import GOOD_AFTER_SERVICE_BRAKE
 from railhil.systems.ato.batch import lanes as at
 from railhil.systems.ato.batch.train import TRUTH_LSB, grades_of
+from railhil.systems.ato.judge.measures import limits_under_train
 from railhil.wire.ato import WatchLevel
 
 #: A limit of the score is looked up this long before it changes.

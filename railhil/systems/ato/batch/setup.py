@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from railhil.bus.schedule import Schedule
 from railhil.controller_node.ato.control_loop import POSITION_MAX_01MM, limited_01mm
-from railhil.judge.journey import ErrorGrid
 from railhil.plant_sim import force_tables
 from railhil.plant_sim.ato.command_watch import INITIAL, watch_ticks
 from railhil.plant_sim.ato.dynamics import lag
@@ -25,6 +24,7 @@ from railhil.plant_sim.forces import EffortLimit
 from railhil.run.coupled import coupled_schedule
 from railhil.systems.ato.batch import lanes as at
 from railhil.systems.ato.batch.layout import Common, PerTrain
+from railhil.systems.ato.judge.journey import ErrorGrid
 from railhil.systems.ato.scenario.model import Effort, Scenario
 from railhil.systems.ato.scenario.perturb import unit_draws, with_draws
 from railhil.systems.ato.scenario.profiles import front_speed_limit

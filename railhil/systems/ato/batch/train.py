@@ -14,7 +14,6 @@ import numpy as np
 from railhil.batch import compiled
 from railhil.bus.codes import STOP_LEG_MIN_M, Event
 from railhil.common.compilable import larger, smaller
-from railhil.judge.measures import error_kmh, limits_under_train, work_j
 from railhil.plant_sim.ato.command_watch import (
     CommandWatchState,
     watch_brake_mps2,
@@ -28,6 +27,7 @@ from railhil.plant_sim.forces import GradeTable, TrainConstants
 from railhil.systems.ato.batch import curve
 from railhil.systems.ato.batch import lanes as at
 from railhil.systems.ato.batch.layout import READ_BALISES, READ_ODOMETER, READ_SPEED
+from railhil.systems.ato.judge.measures import error_kmh, limits_under_train, work_j
 from railhil.wire.ato import WatchLevel
 
 _COMPLETE, _NOT_STOPPED = float(Event.ENDED_COMPLETE), float(Event.ENDED_NOT_STOPPED)

@@ -14,12 +14,12 @@ from railhil.bus.ident import Role, make_ident
 from railhil.bus.telegrams import RunEvent
 from railhil.dbc import Contract, wire_contract
 from railhil.faults.truth import HOLE_MAX_S
-from railhil.judge import record_checks as witness
-from railhil.judge.criteria import ATO_CRITERIA, STOP_ERROR
-from railhil.judge.invariants import broken
-from railhil.judge.score import score
+from railhil.judge.record_checks import milestone_missing
 from railhil.record.trace import Trace
 from railhil.scenarios.load import load
+from railhil.systems.ato.judge.criteria import CRITERIA, STOP_ERROR
+from railhil.systems.ato.judge.invariants import broken
+from railhil.systems.ato.judge.score import score, standstill_unclear
 from railhil.systems.ato.scenario.model import TargetCurve
 from railhil.wire.ato import CtlStat, SimTruth, TrnWatch
 
@@ -120,7 +120,7 @@ def test_limits_of_the_plan(instant_01ms: int, where_01mm: int, failures: tuple[
     assert found.signed["stop_error_m"] == pytest.approx(where_01mm / 1e4 - 2.0)
     assert found.values["stop_error_m"] == pytest.approx(abs(where_01mm / 1e4 - 2.0))
     assert found.with_sign(STOP_ERROR) == found.signed["stop_error_m"]
-    assert found.with_sign(ATO_CRITERIA[1]) == found.values["energy_kj"]
+    assert found.with_sign(CRITERIA[1]) == found.values["energy_kj"]
 
 
 @pytest.mark.parametrize(
@@ -275,7 +275,7 @@ def unnumbered() -> Contract:
 
 def test_missing_milestones_are_named() -> None:
     assert score(HOP, record(numbers=[2, 1])).verdict == "PASS"
-    assert witness.milestone_missing(Trace()) == witness.milestone_missing(Trace(unnumbered())) == ""
+    assert milestone_missing(Trace()) == milestone_missing(Trace(unnumbered())) == ""
     assert invalid(record(numbers=[1, 3])) == "ended_complete: record: RUN_EVENT 2 of 3 is missing"
     assert invalid(record(numbers=[2, 8])) == "ended_complete: record: RUN_EVENT 1, 3, 4, 5, 6, ... of 8 is missing"
     assert invalid(record(numbers=[2, 7])) == "ended_complete: record: RUN_EVENT 1, 3, 4, 5, 6 of 7 is missing"
@@ -298,7 +298,7 @@ def test_the_speed_after_a_stop(speed_mps: float, ms: int, clear: bool) -> None:
 def test_the_speed_after_a_stop_with_telegrams_missing(speed_mps: float, clear: bool) -> None:
     """Half a second later: up to 5 m/s."""
     kept = [ms for ms in range(0, 4520, 20) if not 3980 < ms < 4500]
-    found = witness.standstill_unclear(
+    found = standstill_unclear(
         record(moments_ms=kept),
         np.array(kept) / 1000,
         np.array([position_01mm(ms) / 1e4 for ms in kept]),
@@ -313,7 +313,7 @@ def test_the_speed_after_a_stop_with_telegrams_missing(speed_mps: float, clear: 
     [(19_397, False), (19_398, True), (20_000, True), (20_002, True), (20_003, False)],
 )
 def test_the_place_of_a_stop(where_01mm: int, clear: bool) -> None:
-    reason = witness.standstill_unclear(
+    reason = standstill_unclear(
         record([(STOPPED, 40_000, where_01mm)]),
         np.arange(0, 4520, 20) / 1000,
         np.array([position_01mm(ms) / 1e4 for ms in range(0, 4520, 20)]),
@@ -328,7 +328,7 @@ def test_a_stop_at_either_end_of_the_record() -> None:
     position_m, speed_mps = np.array([0.0002, *np.linspace(0.5, 2.0, 202)]), np.zeros(203)
 
     def reason(instant_01ms: int, where_01mm: int) -> str:
-        return witness.standstill_unclear(record([(STOPPED, instant_01ms, where_01mm)]), time_s, position_m, speed_mps)
+        return standstill_unclear(record([(STOPPED, instant_01ms, where_01mm)]), time_s, position_m, speed_mps)
 
     assert reason(40_000, 20_000) == reason(500, 0) == ""
     assert reason(40_000, 20_100) == "record: STOPPED at 2.01 m, but SIM_TRUTH shows the train at 2.00 m at 4.04 s"
@@ -340,7 +340,7 @@ def stands(from_ms: int, to_ms: int, instant_01ms: int | None, at_01mm: int = 20
     moments = range(0, 6000, 20)
     events = [] if instant_01ms is None else [(STOPPED, instant_01ms, at_01mm)]
     # The other stops of the record are of no interest: everywhere at this place.
-    return witness.standstill_unclear(
+    return standstill_unclear(
         record(events),
         np.array(moments) / 1000,
         np.array([0.0] + [at_01mm / 1e4] * (len(moments) - 1)),
@@ -371,7 +371,7 @@ def test_a_train_at_rest_until_the_end_of_the_record() -> None:
 def test_the_first_standstill_that_is_long_enough() -> None:
     moments = range(0, 6000, 20)
     speeds = np.array([0.0 if 1000 <= ms < 1200 or 3000 <= ms < 4000 or ms >= 5000 else 0.5 for ms in moments])
-    found = witness.standstill_unclear(
+    found = standstill_unclear(
         record([(STOPPED, 45_000, 50_000)]), np.array(moments) / 1000, np.array([0.0] + [5.0] * 299), speeds
     )
     assert found.endswith("stands from 3.00 s on")

@@ -9,12 +9,12 @@ from typing import Any
 import pytest
 
 from railhil.bus.ident import PltIdent, Role, make_ident
-from railhil.judge.invariants import GOOD_NEEDED, broken
-from railhil.judge.score import score
 from railhil.plant_sim.ato.command_watch import GOOD_AFTER_SERVICE_BRAKE as TRAIN_AFTER_BRAKE
 from railhil.plant_sim.ato.command_watch import GOOD_AFTER_TRACTION_CUT as TRAIN_AFTER_CUT
 from railhil.record.trace import NodeCounters, Trace
 from railhil.scenarios.load import load, load_any
+from railhil.systems.ato.judge.invariants import GOOD_NEEDED, broken
+from railhil.systems.ato.judge.score import score
 from railhil.wire.ato import CtlMode, NotchCmd, SimTruth, TrnPos, TrnSpeed, TrnWatch
 
 SCENARIO = load("lvshun_tieshan")

@@ -14,9 +14,9 @@ import numpy as np
 import numpy.typing as npt
 
 from railhil.bus.schedule import Schedule
-from railhil.judge import measures
 from railhil.judge.stops import PlannedStop, ScoredStop, scored_stops, standstills_of
 from railhil.record.trace import FloatArray
+from railhil.systems.ato.judge import measures
 from railhil.systems.ato.scenario.model import RunPlan, Scenario
 from railhil.systems.ato.scenario.target import Target
 from railhil.wire.ato import SimTruth

@@ -12,10 +12,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from railhil.judge import journey, measures
-from railhil.judge.journey import ErrorGrid, Journey, stop_of
 from railhil.judge.stops import PlannedStop, ScoredStop
 from railhil.scenarios.load import load
+from railhil.systems.ato.judge import journey, measures
+from railhil.systems.ato.judge.journey import ErrorGrid, Journey, stop_of
 from railhil.systems.ato.scenario.model import Energy, Profile, TargetCurve
 from railhil.systems.ato.scenario.target import Target
 

@@ -9,16 +9,18 @@ from typing import Any
 from railhil.common.digits import text_beside_limit
 from railhil.common.law_order import LAW_ORDER
 from railhil.judge.counters import unchecked, unreconciled
-from railhil.judge.criteria import ATO_CRITERIA, OVERSPEED, STOP_ERROR, STOP_WITHIN_M, TIME_ERROR
+from railhil.judge.criteria import STOP_WITHIN_M
 from railhil.judge.judging import Judging
 from railhil.judge.record import Record
-from railhil.judge.score import STATUS, Score, score
+from railhil.judge.score import Score
 from railhil.record.notes import note_values, notes_of
 from railhil.record.status import WRAP_FAILURE
 from railhil.record.trace import FloatArray, Trace
 from railhil.report.deviations import deviations
-from railhil.report.recorded import wanted_mps
-from railhil.systems.ato.events import INTERLOCKS, WATCHES, received
+from railhil.systems.ato.judge.criteria import CRITERIA, OVERSPEED, STOP_ERROR, TIME_ERROR
+from railhil.systems.ato.judge.curves import wanted_mps
+from railhil.systems.ato.judge.events import INTERLOCKS, WATCHES, received
+from railhil.systems.ato.judge.score import STATUS, score
 from railhil.systems.ato.scenario.model import Scenario
 from railhil.wire.ato import CtlStat, NotchCmd, SimTruth, TrkInfo, TrnPos, TrnSpeed
 
@@ -137,7 +139,7 @@ def advice(run: Record, folder: Path) -> str:
 
 
 JUDGING = Judging(
-    criteria=ATO_CRITERIA,
+    criteria=CRITERIA,
     extras=(OVERSPEED,),
     score=score,
     truth=SimTruth.PORT,

@@ -21,16 +21,16 @@ from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from railhil.bus.ident import PltIdent
+from railhil.bus.ident import PACES, PltIdent
 from railhil.common.digits import count_of
 from railhil.faults import parse_faults
 from railhil.judge.counters import unreconciled
 from railhil.judge.events.declared import Received
 from railhil.judge.events.telegrams import judged
-from railhil.judge.measures import limits_under_train
-from railhil.judge.missed_telegrams import UNCLEAR, Unseen
+from railhil.judge.record_checks import UNCLEAR, Unseen
 from railhil.record.trace import FloatArray, Trace
-from railhil.systems.ato.events import received
+from railhil.systems.ato.judge.events import received
+from railhil.systems.ato.judge.measures import limits_under_train
 from railhil.systems.ato.scenario.model import Scenario
 from railhil.wire.ato import CtlMode, NotchCmd, SimTruth, TrnPos, TrnSpeed, TrnWatch
 
@@ -53,9 +53,25 @@ BoolArray: TypeAlias = npt.NDArray[np.bool_]
 IntArray: TypeAlias = npt.NDArray[np.int64]
 
 
+class _LateUnseen(Unseen):
+    """Telegrams that may be missing from a record, and how late a node may have taken those that are in it."""
+
+    def __init__(self, scenario: Scenario, trace: Trace) -> None:
+        super().__init__(scenario, trace)
+        watch, ident = scenario.watch, trace.ident(PltIdent)
+        self._ages_ms = (0, watch.hold_ms, watch.traction_cut_ms, watch.service_brake_ms)
+        self._is_realtime = ident is not None and ident.pace == PACES.index("realtime")
+
+    def lag_s(self, level: int) -> float:
+        """Largest delay with which a node takes a telegram after the recorder, for a level entered before it. In
+        lockstep there is none. In real time the node's watch limits it: a stronger level would report that it has taken
+        none for longer."""
+        return self._ages_ms[level] / 1e3 if self._is_realtime else 0.0
+
+
 def broken(scenario: Scenario, trace: Trace) -> list[str]:
     """One sentence for the first breach of each rule, with those of :mod:`railhil.judge.counters`; empty for a run
-    that keeps them. A sentence that begins with :data:`railhil.judge.missed_telegrams.UNCLEAR` names the gap of the
+    that keeps them. A sentence that begins with :data:`railhil.judge.record_checks.UNCLEAR` names the gap of the
     record.
 
     A record of an earlier version, without the level of the train's watch, is checked only for the controller's level.
@@ -67,7 +83,7 @@ def broken(scenario: Scenario, trace: Trace) -> list[str]:
     has_watch = "TRN_WATCH" in {port.name for port in trace.contract.ports}
     found = unreconciled(scenario, trace)
     items = {item.port: item for item in received(scenario)}
-    unseen = Unseen(scenario, trace)
+    unseen = _LateUnseen(scenario, trace)
     if not _is_forged(scenario):
         found += _commanded_traction(trace)
     if not _is_out_of_step(scenario):
@@ -198,7 +214,7 @@ def _good_before(trace: Trace, item: Received, port: str) -> IntArray:
 
 def _left_early(
     who: str, time_s: FloatArray, level: IntArray, first: IntArray, past: IntArray, standing: Standing, port: str,
-    unseen: Unseen,
+    unseen: _LateUnseen,
 ) -> Iterator[str]:  # fmt: skip
     """The first breach of rule 4, or the gap of the record that hides it.
 
@@ -260,7 +276,7 @@ def _standing(trace: Trace, port: str, signal: str, time_s: FloatArray, unseen: 
     return Standing(port, (index >= 0) & (raw[newest] == 0), known)
 
 
-def _left_early_by_controller(trace: Trace, items: Mapping[str, Received], unseen: Unseen) -> Iterator[str]:
+def _left_early_by_controller(trace: Trace, items: Mapping[str, Received], unseen: _LateUnseen) -> Iterator[str]:
     """The level stands in each answer, so it was entered after the answer before; telegrams come before the poll.
 
     TRN_SPEED tells whether the train stands; for a controller that hears none, the train does not stand.
@@ -274,7 +290,7 @@ def _left_early_by_controller(trace: Trace, items: Mapping[str, Received], unsee
     yield from _left_early("the controller", time_s, levels, first, past, heard, TrnSpeed.PORT, unseen)
 
 
-def _left_early_by_train(trace: Trace, items: Mapping[str, Received], unseen: Unseen) -> Iterator[str]:
+def _left_early_by_train(trace: Trace, items: Mapping[str, Received], unseen: _LateUnseen) -> Iterator[str]:
     """The level is reported one tick after it was entered, and commands follow it within the tick."""
     told_s = trace.times_s(TrnWatch.PORT)
     # The order of the record counts: without the port that opens a tick, its report has the instant of the last poll.
