@@ -58,7 +58,8 @@ def _scenario(namespace: argparse.Namespace) -> AnyScenario:
 
 
 def _law(namespace: argparse.Namespace, system: System) -> LawSpec:
-    """The law, with the parameters and the memory of its files; what reads them is loaded only for these."""
+    """The law, with the parameters and the memory of its files; their readers are imported only if there are such
+    files."""
     parameters, memory = None, None
     if namespace.parameters is not None:
         from railhil.scenarios.parameters import load_parameters
@@ -102,7 +103,7 @@ def main(words: Sequence[str] | None = None) -> int:
         with cycle("controller", namespace.realtime_priority):
             return run_controller(node, link, appear_s=namespace.appear_timeout, patience_s=namespace.patience)
     finally:
-        # Also if the run ended early: the values measured until then are evidence.
+        # The telemetry is also written if the run ended early: the values measured until then are evidence.
         if namespace.telemetry is not None:
             ignore_ending_signals()
             write_telemetry(node, namespace.telemetry)
@@ -110,6 +111,6 @@ def main(words: Sequence[str] | None = None) -> int:
             ignore_ending_signals()
             write_fault_log(node)
         if link.sent is not None:
-            # Somebody else's controller need not say it.
+            # A foreign controller need not state it.
             link.sent.received = getattr(node, "received", None)
             link.sent.write()

@@ -1,8 +1,7 @@
 """The recorded program of a shipped law as two compiled functions, made when a run binds its law.
 
 The functions take a third of the law's time and give the same results (:mod:`..program.emit_python`). A law of another
-distribution and single precision that truncates run as the law itself. So does a step in which something is to be
-counted.
+distribution, single precision that truncates, and a step with an event to count run as the law itself.
 """
 
 from __future__ import annotations
@@ -35,7 +34,7 @@ _FAMILIES: dict[type[Arithmetic[Any]], str] = {C28: FIXED, Portable: FIXED, Floa
 class CompiledLaw:
     """One control period as two functions: wire values to the law's inputs, then state and inputs to the outputs.
 
-    :param number: the arithmetic that the functions call; its counters show whether something happened in them.
+    :param number: the arithmetic that the functions call; its counters show whether an event occurred in them.
     """
 
     def __init__(self, inputs: Step, step: Step, number: Arithmetic[Any]) -> None:
@@ -66,8 +65,8 @@ class CompiledLaw:
 def is_shipped(law: type[Any]) -> bool:
     """True for the class of a law of this distribution, whose program may replace it.
 
-    A law of another distribution may do more than its operations: print a value, stop in a debugger, raise. That is not
-    in its program.
+    A law of another distribution may do more than its operations: print a value, stop in a debugger, raise. Its program
+    does not contain these.
     """
     return law.__module__.startswith(f"{controller_node.__name__}.")
 

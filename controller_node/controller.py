@@ -84,7 +84,7 @@ def controller_of(
 
     if not scenario.faults:
         return cast(AnyController, make())
-    # A controller without faults does not load what injects them: it is a tenth of its start.
+    # A controller without faults does not load the injection, which takes a tenth of its start.
     from railhil.bus.injector.controller_side import FaultyController
     from railhil.bus.injector.node_faults import NodeFaults
     from railhil.scenarios.fault_list import injection_of
@@ -94,7 +94,7 @@ def controller_of(
     schedule = Schedule.from_contract(scenario.timing.base_tick_ns, scenario.timing.port_period_ns, contract)
     faults = NodeFaults(injection, contract, schedule, "controller", folder)
     if not faults.activities.all:
-        # All of the run's faults are elsewhere.
+        # All faults of the run are at other nodes.
         return cast(AnyController, make())
     return cast(AnyController, FaultyController(make, faults, contract, kill, pause))
 

@@ -55,11 +55,11 @@ class LawController:
     really sent, one for each command, to the law if they are not those that ``step`` returned. ``telemetry`` is up to
     date after each of them; ``cost`` is that of every control period.
 
-    :param law: a law of the system and how it is run; in ``iq`` (C28x fixed point) there is no float between the
+    :param law: a law of the system and the way to run it; in ``iq`` (C28x fixed point) there is no float between the
         arguments of ``step`` and its result.
     :param arithmetic: a fresh one to use instead of the one named by ``law``.
     :param may_wrap: accept a law in which an operation may wrap.
-    :raises InputError: as the class :attr:`loop`; an operation of the law may wrap in fixed point for something on the
+    :raises InputError: as the class :attr:`loop`; an operation of the law may wrap in fixed point for a value on the
         wire. In ``step`` and ``sent``: the law has raised.
     """
 
@@ -67,7 +67,7 @@ class LawController:
     loop: ClassVar[type[Any]]
     #: The law's outputs.
     commands: tuple[CommandCode, ...]
-    #: Raw range of each input of the law's program, by name, for anything that may be on the wire.
+    #: Raw range of each input of the law's program, by name, for all values that may be on the wire.
     wire: Mapping[str, Interval]
 
     def __init__(
@@ -107,7 +107,7 @@ class LawController:
     def kept(self) -> dict[str, Any] | None:
         """Key and values of the law's memory after the last step; None for a law that keeps none.
 
-        :raises InputError: the law has raised, or answers what no file can hold.
+        :raises InputError: the law has raised, or its answer cannot be stored in a file.
         """
         found: dict[str, Any] | None = self._loop.kept()
         return found

@@ -45,7 +45,7 @@ class LawLoop(ABC, Generic[T]):
     :param made_for: the operating point, for errors: "0.5 s and 7 notches".
     :param arithmetic: a fresh one; the one named by ``law`` is ignored.
     :raises InputError: a law that cannot be made for this scenario or has no program in this arithmetic, parameters or
-        a memory that are not those of the law.
+        a memory of another law.
     """
 
     def __init__(
@@ -112,12 +112,12 @@ class LawLoop(ABC, Generic[T]):
 
     @abstractmethod
     def traced_inputs(self, tracer: Tracer) -> Any:
-        """The law's inputs, from what is on the wire as inputs of the tracer to which it is bound."""
+        """The law's inputs, from the wire values as inputs of the tracer to which it is bound."""
 
     @abstractmethod
     def traced_commands(self, tracer: Tracer) -> Any:
-        """What was really sent, as inputs of the tracer."""
+        """The commands really sent, as inputs of the tracer."""
 
     def kept(self) -> dict[str, Any] | None:
-        """What the law wants kept of the run, see :func:`railhil.controller_node.laws.memory.kept`."""
+        """The memory that the law wants to keep of the run, see :func:`railhil.controller_node.laws.memory.kept`."""
         return kept(self.name, self.law, self._scenario, self.state, self._memory)

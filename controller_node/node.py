@@ -1,4 +1,4 @@
-"""What the controller's nodes of all systems have in common."""
+"""The common part of the controller's nodes of all systems."""
 
 from __future__ import annotations
 

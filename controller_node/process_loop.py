@@ -12,7 +12,7 @@ from railhil.controller_node.controller import AnyController
 
 #: Real time: a controller that receives nothing for this long on the wall clock ends.
 SILENCE_S: Final = 3.0
-#: Before the first frame it waits longer: the other nodes may be started by hand, on a loaded machine.
+#: The controller waits longer for the first frame: the other nodes may be started by hand, on a loaded machine.
 FIRST_FRAME_S: Final = 300.0
 
 
@@ -43,7 +43,7 @@ def serve(
         elif heard and node.lockstep and endpoint.has_ended("plant"):
             raise PeerSilent("controller waits for the bus administrator, which has ended")
         elif endpoint.is_down:
-            # The link itself gives up after some time.
+            # The link itself gives up after a time.
             heard_s = now_s
         elif now_s - heard_s > limit_s:
             raise PeerSilent(f"controller waits for the bus administrator: no frame for {limit_s:g} s")

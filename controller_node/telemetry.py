@@ -73,7 +73,8 @@ class Telemetry:
         An event is assigned to the quantity noted next, because it occurred during its computation; after the last
         note, to the last one. Between two periods (when the law is told the notch really sent) there are only events.
 
-        :raises ValueError: the values noted are not as many as the quantities (or none), or nothing is noted at all.
+        :raises ValueError: the number of noted values differs from the number of quantities (or 0), or nothing is noted
+            at all.
         """
         noted = arithmetic.noted
         if noted is None:

@@ -45,7 +45,7 @@ def law_document(name: str, law: Any) -> dict[str, Any]:
 
 
 def law_notes(system: System, law: str | None) -> list[dict[str, Any]] | None:
-    """What the law of a run declares of its notes; None: not known, or the same for every law of the system.
+    """The notes declared by the law of a run; None: unknown, or the same for every law of the system.
 
     :raises InputError: there is no such law.
     """
@@ -92,7 +92,8 @@ def telemetry_document(node: AnyController) -> dict[str, Any]:
 
 
 def _memory(controller: Any) -> dict[str, Any]:
-    """What the law wants kept; nothing of one that keeps none, or fails at it, which is said: the run was sound."""
+    """The memory that the law wants to keep. Nothing if it keeps none, or if it fails; a line then says so, because the
+    run itself was sound."""
     try:
         found = controller.kept()
     except InputError as error:
@@ -114,7 +115,7 @@ def check_writable(path: Path) -> None:
 
 
 def write_telemetry(node: AnyController, path: Path) -> None:
-    """Write the document whole or not at all.
+    """Write the complete document or none.
 
     If the disk is full, the file is lost and a line is printed to stderr, but the run itself is still valid.
     """

@@ -2,10 +2,10 @@
 
 Specification, after TI's FPU guide SPRUEO2 and workshop notes: IEEE 754 single format; a denormal is zero, -0 is
 +0, NaN is infinity; rounding to nearest even, or toward zero while the mode bit STF.RNDF32 is clear (``float32`` and
-``float32-truncated``); products and sums are rounded separately, there is no fused multiply-add. Division is
-that of TI's fast RTS library: an 8-bit reciprocal estimate, two Newton steps, one product. The table of the estimate is
-not published, so a quotient is close to the target's, not equal to it. The relative error of railhil's quotient is at
-most 1.76 * 2^-23 (truncated: 3.51 * 2^-23), provided that no step under- or overflows. Derivation, in units of 2^-24
+``float32-truncated``); products and sums are rounded separately, there is no fused multiply-add. Division follows TI's
+fast RTS library: an 8-bit reciprocal estimate, two Newton steps, one product. The table of the estimate is not
+published, so a quotient is close to the target's, not equal to it. The relative error of railhil's quotient is at most
+1.76 * 2^-23 (truncated: 3.51 * 2^-23), provided that no step under- or overflows. Derivation, in units of 2^-24
 (truncated: 2^-23): the last Newton step contributes at most 0.5 from b * r below 1 and 1 from 2 - b * r, its product 1
 and the product with the numerator 1, together 3.5. The error of the estimate, at most 2^-8, is squared twice: 2^-32.
 The distance to the target's quotient is not known.
@@ -147,7 +147,7 @@ class Float32(Single[float]):
         return nearest(value)
 
     def const(self, constant: Constant) -> float:
-        # The compiler rounds constants to nearest, whatever the mode of the unit.
+        # The compiler rounds constants to nearest in every mode of the unit.
         return nearest(constant.value)
 
     def raw(self, a: float, q: int) -> Any:

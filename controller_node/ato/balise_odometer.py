@@ -5,8 +5,8 @@ The odometer o starts at 0 and has a constant scale error, so that the true posi
 
     z = o / D      w = sum z (s - o) / D / (lambda + sum z^2)
 
-with D the planned distance and lambda the weight of the nominal wheel. The error at the stop is that of a weighted mean
-of all balises, not that of the last one, and a missed balise is only one equation fewer.
+with D the planned distance and lambda the weight of the nominal wheel. The error at the stop is the error of a weighted
+mean of all balises, not of the last one, and a missed balise is only one equation fewer.
 """
 
 from __future__ import annotations
@@ -81,7 +81,7 @@ class BaliseOdometer(Generic[T]):
         believed = ar.clip(error, self._wheel_max, self._wheel_min)
         errors = ar.add(state.errors, ar.rmpy(share, believed, _SHARE_BY_ERROR_TO_SUM))
         errors = ar.clip(errors, self._sum_max, self._sum_min)
-        # A balise whose error no wheel could explain is ignored, as is one already included.
+        # A balise whose error no wheel could explain is ignored, and so is one already included.
         new = ar.gt(ar.abs(ar.sub(number, state.number)), zero)
         reach = ar.add(ar.rmpy(share, self._wheel_max, SHARE_Q), self._slack)
         likely = ar.gt(reach, ar.abs(error))

@@ -11,7 +11,7 @@ from railhil.controller_node.laws.base import BALISE_ERROR_MAX_M, WHEEL_ERROR_MA
 from railhil.wire.ato import BalisePassed
 
 _WORD_MM: Final = 0x1_0000
-#: The largest error of a wheel is one part of so many.
+#: Inverse of the largest relative error of a wheel.
 WHEEL_PARTS: Final = round(1 / WHEEL_ERROR_MAX)
 BALISE_ERROR_MM: Final = round(BALISE_ERROR_MAX_M * 1000)
 
@@ -24,9 +24,9 @@ class Balises:
     position. If that distance is less than 65.536 m, the bits determine the passing exactly; otherwise the balise is
     not used.
 
-    The first telegram that is received may be of a balise passed long ago: before a restart, or while the port was
-    lost. The passing is then taken to be the last one possible, unless a worn wheel (:data:`WHEEL_PARTS`) and the
-    survey also allow one that is earlier by a multiple of 65.536 m; the balise is then not used.
+    The first telegram received may belong to a balise passed long ago: before a restart, or while the port was lost.
+    The passing is then taken to be the last one possible, unless a worn wheel (:data:`WHEEL_PARTS`) and the survey also
+    allow one that is earlier by a multiple of 65.536 m; the balise is then not used.
 
     ``counters``: telegrams not used, by cause: ``balise_check`` (check variable not correct), ``balise_number`` (number
     0), ``balise_late`` (there is not exactly one place where the passing can have been).
@@ -77,8 +77,8 @@ class Balises:
             self._sure_mm = surveyed_mm, passed_mm
 
     def is_beyond(self, here_01mm: int, place_01mm: int) -> bool:
-        """Whether a train at ``here_01mm`` by its odometer is beyond a place on the line, whatever its wheels: by the
-        last balise, or the start of the run before the first."""
+        """Whether a train at ``here_01mm`` by its odometer is beyond a place on the line with any wheels: counted from
+        the last balise, or from the start of the run before the first."""
         surveyed_mm, passed_mm = self._sure_mm
         since_mm = here_01mm // 10 - passed_mm
         return surveyed_mm + since_mm - since_mm // WHEEL_PARTS - BALISE_ERROR_MM > place_01mm // 10

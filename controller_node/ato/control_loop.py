@@ -40,11 +40,11 @@ NO_BALISE: Final[BaliseReading[int]] = BaliseReading(0, 0, 0)
 
 @mypyc_attr(allow_interpreted_subclasses=True)
 class ControlLoop(LawLoop[T]):
-    """Law, set-points and state on one arithmetic; operands are those of the arithmetic, wire values whole numbers.
+    """Law, set-points and state on one arithmetic; operands belong to the arithmetic, wire values are whole numbers.
 
     :param arithmetic: a fresh one; the one named by ``law`` is ignored.
     :raises scenarios.errors.InputError: an unknown law or indexing, a law that cannot be made for this scenario or
-        does not work with this indexing, parameters or a memory that are not those of the law.
+        does not work with this indexing, parameters or a memory of another law.
     """
 
     def __init__(
@@ -116,13 +116,13 @@ class ControlLoop(LawLoop[T]):
         return inputs, LawOutputs(notch_raw, notch, tuple(notes))
 
     def sent(self, notch: T) -> None:
-        """Tell the law which notch (Q ``NOTCH_Q``) was really sent since its last step."""
+        """Pass the law the notch (Q ``NOTCH_Q``) that was really sent since its last step."""
         self.state = self.law.with_sent(self.state, notch)
 
     def answered(self, state: Any, inputs: Any) -> tuple[Any, Any]:
         """The law's step.
 
-        :raises FormatError: its notes are not those that it declares.
+        :raises FormatError: its notes differ from its declaration.
         """
         after, outputs = super().answered(state, inputs)
         declared = self.law.notes

@@ -21,7 +21,7 @@ from railhil.controller_node.program.ranges import Interval
 from railhil.scenarios.run_spec import LawSpec
 from railhil.systems.ato.scenario.model import Scenario
 
-#: Range of the values passed to the law, whatever is on the wire: larger speeds are refused, positions limited.
+#: Range of the values passed to the law: larger speeds from the wire are refused, positions limited.
 WIRE: dict[str, Interval] = {
     "speed_01mmps": (0, SPEED_MAX_01MMPS),
     "position_01mm": (-POSITION_MAX_01MM, POSITION_MAX_01MM),
@@ -50,7 +50,7 @@ class ControlOutput:
 
     @property
     def commands(self) -> tuple[int]:
-        """All that it answers, see :class:`railhil.controller_node.law_controller.Computed`."""
+        """All of its outputs, see :class:`railhil.controller_node.law_controller.Computed`."""
         return (self.notch_code,)
 
 

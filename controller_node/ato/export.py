@@ -180,7 +180,7 @@ class NotchControl(Control):
         return _NotchLoop(ControlLoop(self.scenario, self.law, number))
 
     def runs(self, play: Play | None) -> Iterator[Iterable[Period]]:
-        """Generated runs; none of the bench is needed, since the set-points define what a run is like."""
+        """Generated runs; no run of the bench is needed, because the set-points define the course of a run."""
         scenario, law = self.scenario, self.law
         runs = (
             notch_runs.following(scenario, ControlLoop(scenario, law, make("iq"))),
@@ -235,7 +235,7 @@ class NotchControl(Control):
         ]
 
     def _end(self) -> list[Define]:
-        """How balises are placed, and where they end the authority of a law that is given them."""
+        """Constants for the position of balises, and for the end of authority of a law that gets them."""
         end_01mm = end_of_authority_01mm(self.scenario) if self.programs.track else 0
         return [
             Define("WHEEL_PARTS", wide(balises.WHEEL_PARTS), "the largest error of a wheel is one of so many parts"),

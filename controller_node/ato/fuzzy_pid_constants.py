@@ -1,6 +1,6 @@
 """Parameters of the fuzzy PID law, its rules, and the table of constants made from them.
 
-Gains are those of continuous time, so that they are valid for every control period (see ``fuzzy_pid``).
+Gains are for continuous time, so that they are valid for every control period (see ``fuzzy_pid``).
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Write the constant tables of the laws: ``python -m railhil.controller_node.ato.generate``.
 
-With ``--check`` nothing is written; the exit code is 1 if a table differs from what its law computes.
+With ``--check`` nothing is written; the exit code is 1 if a table differs from the result of its law.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """The guard between mailboxes and law: accepts or refuses speed telegrams, and lets the watch limit the law's notch.
 
 The checks of :mod:`railhil.controller_node.ato.speed_monitors` and :mod:`railhil.controller_node.ato.plausibility`
-are called here; what they find goes into the watch as a finding.
+are called here; their results go into the watch as findings.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ from railhil.wire.ato import CtlCause, SpeedSdt, TrkInfo, TrnSpeed, WatchLevel
 SPEED_MAX_01MMPS: Final = 1_500_000
 _NS_PER_MS: Final = 1_000_000
 _SAMPLE_NS: Final = SAMPLE_MS * _NS_PER_MS
-# A member of an enum costs as much as a call on CPython 3.11, and this runs with every telegram.
+# Looking up a member of an enum costs as much as a call on CPython 3.11, and this runs with every telegram.
 _NEXT: Final = Life.NEXT
 _GAP: Final = Life.GAP
 _NO_TELEGRAM: Final = Reception.NONE
@@ -52,9 +52,9 @@ class Guard:
     """Feeds the watch with every TRN_SPEED telegram and asks it for the notch to send.
 
     :param counter: the counter that provides the time stamps; default: one at the bit rate of the port table.
-    :param odometer: gets every accepted speed; when it loses the position, the train brakes. Default: one that is not
-        needed by the law.
-    :param track: limit and grade, and what their age demands. Default: one whose age is not watched.
+    :param odometer: gets every accepted speed; when it loses the position, the train brakes. Default: an odometer that
+        the law does not need. :param track: limit and grade, and the reaction to their age. Default: an object whose
+        age is not watched.
 
     ``counters``: telegrams refused by cause (``duplicate``, ``out_of_order``, ``check_variable``, ``out_of_range``,
     ``speed_jump``) and ``gap`` for accepted ones after lost ones.
@@ -92,15 +92,15 @@ class Guard:
         self._sample_ns = -_SAMPLE_NS
         self._sample_01mmps = 0
         self._latency = Latency(scenario)
-        # Of the permitted bad telegrams, each is paid back within the window divided by their number.
+        # Each permitted bad telegram is paid back within the window divided by their number.
         permitted = scenario.watch.channel_bad_max
         self._channel = Debt(CHANNEL_WINDOW_MS, CHANNEL_WINDOW_MS * permitted, permitted)
         self._disorder = Debt(DISORDER_MS, DISORDER_MAX_MS)
         self._overruns_max = scenario.watch.overruns_max
         self._late = 0
-        #: Whether the train moves and the time of the run is not known yet.
+        #: Whether the train moves while the time of the run is still unknown.
         self.waits = False
-        # What the checks find now, by check, and the strongest of it.
+        # The present findings by check, and the strongest of them.
         self._findings: dict[str, Finding] = {}
         self._finding: Finding | None = None
 
@@ -111,7 +111,7 @@ class Guard:
 
     @property
     def cause(self) -> CtlCause:
-        """Why the level was entered."""
+        """Cause for which the level was entered."""
         return self._state.cause
 
     def limit(self, track: TrkInfo, now_ns: int) -> None:
@@ -147,7 +147,7 @@ class Guard:
             self.counters[life.value] += 1
             two_senders = False
             if life is Life.OUT_OF_ORDER:
-                # Two senders alternate; after a loss there are old ones in a row.
+                # The telegrams of two senders alternate; after a loss old ones come in a row.
                 two_senders = not self._latency.doubt() and self._disorder.add(now_ns // _NS_PER_MS)
             self._observe(_NO_TELEGRAM, now_ns, None, LEVELS[CtlCause.TWO_SOURCES] if two_senders else None)
             return
@@ -202,7 +202,7 @@ class Guard:
             self._find("motion", *found(motion))
 
     def _find(self, check: str, cause: CtlCause, is_emergency: bool = False) -> None:
-        """Note what a check finds now."""
+        """Note the present finding of a check."""
         if cause is CtlCause.NONE:
             if check not in self._findings:
                 return
@@ -240,7 +240,7 @@ class Guard:
         is_stale = self._latency.polled()
         if is_stale or self._findings:
             self._find("latency", CtlCause.SPEED_LATENCY if is_stale else CtlCause.NONE)
-        # Also in the tick of a good telegram: the speed limit may have arrived after it.
+        # The overspeed is also checked in the tick of a good telegram: the speed limit may have arrived after it.
         self.look(now_ns)
         ramp = self._ladder.ramp_codes(self._sent_ns, now_ns)
         self._sent_ns = now_ns

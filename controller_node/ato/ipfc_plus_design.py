@@ -64,7 +64,7 @@ class PlannedRun:
 def plan(scenario: Scenario, times_s: Matrix, drag_known: bool = True) -> PlannedRun:
     """The target curve with the forces that the nominal train needs on the nominal line.
 
-    After the stop the last deceleration continues, position and speed run backwards, and the drag is that of
+    After the stop the last deceleration continues, position and speed run backwards, and the drag stays at its value at
     standstill. ``drag_known`` False: drag is taken as zero.
     """
     train, target = scenario.train, Target(scenario.target)
@@ -205,7 +205,7 @@ def stop_gains(pole_per_s: float, left_s: Matrix, weights: StopWeights) -> Matri
         f' = e f + (1 - e) u      v' = v + A f + (h - A) u      x' = x + h v + B f + (h^2 / 2 - B) u
         e = exp(-p h)             A = (1 - e) / p               B = (h - A) / p
 
-    The commands already on their way are inside f. Where the train stops depends on x, v and f at the aim alone, so the
+    The commands already on their way are inside f. The stopping place depends on x, v and f at the aim alone, so the
     gains follow backwards from the stop by the finite-horizon linear quadratic regulator (Riccati recursion, e.g.
     Bryson and Ho 1975, section 2.6).
 

@@ -41,9 +41,10 @@ from railhil.controller_node.laws.constant_table import held
 from railhil.systems.ato.scenario.model import Scenario
 from railhil.systems.ato.scenario.target import Target
 
-#: Gain of the end phase, acceleration per position error of 0.1 mm: coarser than that of IPFC+, which is smaller.
+#: Gain of the end phase, acceleration per position error of 0.1 mm: a coarser format than in IPFC+, whose gain is
+#: smaller.
 STOP_GAIN_Q = 36
-#: Nearest balise from which the wheel is bounded, as a share of the run: those before it tell little.
+#: Nearest balise from which the wheel is bounded, as a share of the run: earlier balises give little information.
 SHARE_MIN = 1 / 16
 #: Limit of a balise's error as a share of the run, for the format of its quotient.
 BOUND_MAX = 0.1
@@ -70,15 +71,15 @@ DESIGN_SEEDS = dict.fromkeys(DESIGNED_BEFORE, range(1000))
 class IpfcPlusStopParameters(IpfcPlusParameters):
     """Parameters of the law: those of IPFC+, and of the end phase."""
 
-    #: Longer than that of IPFC+: the end phase makes up for it, and the ride is smoother.
+    #: Longer than in IPFC+: the end phase compensates for it, and the ride is smoother.
     replan_max_s: ReplanTime = 12.5
     #: Spread and range of the actuator's time constant (IPFC+: with the loop delay), and of the loop delay, s.
     lag_sigma_s: Ten = 0.2
     lag_error_max_s: Ten = 0.6
     delay_sigma_s: Ten = 0.03
     delay_error_max_s: Ten = 0.15
-    #: Random walk of the disturbance: as a share of each change of the planned drag, and (smaller than that of IPFC+,
-    #: which also has to cover the lag that it does not know) of all else.
+    #: Random walk of the disturbance: as a share of each change of the planned drag, and of everything else (smaller
+    #: than in IPFC+, whose walk also has to cover the unknown lag).
     drag_sigma: Ten = 0.2
     disturbance_walk_mps2: Ten = 0.0007
     #: Largest error of a surveyed balise, m. 0: the fit of IPFC+ from the second balise on.
@@ -87,7 +88,7 @@ class IpfcPlusStopParameters(IpfcPlusParameters):
     wheel_on_forces: bool = True
     #: Planned speed below which the end phase takes over; 0: never.
     handover_kmh: Hundred = 10.0
-    #: Deviations from the plan within which it does; beyond them IPFC+ drives on.
+    #: Largest deviations from the plan for the end phase; beyond them IPFC+ continues.
     capture_m: Annotated[float, Field(ge=0, le=1)] = 0.3
     capture_kmh: Annotated[float, Field(ge=0, le=4)] = 1.0
     #: Largest correction of the end phase. Jerk is at most this times the actuator's pole.
@@ -140,7 +141,7 @@ def _end_phase(p: IpfcPlusStopParameters, scenario: Scenario, speed_kmh: np.ndar
 
 
 def _observer(p: IpfcPlusStopParameters, scenario: Scenario, periods: int) -> dict[str, ArrayLike]:
-    """Constants of the observer, in place of those of IPFC+ and in addition to them."""
+    """Constants of the observer, which replace or extend the ones of IPFC+."""
     period_s, train = scenario.timing.control_period_ns / 1e9, scenario.train
     now = plan(scenario, np.arange(periods, dtype=np.float64) * period_s, p.drag_fed_forward)
     unknown = StopUncertainty(
@@ -168,7 +169,7 @@ def _observer(p: IpfcPlusStopParameters, scenario: Scenario, periods: int) -> di
 
 
 def stop_constants(p: IpfcPlusStopParameters, scenario: Scenario) -> IpfcPlusStopConstants:
-    """The constant table of a scenario. Raises ``ValueError`` as that of IPFC+ does."""
+    """The constant table of a scenario. Raises ``ValueError`` as for IPFC+."""
     base: Mapping[str, ArrayLike] = constant_values(p, scenario)
     distance_m = scenario.plan.distance_m
     added: dict[str, ArrayLike] = {

@@ -41,13 +41,13 @@ from railhil.wire.ato import (
     TrnSpeed,
 )
 
-#: Mode told at each level of the watch, by its number.
+#: Mode sent at each level of the watch, by its number.
 _MODES: Final = (CtlMode.RUNNING, CtlMode.HOLD, CtlMode.TRACTION_CUT, CtlMode.SERVICE_BRAKE, CtlMode.EMERGENCY)
 #: Ports with a receive mailbox. SIM_TRUTH is not among them: the controller must not see the truth.
 MAILBOXES: Final = (TrnSpeed, TrnPos, BalisePassed, TimeSync, PltStat, TrkInfo, RunEvent)
 #: Ports with transmit mailboxes.
 ANSWERS: Final = (NotchCmd, CtlStat, CtlIdent)
-#: The same in scenarios with a safe channel.
+#: The ports in scenarios with a safe channel.
 SAFE_MAILBOXES, SAFE_ANSWERS = (*MAILBOXES, SpeedSdt), (*ANSWERS, NotchSdt)
 _NS_PER_MS: Final = 1_000_000
 _UINT16_MAX: Final = 0xFFFF
@@ -56,7 +56,7 @@ _UINT16_MAX: Final = 0xFFFF
 def mailboxes(safe: bool = False) -> tuple[Mailbox, ...]:
     """The controller's eCAN mailboxes, made from the port table.
 
-    :param safe: with those of the safe channel.
+    :param safe: with the mailboxes of the safe channel.
     :raises ContractError: the ports do not fit into the chip.
     """
     contract = wire_contract()
@@ -66,17 +66,17 @@ def mailboxes(safe: bool = False) -> tuple[Mailbox, ...]:
 
 
 def end_of_authority_01mm(scenario: Scenario) -> int:
-    """Where the train must not go, 0.1 mm from the start of the run."""
+    """Point that the train must not pass, 0.1 mm from the start of the run."""
     return round((scenario.plan.distance_m + scenario.watch.end_of_authority_margin_m) * 1e4)
 
 
 class ControllerNode(LawNode):
-    """A law behind a guard: mailboxes of the CAN module, checks of what they hold, and a watch that limits the notch.
+    """A law behind a guard: mailboxes of the CAN module, checks of their telegrams, and a watch that limits the notch.
 
     :param law: with a task period, the mailboxes are read by a task of that period; else each at once, by interrupt.
     :param controller: computes the notch instead of the law; None: the law.
-    :param bit_rate: of the bus in bit/s, for the time stamps; None: that of the port table.
-    :raises InputError: an option that the chip does not support.
+    :param bit_rate: of the bus in bit/s, for the time stamps; None: the port table's. :raises InputError: an option
+        that the chip does not support.
     """
 
     #: What computes the notch.
@@ -106,7 +106,7 @@ class ControllerNode(LawNode):
         self._odometer = Odometer(scenario, law.task_period_ms * _NS_PER_MS, needed=needed)
         self.guard = Guard(scenario, counter, self._odometer, TrackInfo(scenario))
         self._balises = Balises()
-        # Only a law that is given balises has a position that they can contradict.
+        # Balises can contradict the position only of a law that gets them.
         self._end_01mm = end_of_authority_01mm(scenario) if self.law_type.track else None
         self._note_slots = slots(self.controller.notes)
         self._output: ControlOutput | None = None
@@ -115,7 +115,7 @@ class ControllerNode(LawNode):
         self._stat_life = 0
         # Twice the index of the quantity reported by the next CTL_STAT, plus one if its maximum is reported.
         self._shown = 0
-        # The last answer to NOTCH_CMD, and what repeats it as a safe telegram.
+        # The last answer to NOTCH_CMD, and the object that repeats it as a safe telegram.
         self._notch_cmd = NotchCmd()
         self._safe = SafeSource(source_identity(NotchSdt.port().address), SAFE_DATA_VERSION)
         mailboxes_read = None
@@ -143,7 +143,7 @@ class ControllerNode(LawNode):
         responder.on(TrnPos, self._position)
         responder.on(BalisePassed, self._balise)
         responder.on(TrkInfo, self._track)
-        # The time may have gone on by more than the telegrams since the last poll tell: the watch must see that.
+        # More time may have passed than the telegrams since the last poll tell, and the watch must see it.
         for kind in (TimeSync, PltStat):
             responder.on(kind, self._look)
         self.attach(responder)
@@ -171,7 +171,7 @@ class ControllerNode(LawNode):
 
     @property
     def received(self) -> Document:
-        """What it has received (:mod:`railhil.bus.reception`)."""
+        """Telegrams that it has received (:mod:`railhil.bus.reception`)."""
         odometer, guard = self._odometer, self.guard
         position = {cause.removeprefix("position_"): count for cause, count in odometer.counters.items()}
         if "check" in position:

@@ -8,8 +8,8 @@ The dead-reckoned position integrates the accepted speeds and follows the odomet
 The last part grows with time (resolution and noise of the speed) and with the age of the speed (``ACCEL_MAX_MPS2``) and
 shrinks with each plausible telegram. The law gets the odometer itself while telegrams arrive on time and are plausible;
 otherwise it gets the dead-reckoned position until ``GOOD_RUN`` plausible telegrams in a row. After ``RECKONING_MAX_NS``
-of dead reckoning the position is lost. Only plausible telegrams restore the odometer: one that has jumped and then
-continues evenly stays wrong. Implausible positions for that long contradict the speed, which every law uses: the
+of dead reckoning the position is lost. Only plausible telegrams restore the odometer: an odometer that has jumped and
+then continues evenly stays wrong. Implausible positions for that long contradict the speed, which every law uses: the
 position is then implausible also for a law that needs none.
 """
 
@@ -50,7 +50,7 @@ class Odometer:
     """Position for the law, and whether it can be relied upon.
 
     Dead-reckoned lengths are in 1e-13 m (0.1 mm/s times ns): no product is rounded, and the difference of
-    two of 400 km fits into 64 bits. Only what the law gets is limited to the 200 km of its formats.
+    two of 400 km fits into 64 bits. Only the law's input is limited to the 200 km of its formats.
 
     ``counters``: TRN_POS telegrams refused, by cause: ``position_duplicate``, ``position_out_of_order``,
     ``position_check`` (check variable not correct), ``position_jump`` (not plausible).
@@ -157,8 +157,9 @@ class Odometer:
         return _within(self._place // _NS_PER_S, POSITION_MAX_01MM), self._tolerance() // _NS_PER_S
 
     def lost(self, now_ns: int) -> CtlCause:
-        """Why the position is lost: too long a time of dead reckoning for a law that needs a position, or implausible
-        telegrams for as long. To the other laws a silent port says nothing, also after an implausible telegram."""
+        """Cause for which the position is lost: dead reckoning for too long with a law that needs a position, or
+        implausible telegrams for as long. For other laws a silent port means nothing, also after an implausible
+        telegram."""
         jumped_ns = self._jumped_ns
         if jumped_ns is None:
             lost = self._needed and self._begun and now_ns - self._trusted_ns > RECKONING_MAX_NS
@@ -170,7 +171,7 @@ class Odometer:
 
     def _tolerance(self) -> int:
         if not self._heard:
-            # Nobody knows where the train is before the first telegram.
+            # The position is unknown before the first telegram.
             return POSITION_MAX_01MM * _NS_PER_S
         return self._exact + self._speed_01mmps * self._hold_ns + self._slack
 

@@ -1,7 +1,7 @@
 """Core of predictive functional control (PFC) of the train's speed, shared by IPFC, TPFC1 and TPFC2.
 
-Sections 2.1 to 2.6 of Wang et al. (see ``pfc_model``), equation numbers are theirs. Interpretations of what the paper
-leaves open: eq. (11) counts i in samples, eq. (18) takes (c_n - e_n) and the free response with a minus sign. The
+Sections 2.1 to 2.6 of Wang et al. (see ``pfc_model``), equation numbers are theirs. Interpretations where the paper
+leaves a choice: eq. (11) counts i in samples, eq. (18) takes (c_n - e_n) and the free response with a minus sign. The
 internal model runs in parallel to the train, driven by the notch really sent.
 
 A law is built as follows: its parameters extend ``PfcParameters``, its table ``PfcConstants``; its constructor gives

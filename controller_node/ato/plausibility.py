@@ -20,7 +20,7 @@ runaway              at a notch of at most 0 the train accelerates and  a tracti
 A speed that jumps is refused, and never reaches the law; the band around the last sample opens with time.
 
 The model: the notch sent passes the actuator's lag, its force is limited, nominal resistance and the grade of TRK_INFO
-are subtracted. What is not known exactly counts as less brake. All but the first check are made ten times a second.
+are subtracted. Inexactly known quantities count as less brake. All but the first check are made ten times a second.
 
 Units: speeds 0.1 mm/s, accelerations 0.1 mm/s2, positions 0.1 mm, times ms.
 """
@@ -36,7 +36,7 @@ from railhil.systems.ato.scenario.effort import force_limit_n, resistance_n
 from railhil.systems.ato.scenario.model import Scenario
 from railhil.wire.ato import CtlCause
 
-#: Time between two looks at the motion; the speeds in between are judged for jumps only.
+#: Time between two checks of the motion; the speeds in between are only checked for jumps.
 SAMPLE_MS: Final = 100
 #: After a longer pause the checks begin again.
 PAUSE_MAX_MS: Final = 1000
@@ -44,7 +44,7 @@ PAUSE_MAX_MS: Final = 1000
 RING_EVERY, RING = 5, 10
 #: Age of a position up to which it is carried forward with the speed.
 POSITION_AGE_MAX_MS = 100
-#: A brake that does not answer although more brake was applied for so long is an emergency.
+#: Time of additional braking after which a brake that does not answer is an emergency.
 MORE_BRAKE_MS: Final = 1000
 #: Smallest demand (0.1 mm/s2) for which the brake is judged, and the shortfall allowed with any demand.
 DEMAND_MIN, SHORTFALL = 3000, 1500
@@ -55,7 +55,7 @@ SLOW: Final = 5000
 #: Part of the tolerance of a jump, and of the disagreement over 5 s, for sensors without resolution and noise.
 JUMP_01MMPS, DISAGREEMENT_01MM = 500, 1000
 _NOISE_SIGMAS: Final = 12
-#: Times longer than this count as this.
+#: Longer times count as this one.
 _LONG_NS: Final = 100_000_000_000
 _NS_PER_S: Final = 1_000_000_000
 _NS_PER_MS: Final = 1_000_000
@@ -89,7 +89,7 @@ class MotionLimits(NamedTuple):
 
     @classmethod
     def of(cls, scenario: Scenario) -> MotionLimits:
-        """Limits of a scenario; a train stronger than ``speed_change_max`` has the limit of its own forces."""
+        """Limits of a scenario; a train stronger than ``speed_change_max`` gets the limit from its own forces."""
         watch, train, sensors = scenario.watch, scenario.train, scenario.sensors
         mass_kg = train.inertial_mass_kg
         speeds = np.arange(0.0, min(train.speed_limit_mps, 150.0) + 1.0)
@@ -127,7 +127,7 @@ class MotionLimits(NamedTuple):
         return self.jump_01mmps + self.accel_01mmps2 * self.tick_ns // _NS_PER_S
 
     def fits(self, change_01mmps: int, elapsed_ns: int) -> bool:
-        """Whether a train can have changed its speed by so much in this time, at least one tick."""
+        """Whether a train can have changed its speed by this amount in this time, at least one tick."""
         elapsed_ns = min(max(elapsed_ns, self.tick_ns), _LONG_NS)
         return abs(change_01mmps) <= self.jump_01mmps + self.accel_01mmps2 * elapsed_ns // _NS_PER_S
 
@@ -135,8 +135,8 @@ class MotionLimits(NamedTuple):
 class Motion:
     """The checks that need more than two speeds.
 
-    After each :meth:`sample`, ``is_stuck``, ``is_off_scale``, ``is_runaway`` and ``weak_ms`` (for how long the brake
-    has not answered, 0: it answers) hold what was found.
+    After each :meth:`sample`, ``is_stuck``, ``is_off_scale``, ``is_runaway`` and ``weak_ms`` (time without an answer of
+    the brake, 0: it answers) hold the findings.
     """
 
     def __init__(self, limits: MotionLimits) -> None:
@@ -148,8 +148,8 @@ class Motion:
         self._speed = 0
         # Force of the actuator in the model, notch codes (1/256 notch) times 256.
         self._force = 0
-        # Sums over the samples, in units in which no product is rounded. By how much the train is faster than the
-        # model, since the notch is at most 0, with a time constant of 1 s; 1e-7 m/s.
+        # Sums over the samples, in units in which no product is rounded. Excess of the train's speed over the model's
+        # since the notch is at most 0, with a time constant of 1 s; 1e-7 m/s.
         self._off = 0
         # Change of speed that is due since the reading has changed, 1e-7 m/s.
         self._due = 0
@@ -183,7 +183,7 @@ class Motion:
             self.is_stuck = self.is_off_scale = self.is_runaway = False
             self.weak_ms = 0
             return
-        # From here on as few operations as possible when all is well: this runs ten times a second.
+        # The normal case takes as few operations as possible from here on: this runs ten times a second.
         force = self._force
         self._force = force = force + (
             ((code << 8) - force) * min(limits.decay_q16 * step_ms // SAMPLE_MS, 65536) >> 16

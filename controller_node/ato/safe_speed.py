@@ -1,13 +1,13 @@
-"""The controller's end of the safe speed: TRN_SPEED counts only as long as SPEED_SDT confirms it.
+"""The controller's end of the safe speed: TRN_SPEED counts only while SPEED_SDT confirms it.
 
 SPEED_SDT brings the speed of the same instant once more, with SDTv2's protection (:mod:`railhil.bus.sdt`) and with the
-time of the train. It confirms if the sink finds it fresh, its time is that of the controller's clock, and its speed is
-that of a TRN_SPEED accepted at the same instant. Its age is the time since the last confirmation, beyond the
-``n_rxsafe`` periods that the channel tolerates; the watch takes the older of this age and that of TRN_SPEED.
+time of the train. It confirms the speed if the sink finds it fresh, its time equals the controller's clock, and its
+speed equals a TRN_SPEED accepted at the same instant. Its age is the time since the last confirmation, beyond the
+``n_rxsafe`` periods that the channel tolerates; the watch takes the larger of this age and the age of TRN_SPEED.
 
 The time is needed because the sequence counter repeats itself every 256 telegrams: recorded telegrams that come again
 after a multiple of that would otherwise be fresh. A controller that does not know the time of the run yet answers with
-that of the last confirmation: the train can accept that it brakes, and refuses a recorded time.
+the time of the last confirmation. The train can then accept its braking, and refuses a recorded time.
 """
 
 from __future__ import annotations
@@ -25,8 +25,8 @@ _TICK_MODULUS = 1 << 24
 class SafeSpeed:
     """Confirms accepted speeds.
 
-    ``counters``: safe telegrams that confirmed nothing, by cause: those of :class:`railhil.bus.sdt.SafeSink`, ``time``,
-    ``differs``; each with ``safe_`` before it.
+    ``counters``: safe telegrams that confirmed nothing, by cause with the prefix ``safe_``: the causes of
+    :class:`railhil.bus.sdt.SafeSink`, ``time``, ``differs``.
     """
 
     def __init__(self, scenario: Scenario) -> None:

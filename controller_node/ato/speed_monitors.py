@@ -13,11 +13,11 @@ from railhil.wire.ato import NotchCmd, TrnSpeed
 
 #: Window of the long-term quality: the permitted bad telegrams may come at any instants within it.
 CHANNEL_WINDOW_MS: Final = 10_000
-#: A telegram older than the last one counts this much; as many per second as this fits into are permitted for ever.
+#: Cost of a telegram older than the last one. The rate per second that pays exactly this cost is permitted for ever.
 DISORDER_MS = 20
 #: Counts above this are two senders: their life signs alternate, so that every other telegram is old.
 DISORDER_MAX_MS = 80
-#: The life sign says how many telegrams were sent modulo this.
+#: The life sign counts the telegrams sent modulo this.
 _LIFE_TURN: Final = 16
 
 
@@ -54,7 +54,7 @@ class Latency:
         self._is_old = False
 
     def doubt(self) -> bool:
-        """Take an old telegram: the count is lost, what the next poll shows is normal.
+        """Take an old telegram: the count is lost, and the difference at the next poll counts as normal.
 
         :returns: whether the telegram before was an old one as well.
         """
@@ -77,7 +77,7 @@ class Latency:
 class Debt:
     """Counts events against time: each adds ``cost``, each ms pays ``paid_per_ms`` back.
 
-    :param limit: above this, there were too many.
+    :param limit: above this, there are too many events.
     """
 
     __slots__ = ("_at_ms", "_cost", "_debt", "_limit", "_paid_per_ms")

@@ -18,7 +18,7 @@ A level is entered at once and only upwards; leaving a level leads to NORMAL or 
 demands. A bad telegram, an age above hold or a finding ends "in a row". After a level above HOLD the notch returns on
 the ramp of the service brake, so that releasing the brake never jumps into traction.
 
-A finding is what another check demands for as long as it lasts; levels and causes are in :data:`LEVELS`.
+A finding is the demand of another check while its condition lasts; levels and causes are in :data:`LEVELS`.
 
 Thresholds are scenario data (:class:`railhil.systems.ato.scenario.model.WatchLimits`); the counts are our own and
 follow common practice for vital data on a train bus.
@@ -55,7 +55,7 @@ class Reception(IntEnum):
     IMPLAUSIBLE = 3
 
 
-# A member of an enum costs as much as a call on CPython 3.11, and the watch looks at every telegram.
+# Looking up a member of an enum costs as much as a call on CPython 3.11, and the watch checks every telegram.
 _NORMAL: Final = WatchLevel.NORMAL
 _HOLD: Final = WatchLevel.HOLD
 _TRACTION_CUT: Final = WatchLevel.TRACTION_CUT
@@ -67,7 +67,7 @@ _BAD: Final = Reception.BAD
 
 
 class Finding(NamedTuple):
-    """What a check demands besides the age of the speed: the level, and why."""
+    """Demand of a check besides the age of the speed: the level and its cause."""
 
     level: WatchLevel
     cause: CtlCause
@@ -100,7 +100,7 @@ LEVELS = {
 
 
 def stronger(*findings: Finding | None) -> Finding | None:
-    """The finding of the highest level, of several the one with the smallest cause; None for none."""
+    """The finding of the highest level, with the smallest cause among several; None for none."""
     return max((one for one in findings if one), key=lambda one: (one.level, -one.cause), default=None)
 
 
@@ -134,7 +134,7 @@ class Ladder(NamedTuple):
         )
 
     def ramp_codes(self, since_ns: int, now_ns: int) -> int:
-        """How far the ramp goes in this time. Both ends are rounded, so that over many short times nothing is lost."""
+        """Change by the ramp in this time. Both ends are rounded, so that over many short times nothing is lost."""
         return self.ramp_code_per_s * now_ns // _NS_PER_S - self.ramp_code_per_s * since_ns // _NS_PER_S
 
     def is_overspeed(self, speed_01mmps: int, limit_01mmps: int) -> bool:
@@ -147,7 +147,7 @@ class SpeedWatchState(NamedTuple):
 
     ``good_run`` good telegrams in a row (counted up to the largest number needed), ``recent`` the last telegrams,
     newest in bit 0, 1 = bad, ``code`` the notch last sent (1/256), ``kept_code`` the braking to keep during
-    TRACTION_CUT (<= 0), ``returning`` while the notch returns on the ramp, ``cause`` why the level was entered.
+    TRACTION_CUT (<= 0), ``returning`` while the notch returns on the ramp, ``cause`` for which the level was entered.
     """
 
     level: WatchLevel = WatchLevel.NORMAL
@@ -198,7 +198,7 @@ def observe(
     if overspeed:
         demanded, cause = _EMERGENCY, CtlCause.OVERSPEED
     else:
-        # Of two equal demands the speed telegrams are named.
+        # The speed telegrams are named if two demands are equal.
         demanded, cause = _by_telegrams(ladder, recent, age_ms, telegram, standstill)
         if finding is not None and finding.level > demanded:
             demanded, cause = finding
@@ -225,7 +225,7 @@ def _may_leave(level: WatchLevel, good_run: int, standstill: bool) -> bool:
 def _by_telegrams(
     ladder: Ladder, recent: int, age_ms: int, telegram: Reception, standstill: bool
 ) -> tuple[WatchLevel, CtlCause]:
-    """Level demanded by the speed telegrams alone, and why."""
+    """Level demanded by the speed telegrams alone, and its cause."""
     bad = telegram >= _BAD
     if age_ms > ladder.service_brake_ms:
         emergency = age_ms > ladder.emergency_ms and not standstill
@@ -248,7 +248,7 @@ def command(ladder: Ladder, state: SpeedWatchState, law_code: int, ramp: int) ->
     """The notch to send instead of the law's.
 
     :param law_code: the law's last result, 1/256 notch, inside the notch range.
-    :param ramp: how far the ramp goes since the last notch was sent (:meth:`Ladder.ramp_codes`).
+    :param ramp: change by the ramp since the last notch was sent (:meth:`Ladder.ramp_codes`).
     :returns: state, notch code, emergency brake flag.
     """
     last = state.code

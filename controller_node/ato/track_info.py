@@ -1,9 +1,9 @@
-"""Speed limit and grade as TRK_INFO has told them, and how old they are.
+"""Speed limit and grade from TRK_INFO, and their age.
 
-A limit that is no longer told is no limit: the traction is cut when :data:`CUT_PERIODS` telegrams in a row are
-missing, and the train brakes when the last one is older than a speed may be (``watch.emergency_ms``, 1 s). A grade
-that old is not used: brake and runaway are then not judged. A telegram that repeats its life sign, or whose check
-variables of limit and grade are not both correct, makes nothing younger.
+A limit that is no longer sent is not relied upon: the traction is cut when :data:`CUT_PERIODS` telegrams in a row are
+missing, and the train brakes when the last one is older than the largest age of a speed (``watch.emergency_ms``, 1 s).
+A grade that old is not used: brake and runaway are then not judged. A telegram that repeats its life sign, or whose
+check variables of limit and grade are not both correct, does not renew the age.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ def ages_ns(scenario: Scenario) -> tuple[int, int]:
 class TrackInfo:
     """What the track has told; times are those of the node's own count, from its beginning.
 
-    :param watched: False: nothing is ever too old.
+    :param watched: False: no age is ever too large.
     """
 
     def __init__(self, scenario: Scenario, *, watched: bool = True) -> None:
@@ -65,7 +65,7 @@ class TrackInfo:
         return self._grade_001permil if now_ns - self._told_ns <= self._old_ns else None
 
     def finding(self, now_ns: int) -> Finding | None:
-        """What its age demands; None: nothing."""
+        """The reaction demanded by its age; None: none."""
         age_ns = now_ns - self._told_ns
         if age_ns <= self._old_ns:
             return None

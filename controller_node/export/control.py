@@ -1,4 +1,4 @@
-"""What the export needs to know about a kind of control, in addition to the law's recorded programs.
+"""The export's description of a kind of control, in addition to the law's recorded programs.
 
 Each kind is a subclass of :class:`Control`: the single notch of a train (:mod:`.notch`), and the readings and commands
 of an ``Interface`` (:mod:`.interface`). The rest of the exported C is the same for both.
@@ -18,7 +18,7 @@ from railhil.dbc import Contract, Port, Signal
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec
 
-#: Bits of a record's flags: a run begins; the commands sent are not those of the law.
+#: Bits of a record's flags: a run begins; the commands sent differ from the law's.
 FLAG_BEGIN = 1
 FLAG_SENT = 2
 _MASK = 2**32 - 1
@@ -44,7 +44,7 @@ class Period(NamedTuple):
 
 
 class Wire(NamedTuple):
-    """What a word of an FMU is: a description, and the signal whose raw integer it is (None: it is not one)."""
+    """A word of an FMU: its description, and the signal whose raw integer it is (None: none)."""
 
     words: str
     port: str = ""
@@ -205,7 +205,7 @@ class Control(ABC):
     headers: ClassVar[tuple[str, ...]]
 
     def wires(self) -> Mapping[str, Wire]:
-        """What the words of an FMU are, by their columns in the log; those that are missing have no description."""
+        """The words of an FMU by their columns in the log; missing ones have no description."""
         return {}
 
     @property

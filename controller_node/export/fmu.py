@@ -27,7 +27,7 @@ _HEADERS = {
     "2.0": ("fmi2Functions.h", "fmi2FunctionTypes.h", "fmi2TypesPlatform.h"),
     "3.0": ("fmi3Functions.h", "fmi3FunctionTypes.h", "fmi3PlatformTypes.h"),
 }
-#: What the sources need of a compiler.
+#: Options that the sources need of a compiler.
 _OPTIONS = "-std=c99 -O2 -fwrapv -ffp-contract=off"
 #: The parameters of the frame's functions are the standard's, used or not.
 _FLAGS = (*_OPTIONS.split(), "-Wall", "-Wextra", "-Wno-unused-parameter", "-Werror", "-fPIC", "-fvisibility=hidden")
@@ -109,7 +109,7 @@ _STEP_SIZE = "canHandleVariableCommunicationStepSize"
 def description(law: FmuLaw, fmi: str, sources: tuple[str, ...]) -> bytes:
     """``modelDescription.xml``.
 
-    Integers have no units in either version: the description of each says what 1 is.
+    Integers have no units in either version: the description of each gives the value of 1.
 
     :param fmi: "2.0" or "3.0".
     :param sources: the C files.

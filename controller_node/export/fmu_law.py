@@ -1,4 +1,4 @@
-"""What an FMU needs of an exported law: its C, its inputs and its outputs, in fixed point or in single precision."""
+"""The parts of an exported law for an FMU: its C, its inputs and its outputs, in fixed point or in single precision."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from railhil.controller_node.vector.law import Interface
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec
 
-#: Input that says whether other commands were sent than the law's.
+#: Input that tells whether other commands were sent than the law's.
 OTHER_SENT = "other_sent"
 _OTHER_SENT_WORDS = "1: the commands sent in the last control period were not the law's"
 _COUNTERS = {"events.saturations": "saturations since the start", "events.zero_divisions": "divisions by zero"}
@@ -34,7 +34,7 @@ class Variable(NamedTuple):
 
     @property
     def limits(self) -> tuple[int, int] | None:
-        """Smallest and largest value; None: those of the int32."""
+        """Smallest and largest value; None: the limits of the int32."""
         if self.wire.signal is None:
             return None
         low, high = self.wire.signal.raw_range
@@ -78,7 +78,7 @@ def law_in_fixed_point(bundle: Bundle, scenario: AnyScenario, law: LawSpec, toke
 
 
 def law_in_single_precision(bundle: SingleBundle, scenario: AnyScenario, token: str) -> FmuLaw:
-    """The law of an export in single precision; all of its integers are those of their signals."""
+    """The law of an export in single precision; all of its integers are raw values of their signals."""
     interface: Interface = scenario.installed_system.part("interface")
     readings, commands = Names(), Names()
     given = [readings.new(item.name) for item in interface.readings]
@@ -88,7 +88,7 @@ def law_in_single_precision(bundle: SingleBundle, scenario: AnyScenario, token: 
     for note in interface.notes:
         answers.append(f"out.{commands.new(note.name)}")
         status = interface.status_of(note)
-        # Not limited to the range of its signal.
+        # This integer is not limited to the range of its signal.
         wires[answers[-1]] = _NO_WIRE if status is None else Wire(Wire.of(status, note.field).words)
     inside = template(
         "railhil_fmu_f32.h",

@@ -1,4 +1,4 @@
-"""The export of a law for several units: readings and commands are those of its system's ``Interface``."""
+"""The export of a law for several units: its system's ``Interface`` gives readings and commands."""
 
 from __future__ import annotations
 
@@ -281,7 +281,7 @@ def _is_default(kind: type[Telegram], field: str) -> bool:
 
 
 def _set(kind: type[Telegram], values: Mapping[str, str]) -> list[str]:
-    """Statements that give fields of a telegram a value, those that it has."""
+    """Statements that give values to the fields that a telegram has."""
     telegram, signals = CTelegram(kind.port()), dict(kind.signals())
     return [f"        {telegram.set(signals[field], value)}" for field, value in values.items() if field in signals]
 

@@ -1,4 +1,4 @@
-"""README of an export: its files, memory, stack, time on the target, and what has not been tested."""
+"""README of an export: its files, memory, stack, time on the target, and the limits of its tests."""
 
 from __future__ import annotations
 

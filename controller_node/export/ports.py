@@ -18,7 +18,7 @@ from railhil.controller_node.export.text import Names, comment, header, identifi
 from railhil.dbc import Port, Signal
 from railhil.dbc.contract import ANTIVALENT_VALUES, CHECK_VALUES
 
-#: Longest integer of a member in bits, before it has 64.
+#: Longest integer in bits of a member that does not need 64.
 _LONG_BITS = 32
 _OCTET = 8
 #: Longest expression in one line.
@@ -117,7 +117,7 @@ class CTelegram:
 
 
 def schedule_of(control: Control) -> Schedule:
-    """When the ports of a control's system are due."""
+    """Periods of the ports of a control's system."""
     timing = control.scenario.timing
     return Schedule.from_contract(timing.base_tick_ns, timing.port_period_ns, control.contract)
 
@@ -229,7 +229,7 @@ def _kind(signal: Signal) -> str:
 
 
 def _words(signal: Signal) -> str:
-    """What a member is: signal, scale and unit, range."""
+    """Comment of a member: signal, scale and unit, range."""
     unit = "" if signal.unit == "1" else signal.unit
     scale = " ".join(filter(None, (f"{signal.scale:g}", unit)))
     low, high = signal.raw_range

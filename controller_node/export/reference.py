@@ -65,7 +65,7 @@ def reference_log(control: Control, columns: Sequence[str], play: Play | None = 
 
     :param columns: names of the result words.
     :param play: see :meth:`~railhil.controller_node.export.control.Control.runs`.
-    :raises InputError: the results of the recorded program differ from those of the law.
+    :raises InputError: the results of the recorded program differ from the law's.
     """
     scenario, law = control.scenario, control.law
     words = (*control.given, *control.told)

@@ -22,7 +22,7 @@ from railhil.controller_node.vector.law import Interface, raw_range
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec
 
-#: Operations whose formats mean nothing here.
+#: Operations whose formats have no meaning here.
 _CALLS = dict.fromkeys(("mpy", "rmpy", "rsmpy", "mpy_iqx"), "f32_mul") | {
     "add": "f32_add",
     "sub": "f32_sub",
@@ -46,7 +46,7 @@ def number(value: float) -> str:
 class _Body:
     """Lines of one function. ``places``: C expression of each input of the program; ``names``: of its variables.
 
-    Only operations on which an output depends are written; ``live``: their values, and those of the inputs.
+    Only operations on which an output depends are written; ``live``: their values, and the inputs.
     """
 
     names: Names
@@ -195,7 +195,7 @@ def _live(program: Program, outputs: set[str]) -> set[int]:
 
 
 def _assigned(program: Program, body: _Body, state: Mapping[str, str]) -> list[str]:
-    """Assignments to the members of the state; those that are read from another member are copied first."""
+    """Assignments to the members of the state; members that are read from another member are copied first."""
     sources = {leaf: body.expression(value) for leaf, value in program.outputs if leaf in state}
     copied = {source for leaf, source in sources.items() if source in state.values() and source != state[leaf]}
     before = {source: f"before_{source.removeprefix('state->')}" for source in sorted(copied)}
@@ -209,7 +209,7 @@ def _assigned(program: Program, body: _Body, state: Mapping[str, str]) -> list[s
     ]
 
 
-#: Control periods of the log, and every how many of them other commands were sent.
+#: Number of control periods of the log, and the interval at which other commands are sent.
 _PERIODS = 400
 _SENT_EVERY = 37
 
@@ -255,7 +255,7 @@ def single_bundle(scenario: AnyScenario, law: LawSpec) -> SingleBundle:
 
 
 def _log(controller: VectorController, interface: Interface) -> str:
-    """What the law in Python answers to smooth and sudden readings over their ranges."""
+    """Answers of the law in Python to smooth and sudden readings over their ranges."""
     lines = []
     told = [item.safe for item in interface.commands]
     for k, raws in enumerate(_readings(interface)):

@@ -17,8 +17,8 @@ _POINTER_WORDS = 2
 LONG_WORDS = 2
 #: Deepest function of ``railhil_iq.h``: five 64-bit locals, three arguments, saved registers. Estimated.
 _HELPER_WORDS = 40
-#: Words of block M1 of the F28335, the usual place of the stack (TI SPRS439), and those that a function of the law may
-#: take; the others are for the program around it and for interrupts.
+#: Words of block M1 of the F28335, the usual place of the stack (TI SPRS439), and the words that a function of the law
+#: may take; the rest is for the program around it and for interrupts.
 STACK_WORDS = 1024
 _FRAME_WORDS = 768
 #: Longest name of a law that leaves room for the longest suffix.

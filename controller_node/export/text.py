@@ -65,7 +65,7 @@ def wide(value: int) -> str:
 def header(guard: str, words: Sequence[str], includes: Sequence[str], body: Sequence[str]) -> str:
     """A header file.
 
-    :param guard: macro that says that it has been included.
+    :param guard: macro that marks it as included.
     :param words: lines of the comment at its top.
     :param includes: files that it includes.
     :param body: its lines, the last of them empty.

@@ -1,4 +1,5 @@
-"""What all laws of high-speed trains share: units of measure, sampling period, and one loop per unit or one for all.
+"""Common part of the laws of high-speed trains: units of measure, sampling period, and one loop per unit or one for
+all.
 
 A law of :class:`HighSpeedLaw` describes one loop: target speeds and one measured speed in, one acceleration out, at
 each of its samples. Between samples its commands are held.
@@ -35,8 +36,8 @@ LoopState = TypeVar("LoopState")
 #: Formats inside the laws: speeds (m/s) and estimates, accelerations (m/s2).
 SPEED_Q = 20
 ACCEL_Q = 24
-#: The train is to stand when the target ahead is below this, m/s; then it is braked at least by so much, m/s^2 (D17:
-#: the linear models are not valid at a standstill, and the reference alone lets a train creep).
+#: Target ahead below which the train is to stand, m/s, and the least braking then, m/s^2 (D17: the linear models are
+#: not valid at a standstill, and the reference alone lets a train creep).
 _STILL_MPS, _HOLDING_MPS2 = 0.05, 0.3
 #: Accelerations below this are coasting.
 _COASTING_MPS2 = 0.0005
@@ -60,7 +61,7 @@ class LoopInputs(NamedTuple, Generic[T]):
 
     ``error``: target less speed. Of one unit it is the difference of the counts, which single precision has exactly.
 
-    ``most``: largest command now, m/s2 (Q ``ACCEL_Q``); while the train is to be held, that of the holding brake.
+    ``most``: largest command now, m/s2 (Q ``ACCEL_Q``); the holding brake's while the train is to be held.
     """
 
     speed: T
@@ -72,7 +73,7 @@ class LoopInputs(NamedTuple, Generic[T]):
 
 
 class LoopNotes(NamedTuple, Generic[T]):
-    """What a law reports (Q ``SPEED_Q``): model error and residual (m/s), estimates of gain and delay (s)."""
+    """Report of a law (Q ``SPEED_Q``): model error and residual (m/s), estimates of gain and delay (s)."""
 
     model_error: T
     xi: T
@@ -98,7 +99,7 @@ class LoopModel:
 
 
 class _State(NamedTuple, Generic[T, LoopState]):
-    """Periods since the last sample, last reading of the emergency; of each loop the last result and its own state."""
+    """Periods since the last sample, last reading of the emergency; for each loop the last result and its own state."""
 
     period: T
     urgent: T
@@ -265,7 +266,7 @@ class HighSpeedLaw(VectorLaw[T, Any], Generic[T, LoopState]):
 
 
 def chosen(ar: Arithmetic[T], condition: Any, a: Any, b: Any) -> Any:
-    """``where`` for numbers in tuples of any depth: those of ``a`` where the condition is true, else those of ``b``."""
+    """``where`` for numbers in tuples of any depth: ``a`` where the condition is true, else ``b``."""
     if isinstance(a, tuple):
         parts = [chosen(ar, condition, one, other) for one, other in zip(a, b, strict=True)]
         return type(a)(*parts) if hasattr(a, "_fields") else tuple(parts)
@@ -275,6 +276,6 @@ def chosen(ar: Arithmetic[T], condition: Any, a: Any, b: Any) -> Any:
 def _models(units: Sequence[Any], per_unit: bool) -> tuple[LoopModel, ...]:
     rows = [(unit.gain, unit.lag_s, unit.traction_delay_s, unit.braking_delay_s) for unit in units]
     if not per_unit:
-        # The exact sum: that of `sum` depends on the version of Python.
+        # The exact sum: the result of `sum` depends on the version of Python.
         return (LoopModel(*(fsum(column) / len(rows) for column in zip(*rows, strict=True))),)
     return tuple(LoopModel(*row) for row in rows)

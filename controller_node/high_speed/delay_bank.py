@@ -38,7 +38,7 @@ class Belief(NamedTuple, Generic[T]):
 
 
 class Noise(NamedTuple, Generic[T]):
-    """Variances: of a reading, and what is added in each period to those of speed, disturbance and gain."""
+    """Variances: of a reading, and the additions in each period to the variances of speed, disturbance and gain."""
 
     reading: T
     speed: T
@@ -238,7 +238,7 @@ class DelayBank(Generic[T]):
         return tuple(filters), Found(belief, accel, error, delay, tuple(chosen))
 
     def pick(self, chosen: Sequence[Any], options: Sequence[Any]) -> Any:
-        """The chosen one of several nested tuples of one shape, one for each filter."""
+        """The chosen tuple of several nested tuples of one shape, one for each filter."""
         found = options[0]
         for better, option in zip(chosen, options[1:], strict=True):
             found = self._re.select(better, option, found)

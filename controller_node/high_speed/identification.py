@@ -78,8 +78,8 @@ class LowPass(Estimator[T, Any]):
     """xi += smoothing (residual - xi): the low-passed residual, without a network.
 
     :param smoothing: weight of the newest residual, 0..1; at most 0.2 is stable with all mutations of the plant.
-    :param reading: ``predicted``: the law uses xi before the newest residual, as the stability table of the
-        specification has it; ``newest``: after it, which is one period faster and less robust.
+    :param reading: ``predicted``: the law uses xi before the newest residual, as in the stability table of the
+        specification; ``newest``: after it, which is one period faster and less robust.
     """
 
     def __init__(self, re: Reals[T], smoothing: float, reading: Literal["predicted", "newest"] = "predicted") -> None:
@@ -109,7 +109,7 @@ def theta_of(re: Reals[T], model: Sampled) -> Theta[T]:
     """The parameters of a sampled model as constants."""
     a1, a2, a3 = model.a
     alpha = re.numbers("alpha", (1.0 + a1, 1.0 + a1 + a2), "004 eq. 8")
-    # The models of this folder contain the integrator exactly; what is left is rounding.
+    # The models of this folder contain the integrator exactly; the rest is rounding.
     drift = 1.0 + a1 + a2 + a3
     return Theta(alpha, re.number("drift", drift if abs(drift) > 1e-9 else 0.0), re.numbers("b", model.b, "004 eq. 8"))
 

@@ -1,4 +1,4 @@
-"""What the laws of high-speed trains read and write on the bus.
+"""Readings and commands of the laws of high-speed trains on the bus.
 
 Readings, in this order: ``speed`` of each unit (``speed_1``, ... with several), ``ref1`` to ``ref14`` (target speeds in
 steps of 0.25 s), ``ref0`` (the present one), ``emergency``. Commands, for each unit: ``u`` and ``mode``.

@@ -23,7 +23,7 @@ State = TypeVar("State")
 
 
 class Sample(NamedTuple, Generic[T]):
-    """What a law knows at a sampling instant.
+    """Inputs of a law at a sampling instant.
 
     ``speed``: m/s, measured. ``reference``: w(k), w(k+1), ..., m/s, one sampling period apart. ``lowest``,
     ``highest``: limits of the command now, m/s^2. ``emergency``: 1 from its trigger on, else 0.
@@ -52,7 +52,7 @@ class Move(NamedTuple, Generic[T]):
 
 @dataclass(frozen=True, slots=True)
 class Unit:
-    """One power unit as the law knows it: delays and lag (s), sampling period (s)."""
+    """The law's data of one power unit: delays and lag (s), sampling period (s)."""
 
     traction_delay_s: float
     braking_delay_s: float
@@ -106,7 +106,7 @@ class LawParameters(HighSpeedParameters):
 def between(place: float) -> tuple[tuple[int, ...], tuple[float, ...]]:
     """Points of the preview (0 is now) and their weights for the reference at ``place`` steps of the preview from now.
 
-    Linear between two points; behind the last one the last slope goes on.
+    Linear between two points; behind the last one the last slope continues.
     """
     low = min(int(place + 1e-9), PREVIEW - 1)
     share = place - low
@@ -177,7 +177,7 @@ class LoopControllerLaw(HighSpeedLaw[T, Any]):
         return after, LoopAnswer(move.command, LoopNotes(move.model_error, move.xi, move.gain, move.delay))
 
     def with_sent(self, state: Any, commands: Sequence[T]) -> Any:
-        """The commands really sent are those that the model has to know; the law's own come with the next sample."""
+        """The model needs the commands really sent; the law's own come with the next sample."""
         told = [self.re.mul(count, self._per_count) for count in commands[::2]]
         loops = zip(self.controllers, state.loops, told, strict=False)
         return state._replace(loops=tuple(controller.sent(old, accel) for controller, old, accel in loops))

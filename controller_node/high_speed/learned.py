@@ -51,9 +51,9 @@ def shipped_networks(law: str, system: str, folder: Path = WEIGHTS) -> tuple[Net
 class LearnedParameters(GpcParameters):
     """Parameters of a law with networks."""
 
-    #: As in both papers the model is identified, too; on differences, which is the reading that works (D4).
+    #: The model is identified, too, as in both papers; on differences, the reading that works (D4).
     ident: Literal["paper", "differenced", "off"] = "differenced"
-    #: One for each linear model, as ``railhil train-model`` writes them; none: those that come with the bench.
+    #: One for each linear model, as ``railhil train-model`` writes them; none: the networks that come with the bench.
     networks: Annotated[tuple[Network, ...], Field(max_length=8)] = ()
 
 
@@ -99,7 +99,7 @@ class LearnedLaw(NgpcLaw[T]):
         return self.learned(re, forward, parameters)
 
     def learned(self, re: Reals[T], forward: Forward[T], parameters: Any) -> Estimator[T, Any]:
-        """The estimator with this network; by default one that does not learn on-line."""
+        """The estimator with this network; by default it does not learn on-line."""
         return NetworkEstimator(forward)
 
 

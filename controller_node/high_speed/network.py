@@ -8,7 +8,7 @@ The sigmoid is one table with linear interpolation, in training and on-line, in 
 read from 257 samples on 0..12; for negative x it is 1 - sigmoid(-x), beyond +-12 the last sample. The exponential
 function of a C library differs between machines in its last bits, so the samples come from decimal arithmetic, which is
 rounded correctly everywhere. The largest distance to the true sigmoid is 2.7e-5 (cells of 12/256, second derivative at
-most 0.0963). Networks are trained with this function: the distance is no error of theirs.
+most 0.0963). Networks are trained with this function, so the distance is no error of theirs.
 """
 
 from __future__ import annotations
@@ -161,8 +161,8 @@ def hidden_layer(scaled: FloatArray, hidden: FloatArray, bias: FloatArray) -> Fl
 
 
 class Forward(Generic[T]):
-    """A network on an arithmetic: a pure step from six inputs to the residual. Formats are those of the float
-    arithmetics, which have none: a law with a network does not run in fixed point."""
+    """A network on an arithmetic: a pure step from six inputs to the residual. The float arithmetics have no formats,
+    so a law with a network does not run in fixed point."""
 
     def __init__(self, ar: Arithmetic[T], network: Network) -> None:
         def numbers(name: str, values: Sequence[float]) -> tuple[Constant, ...]:
@@ -182,7 +182,7 @@ class Forward(Generic[T]):
 
     @property
     def constants(self) -> tuple[Constant, ...]:
-        """All of its constants, those of the sigmoid last."""
+        """All of its constants, the sigmoid's last."""
         return (*(item for row in self._raws for item in row), self._output_bias_raw, *SIGMOID_CONSTANTS)
 
     def layer(self, inputs: Sequence[T]) -> tuple[T, ...]:

@@ -106,7 +106,8 @@ class NgpcController(LoopController[T, NgpcState[T]]):
         return self._weights_of(exact, theta, self.parameters.control_weight)
 
     def radius(self, train: Train) -> float:
-        """Spectral radius of the loop with the nominal model, the larger one of those without and with the residual."""
+        """Spectral radius of the loop with the nominal model: the larger of the values without and with the
+        residual."""
         found, period_s = self.nominal_weights(), self.unit.sample_period_s
         smoothings = {None, self.estimator.smoothing}
         return max(spectral_radius(train, self.model, found, period_s, smoothing) for smoothing in smoothings)

@@ -10,8 +10,8 @@ effectiveness. With c the deviation of p - n from the plan (kept behind the cont
 
 Constraints: 0 <= p <= least of largest traction and power by speed, 0 <= n <= largest braking, |u(j) - u(j-1)| <= J T0,
 |F| <= F_max + slack. Where p and n would act against each other without a plan for both, the smaller one is set to 0
-and the program solved again. Per unit c, p and n count by the unit's share of the mass. A command above what the power
-allows is taken back at the jerk limit.
+and the program solved again. Per unit c, p and n count by the unit's share of the mass. A command above the power limit
+is reduced at the jerk limit.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ class SolverError(Exception):
 def daqp_solver(law: str) -> Solver:
     """DAQP, a dual active-set method (Arnstrom et al. 2022); the extra [qp].
 
-    Every solution starts anew, so that it depends on nothing but the problem.
+    Every solution starts anew, so that it depends on the problem alone.
 
     :param law: named in the message if it is not installed.
     :raises InputError: it is not installed.
@@ -65,10 +65,10 @@ def daqp_solver(law: str) -> Solver:
 
 
 _Weight = Annotated[float, Field(ge=0, le=1e6)]
-#: Jerk limit where there is none: an emergency, and the first command of a run.
+#: Value for no jerk limit: in an emergency, and for the first command of a run.
 _FREE_MPS3 = 100.0
 _CRAWL_MPS = 1.0
-#: Of p and n in a command.
+#: Places of p and n in a command.
 _SIGNS = np.array([1.0, -1.0])
 #: A side with less does not act.
 _ACTS_MPS2 = 1e-6
@@ -88,18 +88,18 @@ class QpParameters:
     control_horizon: Annotated[int, Field(ge=1, le=10)] = 6
     #: lambda, on the increments of the deviation from the plan.
     control_weight: Annotated[float, Field(gt=0, le=1e4)] = 3.0
-    #: lambda in an emergency, where nobody counts the slope of the command.
+    #: lambda in an emergency, where the slope of the command is not scored.
     emergency_weight: Annotated[float, Field(gt=0, le=1e4)] = 0.003
     #: rho, on the deviation from the plan.
     plan_weight: Annotated[float, Field(gt=0, le=1e4)] = 0.05
     #: kappa, on the side that is not planned: traction and braking do not act against each other for less. Not in an
     #: emergency.
     side_weight: _Weight = 0.01
-    #: On the work of the traction by mass, per J/kg.
+    #: Cost of the work of the traction by mass, per J/kg.
     energy_weight: _Weight = 0.0
     #: J, m/s^3; not in an emergency.
     jerk_max_mps3: Annotated[float, Field(gt=0, le=100)] = 0.2
-    #: Of the couplers, per kN^2, with ``loop = "train"``.
+    #: Cost of the coupler forces, per kN^2, with ``loop = "train"``.
     force_weight: _Weight = 1e-5
     #: Largest force of a coupler as predicted, kN.
     force_max_kn: Annotated[float, Field(gt=0, le=1e4)] = 2.0
@@ -116,7 +116,7 @@ class Limits(NamedTuple):
 
 
 class Situation(NamedTuple):
-    """What is known at a sample: ``reference`` w(k) ... w(k+N) and ``speed`` in m/s, ``disturbance`` in m/s^2, gain.
+    """Inputs at a sample: ``reference`` w(k) ... w(k+N) and ``speed`` in m/s, ``disturbance`` in m/s^2, gain.
 
     ``emergency``: no jerk limit, no kappa, and lambda of an emergency. ``first``: no jerk limit, as nothing was sent
     before. ``state``: of the :class:`.train_model.TrainModel`. ``past``: u(k-1), u(k-2), ... of each unit,
@@ -166,7 +166,7 @@ class Qp:
         self._slopes = np.array([[_slopes(c, horizon, period_s, given.slope_span_s) for c in unit] for unit in centres])
         future = [part[:, :, prediction.past :] for part in prediction.commands[:2]]
         on_speed, on_force = ((_moved(part, moves) * _SIGNS[:, None, None]).reshape(size, -1).T for part in future)
-        #: Forces that the commands reach at all.
+        #: Forces that the commands can influence.
         self._reached = np.abs(on_force).max(axis=1, initial=0.0) > 1e-9
         self._on_speed, self._on_force = on_speed, on_force[self._reached]
         # Increments of p - n of each unit: (units * moves, size).
@@ -269,7 +269,7 @@ class Qp:
         """Upper and lower bounds of the unknowns and of the rows."""
         given, moves = self._given, near.shape[2]
         jerk = (_FREE_MPS3 if now.emergency or now.first else given.jerk_max_mps3) * self._period_s
-        # What the power no longer allows is taken back at the jerk limit.
+        # A command that the power no longer allows is reduced at the jerk limit.
         allowed = np.maximum(most[:moves], now.past[:, :1] - jerk * np.arange(1, moves + 1))
         highest = np.stack([allowed - near[:, 0], self._limits.braking_mps2 - near[:, 1]], axis=1)
         planned = np.diff(np.concatenate([now.past[:, :1], near[:, 0] - near[:, 1]], axis=1), axis=1).reshape(-1)
@@ -283,7 +283,8 @@ class Qp:
 
 
 def _against(plan: Matrix, sides: Matrix) -> Matrix:
-    """Which of p and n act against each other where not both are planned: the smaller ones; (units, 2, Nu), bool.
+    """Marks the smaller of p and n where not both are planned, because they would act against each other; (units, 2,
+    Nu), bool.
 
     The train would carry out their difference by one side alone.
     """
@@ -295,7 +296,7 @@ def _against(plan: Matrix, sides: Matrix) -> Matrix:
 def _slopes(centre: float, horizon: int, period_s: float, span_s: float) -> Matrix:
     """Weights of w(k) ... w(k+N) in the acceleration of the reference when the commands -1 ... N - 1 act, (1+N, 1+N).
 
-    Between two samples linear; behind the preview the last slope goes on.
+    Between two samples linear; behind the preview the last slope continues.
     """
     half = max(1, round(span_s / period_s))
     found = np.zeros((horizon + 1, horizon + 1))
@@ -311,7 +312,8 @@ def _slopes(centre: float, horizon: int, period_s: float, span_s: float) -> Matr
 
 
 def _moved(part: Matrix, moves: int) -> Matrix:
-    """Responses by the commands of the control horizon, the last of which goes on: axes unit, side, command, output."""
+    """Responses by the commands of the control horizon, the last of which continues: axes unit, side, command,
+    output."""
     return np.concatenate([part[:, :, : moves - 1], part[:, :, moves - 1 :].sum(axis=2, keepdims=True)], axis=2)
 
 

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Train:
-    """What the law's loop is closed with: transport delay and lag (s), gain of the actuators."""
+    """The train in the law's closed loop: transport delay and lag (s), gain of the actuators."""
 
     delay_s: float
     lag_s: float
@@ -57,7 +57,7 @@ def transition(train: Train, period_s: float) -> tuple[Matrix, Matrix]:
 def open_loop(train: Train, period_s: float, commands: int, speeds: int) -> tuple[Matrix, Matrix]:
     """:func:`transition` with past commands and speeds as states: speed, acceleration, u(k-1), ..., v(k-1), ...
 
-    :param commands: at least so many past commands; ``speeds``: so many past speeds.
+    :param commands: smallest number of past commands; ``speeds``: of past speeds.
     :returns: matrix of shape (n, n), the command's column of shape (n,).
     """
     inner, command = transition(train, period_s)

@@ -1,4 +1,4 @@
-"""What the commands of the coming samples do to a train: linear predictions of its speed and of its coupler forces.
+"""Effect of the coming commands on a train: linear predictions of its speed and of its coupler forces.
 
 The units are lags behind their exact delays, traction and braking on ways of their own, joined by springs with dampers
 (without slack)::
@@ -6,7 +6,7 @@ The units are lags behind their exact delays, traction and braking on ways of th
     lag_i d_i' = u_i(t - T_i) - d_i      m_i v_i' = m_i d_i + F_(i-1) - F_i      F_i = k g_i + c (v_i - v_(i+1))
     g_i' = v_i - v_(i+1)
 
-What acts on all units alike (wind, grade, resistance) is no part of it. All responses are exact for commands that are
+Effects on all units alike (wind, grade, resistance) are no part of it. All responses are exact for commands that are
 held over a sampling period; forces are read twice in each.
 """
 
@@ -43,8 +43,8 @@ class CouplerModel:
 
 
 class Way(NamedTuple):
-    """The way of one side of a unit: whole steps of its delay, and what the older and the newer command add to the
-    state in a step, each (states,)."""
+    """The way of one side of a unit: whole steps of its delay, and the additions of the older and the newer command to
+    the state in a step, each (states,)."""
 
     whole: int
     older: Matrix
@@ -100,8 +100,8 @@ class TrainModel:
 class Responses(NamedTuple):
     """Responses over a horizon of N samples.
 
-    ``speed``: of the train at the end of each sample, m/s, by what (columns, N); ``forces``: of the couplers at the end
-    of each step, kN, (columns, couplers * steps); ``after``: the state one sample later, (columns, states).
+    ``speed``: of the train at the end of each sample, m/s, by cause (columns, N); ``forces``: of the couplers at the
+    end of each step, kN, (columns, couplers * steps); ``after``: the state one sample later, (columns, states).
     """
 
     speed: Matrix
@@ -113,7 +113,7 @@ class Prediction:
     """Responses of a model to its state and to all commands that act within a horizon.
 
     ``state``: by the state now. ``commands``: by 1 m/s^2 of a side of a unit in one sample: axes unit, side (traction,
-    braking), sample (-``past`` ... horizon - 1), then those of :class:`Responses`.
+    braking), sample (-``past`` ... horizon - 1), then the axes of :class:`Responses`.
 
     :param horizon: N. ``past``: number of past commands.
     :raises ValueError: an older command still acts.

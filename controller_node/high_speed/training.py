@@ -1,4 +1,4 @@
-"""Offline training of the networks in double precision, and how well they explain a record (004 section 6, modelling).
+"""Offline training of the networks in double precision, and their error on a record (004 section 6, modelling).
 
 ELM is trained by least squares, BP by a gradient method.
 
@@ -41,13 +41,13 @@ class Rows:
         return len(self.residual_mps)
 
     def at(self, where: NDArray[np.bool_]) -> Rows:
-        """Those of the rows for which ``where`` (n,) is true."""
+        """The rows for which ``where`` (n,) is true."""
         return Rows(self.inputs[where], self.residual_mps[where])
 
 
 @dataclass(frozen=True)
 class Recipe:
-    """How a network is trained.
+    """Options of training a network.
 
     ``kind``: ``elm`` or ``bp``. ``hidden``: number L of hidden nodes. ``ridge``: weight of the squared output weights
     in the least squares of an ELM; None: pseudo-inverse (004 eq. 16). ``seed``: of the random hidden layer,
@@ -213,7 +213,7 @@ def held_out(count: int) -> NDArray[np.bool_]:
 
 @dataclass(frozen=True, slots=True)
 class ModelError:
-    """RMSE of the speed predicted over one sampling period, km/h, on samples that were not trained on.
+    """RMSE of the speed predicted over one sampling period, km/h, on samples outside the training.
 
     ``linear``: by the linear model; ``integrated``: with the network's residual.
     """
@@ -223,7 +223,7 @@ class ModelError:
 
 
 def trained(rows: Rows, recipe: Recipe, period_s: float, delay_s: float, lag_s: float) -> tuple[Network, ModelError]:
-    """A network trained on the rows that are not :func:`held_out`, and its error on those that are.
+    """A network trained on the rows that are not :func:`held_out`, and its error on the others.
 
     :param delay_s, lag_s: of the linear model whose residual the rows contain.
     :raises ValueError: as :func:`held_out` and :func:`railhil.controller_node.high_speed.training.train`.

@@ -26,7 +26,7 @@ BALISE_ERROR_MAX_M = 0.5
 
 
 class BaliseReading(NamedTuple, Generic[T]):
-    """The last balise passed: its number (0: none yet), where it was surveyed, and the odometer at its passing.
+    """The last balise passed: its number (0: none yet), its surveyed position, and the odometer at its passing.
 
     Whole numbers (Q0), positions in 0.1 mm.
     """
@@ -126,8 +126,9 @@ class ControlLaw(ABC, Generic[T, State]):
         """Key of the law's memory from run to run (train, platform, ...); empty: it keeps none.
 
         A law with a key is constructed with one more argument, ``memory``
-        (:class:`railhil.controller_node.laws.memory.Remembered`): what :meth:`memory` returned at the end of its last
-        run, and where it was stored. Its program is recorded with that memory too, so that its formats are checked.
+        (:class:`railhil.controller_node.laws.memory.Remembered`): the result of :meth:`memory` at the end of its last
+        run, and the place where it was stored. Its program is recorded with that memory too, so that its formats are
+        checked.
         """
         return ""
 

@@ -39,7 +39,7 @@ Table = TypeVar("Table")
 
 
 def held(q: int, origin: str) -> dict[str, Any]:
-    """Metadata of a table's field: the format of its constants and where their values come from."""
+    """Metadata of a table's field: the format of its constants and the origin of their values."""
     return {"q": q, "origin": origin}
 
 
@@ -74,8 +74,8 @@ def build(kind: type[Table], values: Mapping[str, Any]) -> Table:
 def rebuild(kind: type[Table], constants: Sequence[Constant]) -> Table:
     """The table from which :func:`flatten` made these constants, by their names.
 
-    Raises ``ValueError`` (name, then what is wrong) for a name without a field, a field without a constant, and a name
-    that does not match its position.
+    Raises ``ValueError`` (name, then the fault) for a name without a field, a field without a constant, and a name that
+    does not match its position.
     """
     declared = [item.name for item in fields(kind)]  # type: ignore[arg-type]
     found: dict[str, Any] = {}
@@ -128,7 +128,7 @@ def _row(constant: Constant) -> list[str]:
 
 @dataclass(frozen=True)
 class LawTable(Generic[Table]):
-    """The checked-in table of one law: its operating point, and how to compute a table for any other."""
+    """The checked-in table of one law: its operating point, and the function that computes a table for any other."""
 
     law: str
     kind: type[Table]
@@ -147,8 +147,8 @@ class LawTable(Generic[Table]):
     def make(self, parameters: Any, control_period_s: float, notch_max: float) -> Table:
         """The table at an operating point: from the file at its own, else computed.
 
-        Raises :class:`~railhil.common.errors.InputError` (one line) when the file is not what the generator wrote for
-        this law, and what ``compute`` raises.
+        Raises :class:`~railhil.common.errors.InputError` (one line) when the file differs from the generator's output
+        for this law, and the exceptions of ``compute``.
         """
         own = (self.parameters, self.control_period_s, self.notch_max)
         if (parameters, control_period_s, notch_max) == own:

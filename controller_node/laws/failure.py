@@ -1,4 +1,4 @@
-"""The error message for a law that fails: where in its source, after which quantity, and what to use instead."""
+"""The error message for a failing law: place in its source, last quantity, and the operation to use instead."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def place(kind: type[Any], error: BaseException) -> str:
 
 
 def _beginning(kind: type[Any], function: str) -> str:
-    """Where a function of a law begins, ``FILE:LINE``: the location reported for a wrong result."""
+    """Beginning of a law's function, ``FILE:LINE``: the location reported for a wrong result."""
     code = getattr(getattr(kind, function, None), "__code__", None)
     return f"{code.co_filename}:{code.co_firstlineno}" if code is not None else kind.__qualname__
 

@@ -50,7 +50,7 @@ class Choice:
 
     @property
     def remembered(self) -> Remembered:
-        """What the law is given."""
+        """The memory passed to the law."""
         faults = {one.slot: FAULTS[one.fault] for one in self.stored if one.record is None}
         fault = next((faults[slot] for slot in _SLOTS if slot in faults), 0)
         record = next((one.record for one in self.stored if one.slot == self.used), None)
@@ -82,7 +82,7 @@ def require_memory(name: str, laws: Mapping[str, type[Any]], scenario: Any) -> N
 
 
 def choice(name: str, kind: type[Any], scenario: Any, given: Memory | None) -> Choice:
-    """What a law with a memory begins with: the first record that is of its key and that it does not refuse.
+    """The record that a law with a memory begins with: the first of its key that it does not refuse.
 
     A record of a store that cannot be used is passed over; a file that was named is used or refused.
 
@@ -105,13 +105,13 @@ def choice(name: str, kind: type[Any], scenario: Any, given: Memory | None) -> C
 
 
 def _looked_at(one: Stored, key: str, name: str, kind: type[Any], scenario: Any, source: Path) -> Stored:
-    """The place of a record, with what the law finds wrong with it.
+    """The place of a record, with the fault that the law finds in it.
 
     :raises InputError: the record is a named file and cannot be used.
     """
     assert one.record is not None
     fault, error = "", None
-    # The default of a line was put there by a person, for this key.
+    # A person has put the default of a line there, for this key.
     if one.record.key != key and one.slot != LINE_DEFAULT:
         fault, error = "key", InputError(source, "key", one.record.key, f"{key}, what {name} keeps on this scenario")
     elif problem := _refused_values(kind, scenario, one.record.values):
@@ -124,7 +124,7 @@ def _looked_at(one: Stored, key: str, name: str, kind: type[Any], scenario: Any,
 
 
 def _refused_values(kind: type[Any], scenario: Any, values: Mapping[str, Any]) -> str:
-    """Why the law cannot begin with these values; empty if it can."""
+    """Reason for which the law cannot begin with these values; empty if it can."""
     try:
         kind.check_memory(scenario, values)
     except Exception as error:
@@ -144,9 +144,9 @@ def memory_arguments(name: str, kind: type[Any], scenario: Any, given: Memory | 
 
 
 def kept(name: str, law: Any, scenario: Any, state: Any, given: Memory | None) -> dict[str, Any] | None:
-    """What a law keeps after a run: its key and values, the place of the record that it has used (``used``; empty:
-    none), and the places that it could not use (``refused``: slot, fault and detail of each); None if it has no memory
-    or has taken no step.
+    """The memory that a law keeps after a run: its key and values, the place of the record that it has used (``used``;
+    empty: none), and the places that it could not use (``refused``: slot, fault and detail of each); None if it has no
+    memory or has taken no step.
 
     :param name: by which the law was requested.
     :raises InputError: the law has raised, or its memory cannot be stored in a file.
@@ -159,7 +159,8 @@ def kept(name: str, law: Any, scenario: Any, state: Any, given: Memory | None) -
         values = law.memory(state)
         if not isinstance(values, dict):
             raise TypeError(f"found {values!r}")
-        # In the form in which it will be read: tuples become lists, and numbers that JSON lacks are refused here.
+        # Converted to the form in which it will be read: tuples become lists, and numbers that JSON lacks are refused
+        # here.
         values = json.loads(json.dumps(values, allow_nan=False))
     except Exception as error:
         # Plug-in code may raise anything.

@@ -19,8 +19,9 @@ class Note:
     """One figure.
 
     ``name`` is used as a column header (``softening_factor``), ``title`` in figures, ``symbol`` at an axis. ``q``:
-    fraction bits of the law's result, ``wire_q``: those of the value sent, which is rounded down and limited to its
-    bits. ``bits`` names the bits of a bit field from bit 0 on: such a note has 4 bits on the wire, every other has 16.
+    fraction bits of the law's result, ``wire_q``: fraction bits of the value sent, which is rounded down and limited to
+    its bits. ``bits`` names the bits of a bit field from bit 0 on: such a note has 4 bits on the wire, every other has
+    16.
     """
 
     name: str

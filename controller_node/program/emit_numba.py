@@ -1,8 +1,8 @@
 """Emits a recorded program as a loop over many trains, for numba: the operations of :mod:`.emit_python`, on rows of
 arrays.
 
-A train for which something is to be counted is left as it is and marked; the law itself computes that step. All numbers
-of the program are arguments, so one machine code serves every line and every parameter file with the same operations.
+A train with an event to count is left unchanged and marked; the law itself computes that step. All numbers of the
+program are arguments, so one machine code serves every line and every parameter file with the same operations.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ _OWN = (*_ARGUMENTS, "train", "located", "nearest", "LEFT", "part")
 
 
 class Emitted(NamedTuple):
-    """The text of a module with one function, and what the function is given after its first four arguments."""
+    """The text of a module with one function, and the function's arguments after its first four."""
 
     text: str
     numbers: list[Any]
@@ -116,7 +116,7 @@ class _NumbaEmitter(Emitter):
             self._leave_if(f"{to} == {self._part('LEFT')}")
 
     def _rounded(self, to: str, expression: str) -> None:
-        # What is neither normal nor zero is not counted, and needs no law.
+        # Numbers that are neither normal nor zero are not counted, and need no law.
         self._say(f"{to} = {self._part('nearest')}({expression})" if self._single else f"{to} = {expression}")
 
     def _write_curve(self, operation: Operation, to: str, words: Sequence[str]) -> None:
@@ -126,7 +126,7 @@ class _NumbaEmitter(Emitter):
         assert operation.curve is not None
         function = operation.curve.function
         if not isinstance(function, partial):
-            # Numba cannot keep the machine code of a function with numbers of its own.
+            # Numba cannot store the machine code of a function with numbers of its own.
             raise KeyError(f"curve {operation.curve.name}")
         name, code = function.func.__name__, function.func.__code__
         digest = hashlib.sha256(code.co_code + repr(code.co_consts).encode()).hexdigest()[:16]

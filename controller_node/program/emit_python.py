@@ -1,14 +1,14 @@
 """Emits a recorded program as one straight-line Python function, which takes a third of the time of the law.
 
 A law calls a method of its arithmetic for every operation. In the emitted function each operation is one line of
-Python, named after its quantity where it has a name. It computes what the law computes as long as nothing is to be
-counted: a value that would saturate, be divided by zero or leave the range for which the interval analysis has shown
-that nothing wraps (:mod:`railhil.controller_node.program.ranges`) makes it return None, and the law itself computes
-that step (:mod:`railhil.controller_node.compiled_law`).
+Python, named after its quantity where it has a name. It gives the law's results while no event is to be counted: a
+value that would saturate, be divided by zero or leave the range for which the interval analysis has shown that nothing
+wraps (:mod:`railhil.controller_node.program.ranges`) makes it return None, and the law itself computes that step
+(:mod:`railhil.controller_node.compiled_law`).
 
 ``fixed`` serves both profiles of fixed point, ``float64`` double precision, ``float32`` single precision rounded to
-nearest: there a result is stored in the one place of an array of singles and read back, and what is neither normal nor
-zero is left to the law.
+nearest: there a result is stored in the one place of an array of singles and read back, and numbers that are neither
+normal nor zero are left to the law.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ def is_state(name: str) -> bool:
 def checked_inputs(program: Program) -> list[Value]:
     """Inputs whose range a function of fixed point checks: the state, or the wire values if the program has no state.
 
-    The other inputs are results of another program, whose ranges follow.
+    The other inputs are results of another program, and their ranges follow from it.
     """
     states = [value for name, value in program.inputs if is_state(name)]
     return [value for value in states or [value for _, value in program.inputs] if value.kind is Kind.NUMBER]
@@ -80,7 +80,7 @@ class Emitter:
             self._values[result] = self._free(_word(noted[result]) if result in noted else f"{operation.op}_{result}")
 
     def _free(self, wanted: str) -> str:
-        """A name that nothing else has."""
+        """A new unique name."""
         name, count = wanted, 1
         while name in self._taken or iskeyword(name) or not name.isidentifier():
             count += 1

@@ -43,7 +43,7 @@ class BranchError(Exception):
 
 
 class OperandError(Exception):
-    """A law does something with its values that is not an operation of the arithmetic."""
+    """A law uses its values in another way than by operations of the arithmetic."""
 
 
 class Kind(Enum):
@@ -54,8 +54,8 @@ class Kind(Enum):
     INDEX = "index"
 
 
-#: Python's own operators, and what a law must use instead: in fixed point they would compute with raw integers, where
-#: ``*`` and ``/`` change the format and nothing wraps.
+#: Python's own operators, and the operations that a law must use instead: in fixed point they would compute with raw
+#: integers, where ``*`` and ``/`` change the format and nothing wraps.
 _INSTEAD = {
     "+": ("ar.add", ("add", "radd", "iadd", "pos")),
     "-": ("ar.sub", ("sub", "rsub", "isub")),
@@ -210,7 +210,7 @@ class Evaluator:
 
     Its constants and tables are made once.
 
-    :param arithmetic: any, for one train or many; formats must be those the program was recorded with.
+    :param arithmetic: any, for one train or many; formats must equal the recorded ones.
     """
 
     def __init__(self, program: Program, arithmetic: Arithmetic[Any]) -> None:

@@ -81,7 +81,7 @@ def _size(a: Interval) -> Interval:
 
 
 def _quotient(a: Interval, b: Interval, q: int) -> Interval:
-    """Rounded quotients saturate; for divisors close to 0 any value on that side is possible."""
+    """Rounded quotients saturate; any value on that side is possible for divisors close to 0."""
     if b[0] <= 0 <= b[1]:
         low = 0 if a[0] >= 0 and b[0] >= 0 else INT32_MIN
         return low, INT32_MAX
@@ -202,7 +202,7 @@ def analyse_law(
 
 
 class Bounded(Protocol):
-    """A law that knows bounds of its state."""
+    """The law declares bounds of its state."""
 
     def state_bounds(self) -> dict[str, tuple[float, float]]:
         """See :meth:`railhil.controller_node.laws.base.Law.state_bounds`."""

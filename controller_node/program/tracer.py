@@ -161,7 +161,7 @@ class Tracer(Arithmetic[Value]):
             constant = a.constant
             if self.wide:
                 return self.const(Constant(f"-{constant.name}", -constant.value, constant.q, constant.origin))
-            # From the integer, as in fixed point: a value between two integers would be rounded again.
+            # Taken from the integer, as in fixed point: a value between two integers would be rounded again.
             raw = constant.raw if constant.raw == INT32_MIN else -constant.raw
             return self.const(Constant(f"-{constant.name}", math.ldexp(raw, -constant.q), constant.q, constant.origin))
         return self._emit("neg", [a], q)

@@ -1,7 +1,8 @@
 """Filters of the measured speed: pure steps that take the five samples of a cycle and give one estimate.
 
 The wavelet packet (equation (3)) with node aaa kept is the approximation of the three-level wavelet transform, and on a
-fixed window a fixed FIR filter. Read 63 samples behind it has its full benefit (noise power 1/8) and lags by 202 ms.
+fixed window a fixed FIR filter. Read 63 samples behind the newest one, it has its full benefit (noise power 1/8) and
+lags by 202 ms.
 
 The weights come from ``taps.json``, written by ``make_taps.py``, which needs PyWavelets.
 """
@@ -56,7 +57,7 @@ PATH = Path(__file__).with_name("taps.json")
 def document(path: Path = PATH) -> dict[str, Any]:
     """The file: ``low_pass`` (16 numbers of db8), ``rate_hz``, and ``taps`` by filter, oldest sample first.
 
-    :raises InputError: its numbers are not those that were recorded.
+    :raises InputError: its numbers differ from the recorded ones.
     """
     found: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
     text = json.dumps(found["taps"], sort_keys=True, separators=(",", ":"))
@@ -173,7 +174,7 @@ class Biquad(SpeedFilter[T, BiquadState[T]]):
 
 
 class TwoState(NamedTuple, Generic[T]):
-    """``speed``, m/s; ``accel``: acceleration, or with the command what is left of it (disturbance), m/s2."""
+    """``speed``, m/s; ``accel``: acceleration, or the disturbance if the command is known, m/s2."""
 
     speed: T
     accel: T
@@ -232,7 +233,8 @@ FilterName = Literal[
 ]
 FILTERS: tuple[str, ...] = get_args(FilterName)
 
-#: Random walk of an acceleration that is not known, and of the disturbance where the command is: m/s2 in a second.
+#: Random walk of an acceleration that is not known, and of the disturbance where the command is known: m/s2 in a
+#: second.
 ACCEL_WALK = 0.30
 DISTURBANCE_WALK = 0.036
 
@@ -240,7 +242,7 @@ DISTURBANCE_WALK = 0.036
 def speed_filter(numbers: Numbers[T], name: str, noise_mps: float) -> SpeedFilter[T, Any]:
     """The filter of that name (one of :data:`FILTERS`).
 
-    :param noise_mps: standard deviation of a sample, which the Kalman filters are made for.
+    :param noise_mps: standard deviation of a sample, for which the Kalman filters are designed.
     """
 
     def packet(mode: str, lag: int) -> Callable[[], SpeedFilter[T, Any]]:

@@ -1,17 +1,17 @@
-"""What the laws of the system ``stop`` read and write on the bus, and the same in SI units.
+"""Readings and commands of the laws of the system ``stop`` on the bus, and the same in SI units.
 
 Readings, in this order: ``speed1`` to ``speed5`` (mm/s, the oldest first, 3.2 ms apart, the last one of the instant of
 the telegram), ``speed_count``, ``speed_valid``, ``slide``; ``odometer`` (mm since the start of the run), ``balise``,
 ``balise_odometer``; ``load`` (percent), ``wet``, ``standstill``, ``doors``, ``run`` (number of this run, 0: not known);
-``report_run``, ``report_error`` (mm); ``level`` (``BrakeLevel``, what the train does of
-itself). Commands: ``u`` (mm/s2, brake negative), ``start`` (0.1 ms after the poll), ``valid``. Lengths among the notes
-are in mm, the variance in 0.0001 m2.
+``report_run``, ``report_error`` (mm); ``level`` (``BrakeLevel``, the train's own reaction). Commands: ``u`` (mm/s2,
+brake negative), ``start`` (0.1 ms after the poll), ``valid``. Lengths among the notes are in mm, the variance in 0.0001
+m2.
 
-The position and time of the start are those of the scenario (``task.start_m``). While it tracks, a law holds the speed
-at which the run began: this is what differs from run to run.
+The scenario gives the position and time of the start (``task.start_m``). While it tracks, a law holds the speed at
+which the run began; this speed differs from run to run.
 
-The readings of speed, distance and level may be ``STALE_MS`` old: short gaps are the law's to bear (``speed_count``).
-Beyond that the node sends ``valid`` 0, and the train acts by itself.
+The readings of speed, distance and level may be ``STALE_MS`` old: the law has to bridge short gaps (``speed_count``).
+After longer ones the node sends ``valid`` 0, and the train acts by itself.
 """
 
 from __future__ import annotations
@@ -42,8 +42,8 @@ START_Q = 8
 NOTE_Q = 8
 #: Largest age of the fast readings: twice the three cycles for which a law holds the last speed.
 STALE_MS = 96
-#: The state of the train is too old after this many periods. Without a report only the next run learns nothing: a
-#: report never is too old.
+#: The state of the train is too old after this many periods. A report is never too old: without one only the next run
+#: learns nothing.
 _SLOW_PERIODS = 3
 _REPORT_MS = 86_400_000
 #: Bounds of the command, mm/s2; scenarios may allow less. A start instant lies within the cycle of 16 ms.
@@ -94,9 +94,9 @@ STOP = Interface(
 )
 
 
-#: For so many cycles without speed the last one is held; then the train must not begin to brake by it.
+#: Number of cycles without a speed for which the last one is held; then the train must not begin to brake by it.
 HELD_CYCLES = 3
-#: A reported error is limited to this, which is no error of a stop (:mod:`.learning`).
+#: Limit of a reported error, larger than any error of a stop (:mod:`.learning`).
 _REPORT_MAX_MM = 1_000_000.0
 #: Counters end here.
 COUNT_MAX = 1000.0
@@ -105,8 +105,8 @@ _PLACE = {reading.name: index for index, reading in enumerate(STOP.readings)}
 
 class Measured(NamedTuple, Generic[T]):
     """``samples`` m/s; ``odometer`` and ``balise_odometer`` m since the start of the run; ``error`` of the reported
-    stop, m; all others Q0: flags are 0 or 1, ``load`` is in percent, ``run`` is the number of this run, ``report`` of
-    that whose stop was measured (0: none)."""
+    stop, m; all others Q0: flags are 0 or 1, ``load`` is in percent, ``run`` is the number of this run, ``report`` the
+    number of the run whose stop was measured (0: none)."""
 
     samples: tuple[T, ...]
     number: T
@@ -180,7 +180,8 @@ class Inputs(Generic[T]):
         return Gap(self._none, zero, zero, measured.samples[-1])
 
     def bridged(self, gap: Gap[T], measured: Measured[T]) -> tuple[Gap[T], tuple[T, ...], T]:
-        """The samples of this cycle, the last one repeated where there are no new ones, and 1 if there are (Q0)."""
+        """The samples of this cycle, with the last one repeated where there are no new ones, and 1 if there are new
+        ones (Q0)."""
         ar, zero, one = self._numbers.ar, self._numbers.zero, self._numbers.one
         change = ar.abs(ar.sub(measured.number, gap.number))
         fresh = ar.where(ar.gt(change, zero), measured.valid, zero)
@@ -192,7 +193,7 @@ class Inputs(Generic[T]):
         return Gap(measured.number, missed, seen, samples[-1]), samples, fresh
 
     def refused(self, gap: Gap[T], warm_up: int) -> T:
-        """1 while the estimate is not one to brake by (Q0): too long without speed, or not yet warm again."""
+        """1 while the estimate must not start the brake (Q0): too long without speed, or not yet warm again."""
         ar, zero, one = self._numbers.ar, self._numbers.zero, self._numbers.one
         enough = self._numbers.hold("warm_up", warm_up - 1, 0, "filter")
         warm = ar.where(ar.gt(gap.samples, enough), zero, one)

@@ -1,7 +1,7 @@
-"""What the stopping laws share: the order of a cycle, from speed and place to stage, command and learning.
+"""Common part of the stopping laws: the order of a cycle, from speed and place to stage, command and learning.
 
 Stages (:mod:`.stages`): start (a), accelerate (b), track (c), armed (d1), brake (d2), standstill (d3), learn (d4).
-A law of this kind says when the brake begins and what is commanded then.
+A law of this kind decides when the brake begins and gives its commands.
 """
 
 from __future__ import annotations
@@ -30,12 +30,12 @@ class StopParameters:
 
     #: gamma of the learning; 0: the rule max(1/j, 0.3).
     gamma: Annotated[float, Field(ge=0, le=3)] = 0.0
-    #: Offset before the first run: a cold start that undershoots has a positive one.
+    #: Offset before the first run; a positive one makes the first run undershoot.
     first_offset_m: Annotated[float, Field(ge=-12, le=12)] = 0.0
     #: Width of the innovation test in standard deviations of the last stops; 0: no test.
     innovation_sigmas: Annotated[float, Field(ge=0, le=10)] = 3.0
-    #: Scatter of a stop and its measurement that does not repeat; the gain is less where there is nothing else. 0: it
-    #: stays.
+    #: Non-repeating scatter of a stop and its measurement; the gain is reduced where no other error is left. 0: the
+    #: gain stays.
     report_sigma_m: Annotated[float, Field(ge=0, le=10)] = 0.0
     #: Gain with which the approach holds its speed, 1/s.
     hold_per_s: Annotated[float, Field(ge=0, le=2)] = 0.2
@@ -49,14 +49,14 @@ class Estimate(NamedTuple, Generic[T]):
 
 
 class Order(NamedTuple, Generic[T]):
-    """What the brake does: command (m/s2) and the instant in the cycle from which it acts (s, Q ``TIME_Q``)."""
+    """Action of the brake: command (m/s2) and the instant in the cycle from which it acts (s, Q ``TIME_Q``)."""
 
     accel: T
     start: T
 
 
 class StopState(NamedTuple, Generic[T]):
-    """State of a law; ``own`` is that of its estimate and of its brake."""
+    """State of a law; ``own`` is the state of its estimate and of its brake."""
 
     gap: Gap[T]
     stage: T
@@ -145,7 +145,7 @@ class StopLaw(VectorLaw[T, StopState[T]]):
 
     @abstractmethod
     def begins(self, estimate: Estimate[T], margin: T) -> T:
-        """1 if the brake begins in this cycle (Q0). ``margin``: distance left before it has to, m."""
+        """1 if the brake begins in this cycle (Q0). ``margin``: distance left before it has to begin, m."""
 
     @abstractmethod
     def brake(
@@ -154,7 +154,7 @@ class StopLaw(VectorLaw[T, StopState[T]]):
         """The command while the brake is on, computed in each cycle.
 
         :param last: command of the last cycle; ``planned``: planned deceleration, m/s2. :param missed: 1 while the
-            speed is not known (Q0). :param first: 1 in the cycle in which the brake begins.
+            speed is unknown (Q0). :param first: 1 in the cycle in which the brake begins.
         """
 
     def reserve(self, speed: T, planned: T) -> T:
@@ -214,7 +214,7 @@ class StopLaw(VectorLaw[T, StopState[T]]):
         own, order = self.brake(own, estimate, margin, state.accel, offset, planned, missed, first)
         accel = ar.clip(ar.where(on, order.accel, pulled), self.most, self.least)
         accel = ar.note("accel", accel, ACCEL_Q, "m/s2")
-        # From here on the command is what the train is told, so that no model has another one.
+        # From here on the command is the one sent to the train, so that no model has another one.
         code = self._outputs.code(accel)
         accel = self._on_the_bus(code)
         start = ar.where(ar.gt(first, zero), order.start, self.at_once)
@@ -239,7 +239,7 @@ class StopLaw(VectorLaw[T, StopState[T]]):
         return self.ar.clip(self._outputs.accel(code), self.most, self.least)
 
     def with_sent(self, state: Any, commands: Sequence[T]) -> Any:
-        """The train does not take a command that is not valid, and such a run is not one to learn from."""
+        """The train does not take an invalid command, and nothing is learned from such a run."""
         ar, zero = self.ar, self.numbers.zero
         code, _, valid = commands
         lost = ar.where(ar.gt(valid, zero), zero, self.numbers.one)

@@ -4,9 +4,9 @@ The update is P-type terminal iterative learning on the offset b, by which the b
 
     b[j+1] = clip(b[j] + clip(gamma e[j], +-8 m), +-12 m)           e = s_stop - S, overshoot positive
 
-There is none if the wheels slid, the train braked by itself, the report is of another run than this one, this run or a
-later one has been learned already, the reported error is none that a stop can have, or it is far from what the last
-runs let expect (innovation test).
+There is no update if the wheels slid, the train braked by itself, the report belongs to another run, this run or a
+later one has been learned already, the reported error is impossible for a stop, or it is far from the expectation from
+the last runs (innovation test).
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ CLASSES = 3
 _EDGES_PERCENT = (100.0 / 3.0, 200.0 / 3.0)
 STEP_MAX_M = 8.0
 OFFSET_MAX_M = 12.0
-#: Bounds of the variance of the stop, m2; the larger one is that of a stop never seen.
+#: Bounds of the variance of the stop, m2; the larger one is for a stop never seen.
 VARIANCE_MIN_M2, VARIANCE_MAX_M2 = 1e-4, 25.0
 #: No stop is this far off; a report beyond is a defect of the report.
 ERROR_MAX_M = 200.0
-#: An error beyond this share of the braking distance is none of the brake (with the innovation test).
+#: An error beyond this share of the braking distance is not the brake's (with the innovation test).
 SHARE_MAX = 0.09
 _RUNS_MAX = 4000.0
 #: The rule without a fixed gain: 1/j, at least this.
@@ -42,7 +42,7 @@ VERSION = 1
 
 
 class Record(NamedTuple, Generic[T]):
-    """What is kept for a load class and rail: offset b (m), variance of the stop (m2), runs learned, the last one."""
+    """Record of a load class and rail: offset b (m), variance of the stop (m2), runs learned, the last one."""
 
     offset: T
     variance: T
@@ -51,7 +51,7 @@ class Record(NamedTuple, Generic[T]):
 
 
 class Report(NamedTuple, Generic[T]):
-    """What was measured of a stop: number of its run (Q0, 0: none) and error, m (Q ``DISTANCE_Q``)."""
+    """Measurement of a stop: number of its run (Q0, 0: none) and error, m (Q ``DISTANCE_Q``)."""
 
     run: T
     error: T
@@ -75,7 +75,7 @@ class Learned(NamedTuple, Generic[T]):
 def stored_records(values: Mapping[str, Any] | None) -> dict[tuple[int, int], Mapping[str, Any]]:
     """Records of a memory by load class and wet.
 
-    :raises ValueError: an entry that no run of a law has left there.
+    :raises ValueError: an entry that no run of a law can leave.
     """
     if values is None:
         return {}
@@ -105,8 +105,8 @@ class Learning(Generic[T]):
 
     :param values: the memory, None before the first run. :param gamma: fixed gain, 0: max(1/j, 0.3).
     :param sigmas: width of the innovation test, 0: none. :param active: False: the record is used, and never changed.
-    :param report_sigma_m: scatter of a stop and its measurement that does not repeat: the gain is multiplied with the
-        share of the variance of the last errors that is beyond it, so that nothing is learned from noise. 0: it is not.
+    :param report_sigma_m: non-repeating scatter of a stop and its measurement: the gain is multiplied with the share of
+        the variance of the last errors beyond it, so that nothing is learned from noise. 0: the gain is not reduced.
     :param first_offset_m: offset before the first run (a cold start should undershoot).
     """
 
@@ -140,7 +140,7 @@ class Learning(Generic[T]):
                     hold(f"{name}_runs", min(stored["runs"], _RUNS_MAX), 0, memory),
                     hold(f"{name}_last_run", stored["last_run"], 0, memory),
                 )
-        # A train makes its runs one after another: one before the newest run of any record is over.
+        # A train makes its runs one after another: a run before the newest run of any record is over.
         newest = max((record["last_run"] for record in self._stored.values()), default=0)
         self._newest = hold("memory_last_run", newest, 0, memory)
         self._edges = [hold(f"load_class_{n}", edge, 0, "law") for n, edge in enumerate(_EDGES_PERCENT, 1)]
@@ -176,10 +176,11 @@ class Learning(Generic[T]):
         return Learned(slot, record, record, zero, zero, nothing, self._gamma)
 
     def step(self, learned: Learned[T], ready: T, spoiled: T, run: T, report: Report[T], braking: T) -> Learned[T]:
-        """Learn, if there is something to learn from.
+        """Learn if there is a usable report.
 
-        :param ready: 1 when the train stands. :param spoiled: 1 in a cycle in which the run became one not to learn
-            from. :param run: number of this run, 0 if it is not known. :param braking: braking distance of the run, m.
+        :param ready: 1 when the train stands. :param spoiled: 1 in a cycle in which the run became unusable for
+            learning. :param run: number of this run, 0 if it is not known. :param braking: braking distance of the run,
+            m.
         """
         ar, zero, one = self._numbers.ar, self._numbers.zero, self._numbers.one
         error = report.error
@@ -187,7 +188,7 @@ class Learning(Generic[T]):
         old = learned.before
         size = ar.abs(error)
         possible = ar.where(ar.gt(self._possible, size), ready, zero)
-        # Only of the run that the train has just made; without a number of its own it cannot tell.
+        # Only the run that the train has just made is learned; without a number of the run this cannot be decided.
         own = ar.where(ar.gt(ar.abs(ar.sub(report.run, run)), zero), zero, possible)
         wanted = ar.where(ar.gt(run, self._newest), own, zero)
         wanted = ar.where(ar.gt(learned.learned, zero), zero, wanted)

@@ -1,9 +1,9 @@
 """Learning over speed, load and rate: recursive least squares on delay and 1/gain of the brake, with a load term.
 
 Braking takes ``y + a tau^2/2 = theta1 v + theta2 v^2/(2a) + theta3 load v^2/(2a)``; theta1 is delay + lag, theta2 is
-1/gain of the empty train, and theta3 says by how much it grows to full load. Unlike one offset for each load class it
-holds at other speeds too. The estimate is learned once for each run, under the same gates as the offset, and only from
-a stop within 3 sigma of what was expected and within 9 % of the braking distance.
+1/gain of the empty train, and theta3 is its growth to full load. Unlike one offset for each load class it holds at
+other speeds too. The estimate is learned once for each run, under the same gates as the offset, and only from a stop
+within 3 sigma of the expectation and within 9 % of the braking distance.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ def _place(row: int, column: int) -> int:
 
 
 def checked(values: Mapping[str, Any]) -> None:
-    """Refuse a stored estimate that no brake has.
+    """Refuse a stored estimate that is impossible for a brake.
 
     :raises ValueError: a number out of range.
     """
@@ -99,7 +99,7 @@ class LeastSquares(Generic[T]):
         return regressors, re.sub(re.dot(state.theta, regressors), re.mul(decel, self._lag))
 
     def begun(self, state: Braking[T], first: T, regressors: tuple[T, ...], expected: T) -> Braking[T]:
-        """Remember with what the brake began, in the cycle in which ``first`` is 1."""
+        """Store the values at the beginning of the brake, in the cycle in which ``first`` is 1."""
         re = self.re
         now = re.gt(first, re.zero)
         return state._replace(

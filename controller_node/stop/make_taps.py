@@ -27,7 +27,7 @@ WINDOW = 128
 #: Samples a second.
 RATE_HZ = 312.5
 MODES = ("symmetric", "antireflect")
-#: How many samples behind the newest one the packet is read.
+#: Number of samples behind the newest one at which the packet is read.
 LAGS = (0, 8, 63)
 
 
@@ -60,7 +60,7 @@ def taps() -> dict[str, list[float]]:
 
 
 def golden() -> list[dict[str, Any]]:
-    """Windows of speeds (m/s) and what PyWavelets makes of them."""
+    """Windows of speeds (m/s) and their results by PyWavelets."""
     random = np.random.default_rng(14)
     time_s = np.arange(WINDOW) / RATE_HZ
     windows = {

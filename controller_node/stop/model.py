@@ -1,4 +1,4 @@
-"""Train and line as a stopping law knows them: grades, the brake model that it rolls forward, the stopping distance."""
+"""A stopping law's model of train and line: grades, the brake model that it rolls forward, the stopping distance."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ class BrakeModel(Generic[T]):
         decay, kept_s, _ = _kept(period_s, lag_s)
         self._accel = numbers.hold_all("cycle_accel", (decay, *(one[0] for one in within)), GAIN_Q, origin)
         self._speed = numbers.hold_all("cycle_speed", (kept_s, *(one[1] for one in within)), GAIN_Q, origin)
-        # Until the command that is computed now begins to act, those on their way do, the oldest first.
+        # Until the command that is computed now begins to act, the commands on their way act, the oldest first.
         edges = [0.0, *(rest_s + index * period_s for index in range(whole + 1))]
         ahead = _weights(list(pairwise(edges)), delay_s, lag_s)
         accel, speed, place = zip(_kept(delay_s, lag_s), *ahead, strict=True)
@@ -105,7 +105,7 @@ class BrakeModel(Generic[T]):
     def ahead(self, now: Rolled[T], disturbance: T, queue: Sequence[T]) -> Rolled[T]:
         """The train when the command that is computed now begins to act.
 
-        :param disturbance: acceleration besides that of the brake, m/s2 (Q ``ACCEL_Q``).
+        :param disturbance: acceleration besides the brake's, m/s2 (Q ``ACCEL_Q``).
         :param queue: with the last command in front.
         """
         ar = self._ar
@@ -132,7 +132,7 @@ def _decay(x: float) -> float:
 
 
 def _kept(time_s: float, lag_s: float) -> tuple[float, float, float]:
-    """What an acceleration of 1 m/s2 without a command becomes, and the speed (m/s) and distance (m) by it."""
+    """Decay of an acceleration of 1 m/s2 without a command, and the speed (m/s) and distance (m) by it."""
     decay = _decay(time_s / lag_s)
     speed = lag_s * (1.0 - decay)
     return decay, speed, lag_s * (time_s - speed)

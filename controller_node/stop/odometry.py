@@ -1,6 +1,6 @@
 """Place by odometer and balises: a Kalman filter of the odometer's error and of its growth (wheel diameter).
 
-Unlike a jump to each balise this weighs the 3 cm of a balise against those before it.
+Unlike a jump to each balise, this weighs the 3 cm of a balise against earlier balises.
 """
 
 from __future__ import annotations
@@ -15,12 +15,12 @@ from railhil.controller_node.stop.numbers import DISTANCE_Q, GAIN_Q, Numbers
 #: Growth is counted in m per this many m, so that its variance is not too small for a format.
 _SPAN_M = 100.0
 _Q = 24
-#: The place of the start is known so well; corrections are limited to this, m.
+#: Uncertainty of the place of the start, and limit of the corrections, m.
 _START_SIGMA_M = 0.01
 _FAR_M = 20.0
 #: Bound of the growth, m per 100 m.
 _GROWTH_M = 2.0
-#: A balise may move the place by no more than this, m.
+#: Largest change of the place by a balise, m.
 _JUMP_M = 5.0
 
 

@@ -1,4 +1,4 @@
-"""The stages of a run, each from that of the last cycle, and the command of those before the brake."""
+"""The stages of a run, each from the stage of the last cycle, and the command of the stages before the brake."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from railhil.wire.stop import Stage
 
 #: The brake is armed when it will begin within this distance, m.
 _ARMED_M = 60.0
-#: Speeds at which the train has started, and (below that of the approach) has reached it, m/s.
+#: Speeds at which the train has started, and (below the speed of the approach) has reached it, m/s.
 _MOVING_MPS, _REACHED_MPS = 0.5, 0.1
 
 
 class Stages(Generic[T]):
-    """The stages as numbers (Q0): ``idle``, ``armed``, ``braking`` are asked for elsewhere."""
+    """The stages as numbers (Q0): other modules use ``idle``, ``armed``, ``braking``."""
 
     def __init__(self, numbers: Numbers[T]) -> None:
         self._numbers = numbers
@@ -34,8 +34,8 @@ class Stages(Generic[T]):
         """The stage of this cycle.
 
         :param stage: of the last one. :param speed: estimated, m/s. :param cruise: that of the approach, m/s.
-        :param margin: distance left before the brake has to begin, m. :param refused: 1 while the estimate is not one
-            to brake by. :param begins: 1 if the brake begins once it is armed. :param learned: 1 once the stop has
+        :param margin: distance left before the brake has to begin, m. :param refused: 1 while the estimate must not
+            start the brake. :param begins: 1 if the brake begins once it is armed. :param learned: 1 once the stop has
             been learned (all Q0).
         """
         ar, zero = self._numbers.ar, self._numbers.zero
@@ -73,7 +73,7 @@ _HOLD_Q = GAIN_Q - 4
 class Approach(Generic[T]):
     """Before the brake: holds a speed against grade and deviations, with limited jerk.
 
-    The speed is that at which the run began, or in a run from standstill that of the scenario.
+    It is the speed at which the run began, or the scenario's in a run from standstill.
 
     :param task: a :class:`railhil.systems.stop.task.StopTask`. :param hold_per_s: gain on a deviation, 1/s.
     """
@@ -103,7 +103,7 @@ class Approach(Generic[T]):
         return self._numbers.ar.neg(self._grades.at(left))
 
     def speed(self, cruise: T, speed: T, before: T, warm: T) -> T:
-        """The speed to hold, m/s: that of the run when the estimate was first warm.
+        """The speed to hold, m/s: the run's speed when the estimate was first warm.
 
         :param cruise: of the last cycle. :param before, warm: 1 once it has been warm, in the last and this cycle (Q0).
         """

@@ -100,7 +100,7 @@ class Interface:
 
     def __post_init__(self) -> None:
         for telegram in dict.fromkeys(command.telegram for command in self.commands):
-            # Raises InputError for one without it.
+            # Raises InputError for a status without it.
             raw_range(telegram, "life")
 
     @property

@@ -1,8 +1,8 @@
 """Fuzzy PID: an incremental PID of the speed error whose three gains follow fuzzy rules.
 
 The textbook law, one of the comparators of Wang et al., DOI 10.19650/j.cnki.cjsi.J2108765, who name it without its
-equations: error e and change ec are each described by seven triangular sets NB..PB, 49 rules say how far each gain
-moves from its nominal value, and
+equations: error e and change ec are each described by seven triangular sets NB..PB, 49 rules give the shift of each
+gain from its nominal value, and
 
     du = Kp ec + Ki Ts e + Kd / Ts (ec - ec before)
 

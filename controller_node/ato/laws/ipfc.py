@@ -1,7 +1,7 @@
 """IPFC: predictive functional control of the train's speed with a switched basis and an adapted softening factor.
 
-The core of ``pfc`` with section 3 of Wang et al. (see ``pfc_model``); equation numbers are theirs. Interpretations of
-what the paper leaves open, in addition to those of the core: eq. (22) takes wavelets *above* the threshold, the
+The core of ``pfc`` with section 3 of Wang et al. (see ``pfc_model``); equation numbers are theirs. Interpretations
+where the paper leaves a choice, in addition to the core's: eq. (22) takes wavelets *above* the threshold, the
 descriptions of the windows of eqs. (24) and (25) are swapped, eq. (23) uses the magnitude of the error.
 """
 

@@ -1,8 +1,8 @@
-"""IPFC+: predictive functional control of speed and position with feed-forward of everything that is known.
+"""IPFC+: predictive functional control of speed and position with feed-forward of all known data.
 
 railhil's own law, built around the core of the paper's law (an internal model, basis functions, fitting points, gains
-computed offline). What is known about the run enters as tables over the control period number; what is not known (force
-per notch, lag, remaining resistance, wheel circumference) is estimated on line. ``docs/ipfc_plus.md`` has the equations
+computed offline). Known data of the run enter as tables over the control period number; unknown quantities (force per
+notch, lag, remaining resistance, wheel circumference) are estimated on line. ``docs/ipfc_plus.md`` has the equations
 and the contribution of each element.
 """
 
@@ -65,7 +65,7 @@ class IpfcPlusState(NamedTuple, Generic[T]):
 
 
 class IpfcPlusCore(Law[T, State]):
-    """What the laws built on IPFC+ share: the surprise of a reading, the errors, and the notch for an acceleration.
+    """Common part of the laws built on IPFC+: the surprise of a reading, the errors, and the notch for an acceleration.
 
     Speeds in km/h (Q20), notch in notches.
     """
@@ -169,7 +169,7 @@ class IpfcPlusCore(Law[T, State]):
         return LawOutputs(notch_raw, notch, (self._basis, self._one_softening))
 
     def _surprise(self, before: T, disturbance: T, gained: T, speed: T, planned: dict[str, T]) -> tuple[T, T]:
-        """Speed expected at this reading, and by how much the reading differs from it (km/h, Q20).
+        """Speed expected at this reading, and the difference of the reading from it (km/h, Q20).
 
         :param before: the observed speed at the last reading; ``gained`` since then from the actuator.
         """
@@ -285,7 +285,7 @@ class IpfcPlus(IpfcPlusCore[T, IpfcPlusState[T]]):
     def step(self, state: IpfcPlusState[T], inputs: LawInputs[T]) -> tuple[IpfcPlusState[T], LawOutputs[T]]:
         ar = self._ar
         track = inputs.track
-        assert track, "the controller gives a law with track what it asks for"
+        assert track, "the controller supplies track to a law that asks for it"
         planned = self._at(track.k)
         balises, place = self._odometer.step(state.balises, track)
         observer = self._observe(state, inputs.speed, planned)

@@ -1,9 +1,9 @@
 """IPFC+ with an end phase: the last seconds before the stop are aimed at the stopping point.
 
 IPFC+ brings the errors of position and speed to zero at the planned stop until some 2 s before it, and cannot do both
-afterwards. From a chosen speed on, this law weighs what is left: where the train stops counts most, when it does less.
-Position and speed are those at which the commands still on their way will have put the train, and the observer's
-disturbance is subtracted as in IPFC+. ``docs/ipfc_plus.md`` has the equations and what each element contributes.
+afterwards. From a chosen speed on, this law weighs the remaining errors: the place of the stop counts most, its time
+less. Position and speed are predicted with the commands still on their way, and the observer's disturbance is
+subtracted as in IPFC+. ``docs/ipfc_plus.md`` has the equations and the contribution of each element.
 """
 
 from __future__ import annotations
@@ -147,10 +147,10 @@ class SurveyOdometer(Generic[T]):
     """Bounds of the wheel error from balises whose survey has a tolerance, beside the fit of a :class:`BaliseOdometer`.
 
     Every balise passed at odometer o bounds the wheel error w: its true position o (1 + w) lies within the tolerance t
-    of the surveyed one s, so that w is between (s - t - o) / o and (s + t - o) / o. The middle of what all balises
-    leave has the smallest largest error, and with survey errors spread evenly over the tolerance also the smallest
-    median (the midrange; the fit is the best one for normal errors). Where nothing is left, the tolerance was wrong,
-    and the fit is used.
+    of the surveyed one s, so that w is between (s - t - o) / o and (s + t - o) / o. The middle of the interval that all
+    balises leave has the smallest largest error, and with survey errors spread evenly over the tolerance also the
+    smallest median (the midrange; the fit is the best one for normal errors). If the interval is empty, the tolerance
+    was wrong, and the fit is used.
     """
 
     def __init__(self, arithmetic: Arithmetic[T], table: IpfcPlusStopConstants, fit: BaliseOdometer[T]) -> None:
@@ -180,7 +180,7 @@ class SurveyOdometer(Generic[T]):
     ) -> tuple[WheelBounds[T], Place[T]]:
         """Include a new balise.
 
-        :param fits: the fit before it and with it; a balise that the fit did not take in bounds nothing.
+        :param fits: the fit before it and with it; a balise that the fit ignored bounds nothing.
         :param fitted: the place by the fit.
         """
         ar, (before, after), (_, surveyed, passed) = self._ar, fits, track.balise
@@ -268,7 +268,7 @@ class IpfcPlusStop(StopObserver[T, IpfcPlusStopState[T]]):
 
     def step(self, state: IpfcPlusStopState[T], inputs: LawInputs[T]) -> tuple[IpfcPlusStopState[T], LawOutputs[T]]:
         ar, track = self._ar, inputs.track
-        assert track, "the controller gives a law with track what it asks for"
+        assert track, "the controller supplies track to a law that asks for it"
         planned = self._at(track.k)
         balises, fitted = self._odometer.step(state.balises, track)
         wheel, place = self._survey.step(state.wheel, (state.balises, balises), track, fitted)

@@ -1,4 +1,4 @@
-"""TPFC2: predictive functional control with Morlet wavelets as basis, whatever the set-point does.
+"""TPFC2: predictive functional control with Morlet wavelets as basis for every set-point.
 
 One of the traditional laws with which section 4.5 of Wang et al. (see ``pfc_model``) compares IPFC: the core of ``pfc``
 with IPFC's wavelets and the constant softening factor of section 2.3. Equation numbers are theirs.

@@ -138,7 +138,7 @@ class AGpc(LoopControllerLaw[T]):
 
     name = "a_gpc"
     parameters_type = AGpcParameters
-    #: Its figures on these seeds were looked at while its parameters were chosen.
+    #: Its figures on these seeds were known while its parameters were chosen.
     design_seeds: ClassVar[Mapping[str, range]] = dict.fromkeys(JOURNEYS, range(201, 206))
     parameters_origin = "ours, near those of mm_gpc; the papers print none"
 

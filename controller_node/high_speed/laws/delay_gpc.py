@@ -95,7 +95,7 @@ class DelayController(LoopController[T, DelayState[T]]):
         self._half = max(1, round(given.slope_span_s / period_s))
         self._per_span = re.number("per_span", 0.5 / (self._half * period_s), "parameters")
         # For each extra delay and each side: the law's weights on the errors, and the centre of the time in which a
-        # command acts (in periods after it was computed).
+        # command acts (in periods after its computation).
         times_s = [j * period_s for j in range(1, given.horizon + 1)]
         self._laws: list[tuple[tuple[T, ...], ...]] = []
         self._urgent_laws: list[tuple[tuple[T, ...], ...]] = []
@@ -245,10 +245,10 @@ def loop_radius(controller: DelayController[float], train: Train, gains: tuple[f
     """Largest magnitude of a pole of the closed loop: train, exact predictor, filter of [v, d] and the law.
 
     The loop is stable if it is below 1. The effectiveness is taken as known and the gains of the filter as steady. With
-    one delay for both sides the law is then linear: the matrix of the loop consists of its answers to unit vectors.
+    one delay for both sides the law is then linear: the columns of the loop's matrix are its answers to unit vectors.
 
     :param controller: in float64, with the same delay for traction and braking.
-    :param train: with the nominal delay; another one shows what a mismatch does.
+    :param train: with the nominal delay; another one shows the effect of a mismatch.
     :param gains: of the filter, on speed and disturbance, see :func:`.kalman.steady_gains`.
     :param emergency: with the weights from the trigger of an emergency on.
     """

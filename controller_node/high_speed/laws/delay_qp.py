@@ -1,10 +1,10 @@
 """DelayQP: our law with constraints. The filters of :mod:`.delay_gpc`, and a quadratic program over the horizon.
 
-What :mod:`.delay_gpc` does by a formula and a clip is a program (:mod:`.qp_problem`) with a jerk limit, limits of the
-commands, the power limit at the coming speeds, the forces of the couplers and the work of the traction. With
-``loop = "train"`` one program finds the commands of all units of a coupled train: it follows the mean speed by mass,
-and knows from the units' delays which forces their commands will cause. The forces are predicted from the commands
-alone: what acts on all units alike does not move them against each other.
+A program (:mod:`.qp_problem`) replaces the formula and the clip of :mod:`.delay_gpc`. It has a jerk limit, limits of
+the commands, the power limit at the coming speeds, the forces of the couplers and the work of the traction. With ``loop
+= "train"`` one program finds the commands of all units of a coupled train: it follows the mean speed by mass, and
+predicts from the units' delays the forces that their commands will cause. The commands alone determine these forces:
+effects on all units alike do not move them against each other.
 """
 
 from __future__ import annotations
@@ -42,8 +42,8 @@ class DelayQpParameters(QpParameters, BankParameters, HighSpeedParameters):
 
 
 class QpState(NamedTuple, Generic[T]):
-    """Of one program. ``commands``: of each unit, newest first, m/s^2. ``apart``: speeds of the units relative to the
-    train (m/s), then gaps (m). ``new``: 1 before the first sample."""
+    """State of one program. ``commands``: of each unit, newest first, m/s^2. ``apart``: speeds of the units relative to
+    the train (m/s), then gaps (m). ``new``: 1 before the first sample."""
 
     commands: tuple[tuple[T, ...], ...]
     apart: tuple[T, ...]
@@ -61,7 +61,7 @@ class Group:
 
     @property
     def shares(self) -> tuple[float, ...]:
-        """Of the units in the mass of the group."""
+        """Shares of the units in the mass of the group."""
         total = sum(self.masses_t)
         return tuple(mass_t / total for mass_t in self.masses_t)
 
@@ -97,7 +97,7 @@ class _Program(Generic[T]):
         return Qp(prediction, centres, self.group.shares, limits, given, period_s, solver)
 
     def _solved(self, values: Sequence[float]) -> Sequence[float]:
-        """Commands of the units, and ``apart`` one sample later, from what :meth:`step` passes."""
+        """Commands of the units, and ``apart`` one sample later, from the values that :meth:`step` passes."""
         parts = np.split(np.asarray(values, dtype=np.float64), self._edges)
         reference, (speed, disturbance, gain, delay_s, *words), apart, lags, past = parts
         program = self._programs[int(np.argmin(np.abs(np.array(self.bank.extra_s) - delay_s)))]
@@ -144,7 +144,7 @@ class DelayQp(HighSpeedLaw[T, Any]):
     name = "delay_qp"
     parameters_type = DelayQpParameters
     parameters_origin = "ours"
-    #: Those of the filters' parameters too, which are :mod:`.delay_gpc`'s.
+    #: Includes the seeds of the filters' parameters, which are :mod:`.delay_gpc`'s.
     design_seeds: ClassVar[Mapping[str, range]] = {
         **dict.fromkeys(JOURNEYS, range(1, 204)),
         **dict.fromkeys(("hst_short", "emu3_short", "jinan_xuzhou_emu3_coupled"), range(100, 101)),
@@ -178,7 +178,7 @@ class DelayQp(HighSpeedLaw[T, Any]):
         self._per_count = re.number("per_count", 1.0 / ACCEL_PER_MPS2, "port table")
 
     def _groups(self, task: Any) -> list[Group]:
-        """What the programs command: each unit alone, the train as one unit, or all units.
+        """Units commanded by each program: each unit alone, the train as one unit, or all units.
 
         :raises InputError: all units without couplers.
         """

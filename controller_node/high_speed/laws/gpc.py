@@ -1,4 +1,4 @@
-"""Linear generalized predictive control: the model alone, without an estimate of what it does not explain."""
+"""Linear generalized predictive control: the model alone, without an estimate of its residual."""
 
 from __future__ import annotations
 

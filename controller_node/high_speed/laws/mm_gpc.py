@@ -1,4 +1,5 @@
-"""Multi-model GPC, the comparator of 004 ([3], [24] there): several fixed models, the one that fits best is used."""
+"""Multi-model GPC, the comparator of 004 ([3], [24] there): several fixed models, of which the best fitting one is
+used."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""OS-ELM-NGPC: as ELM-NGPC, and the output weights go on learning on-line: least squares with a random walk.
+"""OS-ELM-NGPC: as ELM-NGPC, and the output weights continue to learn on-line: least squares with a random walk.
 
 The hidden layer stays as it was trained; the output weights are the state of a Kalman filter whose measurement is the
 residual. With the symmetric matrix P, the outputs h of the hidden layer and the new residual xi::
@@ -78,7 +78,7 @@ class SequentialStep(Generic[T]):
 class OsElmParameters(LearnedParameters):
     """Parameters of the law."""
 
-    #: The output weights learn on-line, and take up what an identification would.
+    #: The output weights learn on-line, and absorb the part that an identification would.
     ident: Literal["paper", "differenced", "off"] = "off"
     #: q: variance by which an output weight may walk between two samples, relative to that of a residual.
     walk: Annotated[float, Field(ge=0, le=1)] = 0.01

@@ -5,7 +5,7 @@
     u(k) = clip(kp e(k) + i(k) + kd (e(k) - e(k-1)) / T0)        i(k) = clip(i(k-1) + ki T0 e(k))        e = w - v
 
 It also drives the runs whose records networks are trained on: a square wave can be added to its commands. Without it
-the record holds only what the law's own feedback does, and a network trained on it controls badly (D14).
+the record holds only the effect of the law's own feedback, and a network trained on it controls badly (D14).
 """
 
 from __future__ import annotations
@@ -65,8 +65,8 @@ class Pid(HighSpeedLaw[T, PidState]):
         self._proportional = self.hold("kp", given.kp_per_s, _GAIN_Q, "parameters")
         self._integral = self.hold("ki_sample", given.ki_per_s2 * sample_s, _GAIN_Q, "parameters")
         self._differential = self.hold("kd_by_sample", given.kd / sample_s, _GAIN_Q, "parameters")
-        # With the wave it makes records. To the last bit these are those of the shipped networks: no holding brake, and
-        # an error of two rounded speeds.
+        # With the wave it makes records. They equal the records of the shipped networks to the last bit: no holding
+        # brake, and an error of two rounded speeds.
         self.holds = not given.dither_mps2
         self._wave: tuple[T, ...] = ()
         if given.dither_mps2:

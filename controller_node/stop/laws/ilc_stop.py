@@ -35,7 +35,7 @@ class IlcStopParameters(StopParameters):
     gamma: Annotated[float, Field(ge=0, le=3)] = 0.5
     innovation_sigmas: Annotated[float, Field(ge=0, le=10)] = 0.0
     filter: FilterName = "packet"
-    #: Noise of a speed sample that the Kalman filters are made for.
+    #: Noise of a speed sample for which the Kalman filters are designed.
     noise_mps: Annotated[float, Field(gt=0, le=1)] = 0.01
     epsilon_m: Annotated[float, Field(ge=0, le=10)] = 0.4
     #: The paper's |m| <= eps, ``window``: without a fallback, ``window_or_late``: or m < -eps.
@@ -77,7 +77,7 @@ class IlcStop(StopLaw[T]):
         self._epsilon = numbers.hold("epsilon", given.epsilon_m, DISTANCE_Q, "parameters")
         self._cycle = numbers.hold("cycle", self.period_s, GAIN_Q, "scenario")
         self._cycle_end = numbers.hold("cycle_end", self.period_s, TIME_Q, "scenario")
-        # More than the way of a cycle is never left when the brake begins.
+        # When the brake begins, at most the way of a cycle is left.
         self._squares = None
         if given.learning == "rls_load":
             if not arithmetic.wide:

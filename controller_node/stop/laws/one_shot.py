@@ -1,4 +1,4 @@
-"""One brake command without filter and learning: the train holds its speed, and brakes where the model says.
+"""One brake command without filter and learning: the train holds its speed, and brakes at the point given by the model.
 
 ::
 
@@ -24,7 +24,7 @@ _ODOMETER, _STANDSTILL = 8, 13
 
 @dataclass(frozen=True)
 class OneShotParameters:
-    """None: all numbers are those of the scenario."""
+    """None: the scenario gives all numbers."""
 
 
 class OneShotState(NamedTuple):

@@ -1,8 +1,8 @@
-"""``reaim``, ours: the brake is aimed anew every 64 ms at the stopping point, with what is known of the disturbance.
+"""``reaim``, ours: the brake is aimed anew every 64 ms at the stopping point, with the estimated disturbance.
 
 The train is propagated through the commands still on their way (delay). From there, with the lag tau and a command u
-that stays, its speed and place are those of a train without lag that has ``ve = vp + (ap - u) tau`` and still has
-``D = S - b - sp + (ap - u) tau^2`` to go, so that::
+that stays, its speed and place equal a train's without lag that has ``ve = vp + (ap - u) tau`` and still has ``D = S -
+b - sp + (ap - u) tau^2`` to go, so that::
 
     u = -ve^2 / (2 D) - d_hat
 
@@ -143,7 +143,7 @@ class Reaim(StopLaw[T]):
         mean = ar.dot((self._fifth,) * len(samples), samples, GAIN_Q)
         earlier = ar.sub(guess, held.rounded(ar.mpy(gained, self._before, GAIN_Q), ACCEL_Q, SPEED_Q))
         error = ar.clip(ar.sub(mean, earlier), held.fastest, held.slowest)
-        # Without new samples, and at standstill, the model goes on alone.
+        # Without new samples, and at standstill, the model continues alone.
         error = ar.where(ar.gt(fresh, measured.standstill), error, self._still)
         speed = ar.clip(ar.add(guess, ar.rmpy(error, self._on_speed, GAIN_Q)), held.fastest, self._still)
         disturbance = ar.add(own.disturbance, ar.rmpy(error, self._on_disturbance, SPEED_Q))
