@@ -129,12 +129,14 @@ class Extra:
 
     ``key`` names it in ``score.json`` and in columns, ``name`` for readers; ``counted`` is the key in ``summary.json``
     for the number of runs in which it is not 0, ``heading`` the heading of that number on a terminal.
+    ``tuning_weight``: its part of the objective of ``railhil tune``, per unit.
     """
 
     key: str
     name: str
     counted: str
     heading: str
+    tuning_weight: float = 1.0
 
 
 def limited(criteria: Sequence[Criterion], scenario: Any = None) -> list[Criterion]:

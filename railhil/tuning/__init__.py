@@ -1,5 +1,5 @@
 """Tuning of a law by one protocol: the same search, budget, training runs and objective for every law.
 
-``objective`` is the formula, ``stacked`` runs many candidates as one batch, ``search`` finds the best of them,
+``objective`` is the formula, ``trials`` runs many candidates at once, ``search`` finds the best of them,
 ``document`` writes the parameter file, ``evaluation`` judges it on runs not used in the search.
 """

@@ -23,10 +23,9 @@ from railhil.common.output import Output
 from railhil.common.streams import accept_any_text, flush_output, print_json
 from railhil.common.user_files import check_writable, whole_file
 from railhil.scenarios.load import load
-from railhil.scenarios.model import require_perturbations
+from railhil.scenarios.model import AnyScenario, require_perturbations
 from railhil.scenarios.parameters import load_parameters
 from railhil.scenarios.run_spec import LawSpec
-from railhil.systems.ato.scenario.model import Scenario
 from railhil.tuning.command import DEFAULT_SCENARIO, arguments, check_combination
 from railhil.tuning.shipped import shipped
 
@@ -64,7 +63,7 @@ def _seeds(namespace: argparse.Namespace) -> range:
     return range(namespace.first_seed, namespace.first_seed + namespace.runs)
 
 
-def _scenario(namespace: argparse.Namespace, otherwise: str = "") -> Scenario:
+def _scenario(namespace: argparse.Namespace, otherwise: str = "") -> AnyScenario:
     scenario = load(namespace.scenario or otherwise or DEFAULT_SCENARIO, namespace.set)
     require_perturbations(scenario, "tune")
     return scenario

@@ -11,7 +11,6 @@ from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.tomlfile import toml_table, toml_value
 from railhil.tuning import objective
 from railhil.tuning.search import Box, Found, Protocol
-from railhil.tuning.trials import REFERENCE
 
 _HEAD = "# Written by railhil tune. Parameters of the law that are not named here keep their defaults.\n"
 _DIGITS = 6
@@ -36,6 +35,7 @@ def changes(given: ParameterSet, system: str) -> list[str]:
 def notes(protocol: Protocol, found: Found) -> dict[str, Any]:
     """Notes of the search about itself; without date or paths, so that the same search writes the same bytes."""
     own = _made_by(protocol.scenario.system, protocol.law.controller)
+    reference = protocol.scenario.installed_system.law
     return {
         "scenario_sha256": protocol.scenario.sha256,
         # TOML has no word for none.
@@ -54,7 +54,7 @@ def notes(protocol: Protocol, found: Found) -> dict[str, Any]:
         "objective_version": objective.VERSION,
         "objective_default": _rounded(found.objective_default),
         "objective_tuned": _rounded(found.objective),
-        "scale_of": f"limits of the plan; medians of {REFERENCE} with its published parameters",
+        "scale_of": f"limits of the plan; medians of {reference} with its published parameters",
     }
 
 

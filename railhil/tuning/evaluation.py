@@ -11,11 +11,11 @@ from rich.table import Table
 from railhil.batch import Batch, Case
 from railhil.batch.statistics import quantile
 from railhil.common.output import Output, table
-from railhil.judge.criteria import Criterion, limited
+from railhil.judge.criteria import DID_NOT_STOP, Criterion, limited
+from railhil.judge.judging import Judging, judging_of
 from railhil.scenarios.model import watch_sentence
 from railhil.scenarios.parameters import ParameterSet
 from railhil.study.perturbed_runs import check_unseen, run_seeds, training_seeds
-from railhil.systems.ato.judge.criteria import CRITERIA, OVERSPEED, STOP_ERROR
 from railhil.tuning.objective import Scale, objective
 
 _QUANTILES = (("median", 0.5), ("p95", 0.95))
@@ -76,7 +76,7 @@ def worse(found: Evaluation, scale: Scale) -> list[str]:
     said = [f"objective {before:.3f} -> {after:.3f}"] if after > before else []
     passes = [int(result.passed.sum()) for result in (found.default, found.tuned)]
     said += [f"PASS {passes[0]} -> {passes[1]}"] if passes[1] < passes[0] else []
-    for criterion in limited(CRITERIA):
+    for criterion in limited(scale.judging.criteria):
         own, tuned = (np.array(quantiles(result, criterion)[:1]) for result in (found.default, found.tuned))
         grown = criterion.badness(tuned) > criterion.badness(own)
         if (grown & ~criterion.inside(found.case.scenario, tuned)).any():
@@ -104,22 +104,29 @@ def _cells(found: Evaluation) -> Table:
     for who in ("default", "tuned"):
         for name, _ in _QUANTILES:
             made.add_column(f"{who}\n{name}", justify="right", no_wrap=True)
-    for criterion in CRITERIA:
+    for criterion in judging_of(found.case.scenario).criteria:
         values = [*quantiles(found.default, criterion), *quantiles(found.tuned, criterion)]
         cells = (criterion.shown(value, _digits(criterion)) if np.isfinite(value) else "no stop" for value in values)
         made.add_row(criterion.title, criterion.unit, *cells)
     return made
 
 
-def _shares(result: Batch) -> str:
-    runs = len(result.seed)
-    stopped = int(np.isfinite(result.values[STOP_ERROR.key]).sum())
-    over = int((result.extras[OVERSPEED.key] > 0).sum())
-    return f"PASS {int(result.passed.sum())} of {runs}, stopped {stopped}, overspeed {over}"
+def _stopped(result: Batch, judging: Judging) -> int:
+    """Number of runs with a value of each criterion of a stop."""
+    stops = [result.values[one.key] for one in limited(judging.criteria) if one.without == DID_NOT_STOP]
+    return int(np.logical_and.reduce([np.isfinite(values) for values in stops]).sum())
+
+
+def _shares(result: Batch, judging: Judging) -> str:
+    extras = (f", {extra.name} {int((result.extras[extra.key] > 0).sum())}" for extra in judging.extras)
+    passed = f"PASS {int(result.passed.sum())} of {len(result.seed)}"
+    return f"{passed}, stopped {_stopped(result, judging)}{''.join(extras)}"
 
 
 def document(found: Evaluation) -> dict[str, Any]:
     """The comparison as JSON; a quantile of runs that did not stop is the text ``inf``."""
+
+    judging = judging_of(found.case.scenario)
 
     def of(result: Batch) -> dict[str, Any]:
         scores = {
@@ -127,13 +134,13 @@ def document(found: Evaluation) -> dict[str, Any]:
                 key: value if np.isfinite(value) else str(value)
                 for (key, _), value in zip(_QUANTILES, quantiles(result, criterion), strict=True)
             }
-            for criterion in CRITERIA
+            for criterion in judging.criteria
         }
         return {
             "scores": scores,
             "passed": int(result.passed.sum()),
-            "stopped": int(np.isfinite(result.values[STOP_ERROR.key]).sum()),
-            "overspeeds": int((result.extras[OVERSPEED.key] > 0).sum()),
+            "stopped": _stopped(result, judging),
+            **{extra.counted: int((result.extras[extra.key] > 0).sum()) for extra in judging.extras},
         }
 
     case, seeds = found.case, found.tuned.seed
@@ -158,5 +165,6 @@ def show(console: Output, found: Evaluation) -> None:
     console.print(_cells(found))
     if sentence := watch_sentence(found.case.scenario):
         console.say(sentence, style="bold yellow")
-    console.say(f"default: {_shares(found.default)}")
-    console.say(f"tuned:   {_shares(found.tuned)}")
+    judging = judging_of(found.case.scenario)
+    console.say(f"default: {_shares(found.default, judging)}")
+    console.say(f"tuned:   {_shares(found.tuned, judging)}")

@@ -19,8 +19,8 @@ from scipy.optimize import differential_evolution
 from railhil.common.errors import InputError, Words
 from railhil.controller_node.laws import load as load_law
 from railhil.scenarios import streams
+from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec
-from railhil.systems.ato.scenario.model import Scenario
 from railhil.tuning.objective import Scale
 from railhil.tuning.trials import Trials
 
@@ -36,7 +36,7 @@ _EDGE = 0.02
 class Protocol:
     """The law to tune, the training runs and the budget; the law computes in double precision."""
 
-    scenario: Scenario
+    scenario: AnyScenario
     law: LawSpec
     seeds: tuple[int, ...] = tuple(range(8))
     budget: int = 800

@@ -2,86 +2,53 @@
 
 from __future__ import annotations
 
-from collections import Counter, defaultdict
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 from railhil.batch import Case
-from railhil.common.errors import InputError
-from railhil.controller_node.program.model import LawProgram
-from railhil.controller_node.program.tracer import record
 from railhil.judge.score import Score
+from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.run_spec import LawSpec
-from railhil.systems.ato.batch import CHUNK
-from railhil.systems.ato.batch.engine import Engine
-from railhil.systems.ato.scenario.model import Scenario
 from railhil.tuning.objective import Scale, objective
-from railhil.tuning.stacked import StackedLoop, shape
 
-#: Law whose published parameters set the scale of the objective.
-REFERENCE = "ipfc"
 #: The search computes in double precision.
 ARITHMETIC = "float64"
 
 
 class Trials:
-    """Training runs of one law.
+    """Training runs of one law. The system's default law, with its own parameters, sets the scale of the objective.
 
+    :param scenario: of a system with the part ``parameter_batch``.
     :param law: its arithmetic is :data:`ARITHMETIC`, its parameters are those of the candidates.
     :param seeds: of the perturbed runs.
     """
 
-    def __init__(self, scenario: Scenario, law: LawSpec, seeds: Sequence[int]) -> None:
-        self._scenario = scenario
-        self._law = law
+    def __init__(self, scenario: AnyScenario, law: LawSpec, seeds: Sequence[int]) -> None:
+        system = scenario.installed_system
+        self._run = system.part("parameter_batch")
+        self._case = Case(scenario, law)
         self._seeds = list(seeds)
         #: Count of each reason with which the law refused parameters.
         self.refusals: Counter[str] = Counter()
-        reference = replace(law, controller=REFERENCE)
-        published = record(scenario, reference, wide=True)
-        self.scale = Scale.of(scenario, self._runs(reference, [published])[0])
+        reference = Case(scenario, replace(law, controller=system.law))
+        self.scale = Scale.of(scenario, self._run(reference, [None], self._seeds)[0])
 
     def of_defaults(self) -> float | None:
         """Objective of the law's own parameters, None when the law cannot be made with them for this scenario."""
-        programs = self._programs(None)
-        return None if programs is None else objective(self.scale, self._runs(self._law, [programs])[0])
+        return self._objectives([None])[0]
 
     def of(self, candidates: Sequence[Mapping[str, float]]) -> list[float | None]:
         """Objective of each candidate, None if the law cannot be made with it.
 
         :raises InputError: the law refuses the names or types of the parameters.
         """
-        alike: dict[str, list[tuple[int, LawProgram]]] = defaultdict(list)
-        for i, values in enumerate(candidates):
-            programs = self._programs(values)
-            if programs is not None:
-                alike[shape(programs)].append((i, programs))
-        found: list[float | None] = [None] * len(candidates)
-        # As many trains together as is optimal for the batch engine.
-        most = max(1, CHUNK // len(self._seeds))
-        for group in alike.values():
-            for first in range(0, len(group), most):
-                part = group[first : first + most]
-                for (i, _), scores in zip(part, self._runs(self._law, [one for _, one in part]), strict=True):
-                    found[i] = objective(self.scale, scores)
-        return found
+        law = self._case.law.controller
+        return self._objectives([ParameterSet(law, values, Path("search")) for values in candidates])
 
-    def _programs(self, values: Mapping[str, float] | None) -> LawProgram | None:
-        law = self._law
-        given = None if values is None else ParameterSet(law.controller, values, Path("search"))
-        try:
-            return record(self._scenario, replace(law, parameters=given), wide=True)
-        except InputError as error:
-            # Raised by a law for inconsistent parameters.
-            if isinstance(error.__cause__, ValueError):
-                self.refusals[str(error.__cause__)] += 1
-                return None
-            raise
-
-    def _runs(self, law: LawSpec, programs: Sequence[LawProgram]) -> list[list[Score]]:
-        count = len(self._seeds)
-        case = Case(self._scenario, law)
-        scores = Engine(case, StackedLoop(programs, count)).run(self._seeds * len(programs)).scores
-        return [scores[i : i + count] for i in range(0, len(scores), count)]
+    def _objectives(self, sets: Sequence[ParameterSet | None]) -> list[float | None]:
+        found: list[Sequence[Score] | str] = self._run(self._case, sets, self._seeds)
+        self.refusals.update(reason for reason in found if isinstance(reason, str))
+        return [None if isinstance(scores, str) else objective(self.scale, scores) for scores in found]

@@ -29,11 +29,12 @@ from railhil.scenarios.load import load
 from railhil.scenarios.parameters import ParameterSet, load_parameters
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.systems.ato.batch import run_batch
+from railhil.systems.ato.batch.stacked import StackedLoop
+from railhil.systems.ato.judge import JUDGING
 from railhil.systems.ato.scenario.model import Scenario
 from railhil.tuning.document import document
-from railhil.tuning.objective import OVERSPEED, TERM_MAX, Scale, objective, run_cost
+from railhil.tuning.objective import EXTRA, TERM_MAX, Scale, objective, run_cost
 from railhil.tuning.search import Box, Found, Protocol, search
-from railhil.tuning.stacked import StackedLoop
 from railhil.tuning.trials import Trials
 
 SCENARIO = load("lvshun_tieshan")
@@ -216,7 +217,9 @@ def test_budget_is_the_same_for_every_law() -> None:
         assert protocol.generations >= 2
 
 
-SCALE = Scale({"stop_error_m": 0.2, "time_error_s": 0.3}, {"itae": 2000.0, "energy_kj": 75000.0, "comfort": 2.0})
+SCALE = Scale(
+    {"stop_error_m": 0.2, "time_error_s": 0.3}, {"itae": 2000.0, "energy_kj": 75000.0, "comfort": 2.0}, JUDGING
+)
 GOOD = made_score("PASS", 2000.0, 75000.0, 0.3, -0.2, 2.0)
 
 
@@ -227,7 +230,7 @@ def test_objective() -> None:
     assert run_cost(SCALE, with_values(GOOD, stop_error_m=1e6)) == pytest.approx(4.0 + TERM_MAX)
     never = with_values(GOOD, stop_error_m=None, punctuality_s=None)
     assert run_cost(SCALE, never) == pytest.approx(3.0 + 2 * TERM_MAX)
-    assert run_cost(SCALE, replace(GOOD, extras={"overspeed_mps": 1 / 3.6})) == pytest.approx(5.0 + OVERSPEED + 1.0)
+    assert run_cost(SCALE, replace(GOOD, extras={"overspeed_mps": 1 / 3.6})) == pytest.approx(5.0 + EXTRA + 1.0)
     # Every run counts: one that never stops cannot hide behind a median.
     assert objective(SCALE, [GOOD] * 7 + [never]) == pytest.approx(5.0 + (2 * TERM_MAX - 2) / 8)
     with pytest.raises(ValueError, match="without scores"):

@@ -18,6 +18,7 @@ ATO = System(
     pictures="railhil.systems.ato.panels:pictures",
     batch="railhil.systems.ato.batch:run_batch",
     kernel="railhil.systems.ato.batch.kernel",
+    parameter_batch="railhil.systems.ato.batch.stacked:run_parameter_sets",
     faulty_plant="railhil.plant_sim.ato.faults.train:FaultyTrain",
     fmu_plant="railhil.plant_sim.ato.fmu:FmuTrain",
     digest="railhil.systems.ato.batch.digest:trace_digest",

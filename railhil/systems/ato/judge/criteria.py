@@ -8,9 +8,10 @@ from __future__ import annotations
 
 from railhil.judge.criteria import DID_NOT_STOP, STOP_ERROR_KEY, Criterion, Extra, Limit
 from railhil.systems.ato.judge import journey
+from railhil.systems.ato.judge.measures import KMH
 
 #: Largest excess over the speed limit, in m/s.
-OVERSPEED = Extra("overspeed_mps", "overspeed", "overspeeds", "over-\nspeed")
+OVERSPEED = Extra("overspeed_mps", "overspeed", "overspeeds", "over-\nspeed", tuning_weight=KMH)
 #: Eq. (8): distance of the standstill from the stopping point.
 STOP_ERROR = Criterion(
     STOP_ERROR_KEY, "stop error", "m", 4, lambda run: run.stop.error_m,

@@ -1,4 +1,4 @@
-"""Control loops of one law with different parameters, stepped together: one batch for a whole generation of candidates.
+"""Control loops of one law with different parameters, stepped together: one batch for many sets of parameters.
 
 A law has no branches on data (:mod:`railhil.controller_node.program`), so two parameter sets give the same operations
 with different constants, unless a parameter determines their number (a horizon). The recorded operations of loops with
@@ -8,6 +8,7 @@ train computes the same as alone, bit for bit.
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
@@ -15,11 +16,18 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from railhil.batch.case import Case
+from railhil.common.errors import InputError
 from railhil.controller_node.arithmetic.base import Curve
 from railhil.controller_node.arithmetic.float64 import Float64Batch, Floats
 from railhil.controller_node.ato.control_loop import NO_BALISE
 from railhil.controller_node.laws.base import BaliseReading
 from railhil.controller_node.program.model import BALISE_INPUTS, Evaluator, LawProgram, Operation, Program, Table, Value
+from railhil.controller_node.program.tracer import record
+from railhil.judge.score import Score
+from railhil.scenarios.parameters import ParameterSet
+from railhil.systems.ato.batch import CHUNK
+from railhil.systems.ato.batch.engine import Engine
 
 _OUTPUT = "out."
 
@@ -170,3 +178,37 @@ class StackedLoop:
         after = self._step.run(self.state | found)
         self.state = {name: value for name, value in after.items() if not name.startswith(_OUTPUT)}
         return found, _Outputs(after[f"{_OUTPUT}notch"])
+
+
+def run_parameter_sets(
+    case: Case, sets: Sequence[ParameterSet | None], seeds: Sequence[int]
+) -> list[list[Score] | str]:
+    """Runs of a case with each set of parameters of its law, all with the same seeds: the part ``parameter_batch``.
+
+    :param case: its arithmetic is ``float64``; the parameters of its law are ignored.
+    :param sets: None: the law's own parameters.
+    :returns: for each set the score of each seed, or the reason for which the law cannot be made with this set.
+    :raises InputError: the law refuses the names or types of the parameters, or does not fit the scenario.
+    """
+    found: list[list[Score] | str] = [""] * len(sets)
+    alike: dict[str, list[tuple[int, LawProgram]]] = defaultdict(list)
+    for place, parameters in enumerate(sets):
+        try:
+            programs = record(case.scenario, replace(case.law, parameters=parameters), wide=True)
+        except InputError as error:
+            # Raised by a law for inconsistent parameters.
+            if not isinstance(error.__cause__, ValueError):
+                raise
+            found[place] = str(error.__cause__)
+        else:
+            alike[shape(programs)].append((place, programs))
+    # As many trains together as is optimal for the engine.
+    most = max(1, CHUNK // len(seeds))
+    for group in alike.values():
+        for first in range(0, len(group), most):
+            part = group[first : first + most]
+            loop = StackedLoop([programs for _, programs in part], len(seeds))
+            scores = Engine(case, loop).run([*seeds] * len(part)).scores
+            for number, (place, _) in enumerate(part):
+                found[place] = scores[number * len(seeds) : (number + 1) * len(seeds)]
+    return found
