@@ -78,4 +78,9 @@ def system_contract(path: Path) -> Contract:
         found = f"F{clock.f_code} with {'no life sign' if life is None else f'{life.name} at {life.byte}.{life.msb}'}"
         allowed = "F1 with a life sign (a name that ends in Life) at 3.3:4: it opens every tick"
         raise ContractError(f"{file}: {clock.name}: found {found}, allowed {allowed}")
+    if clock.period_ns != contract.base_tick_ns:
+        found, allowed = (f"{ns / 1e6:g}" for ns in (clock.period_ns, contract.base_tick_ns))
+        raise ContractError(
+            f"{file}: {clock.name}.period_ms: found {found}, allowed base_tick_ms = {allowed}: it opens every tick"
+        )
     return contract

@@ -68,6 +68,7 @@ def test_railhils_own_table_is_that_of_a_system() -> None:
         ("address = 0x120", "address = 0x110", "UNIT1_CMD.address: found that of UNIT1_STAT"),
         ("f_code = 1\nperiod_ms = 10\n", "f_code = 2\nperiod_ms = 10\n", "UNIT1_STAT: found F2 with"),
         ("f_code = 1\nperiod_ms = 10\n", "period_ms = 10\n", "UNIT1_STAT.f_code: found nothing"),
+        ("base_tick_ms = 10", "base_tick_ms = 20", "UNIT1_STAT.period_ms: found 10, allowed base_tick_ms = 20"),
         ("address = 0x120", "address = 'x'", "address: found 'x', allowed a whole number"),
     ],
 )
