@@ -335,7 +335,16 @@ def test_every_command_with_a_result_has_the_same_json_option():
     assert all(one._option_string_actions["--json"].nargs == 0 for one in found)
 
 
-@pytest.mark.parametrize("closed", [">&-", "2>&-", "<&- >&- 2>&-"])
+@pytest.mark.parametrize("words", ["ports", "--help", "run --bus local --no-report --quiet --out {out}"])
+def test_closed_output_is_one_line(tmp_path: Path, words: str) -> None:
+    given = words.format(out=tmp_path / "run")
+    for closed, said in ((">&-", b"railhil: standard output: closed\n"), ("<&- >&- 2>&-", b"")):
+        done = subprocess.run(f"{shlex.join(command())} {given} {closed}", shell=True, capture_output=True, check=False)
+        assert (done.returncode, done.stderr) == (4, said)
+    assert not list(tmp_path.iterdir()), "no run is made whose result nobody can read"
+
+
+@pytest.mark.parametrize("closed", ["2>&-", "<&- 2>&-"])
 @pytest.mark.parametrize("words", ["run {short} --seed 1 --no-report --quiet --out {out}", "score {run}", "nonsense"])
 @pytest.mark.slow
 def test_a_closed_stream_changes_nothing_but_what_is_printed(

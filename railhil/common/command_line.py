@@ -83,7 +83,7 @@ def parse(parser: argparse.ArgumentParser, arguments: Sequence[str] | None = Non
         with contextlib.redirect_stdout(said):
             namespace = parser.parse_args(arguments)
     except SystemExit:
-        print(said.getvalue(), end="")
+        print(said.getvalue(), end="", flush=True)
         raise
     print(said.getvalue(), end="", file=sys.stderr)
     if getattr(namespace, "pace", "realtime") != "realtime":

@@ -13,7 +13,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, NoReturn
 
 from railhil.common.extras import without_asammdf
-from railhil.common.streams import escape_controls
+from railhil.common.streams import discard_output, escape_controls
 
 if TYPE_CHECKING:
     from typing_extensions import Buffer
@@ -36,10 +36,11 @@ def provide_streams() -> None:
     """Replace a standard stream that the caller has closed (``>&-``) by the null device.
 
     Otherwise the next file opened, such as a log, would get its number, and every process started would write into it.
+    Standard output cannot be written then: a command that prints a result fails, as on a full device.
     """
     for number, name in enumerate(("stdin", "stdout", "stderr")):
         if getattr(sys, name) is None:
-            null = os.open(os.devnull, os.O_RDWR)
+            null = os.open(os.devnull, os.O_RDONLY if name == "stdout" else os.O_RDWR)
             # The lowest free number is this one, unless something was opened before.
             if null == number:
                 os.set_inheritable(null, True)
@@ -128,12 +129,12 @@ def hear_interrupts() -> None:
     signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGINT])
 
 
-def _is_output_full(error: OSError) -> bool:
+def _is_of_output(error: OSError) -> bool:
     """Whether this reason, which names no file, is a failure of standard output: the next line then fails as well.
 
     If standard output works, the line written for the check is the last one of a failed command.
     """
-    if error.filename is not None or error.errno not in _FULL:
+    if error.filename is not None or error.errno not in (*_FULL, errno.EBADF):
         return False
     try:
         print(flush=True)
@@ -174,7 +175,7 @@ def run_guarded(name: str, main: Callable[[], int]) -> int:
         return 128 + signal.SIGINT
     except BrokenPipeError:
         # The reader of our output is gone (`railhil ports | head`): write nothing more.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        discard_output()
         return PASS
     except Exception as error:
         # Report an unexpected exception: one line and an exit code, no traceback.
@@ -190,8 +191,10 @@ def run_guarded(name: str, main: Callable[[], int]) -> int:
         code = exit_code_of(error)
         expected = code != TOOL_ERROR or hasattr(error, "exit_code")
         kind = "" if expected else f"{type(error).__name__}: "
-        if isinstance(error, OSError) and _is_output_full(error):
-            kind, text = "standard output: ", str(error.strerror).lower()
+        if isinstance(error, OSError) and _is_of_output(error):
+            kind, text = "standard output: ", "closed" if error.errno == errno.EBADF else str(error.strerror).lower()
+            # The end of the interpreter flushes it again.
+            discard_output()
         # An import error of the command itself names the missing library.
         is_named = f"{getattr(error, 'file', '')} ".startswith(f"{name} ")
         line = text if is_named else f"{name}: {kind}{text}"

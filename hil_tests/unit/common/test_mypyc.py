@@ -59,7 +59,7 @@ def test_what_interpreted_code_extends_is_marked_for_it_and_keeps_its_attributes
                 if _MARK not in defined[base][0] or defined[base][2] & attributes:
                     wrong.append(f"{path.name}: {name}({base})")
     assert wrong == []
-    assert {"TrainOnBus", "Session", "SingleLink", "SwitchPort"} <= extended
+    assert {"TrainOnBus", "SingleLink", "SwitchPort"} <= extended
 
 
 def test_no_compiled_function_is_decorated_as_compilable() -> None:
