@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from hil_tests.support.cli import Done
-from railhil.campaign.command import COMMAND
+from railhil.campaign.__main__ import COMMAND
 from railhil.common.exit_codes import run_guarded
 
 Campaign = Callable[..., Done]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import sys
 import time
-from collections.abc import Callable, Generator, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
@@ -17,9 +17,10 @@ from rich.console import Console
 from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario
 from railhil.study.execute import Outcome, execute
+from railhil.study.finished import Verified, differences
 from railhil.study.manifest import Bounds, machine_and_list
 from railhil.study.plan import Shard, Study
-from railhil.study.table import NotThePart
+from railhil.study.table import NotThePart, row
 from railhil.study.work import Task, run_task
 
 SCHEMA = pa.schema([pa.field("seed", pa.int64()), pa.field("square", pa.float64())])
@@ -93,6 +94,12 @@ def _check_rows(table: pa.Table, plan: Plan, chunk: Chunk) -> None:
         raise NotThePart("with other seeds")
 
 
+def _repeat(plan: Plan, rows: pa.Table, place: int) -> Iterator[Verified]:
+    ours = row(rows, place)
+    bench = {"square": float(ours["seed"]) ** 2}
+    yield Verified(f"seed {ours['seed']}", {"seed": ours["seed"]}, differences(ours, bench))
+
+
 TOY: Study[Plan, Chunk] = Study(
     command="railhil toy",
     kind="toy",
@@ -106,6 +113,10 @@ TOY: Study[Plan, Chunk] = Study(
     work=lambda plan, chunk: ChunkWork(chunk.seeds, plan.request.code),
     summary=lambda plan, table: {"runs": table.num_rows, "sum": float(np.sum(table["square"].to_numpy()))},
     explained=lambda plan: machine_and_list(),
+    items=lambda plan: plan.request.runs,
+    repeat=_repeat,
+    report=lambda plan, made: "",
+    show=lambda console, plan, made, line: console.say(f"sum {made.summary['sum']:g}"),
 )
 
 

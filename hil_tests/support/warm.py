@@ -27,7 +27,7 @@ from hil_tests.support.paths import ROOT
 #: What commands load first of all. Nothing is called, so nothing is remembered that depends on the environment.
 _LOADED = (
     "matplotlib.backends.backend_agg", "matplotlib.backends.backend_svg", "railhil.audit.result",
-    "railhil.audit.tables", "railhil.bench", "railhil.campaign.command", "railhil.run.make",
+    "railhil.audit.tables", "railhil.bench", "railhil.campaign.plan", "railhil.study.command", "railhil.run.make",
     "railhil.cli.compare", "railhil.cli.new", "railhil.cli.plot", "railhil.cli.ports", "railhil.cli.report",
     "railhil.cli.rerun", "railhil.cli.run", "railhil.cli.score", "railhil.controller_node.export.bundle",
     "railhil.run.replay", "railhil.run.local", "railhil.report.page", "railhil.report.pictures",

@@ -11,10 +11,10 @@ from railhil.audit.result import Options, audit
 from railhil.audit.tables import show
 from railhil.batch import say_compiling
 from railhil.batch.nodes import batch_of
-from railhil.common.command_line import OneLineParser, parse, whole_number
+from railhil.common.command_line import OneLineParser, run_command, whole_number
 from railhil.common.exit_codes import FAIL, PASS, run_guarded
 from railhil.common.output import Output
-from railhil.common.streams import accept_any_text, add_json_argument, print_json
+from railhil.common.streams import add_json_argument, print_json
 from railhil.controller_node.arithmetic import names as arithmetics
 from railhil.controller_node.laws import find
 from railhil.controller_node.laws import names as laws
@@ -74,8 +74,10 @@ def _runs(namespace: argparse.Namespace, scenario: AnyScenario) -> int:
 
 def main(words: Sequence[str] | None = None) -> int:
     """Run the audit and print its result; exit code 1 if a limit is missed."""
-    accept_any_text()
-    namespace = parse(arguments(), words)
+    return run_command(arguments(), words, _work)
+
+
+def _work(namespace: argparse.Namespace) -> int:
     scenario = load_any(namespace.scenario, namespace.set)
     system = scenario.installed_system
     law = LawSpec(namespace.controller or system.law, namespace.arithmetic, namespace.indexing)

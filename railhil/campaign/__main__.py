@@ -1,11 +1,86 @@
-"""``python -m railhil.campaign`` (the same as ``railhil campaign``)."""
+"""The command line of ``railhil campaign`` (``python -m railhil.campaign``), and the request that it makes."""
 
 from __future__ import annotations
 
+import argparse
 import sys
 
-from railhil.campaign.command import COMMAND
+from railhil.campaign.plan import ALL_LAWS, CHUNK_MAX, RUNS_MAX, Plan, Request
+from railhil.common.command_line import SEED_MAX, OneLineParser, whole_number
+from railhil.common.errors import InputError
 from railhil.common.exit_codes import run_guarded
+from railhil.controller_node.laws import names as laws
+from railhil.scenarios.options import add_option, add_options
+from railhil.study.command import Command, add_folder_arguments, exit_codes
+from railhil.study.perturbed_runs import how_made
+
+_ENGINES = ("batch", "joblib", "dask")
+_VERIFIED_RUNS = 3
+
+
+def _law_list(text: str) -> tuple[str, ...]:
+    return tuple(name.strip() for name in text.split(","))
+
+
+def arguments() -> argparse.ArgumentParser:
+    """Command line of the campaign."""
+    usual = Request()
+    parser = OneLineParser(
+        prog="railhil campaign",
+        description="Thousands of perturbed runs of one or several laws on the same seeds: statistics and worst runs.",
+        epilog=exit_codes("workers or scheduler were lost too often, or the bench gave no valid run"),
+    )
+    add_option(parser, "scenario", default=None, help=f"shipped name or TOML file (default {usual.scenario})")
+    add_options(parser, "--set")
+    parser.add_argument(
+        "--runs",
+        type=whole_number(1, RUNS_MAX),
+        metavar="N",
+        help=f"runs of each law (default {usual.runs}); --verify: 3",
+    )
+    parser.add_argument(
+        "--first-seed",
+        type=whole_number(0, SEED_MAX),
+        metavar="N",
+        help=f"seeds from here on (default {usual.first_seed})",
+    )
+    parser.add_argument(
+        "--laws", type=_law_list, metavar="A,B,...", help=f"{ALL_LAWS}, or some of {', '.join(laws())} (default ipfc)"
+    )
+    add_option(parser, "--arithmetic", help=f"(default {usual.arithmetic})")
+    add_option(parser, "--indexing", default=None)
+    add_option(parser, "--parameters", action="append", help="parameters of one law; may be given again")
+    add_option(parser, "--both")
+    said = "also seeds on which parameters were tuned or chosen; every table then says so"
+    add_option(parser, "--allow-training-seeds", help=said)
+    parser.add_argument("--engine", choices=_ENGINES, default="batch", help="this process, cores, machines")
+    add_option(parser, "--jobs", help="joblib: processes (default: one per core)")
+    parser.add_argument(
+        "--chunk", type=whole_number(1, CHUNK_MAX), metavar="N", help=f"runs per part (default {usual.chunk})"
+    )
+    add_folder_arguments(parser, "campaign", "runs of a finished campaign", with_report=False)
+    return parser
+
+
+def _check_engine(namespace: argparse.Namespace) -> None:
+    if namespace.jobs is not None and namespace.engine != "joblib":
+        raise InputError("command line", "--jobs", namespace.jobs, "only with --engine joblib")
+    if namespace.scheduler is not None and namespace.engine != "dask":
+        raise InputError("command line", "--scheduler", namespace.scheduler, "only with --engine dask")
+
+
+COMMAND: Command[Plan] = Command(
+    "railhil campaign",
+    "railhil.campaign.study:CAMPAIGN",
+    Request,
+    arguments,
+    verified=("runs", _VERIFIED_RUNS),
+    only_run=("json",),
+    check=_check_engine,
+    engine=lambda namespace: (namespace.engine, namespace.jobs or -1),
+    how=lambda plan: how_made(plan.scenario),
+)
+
 
 if __name__ == "__main__":
     sys.exit(run_guarded("railhil campaign", COMMAND.main))

@@ -1,25 +1,40 @@
-"""A campaign as a study: bounds of its requests, the work of a chunk, and the record for the engine."""
+"""A campaign as a study: bounds of its requests, the work of a chunk, its runs made again on the real bench, and the
+record for the engine."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import json
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from importlib.metadata import version
+from pathlib import Path
 from typing import Annotated, Any
 
 import pyarrow as pa
 from pydantic import Field
 
+from railhil.batch.nodes import DIGITS
 from railhil.campaign.plan import ALL_LAWS, CHUNK_MAX, RUNS_MAX, Chunk, Plan, Request, make_plan
-from railhil.campaign.rows import check_rows, schema, table_of
+from railhil.campaign.rows import check_rows, schema, signed_columns, table_of
+from railhil.campaign.show import show
 from railhil.campaign.summary import summary
 from railhil.common.command_line import INDEXINGS, SEED_MAX
+from railhil.common.exit_codes import FAIL, INVALID, PASS
+from railhil.common.extras import need
 from railhil.controller_node.arithmetic import names as arithmetics
 from railhil.judge.judging import judging_of
+from railhil.record.framelog import log_sha256
+from railhil.record.log_trace import trace_of_log
 from railhil.scenarios import system as systems
+from railhil.scenarios.run_spec import RunSpec
+from railhil.study.finished import Verified, differences
 from railhil.study.manifest import Bounds, machine_and_list, one_of
 from railhil.study.perturbed_runs import run_seeds
 from railhil.study.plan import Study, batch_sha256, bench_sha256, law_sha256
+from railhil.study.table import row
 
 _LIBRARIES = ("numpy", "numba", "pyarrow", "scipy")
 
@@ -76,6 +91,51 @@ def _explained(plan: Plan) -> Mapping[str, Any]:
     }
 
 
+class BenchInvalid(Exception):
+    """The bench gave no valid run."""
+
+    exit_code = INVALID
+
+
+def bench_run(plan: Plan, run: RunSpec) -> dict[str, Any]:
+    """One run with ``railhil`` in a separate folder, as the columns of a campaign.
+
+    :raises BenchInvalid: the bench gave no valid run.
+    """
+    with tempfile.TemporaryDirectory(prefix="railhil-") as private:
+        folder = Path(private) / "run"
+        words = ["run", *run.words]
+        command = [sys.executable, "-P", "-m", "railhil.cli", *words, "--out", str(folder), "--json"]
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        if done.returncode not in (PASS, FAIL):
+            complaint = " ".join(done.stderr.split()) or "no word"
+            raise BenchInvalid(f"the bench gave exit code {done.returncode} for railhil {' '.join(words)}: {complaint}")
+        found = json.loads((folder / "score.json").read_text(encoding="utf-8"))
+        log = folder / "frames.log"
+        if plan.batch is None:
+            digest = log_sha256(log)[:DIGITS]
+        else:
+            system = plan.scenario.installed_system
+            digest = system.part("digest")(plan.scenario, trace_of_log(log, system.contract))
+    return {
+        **found["scores"],
+        **{extra.key: found[extra.key] for extra in plan.judging.extras},
+        **{name: found["signed"][key] for name, key in signed_columns(plan.criteria).items()},
+        **{name: found[name] for name in ("verdict", "ended", "failures")},
+        "notch_digest": digest,
+    }
+
+
+def _repeat(plan: Plan, rows: pa.Table, place: int) -> Iterator[Verified]:
+    """One run on the bench, compared to the last digit of every figure."""
+    need("numba", "campaign")
+    ours = row(rows, place)
+    law, seed = ours["law"], ours["seed"]
+    entry = next(entry for entry in plan.entries if entry.label == law)
+    bench = bench_run(plan, plan.run(entry, seed))
+    yield Verified(f"{law}, seed {seed}", {"law": law, "seed": seed}, differences(ours, bench))
+
+
 CAMPAIGN: Study[Plan, Chunk] = Study(
     command="railhil campaign",
     kind="campaign",
@@ -89,4 +149,9 @@ CAMPAIGN: Study[Plan, Chunk] = Study(
     work=_work,
     summary=summary,
     explained=_explained,
+    items=lambda plan: plan.request.runs * len(plan.entries),
+    repeat=_repeat,
+    # `railhil report DIR` writes it.
+    report=lambda plan, made: "",
+    show=lambda console, plan, made, line: show(console, made.summary, made.folder, plan.judging),
 )

@@ -8,8 +8,7 @@ from importlib import import_module
 from typing import Any, NoReturn
 
 from railhil.cli import programs
-from railhil.common.command_line import OneLineParser, parse
-from railhil.common.streams import accept_any_text, flush_output
+from railhil.common.command_line import OneLineParser, run_command
 from railhil.dbc import wire_contract
 
 #: Command -> its line in the help, in the order of the help.
@@ -82,11 +81,10 @@ def parser(words: Sequence[str] | None = None) -> argparse.ArgumentParser:
 
 def work(words: Sequence[str]) -> int:
     """Execute the command line; returns the exit code."""
-    accept_any_text()
-    namespace = parse(parser(words), words)
+    return run_command(parser(words), words, _work)
+
+
+def _work(namespace: argparse.Namespace) -> int:
     # Every command must detect a DBC that does not match the port table, even commands that never use a telegram.
     wire_contract()
-    try:
-        return int(namespace.work(namespace))
-    finally:
-        flush_output()
+    return int(namespace.work(namespace))

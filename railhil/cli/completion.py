@@ -15,10 +15,7 @@ from railhil.scenarios.load import short_names
 
 #: Module with the command line of a program, if not its ``__main__``.
 _ARGUMENTS = {
-    "railhil.campaign": "railhil.campaign.command",
-    "railhil.learning": "railhil.learning.command",
     "railhil.panel": "railhil.panel.command",
-    "railhil.sequences": "railhil.sequences.command",
     "railhil.sequences.sequence_command": "railhil.sequences.sequence_command",
     "railhil.tuning": "railhil.tuning.command",
     "railhil.machines.vcan": "railhil.machines.vcan",

@@ -13,7 +13,7 @@ from railhil.common.extras import allow_asammdf, missing_library
 from railhil.common.output import Output
 from railhil.common.user_files import whole_file
 from railhil.judge.record import checked_record
-from railhil.record.run_folder import not_written
+from railhil.record.run_folder import refuse_unwritable
 from railhil.report.files.content import Content, parsed_start
 
 _ROOM = "railhil.report.files"
@@ -64,12 +64,10 @@ def work(namespace: argparse.Namespace) -> int:
     for note in content.record.unused:
         Output(stderr=True).say(note)
     for name, path in _places(namespace.out, content.record.log.parent, wanted).items():
-        try:
+        with refuse_unwritable("--out", path, "file"):
             path.parent.mkdir(parents=True, exist_ok=True)
             with whole_file(path) as draft:
                 writers[name](content, draft)
-        except OSError as error:
-            raise not_written("--out", path, "file", error) from None
         Output().say(str(path))
     return 0
 

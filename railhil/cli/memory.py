@@ -14,7 +14,7 @@ from railhil.common.exit_codes import FAIL, PASS
 from railhil.common.output import Output, table
 from railhil.common.streams import add_json_argument, print_json
 from railhil.common.user_files import write_synced
-from railhil.record.run_folder import not_written
+from railhil.record.run_folder import refuse_unwritable
 from railhil.scenarios.load import load_any
 from railhil.scenarios.memory import Memory, MemoryRecord, Stored
 from railhil.scenarios.memory_store import SLOT_FILES, MemoryStore, memory_at
@@ -127,10 +127,8 @@ def _export(namespace: argparse.Namespace) -> int:
         found = Words(f"no record in {namespace.slot}" if namespace.slot else "no record that can be used")
         raise InputError(namespace.memory, "", found, "a place with one (railhil memory show)")
     out: Path = namespace.out
-    try:
+    with refuse_unwritable("--out", out, "file"):
         write_synced(out, record.content)
-    except OSError as error:
-        raise not_written("--out", out, "file", error) from None
     if namespace.json:
         print_json({"path": str(out), "sha256": record.sha256, "record": record.document})
     else:

@@ -11,7 +11,7 @@ from railhil.common.output import Output
 from railhil.common.user_files import whole_file
 from railhil.judge.judging import judging_of
 from railhil.judge.record import checked_record
-from railhil.record.run_folder import not_written
+from railhil.record.run_folder import refuse_unwritable
 from railhil.record.sampling import drawn_trace
 
 _SUFFIXES = (".svg", ".png", ".pdf")
@@ -45,11 +45,8 @@ def work(namespace: argparse.Namespace) -> int:
     out = Path(namespace.out) if namespace.out is not None else record.log.with_name("run.svg")
     if out.suffix not in _SUFFIXES:
         raise InputError("command line", "--out", str(out), f"a name that ends in {', '.join(_SUFFIXES)}")
-    try:
-        with whole_file(out) as draft:
-            draw(record.scenario, trace, draft)
-    except OSError as error:
-        raise not_written("--out", out, "file", error) from None
+    with refuse_unwritable("--out", out, "file"), whole_file(out) as draft:
+        draw(record.scenario, trace, draft)
     for note in record.unused:
         Output(stderr=True).say(note)
     Output().say(str(out))

@@ -12,7 +12,7 @@ from railhil.common.output import Output
 from railhil.judge.record import checked_record
 from railhil.record.documents import COMPARISON, read_comparison
 from railhil.record.hash_list import REPORT, check_hash_list
-from railhil.record.run_folder import not_written
+from railhil.record.run_folder import refuse_unwritable
 from railhil.scenarios.stored import any_judged_sha256
 
 #: The file by which the folder of a campaign is known.
@@ -59,10 +59,8 @@ def work(namespace: argparse.Namespace) -> int:
         out = (given[0] if given[0].is_dir() else given[0].parent) / REPORT
     else:
         out = Path(REPORT)
-    try:
+    with refuse_unwritable("--out", out, "file"):
         write_report(records, out, list(dict.fromkeys(notes)), folders)
-    except OSError as error:
-        raise not_written("--out", out, "file", error) from None
     Output().say(str(out))
     return 0
 
@@ -77,9 +75,7 @@ def _campaign(given: Sequence[Path], namespace: argparse.Namespace) -> int:
     except ImportError as error:
         raise missing_library("railhil report of a campaign", error, "campaign") from None
     out = given[0] / REPORT if namespace.out is None else Path(namespace.out)
-    try:
+    with refuse_unwritable("--out", out, "file"):
         report_of(given[0], out)
-    except OSError as error:
-        raise not_written("--out", out, "file", error) from None
     Output().say(str(out))
     return 0

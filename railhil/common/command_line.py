@@ -7,12 +7,13 @@ import argparse
 import contextlib
 import difflib
 import io
+import re
 import sys
 from collections.abc import Callable, Sequence
 from typing import Any, NoReturn
 
 from railhil.common.scheduling import PRIORITY_MAX
-from railhil.common.streams import escape_controls
+from railhil.common.streams import accept_any_text, escape_controls, flush_output
 
 #: The order of these values gives their codes in the handshake: new ones come last.
 ARITHMETICS = ("float64", "float32", "iq", "iq-portable", "float32-truncated")
@@ -37,6 +38,7 @@ APPEAR_MAX_S = 3600.0
 TASK_PERIOD_MAX_MS = 10_000
 #: Longest number accepted on the command line, in digits.
 _DIGITS_MAX = 20
+_SEED_RANGE = re.compile(r"([0-9]{1,10})(?:-([0-9]{1,10}))?", re.ASCII)
 #: Longer words of the command line are truncated in messages.
 _WORD_MAX = 200
 EXIT_CODES = """\
@@ -96,6 +98,21 @@ def parse(parser: argparse.ArgumentParser, arguments: Sequence[str] | None = Non
     return namespace
 
 
+def run_command(
+    parser: argparse.ArgumentParser, words: Sequence[str] | None, work: Callable[[argparse.Namespace], int]
+) -> int:
+    """Parse the words of a command and do its work; returns the exit code.
+
+    :param words: None: those of this process.
+    """
+    accept_any_text()
+    namespace = parse(parser, words)
+    try:
+        return work(namespace)
+    finally:
+        flush_output()
+
+
 def whole_number(low: int, high: int) -> Callable[[str], int]:
     """An option's type: a whole number from ``low`` (0 or more) to ``high``, in ASCII digits."""
 
@@ -107,6 +124,23 @@ def whole_number(low: int, high: int) -> Callable[[str], int]:
         return int(text[-_DIGITS_MAX:])
 
     return number
+
+
+def seed_list(text: str, most: int) -> list[int]:
+    """Seeds and ranges of seeds such as ``0-7,20``, in the order of the text; for an option's type.
+
+    :param most: how many seeds are allowed.
+    :raises argparse.ArgumentTypeError: another text, or more seeds.
+    """
+    seeds: list[int] = []
+    for part in text.split(","):
+        match = _SEED_RANGE.fullmatch(part.strip())
+        first, last = (int(match[1]), int(match[2] or match[1])) if match else (1, 0)
+        if not first <= last <= SEED_MAX or len(seeds) + last - first >= most:
+            allowed = f"seeds and ranges like 0-7,20 from 0 to {SEED_MAX}, at most {most}"
+            raise argparse.ArgumentTypeError(f"found {text}, allowed {allowed}")
+        seeds += range(first, last + 1)
+    return seeds
 
 
 def rate(text: str) -> float:

@@ -141,18 +141,22 @@ def write_synced(path: Path, content: bytes) -> None:
     sync_folder(path.resolve().parent)
 
 
-def lock_within(descriptor: int, wait_s: float) -> bool:
-    """Lock an open file or folder for this process alone; False if another process holds the lock for this time.
+def lock_within(descriptor: int, wait_s: float, mode: int = fcntl.LOCK_EX) -> bool:
+    """Lock an open file or folder for this process; False if another process holds the lock for this time.
 
     The lock ends with the process or the descriptor.
 
+    :param mode: ``LOCK_EX``: alone; ``LOCK_SH``: beside others of this mode.
     :raises OSError: it cannot be locked at all.
     """
     deadline_s = time.monotonic() + wait_s
     while True:
         try:
-            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
+            fcntl.flock(descriptor, mode | fcntl.LOCK_NB)
+        except OSError as error:
+            # Some file systems say so of a lock that is held.
+            if error.errno not in (errno.EWOULDBLOCK, errno.EACCES):
+                raise
             if time.monotonic() > deadline_s:
                 return False
             time.sleep(_LOCK_LOOK_S)

@@ -8,6 +8,8 @@ import errno
 import json
 import tempfile
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -40,6 +42,15 @@ def not_written(key: str, path: Path, kind: str, error: OSError) -> InputError |
     if error.errno in NO_ROOM:
         return RecordFailed(f"{path} cannot be written: {reason}")
     return InputError("command line", key, str(path), f"a {kind} that can be written ({reason})")
+
+
+@contextmanager
+def refuse_unwritable(key: str, path: Path, kind: str) -> Iterator[None]:
+    """Writing a user's file or folder, inside ``with``; arguments and errors as :func:`not_written`."""
+    try:
+        yield
+    except OSError as error:
+        raise not_written(key, path, kind, error) from None
 
 
 def json_text(document: dict[str, Any]) -> str:

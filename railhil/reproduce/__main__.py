@@ -6,17 +6,18 @@ import argparse
 import os
 import sys
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from railhil.common.command_line import SEED_MAX, OneLineParser, parse, whole_number
+from railhil.common.command_line import OneLineParser, run_command, seed_list
 from railhil.common.errors import InputError, Words, did_you_mean
 from railhil.common.exit_codes import INVALID, PASS, run_guarded
 from railhil.common.extras import install_command
 from railhil.common.output import Output, table
-from railhil.common.streams import accept_any_text, add_json_argument, flush_output, print_json
+from railhil.common.streams import add_json_argument, print_json
 from railhil.common.user_files import check_writable
-from railhil.record.run_folder import not_written
+from railhil.record.run_folder import refuse_unwritable
 from railhil.reproduce.comparison import FOLLOWS, FOLLOWS_NOT, IN_PART, Table
 from railhil.reproduce.document import PAGE, RUNS, describe_pictures, make_document, write_page
 from railhil.reproduce.measurement import measure_paper
@@ -49,15 +50,11 @@ def _one_of(names: Sequence[str]) -> Callable[[str], str]:
 
 
 def _seeds(text: str) -> tuple[int, ...]:
-    found: list[int] = []
-    for item in text.split(",")[: _SEEDS_MAX + 1]:
-        first, dash, last = (part.strip() for part in item.partition("-"))
-        begin = whole_number(0, SEED_MAX)(first)
-        end = whole_number(begin, SEED_MAX)(last) if dash else begin
-        found += range(begin, min(end, begin + _SEEDS_MAX) + 1)
-    if len(found) > _SEEDS_MAX or len(set(found)) < len(found):
-        raise argparse.ArgumentTypeError(f"found {text}, allowed at most {_SEEDS_MAX} seeds, each once")
-    return tuple(found)
+    """An option's type."""
+    found = tuple(seed_list(text, _SEEDS_MAX))
+    if len(set(found)) < len(found):
+        raise argparse.ArgumentTypeError(f"found {text}, allowed each seed once")
+    return found
 
 
 def arguments(papers: Mapping[str, str] = PAPERS) -> argparse.ArgumentParser:
@@ -106,14 +103,12 @@ def _folder(out: Path, keep_runs: bool) -> bool:
     :raises InputError: it cannot be made or written, or it has runs already and is to keep others.
     """
     made = False
-    try:
+    with refuse_unwritable("--out", out, "folder"):
         made = not out.exists()
         out.mkdir(parents=True, exist_ok=True)
         if keep_runs and (out / RUNS).exists():
             raise InputError("command line", "--keep-runs", str(out / RUNS), "a folder without runs")
         check_writable(out / PAGE)
-    except OSError as error:
-        raise not_written("--out", out, "folder", error) from None
     return made
 
 
@@ -124,10 +119,8 @@ def _measured_folder(folder: Path | None) -> Path | None:
     """
     if folder is None:
         return None
-    try:
+    with refuse_unwritable("--measured", folder, "folder"):
         folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise not_written("--measured", folder, "folder", error) from None
     return folder
 
 
@@ -152,12 +145,7 @@ def main(words: Sequence[str] | None = None, papers: Mapping[str, str] = PAPERS)
 
     :param papers: as in :data:`railhil.reproduce.paper.PAPERS`.
     """
-    accept_any_text()
-    namespace = parse(arguments(papers), words)
-    try:
-        return _work(namespace, papers)
-    finally:
-        flush_output()
+    return run_command(arguments(papers), words, partial(_work, papers=papers))
 
 
 def _work(namespace: argparse.Namespace, papers: Mapping[str, str]) -> int:

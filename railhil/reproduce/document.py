@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from railhil.common.user_files import whole_file
-from railhil.record.run_folder import not_written
+from railhil.record.run_folder import refuse_unwritable
 from railhil.reproduce.comparison import Line, Table
 from railhil.reproduce.paper import Entry, Measurement, Paper, Results
 
@@ -56,13 +56,11 @@ def write_page(paper: Paper, results: Results, pictures: Sequence[Picture], fold
     texts |= {f"{picture.name}.svg": picture.svg + "\n" for picture in pictures}
     texts |= render_parameters(paper, results)
     texts[RESULTS] = json.dumps(make_document(paper, results, captions), indent=2, allow_nan=False) + "\n"
-    try:
+    with refuse_unwritable("--out", folder, "folder"):
         for name, text in texts.items():
             (folder / name).parent.mkdir(exist_ok=True)
             with whole_file(folder / name) as draft:
                 draft.write_text(text, encoding="utf-8", newline="\n")
-    except OSError as error:
-        raise not_written("--out", folder, "folder", error) from None
 
 
 def make_document(paper: Paper, results: Results, captions: Sequence[Caption] = ()) -> dict[str, Any]:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from railhil.common.digits import count_of
 from railhil.common.errors import InputError
-from railhil.record.run_folder import RecordFailed, not_written
+from railhil.record.run_folder import RecordFailed, refuse_unwritable
 from railhil.record.telemetry import Learned
 from railhil.scenarios.memory import MEMORY_AFTER, MEMORY_BEFORE, MemoryRecord, next_record, write_memory
 from railhil.scenarios.memory_store import MemoryStore, StoreChanged
@@ -36,10 +36,8 @@ def with_memory(spec: RunSpec, folder: Path) -> RunSpec:
         if memory is not None:
             raise InputError("run", "memory_store", str(store.path), "no other memory beside it (memory)")
         memory = store.read(spec.law.controller)
-        try:
+        with refuse_unwritable("--memory", store.path, "folder"):
             store.check_writable()
-        except OSError as error:
-            raise not_written("--memory", store.path, "folder", error) from None
     if memory is None:
         return spec
     placed = memory.placed(folder.resolve() / MEMORY_BEFORE)

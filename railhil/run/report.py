@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -24,17 +24,29 @@ def as_recorded(result: Result) -> Record:
 
 
 def report_line(runs: Sequence[Record], folder: Path, notes: Sequence[str] = ()) -> str:
+    """Write ``report.html`` of some runs; returns the line of :func:`say_report`."""
+
+    def write(path: Path) -> None:
+        from railhil.report.page import write_report
+
+        write_report(runs, path, notes)
+
+    return say_report(folder, write)
+
+
+def say_report(folder: Path, write: Callable[[Path], None]) -> str:
     """Write ``report.html``; returns the line that says where, or why there is none. The record is complete without
-    it."""
+    it.
+
+    :param write: writes the file. It imports what needs the extra ``report`` itself.
+    """
     from railhil.record.hash_list import REPORT
 
-    try:
-        from railhil.report.page import write_report
-    except ImportError as error:
-        return f"no report: {error.name} is not installed ({install_command('report')})"
     path = folder / REPORT
     try:
-        write_report(runs, path, notes)
+        write(path)
+    except ImportError as error:
+        return f"no report: {error.name} is not installed ({install_command('report')})"
     except OSError as error:
         return f"no report: {path} cannot be written ({(error.strerror or str(error)).lower()})"
     return f"report {path}"

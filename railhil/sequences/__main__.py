@@ -1,11 +1,89 @@
-"""``python -m railhil.sequences`` (the same as ``railhil learn``)."""
+"""The command line of ``railhil learn`` (``python -m railhil.sequences``), and the request that it makes."""
 
 from __future__ import annotations
 
+import argparse
+import os
 import sys
 
+from railhil.batch.nodes import kernel_of, one_by_one
+from railhil.common.command_line import USUAL_SCENARIO, OneLineParser, whole_number
+from railhil.common.errors import InputError
 from railhil.common.exit_codes import run_guarded
-from railhil.sequences.command import COMMAND
+from railhil.scenarios.options import add_option, add_options
+from railhil.sequences.one import runner_of, sequence_batch_of, through_nodes
+from railhil.sequences.plan import CHUNK_MAX, RUNS_MAX, SEQUENCES_MAX, Plan, Request
+from railhil.study.command import Command, add_folder_arguments, exit_codes
+
+
+def arguments() -> argparse.ArgumentParser:
+    """Command line of ``railhil learn``."""
+    usual = Request()
+    parser = OneLineParser(
+        prog="railhil learn",
+        description="Sequences of runs of a law that learns from run to run: how its errors become smaller.",
+        epilog=exit_codes("workers or scheduler were lost too often"),
+    )
+    add_option(parser, "scenario", default=None, help=f"shipped name or TOML file (default {USUAL_SCENARIO})")
+    add_options(parser, "--set", "--fault")
+    parser.add_argument(
+        "--runs", type=whole_number(1, RUNS_MAX), metavar="N", help=f"runs of each sequence (default {usual.runs})"
+    )
+    parser.add_argument(
+        "--sequences",
+        type=whole_number(1, SEQUENCES_MAX),
+        metavar="N",
+        help=f"sequences (default {usual.sequences}); --verify: 1",
+    )
+    said = f"of the first sequence (default {usual.seed})"
+    add_option(parser, "--seed", default=None, metavar="N", help=said)
+    add_option(parser, "--controller", help="a law with a memory (default: that of the system)")
+    add_option(parser, "--arithmetic", help=f"(default {usual.arithmetic})")
+    add_option(parser, "--indexing", default=None)
+    add_option(parser, "--parameters")
+    parser.add_argument("--nominal", action="store_true", help="draw nothing but the noise of the sensors")
+    parser.add_argument(
+        "--chunk",
+        type=whole_number(1, CHUNK_MAX),
+        metavar="N",
+        help="sequences per part (default: as suits the system)",
+    )
+    add_option(parser, "--jobs")
+    add_folder_arguments(parser, "learn", "sequences of a finished study", with_report=True)
+    return parser
+
+
+def _check_engine(namespace: argparse.Namespace) -> None:
+    if namespace.jobs is not None and namespace.scheduler is not None:
+        raise InputError("command line", "--scheduler", namespace.scheduler, "one of --jobs and --scheduler")
+
+
+def _engine(namespace: argparse.Namespace) -> tuple[str, int]:
+    jobs = namespace.jobs or os.cpu_count() or 1
+    return "dask" if namespace.scheduler is not None else "batch" if jobs == 1 else "joblib", jobs
+
+
+def _how(plan: Plan) -> tuple[str, str | None]:
+    if sequence_batch_of(plan.scenario) is not None:
+        return one_by_one(plan.scenario), kernel_of(plan.scenario)
+    if runner_of(plan.scenario) is not through_nodes:
+        return "", None
+    system = plan.scenario.system
+    return f"system {system} has no runs without a bus, or not with its faults: the nodes make them all", None
+
+
+COMMAND: Command[Plan] = Command(
+    "railhil learn",
+    "railhil.sequences.study:LEARN",
+    Request,
+    arguments,
+    verified=("sequences", 1),
+    only_run=("jobs", "scheduler"),
+    check=_check_engine,
+    engine=_engine,
+    how=_how,
+)
+
 
 if __name__ == "__main__":
     sys.exit(run_guarded("railhil learn", COMMAND.main))

@@ -13,7 +13,7 @@ from railhil.common.exit_codes import INVALID
 from railhil.judge.rerun import changes
 from railhil.judge.rerun import recorded as recorded_run
 from railhil.judge.result import Result
-from railhil.record.run_folder import not_written, run_folder
+from railhil.record.run_folder import refuse_unwritable, run_folder
 from railhil.run.make import record_run
 from railhil.scenarios.memory import Memory
 from railhil.scenarios.model import AnyScenario
@@ -60,10 +60,8 @@ def begin(first: RunSpec, scenario: AnyScenario, runs: int, out: str | None) -> 
             _check_same(evidence, first, runs, folder)
         else:
             evidence = Evidence(first, runs, ())
-            try:
+            with refuse_unwritable("--out", folder, "folder"):
                 write_evidence(evidence, folder)
-            except OSError as error:
-                raise not_written("--out", folder, "folder", error) from None
         yield folder, evidence
 
 

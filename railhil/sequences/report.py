@@ -12,7 +12,7 @@ import pyarrow as pa
 from railhil.controller_node.laws import find
 from railhil.controller_node.laws.memory import memory_key
 from railhil.judge.record import Record
-from railhil.record.hash_list import REPORT, listed_file
+from railhil.record.hash_list import listed_file
 from railhil.report.over_time import system_pictures
 from railhil.report.templates import styles_text, template
 from railhil.scenarios.memory import SLOT_A, SLOT_B, Memory, MemoryRecord, Stored, no_memory
@@ -84,13 +84,8 @@ def _example(plan: Plan, table: pa.Table, number: int, values: Mapping[str, Any]
     return made.copy_with(score=run.score, events=())
 
 
-def report_line(plan: Plan, summary: Mapping[str, Any], table: pa.Table, folder: Path) -> str:
-    """Write the report; returns the line that says where, or why there is none. The results are complete without it."""
-    path = folder / REPORT
-    try:
-        text = page(plan, summary, table)
-        with listed_file(path) as draft:
-            draft.write_text(text, encoding="utf-8")
-    except OSError as error:
-        return f"no report: {path} cannot be written ({(error.strerror or str(error)).lower()})"
-    return f"report {path}"
+def write_page(plan: Plan, summary: Mapping[str, Any], table: pa.Table, path: Path) -> None:
+    """Write the report. Raises OSError."""
+    text = page(plan, summary, table)
+    with listed_file(path) as draft:
+        draft.write_text(text, encoding="utf-8")

@@ -16,12 +16,12 @@ from railhil.bus.can_settings import add_bus_arguments, named_bus
 from railhil.bus.select import LOCAL
 from railhil.cli.panel import add_page_argument, panel_process, require_websockets
 from railhil.cli.run import add_arguments, run_spec, run_system
-from railhil.common.command_line import OneLineParser, parse, whole_number
+from railhil.common.command_line import OneLineParser, run_command, whole_number
 from railhil.common.digits import count_of
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import FAIL, PASS, run_guarded
 from railhil.common.output import Output
-from railhil.common.streams import accept_any_text, add_json_argument, flush_output, print_json
+from railhil.common.streams import add_json_argument, print_json
 from railhil.controller_node.laws import find
 from railhil.controller_node.laws.memory import require_memory
 from railhil.judge.criteria import limited
@@ -190,12 +190,8 @@ def _rerun(namespace: argparse.Namespace) -> int:
 
 def main(words: Sequence[str] | None = None) -> int:
     """Record, verify or repeat."""
-    accept_any_text()
-    namespace = parse(arguments(), words)
-    try:
-        return {"run": _run, "verify": _verify, "rerun": _rerun}[namespace.verb](namespace)
-    finally:
-        flush_output()
+    verbs = {"run": _run, "verify": _verify, "rerun": _rerun}
+    return run_command(arguments(), words, lambda namespace: verbs[namespace.verb](namespace))
 
 
 if __name__ == "__main__":

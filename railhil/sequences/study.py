@@ -7,12 +7,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
 import pyarrow as pa
 from pydantic import Field
 
 from railhil.common.command_line import SEED_MAX
 from railhil.judge.judging import judging_of
+from railhil.run.report import say_report
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 from railhil.sequences.one import sequence, sequences, through_nodes
@@ -27,9 +27,11 @@ from railhil.sequences.plan import (
     make_plan,
     run_specs,
 )
+from railhil.sequences.show import show
 from railhil.sequences.summary import summary
 from railhil.sequences.table import check_rows, row, schema
-from railhil.study.finished import Verified, differences, finished_rows
+from railhil.study.execute import Outcome
+from railhil.study.finished import Verified, differences
 from railhil.study.manifest import Bounds, machine_and_list
 from railhil.study.plan import Study, bench_sha256, law_sha256
 from railhil.study.table import row as row_of
@@ -74,6 +76,25 @@ class ChunkWork:
         return pa.concat_tables([rows[key] for key in sorted(rows)])
 
 
+def _repeat(plan: Plan, rows: pa.Table, place: int) -> Iterator[Verified]:
+    """The runs of one sequence through the nodes, each compared to the last digit of every figure."""
+    runs, seed = plan.request.runs, plan.seeds[place]
+    for number, run in enumerate(sequence(plan.scenario, plan.specs(seed), through_nodes), 1):
+        ours = row_of(rows, place * runs + number - 1)
+        bench = row_of(row(seed, number, run, plan.judging), 0)
+        which = {"sequence": seed, "run": number}
+        yield Verified(f"sequence {seed}, run {number}", which, differences(ours, bench))
+
+
+def _report(plan: Plan, made: Outcome) -> str:
+    def write(path: Path) -> None:
+        from railhil.sequences.report import write_page
+
+        write_page(plan, made.summary, made.table, path)
+
+    return say_report(made.folder, write)
+
+
 LEARN: Study[Plan, Chunk] = Study(
     command="railhil learn",
     kind="study",
@@ -87,23 +108,8 @@ LEARN: Study[Plan, Chunk] = Study(
     work=lambda plan, chunk: ChunkWork(chunk, plan.scenario, plan.base),
     summary=summary,
     explained=lambda plan: machine_and_list(),
+    items=lambda plan: len(plan.seeds),
+    repeat=_repeat,
+    report=_report,
+    show=lambda console, plan, made, line: show(console, made.summary, made.folder, line),
 )
-
-
-def verify(plan: Plan, folder: Path, sequences: int, draw: int) -> Iterator[Verified]:
-    """Run some sequences again through the nodes and compare every run to the last digit.
-
-    :param plan: of the study in the folder.
-    :param sequences: their number.
-    :param draw: seed of the choice.
-    :raises InputError: the folder has no finished study.
-    """
-    table = finished_rows(LEARN, plan, folder)
-    runs = plan.request.runs
-    for index in np.random.default_rng(draw).permutation(len(plan.seeds))[:sequences]:
-        seed = plan.seeds[int(index)]
-        for number, run in enumerate(sequence(plan.scenario, plan.specs(seed), through_nodes), 1):
-            ours = row_of(table, int(index) * runs + number - 1)
-            bench = row_of(row(seed, number, run, plan.judging), 0)
-            which = {"sequence": seed, "run": number}
-            yield Verified(f"sequence {seed}, run {number}", which, differences(ours, bench))

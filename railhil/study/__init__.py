@@ -11,6 +11,6 @@
     table.py     rows as Parquet, the same bytes for the same rows
     finished.py  summary and rows of a finished study, and what repeats its runs on the bench
     perturbed_runs.py  runs of a law with many seeds, and whether its parameters have seen them
-    command.py   options that all studies have
+    command.py   options that all studies have, from the command line to results, page and exit code, and ``--verify``
     pool.py      results in the order of their items, in several processes, without a folder
 """

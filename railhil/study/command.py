@@ -3,25 +3,22 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
+from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Generic
+from typing import Any, Generic
 
-from railhil.common.command_line import SEED_MAX, parse, whole_number
+from railhil.common.command_line import SEED_MAX, run_command, whole_number
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import FAIL, PASS
 from railhil.common.extras import need
 from railhil.common.output import Output
-from railhil.common.streams import accept_any_text, add_json_argument, flush_output, print_json
+from railhil.common.streams import add_json_argument, print_json
 from railhil.record.signature import add_sign_argument, check_key, sign_list
 from railhil.scenarios.load import stable_name
 from railhil.scenarios.options import add_option
-from railhil.study.plan import C, P, Shard, Study
-
-if TYPE_CHECKING:
-    from railhil.study.execute import Outcome
-    from railhil.study.finished import Verified
+from railhil.study.plan import P, Shard, Study
 
 # Modules that make runs are imported where they are used: help and completion do not need the extra libraries.
 
@@ -59,6 +56,8 @@ def add_folder_arguments(parser: argparse.ArgumentParser, default: str, verified
     parser.add_argument("--shard", type=Shard.parse, metavar="K/N", help=said)
     if with_report:
         add_option(parser, "--no-report")
+    else:
+        parser.set_defaults(no_report=True)
     add_sign_argument(parser)
     add_json_argument(parser)
     parser.add_argument("--verify", metavar="DIR", help=f"run some {verified} again on the bench")
@@ -73,7 +72,7 @@ def _given(request: Any, namespace: argparse.Namespace) -> dict[str, Any]:
     return {name: value for name, value in values.items() if value is not None and value is not False and value != []}
 
 
-def check_options(request: Any, namespace: argparse.Namespace, beside: str, without: Sequence[str] = ()) -> None:
+def _check_options(request: Any, namespace: argparse.Namespace, beside: str, without: Sequence[str] = ()) -> None:
     """Refuse options that do not go together.
 
     :param request: class of the requests.
@@ -111,47 +110,56 @@ def request_from(begun: Any, namespace: argparse.Namespace) -> Any:
 
 
 @dataclass(frozen=True)
-class Command(Generic[P, C]):
+class Command(Generic[P]):
     """The command of one kind of study.
 
-    ``study``: () -> the record, which needs the libraries of the extra. ``check``: refuses options that do not go
-    together. ``engine``: (command line) -> name and processes. ``how``: (plan) -> remark on how the runs are made
-    (empty: none), and the module with compiled loops (None: nothing is compiled). ``verify``: (command line, plan) ->
-    runs made again. ``report``: (command line, plan, outcome) -> a line on the page that it has written, or empty.
-    ``show``: (console, plan, outcome, that line) prints the tables.
+    ``study``: ``module:object`` of its record, which needs the libraries of the extra. ``verified``: the option that
+    says how many items ``--verify`` makes again, and their usual number. ``only_run``: further options that do not go
+    with ``--verify``. ``check``: (command line) refuses other options that do not go together. ``engine``: (command
+    line) -> name and processes. ``how``: (plan) -> remark on how the runs are made (empty: none), and the module with
+    compiled loops (None: nothing is compiled).
     """
 
     name: str
-    study: Callable[[], Study[P, C]]
+    study: str
+    request: type[Any]
     arguments: Callable[[], argparse.ArgumentParser]
+    verified: tuple[str, int]
+    only_run: Sequence[str]
     check: Callable[[argparse.Namespace], None]
     engine: Callable[[argparse.Namespace], tuple[str, int]]
     how: Callable[[P], tuple[str, str | None]]
-    verify: Callable[[argparse.Namespace, P], Iterable[Verified]]
-    report: Callable[[argparse.Namespace, P, Outcome], str]
-    show: Callable[[Output, P, Outcome, str], None]
 
     def main(self, words: Sequence[str] | None = None) -> int:
         """Run, resume or verify; returns the exit code."""
-        accept_any_text()
-        namespace = parse(self.arguments(), words)
+        return run_command(self.arguments(), words, self._work)
+
+    def _work(self, namespace: argparse.Namespace) -> int:
+        _check_options(self.request, namespace, self.verified[0], self.only_run)
         self.check(namespace)
         need("pyarrow", "campaign", self.name)
-        try:
-            return self._verify(namespace) if namespace.verify is not None else self._run(namespace)
-        finally:
-            flush_output()
+        return self._verify(namespace) if namespace.verify is not None else self._run(namespace)
+
+    def _study(self) -> Study[P, Any]:
+        module, _, name = self.study.partition(":")
+        found: Study[P, Any] = getattr(import_module(module), name)
+        return found
 
     def _verify(self, namespace: argparse.Namespace) -> int:
-        from railhil.study.finished import repeated_plan
+        import numpy as np
 
-        study = self.study()
+        from railhil.study.finished import finished_rows, repeated_plan
+
+        study, folder = self._study(), Path(namespace.verify)
         console, kind, made, bad = Output(stderr=namespace.json), study.kind, [], 0
-        plan, is_other_code = repeated_plan(study, Path(namespace.verify))
+        plan, is_other_code = repeated_plan(study, folder)
         if is_other_code:
             said = f"the code has changed since the {kind}: a difference may come from that"
             console.say(said, style="bold yellow")
-        for one in self.verify(namespace, plan):
+        rows, (option, usual) = finished_rows(study, plan, folder), self.verified
+        drawn = np.random.default_rng(namespace.draw).permutation(study.items(plan))
+        places = drawn[: getattr(namespace, option) or usual]
+        for one in (run for place in places for run in study.repeat(plan, rows, int(place))):
             made.append({**one.document, "differences": dict(one.differences)})
             bad += bool(one.differences)
             if not one.differences:
@@ -171,7 +179,7 @@ class Command(Generic[P, C]):
         from railhil.study.manifest import read_manifest
 
         check_key(namespace.sign)
-        study, resumed = self.study(), namespace.resume
+        study, resumed = self._study(), namespace.resume
         begun = study.request() if resumed is None else read_manifest(Path(resumed), study).request
         plan = study.make_plan(request_from(begun, namespace))
         console = Console(stderr=True)
@@ -191,10 +199,10 @@ class Command(Generic[P, C]):
             if namespace.json:
                 print_json({"folder": str(made.folder), "shard": str(namespace.shard)})
             return PASS
-        line = self.report(namespace, plan, made)
+        line = "" if namespace.no_report else study.report(plan, made)
         sign_list(made.folder, namespace.sign)
         if namespace.json:
             print_json(made.summary)
         else:
-            self.show(Output(), plan, made, line)
+            study.show(Output(), plan, made, line)
         return PASS

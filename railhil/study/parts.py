@@ -8,14 +8,12 @@ may also be on different machines, and be copied into one. A shard lists the has
 
 from __future__ import annotations
 
-import errno
 import fcntl
 import hashlib
 import json
 import os
 import re
 import tempfile
-import time
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
@@ -25,10 +23,10 @@ import pyarrow as pa
 
 from railhil.common.digits import count_of
 from railhil.common.errors import InputError, Words
-from railhil.common.user_files import DRAFTS, sync_folder, write_synced
+from railhil.common.user_files import DRAFTS, lock_within, sync_folder, write_synced
 from railhil.record.framelog import sha256_of
 from railhil.record.hash_list import HASH_LIST, enter, read_hash_list, write_hash_list, write_hashes
-from railhil.record.run_folder import RecordFailed, not_written, run_folder
+from railhil.record.run_folder import RecordFailed, refuse_unwritable, run_folder
 from railhil.study.manifest import check_same, manifest_of, read_manifest
 from railhil.study.plan import C, P, Shard, Study, sha256_of_json
 from railhil.study.table import RESULTS, NotThePart, file_bytes, read_part
@@ -38,8 +36,6 @@ SUMMARY = "summary.json"
 #: Options that name a folder.
 _OPTIONS = "--out, --resume"
 _SHARD_LISTS = "shard-*.sha256"
-#: Interval between attempts to get a lock.
-_LOOK_S = 0.05
 _LINE = re.compile(r"([0-9a-f]{64})  ([^\n]+)\n")
 
 
@@ -207,19 +203,10 @@ def _claim(descriptor: int, path: Path, kind: str, mode: int = fcntl.LOCK_EX, wa
     :param wait_s: how long to wait for others.
     :raises InUse: another process has it.
     """
-    deadline_s = time.monotonic() + wait_s
-    while True:
-        try:
-            fcntl.flock(descriptor, mode | fcntl.LOCK_NB)
-        except OSError as error:
-            if error.errno not in (errno.EWOULDBLOCK, errno.EACCES):
-                raise not_written(_OPTIONS, path, "folder", error) from error
-            if time.monotonic() > deadline_s:
-                found = Words(f"a {kind} that is running there")
-                raise InUse(path, "", found, "one process at a time") from None
-            time.sleep(_LOOK_S)
-        else:
-            return
+    with refuse_unwritable(_OPTIONS, path, "folder"):
+        is_locked = lock_within(descriptor, wait_s, mode)
+    if not is_locked:
+        raise InUse(path, "", Words(f"a {kind} that is running there"), "one process at a time")
 
 
 @contextmanager
@@ -228,10 +215,8 @@ def claimed(path: Path, kind: str) -> Iterator[None]:
 
     :raises InputError: another process has it, or it cannot be opened.
     """
-    try:
+    with refuse_unwritable(_OPTIONS, path, "folder"):
         descriptor = os.open(path, os.O_RDONLY | os.O_DIRECTORY)
-    except OSError as error:
-        raise not_written(_OPTIONS, path, "folder", error) from error
     try:
         _claim(descriptor, path, kind)
         yield
@@ -256,14 +241,12 @@ def opened(
     """
     path = _study_folder(study, plan, out, shard)
     with ExitStack() as held:
-        try:
+        with refuse_unwritable(_OPTIONS, path, "folder"):
             handle = os.open(path / study.manifest, os.O_RDWR | os.O_CREAT, 0o666)
-        except OSError as error:
-            raise not_written(_OPTIONS, path, "folder", error) from error
         stream = held.enter_context(os.fdopen(handle, "r+b"))
         _claim(stream.fileno(), path, study.kind, fcntl.LOCK_EX if shard is None else fcntl.LOCK_SH, wait_s)
         listed: IO[bytes] | None = None
-        try:
+        with refuse_unwritable(_OPTIONS, path, "folder"):
             is_begun = (path / PARTS).exists()
             # A process killed at this point leaves an empty or incomplete manifest, and no part.
             if shard is None and not is_begun and not _is_json(stream.read()):
@@ -277,8 +260,6 @@ def opened(
             (path / PARTS).mkdir(exist_ok=True)
             if shard is not None:
                 listed = held.enter_context(_shard_list(path, study, plan, shard))
-        except OSError as error:
-            raise not_written(_OPTIONS, path, "folder", error) from error
         yield PartsFolder(path, study, plan, shard, listed)
 
 
@@ -292,14 +273,12 @@ def _study_folder(study: Study[P, C], plan: P, out: str | None, shard: Shard | N
     if out is None or shard is None:
         return run_folder(out, plan.scenario.name, study.folder)[0]
     path = Path(out)
-    try:
+    with refuse_unwritable(_OPTIONS, path, "folder"):
         path.mkdir(parents=True, exist_ok=True)
         names = {item.name for item in path.iterdir() if not item.match(DRAFTS)}
         if names - {study.manifest, HASH_LIST, PARTS}:
             raise InputError("command line", "--out", out, "an empty or new folder")
         _make_manifest(path / study.manifest, _manifest_bytes(study, plan))
-    except OSError as error:
-        raise not_written(_OPTIONS, path, "folder", error) from error
     return path
 
 

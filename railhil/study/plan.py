@@ -6,7 +6,7 @@ import argparse
 import hashlib
 import json
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
@@ -22,6 +22,9 @@ if TYPE_CHECKING:
     import pyarrow as pa
     from pydantic import BaseModel
 
+    from railhil.common.output import Output
+    from railhil.study.execute import Outcome
+    from railhil.study.finished import Verified
     from railhil.study.work import Work
 
 #: Code on which the figures of perturbed runs depend, in addition to that of the bench (``certificate.json``).
@@ -77,7 +80,10 @@ class Study(Generic[P, C]):
     requests, ``bounds``: its model in the manifest, with the bounds of the command line. ``make_plan``: (request) ->
     plan; raises InputError. ``columns``: (plan) -> those of its rows. ``check_rows``: (rows of a part, plan, chunk);
     raises NotThePart. ``work``: (plan, chunk) -> what a worker does. ``summary``: (plan, rows) -> ``summary.json``.
-    ``explained``: (plan) -> what else stands in the manifest for people.
+    ``explained``: (plan) -> what else stands in the manifest for people. ``items``: (plan) -> how many there are of
+    what ``--verify`` makes again; ``repeat``: (plan, rows, place of one) -> its runs made again on the bench, and how
+    they differ. ``report``: (plan, outcome) -> a line on the page that it has written, or empty. ``show``: (console,
+    plan, outcome, that line) prints the tables.
     """
 
     command: str
@@ -92,6 +98,10 @@ class Study(Generic[P, C]):
     work: Callable[[P, C], Work]
     summary: Callable[[P, pa.Table], dict[str, Any]]
     explained: Callable[[P], Mapping[str, Any]]
+    items: Callable[[P], int]
+    repeat: Callable[[P, pa.Table, int], Iterable[Verified]]
+    report: Callable[[P, Outcome], str]
+    show: Callable[[Output, P, Outcome, str], None]
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,8 +6,7 @@ import argparse
 import math
 import signal
 import sys
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,13 +14,14 @@ from typing import TYPE_CHECKING, Any
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-from railhil.common.command_line import parse
+from railhil.common.command_line import run_command
 from railhil.common.digits import count_of
 from railhil.common.errors import InputError, Words
 from railhil.common.exit_codes import PASS, run_guarded
 from railhil.common.output import Output
-from railhil.common.streams import accept_any_text, flush_output, print_json
+from railhil.common.streams import print_json
 from railhil.common.user_files import check_writable, whole_file
+from railhil.record.run_folder import refuse_unwritable
 from railhil.scenarios.load import load
 from railhil.scenarios.model import AnyScenario, require_perturbations
 from railhil.scenarios.parameters import load_parameters
@@ -38,16 +38,6 @@ if TYPE_CHECKING:
 #: Values closer than this are the same: a search reaches the law's own through a logarithm.
 _SAME = 1e-9
 _INTERRUPTED = 128 + signal.SIGINT
-
-
-@contextmanager
-def _complaining(path: Path) -> Iterator[None]:
-    """Report a file that cannot be written as bad input."""
-    try:
-        yield
-    except OSError as error:
-        why = (error.strerror or str(error)).lower()
-        raise InputError("command line", "--out", str(path), f"a file that can be written ({why})") from None
 
 
 def _list(console: Output, as_json: bool) -> int:
@@ -114,7 +104,7 @@ def _tune(namespace: argparse.Namespace, console: Output) -> int:
         )
     file = Path(namespace.out or f"{law}_{scenario.name}.toml")
     # Check before the work, not after it.
-    with _complaining(file):
+    with refuse_unwritable("--out", file, "file"):
         check_writable(file)
     say_compiling(Output(stderr=True).say, kernel_of(scenario))
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
@@ -164,7 +154,7 @@ def _evaluation_document(judged: Evaluation) -> dict[str, Any]:
 
 
 def _write(file: Path, text: str) -> None:
-    with _complaining(file), whole_file(file) as draft:
+    with refuse_unwritable("--out", file, "file"), whole_file(file) as draft:
         draft.write_text(text, encoding="utf-8")
 
 
@@ -199,21 +189,20 @@ def _keep_the_better(judged: Evaluation, protocol: Protocol, found: Found, file:
 
 def main(words: Sequence[str] | None = None) -> int:
     """Search, evaluate or list."""
-    accept_any_text()
-    namespace = parse(arguments(), words)
+    return run_command(arguments(), words, _work)
+
+
+def _work(namespace: argparse.Namespace) -> int:
     check_combination(namespace)
     console = Output(stderr=namespace.json)
-    try:
-        if namespace.list:
-            return _list(console, namespace.json)
-        if namespace.evaluate is not None:
-            judged = _evaluate(namespace, Path(namespace.evaluate), console)
-            if namespace.json:
-                print_json(_evaluation_document(judged))
-            return PASS
-        return _tune(namespace, console)
-    finally:
-        flush_output()
+    if namespace.list:
+        return _list(console, namespace.json)
+    if namespace.evaluate is not None:
+        judged = _evaluate(namespace, Path(namespace.evaluate), console)
+        if namespace.json:
+            print_json(_evaluation_document(judged))
+        return PASS
+    return _tune(namespace, console)
 
 
 if __name__ == "__main__":

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import argparse
-import re
 
-from railhil.common.command_line import SEED_MAX, OneLineParser, whole_number
+from railhil.common.command_line import SEED_MAX, OneLineParser, seed_list, whole_number
 from railhil.common.errors import InputError
 from railhil.common.streams import add_json_argument
 from railhil.controller_node.laws import names as laws
@@ -20,22 +19,13 @@ _EXIT_CODES = """\
 exit codes:
   0    the search or the evaluation was made, whatever it found
   2    usage or bad input; one line says what was found and what is allowed
-  4    TOOL ERROR: a defect of the search
+  4    TOOL ERROR: a defect of the search, or the disk is full
   130  stopped by Ctrl-C: the best parameters so far are written, and the file says so; 143 by SIGTERM (nothing is)"""
-_SEED_RANGE = re.compile(r"([0-9]{1,10})(?:-([0-9]{1,10}))?", re.ASCII)
 
 
-def seed_list(text: str) -> tuple[int, ...]:
-    """An option's type: ``0-7``, ``3,5,9`` or both, in order and each once."""
-    seeds: set[int] = set()
-    for part in text.split(","):
-        match = _SEED_RANGE.fullmatch(part.strip())
-        first, last = (int(match[1]), int(match[2] or match[1])) if match else (1, 0)
-        if not first <= last <= SEED_MAX or last - first >= _SEEDS_MAX:
-            allowed = f"seeds and ranges like 0-7,20 from 0 to {SEED_MAX}, at most {_SEEDS_MAX}"
-            raise argparse.ArgumentTypeError(f"found {text}, allowed {allowed}")
-        seeds.update(range(first, last + 1))
-    return tuple(sorted(seeds))
+def _training_seeds(text: str) -> tuple[int, ...]:
+    """An option's type: in order and each once."""
+    return tuple(sorted(set(seed_list(text, _SEEDS_MAX))))
 
 
 def arguments() -> argparse.ArgumentParser:
@@ -62,7 +52,11 @@ def arguments() -> argparse.ArgumentParser:
         help="candidates to judge, each on all training runs (default 800)",
     )
     parser.add_argument(
-        "--seeds", type=seed_list, default=seed_list("0-7"), metavar="A-B,C", help="training runs (default 0-7)"
+        "--seeds",
+        type=_training_seeds,
+        default=_training_seeds("0-7"),
+        metavar="A-B,C",
+        help="training runs (default 0-7)",
     )
     parser.add_argument(
         "--search-seed", type=whole_number(0, SEED_MAX), default=0, metavar="N", help="seed of the search (default 0)"

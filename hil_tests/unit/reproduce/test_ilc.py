@@ -199,7 +199,7 @@ def test_a_set_has_the_runs_of_its_sequences(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_the_command_beside_a_set_makes_the_same_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from railhil.judge.judging import judging_of
-    from railhil.sequences.command import COMMAND
+    from railhil.sequences.__main__ import COMMAND
     from railhil.sequences.table import schema
     from railhil.study.table import read_table
 

@@ -22,7 +22,7 @@ from railhil.common.errors import InputError
 from railhil.common.exit_codes import PASS
 from railhil.scenarios.load import load_any
 from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.sequences.command import COMMAND
+from railhil.sequences.__main__ import COMMAND
 from railhil.sequences.one import runner_of, sequence, sequence_batch_of, sequences
 from railhil.sequences.plan import Request, make_plan, run_specs
 
