@@ -9,8 +9,7 @@ from typing import Any
 from railhil.audit.bars import Bar, Look, OwnLook, bars
 from railhil.audit.bounds import Bounds, bounds_of
 from railhil.audit.effect import Effect, effect
-from railhil.audit.floor import floored
-from railhil.audit.shadow import Codes, QuantityError, Watched, compare_codes, errors, run_under, shadow_run
+from railhil.audit.shadow import Codes, QuantityError, Watched, compare_codes, errors, floored, run_under, shadow_run
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Arithmetic, Constant
 from railhil.controller_node.cost import Cost

@@ -10,7 +10,7 @@ from railhil.audit.effect import Effect
 from railhil.audit.result import Floor, Result
 from railhil.audit.shadow import QuantityError
 from railhil.common.digits import percent
-from railhil.common.output import Output, table
+from railhil.common.output import Output, titled_table
 from railhil.controller_node.cost import CPU_MHZ, FLASH_FACTOR
 from railhil.controller_node.laws.constant_table import COARSE
 from railhil.judge.score import Score
@@ -22,16 +22,7 @@ _LSB_PLAIN_MAX = 1e5
 
 
 def _columns(title: str, left: Sequence[str], right: Sequence[str]) -> Table:
-    """A table of text columns (the first is never truncated) followed by columns of numbers."""
-    made = table()
-    made.title, made.title_justify, made.title_style = title, "left", "bold"
-    # Keeps the title of a narrow table on one line.
-    made.min_width = len(title)
-    for i, name in enumerate(left):
-        made.add_column(name, no_wrap=not i)
-    for name in right:
-        made.add_column(name, justify="right")
-    return made
+    return titled_table(title, left, right, is_whole=False)
 
 
 def _number(value: float | None, digits: int = 4) -> str:

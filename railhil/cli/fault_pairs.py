@@ -1,13 +1,16 @@
-"""``railhil faults --pairs N``: runs with two random faults each."""
+"""``railhil faults --pairs N``: runs with two random faults each; the rules of every run hold in each of them."""
 
 from __future__ import annotations
 
+import shlex
 from collections import Counter
-from collections.abc import Mapping
-from dataclasses import replace
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass, field, replace
 from functools import partial
+from itertools import pairwise
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 from railhil.common.digits import count_of
 from railhil.common.errors import InputError
@@ -17,13 +20,58 @@ from railhil.common.streams import print_json
 from railhil.faults.capability import why_not
 from railhil.faults.language import parse
 from railhil.faults.random_faults import Sent, random_pair
-from railhil.judge.reactions.pairs import PairRun, judged_pair, sent_ports
+from railhil.judge.reactions.evaluate import RULE, VERDICTS
 from railhil.judge.result import Result
+from railhil.record.trace import Trace
 from railhil.run.make import NeverBegan, record_run
 from railhil.scenarios.fault_list import disturbed_signals, fault_texts
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import System
 from railhil.study.pool import each, until_stopped
+
+#: Verdicts with which a run may end.
+_ENDS = ("PASS", "FAIL", "INVALID", "TOOL ERROR")
+
+
+@dataclass(frozen=True, slots=True)
+class PairRun:
+    """One run. ``failures``: rules that it breaks, empty if it keeps all."""
+
+    number: int
+    faults: Sequence[str]
+    verdict: str
+    failures: list[str] = field(default_factory=list)
+
+    @property
+    def words(self) -> str:
+        """The faults as words of a command line."""
+        return " ".join(f"--fault {shlex.quote(fault)}" for fault in self.faults)
+
+    def as_json(self) -> dict[str, Any]:
+        """All fields."""
+        return asdict(self)
+
+
+def sent_ports(trace: Trace, ports: Iterable[str]) -> dict[str, Sent]:
+    """Times at which a run sent each of the ports; ports that it never sent are left out."""
+    found = {}
+    for port in ports:
+        times_s = trace.times_s(port)
+        if len(times_s):
+            apart_s = max((float(after - before) for before, after in pairwise(times_s)), default=0.0)
+            found[port] = Sent(float(times_s[0]), float(times_s[-1]), apart_s)
+    return found
+
+
+def judged_pair(number: int, faults: Sequence[str], result: Result) -> PairRun:
+    """The rules of every run, checked on one run."""
+    verdict = VERDICTS.get(result.exit_code, f"exit code {result.exit_code}")
+    failures = [text for text in result.score.failures if text.startswith(RULE)]
+    if verdict not in _ENDS:
+        failures.append(f"the run ended with {verdict}")
+    if verdict == "TOOL ERROR":
+        failures.append(f"tool error: {result.line}")
+    return PairRun(number, faults, verdict, failures)
 
 
 def run_into(folder: Path, spec: RunSpec, *, keep: bool = True) -> Result:

@@ -29,8 +29,7 @@ from railhil.faults.page import lines
 from railhil.faults.words import CLEAR, PLACES, WORDS
 from railhil.judge.folder import code_sha256, made_by
 from railhil.judge.reactions.catalogue import Entry, catalogue_of
-from railhil.judge.reactions.evaluate import Row, evaluated
-from railhil.judge.reactions.facts import seen_in
+from railhil.judge.reactions.evaluate import Row, evaluated, seen_in
 from railhil.record.documents import FAULT_TABLE
 from railhil.record.hash_list import HASH_LIST, HASH_LIST_KEY, write_hash_list
 from railhil.record.run_folder import RecordFailed, json_text

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from typing import Any
 
 from rich.box import SIMPLE_HEAD
-from rich.console import Console, ConsoleOptions, RenderResult
+from rich.console import Console, ConsoleOptions, JustifyMethod, RenderResult
 from rich.measure import Measurement
 from rich.table import Column, Table
 from rich.text import Text
@@ -21,6 +22,8 @@ _FILE_COLUMNS = 100
 _WORD_LETTERS = 5
 #: A word that counts as a number, with sign, brackets and unit around it; a longer one is a hash.
 _NUMBER = re.compile(r"[^\w\s]*\d\S{0,29}")
+#: Maximum updates of a progress bar per second.
+_REFRESH_HZ = 4
 #: Width of a console that cuts nothing.
 _UNLIMITED = 10_000
 
@@ -83,12 +86,28 @@ def table(tight: bool = False) -> Table:
     return WholeTable(box=SIMPLE_HEAD, show_edge=False, pad_edge=False, padding=(0, 0 if tight else 1, 0, 0))
 
 
-def titled_table(title: str, left: Sequence[str], right: Sequence[str]) -> Table:
-    """An empty table with a title: columns of words, and then of numbers."""
-    made = table(tight=True)
+def titled_table(title: str, left: Sequence[str], right: Sequence[str], *, is_whole: bool = True) -> Table:
+    """An empty table with a title: columns of words, and then of numbers.
+
+    :param is_whole: no column is wrapped, and they stand closer together; else only the first is never wrapped.
+    """
+    made = table(tight=is_whole)
     made.title, made.title_justify, made.title_style = title, "left", "bold"
-    for name in left:
-        made.add_column(name, no_wrap=True)
-    for name in right:
-        made.add_column(name, justify="right", no_wrap=True)
+    # Keeps the title of a narrow table on one line.
+    made.min_width = len(title)
+    for place, name in enumerate((*left, *right)):
+        justify: JustifyMethod = "left" if place < len(left) else "right"
+        made.add_column(name, justify=justify, no_wrap=is_whole or place == 0)
     return made
+
+
+@contextmanager
+def show_progress(console: Console, title: str, total: int, done: int = 0) -> Iterator[Callable[[int, str], None]]:
+    """A progress bar on a terminal, nothing elsewhere; called with how much of the total is done, and a title."""
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+    columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
+    is_hidden = not console.is_terminal
+    with Progress(*columns, console=console, transient=True, disable=is_hidden, refresh_per_second=_REFRESH_HZ) as bar:
+        task = bar.add_task(title, total=total, completed=done)
+        yield lambda completed, said: bar.update(task, completed=completed, description=said)

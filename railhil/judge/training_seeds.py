@@ -10,6 +10,7 @@ from railhil.common.errors import InputError, Words
 from railhil.record.telemetry import LawOrigin
 from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario
+from railhil.scenarios.parameters import OTHER_SEEDS
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.stored import content_sha256
 
@@ -69,5 +70,4 @@ def check_unseen(scenario: AnyScenario, run: RunSpec, origin: LawOrigin | None =
         run.law.parameters.check_unseen([run.seed])
     chosen = "" if origin is None else f" ({origin.text})"
     found = Words(f"{run.seed}, on which {run.law.controller}'s own parameters were chosen{chosen}")
-    allowed = "other seeds for an evaluation, or --allow-training-seeds, which every table then says"
-    raise InputError("command line", "--seed", found, allowed)
+    raise InputError("command line", "--seed", found, OTHER_SEEDS)

@@ -3,7 +3,6 @@ weights file: a parameter file of the law (:mod:`railhil.scenarios.parameters`),
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from importlib.metadata import version
@@ -27,6 +26,7 @@ from railhil.controller_node.high_speed.training import (
 from railhil.judge.record import Record
 from railhil.learning.series import Series, read_series
 from railhil.record.framelog import log_sha256
+from railhil.scenarios.tomlfile import toml_table, toml_value
 
 _HEAD = "# Written by railhil train-model from a recorded run. For railhil run --parameters.\n"
 #: Digits of the errors.
@@ -128,34 +128,10 @@ def _round(value: float) -> float:
 
 def render_file(law: str, record: Record, models: TrainedModels, notes: Mapping[str, Any]) -> str:
     """The text of the file."""
+    networks = [{item.name: getattr(network, item.name) for item in fields(network)} for network in models.networks]
     return (
-        f"{_HEAD}law = {_render_value(law)}\n"
-        + "".join(_render_network(network) for network in models.networks)
-        + _render_table("training", {"scenario": record.scenario.name, "seeds": [record.certificate["seed"]]})
-        + _render_table("training.notes", notes)
+        f"{_HEAD}law = {toml_value(law)}\n"
+        + "".join(toml_table("[parameters.networks]", network) for network in networks)
+        + toml_table("training", {"scenario": record.scenario.name, "seeds": [record.certificate["seed"]]})
+        + toml_table("training.notes", notes)
     )
-
-
-def _render_network(network: Network) -> str:
-    values = {item.name: getattr(network, item.name) for item in fields(network)}
-    return "\n[[parameters.networks]]\n" + "".join(f"{key} = {_render_value(value)}\n" for key, value in values.items())
-
-
-def _render_table(title: str, values: Mapping[str, Any]) -> str:
-    return f"\n[{title}]\n" + "".join(f"{key} = {_render_value(value)}\n" for key, value in values.items())
-
-
-def _render_value(value: Any) -> str:
-    if isinstance(value, str):
-        # Escapes of JSON are escapes of TOML.
-        return json.dumps(value)
-    if isinstance(value, bool):
-        return str(value).lower()
-    if isinstance(value, tuple | list):
-        inner = [_render_value(item) for item in value]
-        return f"[{', '.join(inner)}]" if not value or not isinstance(value[0], tuple) else _render_rows(inner)
-    return repr(value)
-
-
-def _render_rows(rows: list[str]) -> str:
-    return "[\n" + "".join(f"  {row},\n" for row in rows) + "]"

@@ -59,6 +59,10 @@ class _Stored(BaseModel):
     training: _Training | None = None
 
 
+#: What is allowed instead of seeds on which parameters were tuned or chosen.
+OTHER_SEEDS = "other seeds for an evaluation, or --allow-training-seeds, which every table then says"
+
+
 @dataclass(frozen=True)
 class ParameterSet:
     """Parameters of one law, from a file.
@@ -117,18 +121,15 @@ class ParameterSet:
         """
         return sorted(self.training_seeds.intersection(seeds))
 
-    def check_unseen(self, seeds: Iterable[int]) -> None:
+    def check_unseen(self, seeds: Iterable[int], allowed: str = OTHER_SEEDS) -> None:
         """Refuse to evaluate the parameters on runs that were used to find them.
 
+        :param allowed: what the user can do instead.
         :raises InputError: one of the seeds is a training seed.
         """
         if seen := self.seen(seeds):
-            raise InputError(
-                self.source,
-                "training.seeds",
-                Words(f"seed {seen[0]}, on which these parameters were tuned"),
-                "other seeds for an evaluation, or --allow-training-seeds, which every table then says",
-            )
+            found = Words(f"seed {seen[0]}, on which these parameters were tuned")
+            raise InputError(self.source, "training.seeds", found, allowed)
 
 
 def parameters_from_json(document: Mapping[str, Any], source: Path) -> ParameterSet:

@@ -65,17 +65,23 @@ def _too_deep() -> str:
 
 
 def toml_value(value: Any) -> str:
-    """A value as TOML: bool, text, number, or a list of them."""
+    """A value as TOML: bool, text, number, a list of them, or a list of lists, each on a line of its own."""
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, str):
         # Escapes of JSON are escapes of TOML.
         return json.dumps(value)
-    if isinstance(value, list):
-        return f"[{', '.join(map(toml_value, value))}]"
+    if isinstance(value, list | tuple):
+        items = [toml_value(item) for item in value]
+        if value and isinstance(value[0], list | tuple):
+            return "[\n" + "".join(f"  {row},\n" for row in items) + "]"
+        return f"[{', '.join(items)}]"
     return repr(value)
 
 
 def toml_table(title: str, values: Mapping[str, Any]) -> str:
-    """A table as TOML, with a blank line before it."""
+    """A table as TOML, with a blank line before it.
+
+    :param title: its name; that of an item of an array of tables in brackets.
+    """
     return f"\n[{title}]\n" + "".join(f"{key} = {toml_value(value)}\n" for key, value in values.items())

@@ -2,31 +2,29 @@
 
 from __future__ import annotations
 
-import hashlib
 from dataclasses import asdict, dataclass, replace
-from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-import railhil
 from railhil.common.command_line import SEED_MAX, USUAL_SCENARIO
 from railhil.common.errors import InputError, Words
 from railhil.controller_node.law_controller import maker_of
 from railhil.controller_node.laws import find
 from railhil.controller_node.laws.memory import require_memory
 from railhil.judge.judging import Judging, judging_of
-from railhil.judge.training_seeds import chosen_on
 from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.parameters import load_parameters
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.stored import any_judged_sha256
 from railhil.sequences.one import sequence_batch_of
+from railhil.study.perturbed_runs import check_unseen
 from railhil.study.plan import batch_sha256, bench_sha256, law_sha256, sha256_of_json
 
 RUNS_MAX, SEQUENCES_MAX, CHUNK_MAX = 10_000, 1_000_000, 1_000
 #: Sequences per part: where runs are made one by one, and where they are made together.
 _CHUNK, _CHUNK_TOGETHER = 5, 25
+_OTHERS = "another --seed, of runs on which no parameters were tuned or chosen"
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,14 +65,9 @@ class Chunk:
         return len(self.sequences) * self.runs_each
 
 
-@lru_cache(maxsize=1)
 def learning_sha256() -> str:
-    """Hash over the code of this package and of what a campaign's figures depend on (paths and contents)."""
-    root = Path(railhil.__file__).parent
-    digest = hashlib.sha256(batch_sha256().encode())
-    for path in sorted((root / "sequences").glob("*.py")):
-        digest.update(path.name.encode() + b"\0" + path.read_bytes() + b"\0")
-    return digest.hexdigest()
+    """Hash over the code of this package and of what a campaign's figures depend on."""
+    return batch_sha256("sequences")
 
 
 def run_specs(base: RunSpec, scenario: AnyScenario, seed: int, runs: int) -> list[RunSpec]:
@@ -197,14 +190,10 @@ def _check_unseen(plan: Plan, last: int) -> None:
     :param last: seed of the last run.
     :raises InputError: there is such a seed.
     """
-    seeds = range(plan.seeds.start, last + 1)
-    given = plan.law.parameters
-    if given is not None and (tuned := given.seen(seeds)):
-        found = Words(f"seed {tuned[0]}, on which these parameters were tuned")
-        raise InputError(given.source, "training.seeds", found, "parameters tuned on other seeds, or another --seed")
-    law = find(plan.law.controller, plan.scenario.installed_system.laws)
+    # Runs that are not perturbed draw nothing else, so that only a file can be of the same runs.
     drawn = plan.perturbed or plan.scenario.every_run_is_drawn
-    seen = chosen_on(law.design_seeds, plan.scenario, seeds) if drawn else []
-    if seen:
-        found = Words(f"seed {seen[0]}, on which {plan.law.controller}'s own parameters were chosen")
-        raise InputError("command line", "--seed", found, f"other seeds than {seen[0]} to {seen[-1]}")
+    seeds = range(plan.seeds.start, last + 1)
+    if drawn:
+        check_unseen(plan.scenario, plan.law, seeds, "--seed", _OTHERS)
+    elif plan.law.parameters is not None:
+        plan.law.parameters.check_unseen(seeds, _OTHERS)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import signal
 import warnings
 from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import closing, contextmanager
@@ -14,7 +13,7 @@ from railhil.common.digits import count_of
 from railhil.common.errors import InputError, Words
 from railhil.common.exit_codes import INVALID
 from railhil.common.extras import need
-from railhil.common.python_process import end_with_parent
+from railhil.study.pool import be_worker
 from railhil.study.work import Task, run_task
 
 Parts = Generator[tuple[str, bytes], None, None]
@@ -37,16 +36,6 @@ def _batch(tasks: Sequence[Task], work: Work) -> Parts:
     yield from map(work, tasks)
 
 
-def _worker() -> None:
-    """Make a worker process end with its parent, but not before.
-
-    Ctrl-C reaches the whole process group: workers ignore it, because the parent ends them. If the parent is killed, it
-    cannot end its workers, which would wait for it for ever.
-    """
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    end_with_parent()
-
-
 def _joblib(tasks: Sequence[Task], work: Work, jobs: int, say: Say) -> Parts:
     import joblib
     from joblib.externals.loky.process_executor import BrokenProcessPool
@@ -58,7 +47,7 @@ def _joblib(tasks: Sequence[Task], work: Work, jobs: int, say: Say) -> Parts:
     while left:
         calls = [joblib.delayed(work)(task) for task in left.values()]
         try:
-            with joblib.parallel_config(backend="loky", n_jobs=jobs, initializer=_worker):
+            with joblib.parallel_config(backend="loky", n_jobs=jobs, initializer=be_worker):
                 pool = joblib.Parallel(return_as="generator_unordered", batch_size=1)
                 with closing(pool(calls)) as parts:
                     for name, content in parts:

@@ -11,23 +11,17 @@ from typing import Any
 
 import pyarrow as pa
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, ProgressColumn, TextColumn, TimeRemainingColumn
-from rich.progress import Task as Shown
-from rich.text import Text
 
 from railhil.common.digits import count_of
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import TOOL_ERROR, exit_code_of
+from railhil.common.output import show_progress
 from railhil.study.engines import Engine
 from railhil.study.parts import InUse, PartsFolder, opened
 from railhil.study.plan import C, P, Shard, Study
 from railhil.study.table import NotThePart
 from railhil.study.work import Task, task_of
 
-#: Maximum updates of the progress display per second.
-_REFRESH_HZ = 4
-#: Averaging time of the displayed speed, s.
-_SPEED_S = 60
 #: How long a shard waits for the folder: others that begin or end have it for a moment.
 _OTHERS_S = 10.0
 
@@ -38,14 +32,6 @@ class Stopped(Exception):
     def __init__(self, text: str, exit_code: int) -> None:
         super().__init__(text)
         self.exit_code = exit_code
-
-
-class _Speed(ProgressColumn):
-    """Runs per second of this session."""
-
-    def render(self, task: Shown) -> Text:
-        speed = task.finished_speed or task.speed
-        return Text("" if speed is None else f"{speed:,.0f} runs/s")
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,11 +136,11 @@ def _make_parts(
     tasks = [task_of(study, plan, chunk) for chunk in left]
     runs = {chunk.name: chunk.runs for chunk in left}
     # Close it at once after an exception, so that workers do not continue.
-    with _progress(console, kept, total) as shown, closing(_written(folder, tasks, engine)) as names:
+    with show_progress(console, "runs", total, kept) as shown, closing(_written(folder, tasks, engine)) as names:
         began_s, used_s, new = monotonic(), process_time(), 0
         for name in names:
-            shown(runs[name])
             new += runs[name]
+            shown(kept + new, f"runs, {new / (monotonic() - began_s):,.0f}/s")
     if new:
         wall_s, cpu_s = monotonic() - began_s, process_time() - used_s
         said = count_of(new, "run", spec=",")
@@ -169,25 +155,3 @@ def _written(folder: PartsFolder[P, C], tasks: Sequence[Task], engine: Engine) -
         for name, content in parts:
             folder.write_part(name, content)
             yield name
-
-
-@contextmanager
-def _progress(console: Console, done: int, total: int) -> Iterator[Callable[[int], None]]:
-    """A progress bar on a terminal, nothing elsewhere; called with the number of newly finished runs."""
-    columns = (
-        TextColumn("{task.description}"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        _Speed(),
-        TimeRemainingColumn(),
-    )
-    with Progress(
-        *columns,
-        console=console,
-        transient=True,
-        disable=not console.is_terminal,
-        refresh_per_second=_REFRESH_HZ,
-        speed_estimate_period=_SPEED_S,
-    ) as bar:
-        task = bar.add_task("runs", total=total, completed=done)
-        yield lambda runs: bar.advance(task, runs)

@@ -10,6 +10,7 @@ from railhil.batch.nodes import batch_of, kernel_of, one_by_one, run_nodes
 from railhil.common.errors import InputError, Words
 from railhil.judge.training_seeds import chosen_on
 from railhil.scenarios.model import AnyScenario
+from railhil.scenarios.parameters import OTHER_SEEDS
 from railhil.scenarios.run_spec import LawSpec
 from railhil.study.plan import law_named
 
@@ -43,12 +44,17 @@ def training_seeds(scenario: AnyScenario, law: LawSpec, seeds: range) -> list[in
     return sorted(tuned.union(chosen_on(declared, scenario, seeds)))
 
 
-def check_unseen(scenario: AnyScenario, law: LawSpec, seeds: range) -> None:
-    """Refuse to evaluate parameters on runs that were used to find them. Raises InputError."""
+def check_unseen(
+    scenario: AnyScenario, law: LawSpec, seeds: range, option: str = "--first-seed", allowed: str = OTHER_SEEDS
+) -> None:
+    """Refuse to evaluate parameters on runs that were used to find them.
+
+    :param option: that names the seeds; ``allowed``: what the user can do instead.
+    :raises InputError: they were used.
+    """
     if law.parameters is not None:
-        law.parameters.check_unseen(seeds)
+        law.parameters.check_unseen(seeds, allowed)
     if seen := training_seeds(scenario, law, seeds):
         origin = law_named(law.controller, scenario.system).parameters_origin
         found = Words(f"seed {seen[0]}, on which {law.controller}'s own parameters were chosen ({origin})")
-        allowed = "other seeds for an evaluation, or --allow-training-seeds, which every table then says"
-        raise InputError("command line", "--first-seed", found, allowed)
+        raise InputError("command line", option, found, allowed)

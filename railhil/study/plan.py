@@ -132,10 +132,13 @@ def sha256_of_json(document: Mapping[str, Any]) -> str:
     return hashlib.sha256(json.dumps(document, sort_keys=True).encode()).hexdigest()
 
 
-@lru_cache(maxsize=1)
-def batch_sha256() -> str:
-    """Hash over the code, beyond the bench's own, on which the figures depend."""
-    return code_sha256(_OWN_CODE)
+@lru_cache(maxsize=8)
+def batch_sha256(*further: str) -> str:
+    """Hash over the code, beyond the bench's own, on which the figures depend.
+
+    :param further: packages and modules.
+    """
+    return code_sha256((*_OWN_CODE, *further))
 
 
 @lru_cache(maxsize=1)

@@ -26,7 +26,7 @@ def _held_back() -> Iterator[None]:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
-def _be_worker() -> None:
+def be_worker() -> None:
     """Leave the end to the command: Ctrl-C and ``timeout`` reach the whole group, and a worker that ended by itself
     would be a defect to the pool. If the command is killed, nobody else ends its workers."""
     signal.pthread_sigmask(signal.SIG_BLOCK, ending_signals())
@@ -84,7 +84,7 @@ def each(work: Callable[[T], R], items: Sequence[T], jobs: int) -> Iterator[Iter
 @contextmanager
 def _processes(count: int) -> Iterator[ProcessPoolExecutor]:
     others = set(multiprocessing.active_children())
-    pool = ProcessPoolExecutor(count, initializer=_be_worker)
+    pool = ProcessPoolExecutor(count, initializer=be_worker)
     try:
         yield pool
     except BaseException:

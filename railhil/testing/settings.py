@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import re
+from argparse import ArgumentTypeError
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+
+from railhil.common.command_line import SEED_MAX, seed_list
 
 #: Option without ``--railhil-`` -> its line in the help. In the ini file it is ``railhil_...``, in the environment
 #: ``RAILHIL_...``.
@@ -20,8 +23,6 @@ OPTIONS: Mapping[str, str] = {
 }
 FLAG = "no-controller"
 _BUS = re.compile(r"local|auto|hub|[\w.-]+:[^@\s]+(@\d+)?")
-_SEEDS = re.compile(r"(\d+)(?:-(\d+))?")
-_SEED_MAX = 0xFFFF_FFFF
 _SEEDS_MAX = 100_000
 _TRUE, _FALSE = ("1", "true", "yes", "on"), ("", "0", "false", "no", "off")
 
@@ -68,23 +69,9 @@ def settings_from(given: Callable[[str], tuple[str, str]], folder: Path) -> Sett
         raise refused(FLAG, f"{', '.join(_TRUE)} or {', '.join(_FALSE[1:])}")
     if flag in _TRUE and ":" not in bus:
         raise refused(FLAG, "nothing, or a bus beside it on which the board is (--railhil-bus INTERFACE:CHANNEL)")
-    seeds = _seeds(said["seeds"][0] or "0")
-    if not seeds:
-        raise refused("seeds", f"numbers and ranges up to {_SEED_MAX}, such as 0,1,5-9")
+    try:
+        seeds = tuple(dict.fromkeys(seed_list(said["seeds"][0] or "0", _SEEDS_MAX)))
+    except ArgumentTypeError:
+        raise refused("seeds", f"numbers and ranges up to {SEED_MAX}, such as 0,1,5-9") from None
     runs = said["runs"][0]
     return Settings(bus, seeds, folder / runs if runs else None, pace, flag in _TRUE)
-
-
-def _seeds(text: str) -> tuple[int, ...]:
-    """Numbers and ranges, each once; empty if they are not."""
-    found: dict[int, None] = {}
-    for part in text.replace(" ", "").split(","):
-        match = _SEEDS.fullmatch(part)
-        if match is None:
-            return ()
-        first = int(match[1])
-        last = int(match[2]) if match[2] else first
-        if not first <= last <= _SEED_MAX or last - first >= _SEEDS_MAX:
-            return ()
-        found |= dict.fromkeys(range(first, last + 1))
-    return tuple(found)

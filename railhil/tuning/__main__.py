@@ -12,13 +12,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from railhil.common.command_line import run_command
 from railhil.common.digits import count_of
 from railhil.common.errors import InputError, Words
 from railhil.common.exit_codes import PASS, run_guarded
-from railhil.common.output import Output
+from railhil.common.output import Output, show_progress
 from railhil.common.streams import print_json
 from railhil.common.user_files import check_writable, whole_file
 from railhil.record.run_folder import refuse_unwritable
@@ -107,14 +106,8 @@ def _tune(namespace: argparse.Namespace, console: Output) -> int:
     with refuse_unwritable("--out", file, "file"):
         check_writable(file)
     say_compiling(Output(stderr=True).say, kernel_of(scenario))
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    shown = Console(stderr=True)
-    with Progress(*columns, console=shown, transient=True, disable=not shown.is_terminal) as bar:
-        task = bar.add_task("search", total=protocol.generations * protocol.population)
-        found = search(
-            protocol,
-            lambda evaluations, best: bar.update(task, completed=evaluations, description=f"objective {best:.4f}"),
-        )
+    with show_progress(Console(stderr=True), "search", protocol.generations * protocol.population) as shown:
+        found = search(protocol, lambda evaluations, best: shown(evaluations, f"objective {best:.4f}"))
     _write(file, document(protocol, found))
     own = found.objective_default
     console.say(

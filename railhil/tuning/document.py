@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from importlib.metadata import version
+from pathlib import Path
 from typing import Any
 
 from railhil.judge.folder import code_sha256, made_by
 from railhil.judge.rerun import code_changes
 from railhil.scenarios.parameters import ParameterSet
-from railhil.scenarios.tomlfile import toml_table, toml_value
+from railhil.scenarios.tomlfile import toml_table
 from railhil.tuning import objective
 from railhil.tuning.search import Box, Found, Protocol
 
@@ -60,12 +61,12 @@ def notes(protocol: Protocol, found: Found) -> dict[str, Any]:
 
 def document(protocol: Protocol, found: Found) -> str:
     """The file."""
+    law, scenario, seeds = protocol.law.controller, protocol.scenario.name, frozenset(protocol.seeds)
+    made = ParameterSet(law, found.values, Path(), scenario, seeds)
     scale = {key: _rounded(value) for key, value in {**found.scale.limits, **found.scale.medians}.items()}
     return (
         _HEAD
-        + f"law = {toml_value(protocol.law.controller)}\n"
-        + toml_table("parameters", found.values)
-        + toml_table("training", {"scenario": protocol.scenario.name, "seeds": list(protocol.seeds)})
+        + made.text
         + toml_table("training.notes", notes(protocol, found))
         + toml_table("training.notes.scale", scale)
     )

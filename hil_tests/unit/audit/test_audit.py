@@ -17,9 +17,18 @@ from railhil.audit.bars import bars
 from railhil.audit.bounds import bounds_of
 from railhil.audit.document import document
 from railhil.audit.effect import Effect, ScoreEffect, compared, effect
-from railhil.audit.floor import floored
 from railhil.audit.result import Options, audit
-from railhil.audit.shadow import Codes, QuantityError, Shadowed, ShadowRun, Watched, compare_codes, errors, shadow_run
+from railhil.audit.shadow import (
+    Codes,
+    QuantityError,
+    Shadowed,
+    ShadowRun,
+    Watched,
+    compare_codes,
+    errors,
+    floored,
+    shadow_run,
+)
 from railhil.audit.tables import show
 from railhil.bench import local_run
 from railhil.bus.frame import Frame
@@ -33,6 +42,7 @@ from railhil.controller_node.program.model import Quantity, Value
 from railhil.controller_node.program.tracer import record
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.scenarios.system import OfSystem
 from railhil.systems.ato import ATO
 from railhil.systems.ato.judge.criteria import CRITERIA
 from railhil.systems.ato.standstill import look
@@ -189,14 +199,14 @@ def test_an_audit_through_the_nodes_finds_the_same(short, monkeypatch):
     options = Options(runs=0)
     direct = document(audit(short, options))
     slower = replace(ATO, direct=None)
-    monkeypatch.setattr("railhil.audit.shadow.system_named", lambda name: slower)
+    monkeypatch.setattr(OfSystem, "installed_system", slower)
     assert document(audit(short, options)) == direct
 
 
 def test_a_system_that_looks_at_nothing_more_has_no_such_section(short, monkeypatch):
     plain = replace(ATO, audit=None)
     whole = document(audit(short, Options(runs=0)))
-    monkeypatch.setattr("railhil.audit.result.system_named", lambda name: plain)
+    monkeypatch.setattr(OfSystem, "installed_system", plain)
     result = audit(short, Options(runs=0))
     found = document(result)
     assert set(whole) - set(found) == {"standstill"}
@@ -208,7 +218,7 @@ def test_a_system_that_looks_at_nothing_more_has_no_such_section(short, monkeypa
 
 def test_a_run_in_which_the_law_is_never_asked_is_refused(short, monkeypatch):
     monkeypatch.setattr("railhil.audit.shadow.unrecorded_run", lambda scenario, spec, controller: None)
-    monkeypatch.setattr("railhil.audit.shadow.system_named", lambda name: replace(ATO, direct=None))
+    monkeypatch.setattr(OfSystem, "installed_system", replace(ATO, direct=None))
     with pytest.raises(InputError, match="no control period: the readings never came"):
         shadow_run(short, LawSpec(), make("iq"))
 

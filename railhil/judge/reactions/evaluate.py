@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
 from railhil.common.digits import text_beside_limit
+from railhil.common.exit_codes import FAIL, INVALID, PASS, TOOL_ERROR
 from railhil.faults.model import WATCH_LEVELS
 from railhil.judge.events.event import LEVEL, MISSED_POLL, REFUSED, RecordedEvent
+from railhil.judge.judging import judging_of
 from railhil.judge.reactions.catalogue import Entry
+from railhil.judge.result import Result
 
+VERDICTS = {PASS: "PASS", FAIL: "FAIL", INVALID: "INVALID", TOOL_ERROR: "TOOL ERROR"}
 #: Beginning of the sentence for a broken rule of every run (:mod:`railhil.systems.ato.judge.invariants`).
 RULE = "invariant"
 #: Time at NORMAL before the end of the record after which a watch counts as resumed.
@@ -36,6 +40,28 @@ class Seen:
     verdict: str
     line: str = ""
     broken: Sequence[str] = ()
+
+
+def _first_s(times_s: Iterable[float | None]) -> float | None:
+    return min((time_s for time_s in times_s if time_s is not None), default=None)
+
+
+def seen_in(result: Result) -> Seen:
+    """What a run did."""
+    trace, truth = result.trace, judging_of(result.scenario).truth
+    end_s = trace.times_s(truth)
+    speed_mps = trace.values(truth, "TrueSpeed") if trace.has(truth, "TrueSpeed") else end_s[:0]
+    return Seen(
+        begun_s=_first_s(one.begun_s for one in result.faults),
+        effective_s=_first_s(one.effect_s for one in result.faults),
+        events=result.events,
+        stands=bool(len(speed_mps)) and float(speed_mps[-1]) == 0.0,
+        end_s=float(end_s[-1]) if len(end_s) else 0.0,
+        ended=result.score.ended,
+        verdict=VERDICTS.get(result.exit_code, f"exit code {result.exit_code}"),
+        line=result.line,
+        broken=result.score.failures,
+    )
 
 
 @dataclass(frozen=True, slots=True)
