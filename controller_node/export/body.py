@@ -1,14 +1,17 @@
 """Writes the body of a C function from a recorded program: one line of C for each operation.
 
-Operations that the IQmath library has (N = 1..30) are calls of its functions, all others of the ``iq_*`` functions in
-``railhil_iq.h``. Every value is a local constant, so a debugger shows each of them. A function whose values would not
-fit the stack has variables instead, each used again once its value is no longer needed (:class:`Slots`).
+In fixed point, operations that the IQmath library has (N = 1..30) are calls of its functions, all others of the
+``iq_*`` functions in ``railhil_iq.h``. Every value is a local constant, so a debugger shows each of them. A function
+whose values would not fit the stack has variables instead, each used again once its value is no longer needed
+(:class:`Slots`).
 """
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from typing import ClassVar
 
 from railhil.controller_node.arithmetic.base import Constant
 from railhil.controller_node.export.text import Names, comment, identifier, literal
@@ -27,7 +30,7 @@ _SHIFT_MAX = 31
 _OWN = {"mpy": "iq_mpy", "rmpy": "iq_rmpy", "rsmpy": "iq_rsmpy"}
 
 
-def _call(name: str, q: int, *arguments: str) -> str:
+def _library_call(name: str, q: int, *arguments: str) -> str:
     """A call of the library function for this format if there is one, else of railhil's own function.
 
     :raises ValueError: there is neither.
@@ -85,15 +88,86 @@ class Data:
         return name
 
 
-class Body:
-    """Lines of one C function.
+class Body(ABC):
+    """Lines of one C function that computes a recorded program.
 
     ``locals``: number of its local variables, for the estimate of the stack.
 
-    :param places: C expression of each input of the program, by its name.
+    :param places: C expression of each input of the program, by its name; an input without one is not read.
+    :param names: of the function's variables.
+    """
+
+    #: C type of its numbers.
+    number: ClassVar[str]
+
+    def __init__(self, program: Program, places: Mapping[str, str], names: Names) -> None:
+        self.lines: list[str] = []
+        self.locals = 0
+        self._program = program
+        self._names = names
+        self._quantities: dict[int, Quantity] = {}
+        for quantity in program.quantities:
+            self._quantities.setdefault(quantity.value.number, quantity)
+        self._expressions = {value.number: places[name] for name, value in program.inputs if name in places}
+
+    def expression(self, value: Value) -> str:
+        """C expression that reads a value."""
+        return self._expressions[value.number] if value.constant is None else self._constant(value.constant)
+
+    @abstractmethod
+    def _constant(self, constant: Constant) -> str:
+        """C expression of a constant."""
+
+    def _named(self, value: Value) -> str:
+        """A new name for a value: that of its quantity, if it has one."""
+        quantity = self._quantities.get(value.number)
+        return self._names.new(quantity.name if quantity else f"v{value.number}")
+
+    def assignments(self, targets: Mapping[str, str]) -> list[str]:
+        """Statements that write outputs of the program.
+
+        A member that is assigned to another one is copied first, at the end of ``lines``, before either is written.
+
+        :param targets: C expression of each output's member, by its leaf; other outputs are not written.
+        """
+        sources = {leaf: self.expression(value) for leaf, value in self._program.outputs if leaf in targets}
+        moved = [source for leaf, source in sources.items() if source in targets.values() and source != targets[leaf]]
+        kept = {source: self._keep(source) for source in dict.fromkeys(moved)}
+        return [
+            f"{targets[leaf]} = {kept.get(source, source)};"
+            for leaf, source in sources.items()
+            if source != targets[leaf]
+        ]
+
+    def _keep(self, place: str) -> str:
+        """Add a local copy of ``place``, which is about to be overwritten; returns its name."""
+        name = self._names.new(f"before_{place.rpartition('>')[2]}")
+        self.lines.append(f"const {self.number} {name} = {place};")
+        self.locals += 1
+        return name
+
+    def _right(self, operation: Operation, arguments: list[str]) -> str:
+        """The operation as a C expression."""
+        match operation.op:
+            case "gt":
+                return f"{arguments[0]} > {arguments[1]}"
+            case "where":
+                return f"{arguments[0]} ? {arguments[1]} : {arguments[2]}"
+        return self._call(operation, arguments)
+
+    @abstractmethod
+    def _call(self, operation: Operation, arguments: list[str]) -> str:
+        """The same for operations that are calls of functions."""
+
+
+class FixedBody(Body):
+    """The body of a function in fixed point.
+
     :param parameters: names of the function's parameters.
     :param shared: values share variables.
     """
+
+    number = "int32_t"
 
     def __init__(
         self,
@@ -104,14 +178,8 @@ class Body:
         *,
         shared: bool = False,
     ) -> None:
-        self.lines: list[str] = []
-        self.locals = 0
+        super().__init__(program, places, Names(taken=parameters))
         self._data = data
-        self._names = Names(taken=parameters)
-        self._quantities: dict[int, Quantity] = {}
-        for quantity in program.quantities:
-            self._quantities.setdefault(quantity.value.number, quantity)
-        self._expressions = {value.number: places[name] for name, value in program.inputs}
         used = {value.number for _, value in program.outputs}
         used.update(argument.number for operation in program.operations for argument in operation.arguments)
         self._slots = Slots(program, self._names) if shared else None
@@ -121,25 +189,17 @@ class Body:
             self.lines[:0] = self._slots.declarations
             self.locals = self._slots.count
 
-    def expression(self, value: Value) -> str:
-        """C expression that reads a value."""
-        return self._data.constant(value.constant) if value.constant is not None else self._expressions[value.number]
-
-    def keep(self, place: str) -> str:
-        """Add a local copy of ``place``, which is about to be overwritten; returns its name."""
-        name = self._names.new(f"before_{place.rpartition('>')[2]}")
-        self.lines.append(f"const int32_t {name} = {place};")
-        self.locals += 1
-        return name
+    def _constant(self, constant: Constant) -> str:
+        return self._data.constant(constant)
 
     def _write(self, operation: Operation, used: bool) -> None:
         result = operation.result
         quantity = self._quantities.get(result.number)
         arguments = [self.expression(value) for value in operation.arguments]
         if self._slots is None:
-            name = self._names.new(quantity.name if quantity else f"v{result.number}")
+            name = self._named(result)
             words = remark(result.q, quantity.unit if quantity else "")
-            kind = "int " if result.kind is Kind.CONDITION else "int32_t "
+            kind = "int " if result.kind is Kind.CONDITION else f"{self.number} "
             constant = "const "
         else:
             name, kind, constant = self._slots.taken(operation), "", ""
@@ -156,7 +216,7 @@ class Body:
 
     def _write_dot(self, declared: str, arguments: list[str], q: int, words: str) -> None:
         half, name = len(arguments) // 2, declared.rpartition(" ")[2]
-        terms = [_call("rmpy", q, *pair) for pair in zip(arguments[:half], arguments[half:], strict=True)]
+        terms = [_library_call("rmpy", q, *pair) for pair in zip(arguments[:half], arguments[half:], strict=True)]
         self.lines.append(f"{declared} = {terms[0]};{words}")
         self.lines += [f"{name} = iq_add({name}, {term});" for term in terms[1:]]
 
@@ -166,15 +226,14 @@ class Body:
         if what is not None:
             self.lines.append(f"iq_note_{what}({', '.join(arguments)}, {operation.parameters[0]}, events);")
 
-    def _right(self, operation: Operation, arguments: list[str]) -> str:
-        """The operation as a C expression."""
+    def _call(self, operation: Operation, arguments: list[str]) -> str:
         parameters = operation.parameters
         listed = ", ".join(arguments)
         match operation.op:
             case "add" | "sub" | "neg" | "minimum" | "maximum":
                 return f"{_PLAIN[operation.op]}({listed})"
             case "mpy" | "rmpy" | "rsmpy" | "div" | "sqrt":
-                return _call(operation.op, parameters[0], *arguments)
+                return _library_call(operation.op, parameters[0], *arguments)
             case "mpy_iqx":
                 q_a, q_b, q = parameters
                 if q in NAMED_Q and q_a in NAMED_Q and q_b in NAMED_Q:
@@ -186,17 +245,13 @@ class Body:
                 q_of = operation.result.q
                 return f"_IQ{q_of}abs({listed})" if q_of in NAMED_Q else f"iq_abs({listed})"
             case "quantise":
-                return _call("rmpy", parameters[0] - parameters[1], listed, literal(1))
+                return _library_call("rmpy", parameters[0] - parameters[1], listed, literal(1))
             case "convert":
                 return _shift(listed, *parameters)
             case "sat":
                 return f"iq_limit({listed}, events)"
             case "clip":
                 return f"_IQsat({listed})"
-            case "gt":
-                return f"{arguments[0]} > {arguments[1]}"
-            case "where":
-                return f"{arguments[0]} ? {arguments[1]} : {arguments[2]}"
         return self._look_up(operation, listed)
 
     def _look_up(self, operation: Operation, argument: str) -> str:

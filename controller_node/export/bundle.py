@@ -17,8 +17,8 @@ from railhil.controller_node.export.interface import InterfaceControl
 from railhil.controller_node.export.note import memory_note
 from railhil.controller_node.export.ports import ports_header
 from railhil.controller_node.export.reference import reference_log
-from railhil.controller_node.export.single import SingleBundle
-from railhil.controller_node.export.source import SourceWriter, c_name
+from railhil.controller_node.export.single import single_files
+from railhil.controller_node.export.source import SourceWriter
 from railhil.controller_node.export.text import template
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec
@@ -98,39 +98,44 @@ def _names_of_iqmath() -> str:
 def make_bundle(scenario: AnyScenario, law: LawSpec, play: Play | None = None) -> Bundle:
     """The files for a law on a scenario; the same bytes for the same law, parameters and scenario.
 
-    :param law: in fixed point, ``iq``.
+    :param law: in fixed point, ``iq``, or in ``float32``: then without the controller around the law.
     :param play: runs the bench with the controller passed to it, for a log that contains such a run.
     :raises InputError: unknown law or indexing, parameters of another law, or a law that cannot be written in C.
     """
+    is_single = law.arithmetic == "float32"
     try:
+        if is_single:
+            return Bundle(*single_files(scenario, law))
         control = control_of(scenario, law)
-        name = c_name(law.controller)
         source = SourceWriter(control).write()
+        return Bundle(source, _files(control, source, play))
     except ValueError as error:
-        allowed = "operations of the arithmetic, formats that agree, no branch on data"
+        of_single = "operations of the arithmetic that single precision has"
+        allowed = of_single if is_single else "operations of the arithmetic, formats that agree, no branch on data"
         raise InputError("controller", law.controller, Words(str(error)), allowed) from error
-    return Bundle(
-        source,
-        {
-            f"{name}.c": source.source,
-            f"{name}.h": source.header,
-            "railhil_iq.h": template("railhil_iq.h", name, NAMES=_names_of_iqmath()),
-            f"{name}_mailboxes.h": mailbox_header(name, mailbox_table(control.contract, *control.ports())),
-            **_node_files(name, control, source),
-            f"{name}_log.txt": reference_log(control, source.columns, play),
-            "railhil_run.c": _host_program(name, control),
-            "Makefile": template(
-                "Makefile",
-                name,
-                NODE_C=" ".join((*control.sources, *_SOURCES)),
-                NODE_H=" ".join((*control.headers, *_HEADERS)),
-            ),
-            "README.md": memory_note(control, source),
-        },
-    )
 
 
-def write_bundle(bundle: Bundle | SingleBundle, folder: Path, *, force: bool = False) -> None:
+def _files(control: Control, source: Source, play: Play | None) -> dict[str, str]:
+    name = source.name
+    return {
+        f"{name}.c": source.source,
+        f"{name}.h": source.header,
+        "railhil_iq.h": template("railhil_iq.h", name, NAMES=_names_of_iqmath()),
+        f"{name}_mailboxes.h": mailbox_header(name, mailbox_table(control.contract, *control.ports())),
+        **_node_files(name, control, source),
+        f"{name}_log.txt": reference_log(control, source.columns, play),
+        "railhil_run.c": _host_program(name, control),
+        "Makefile": template(
+            "Makefile",
+            name,
+            NODE_C=" ".join((*control.sources, *_SOURCES)),
+            NODE_H=" ".join((*control.headers, *_HEADERS)),
+        ),
+        "README.md": memory_note(control, source),
+    }
+
+
+def write_bundle(bundle: Bundle, folder: Path, *, force: bool = False) -> None:
     """Write the files: on return the folder contains all of them, otherwise an error is raised.
 
     :param force: write into a folder that is not empty; other files there are kept.

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, ClassVar, NamedTuple, Protocol
 
 from railhil.bus.layout import Telegram
@@ -89,22 +89,23 @@ class Define(NamedTuple):
 class Source:
     """A law in C.
 
-    ``header`` and ``source``: text of the two files. ``columns``: names of the result words in a log, in order.
-    ``macros``: names of the macros for its notes. ``constants``: the single constants. Sizes are in 16-bit words:
-    ``table_words`` of the tables, ``constant_words`` of the single constants, ``ram_words`` of state, inputs, outputs
-    and event counters, ``stack_words`` the stack estimated for each function by its name.
+    ``header`` and ``source``: text of the two files. ``columns``: names of the result words in a log, in order; in
+    single precision those of the state only, and what follows is empty. ``macros``: names of the macros for its notes.
+    ``constants``: the single constants. Sizes are in 16-bit words: ``table_words`` of the tables, ``constant_words`` of
+    the single constants, ``ram_words`` of state, inputs, outputs and event counters, ``stack_words`` the stack
+    estimated for each function by its name.
     """
 
     name: str
     header: str
     source: str
     columns: tuple[str, ...]
-    macros: tuple[str, ...]
-    constants: tuple[Constant, ...]
-    table_words: dict[str, int]
-    constant_words: int
-    ram_words: int
-    stack_words: dict[str, int]
+    macros: tuple[str, ...] = ()
+    constants: tuple[Constant, ...] = ()
+    table_words: Mapping[str, int] = field(default_factory=dict)
+    constant_words: int = 0
+    ram_words: int = 0
+    stack_words: Mapping[str, int] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,7 +17,6 @@ from railhil.common.errors import InputError, Words
 from railhil.common.extras import missing_library
 from railhil.controller_node.export.bundle import Bundle
 from railhil.controller_node.export.fmu_law import FmuLaw, Variable, law_in_fixed_point, law_in_single_precision
-from railhil.controller_node.export.single import SingleBundle
 from railhil.controller_node.export.text import template
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec
@@ -35,7 +34,7 @@ _FLAGS = (*_OPTIONS.split(), "-Wall", "-Wextra", "-Wno-unused-parameter", "-Werr
 _NO_TIME = (1980, 1, 1, 0, 0, 0)
 
 
-def write_fmu(bundle: Bundle | SingleBundle, scenario: AnyScenario, law: LawSpec, path: Path, fmi: str = "2.0") -> None:
+def write_fmu(bundle: Bundle, scenario: AnyScenario, law: LawSpec, path: Path, fmi: str = "2.0") -> None:
     """Write the FMU of an export, with its sources and a binary for this platform.
 
     Inputs and outputs are the integers of the C functions; the number of the control period comes from the time.
@@ -50,7 +49,7 @@ def write_fmu(bundle: Bundle | SingleBundle, scenario: AnyScenario, law: LawSpec
         raise missing_library("railhil export-c --fmu", error, "fmi") from None
     digest = hashlib.sha256("".join((fmi, *bundle.files.values())).encode())
     token = "{" + digest.hexdigest()[:32] + "}"
-    if isinstance(bundle, SingleBundle):
+    if law.arithmetic == "float32":
         inside = law_in_single_precision(bundle, scenario, token)
     else:
         inside = law_in_fixed_point(bundle, scenario, law, token)

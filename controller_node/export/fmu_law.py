@@ -10,7 +10,6 @@ from railhil.controller_node.arithmetic.base import INT32_MAX, INT32_MIN
 from railhil.controller_node.export.bundle import Bundle, control_of
 from railhil.controller_node.export.control import Wire
 from railhil.controller_node.export.interface import wires_of
-from railhil.controller_node.export.single import SingleBundle
 from railhil.controller_node.export.text import Names, template
 from railhil.controller_node.vector.law import Interface
 from railhil.scenarios.model import AnyScenario
@@ -77,7 +76,7 @@ def law_in_fixed_point(bundle: Bundle, scenario: AnyScenario, law: LawSpec, toke
     return _law(bundle.source.name, files, "railhil_iq.h", columns, told, wires, scenario, token)
 
 
-def law_in_single_precision(bundle: SingleBundle, scenario: AnyScenario, token: str) -> FmuLaw:
+def law_in_single_precision(bundle: Bundle, scenario: AnyScenario, token: str) -> FmuLaw:
     """The law of an export in single precision; all of its integers are raw values of their signals."""
     interface: Interface = scenario.installed_system.part("interface")
     readings, commands = Names(), Names()

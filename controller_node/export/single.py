@@ -9,14 +9,14 @@ from __future__ import annotations
 import math
 import struct
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
 
-from railhil.common.errors import InputError, Words
 from railhil.controller_node.arithmetic.base import Constant
 from railhil.controller_node.arithmetic.float32 import nearest
+from railhil.controller_node.export.body import Body
+from railhil.controller_node.export.control import Source
 from railhil.controller_node.export.source import c_name
 from railhil.controller_node.export.text import Names, comment, header, identifier, template
-from railhil.controller_node.program.model import Kind, LawProgram, Operation, Program, Value, leaves
+from railhil.controller_node.program.model import Kind, LawProgram, Operation, Program, leaves
 from railhil.controller_node.vector.controller import VectorController
 from railhil.controller_node.vector.law import Interface, raw_range
 from railhil.scenarios.model import AnyScenario
@@ -42,31 +42,32 @@ def number(value: float) -> str:
     return f"{nearest(value).hex()}f"
 
 
-@dataclass
-class _Body:
-    """Lines of one function. ``places``: C expression of each input of the program; ``names``: of its variables.
+class SingleBody(Body):
+    """The body of a function in single precision, with the operations on which an output depends.
 
-    Only operations on which an output depends are written; ``live``: their values, and the inputs.
+    :param tables: of the C file, by name; those of the program are added.
+    :param live: numbers of the values on which the outputs depend.
+    :raises ValueError: an operation that single precision does not have.
     """
 
-    names: Names
-    program: Program
-    tables: dict[str, Sequence[Constant]]
-    places: Mapping[str, str]
-    live: set[int]
-    lines: list[str] = field(default_factory=list)
+    number = "float"
 
-    def __post_init__(self) -> None:
-        self._expressions = {
-            value.number: self.places[name] for name, value in self.program.inputs if value.number in self.live
-        }
-        self._titles = {quantity.value.number: quantity.name for quantity in self.program.quantities}
-        for operation in self.program.operations:
-            if operation.result.number in self.live:
+    def __init__(
+        self,
+        names: Names,
+        program: Program,
+        tables: dict[str, Sequence[Constant]],
+        places: Mapping[str, str],
+        live: set[int],
+    ) -> None:
+        super().__init__(program, places, names)
+        self._tables = tables
+        for operation in program.operations:
+            if operation.result.number in live:
                 self._write(operation)
 
-    def expression(self, value: Value) -> str:
-        return number(value.constant.value) if value.constant is not None else self._expressions[value.number]
+    def _constant(self, constant: Constant) -> str:
+        return number(constant.value)
 
     def _write(self, operation: Operation) -> None:
         result = operation.result
@@ -74,12 +75,12 @@ class _Body:
         if operation.op == "convert":
             self._expressions[result.number] = arguments[0]
             return
-        name = self.names.new(self._titles.get(result.number, f"v{result.number}"))
-        kind = "int" if result.kind is Kind.CONDITION else "float"
+        name = self._named(result)
+        kind = "int" if result.kind is Kind.CONDITION else self.number
         self.lines.append(f"const {kind} {name} = {self._right(operation, arguments)};")
         self._expressions[result.number] = name
 
-    def _right(self, operation: Operation, arguments: list[str]) -> str:
+    def _call(self, operation: Operation, arguments: list[str]) -> str:
         listed = ", ".join(arguments)
         match operation.op:
             case "dot":
@@ -91,14 +92,10 @@ class _Body:
                 return total
             case "quantise":
                 return f"f32_quantise({listed}, {operation.parameters[1]})"
-            case "gt":
-                return f"{arguments[0]} > {arguments[1]}"
-            case "where":
-                return f"{arguments[0]} ? {arguments[1]} : {arguments[2]}"
             case "curve":
                 assert operation.curve is not None
                 table = identifier(operation.curve.name)
-                if self.tables.setdefault(table, operation.curve.samples) != operation.curve.samples:
+                if self._tables.setdefault(table, operation.curve.samples) != operation.curve.samples:
                     raise ValueError(f"two tables of the law are called {operation.curve.name}")
                 return f"f32_curve({table}_table, {listed})"
         if operation.op not in _CALLS:
@@ -106,17 +103,7 @@ class _Body:
         return f"{_CALLS[operation.op]}({listed})"
 
 
-@dataclass(frozen=True, slots=True)
-class SingleSource:
-    """Header and source; ``state``: names of the state's members, all of them ``float``, in order."""
-
-    name: str
-    header: str
-    source: str
-    state: tuple[str, ...]
-
-
-def single_source(name: str, programs: LawProgram, interface: Interface, origin: str) -> SingleSource:
+def single_source(name: str, programs: LawProgram, interface: Interface, origin: str) -> Source:
     """The law as C: ``start(raw, state)``, ``step(state, raw, commands, notes)``, ``sent(state, told)``, each with the
     name before it.
 
@@ -132,20 +119,20 @@ def single_source(name: str, programs: LawProgram, interface: Interface, origin:
     members = {leaf: member_names.new(leaf.removeprefix("state.")) for leaf in leaves}
     state = {leaf: f"state->{member}" for leaf, member in members.items()}
     raws = {item.name: f"f32_from(raw[{i}], {item.q})" for i, item in enumerate(interface.readings)}
-    lines: dict[str, list[str]] = {}
-    bodies: dict[str, _Body] = {}
+    read: dict[str, list[str]] = {}
+    bodies: dict[str, SingleBody] = {}
     for word, program, places in (("start", programs.start, {}), ("step", programs.step, state)):
         live = _live(program, {leaf for leaf, _ in program.outputs})
         wanted = {leaf for leaf, value in program.inputs if value.number in live}
-        reading = _Body(names, programs.inputs, tables, raws, _live(programs.inputs, wanted))
+        reading = SingleBody(names, programs.inputs, tables, raws, _live(programs.inputs, wanted))
         given = {leaf: reading.expression(value) for leaf, value in programs.inputs.outputs if leaf in wanted}
-        bodies[word] = _Body(names, program, tables, {**places, **given}, live)
-        lines[word] = [*reading.lines, *bodies[word].lines]
-    step = bodies["step"]
+        read[word] = reading.lines
+        bodies[word] = SingleBody(names, program, tables, {**places, **given}, live)
     told = {item.name: f"f32_from(told[{i}], {item.q})" for i, item in enumerate(interface.commands)}
     live = _live(programs.sent, {leaf for leaf, _ in programs.sent.outputs})
-    sent = _Body(names, programs.sent, tables, state | told, live)
-    outputs = dict(programs.step.outputs)
+    bodies["sent"] = SingleBody(names, programs.sent, tables, state | told, live)
+    after = {word: body.assignments(state) for word, body in bodies.items()}
+    step, outputs = bodies["step"], dict(programs.step.outputs)
     answers = [
         f"commands[{i}] = f32_raw({step.expression(outputs[f'out.commands[{i}]'])}, {item.q});"
         for i, item in enumerate(interface.commands)
@@ -161,9 +148,9 @@ def single_source(name: str, programs: LawProgram, interface: Interface, origin:
         "sent": f"void {name}_sent({kind} *state, const int32_t *told)",
     }
     functions = {
-        "start": ["(void)raw;", *lines["start"], *_assigned(programs.start, bodies["start"], state)],
-        "step": [*lines["step"], *answers, *_assigned(programs.step, step, state)],
-        "sent": ["(void)told;", *sent.lines, *_assigned(programs.sent, sent, state)],
+        "start": ["(void)raw;", *read["start"], *bodies["start"].lines, *after["start"]],
+        "step": [*read["step"], *step.lines, *answers, *after["step"]],
+        "sent": ["(void)told;", *bodies["sent"].lines, *after["sent"]],
     }
     head = [f"{comment(origin)}.", "Generated: change the law, not this file. Single precision, no branch except ?:."]
     wire = [
@@ -182,7 +169,7 @@ def single_source(name: str, programs: LawProgram, interface: Interface, origin:
     for word, signature in signatures.items():
         source += [signature, "{", *(f"    {line}" for line in functions[word]), "}", ""]
     text = header(f"{name.upper()}_H", [*head, *wire], ["<stdint.h>"], body)
-    return SingleSource(name, text, "\n".join(source), tuple(members.values()))
+    return Source(name, text, "\n".join(source), tuple(members.values()))
 
 
 def _live(program: Program, outputs: set[str]) -> set[int]:
@@ -194,64 +181,34 @@ def _live(program: Program, outputs: set[str]) -> set[int]:
     return live
 
 
-def _assigned(program: Program, body: _Body, state: Mapping[str, str]) -> list[str]:
-    """Assignments to the members of the state; members that are read from another member are copied first."""
-    sources = {leaf: body.expression(value) for leaf, value in program.outputs if leaf in state}
-    copied = {source for leaf, source in sources.items() if source in state.values() and source != state[leaf]}
-    before = {source: f"before_{source.removeprefix('state->')}" for source in sorted(copied)}
-    return [
-        *(f"const float {name} = {source};" for source, name in before.items()),
-        *(
-            f"{state[leaf]} = {before.get(source, source)};"
-            for leaf, source in sources.items()
-            if source != state[leaf]
-        ),
-    ]
-
-
-#: Number of control periods of the log, and the interval at which other commands are sent.
+#: Control periods of the log, and every how many of them other commands were sent.
 _PERIODS = 400
 _SENT_EVERY = 37
 
 
-@dataclass(frozen=True, slots=True)
-class SingleBundle:
-    """The files by name, in the order of their listing, and the source."""
-
-    source: SingleSource
-    files: dict[str, str]
-
-
-def single_bundle(scenario: AnyScenario, law: LawSpec) -> SingleBundle:
-    """The files for a law on a scenario; the same bytes for the same law, parameters and scenario.
+def single_files(scenario: AnyScenario, law: LawSpec) -> tuple[Source, dict[str, str]]:
+    """The C source of a law on a scenario, and all files by name, in the order of their listing.
 
     :param law: in ``float32``.
-    :raises InputError: the law cannot be made, or not be written in C.
+    :raises InputError: the law cannot be made.
+    :raises ValueError: it cannot be written in C.
     """
     controller = VectorController(scenario, law)
-    interface = controller.interface
-    try:
-        name = c_name(law.controller)
-        source = single_source(name, controller.program, interface, f"law {law.controller}, scenario {scenario.name}")
-    except ValueError as error:
-        allowed = "operations of the arithmetic that single precision has"
-        raise InputError("controller", law.controller, Words(str(error)), allowed) from error
+    interface, name = controller.interface, c_name(law.controller)
+    source = single_source(name, controller.program, interface, f"law {law.controller}, scenario {scenario.name}")
     places = {
         "READINGS": str(len(interface.readings)),
         "COMMANDS": str(len(interface.commands)),
         "NOTES": str(len(interface.notes)),
     }
-    return SingleBundle(
-        source,
-        {
-            f"{name}.c": source.source,
-            f"{name}.h": source.header,
-            "railhil_f32.h": template("railhil_f32.h", name),
-            f"{name}_log.txt": _log(controller, interface),
-            "railhil_single.c": template("railhil_single.c", name, **places),
-            "Makefile": template("Makefile.single", name),
-        },
-    )
+    return source, {
+        f"{name}.c": source.source,
+        f"{name}.h": source.header,
+        "railhil_f32.h": template("railhil_f32.h", name),
+        f"{name}_log.txt": _log(controller, interface),
+        "railhil_single.c": template("railhil_single.c", name, **places),
+        "Makefile": template("Makefile.single", name),
+    }
 
 
 def _log(controller: VectorController, interface: Interface) -> str:

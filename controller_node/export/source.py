@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Sequence
 
-from railhil.controller_node.export.body import Body, Data, remark
+from railhil.controller_node.export.body import Data, FixedBody, remark
 from railhil.controller_node.export.control import Control, Source
 from railhil.controller_node.export.text import LENGTH_MAX, Names, comment, header, identifier, literal
 from railhil.controller_node.program.model import Program, Value
@@ -243,8 +243,8 @@ class SourceWriter:
         parameters = [parameter.replace("*", " ").split()[-1] for parameter in signature]
         targets = {leaf: place for struct in into for leaf, place in struct.places.items()}
         for shared in (False, True):
-            body = Body(program, self._data, places, parameters, shared=shared)
-            writes = _writes(body, program, targets)
+            body = FixedBody(program, self._data, places, parameters, shared=shared)
+            writes = body.assignments(targets)
             frame = _CALL_WORDS + LONG_WORDS * body.locals + _POINTER_WORDS * len(parameters) + _HELPER_WORDS
             if frame <= _FRAME_WORDS:
                 break
@@ -256,20 +256,6 @@ class SourceWriter:
         unused = [f"(void){parameter};" for parameter in parameters if not _uses(text, parameter)]
         opening = f"void {self._law}_{name}({', '.join(signature)})"
         return [opening, "{", *(f"    {line}" for line in (*lines, *unused)), "}"]
-
-
-def _writes(body: Body, program: Program, targets: dict[str, str]) -> list[str]:
-    """Assignments of the outputs.
-
-    :param targets: C expression of each output's member, by its leaf.
-    """
-    sources = {leaf: body.expression(value) for leaf, value in program.outputs}
-    # A member that is assigned to another one is copied first, before either is written.
-    moved = [source for leaf, source in sources.items() if source in targets.values() and source != targets[leaf]]
-    kept = {source: body.keep(source) for source in dict.fromkeys(moved)}
-    return [
-        f"{targets[leaf]} = {kept.get(source, source)};" for leaf, source in sources.items() if source != targets[leaf]
-    ]
 
 
 def _group(leaves: Sequence[tuple[str, Value]], group: str) -> list[tuple[str, Value]]:

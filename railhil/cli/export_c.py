@@ -18,8 +18,8 @@ from rich.table import Table
 from railhil.common.command_line import OneLineParser, parse
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import run_guarded
-from railhil.controller_node.export.bundle import Bundle, make_bundle, write_bundle
-from railhil.controller_node.export.single import SingleBundle, single_bundle
+from railhil.controller_node.export.bundle import make_bundle, write_bundle
+from railhil.controller_node.export.control import Source
 from railhil.controller_node.laws import is_floating, names
 from railhil.controller_node.vector.node import refuse_indexing
 from railhil.scenarios.load import load_any
@@ -91,37 +91,31 @@ def main() -> int:
     if _in_single_precision(namespace, system):
         refuse_indexing(system, law)
         law = replace(law, arithmetic="float32")
-        single = single_bundle(scenario, law)
-        write_bundle(single, namespace.out, force=namespace.force)
-        size = f"{namespace.law} in single precision: {len(single.source.state)} numbers of state"
-        _end(namespace, single, scenario, law, size)
-        return 0
     bundle = make_bundle(scenario, law, lambda controller: _run(scenario, law, controller))
-    # A law that may wrap is refused here, and must not run on a chip either.
-    system.part("controller")(scenario, law)
+    if law.arithmetic == "iq":
+        # A law that may wrap is refused here, and must not run on a chip either.
+        system.part("controller")(scenario, law)
     write_bundle(bundle, namespace.out, force=namespace.force)
-    source = bundle.source
-    words = source.constant_words + sum(source.table_words.values())
-    size = (
-        f"{namespace.law} on the target: {source.ram_words} words of RAM, {words} words of constants, "
-        f"stack about {max(source.stack_words.values())} words (estimate for cl2000)"
-    )
-    _end(namespace, bundle, scenario, law, size)
-    return 0
-
-
-def _end(
-    namespace: argparse.Namespace, bundle: Bundle | SingleBundle, scenario: AnyScenario, law: LawSpec, size: str
-) -> None:
-    """Write the FMU, if there is to be one, and list the files."""
     fmu = namespace.out / f"{bundle.source.name}.fmu"
     if namespace.fmu:
         from railhil.controller_node.export.fmu import write_fmu
 
         write_fmu(bundle, scenario, law, fmu, namespace.fmi_version or "2.0")
-    _list(bundle.files, size, namespace.out)
+    _list(bundle.files, f"{namespace.law} {_size(bundle.source)}", namespace.out)
     if namespace.fmu:
         print(f"wrote {fmu}")
+    return 0
+
+
+def _size(source: Source) -> str:
+    """What a law needs on the target."""
+    if not source.stack_words:
+        return f"in single precision: {len(source.columns)} numbers of state"
+    words = source.constant_words + sum(source.table_words.values())
+    return (
+        f"on the target: {source.ram_words} words of RAM, {words} words of constants, "
+        f"stack about {max(source.stack_words.values())} words (estimate for cl2000)"
+    )
 
 
 def _list(files: Mapping[str, str], size: str, folder: Path) -> None:

@@ -6,7 +6,6 @@ import subprocess
 import sys
 import zipfile
 from collections.abc import Iterator, Mapping
-from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -21,7 +20,6 @@ from hil_tests.support.short_runs import RUN_72M_TOML
 from railhil.controller_node.export.bundle import make_bundle
 from railhil.controller_node.export.control import FLAG_BEGIN, FLAG_SENT
 from railhil.controller_node.export.fmu import write_fmu
-from railhil.controller_node.export.single import single_bundle
 from railhil.scenarios.load import load_any
 from railhil.scenarios.run_spec import LawSpec
 
@@ -48,12 +46,12 @@ class Export(NamedTuple):
 def export(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Export:
     name, scenario, arithmetic = request.param
     folder = tmp_path_factory.mktemp(name)
-    loaded, law, single = load_any(scenario), LawSpec(name), arithmetic == "float32"
-    bundle = single_bundle(loaded, replace(law, arithmetic="float32")) if single else make_bundle(loaded, law)
+    loaded, law = load_any(scenario), LawSpec(name, arithmetic)
+    bundle = make_bundle(loaded, law)
     fmus = {version: folder / f"{version}.fmu" for version in VERSIONS}
     for version, path in fmus.items():
         write_fmu(bundle, loaded, law, path, version)
-    return Export(fmus, single, bundle.files[f"{name}_log.txt"])
+    return Export(fmus, arithmetic == "float32", bundle.files[f"{name}_log.txt"])
 
 
 def _log(export: Export, loop: Loop) -> Iterator[list[dict[str, int]]]:

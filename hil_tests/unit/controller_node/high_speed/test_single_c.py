@@ -12,8 +12,7 @@ from typing import Any
 import pytest
 
 from railhil.bench import coupled_run
-from railhil.controller_node.export import write_bundle
-from railhil.controller_node.export.single import single_bundle
+from railhil.controller_node.export import make_bundle, write_bundle
 from railhil.controller_node.program.model import leaves
 from railhil.controller_node.vector.controller import VectorController
 from railhil.scenarios.load import load_any
@@ -93,11 +92,11 @@ def test_every_word_is_that_of_float32(
     scenario: AnyScenario, readings: list[tuple[int, ...]], tmp_path: Path, name: str, compiler: str
 ) -> None:
     law = LawSpec(name, "float32")
-    bundle = single_bundle(scenario, law)
+    bundle = make_bundle(scenario, law)
     write_bundle(bundle, tmp_path)
     controller = VectorController(scenario, law)
     interface = controller.interface
-    c = Compiled(tmp_path, name, compiler, len(bundle.source.state), len(interface.commands), len(interface.notes))
+    c = Compiled(tmp_path, name, compiler, len(bundle.source.columns), len(interface.commands), len(interface.notes))
     identified = set()
     for k, raws in enumerate(readings):
         output = controller.step(raws)
@@ -129,7 +128,7 @@ def test_commands_in_single_precision_are_those_of_double_precision(
 
 
 def test_the_shipped_log_is_recomputed(scenario: AnyScenario, tmp_path: Path) -> None:
-    write_bundle(single_bundle(scenario, LawSpec("elm_ngpc", "float32")), tmp_path)
+    write_bundle(make_bundle(scenario, LawSpec("elm_ngpc", "float32")), tmp_path)
     done = subprocess.run(["make", "-s", "check"], cwd=tmp_path, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     log = tmp_path / "elm_ngpc_log.txt"
@@ -142,6 +141,6 @@ def test_the_shipped_log_is_recomputed(scenario: AnyScenario, tmp_path: Path) ->
 def test_parameters_are_in_the_export(scenario: AnyScenario) -> None:
     off = ParameterSet("elm_ngpc", {"ident": "off"}, Path("off.toml"))
     with_, without = (
-        single_bundle(scenario, LawSpec("elm_ngpc", "float32", parameters=given)).source for given in (None, off)
+        make_bundle(scenario, LawSpec("elm_ngpc", "float32", parameters=given)).source for given in (None, off)
     )
-    assert len(without.state) < len(with_.state)
+    assert len(without.columns) < len(with_.columns)
