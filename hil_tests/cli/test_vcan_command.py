@@ -20,8 +20,7 @@ import pytest
 from hil_tests.machines.bytecode import compile_by
 from hil_tests.support.cli import wait_for
 from railhil.machines import debian, namespace, vcan, vcan_vm
-from railhil.machines.vm_image import VmImage
-from railhil.machines.vm_kinds import USER_MODE, Kind, too_large_for
+from railhil.machines.vm_image import USER_MODE, Kind, VmImage, too_large_for
 
 _FAMILY = OSError(97, "Address family not supported by protocol")
 

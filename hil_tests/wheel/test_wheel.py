@@ -49,7 +49,7 @@ import numpy as np
 from railhil.batch.compiled import FUNCTIONS
 from railhil.systems.ato.batch.noise import standard_noise
 from railhil.scenarios import streams
-from railhil.scenarios.counted_normals import key_of, normals
+from railhil.scenarios.streams import key_of, normals
 found = standard_noise([3], np.arange(99))[:, 0]
 same = found.tolist() == normals(key_of(3, streams.AXLE_NOISE), 0, 99).tolist()
 print(same and any(kept.is_there for kept in FUNCTIONS))

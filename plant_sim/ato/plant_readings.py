@@ -16,7 +16,7 @@ from railhil.plant_sim.ato import dynamics
 from railhil.plant_sim.ato.command_watch import CommandWatchState
 from railhil.plant_sim.ato.dynamics import Motion, Window
 from railhil.scenarios import streams
-from railhil.scenarios.counted_normals import key_of, normals
+from railhil.scenarios.streams import key_of, normals
 from railhil.systems.ato.scenario.model import Sensors, Train
 from railhil.wire.ato import WatchLevel
 

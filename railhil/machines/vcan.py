@@ -26,7 +26,7 @@ from pathlib import Path
 from railhil.common.command_line import OneLineParser, whole_number
 from railhil.common.exit_codes import hear_interrupts
 from railhil.machines import debian, namespace, vcan_vm
-from railhil.machines.vm_kinds import KINDS, Kind
+from railhil.machines.vm_image import KINDS, Kind
 
 _WAYS = ("namespace", *KINDS)
 #: Interface names accepted by the kernel, except those that a shell or ``ip`` could misinterpret.

@@ -4,7 +4,7 @@ Boots a kernel of Debian's whose root is this host's root, read-only under an ov
 card. The CAN interfaces are up; the command runs as root in the caller's directory with the caller's environment. What
 it writes is gone afterwards, except below the shared folders. The command has no terminal and no input.
 
-There are two kinds (:mod:`railhil.machines.vm_kinds`). The second is taken where the first does not boot.
+There are two kinds (:mod:`railhil.machines.vm_image`). The second is taken where the first does not boot.
 """
 
 from __future__ import annotations
@@ -22,8 +22,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 from railhil.machines import debian
-from railhil.machines.vm_image import PURPOSE, VmImage, ensure_image
-from railhil.machines.vm_kinds import KINDS, Boot, Kind
+from railhil.machines.vm_image import KINDS, PURPOSE, Boot, Kind, VmImage, ensure_image
 
 _EXIT_GRACE_S = 20.0
 #: A machine that has not begun with the command after this time does not boot; a busy host takes its time.

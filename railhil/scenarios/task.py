@@ -26,9 +26,8 @@ from railhil.common.errors import InputError, Words
 from railhil.faults.truth import HOLE_MAX_S
 from railhil.scenarios.canonical import injected, text_sha256
 from railhil.scenarios.carried import Reach, check_carried
-from railhil.scenarios.derived import with_own_words
 from railhil.scenarios.fault_rows import faults_of_rows
-from railhil.scenarios.layers import Layers
+from railhil.scenarios.layers import Layers, with_own_words
 from railhil.scenarios.model import AnyScenario, PublishedScore, Timing
 from railhil.scenarios.reference import Key, keys
 from railhil.scenarios.schema import FAULT_TAGS, RUNNING_TIME_MAX_S, FaultRows, Name, Number, Table, Text, TimingTable

@@ -9,9 +9,9 @@ from railhil.common.exit_codes import run_guarded
 
 def main() -> int:
     """The program; its modules are loaded here, so that Ctrl-C during loading ends it like later."""
-    from railhil.machines.adapter import program
+    from railhil.machines.adapter import emulator
 
-    return program.main()
+    return emulator.main()
 
 
 if __name__ == "__main__":

@@ -10,8 +10,7 @@ from pathlib import Path
 from railhil.common.errors import InputError, Words
 from railhil.dbc import wire_contract
 from railhil.scenarios.carried import check_carried
-from railhil.scenarios.derived import with_own_words
-from railhil.scenarios.layers import DATA, Layers
+from railhil.scenarios.layers import DATA, Layers, with_own_words
 from railhil.scenarios.model import PublishedScore
 from railhil.scenarios.schema import FAULT_TAGS
 from railhil.scenarios.validation import Keys, Refuse, dotted, validated
