@@ -1,10 +1,13 @@
-"""The frames of the wire contract: its identifiers, each in the form that it has there."""
+"""The frames of the wire contract, each identifier in the form that it has there, and the polls of the supervisor."""
 
 from __future__ import annotations
 
 from typing import Final
 
 from railhil.bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame
+from railhil.bus.ident import Role, SupIdent
+from railhil.bus.mvb import F_DEVICE_STATUS, master_frame
+from railhil.bus.telegrams import SupCmd
 from railhil.dbc import Contract
 
 #: Flags of frames that are no telegrams, whatever their identifier: they have no owner.
@@ -30,3 +33,16 @@ class OwnFrames:
     def __contains__(self, frame: Frame) -> bool:
         can_id, _, flags = frame
         return self.flags.get(can_id) == flags & ~BRS
+
+
+def supervisor_polls(contract: Contract) -> tuple[Frame, Frame, Frame]:
+    """The polls of SUP_CMD, of SUP_IDENT, and of its device status.
+
+    :param contract: of the run's system.
+    """
+    command, ident = (contract.port(name) for name in (SupCmd.PORT, SupIdent.PORT))
+    return (
+        master_frame(command.f_code, command.address),
+        master_frame(ident.f_code, ident.address),
+        master_frame(F_DEVICE_STATUS, Role.SUPERVISOR),
+    )

@@ -19,7 +19,7 @@ MOVED = {
     "score": "railhil.judge.score",
     "sequence_measure": "railhil.judge.sequence_measure",
     "shown": "railhil.report.display_columns",
-    "status": "railhil.record.status",
+    "status": "railhil.record.notes",
     "stops": "railhil.judge.stops",
     "trace": "railhil.record.trace",
 }

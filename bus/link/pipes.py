@@ -34,8 +34,8 @@ from railhil.bus.frame import Frame
 from railhil.bus.hub.wire import CLASSIC_SIZE, ROLES, pack_frame, pack_frames, unpack_frames
 from railhil.bus.link.base import Link, PackedEnd
 from railhil.bus.link.spin_wait import ASLEEP, AWAKE, SpinWait
+from railhil.bus.own_frames import supervisor_polls
 from railhil.bus.select import PIPES
-from railhil.bus.supervisor_polls import supervisor_polls
 from railhil.bus.transports import Opening
 from railhil.common.mypyc import mypyc_attr
 from railhil.common.patience import PATIENCE_S

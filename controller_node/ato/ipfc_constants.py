@@ -29,8 +29,7 @@ from railhil.controller_node.ato.pfc_constants import (
     step_basis,
     wavelet_basis,
 )
-from railhil.controller_node.ato.pfc_model import on_grid
-from railhil.controller_node.ato.pfc_notes import BASIS_STEP, BASIS_WAVELET, SATISFACTION_Q, SOFTENING_Q
+from railhil.controller_node.ato.pfc_model import BASIS_STEP, BASIS_WAVELET, SATISFACTION_Q, SOFTENING_Q, on_grid
 from railhil.controller_node.laws.base import SPEED_Q
 from railhil.controller_node.laws.constant_table import LawTable, build, held
 

@@ -25,8 +25,14 @@ from railhil.controller_node.ato.ipfc_plus_design import (
     plan,
     replanning_gains,
 )
-from railhil.controller_node.ato.pfc_model import InternalModel, on_grid
-from railhil.controller_node.ato.pfc_notes import BASIS_STEP, BASIS_WAVELET, SATISFACTION_Q, SOFTENING_Q
+from railhil.controller_node.ato.pfc_model import (
+    BASIS_STEP,
+    BASIS_WAVELET,
+    SATISFACTION_Q,
+    SOFTENING_Q,
+    InternalModel,
+    on_grid,
+)
 from railhil.controller_node.laws.base import BALISE_ERROR_MAX_M, NOTCH_RAW_Q, SPEED_Q, WHEEL_ERROR_MAX
 from railhil.controller_node.laws.constant_table import build, flatten, held
 from railhil.systems.ato.scenario.model import Scenario

@@ -26,7 +26,7 @@ from railhil.controller_node.ato.pfc_constants import (
     PfcParameters,
     Row,
 )
-from railhil.controller_node.ato.pfc_notes import BASIS_NOTE, SOFTENING_NOTE, SOFTENING_Q
+from railhil.controller_node.ato.pfc_model import BASIS_NOTE, SOFTENING_NOTE, SOFTENING_Q
 from railhil.controller_node.laws.base import NOTCH_Q, NOTCH_RAW_Q, SPEED_Q, Law, LawInputs, LawOutputs, State
 from railhil.controller_node.laws.constant_table import flatten
 from railhil.controller_node.laws.note import Note

@@ -14,6 +14,7 @@ from pydantic import Field
 
 from railhil.controller_node.arithmetic.base import Constant
 from railhil.controller_node.ato.pfc_model import (
+    SOFTENING_Q,
     InternalModel,
     Matrix,
     ModelDamping,
@@ -23,7 +24,6 @@ from railhil.controller_node.ato.pfc_model import (
     on_grid,
     polynomial_fit,
 )
-from railhil.controller_node.ato.pfc_notes import SOFTENING_Q
 from railhil.controller_node.laws.base import NOTCH_RAW_Q, SPEED_Q
 from railhil.controller_node.laws.constant_table import held
 

@@ -1,4 +1,4 @@
-"""Offline part of predictive functional control (PFC): internal model, basis responses, gains, polynomial fits.
+"""Offline part of predictive functional control (PFC): internal model, basis responses, gains, polynomial fits; notes.
 
 Everything here runs once, in double precision, before a run. Equation numbers are those of Wang et al., "An improved
 predictive function control algorithm for velocity curve of urban rail vehicle", Chinese Journal of Scientific
@@ -14,6 +14,25 @@ from typing import Annotated, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydantic import Field
+
+from railhil.controller_node.laws.note import Note, flags
+
+#: Softening factor, 0..1.
+SOFTENING_Q = 30
+#: Fuzzy satisfaction, 0..1.
+SATISFACTION_Q = 24
+
+#: Bits of the basis functions in use.
+BASIS_STEP = 1
+BASIS_WAVELET = 2
+BASIS_RAMP = 4
+
+BASIS_NOTE = flags("basis_in_use", "basis functions", ("step", "wavelet", "ramp"))
+#: Alpha of eq. (27).
+SOFTENING_NOTE = Note("softening_factor", "softening factor", SOFTENING_Q, symbol="α")
+#: Mu of eq. (26).
+SATISFACTION_NOTE = Note("satisfaction", "satisfaction", SATISFACTION_Q, symbol="μ")
+
 
 Matrix: TypeAlias = NDArray[np.float64]
 

@@ -12,7 +12,7 @@ from hil_tests.support.recordings import row_of
 from hil_tests.support.scores import made_score
 from railhil.cli.result_printer import assumption_lines, next_step
 from railhil.judge.record import Record
-from railhil.record.status import WRAP_FAILURE
+from railhil.record.notes import WRAP_FAILURE
 from railhil.record.trace import Trace
 from railhil.systems.ato.scenario.model import Scenario
 

@@ -12,8 +12,7 @@ from railhil.bus.errors import BusLost
 from railhil.bus.frame import Frame
 from railhil.live.bus_follower import Listener
 from railhil.panel.bus_statistics import BusStatistics
-from railhil.panel.layout import make_layout
-from railhil.panel.rows import Rows
+from railhil.panel.layout import Rows, make_layout
 from railhil.record.framelog import read_log
 from railhil.scenarios.load import load
 from railhil.scenarios.system import system_named

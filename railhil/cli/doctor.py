@@ -29,8 +29,7 @@ from railhil.common.exit_codes import PASS, USAGE
 from railhil.common.output import Output, table
 from railhil.common.streams import add_json_argument, print_json
 from railhil.dbc import wire_contract
-from railhil.live.doctor.kernelcan import kernel_can
-from railhil.live.doctor.machine import Finding, machine, tools
+from railhil.live.doctor.machine import Finding, kernel_can, machine, tools
 from railhil.live.doctor.timing import lateness, scheduling
 from railhil.run.transports import gets_pipes
 from railhil.scenarios.plant_fmu import PlantFmu

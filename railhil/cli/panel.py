@@ -18,9 +18,8 @@ from railhil.common.errors import InputError, Words
 from railhil.common.extras import install_command
 from railhil.judge.fault_report import check_faults, transports_of
 from railhil.judge.result import Result
-from railhil.live.panel_socket import PanelSocket
 from railhil.live.processes import nodes_processor
-from railhil.live.sockets import private_socket
+from railhil.live.sockets import PanelSocket, private_socket
 from railhil.run.make import Observer, Plan
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.operator_commands import ORDER

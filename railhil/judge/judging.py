@@ -10,7 +10,7 @@ from railhil.judge.criteria import Criterion, Extra
 from railhil.judge.events.declared import Interlocks, Received, Watch, in_words, interface_received
 from railhil.judge.score import Score
 from railhil.judge.sequence_measure import SequenceMeasure
-from railhil.record.status import Status, interface_status
+from railhil.record.notes import Status, interface_status
 from railhil.record.trace import FloatArray, Trace
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.unknown import UnknownScenario

@@ -1,28 +1,89 @@
 """The recorder: the supervisor's link to the bus, and the loop that takes frames until the run has ended.
 
-It looks for other benches on the bus first; the loop notices when it cannot continue.
+It looks for other benches on the bus first; the loop notices when it cannot continue. Signals that end a run are
+handled only at safe points.
 """
 
 from __future__ import annotations
 
+import signal
+import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from types import FrameType, TracebackType
 from typing import Any
 
 from railhil.bus.can_settings import HUB_INTERFACE
 from railhil.bus.errors import BusLost, BusOccupied, BusUnavailable
 from railhil.bus.link import Link, open_link
 from railhil.bus.order import BusOrder
+from railhil.bus.own_frames import supervisor_polls
 from railhil.bus.select import BusChoice
-from railhil.bus.supervisor_polls import supervisor_polls
-from railhil.common.exit_codes import INVALID, PASS
+from railhil.common.exit_codes import INVALID, PASS, Signalled, ending_signals, leave_terminal
 from railhil.common.patience import LATER_S
 from railhil.common.scheduling import RECORDER_PRIORITY, Scheduling, cycle
 from railhil.dbc import wire_contract
 from railhil.live.processes import Node, Nodes
-from railhil.live.stop_signals import StopSignals
 from railhil.record.session import Session
 from railhil.scenarios.run_spec import RunSpec
+
+
+class StopSignals:
+    """Notes SIGINT, SIGTERM and SIGHUP for a loop to check; re-entrant.
+
+    As exceptions they could occur anywhere, and inside a buffered write the content of the buffer would be lost.
+    """
+
+    def __init__(self) -> None:
+        #: Number of the first signal received, 0 for none.
+        self.number = 0
+        self._before: dict[signal.Signals, Any] = {}
+        self._entered = 0
+        self._at_once = False
+
+    def __enter__(self) -> StopSignals:
+        self._entered += 1
+        # Python delivers signals only to its main thread; another thread of a user's program cannot handle them.
+        if self._entered == 1 and threading.current_thread() is threading.main_thread():
+            self._before = {number: signal.signal(number, self._note) for number in ending_signals()}
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+        self._entered -= 1
+        if self._entered == 0:
+            for number, handler in self._before.items():
+                signal.signal(number, handler)
+            self._before = {}
+
+    @contextmanager
+    def at_once(self) -> Iterator[None]:
+        """A section that may be interrupted anywhere: a signal raises there at once, like :meth:`check`."""
+        self._at_once = True
+        try:
+            self.check()
+            yield
+        finally:
+            self._at_once = False
+
+    def _note(self, number: int, at: FrameType | None) -> None:
+        if number == signal.SIGHUP:
+            leave_terminal()
+        self.number = self.number or number
+        if self._at_once:
+            self.check()
+
+    def check(self) -> None:
+        """Raise here what the signal would have raised.
+
+        :raises KeyboardInterrupt: SIGINT came.
+        :raises Signalled: SIGTERM or SIGHUP came.
+        """
+        if self.number == signal.SIGINT:
+            raise KeyboardInterrupt
+        if self.number:
+            raise Signalled(128 + self.number)
+
 
 #: Frames that the recorder reads at once from the hub: about a tenth of a second of traffic.
 _BULK_FRAMES = 64

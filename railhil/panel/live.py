@@ -19,10 +19,9 @@ from railhil.dbc import house_contract
 from railhil.judge.judging import judging_of
 from railhil.live.bus_follower import Listener
 from railhil.panel.bus_statistics import WATCHED_FRAMES, BusStatistics, FrameList
-from railhil.panel.layout import NO_LAYOUT, Layout, make_layout
+from railhil.panel.layout import NO_LAYOUT, History, Layout, Rows, make_layout
 from railhil.panel.operator import Operator, list_fault_kinds
 from railhil.panel.receiver import Receiver
-from railhil.panel.rows import History, Rows
 from railhil.panel.wire import APPEND, REPLACE, encode_batch
 from railhil.record.trace import FloatArray, Trace
 from railhil.scenarios.model import AnyScenario, Timing

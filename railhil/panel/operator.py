@@ -1,4 +1,4 @@
-"""Commands of the panel's operator over the supervisor's socket (:mod:`railhil.live.panel_socket`), and the kinds of
+"""Commands of the panel's operator over the supervisor's socket (:mod:`railhil.live.sockets`), and the kinds of
 faults to which an operator may give other values during a run."""
 
 from __future__ import annotations

@@ -21,8 +21,8 @@ from railhil.bus.hub.columns import PACKED
 from railhil.bus.hub.wire import CLASSIC_SIZE, SFF_MASK, pack_frame, pack_frames, unpack_frames
 from railhil.bus.ident import CtlIdent
 from railhil.bus.mvb import master_tail
+from railhil.bus.own_frames import supervisor_polls
 from railhil.bus.responder import Responder
-from railhil.bus.supervisor_polls import supervisor_polls
 from railhil.bus.telegrams import RunEvent
 from railhil.dbc import Contract
 from railhil.record.framelog import LateLines

@@ -16,9 +16,9 @@ from railhil.bus.hub.wire import unpack_frames
 from railhil.bus.ident import CtlIdent, PltIdent, Role, SupIdent, make_ident
 from railhil.bus.lifesign import MAX_STEP
 from railhil.bus.mvb import F_DEVICE_STATUS
+from railhil.bus.own_frames import supervisor_polls
 from railhil.bus.responder import Reading, Responder
 from railhil.bus.schedule import Schedule
-from railhil.bus.supervisor_polls import supervisor_polls
 from railhil.bus.telegrams import RunEvent, SupCmd, TimeSync
 from railhil.dbc import Contract
 from railhil.record.framelog import LateLines, log_line, log_stamp, plain_line

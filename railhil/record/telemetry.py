@@ -18,9 +18,8 @@ import numpy as np
 
 from railhil.bus.codes import ControllerFlag
 from railhil.bus.ident import CtlIdent
-from railhil.record.notes import ReportedNote, told_notes
+from railhil.record.notes import ReportedNote, Status, told_notes
 from railhil.record.run_folder import TELEMETRY
-from railhil.record.status import Status
 from railhil.record.trace import Trace
 from railhil.scenarios.memory import MemoryRecord
 from railhil.scenarios.run_spec import StartUp

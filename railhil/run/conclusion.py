@@ -24,8 +24,8 @@ from railhil.judge.record_checks import UNCLEAR
 from railhil.judge.result import Result
 from railhil.record.framelog import telegrams_sha256
 from railhil.record.log_trace import trace_of_log
+from railhil.record.notes import untold_wrap
 from railhil.record.senders import Senders
-from railhil.record.status import untold_wrap
 from railhil.record.telemetry import read_origin, read_summary, reported, shown_telemetry
 from railhil.record.trace import NodeCounters
 from railhil.run.node_commands import needs_orders

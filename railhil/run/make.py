@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING
 from railhil.bus.select import BusChoice
 from railhil.common.exit_codes import FAIL, INVALID, USAGE
 from railhil.judge.fault_report import check_faults, transports_of
-from railhil.live.panel_socket import PanelSocket
 from railhil.live.processes import process_start_ns
+from railhil.live.sockets import PanelSocket
 from railhil.record.operator_commands import OperatorCommands
 from railhil.record.run_folder import NO_ROOM, PARAMETERS, discard_folder, run_folder, write_inputs
 from railhil.run.bus_run import BusRun

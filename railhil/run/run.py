@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from railhil.bus.select import BusChoice
-from railhil.live.stop_signals import StopSignals
+from railhil.live.recorder import StopSignals
 from railhil.record.framelog import FrameLog
 from railhil.record.session import Session
 from railhil.record.trace import Trace

@@ -21,7 +21,7 @@ from railhil.controller_node.ato.ipfc_constants import (
 )
 from railhil.controller_node.ato.pfc import Basis, Pfc
 from railhil.controller_node.ato.pfc_constants import GAIN_Q
-from railhil.controller_node.ato.pfc_notes import (
+from railhil.controller_node.ato.pfc_model import (
     BASIS_NOTE,
     SATISFACTION_NOTE,
     SATISFACTION_Q,

@@ -26,7 +26,7 @@ from railhil.controller_node.ato.ipfc_plus_constants import (
     compute_constants,
 )
 from railhil.controller_node.ato.ipfc_plus_design import DESIGN_SEEDS
-from railhil.controller_node.ato.pfc_notes import BASIS_NOTE, SOFTENING_NOTE
+from railhil.controller_node.ato.pfc_model import BASIS_NOTE, SOFTENING_NOTE
 from railhil.controller_node.laws.base import NOTCH_Q, NOTCH_RAW_Q, SPEED_Q, Law, LawInputs, LawOutputs, State
 from railhil.controller_node.laws.note import Note
 from railhil.systems.ato.scenario.model import Scenario

@@ -26,7 +26,7 @@ from railhil.controller_node.ato.pfc_constants import (
     step_and_ramp_basis,
     step_basis,
 )
-from railhil.controller_node.ato.pfc_notes import BASIS_RAMP, BASIS_STEP
+from railhil.controller_node.ato.pfc_model import BASIS_RAMP, BASIS_STEP
 from railhil.controller_node.laws.base import SPEED_Q
 from railhil.controller_node.laws.constant_table import LawTable, build, held
 from railhil.systems.ato.scenario.model import Scenario

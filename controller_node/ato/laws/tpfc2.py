@@ -26,7 +26,7 @@ from railhil.controller_node.ato.pfc_constants import (
     internal_model,
     wavelet_basis,
 )
-from railhil.controller_node.ato.pfc_notes import BASIS_WAVELET
+from railhil.controller_node.ato.pfc_model import BASIS_WAVELET
 from railhil.controller_node.laws.constant_table import LawTable, build, held
 from railhil.systems.ato.scenario.model import Scenario
 

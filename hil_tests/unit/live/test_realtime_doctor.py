@@ -19,15 +19,17 @@ from railhil.cli.doctor import facts
 from railhil.common.scheduling import NODE_PRIORITY
 from railhil.judge.jitter import Jitter
 from railhil.live.doctor import timing
-from railhil.live.doctor.kernelcan import can_interfaces, interface, kernel_can
 from railhil.live.doctor.machine import (
     Finding,
     and_so_on,
     below,
+    can_interfaces,
     clock,
     cores,
     docker,
     governor,
+    interface,
+    kernel_can,
     said_by,
     serial_ports,
     virtual_machine,

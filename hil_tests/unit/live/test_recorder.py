@@ -19,8 +19,7 @@ from railhil.bus.errors import BusLost, BusUnavailable
 from railhil.bus.frame import Frame
 from railhil.bus.select import BusChoice
 from railhil.live.processes import Node, Nodes
-from railhil.live.recorder import open_recorder
-from railhil.live.stop_signals import StopSignals
+from railhil.live.recorder import StopSignals, open_recorder
 from railhil.plant_sim import command as plant_program
 from railhil.run.bus_run import BusRun
 from railhil.scenarios.load import load

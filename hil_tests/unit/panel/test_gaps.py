@@ -13,10 +13,10 @@ from hil_tests.support.panel import ScriptedLink
 from railhil.bench import local_run
 from railhil.bus.frame import Frame
 from railhil.cli.run_identity import RunIdentity
+from railhil.panel.layout import HISTORY_ROWS_MAX, History, Rows, is_gap
 from railhil.panel.live import LiveRun
 from railhil.panel.receiver import LOOK_FRAMES, Receiver
 from railhil.panel.recorded import thin_rows
-from railhil.panel.rows import HISTORY_ROWS_MAX, History, Rows, is_gap
 from railhil.record.framelog import read_log
 from railhil.record.trace import FloatArray, trace_of
 from railhil.scenarios.load import load_any

@@ -13,7 +13,7 @@ import pytest
 
 from railhil.bus.select import own_pipes
 from railhil.cli import panel as cli
-from railhil.live.panel_socket import PanelSocket
+from railhil.live.sockets import PanelSocket
 from railhil.panel.operator import Operator
 from railhil.run.make import Plan
 from railhil.scenarios.run_spec import RunSpec

@@ -15,12 +15,11 @@ from railhil.cli.run_identity import RunIdentity
 from railhil.live.bus_follower import Listener
 from railhil.panel import live as live_module
 from railhil.panel.bus_statistics import BusStatistics
-from railhil.panel.layout import ERROR, make_layout
+from railhil.panel.layout import ERROR, HISTORY_ROWS_MAX, History, make_layout
 from railhil.panel.live import LiveRun
 from railhil.panel.operator import Operator
 from railhil.panel.receiver import LOOK_FRAMES, Receiver
 from railhil.panel.recorded import thin_rows
-from railhil.panel.rows import HISTORY_ROWS_MAX, History
 from railhil.scenarios.load import load_any
 from railhil.scenarios.system import names, system_named
 

@@ -10,8 +10,7 @@ from pathlib import Path
 import pytest
 
 from railhil.common.errors import InputError
-from railhil.panel.live_sequence import find_run_folders, make_learning_charts
-from railhil.panel.recorded import RecordedRuns
+from railhil.panel.recorded import RecordedRuns, find_run_folders, make_learning_charts
 from railhil.scenarios.load import load_any
 from railhil.sequences.sequence_command import _page, main
 
@@ -47,7 +46,7 @@ def test_a_page_of_a_sequence_that_is_being_recorded_gets_each_run_as_it_ends(
     night = tmp_path / "night"
     shutil.copytree(sequence, night, ignore=shutil.ignore_patterns("run002"))
     now_s = [100.0]
-    monkeypatch.setattr("railhil.panel.live_sequence.time.monotonic", lambda: now_s[0])
+    monkeypatch.setattr("railhil.panel.recorded.time.monotonic", lambda: now_s[0])
     source = RecordedRuns([str(night)])
     assert source.describe()["learning"] == []
 

@@ -14,7 +14,7 @@ from railhil.judge.events.declared import Watch
 from railhil.judge.judging import Judging
 from railhil.judge.record_checks import incomplete
 from railhil.judge.score import Score
-from railhil.record.status import Status, wrap_failure
+from railhil.record.notes import Status, wrap_failure
 from railhil.record.trace import Trace
 from railhil.systems.high_speed.ride import SCORED_FROM_MPS, Ride
 from railhil.systems.high_speed.target import journey_curve

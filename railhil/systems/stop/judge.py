@@ -15,7 +15,7 @@ from railhil.judge.judging import Judging
 from railhil.judge.record_checks import incomplete
 from railhil.judge.score import Score
 from railhil.judge.sequence_measure import SequenceMeasure
-from railhil.record.status import Status, wrap_failure
+from railhil.record.notes import Status, wrap_failure
 from railhil.record.trace import Trace
 from railhil.systems.stop.approach import Approach
 from railhil.wire.stop import BrakeCommand, BrakeLevel, BrakeStatus, Odo, SpeedRaw, StopReport, Truth

@@ -13,7 +13,7 @@ from railhil.judge.criteria import Criterion, Limit, scores, unscored
 from railhil.judge.judging import Judging
 from railhil.judge.score import Score
 from railhil.judge.stops import PlannedStop, ScoredStop, Standstill, missed_stops
-from railhil.record.status import interface_status, wrap_failure
+from railhil.record.notes import interface_status, wrap_failure
 from railhil.record.trace import Trace
 from two_carts import SYSTEM
 from two_carts.wire import COMMANDS, INTERFACE, STATS, TRUTH

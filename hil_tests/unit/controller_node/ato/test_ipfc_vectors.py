@@ -16,7 +16,7 @@ from railhil.controller_node.arithmetic.float64 import Float64
 from railhil.controller_node.ato.ipfc_constants import RISE_Q, IpfcParameters
 from railhil.controller_node.ato.laws.ipfc import Ipfc, IpfcState
 from railhil.controller_node.ato.pfc_constants import GAIN_Q
-from railhil.controller_node.ato.pfc_notes import SOFTENING_Q
+from railhil.controller_node.ato.pfc_model import SOFTENING_Q
 from railhil.controller_node.laws import load, names
 from railhil.controller_node.laws.base import NOTCH_RAW_Q, SPEED_Q, LawInputs
 from railhil.scenarios.load import load as load_scenario

@@ -19,7 +19,7 @@ from railhil.controller_node.ato.control_loop import ControlLoop
 from railhil.controller_node.ato.laws.tpfc1 import TABLE as TABLE1
 from railhil.controller_node.ato.laws.tpfc1 import Tpfc1Parameters
 from railhil.controller_node.ato.laws.tpfc2 import TABLE as TABLE2
-from railhil.controller_node.ato.pfc_notes import SOFTENING_Q
+from railhil.controller_node.ato.pfc_model import SOFTENING_Q
 from railhil.controller_node.laws import load as load_law
 from railhil.controller_node.laws.base import NOTCH_Q, NOTCH_RAW_Q, Law, LawInputs
 from railhil.scenarios.load import load

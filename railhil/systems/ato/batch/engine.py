@@ -18,7 +18,7 @@ from railhil.controller_node.laws.base import NOTCH_Q, BaliseReading
 from railhil.controller_node.laws.failure import law_fault
 from railhil.judge.score import Score
 from railhil.plant_sim.any_plant import PlantError
-from railhil.record.status import WRAP_FAILURE
+from railhil.record.notes import WRAP_FAILURE
 from railhil.systems.ato.batch import lanes
 from railhil.systems.ato.batch.emitted_law import loop_of
 from railhil.systems.ato.batch.kernel import run_period, stand_to_the_end

@@ -13,8 +13,7 @@ from railhil.judge.criteria import STOP_WITHIN_M
 from railhil.judge.judging import Judging
 from railhil.judge.record import Record
 from railhil.judge.score import Score
-from railhil.record.notes import note_values, notes_of
-from railhil.record.status import WRAP_FAILURE
+from railhil.record.notes import WRAP_FAILURE, note_values, notes_of
 from railhil.record.trace import FloatArray, Trace
 from railhil.report.deviations import deviations
 from railhil.systems.ato.judge.criteria import CRITERIA, OVERSPEED, STOP_ERROR, TIME_ERROR

@@ -22,7 +22,7 @@ from railhil.judge.criteria import limited, scores, unscored
 from railhil.judge.record_checks import STAMP_ERROR_MAX_S, UNCLEAR, incomplete
 from railhil.judge.score import Score
 from railhil.judge.stops import ScoredStop
-from railhil.record.status import Status, wrap_failure
+from railhil.record.notes import Status, wrap_failure
 from railhil.record.trace import FloatArray, Trace
 from railhil.systems.ato.judge import measures
 from railhil.systems.ato.judge.criteria import CRITERIA, OVERSPEED

@@ -16,9 +16,9 @@ from railhil.scenarios.schema import FAULT_TAGS
 from railhil.scenarios.validation import Keys, Refuse, dotted, validated
 from railhil.systems.ato.scenario import check, convert, model
 from railhil.systems.ato.scenario.canonical import scenario_sha256
+from railhil.systems.ato.scenario.check import train_reaches
 from railhil.systems.ato.scenario.envelope import CurveError
 from railhil.systems.ato.scenario.generate import fastest_time_s, generate
-from railhil.systems.ato.scenario.reaches import train_reaches
 from railhil.systems.ato.scenario.schema import TRAIN_TAGS, ScenarioFile
 
 _RUNS = DATA / "runs"
