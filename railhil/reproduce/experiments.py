@@ -13,9 +13,8 @@ from railhil import library
 from railhil.common.digits import count_of
 from railhil.common.errors import InputError
 from railhil.common.extras import need
-from railhil.controller_node.vector.controller import VectorController
 from railhil.judge.record import Record
-from railhil.run.coupled import coupled_run
+from railhil.run.coupled import direct_run
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 
@@ -79,7 +78,7 @@ class CoupledRun:
 
     def make(self, spec: RunSpec, folder: Path) -> EntryResult:
         scenario = spec.load()
-        run = coupled_run(scenario, VectorController(scenario, spec.law).step, spec, self.ports)
+        run = direct_run(scenario, spec, ports=self.ports)
         record = Record(Path(), scenario, run.trace, certificate=spec.as_json())
         outcome = record.copy_with(score=run.score, events=())
         return EntryResult(outcome.verdict, outcome.reasons, "", outcome)

@@ -79,6 +79,8 @@ class System:
     interface: str | None = None
     #: Makes a run without a bus (:func:`railhil.run.coupled.direct_run`); without it the audit runs the nodes.
     direct: str | None = None
+    #: Couples plant and law for it (:func:`railhil.run.coupled.couple_over_interface`, which is used without it).
+    coupling: str | None = None
     #: Makes many runs of a case (:func:`railhil.systems.ato.batch.run_batch`); without it campaigns run the nodes.
     batch: str | None = None
     #: Function of scenario and recorded trace that equals the digest of the batch; needed with ``batch``.

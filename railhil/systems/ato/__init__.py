@@ -23,6 +23,7 @@ ATO = System(
     fmu_plant="railhil.plant_sim.ato.fmu:FmuTrain",
     digest="railhil.systems.ato.batch.digest:trace_digest",
     direct="railhil.run.coupled:direct_run",
+    coupling="railhil.systems.ato.coupled:couple",
     audit="railhil.systems.ato.standstill:look",
     export="railhil.controller_node.ato.export:NotchControl",
     picture="railhil.systems.ato.panels:draw",

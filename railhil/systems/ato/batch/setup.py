@@ -21,9 +21,9 @@ from railhil.plant_sim.ato.train_checks import slow_decay, train_checks
 from railhil.plant_sim.faults.mismatch import Mismatch
 from railhil.plant_sim.faults.plants import constant_mismatches
 from railhil.plant_sim.forces import EffortLimit
-from railhil.run.coupled import coupled_schedule
 from railhil.systems.ato.batch import lanes as at
 from railhil.systems.ato.batch.layout import Common, PerTrain
+from railhil.systems.ato.coupled import coupled_schedule
 from railhil.systems.ato.judge.journey import ErrorGrid
 from railhil.systems.ato.scenario.model import Effort, Scenario
 from railhil.systems.ato.scenario.perturb import unit_draws, with_draws
