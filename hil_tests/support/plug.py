@@ -1,8 +1,10 @@
-"""Laws defined in a test, registered like a user's law: by an entry point of a distribution on the path."""
+"""Laws defined in a test, registered like a user's law: by an entry point of a distribution on the path; scenarios of a
+system defined in a test."""
 
 from __future__ import annotations
 
 import importlib
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +15,7 @@ from railhil.controller_node.ato.laws.ipfc import Ipfc, IpfcState
 from railhil.controller_node.laws import GROUP
 from railhil.controller_node.laws.base import LawInputs, LawOutputs
 from railhil.controller_node.program.tracer import Tracer
+from railhil.scenarios.system import System
 
 
 class Wrapping(Ipfc[Any]):
@@ -39,3 +42,9 @@ def plug_in(folder: Path, patch: pytest.MonkeyPatch, /, in_group: str = GROUP, *
     (package / "entry_points.txt").write_text("\n".join((f"[{in_group}]", *lines, "")))
     patch.syspath_prepend(str(package.parent))
     importlib.invalidate_caches()
+
+
+def with_system(scenario: Any, system: System) -> Any:
+    """The same scenario, whose installed system is this one."""
+    kind = type("Scenario", (type(scenario),), {"__slots__": (), "installed_system": system})
+    return kind(**{item.name: getattr(scenario, item.name) for item in fields(scenario)})

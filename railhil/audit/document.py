@@ -7,7 +7,7 @@ from dataclasses import asdict
 from math import isfinite
 from typing import Any
 
-from railhil.audit.result import Floor, Result
+from railhil.audit.result import Audit, Floor
 from railhil.audit.shadow import Codes, QuantityError
 from railhil.controller_node.telemetry import QuantityTelemetry
 from railhil.judge.score import Score
@@ -52,7 +52,7 @@ def _floor(floor: Floor | None) -> dict[str, Any] | None:
     return {"errors": errors, "commands": _codes(floor.codes), "scores": _scores(floor.score)}
 
 
-def document(result: Result) -> dict[str, Any]:
+def document(result: Audit) -> dict[str, Any]:
     """The document printed by ``--json``: numbers in the units of the quantities, ``_lsb`` in LSB of their formats.
 
     ``commands`` compares the codes of each command; ``largest`` is a raw difference, in Q ``q`` of ``unit``. A system's

@@ -46,7 +46,7 @@ class Floor:
 
 
 @dataclass(frozen=True, slots=True)
-class Result:
+class Audit:
     """Everything that an audit found.
 
     ``codes`` has one element for each command. ``bounds`` and ``floor`` are None for an arithmetic without formats,
@@ -79,7 +79,7 @@ class Result:
         return judging_of(self.scenario).criteria
 
 
-def audit(scenario: AnyScenario, options: Options) -> Result:
+def audit(scenario: AnyScenario, options: Options) -> Audit:
     """Audit one law in one arithmetic on one scenario.
 
     :raises scenarios.errors.InputError: an unknown law, arithmetic or indexing.
@@ -110,7 +110,7 @@ def audit(scenario: AnyScenario, options: Options) -> Result:
     bounds = None if wide else bounds_of(audited.controller)
     found = errors(shadow.quantities, shadow.twin, reference)
     limits = system.optional_part("audit_limits")
-    return Result(
+    return Audit(
         scenario,
         options,
         audited.telemetry.rows,

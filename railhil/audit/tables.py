@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from rich.table import Table
 
 from railhil.audit.effect import Effect
-from railhil.audit.result import Floor, Result
+from railhil.audit.result import Audit, Floor
 from railhil.audit.shadow import QuantityError
 from railhil.common.digits import percent
 from railhil.common.output import Output, titled_table
@@ -36,7 +36,7 @@ def _left(bits: int | None) -> str:
     return f"{bits} !" if bits < _HEADROOM_MIN_BITS else f"{bits}  "
 
 
-def _ranges(result: Result) -> Table:
+def _ranges(result: Audit) -> Table:
     made = _columns(
         "Range and headroom",
         ("quantity", "unit"),
@@ -60,7 +60,7 @@ def _ranges(result: Result) -> Table:
     return made
 
 
-def _errors(result: Result) -> Table:
+def _errors(result: Audit) -> Table:
     period_s = result.scenario.timing.control_period_ns / 1e9
     made = _columns(
         f"Error of {result.options.law.arithmetic} against float64 on the same inputs (LSB: last bit of the format)",
@@ -88,7 +88,7 @@ def _lsb(error: QuantityError, value: float | None) -> str:
     return f"{lsb:.2f}" if abs(lsb) < _LSB_PLAIN_MAX else f"{lsb:.1e}"
 
 
-def _floor(result: Result, floor: Floor) -> Table:
+def _floor(result: Audit, floor: Floor) -> Table:
     made = _columns(
         "Rounded (rmpy) and floored (mpy) products, LSB",
         ("quantity",),
@@ -100,7 +100,7 @@ def _floor(result: Result, floor: Floor) -> Table:
     return made
 
 
-def _scores(result: Result) -> Table:
+def _scores(result: Audit) -> Table:
     names = [result.options.law.arithmetic, "float64"]
     columns: list[Score] = [result.score, result.reference_score]
     if result.floor is not None:
@@ -113,7 +113,7 @@ def _scores(result: Result) -> Table:
     return made
 
 
-def _effects(result: Result, effect: Effect) -> Table:
+def _effects(result: Audit, effect: Effect) -> Table:
     made = _columns(
         f"Medians of {result.options.runs} perturbed runs, same draws",
         ("score", "unit"),
@@ -132,7 +132,7 @@ def _effects(result: Result, effect: Effect) -> Table:
     return made
 
 
-def _bars(result: Result) -> Table:
+def _bars(result: Audit) -> Table:
     made = _columns("Limits", ("", "requirement", "found", "allowed"), ())
     for bar in result.bars:
         verdict, style = ("PASS", None) if bar.met else ("FAIL", "bold red")
@@ -140,7 +140,7 @@ def _bars(result: Result) -> Table:
     return made
 
 
-def _say_cost(out: Output, result: Result) -> None:
+def _say_cost(out: Output, result: Audit) -> None:
     cost, look = result.cost, result.look
     out.print("Cycles of one control period (estimate; straight-line, so every step is the worst step)", style="bold")
     out.print(", ".join(f"{count} {name}" for name, count in cost.operations.items()))
@@ -162,7 +162,7 @@ def _say_cost(out: Output, result: Result) -> None:
     out.print()
 
 
-def show(out: Output, result: Result) -> None:
+def show(out: Output, result: Audit) -> None:
     """Print everything."""
     options = result.options
     law = options.law

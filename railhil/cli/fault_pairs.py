@@ -34,7 +34,7 @@ _ENDS = ("PASS", "FAIL", "INVALID", "TOOL ERROR")
 
 
 @dataclass(frozen=True, slots=True)
-class PairRun:
+class PairVerdict:
     """One run. ``failures``: rules that it breaks, empty if it keeps all."""
 
     number: int
@@ -63,7 +63,7 @@ def sent_ports(trace: Trace, ports: Iterable[str]) -> dict[str, Sent]:
     return found
 
 
-def judged_pair(number: int, faults: Sequence[str], result: Result) -> PairRun:
+def judged_pair(number: int, faults: Sequence[str], result: Result) -> PairVerdict:
     """The rules of every run, checked on one run."""
     verdict = VERDICTS.get(result.exit_code, f"exit code {result.exit_code}")
     failures = [text for text in result.score.failures if text.startswith(RULE)]
@@ -71,7 +71,7 @@ def judged_pair(number: int, faults: Sequence[str], result: Result) -> PairRun:
         failures.append(f"the run ended with {verdict}")
     if verdict == "TOOL ERROR":
         failures.append(f"tool error: {result.line}")
-    return PairRun(number, faults, verdict, failures)
+    return PairVerdict(number, faults, verdict, failures)
 
 
 def run_into(folder: Path, spec: RunSpec, *, keep: bool = True) -> Result:
@@ -105,7 +105,7 @@ def pair_run(
     calm: tuple[float, Mapping[str, Sent]],
     out: Path,
     number: int,
-) -> PairRun:
+) -> PairVerdict:
     """One random pair as a run; its folder is not kept: it can be made again from its faults.
 
     :param calm: of :func:`faultless_run`.
@@ -125,9 +125,9 @@ def pair_run(
         try:
             result = run_into(Path(folder), spec, keep=False)
         except InputError as error:
-            return PairRun(number, pair, "refused", [error.allowed])
+            return PairVerdict(number, pair, "refused", [error.allowed])
         except NeverBegan as error:
-            return PairRun(number, pair, "none", [str(error)])
+            return PairVerdict(number, pair, "none", [str(error)])
     return judged_pair(number, pair, result)
 
 
@@ -141,7 +141,7 @@ def pairs(
     """
     numbers = range(base.seed, base.seed + count)
     counts: Counter[str] = Counter()
-    broken: list[PairRun] = []
+    broken: list[PairVerdict] = []
     with until_stopped() as stop, TemporaryDirectory(prefix="railhil-faults-") as out:
         calm = faultless_run(base, Path(out))
         with each(partial(pair_run, base, system, calm, Path(out)), numbers, jobs) as runs:

@@ -9,7 +9,6 @@ from railhil.common.errors import InputError
 from railhil.common.extras import missing_library
 from railhil.common.output import Output
 from railhil.common.user_files import whole_file
-from railhil.judge.judging import judging_of
 from railhil.judge.record import checked_record
 from railhil.record.run_folder import refuse_unwritable
 from railhil.record.sampling import drawn_trace
@@ -35,7 +34,7 @@ def work(namespace: argparse.Namespace) -> int:
     except ImportError as error:
         raise missing_library("railhil plot", error, "report") from None
     record = checked_record(namespace.log, namespace.scenario)
-    system, truth = record.system, judging_of(record.scenario).truth
+    system, truth = record.system, record.judging.truth
     draw, trace = draw_signals, record.trace
     if system.picture is not None:
         draw, trace = system.part("picture"), drawn_trace(record.scenario, trace)

@@ -14,14 +14,13 @@ from railhil.common.digits import count_of
 from railhil.common.exit_codes import FAIL, PASS
 from railhil.common.output import Output
 from railhil.common.streams import add_json_argument, print_json
-from railhil.dbc import recorded_contract
+from railhil.dbc import Contract, recorded_contract
 from railhil.judge import rerun as again
 from railhil.judge.result import Result
 from railhil.record.difference import Difference, first_difference
 from railhil.record.framelog import read_log
 from railhil.run.make import record_run
 from railhil.scenarios.options import add_fmu_options, add_option, named_fmu
-from railhil.scenarios.system import system_named
 
 
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -39,7 +38,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 
 def work(namespace: argparse.Namespace) -> int:
     """Repeat, compare, print; exit code 0 for the same bytes (of the contract, on a shared bus), 1 for others."""
-    run = again.recorded(namespace.run, named_fmu(namespace))
+    run = again.certified_run(namespace.run, named_fmu(namespace))
     again.repeatable(run)
     console = Output(stderr=namespace.json)
     given = named_bus(namespace)
@@ -65,7 +64,7 @@ def work(namespace: argparse.Namespace) -> int:
     # On a shared bus one of the two has frames of others, too.
     shared = bool(run.certificate.get("other_frames") or result.other_frames)
     same = equal or (shared and result.telegrams_sha256 == run.telegrams_sha256)
-    found = None if same else _difference(run, folder / "frames.log", scenario.system)
+    found = None if same else _difference(run, folder / "frames.log", scenario.installed_system.contract)
     if same and not kept:
         shutil.rmtree(folder)
     if namespace.json:
@@ -92,16 +91,15 @@ def work(namespace: argparse.Namespace) -> int:
     return PASS if same else FAIL
 
 
-def _others(run: again.Recorded, result: Result) -> str:
+def _others(run: again.CertifiedRun, result: Result) -> str:
     """How many frames of others each record has."""
     recorded = run.certificate.get("other_frames")
     return f"beside {recorded} recorded frames of others and {result.other_frames} now"
 
 
-def _difference(run: again.Recorded, repeated: Path, system: str) -> Difference | None:
+def _difference(run: again.CertifiedRun, repeated: Path, now: Contract) -> Difference | None:
     """Where the records differ first; None without the record."""
     if run.log is None:
         return None
-    now = system_named(system).contract
     was = recorded_contract(run.log.parent, run.certificate.get("dbc_sha256"), now)
     return first_difference(read_log(run.log), read_log(repeated), was, now)

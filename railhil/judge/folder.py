@@ -19,7 +19,6 @@ from railhil.common.user_files import whole_file, write_synced
 from railhil.judge.criteria import limited
 from railhil.judge.events.event import EVENTS, FAULT, LOST, MISSED_POLL, REFUSED, write_events
 from railhil.judge.events.summary import counts_said, explained, reactions, summary, why
-from railhil.judge.judging import judging_of
 from railhil.judge.result import Result
 from railhil.judge.signals import write_signals
 from railhil.judge.training_seeds import seed_was_trained
@@ -200,7 +199,7 @@ def junit(result: Result) -> ET.ElementTree[ET.Element]:
     in s: the run's in ``bench_valid``, 0 for the limits, which are judged from its record.
     """
     scenario, spec, found = result.scenario, result.spec, result.score
-    judging = judging_of(scenario)
+    judging = result.judging
     cases: list[tuple[str, str]] = []
     if result.trusted:
         cases = [
@@ -258,7 +257,7 @@ def write_folder(result: Result) -> None:
         with ExitStack() as drafts:
             blf = drafts.enter_context(whole_file(folder / "frames.blf"))
             write_blf(folder / "frames.log", blf)
-            if trace.count(judging_of(scenario).truth):
+            if trace.count(result.judging.truth):
                 signals = drafts.enter_context(whole_file(folder / "signals.csv"))
                 write_signals(scenario, trace, signals, _notes(result))
         with whole_file(folder / EVENTS) as draft:

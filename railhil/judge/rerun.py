@@ -24,7 +24,7 @@ _CERTIFICATE = "a run folder with its certificate, or certificate.json"
 
 
 @dataclass(frozen=True, slots=True)
-class Recorded:
+class CertifiedRun:
     """A certified run.
 
     ``log``: its record, checked against the certificate; None if it is not beside it.
@@ -46,7 +46,7 @@ class Recorded:
         return str(self.certificate.get("telegrams_sha256") or "")
 
 
-def recorded(text: str, fmu: PlantFmu | None = None) -> Recorded:
+def certified_run(text: str, fmu: PlantFmu | None = None) -> CertifiedRun:
     """The run of a run folder or of a certificate.
 
     :param fmu: that the command line names, for a run whose plant was one.
@@ -69,14 +69,14 @@ def recorded(text: str, fmu: PlantFmu | None = None) -> Recorded:
         check_folder(path.parent, document)
     if log is not None and (found := log_sha256(log)) != wanted:
         raise InputError(log, "sha256", found, f"{wanted} ({path.name} beside it): a log that nobody changed")
-    return Recorded(path, document, RunSpec.from_json(document, path, fmu), log)
+    return CertifiedRun(path, document, RunSpec.from_json(document, path, fmu), log)
 
 
 def _logs(folder: Path) -> tuple[Path, ...]:
     return folder / "frames.log", folder / f"frames{BLF_SUFFIX}"
 
 
-def repeatable(run: Recorded) -> None:
+def repeatable(run: CertifiedRun) -> None:
     """Refuse a run that cannot be repeated with the same bytes.
 
     :raises InputError: it kept real time, or its controller was not railhil's.
@@ -90,7 +90,7 @@ def repeatable(run: Recorded) -> None:
         raise InputError(path, "foreign", Words("a controller of somebody else"), allowed)
 
 
-def scenario_now(run: Recorded, stored: bool) -> tuple[AnyScenario, str]:
+def scenario_now(run: CertifiedRun, stored: bool) -> tuple[AnyScenario, str]:
     """The scenario with which to repeat a run, and its differences from the record's; empty: no differences.
 
     :param stored: if the scenario named in the certificate has changed or is gone, use the scenario of the run folder.
@@ -110,7 +110,7 @@ def scenario_now(run: Recorded, stored: bool) -> tuple[AnyScenario, str]:
     return (read_scenario(path), f"{said}: {SCENARIO} beside the certificate is used") if kept else (scenario, said)
 
 
-def changes(run: Recorded) -> list[str]:
+def changes(run: CertifiedRun) -> list[str]:
     """One sentence for each part of the bench that differs from the record's: a cause of other bytes."""
     return document_changes(run.certificate, "the record")
 

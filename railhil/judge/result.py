@@ -12,6 +12,7 @@ from railhil.common.exit_codes import FAIL, PASS
 from railhil.judge.events.event import RecordedEvent
 from railhil.judge.fault_report import FaultOutcome
 from railhil.judge.jitter import RunTiming
+from railhil.judge.judging import Judging, judging_of
 from railhil.judge.score import Score
 from railhil.record.framelog import LOG_NAME
 from railhil.record.telemetry import LawOrigin, Learned, ShownTelemetry, TelemetrySummary
@@ -81,6 +82,11 @@ class Result:
     telemetry: dict[str, Any] = field(default_factory=dict, repr=False)
     #: A run without telegrams: event counters of the law's arithmetic over the whole run.
     arithmetic: Counters | None = None
+
+    @property
+    def judging(self) -> Judging:
+        """How the system of the scenario judges and shows it."""
+        return judging_of(self.scenario)
 
     @property
     def trusted(self) -> bool:

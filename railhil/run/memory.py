@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 from railhil.common.digits import count_of
 from railhil.common.errors import InputError
 from railhil.record.run_folder import RecordFailed, refuse_unwritable
-from railhil.record.telemetry import Learned
+from railhil.record.telemetry import Kept, Learned
 from railhil.scenarios.memory import MEMORY_AFTER, MEMORY_BEFORE, MemoryRecord, next_record, write_memory
 from railhil.scenarios.memory_store import MemoryStore, StoreChanged
 from railhil.scenarios.model import AnyScenario
@@ -50,23 +50,18 @@ def learned(result: Result) -> Learned | None:
     nothing."""
     from railhil.record.telemetry import read_kept
 
-    spec = result.spec
     kept = read_kept(result.place) if result.trusted else None
-    if kept is None:
-        return None
-    before = None if spec.law.memory is None else spec.law.memory.at(kept.used)
-    number = number_of(result.scenario, spec, before)
-    return Learned(kept, next_record(spec.law.controller, kept.key, kept.values, before, number))
+    return None if kept is None else Learned(kept, record_after(result.scenario, result.spec, kept))
 
 
-def number_of(scenario: AnyScenario, spec: RunSpec, before: MemoryRecord | None) -> int:
-    """Number under which a law learns from a run: that of the run, or where runs have none the next one.
+def record_after(scenario: AnyScenario, spec: RunSpec, kept: Kept) -> MemoryRecord | None:
+    """The record of a law after a run; None if it has learned from this run before.
 
-    :param before: the record with which it began the run.
+    It counts under the number of the run, or where runs have none under the next one.
     """
-    if scenario.installed_system.numbered:
-        return spec.run_number
-    return 1 if before is None else before.last_run + 1
+    before = None if spec.law.memory is None else spec.law.memory.at(kept.used)
+    number = spec.run_number if scenario.installed_system.numbered else 1 if before is None else before.last_run + 1
+    return next_record(spec.law.controller, kept.key, kept.values, before, number)
 
 
 def keep_memory(result: Result) -> None:

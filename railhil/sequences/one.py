@@ -18,8 +18,8 @@ from railhil.plant_sim.faults.plants import needs_nodes
 from railhil.record.telemetry import Kept, kept_of
 from railhil.record.trace import Trace
 from railhil.run.local import unrecorded_run
-from railhil.run.memory import number_of
-from railhil.scenarios.memory import Memory, MemoryRecord, next_record, no_memory
+from railhil.run.memory import record_after
+from railhil.scenarios.memory import Memory, MemoryRecord, no_memory
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import System
@@ -61,10 +61,7 @@ class OneRun:
         """The record that it leaves; None if it cannot be trusted, or was learned from before."""
         if self.kept is None or self.missed or self.score.verdict not in ("PASS", "FAIL"):
             return None
-        before = self.began.at(self.kept.used)
-        return next_record(
-            self.began.law, self.kept.key, self.kept.values, before, number_of(self.scenario, self.spec, before)
-        )
+        return record_after(self.scenario, self.spec, self.kept)
 
     @property
     def left(self) -> Memory:

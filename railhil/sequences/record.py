@@ -10,8 +10,7 @@ from pathlib import Path
 
 from railhil.common.errors import InputError, Words
 from railhil.common.exit_codes import INVALID
-from railhil.judge.rerun import changes
-from railhil.judge.rerun import recorded as recorded_run
+from railhil.judge.rerun import certified_run, changes
 from railhil.judge.result import Result
 from railhil.record.run_folder import refuse_unwritable, run_folder
 from railhil.run.make import record_run
@@ -71,7 +70,7 @@ def _check_same(evidence: Evidence, first: RunSpec, runs: int, folder: Path) -> 
         raise InputError(folder / SEQUENCE, "", Words("another sequence"), "the same one to go on, or another --out")
     for difference in differences(folder, evidence):
         raise InputError(folder / SEQUENCE, "made", Words("changed runs"), f"them as they were made: {difference}")
-    if evidence.made and (changed := changes(recorded_run(str(folder / run_name(len(evidence.made)))))):
+    if evidence.made and (changed := changes(certified_run(str(folder / run_name(len(evidence.made)))))):
         found = Words(f"runs of other code: {'; '.join(changed)}")
         raise InputError(folder / SEQUENCE, "", found, "that code to go on, or another --out")
 

@@ -12,6 +12,7 @@ from typing import Any
 import pytest
 
 from benchmarks.figures import QUICK_TOML
+from hil_tests.support.plug import with_system
 from hil_tests.support.scores import with_values
 from railhil.audit.bars import bars
 from railhil.audit.bounds import bounds_of
@@ -42,7 +43,6 @@ from railhil.controller_node.program.model import Quantity, Value
 from railhil.controller_node.program.tracer import record
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.scenarios.system import OfSystem
 from railhil.systems.ato import ATO
 from railhil.systems.ato.judge.criteria import CRITERIA
 from railhil.systems.ato.standstill import look
@@ -194,20 +194,17 @@ def test_shadows_are_told_what_the_nodes_send_in_place_of_the_law_s_answer(tmp_p
     assert model.maximum < 5e-5
 
 
-def test_an_audit_through_the_nodes_finds_the_same(short, monkeypatch):
+def test_an_audit_through_the_nodes_finds_the_same(short):
     """A system without a part ``direct``: every run goes through the nodes of the bench."""
     options = Options(runs=0)
     direct = document(audit(short, options))
-    slower = replace(ATO, direct=None)
-    monkeypatch.setattr(OfSystem, "installed_system", slower)
-    assert document(audit(short, options)) == direct
+    assert document(audit(with_system(short, replace(ATO, direct=None)), options)) == direct
 
 
-def test_a_system_that_looks_at_nothing_more_has_no_such_section(short, monkeypatch):
+def test_a_system_that_looks_at_nothing_more_has_no_such_section(short):
     plain = replace(ATO, audit=None)
     whole = document(audit(short, Options(runs=0)))
-    monkeypatch.setattr(OfSystem, "installed_system", plain)
-    result = audit(short, Options(runs=0))
+    result = audit(with_system(short, plain), Options(runs=0))
     found = document(result)
     assert set(whole) - set(found) == {"standstill"}
     assert [bar["name"] for bar in whole["bars"] if bar not in found["bars"]] == [AT_REST, KICKED]
@@ -218,9 +215,8 @@ def test_a_system_that_looks_at_nothing_more_has_no_such_section(short, monkeypa
 
 def test_a_run_in_which_the_law_is_never_asked_is_refused(short, monkeypatch):
     monkeypatch.setattr("railhil.audit.shadow.unrecorded_run", lambda scenario, spec, controller: None)
-    monkeypatch.setattr(OfSystem, "installed_system", replace(ATO, direct=None))
     with pytest.raises(InputError, match="no control period: the readings never came"):
-        shadow_run(short, LawSpec(), make("iq"))
+        shadow_run(with_system(short, replace(ATO, direct=None)), LawSpec(), make("iq"))
 
 
 def test_floor_shows_as_bias_of_the_products(sound):

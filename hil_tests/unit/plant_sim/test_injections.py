@@ -7,12 +7,12 @@ from dataclasses import replace
 import pytest
 
 from hil_tests.support.plant_faults import SCENARIO, TICK_NS, fault, made, said
+from hil_tests.support.plug import with_system
 from railhil.bus.injector.activities import Hit
 from railhil.common.errors import InputError
 from railhil.faults.language import parse
 from railhil.faults.model import Trigger
 from railhil.plant_sim.ato.faults.train import FaultyTrain
-from railhil.plant_sim.faults import plants
 from railhil.plant_sim.faults.injections import Injections, MotionEvents
 from railhil.plant_sim.faults.mismatch import Mismatch
 from railhil.plant_sim.faults.plants import FMU_PART, constant_mismatches, in_plant, make_plant, needs_nodes
@@ -172,21 +172,20 @@ def test_an_fmu_is_a_plant_of_systems_that_say_how(monkeypatch: pytest.MonkeyPat
     made_from: list[object] = []
     taking = replace(system_named("ato"), fmu_plant="train.fmu")
     monkeypatch.setattr(type(taking), "part", lambda system, name: lambda *given: made_from.extend([name, *given]))
-    monkeypatch.setattr(plants, "system_named", lambda name: taking)
-    assert make_plant(replace(SCENARIO, faults=("TRN_SPEED loss @0s",)), spec) == (None, None)
+    scenario_of_fmu = with_system(SCENARIO, taking)
+    assert make_plant(replace(scenario_of_fmu, faults=("TRN_SPEED loss @0s",)), spec) == (None, None)
     name, scenario, *given = made_from
     assert (name, given) == (FMU_PART, [7, True, spec.wall_rate, fmu])
     assert scenario.name == SCENARIO.name
 
     with pytest.raises(InputError) as refused:
-        make_plant(replace(SCENARIO, faults=("sensor.speed garbage @0s",)), spec)
+        make_plant(replace(scenario_of_fmu, faults=("sensor.speed garbage @0s",)), spec)
     assert str(refused.value) == (
         "command line: --plant-fmu: found faults in the plant, allowed faults of telegrams, nodes and the bus: "
         "an FMU has no others"
     )
-    monkeypatch.setattr(plants, "system_named", lambda name: replace(taking, fmu_plant=None))
     with pytest.raises(InputError) as refused:
-        make_plant(SCENARIO, spec)
+        make_plant(with_system(SCENARIO, replace(taking, fmu_plant=None)), spec)
     assert str(refused.value) == (
         "command line: --plant-fmu: found system ato, allowed a system with a part fmu_plant: it says what an FMU "
         "exchanges with the plant (docs/fmi.md)"

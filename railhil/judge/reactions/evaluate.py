@@ -10,7 +10,6 @@ from railhil.common.digits import text_beside_limit
 from railhil.common.exit_codes import FAIL, INVALID, PASS, TOOL_ERROR
 from railhil.faults.model import WATCH_LEVELS
 from railhil.judge.events.event import LEVEL, MISSED_POLL, REFUSED, RecordedEvent
-from railhil.judge.judging import judging_of
 from railhil.judge.reactions.catalogue import Entry
 from railhil.judge.result import Result
 
@@ -48,7 +47,7 @@ def _first_s(times_s: Iterable[float | None]) -> float | None:
 
 def seen_in(result: Result) -> Seen:
     """What a run did."""
-    trace, truth = result.trace, judging_of(result.scenario).truth
+    trace, truth = result.trace, result.judging.truth
     end_s = trace.times_s(truth)
     speed_mps = trace.values(truth, "TrueSpeed") if trace.has(truth, "TrueSpeed") else end_s[:0]
     return Seen(
