@@ -17,18 +17,18 @@ _COMMANDS = {
     "rerun": "repeat a recorded run, name the first frame that differs",
     "replay": "drive one node with a recorded log, compare its answers",
     "compare": "run several laws over the bus, one after another, and compare them",
-    "faults": "run the fault catalogue, or random pairs of faults, and print what they led to",
+    "faults": "run the fault catalogue, or random pairs of faults, and print the reactions",
     "score": "score a recorded log",
     "verify": "check the files of a folder against its list of hashes, and who has signed it",
     "report": "write report.html of recorded runs (needs the extra [report])",
     "plot": "draw a recorded run (needs the extra [report])",
     "export": "write a recorded run as files of other tools",
     "watch": "watch a run on a bus in the terminal (listens only)",
-    "memory": "show, check or export what a law has kept of its runs",
+    "memory": "show, check or export the memory that a law has kept",
     "scenarios": "list the shipped scenarios, or check one file",
     "ports": "print ports, telegram layouts and bus load",
     "new": "write a law, a scenario or a system to start from",
-    "doctor": "what this machine and its transports can promise",
+    "doctor": "timing and limits of this machine and its transports",
     "node": "run one node by itself",
     **{name: line for name, (_, line) in programs.PROGRAMS.items()},
     "bus": "bus processes",
@@ -48,7 +48,7 @@ class _Commands(argparse._SubParsersAction):  # type: ignore[type-arg]
 
 
 class _Version(argparse.Action):
-    """``--version``: looked up only if somebody asks."""
+    """``--version``, looked up only on request."""
 
     def __call__(self, parser: argparse.ArgumentParser, *_: object) -> NoReturn:
         from importlib.metadata import version
@@ -58,9 +58,9 @@ class _Version(argparse.Action):
 
 
 def parser(words: Sequence[str] | None = None) -> argparse.ArgumentParser:
-    """The command line, as far as it is needed: a module that takes no part is not loaded.
+    """The needed part of the command line: modules of other commands are not loaded.
 
-    :param words: what is to be parsed. If it begins with a command, only that one is included; if it names none, as
+    :param words: the words to parse. If they begin with a command, only that one is included; if it names none, as
         for the help, the commands have no options. None: everything.
     """
     root = OneLineParser(

@@ -97,9 +97,9 @@ def _planned(namespace: argparse.Namespace) -> list[RunSpec]:
 def _checked(
     namespace: argparse.Namespace, scenario: AnyScenario, wanted: Sequence[RunSpec]
 ) -> tuple[list[RunSpec], list[str]]:
-    """The runs to be made, and sentences on those that are left out.
+    """The runs to be made, and sentences on the runs that are left out.
 
-    :raises InputError, NeverBegan: one of them cannot be made, or must not be judged on this seed.
+    :raises InputError, NeverBegan: a run cannot be made, or must not be judged on this seed.
     """
     if not namespace.allow_training_seeds:
         for spec in wanted:
@@ -112,7 +112,7 @@ def _checked(
             left_out.append(law.controller)
             continue
         if own and checked.exit_code == InputError.exit_code:
-            # It needs another arithmetic, or a library that is not installed.
+            # The law needs another arithmetic, or a library that is not installed.
             refused.append(checked)
             continue
         checked.require()
@@ -128,7 +128,7 @@ def _checked(
 
 
 class _BusLine(Observer):
-    """Says once which bus the runs have."""
+    """Prints the bus of the runs once."""
 
     def __init__(self, console: Output) -> None:
         self._console: Output | None = console
@@ -174,7 +174,7 @@ def work(namespace: argparse.Namespace) -> int:
                 print_verdict(console, "INVALID", f"{result.line or 'stopped'}; {_so_far(runs, plan, folder)}")
                 return result.stopped_exit_code
     except BaseException:
-        # After Ctrl-C, too: recorded runs are kept, and the message says so.
+        # Recorded runs are kept after Ctrl-C, too, and the message says so.
         if runs and folder is not None:
             console.say(_so_far(runs, plan, folder))
         raise

@@ -1,4 +1,5 @@
-"""``railhil doctor``: what timing this machine can provide, and what each transport does not model."""
+"""``railhil doctor``: the timing that this machine can provide, and the properties that each transport does not
+model."""
 
 from __future__ import annotations
 
@@ -35,7 +36,7 @@ from railhil.run.transports import gets_pipes
 from railhil.scenarios.plant_fmu import PlantFmu
 from railhil.scenarios.run_spec import RunSpec
 
-#: How long the bus that is asked for is listened to.
+#: Listening time on the requested bus.
 _LISTEN_S = 0.3
 _SEE = "the lines above, and docs/adapters.md"
 
@@ -46,7 +47,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     add_json_argument(parser)
     parser.add_argument("--quick", action="store_true", help="leave out the measurement, which takes 2 to 4 s")
     parser.add_argument(
-        "--fmu", metavar="FILE", help="only whether this FMU can be the plant, and does the same twice (extra [fmi])"
+        "--fmu", metavar="FILE", help="only whether this FMU can be the plant, and is deterministic (extra [fmi])"
     )
     parser.add_argument(
         "--fmu-scenario", metavar="NAME", help=f"a scenario of the system of --fmu (default: {USUAL_SCENARIO})"
@@ -57,7 +58,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 
 
 def _bus_sentence(given: Mapping[str, Any], choice: BusChoice) -> str:
-    """The bus of a run with these options: one in lockstep that would get a hub unasked gets pipes instead."""
+    """The bus of a run with these options: a run in lockstep that would get a hub unasked gets pipes instead."""
     named = f"{choice.transport} ({choice.reason})"
     if not gets_pipes(given, choose_bus(given, Path("a hub of the run's own"))):
         return named
@@ -104,7 +105,7 @@ def _asked_bus(given: Mapping[str, Any], choice: BusChoice) -> Finding | None:
     finally:
         link.close()
     heard, garbage = link.counters["received"], link.counters["garbage"]
-    # One piece of a line may have been under way.
+    # A part of a line may have been under way.
     came = f"{count_of(heard, 'frame')}, unreadable input {count_of(garbage, 'time')}"
     found = f"{choice.transport} can be opened; in {_LISTEN_S:g} s {came}"
     return Finding("bus asked for", found, _SEE if garbage > heard + 1 else "")
@@ -112,7 +113,7 @@ def _asked_bus(given: Mapping[str, Any], choice: BusChoice) -> Finding | None:
 
 def _fmu(namespace: argparse.Namespace) -> int:
     """Print whether an FMU is deterministic; exit code 2 if it is not."""
-    # Only here, because it loads the plant.
+    # Imported here, because it loads the plant.
     from railhil.plant_sim.fmu.determinism import TICKS, twice
 
     if namespace.fmu is None:

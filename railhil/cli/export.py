@@ -47,7 +47,9 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser.add_argument(
         "--start", metavar="TIME", help="instant of the run's time 0, with its zone: 2026-11-22T18:42:55Z"
     )
-    parser.add_argument("--out", metavar="PATH", help="folder, or the file if it is only one (default: the run folder)")
+    parser.add_argument(
+        "--out", metavar="PATH", help="folder, or the file if there is only one (default: the run folder)"
+    )
     parser.set_defaults(work=work)
 
 

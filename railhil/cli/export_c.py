@@ -68,7 +68,7 @@ def _run(scenario: AnyScenario, law: LawSpec, controller: Any) -> None:
 def _in_single_precision(namespace: argparse.Namespace, system: System) -> bool:
     """Whether the law is written in float32.
 
-    :raises InputError: it cannot be written in the arithmetic that was asked for.
+    :raises InputError: it cannot be written in the requested arithmetic.
     """
     floating = is_floating(namespace.law, system.laws)
     asked = namespace.arithmetic
@@ -119,7 +119,7 @@ def _size(source: Source) -> str:
 
 
 def _list(files: Mapping[str, str], size: str, folder: Path) -> None:
-    """The files and what they need on the target."""
+    """The files and their needs on the target."""
     console = Console(markup=False, emoji=False, highlight=False)
     if not console.is_terminal:
         console.width = _FILE_COLUMNS

@@ -77,7 +77,7 @@ def judged_pair(number: int, faults: Sequence[str], result: Result) -> PairVerdi
 def run_into(folder: Path, spec: RunSpec, *, keep: bool = True) -> Result:
     """The result of a run into a folder; one that is made here is removed if the run never began.
 
-    :param keep: whether the folder is to be complete; else it only has what the result needs.
+    :param keep: whether the folder is to be complete; else it has only the files that the result needs.
     :raises InputError: the run cannot inject one of its faults.
     :raises NeverBegan: no frame came.
     :raises SystemExit: a signal has ended the run.
@@ -89,7 +89,7 @@ def run_into(folder: Path, spec: RunSpec, *, keep: bool = True) -> Result:
 
 
 def faultless_run(base: RunSpec, out: Path) -> tuple[float, dict[str, Sent]]:
-    """Duration of the timetable in s, and what the run without faults sends, and when.
+    """Duration of the timetable in s, and the telegrams of the run without faults with their times.
 
     :raises InputError, NeverBegan: as :func:`run_into`.
     """
@@ -134,7 +134,7 @@ def pair_run(
 def pairs(
     base: RunSpec, system: System, count: int, jobs: int, console: Output, *, controller: str | None, as_json: bool
 ) -> int:
-    """Random pairs: number n is always the same pair. Stopped by a signal, it says how far it came.
+    """Random pairs: number n is always the same pair. After a signal it prints the number of pairs made.
 
     :param controller: the law that the user has named.
     :param as_json: print the verdicts as JSON.

@@ -1,4 +1,4 @@
-"""``railhil faults``: the fault catalogue on a scenario, or random pairs of faults, and what each of them led to."""
+"""``railhil faults``: the fault catalogue or random pairs of faults on a scenario, and the reaction to each."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ def _entries(only: str, system: System) -> list[Entry]:
 
 
 def _check_out(out: Path | None, entries: Sequence[Entry]) -> None:
-    """Nothing that is recorded is overwritten. Raises InputError."""
+    """Refuse to overwrite recorded runs. Raises InputError."""
     for folder in () if out is None else (out / entry.id for entry in entries):
         if folder.is_dir() and any(folder.iterdir()):
             raise InputError("command line", "--out", str(folder), "an empty or new folder for each entry")
@@ -89,12 +89,12 @@ def _can_be(entry: Entry, transport: str, pace: str) -> bool:
 
 
 def needs_hub(base: RunSpec, entry: Entry) -> bool:
-    """Whether an entry cannot be run in this process, as nobody has asked otherwise, and can be on a hub."""
+    """Whether an entry cannot be run in this process but on a hub, and the user has chosen no bus."""
     return base.is_local and not _can_be(entry, "local", base.pace)
 
 
 def entry_run(base: RunSpec, out: Path, keep: bool, entry: Entry) -> Row:
-    """One entry as a run, with its folder in ``out``; none without a run.
+    """One entry as a run, with its folder in ``out``. Without a run there is no folder.
 
     :param keep: whether the folder is to be complete.
     """
@@ -103,7 +103,8 @@ def entry_run(base: RunSpec, out: Path, keep: bool, entry: Entry) -> Row:
     law = replace(base.law, controller=entry.law) if entry.law else base.law
     spec = replace(base, law=law, faults=entry.faults)
     if needs_hub(base, entry):
-        # The only transport with controllers, lines and processes of its own; what stops the wall clock, in real time.
+        # The hub is the only transport with controllers, lines and processes of its own; faults on the wall clock need
+        # real time.
         pace = "lockstep" if _can_be(entry, "hub", "lockstep") else "realtime"
         spec = replace(spec, bus="auto", pace=pace, can={**spec.can, "interface": HUB_INTERFACE})
     try:
@@ -114,7 +115,7 @@ def entry_run(base: RunSpec, out: Path, keep: bool, entry: Entry) -> Row:
         return Row(entry, verdict="none", failures=[str(error)])
     row = evaluated(entry, seen_in(result))
     if not row.made:
-        # What its faults need did not happen: the table has no run of it, nor the folder.
+        # The condition of its faults did not occur: the table has no run of it, nor the folder.
         shutil.rmtree(out / entry.id)
     return row
 
@@ -127,7 +128,7 @@ def _write_table(out: Path, base: RunSpec, system: System, rows: Sequence[Row], 
     document = {
         "scenario": base.scenario,
         "system": system.name,
-        # Of an entry with a law of its own, its run folder says it.
+        # The run folder of an entry with a law of its own names this law.
         "controller": base.law.controller,
         **made_by(system.name, base.law.controller, code_sha256()),
         "rows": [row.as_json() for row in rows],
@@ -135,7 +136,7 @@ def _write_table(out: Path, base: RunSpec, system: System, rows: Sequence[Row], 
     }
     path = out / FAULT_TABLE
     try:
-        # No entry may have had a run.
+        # Possibly no entry has had a run.
         out.mkdir(parents=True, exist_ok=True)
         with whole_file(path) as draft:
             draft.write_text(json_text(document), encoding="utf-8")
@@ -150,7 +151,7 @@ def _millis(seconds: float | None, since_s: float | None) -> str:
 
 
 def _reaction(row: Row) -> str:
-    """The level that the time beside it is about, with the strongest one where that is another."""
+    """The level for the time beside it, with the strongest level if that is another."""
     wanted = row.entry.reaction
     if wanted is None or row.reaction_s is None or wanted == row.reaction:
         return row.reaction
@@ -188,7 +189,7 @@ def _print_rows(console: Output, rows: Sequence[Row]) -> None:
 
 
 def work(namespace: argparse.Namespace) -> int:
-    """Run the catalogue or the pairs; the exit code says whether all is as it must be."""
+    """Run the catalogue or the pairs; the exit code tells whether all reactions are as required."""
     if namespace.list:
         print_words(namespace.json)
         return PASS
@@ -208,7 +209,7 @@ def work(namespace: argparse.Namespace) -> int:
     with until_stopped() as stop, ExitStack() as held:
         out = namespace.out or Path(held.enter_context(TemporaryDirectory(prefix="railhil-faults-")))
         run = partial(entry_run, base, out, namespace.out is not None)
-        # Those with processes of their own come last, one at a time.
+        # Entries with processes of their own come last, one at a time.
         alone = [entry for entry in entries if entry.faults and needs_hub(base, entry)]
         beside = [entry for entry in entries if entry not in alone]
         for some, at_once in ((beside, jobs), (alone, 1)):
@@ -229,7 +230,7 @@ def work(namespace: argparse.Namespace) -> int:
     console.say(f"{count_of(made, 'run')}, {len(wrong)} not as they must be{': ' + ', '.join(wrong) if wrong else ''}")
     if left:
         console.say(f"{count_of(len(left), 'entry', 'entries')} without a run here: {', '.join(left)}")
-    # Without a run nothing is known.
+    # Nothing is known without a run.
     return stop.code or (FAIL if wrong else PASS if made else INVALID)
 
 

@@ -1,4 +1,4 @@
-"""``railhil memory``: shows, checks and exports what a law has kept of its runs."""
+"""``railhil memory``: shows, checks and exports the memory that a law has kept."""
 
 from __future__ import annotations
 
@@ -63,9 +63,9 @@ def work(namespace: argparse.Namespace) -> int:
 
 
 def _read(path: Path) -> Memory:
-    """What is stored, also if nothing of it can be used.
+    """The stored records, also if none of them can be used.
 
-    :raises InputError: there is nothing, or a named file is damaged.
+    :raises InputError: there is no record, or a named file is damaged.
     """
     if not path.is_dir():
         return memory_at(path)
@@ -76,11 +76,11 @@ def _read(path: Path) -> Memory:
 
 
 def _with_law(memory: Memory, namespace: argparse.Namespace) -> Memory:
-    """The memory as its law finds it on a scenario.
+    """The memory on a scenario, checked by its law.
 
     :raises InputError: no such scenario or law, or a named file that the law cannot begin with.
     """
-    # Only this needs the law itself.
+    # Only this check needs the law itself.
     from railhil.controller_node.laws import find
     from railhil.controller_node.laws.memory import choice
 

@@ -150,7 +150,7 @@ def _distribution(namespace: argparse.Namespace, kind: str, law: str) -> int:
 def _write(files: Mapping[Path, str]) -> None:
     """Write new files, all of them or none.
 
-    :raises InputError: one exists already, or cannot be written.
+    :raises InputError: a file exists already, or cannot be written.
     """
     made: list[Path] = []
     try:

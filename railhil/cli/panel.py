@@ -33,9 +33,9 @@ _READY_S = 5.0
 _END_S = 2.0
 _LOOK_S = 0.1
 _SHOWN_S = 0.2
-#: How much less important the panel is than the run.
+#: Nice value of the panel, compared with the run.
 _NICE = 10
-#: What the emergency button does: as the driver's mushroom button it opens the safety loop.
+#: The fault of the emergency button: like the driver's mushroom button it opens the safety loop.
 EMERGENCY_PLACE, EMERGENCY = "train.safety_loop", "safety_loop off @manual"
 
 
@@ -110,7 +110,7 @@ def require_websockets() -> None:
 def with_emergency(spec: RunSpec) -> RunSpec:
     """A run that is watched, with the fault of the emergency button, where there is time to press it and the train has
     such a loop."""
-    # Nodes that are running already have their faults.
+    # Nodes that are already running have their faults.
     if spec.start_up.joins or not (spec.is_realtime or spec.start_up.waits):
         return spec
     return replace(spec, faults=(*spec.faults, *_emergency_of(spec.load())))
@@ -124,8 +124,8 @@ def _emergency_of(scenario: AnyScenario) -> tuple[str, ...]:
 
 
 def prepared_faults(scenario: str, catalogue: bool) -> tuple[str, ...]:
-    """What the page injects in a run whose nodes are started apart, as in containers: each of them, and the supervisor,
-    is given these faults.
+    """Faults of the page in a run whose nodes are started apart, as in containers: all nodes and the supervisor get
+    them.
 
     :param catalogue: with the fault catalogue of the system.
     :raises InputError: the scenario cannot be loaded.
@@ -177,7 +177,7 @@ class PanelBeside(Observer):
         words = [*spec.scenario_words, "--port", str(self._port), "--controller", spec.law.controller]
         words += ["--operator", str(path), "--child"]
         words += ["--foxglove", str(self._foxglove)] if self._foxglove is not None else []
-        # Where there is no bus to listen to, the panel follows the record.
+        # Without a bus to listen to, the panel follows the record.
         return words + (["--follow", str(plan.folder)] if plan.choice.needs_pipes else plan.choice.arguments)
 
     def on_result(self, result: Result) -> None:
@@ -186,8 +186,8 @@ class PanelBeside(Observer):
 
 
 def _wait_until_shown(process: subprocess.Popen[bytes], socket: PanelSocket) -> None:
-    """Wait until the page can be opened: from the start of the panel, which takes half a second of a processor, the
-    run would be slower or late. A panel that ends or hangs is not waited for."""
+    """Wait until the page can be opened: the start of the panel takes half a second of a processor, and the run would
+    be slower or late. A panel that ends or hangs is not waited for."""
     until_s = time.monotonic() + _READY_S
     while process.poll() is None and time.monotonic() < until_s and not socket.is_greeted(_LOOK_S):
         pass
@@ -197,11 +197,11 @@ def _wait_until_shown(process: subprocess.Popen[bytes], socket: PanelSocket) -> 
 def panel_process(words: Sequence[str], apart: Collection[int] = ()) -> Iterator[subprocess.Popen[bytes]]:
     """``railhil panel`` with these words, as long as this context.
 
-    :param apart: processors it shall keep to; empty: any.
+    :param apart: the only processors that it may use; empty: any.
     """
     process = subprocess.Popen([sys.executable, "-P", "-m", "railhil.panel", *words], stdin=subprocess.DEVNULL)
     with suppress(OSError):
-        # The run goes first where both want a processor. The panel may have ended already.
+        # The run has precedence if both want a processor. The panel may have ended already.
         os.setpriority(os.PRIO_PROCESS, process.pid, _NICE)
         if apart:
             os.sched_setaffinity(process.pid, apart)
@@ -241,7 +241,7 @@ def _wait_for_start(panel: PanelSocket, plan: Plan) -> Plan:
 
 
 def _with_fault(plan: Plan, text: str) -> Plan:
-    """The run with one more fault, by hand unless it says when.
+    """The run with one more fault, by hand unless it has a trigger.
 
     :raises InputError: it is none, or cannot be injected.
     """
@@ -250,7 +250,7 @@ def _with_fault(plan: Plan, text: str) -> Plan:
 
     spec = plan.spec
     fault = parse(canonical_fault(with_hand(text)))
-    # Those of a catalogue say that others may act at their place; one that is typed beside them says it too.
+    # Faults of a catalogue permit others at their place; a typed one beside them must permit them, too.
     beside = any(other.combine and other.id and other.place == fault.place for other in map(parse, spec.faults))
     found = replace(spec, faults=(*spec.faults, fault_text(replace(fault, combine=fault.combine or beside))))
     scenario = found.load()

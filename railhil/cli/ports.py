@@ -114,7 +114,7 @@ def _print_ports(console: Output, ports: list[Port], loads: dict[str, float]) ->
     for title in ("source", "mode"):
         rows.add_column(title, no_wrap=True)
     rows.add_column("load", justify="right", no_wrap=True)
-    # If there is no room for it, `railhil ports PORT` and the DBC still give the purpose of a port.
+    # Without room for it, `railhil ports PORT` and the DBC still give the purpose of a port.
     described = console.width >= _DESCRIBED_COLUMNS
     if described:
         rows.add_column("what")
@@ -161,7 +161,7 @@ def _load(path: Path) -> Any:
     try:
         return cantools.database.load_string(text, database_format="dbc")
     except Exception as error:
-        # The file may contain anything; whatever the parser raises, it is not a usable DBC.
+        # The file may contain anything; with any exception of the parser it is not a usable DBC.
         reason = " ".join(str(error).split()).removeprefix('DBC: "').removesuffix('"') or type(error).__name__
         raise InputError(path, "file", Words("no DBC that can be read"), "a DBC file", reason[:200]) from None
 

@@ -29,7 +29,7 @@ PROGRAMS = {
     "export-c": ("railhil.cli.export_c", "write a control law as C99 for the target"),
     "learn": (
         "railhil.sequences",
-        "sequences of runs of a law that learns from run to run: how its errors become smaller",
+        "sequences of runs of a law that learns from run to run, with the decrease of its errors",
     ),
     "panel": ("railhil.panel", "a page in the browser: the run on a bus, or recorded runs"),
     "reproduce": (

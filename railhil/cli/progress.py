@@ -1,4 +1,4 @@
-"""The progress line of a run: how far it is, and speed, target, command, ladder and distance to go."""
+"""The progress line of a run: its share done, and speed, target, command, ladder and distance to go."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from railhil.run.make import Observer, Plan
 if TYPE_CHECKING:
     from railhil.common.output import Output
 
-#: What the line needs. It is loaded while the nodes start, or with the first redraw.
+#: The modules of the line are imported while the nodes start, or with the first redraw.
 _LOADED_LATER = ("railhil.common.output", "rich.progress", "railhil.live.live_values")
 
 #: Wall time between two redraws, in s. A redraw costs about five milliseconds.
@@ -62,7 +62,7 @@ class Progress(Observer):
 
 @contextmanager
 def _line(plan: Plan, console: Output) -> Iterator[Callable[[float], None]]:
-    """The line on the terminal; what redraws it."""
+    """The line on the terminal, and the object that redraws it."""
     scenario, spec = plan.scenario, plan.spec
     from rich.progress import BarColumn, Progress, ProgressColumn, TextColumn
 

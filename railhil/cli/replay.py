@@ -24,9 +24,9 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser = commands.add_parser("replay")
     parser.add_argument("log", help="frames.log, frames.blf, or the run folder that holds them")
     parser.add_argument("--node", choices=("controller", "plant"), required=True, help="the node that is driven")
-    parser.add_argument("--scenario", help="shipped name or TOML file (default: that of the run folder)")
-    add_option(parser, "--controller", help="law of the controller (default: that of the certificate)")
-    add_option(parser, "--arithmetic", help="its arithmetic (default: that of the certificate)")
+    parser.add_argument("--scenario", help="shipped name or TOML file (default: the run folder's)")
+    add_option(parser, "--controller", help="law of the controller (default: the certificate's)")
+    add_option(parser, "--arithmetic", help="its arithmetic (default: the certificate's)")
     parser.add_argument(
         "--port", action="append", default=[], metavar="PORT", help="compare only this port (default: all of the node)"
     )
@@ -69,7 +69,7 @@ def work(namespace: argparse.Namespace) -> int:
 def _spec(record: Record, namespace: argparse.Namespace) -> RunSpec:
     """The run of a record: from its certificate, else from its handshake and the command line.
 
-    :raises InputError: no such law; for the plant, another FMU than that of the run.
+    :raises InputError: no such law; for the plant, another FMU than the run's.
     """
     controller, arithmetic, fmu = namespace.controller, namespace.arithmetic, named_fmu(namespace)
     system = record.system
@@ -89,7 +89,7 @@ def _spec(record: Record, namespace: argparse.Namespace) -> RunSpec:
         )
     law = spec.law
     if controller is not None and controller != law.controller:
-        # Parameters and memory are those of the other law.
+        # Parameters and memory belong to the other law.
         law = LawSpec(controller, law.arithmetic, law.indexing, task_period_ms=law.task_period_ms)
     if arithmetic is not None:
         law = replace(law, arithmetic=arithmetic)
@@ -113,7 +113,7 @@ def _check(record: Record, node: str, spec: RunSpec) -> None:
 def _ports(log: Path, asked: list[str], there: list[str]) -> list[str]:
     """The ports to compare.
 
-    :raises InputError: the record has no frame of one of them.
+    :raises InputError: the record has no frame of a port.
     """
     for name in asked:
         if name not in there:

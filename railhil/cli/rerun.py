@@ -61,7 +61,7 @@ def work(namespace: argparse.Namespace) -> int:
         console.say(f"not compared: {result.line}; the repeated run is in {folder}")
         return result.stopped_exit_code
     equal = result.frames_sha256 == run.sha256
-    # On a shared bus one of the two has frames of others, too.
+    # One of the two records may have foreign frames, from a shared bus.
     shared = bool(run.certificate.get("other_frames") or result.other_frames)
     same = equal or (shared and result.telegrams_sha256 == run.telegrams_sha256)
     found = None if same else _difference(run, folder / "frames.log", scenario.installed_system.contract)
@@ -92,13 +92,13 @@ def work(namespace: argparse.Namespace) -> int:
 
 
 def _others(run: again.CertifiedRun, result: Result) -> str:
-    """How many frames of others each record has."""
+    """Number of foreign frames in each record."""
     recorded = run.certificate.get("other_frames")
     return f"beside {recorded} recorded frames of others and {result.other_frames} now"
 
 
 def _difference(run: again.CertifiedRun, repeated: Path, now: Contract) -> Difference | None:
-    """Where the records differ first; None without the record."""
+    """The first difference of the records; None without the record."""
     if run.log is None:
         return None
     was = recorded_contract(run.log.parent, run.certificate.get("dbc_sha256"), now)

@@ -76,7 +76,7 @@ def assumption_lines(scenario: AnyScenario, folder: Path, verbose: bool) -> list
 
 
 def next_step(run: Record, folder: Path) -> str:
-    """What to try after a FAIL, depending on the cause; empty for other verdicts and for a foreign controller."""
+    """Advice after a FAIL, depending on the cause; empty for other verdicts and for a foreign controller."""
     certificate = run.certificate
     if run.verdict != "FAIL" or certificate.get("foreign") or certificate.get("attached"):
         return ""
@@ -94,10 +94,10 @@ def print_result(
     report: str,
     verbose: bool,
 ) -> None:
-    """Table, facts of the run, verdict and, after a FAIL, what to try.
+    """Table, facts of the run, verdict and, after a FAIL, advice.
 
-    :param notes: lines on what else has come of the run.
-    :param verbose: print all that the scenario assumes, and how long the command took after the last frame.
+    :param notes: further lines on the results of the run.
+    :param verbose: print all assumptions of the scenario, and the time of the command after the last frame.
     :param report: the line about ``report.html``, empty if none was requested.
     """
     scenario, folder = run.scenario, result.place

@@ -56,7 +56,7 @@ def add_arguments(parser: argparse.ArgumentParser, bus: str = "auto") -> None:
     add_law_options(parser)
     add_options(parser, "--no-rt", "--no-report")
     parser.add_argument(
-        "--verbose", action="store_true", help="print all that the scenario assumes, and how long the end took"
+        "--verbose", action="store_true", help="print all assumptions of the scenario, and the time that the end took"
     )
     parser.add_argument("--quiet", action="store_true", help="no progress bar")
     add_option(parser, "--bus", default=bus)
@@ -77,7 +77,7 @@ def run_system(namespace: argparse.Namespace) -> System:
 
 
 def run_spec(namespace: argparse.Namespace, controller: str | None, parameters: ParameterSet | None) -> RunSpec:
-    """The run of one law as described by the command line; None: the usual one of the scenario's system.
+    """The run of one law as described by the command line; None: the default law of the scenario's system.
 
     :raises InputError: there is no such scenario.
     """
@@ -102,7 +102,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     add_options(parser, "--parameters", "--memory", "--memory-from")
     parser.add_argument("--spec", type=Path, metavar="FILE", help="the run: TOML, or an earlier certificate.json")
     parser.add_argument(
-        "--no-perturbed", dest="perturbed", action="store_false", help="a nominal run, whatever --spec says"
+        "--no-perturbed", dest="perturbed", action="store_false", help="a nominal run, overriding --spec"
     )
     add_fmu_options(parser)
     parser.add_argument("--out", metavar="DIR", help="run folder (default runs/<utc>-<scenario>-<controller>)")
@@ -120,7 +120,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         help="--attach: folder in which the nodes leave the logs of their faults (default: the run folder)",
     )
     parser.add_argument("--no-controller", action="store_true", help="the controller is a board or another program")
-    parser.add_argument("--controller-name", default="", metavar="TEXT", help="--no-controller: what to call it")
+    parser.add_argument("--controller-name", default="", metavar="TEXT", help="--no-controller: name of the controller")
     parser.add_argument("--dbc", metavar="FILE", help="refuse to run unless this DBC describes the telegrams")
     add_panel_arguments(parser)
     add_sign_argument(parser)
@@ -147,7 +147,7 @@ def spec_of(namespace: argparse.Namespace, environment: Mapping[str, str]) -> Ru
 
 
 def _read_spec(namespace: argparse.Namespace) -> RunSpec:
-    """The run, with where and how it is made. Raises InputError for options that do not go together."""
+    """The run, with the way of making it. Raises InputError for options that do not go together."""
     spec = spec_of(namespace, os.environ)
     given = [flag for flag, on in (("--attach", namespace.attach), ("--no-controller", namespace.no_controller)) if on]
     given += ["--bus local"] * spec.is_local
@@ -183,13 +183,13 @@ def _read_spec(namespace: argparse.Namespace) -> RunSpec:
 def _with_determinism(spec: RunSpec, scenario: AnyScenario, stderr: bool) -> RunSpec:
     """The run with what its certificate says of its FMU, if it has one: whether it does the same twice.
 
-    :param stderr: whether to say so there.
+    :param stderr: whether to print a line on it there.
 
     :raises InputError: the FMU cannot be the plant.
     """
     if spec.plant_fmu is None:
         return spec
-    # Loads the plant, and native code.
+    # This loads the plant, and native code.
     from railhil.plant_sim.fmu.determinism import twice
 
     same, why = twice(scenario, spec)
@@ -213,7 +213,7 @@ def compare_with_certificate(path: Path, spec: RunSpec, result: Result) -> str:
 
 
 class _Command(Observer):
-    """Says which bus the run has, and loads what the end of the command needs while others work."""
+    """Prints the bus of the run, and imports the modules for the end of the command while the nodes work."""
 
     def __init__(self, to_stderr: bool) -> None:
         self._to_stderr = to_stderr
@@ -236,7 +236,7 @@ def work(namespace: argparse.Namespace) -> int:
     spec = with_catalogue(spec) if namespace.catalogue else spec
     scenario = spec.load()
     if namespace.dbc is not None:
-        # Loads what prints tables, which other runs load while their nodes start.
+        # Imports the modules that print tables; other runs import them while their nodes start.
         from railhil.cli.ports import check_foreign_dbc
 
         check_foreign_dbc(namespace.dbc, scenario.installed_system.contract)
@@ -244,7 +244,7 @@ def work(namespace: argparse.Namespace) -> int:
 
     @cache
     def console() -> Output:
-        # Loaded while the nodes start or end.
+        # The modules are loaded while the nodes start or end.
         from railhil.common.output import Output
 
         return Output(stderr=namespace.json)
@@ -253,7 +253,7 @@ def work(namespace: argparse.Namespace) -> int:
     observers += [PanelBeside(namespace.panel, namespace.foxglove, namespace.operator)] if is_watched else []
     observers += [] if namespace.quiet or namespace.json else [Progress(console)]
     result = record_run(spec, *observers, scenario=scenario)
-    # Loaded while the nodes ended.
+    # The modules were loaded while the nodes ended.
     from railhil.cli.result_printer import print_result
     from railhil.judge.folder import score_json
     from railhil.record.hash_list import REPORT
@@ -264,7 +264,7 @@ def work(namespace: argparse.Namespace) -> int:
     # Faults may have been typed while the run waited for its start.
     spec = replace(spec, faults=result.spec.faults)
     again = "" if namespace.spec is None else compare_with_certificate(namespace.spec, spec, result)
-    # What was prepared for a hand that never came is not worth a line each.
+    # Faults that were prepared for the operator and never ordered get no line of their own.
     notes = [one.line for one in result.faults if one.begun_s is not None or not namespace.catalogue]
     notes += [*memory_lines(result), *([again] if again else [])]
     if namespace.json:

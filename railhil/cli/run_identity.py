@@ -1,4 +1,5 @@
-"""The run on a bus, as the handshake of its plant tells it, and what is installed here under these hashes."""
+"""The run on a bus, as identified by the handshake of its plant, and the installed scenario and law with these
+hashes."""
 
 from __future__ import annotations
 
@@ -35,7 +36,7 @@ def _system(wire_hash: int) -> System | None:
 
 
 def named_scenario(name: str | None, settings: Sequence[str], faults: Sequence[str]) -> AnyScenario | None:
-    """The scenario that a watcher's command line names; None: it names none.
+    """The scenario named on a watcher's command line; None: there is none.
 
     :raises InputError: it cannot be loaded, or only its settings or faults are named.
     """
@@ -48,10 +49,9 @@ def named_scenario(name: str | None, settings: Sequence[str], faults: Sequence[s
 
 
 class RunIdentity:
-    """The run on a bus as its handshake telegrams tell it.
+    """The run on a bus, identified by its handshake telegrams.
 
-    :param named: the scenario that the user believes to run; None: whichever the plant tells.
-    :param law: the same of the law.
+    :param named: the scenario that the user believes to run; None: the plant's. :param law: the same for the law.
     :raises InputError: there is no such law.
     """
 
@@ -62,7 +62,7 @@ class RunIdentity:
         self._ids = {can_id for port in ports for can_id in (*port.can_ids, port.fd_id)}
         self._store = TrafficStore(ports)
         self._named, self._law = named, law
-        #: What is shown; None: nothing, because it is not known which system runs.
+        #: The displayed scenario; None: nothing, because the system is unknown.
         self.scenario = named
         #: The law's declaration of its notes; None: not known, or the same for every law of the system.
         self.notes: Sequence[Mapping[str, Any]] | None = None
@@ -71,16 +71,16 @@ class RunIdentity:
         if law is not None and not any(law in system_named(name).law_names() for name in entries(GROUP)):
             system_named(DEFAULT).check_law(law, "command line", "--controller")
         if named is None:
-            # Now rather than while frames wait.
+            # Computed now rather than while frames wait.
             _shipped()
-        #: The named scenario runs with faults that were added: the hash that the plant tells says nothing more.
+        #: The named scenario runs with added faults: the plant's hash cannot confirm more.
         self.has_further_faults = False
         self._plant: Ident | None = None
         self._law_code = 0
         self._known_identity: tuple[int, ...] = ()
 
     def take(self, frames: Iterable[Frame]) -> bool:
-        """Take frames in bus order; returns whether something else is to be shown from now on."""
+        """Take frames in bus order; returns whether another run or scenario is shown from now on."""
         for frame in frames:
             if frame.can_id not in self._ids or (port := self._store.feed(frame, 0)) is None:
                 continue
@@ -126,7 +126,7 @@ class RunIdentity:
 
     @property
     def run(self) -> str:
-        """The run in words: scenario, law and seed, each with what the plant tells of it."""
+        """The run in words: scenario, law and seed, each with the plant's statement."""
         plant = self._plant
         if plant is None:
             return "the plant has not told yet what it runs"
@@ -143,7 +143,7 @@ class RunIdentity:
 
     @property
     def warning(self) -> str:
-        """What must be said of what is shown; empty: nothing."""
+        """The remark on the display; empty: none."""
         plant, named = self._plant, self._named
         if plant is None:
             if named is None:

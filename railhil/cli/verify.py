@@ -41,8 +41,8 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 
 @dataclass
 class _Found:
-    """What was looked at: files that are as listed; what is wrong, what could not be checked, and what is to be known
-    of what is right, a sentence each."""
+    """Results of the check: files that are as listed; faults, points that could not be checked, and remarks, a sentence
+    each."""
 
     files: int = 0
     problems: list[str] = field(default_factory=list)
@@ -76,7 +76,7 @@ def work(namespace: argparse.Namespace) -> int:
 
 
 def _signature(found: Signed | None, key: Path | None) -> tuple[str, bool]:
-    """The sentence on the signature, and whether it is as asked for."""
+    """The sentence on the signature, and whether it is as required."""
     if found is None:
         return "unsigned", key is None
     if not found.is_checked:
@@ -98,9 +98,9 @@ def _document(seen: _Found, said: str, signature: Signed | None) -> dict[str, An
 
 
 def _look(folder: Path, place: str, seen: _Found) -> None:
-    """Look at a folder and those below it that have lists of their own.
+    """Check a folder and the folders below it that have lists of their own.
 
-    :param place: of the folder in the one that is verified.
+    :param place: of the folder within the verified one.
     """
     try:
         hashes = read_hash_list(folder)
@@ -130,7 +130,7 @@ def _look(folder: Path, place: str, seen: _Found) -> None:
 
 
 def _missed_document(hashes: Mapping[str, str]) -> str:
-    """That a list lacks the document which every folder of its kind has; empty: it has it."""
+    """The fault of a list without the document of its kind of folder; empty: it has the document."""
     wanted = (CERTIFICATE,) if LOG_NAME in hashes else DOCUMENTS
     return "" if any(name in hashes for name in wanted) else f"{HASH_LIST}: no line of {' or '.join(wanted)}"
 
@@ -140,7 +140,8 @@ def _has_certificate(folder: Path) -> bool:
 
 
 def _look_at_record(folder: Path, place: str, seen: _Found) -> None:
-    """Whether log, certificate and what lies beside them belong together, and what was derived from the log is so."""
+    """Check that log, certificate and the other files belong together, and that the derived files follow from the
+    log."""
     try:
         record = checked_record(str(folder), None)
         seen.remarks += record.notes

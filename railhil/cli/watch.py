@@ -1,4 +1,4 @@
-"""``railhil watch``: a run on a bus in the terminal, for those without a browser. It listens only."""
+"""``railhil watch``: a run on a bus in the terminal, without a browser. It listens only."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from railhil.scenarios.options import add_option, add_options
 
 #: Wall time between two pictures, and simulated time between two lines where there is no terminal.
 _REDRAW_S, _LINE_S = 0.25, 1.0
-#: How long one look at the bus waits, and how many frames are taken between two pictures.
+#: Waiting time of one reading of the bus, and number of frames taken between two pictures.
 _WAIT_S, _FRAMES_MAX = 0.05, 20_000
 #: Frames that the hub hands over together.
 _BULK_FRAMES = 256
@@ -39,7 +39,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     """Register the subcommand."""
     parser = commands.add_parser(
         "watch",
-        description="Shows what is on the bus until Ctrl-C, or until the hub has gone. Into a file or pipe it writes "
+        description="Shows the run on the bus until Ctrl-C, or until the hub has gone. Into a file or pipe it writes "
         "one line per simulated second.",
     )
     parser.add_argument(
@@ -79,7 +79,7 @@ def work(namespace: argparse.Namespace) -> int:
 
 
 def listening(config: dict[str, Any]) -> Link:
-    """A connection that never sends, told to be passive where the interface knows that.
+    """A connection that never sends, set to passive if the interface supports it.
 
     :raises BusUnavailable: it cannot be opened.
     """
@@ -103,7 +103,7 @@ def watch(link: Link, view: View, show: Callable[[], object]) -> None:
             while time.monotonic() - shown_s < _REDRAW_S and taken < _FRAMES_MAX:
                 frames = link.receive(_WAIT_S)
                 was_lost, lost = lost, link.counters["rx_lost"]
-                # Where among these frames is not known.
+                # The place of the loss among these frames is unknown.
                 view.lose(lost - was_lost)
                 view.take(frames)
                 view.lose(0 if lost == was_lost else None)
@@ -116,7 +116,7 @@ def watch(link: Link, view: View, show: Callable[[], object]) -> None:
 
 
 class View:
-    """What is shown of the frames of a bus.
+    """The display of the frames of a bus.
 
     :param lines: lines are wanted, one per simulated second.
     """
@@ -134,14 +134,14 @@ class View:
 
     def _begin(self) -> None:
         scenario = self._watched.scenario
-        #: None: it is not known which system runs.
+        #: None: the system is unknown.
         self.listener: Listener | None = None
         if scenario is not None:
             system = scenario.installed_system
             self.milestones = Milestones(system.contract, system.events)
             self.listener = Listener(scenario, system.contract, self.milestones)
         self._instruments = None if scenario is None else Instruments(scenario, self._watched.notes)
-        #: Columns that have been told; of one that has fallen silent nothing is known.
+        #: Columns that have been received; a silent one is unknown.
         self._told: set[str] = set()
 
     def take(self, frames: Sequence[Frame]) -> None:
@@ -163,7 +163,7 @@ class View:
             self._lines.append(line + "\n")
 
     def lose(self, count: int | None) -> None:
-        """So many frames were lost before those that come next; None: some of those were, whose place is not known."""
+        """Number of frames lost before the next ones; None: frames were lost at an unknown place among them."""
         if count == 0:
             return
         if count is not None:
@@ -175,7 +175,7 @@ class View:
 
     @property
     def heading(self) -> str:
-        """Which run it is, as the plant tells it, and what must be said of that."""
+        """Identity of the run, as sent by the plant, and the remark on it."""
         return "; ".join(filter(None, (self._watched.run, self._watched.warning)))
 
     @property
@@ -186,13 +186,13 @@ class View:
 
     @property
     def _lacks(self) -> str:
-        """Why no values are shown."""
+        """Reason for which no values are shown."""
         if self.listener is None or self.listener.now_s is None:
             return "the time is not known yet"
         return f"{self.instant}: nothing is told of the train now"
 
     def values(self) -> dict[str, float]:
-        """What is known now, empty while the time is not."""
+        """The values known now; empty while the time is unknown."""
         if self.listener is None or self._instruments is None or self.listener.now_s is None:
             return {}
         return self._instruments.values(self.listener.newest)
@@ -211,7 +211,7 @@ class View:
         return found
 
     def picture(self) -> RenderableType:
-        """Everything for a terminal: instruments, all columns, milestones."""
+        """The whole picture for a terminal: instruments, all columns, milestones."""
         values, listener, instruments = self.values(), self.listener, self._instruments
         said: list[RenderableType] = [Text(self._watched.run)]
         if self._watched.warning:

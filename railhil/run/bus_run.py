@@ -91,7 +91,7 @@ class BusRun(Run):
         )
 
     def _while_held(self) -> None:
-        """An answer is held back: what was recorded before it is written, for those who follow the record."""
+        """An answer is held back: earlier frames are written to the log, for programs that follow the record."""
         self.stop.check()
         self.log.flush()
 
@@ -132,18 +132,18 @@ class BusRun(Run):
                     self.recorder.lost = self.recorder.lost or self.recorder.who_died(nodes)
                 faults = fault_outcomes(self.folder, self.scenario, self.spec.seed) if self.session.recording else []
                 if self.session.ended is not None and self._was_killed(nodes, faults):
-                    # As asked for: the run is judged by what the train did.
+                    # The fault was requested: the run is judged by the train's behaviour.
                     self.recorder.lost = ""
                 line, refused = self._verdict_line(nodes, counters)
         finally:
             sha256 = self.log.close()
-        # Loaded while the nodes end, if the caller takes care of it.
+        # These modules are loaded while the nodes end if the caller takes care of it.
         from railhil.run.conclusion import result_of
 
         return result_of(self, sha256, counters, line, refused, faults)
 
     def _await_fault_logs(self) -> None:
-        """Nodes that were started elsewhere write what they have injected a moment after the end of the run."""
+        """Nodes that were started elsewhere write the logs of their faults a moment after the end of the run."""
         deadline_s = time.monotonic() + self._after_loss_s
         while True:
             if (logs := self.spec.start_up.fault_logs) is not None:
@@ -170,7 +170,7 @@ class BusRun(Run):
                 refuse_occupied(link, self.choice)
                 self._start(nodes)
             except BaseException:
-                # On Ctrl-C, too, the interface must be closed.
+                # The interface must be closed on Ctrl-C, too.
                 link.close()
                 raise
             return link
@@ -208,7 +208,7 @@ class BusRun(Run):
         return "; ".join(filter(None, (self.recorder.lost, self._hole(counters)))), False
 
     def _hole(self, counters: dict[str, int]) -> str:
-        """Why the record is incomplete, if it is."""
+        """Reason for which the record is incomplete, if it is."""
         if lost := counters.get("rx_lost"):
             return f"record: {count_of(lost, 'frame')} lost in the recorder's receive buffer (SO_RXQ_OVFL)"
         if self.session.unheard_ns and self.spec.is_realtime:

@@ -39,17 +39,17 @@ if TYPE_CHECKING:
 def result_of(
     run: BusRun, sha256: str, counters: dict[str, int], line: str, refused: bool, faults: list[FaultOutcome]
 ) -> Result:
-    """Read the record of a run over a bus back, score it, and say whether it can be trusted. ``run.trace`` then has its
-    telegrams.
+    """Read the record of a run over a bus back, score it, and decide whether it can be trusted. ``run.trace`` then has
+    its telegrams.
 
     :param sha256: of the frame log.
-    :param line: why there can be no score, as far as it is known; ``refused``: as bad input.
+    :param line: known reason why there can be no score; ``refused``: as bad input.
     :raises RecordFailed: the wall times of a run in real time cannot be written.
     """
     session = run.session
-    # Whatever has ended the run, a frame that nobody sent is no evidence; missing ones have many reasons.
+    # A foreign frame is no evidence after any end of the run; missing frames have many reasons.
     complete = run.choice.is_private and not run.spec.is_realtime and not line
-    # Between two lines a recorder may lose a frame, and a sender that errors take off the bus does not know it.
+    # A recorder with two lines may lose a frame, and a sender that errors take off the bus does not notice it.
     complete = complete and not needs_orders(run.scenario.faults)
     senders = Senders(run.folder, run.contract, complete=complete)
     if session.frames:
@@ -78,7 +78,7 @@ def judged(
 ) -> Result:
     """The result of a run whose telegrams have been read back.
 
-    :param line: why the record is incomplete, with its exit code; empty and PASS for a complete one.
+    :param line: reason why the record is incomplete, with its exit code; empty and PASS for a complete one.
     """
     judging, session, trace = judging_of(run.scenario), run.session, run.trace
     score = judging.score(run.scenario, trace)
@@ -125,8 +125,8 @@ def judged(
 
 
 def late_reason(found: Score, timing: RunTiming) -> str:
-    """Why the timing of a run leaves no verdict, behind what its record does not show because of it; empty: it does
-    leave one, or there is none for another reason."""
+    """Reason for which the timing of a run permits no verdict, after the gaps of its record that it causes. Empty if it
+    permits one, or if there is none for another reason."""
     unclear = [said for said in found.failures if said.startswith(UNCLEAR)]
     if timing.jitter is None or timing.jitter.valid or (found.verdict == "INVALID" and not unclear):
         return ""

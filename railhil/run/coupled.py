@@ -66,9 +66,9 @@ def coupled_run(
         :class:`~railhil.controller_node.vector.controller.VectorOutput`. In ``ato``: control period k, speed in
         0.1 mm/s, position in 0.1 mm, last balise -> notch code (1/256).
     :param spec: from its law only name and kind of set-points are used, for the record.
-    :param ports: only these are published by the plant and recorded, besides the readings and commands, which the law
-        needs; None: all. A plant whose telegrams draw random numbers for other ports must not be restricted.
-    :raises InputError: the system's coupling refuses the scenario, such as a fault that is not one of the plant's own.
+    :param ports: the plant publishes and records only these, besides the readings and commands, which the law needs;
+        None: all. A plant whose telegrams draw random numbers for other ports must not be restricted.
+    :raises InputError: the system's coupling refuses the scenario, such as a fault outside the plant.
     """
     system = scenario.installed_system
     spec = spec or RunSpec(law=LawSpec(system.law))

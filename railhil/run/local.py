@@ -39,7 +39,7 @@ from railhil.scenarios.run_spec import LawSpec, RunSpec
 class LocalRun(Run):
     """Plant, controller and recorder in one process.
 
-    :param choice: None: that of a run without a bus.
+    :param choice: None: the choice of a run without a bus.
     :param started_ns: monotonic time from which the wait for the first frame is counted; None: now.
     :param fd: telegrams in the CAN FD form.
     :param wire: applied to each frame on its way to the controller (faults); None: no change.
@@ -101,7 +101,7 @@ class LocalRun(Run):
         return take
 
     def _poll(self, sim_time_s: float) -> None:
-        """At each poll of SUP_CMD: what the recorder on a bus does in addition to recording."""
+        """At each poll of SUP_CMD: the tasks of the recorder on a bus besides recording."""
         self.stop.check()
         now_s = time.monotonic()
         if now_s >= self._flush_s:
@@ -142,12 +142,13 @@ class LocalRun(Run):
 
     @property
     def _was_killed(self) -> bool:
-        """Whether a fault has killed the controller, and the train has stopped by itself: as was asked for, the run is
-        judged by what the train did."""
+        """Whether a fault has killed the controller, and the train has stopped by itself: as requested, the run is
+        judged by the train's behaviour."""
         return was_killed(self.controller) and self.plant.ended is not None
 
     def incomplete(self, error: Exception) -> tuple[str, int]:
-        """Why a run that ended with this error is incomplete, and its exit code; empty and PASS for a complete run."""
+        """Reason for which a run that ended with this error is incomplete, and its exit code; empty and PASS for a
+        complete run."""
         if isinstance(error, PeerSilent) and self._was_killed:
             return "", PASS
         if isinstance(error, (PeerSilent, PlantError)):
@@ -158,7 +159,7 @@ class LocalRun(Run):
     def finish(self, line: str = "", code: int = PASS) -> Result:
         """End the run and judge its record.
 
-        :param line: why the run is incomplete, with its exit code; empty and PASS for a complete run.
+        :param line: reason why the run is incomplete, with its exit code; empty and PASS for a complete run.
         """
         sha256 = self.close()
         session, plant, controller = self.session, self.plant, self.controller
@@ -178,8 +179,8 @@ class LocalRun(Run):
         return replace(result, counters=counters, telemetry=telemetry_document(controller))
 
     def close(self) -> str:
-        """Write what the nodes report at their end, their telemetry and the logs of the faults, and close the log;
-        returns its SHA-256."""
+        """Write the nodes' final reports, their telemetry and the logs of the faults, and close the log; returns its
+        SHA-256."""
         write_telemetry(self.controller, self.folder / TELEMETRY)
         self.plant.faults.write_logs()
         write_fault_log(self.controller)
@@ -195,7 +196,7 @@ def local_run(
     wire: Callable[[Frame], list[Frame]] | None = None,
     controller: Any = None,
 ) -> Result:
-    """One run through codec and stores, for any system, without the files of a run folder but the log.
+    """One run through codec and stores, for any system, without the files of a run folder except the log.
 
     :param spec: None: the system's default law in lockstep, seed 0.
     :param wire: applied to each frame on its way to the controller (faults); default: no change.

@@ -27,8 +27,8 @@ from railhil.scenarios.run_spec import RunSpec
 if TYPE_CHECKING:
     from railhil.judge.result import Result
 
-#: What the end of a run needs. It is loaded while the nodes end, or when it is used: while they start, three processes
-#: would share what are two processors on many machines.
+#: Modules for the end of a run. They are loaded while the nodes end, or when they are used: while the nodes start,
+#: three processes would share the two processors of many machines.
 _FOR_THE_END = (
     "railhil.run.conclusion",
     "railhil.judge.folder",
@@ -47,7 +47,7 @@ class NeverBegan(Exception):
         self.exit_code = exit_code
 
     def __reduce__(self) -> tuple[type[NeverBegan], tuple[str, int]]:
-        """So that it can come back from the process that made the run."""
+        """Needed to pass it back from the process that made the run."""
         return type(self), (str(self), self.exit_code)
 
 
@@ -55,7 +55,7 @@ class NeverBegan(Exception):
 class Plan:
     """A run that is about to begin, in its folder and on its bus.
 
-    :param panel: where a person gives orders.
+    :param panel: connection to a person who gives orders.
     """
 
     spec: RunSpec
@@ -69,7 +69,7 @@ class Observer:
     """Watches a run while it is made. Each method does nothing here."""
 
     def beside(self, plan: Plan) -> AbstractContextManager[Plan]:
-        """Entered before the run begins, and left when its folder is written; gives the plan that is carried out."""
+        """Entered before the run begins, and left when its folder is written; returns the plan to carry out."""
         return nullcontext(plan)
 
     def on_started(self) -> None:
@@ -86,7 +86,7 @@ class Observer:
 
 
 class _Observers(Observer):
-    """All of them, in order."""
+    """All observers, in order."""
 
     def __init__(self, observers: Sequence[Observer]) -> None:
         self._observers = observers
@@ -122,7 +122,7 @@ def record_run(spec: RunSpec, *observers: Observer, scenario: AnyScenario | None
 
     :param scenario: None: that of the spec.
     :param keep: whether the folder is kept; else only what the result needs is written.
-    :raises InputError: anything of the run that is not allowed, in one line.
+    :raises InputError: a part of the run is not allowed; one line.
     :raises NeverBegan: no frame came, or the run was refused; the folder is left as it was.
     :raises RecordFailed: folder or memory cannot be written.
     """
@@ -136,7 +136,7 @@ def record_run(spec: RunSpec, *observers: Observer, scenario: AnyScenario | None
             run = _begun(plan, observer)
             held.enter_context(run.stop)
         except BaseException:
-            # On Ctrl-C, too, no folder without a run may remain.
+            # No folder without a run may remain on Ctrl-C, too.
             discard_folder(folder, made)
             raise
         result = _executed(run, made)
@@ -154,7 +154,7 @@ def record_run(spec: RunSpec, *observers: Observer, scenario: AnyScenario | None
 
 
 def complete(result: Result) -> None:
-    """Complete a result with its events, and with what its faults expected of them."""
+    """Complete a result with its events, and with the expectations of its faults."""
     from railhil.judge.events.derive import events_of
     from railhil.judge.events.injected import fault_events
     from railhil.judge.reactions.expected import with_expectations
@@ -223,7 +223,7 @@ def _begun(plan: Plan, observer: Observer) -> Run:
 
 
 def _executed(run: Run, made: bool) -> Result:
-    """The run's result; whatever goes wrong, a folder without frames is removed and one with frames is kept."""
+    """The run's result; on any error a folder without frames is removed and a folder with frames is kept."""
     try:
         result = run.execute()
     except BaseException as error:
@@ -235,6 +235,6 @@ def _executed(run: Run, made: bool) -> Result:
             raise record_failed(run.folder, error) from error
         raise
     if run.session.commands.operator is not None and tuple(run.session.commands.operator.sent) != run.spec.orders:
-        # The same run again needs no hand.
+        # A repetition of the run needs no operator.
         result.spec = replace(run.spec, orders=tuple(run.session.commands.operator.sent))
     return result

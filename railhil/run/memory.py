@@ -1,8 +1,8 @@
 """A law's memory around a run: read before the run, copied into its folder, updated after a good run.
 
-At its end the controller, which may run in its own process or in this one, writes what its law wants to keep, and
-which stored record it has used, into ``telemetry.json``; from there the new record goes into ``memory.json`` of the run
-folder and into the memory store of the run.
+At its end the controller, which may run in its own process or in this one, writes the memory that its law wants to
+keep, and the stored record that it has used, into ``telemetry.json``; from there the new record goes into
+``memory.json`` of the run folder and into the memory store of the run.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 def with_memory(spec: RunSpec, folder: Path) -> RunSpec:
     """The run with its initial memory, copied into its folder; the same run if it has none.
 
-    :raises InputError: the store is that of another law, or it could not be written after the run.
+    :raises InputError: the store belongs to another law, or it could not be written after the run.
     :raises OSError: the folder cannot be written.
     """
     memory = spec.law.memory
@@ -46,7 +46,7 @@ def with_memory(spec: RunSpec, folder: Path) -> RunSpec:
 
 
 def learned(result: Result) -> Learned | None:
-    """What is left of a run that began with :func:`with_memory`; None if it cannot be trusted, or the law keeps
+    """The memory left by a run that began with :func:`with_memory`; None if it cannot be trusted, or the law keeps
     nothing."""
     from railhil.record.telemetry import read_kept
 
@@ -85,7 +85,7 @@ def keep_memory(result: Result) -> None:
 
 
 def memory_lines(result: Result) -> list[str]:
-    """What happened to the memory: each place that could not be used, then what the run began with and left.
+    """Lines on the memory: each place that could not be used, then the records that the run began with and left.
 
     Empty for a law that keeps none.
     """

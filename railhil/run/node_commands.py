@@ -1,4 +1,4 @@
-"""Command lines of the nodes that the supervisor starts itself, and what faults of the run mean for them."""
+"""Command lines of the nodes that the supervisor starts itself, and the effect of the run's faults on them."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def needs_orders(faults: Iterable[str]) -> bool:
     found = parse_faults(faults)
     if not found:
         return False
-    # A run without faults does not load what injects them.
+    # A run without faults does not load the injection.
     from railhil.bus.injector.bus_faults import need_orders
 
     return need_orders(found)
@@ -36,7 +36,7 @@ def needs_orders(faults: Iterable[str]) -> bool:
 def start_hub(nodes: Nodes, run: RunSpec, choice: BusChoice, faults: Sequence[str] = ()) -> None:
     """Start the hub of this run alone.
 
-    :param faults: of the run; some need a hub that takes orders.
+    :param faults: faults of the run; some need a hub that takes orders.
     """
     arguments = ["-c", choice.config["channel"], "--once", *_scheduling(run, HUB_PRIORITY)]
     arguments += ["--faults"] * needs_orders(faults)
@@ -51,10 +51,10 @@ def start_nodes(
     scenario: AnyScenario,
     pipes: Pipes | None = None,
 ) -> None:
-    """Start plant and controller; what they measure goes into the run folder.
+    """Start plant and controller; their measurements go into the run folder.
 
-    :param scenario: that of the run, as loaded; the nodes are handed it. With faults they log what they inject, and the
-        controller needs the seed.
+    :param scenario: the loaded scenario of the run, which is passed to the nodes. With faults they log their
+        injections, and the controller needs the seed.
     :param pipes: between the nodes, instead of a bus.
     """
     faulty = bool(scenario.faults)

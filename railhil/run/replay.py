@@ -1,7 +1,7 @@
 """A recorded log drives one node, as fast as it can; its frames are compared with the recorded ones.
 
 The controller gets every recorded frame that is not its own, and answers the recorded polls. The plant gets the
-recorded answers to its polls; what it publishes and polls must be what is recorded. Both are under the faults of the
+recorded answers to its polls; its publications and polls must equal the recorded ones. Both are under the faults of the
 run.
 """
 
@@ -31,7 +31,7 @@ NODES = ("controller", "plant")
 
 @dataclass(slots=True)
 class PortAnswers:
-    """Frames of one port, or the polls: how many are in the record, how many the node made alike.
+    """Frames of one port, or the polls: their number in the record, and the number of equal ones of the node.
 
     ``unrecorded``: answers of the node to polls without a recorded answer. ``first``: the first difference.
     """
@@ -49,7 +49,7 @@ class PortAnswers:
 
 @dataclass(slots=True)
 class Replayed:
-    """A replay of one node. ``ports``: by name of the port, ``polls`` those of the plant."""
+    """A replay of one node. ``ports``: by name of the port, ``polls`` for the polls of the plant."""
 
     node: str
     frames: int
@@ -90,7 +90,7 @@ def replay(node: str, record: Sequence[Timed], scenario: AnyScenario, spec: RunS
         bus = RecordedBus(record, replayed, system.contract)
         plant = make_plant_node(scenario, spec, bus, fd=fd)
         begun_ns = time.perf_counter_ns()
-        # A run that ended because a node was silent ends so again.
+        # A run that ended because a node was silent ends in the same way again.
         with suppress(_RecordEnds, BusError):
             plant.run()
         bus.finish()
@@ -109,7 +109,7 @@ def _drive_controller(
         if name is None:
             answers = controller.handle(frame)
             if answers:
-                # What the record does not answer is not compared with the answer to the next poll.
+                # A poll without a recorded answer is not compared with the answer to the next poll.
                 port = own[answers[0].can_id]
                 replayed.ports[port].unrecorded += bool(waiting[port])
                 waiting[port] = deque(answers)
@@ -133,12 +133,12 @@ def _ids(contract: Contract, source: str) -> dict[int, str]:
 
 
 class _RecordEnds(Exception):
-    """The plant goes on after the record's last frame, or differs from it so that the rest cannot be compared."""
+    """The plant continues after the record's last frame, or differs so much that the rest cannot be compared."""
 
 
 class RecordedBus(AnsweredAtOnce):
-    """The plant's endpoint (:class:`railhil.plant_sim.supervision.RunEndpoint`): compares what the plant sends with the
-    record, and gives it the recorded answers."""
+    """The plant's endpoint (:class:`railhil.plant_sim.supervision.RunEndpoint`): compares the plant's frames with the
+    record, and gives the plant the recorded answers."""
 
     def __init__(self, record: Sequence[Timed], replayed: Replayed, contract: Contract) -> None:
         super().__init__()
@@ -187,7 +187,7 @@ class RecordedBus(AnsweredAtOnce):
         return frame.can_id in self._own and frame in self._ours
 
     def finish(self) -> None:
-        """The plant sends no more: frames that are left in the record are a difference."""
+        """The plant has ended: frames that are left in the record are a difference."""
         left = self._record[self._next :]
         if left and not self._diverged:
             found = self._replayed.ports[self._own.get(left[0][1].can_id, "polls")]

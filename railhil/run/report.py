@@ -35,8 +35,8 @@ def report_line(runs: Sequence[Record], folder: Path, notes: Sequence[str] = ())
 
 
 def say_report(folder: Path, write: Callable[[Path], None]) -> str:
-    """Write ``report.html``; returns the line that says where, or why there is none. The record is complete without
-    it.
+    """Write ``report.html``; returns the line with its path, or with the reason why there is none. The record is
+    complete without it.
 
     :param write: writes the file. It imports what needs the extra ``report`` itself.
     """

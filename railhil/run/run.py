@@ -20,9 +20,9 @@ if TYPE_CHECKING:
 
 
 class Run(ABC):
-    """Makes one run, on whichever transport.
+    """Makes one run on any transport.
 
-    :param folder: existing run folder; the log and what the nodes leave go there.
+    :param folder: existing run folder, for the log and the files of the nodes.
     """
 
     session: Session
@@ -53,7 +53,7 @@ class Run(ABC):
         """
 
     def _stopped(self) -> str:
-        """A signal has ended the record: note its exit code; returns why the run is incomplete."""
+        """A signal has ended the record: note its exit code; returns the reason why the run is incomplete."""
         number = signal.Signals(self.stop.number)
         self.stopped_exit_code = 128 + number
         return f"stopped by {number.name} at simulation time {self.session.sim_time_s:.2f} s"

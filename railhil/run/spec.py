@@ -26,7 +26,7 @@ Texts = str | Sequence[str]
 Settings = Mapping[str, Any] | Texts
 #: A file, parameters read from one, or values of the law's parameters by name.
 Parameters = str | Path | ParameterSet | Mapping[str, Any]
-#: What errors name as the source of an argument.
+#: Source of an argument named in errors.
 _LIBRARY = Path("railhil.run")
 
 
@@ -57,9 +57,9 @@ def spec_of(
 
 
 def checked_spec(spec: RunSpec) -> tuple[RunSpec, AnyScenario]:
-    """A run, whatever its source, checked like a file; and its scenario.
+    """A run from any source, checked like a file; and its scenario.
 
-    :raises InputError: anything that is not allowed, in one line.
+    :raises InputError: a value is not allowed; one line.
     """
     spec = replace(spec, settings=texts_of(spec.settings), faults=texts_of(spec.faults))
     checked = RunSpec.from_json(spec.as_json(), _LIBRARY)
@@ -79,7 +79,7 @@ def bus_of(text: str, source: str) -> tuple[str, dict[str, Any]]:
     """``bus`` and ``can`` of a ``RunSpec`` for a bus in one word (:func:`railhil.run`).
 
     :param source: named in the error.
-    :raises InputError: none of these.
+    :raises InputError: it is none of these.
     """
     if text in BUSES:
         return text, {}

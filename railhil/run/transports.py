@@ -17,7 +17,7 @@ from railhil.scenarios.run_spec import RunSpec
 @contextmanager
 def chosen_bus(spec: RunSpec, scenario: AnyScenario) -> Iterator[BusChoice]:
     """The bus of one run; the socket of the run's own hub is in a temporary folder. A run in lockstep that would get a
-    hub unasked, and whose faults need none, has none: its nodes get pipes.
+    hub unasked, and whose faults need no hub, gets pipes between its nodes.
 
     :raises InputError: the chosen bus cannot carry a run.
     """
@@ -30,7 +30,7 @@ def chosen_bus(spec: RunSpec, scenario: AnyScenario) -> Iterator[BusChoice]:
         if interface == "virtual":
             allowed = "an interface that other processes can open"
             raise InputError("command line", "--interface", interface, allowed)
-        # A run that waits for its start may be given faults of the bus meanwhile.
+        # A run that waits for its start may get faults of the bus meanwhile.
         may_need_hub = spec.is_realtime or spec.start_up.waits or needs_orders(scenario.faults)
         if gets_pipes(spec.can, choice) and not may_need_hub:
             choice = own_pipes()
@@ -38,6 +38,6 @@ def chosen_bus(spec: RunSpec, scenario: AnyScenario) -> Iterator[BusChoice]:
 
 
 def gets_pipes(given: Mapping[str, Any], choice: BusChoice) -> bool:
-    """Whether a run in lockstep whose faults need no hub gets pipes instead of the chosen bus: it is a hub of its own,
-    and nobody has named it."""
+    """Whether a run in lockstep whose faults need no hub gets pipes instead of the chosen bus: the choice is a hub of
+    its own that the user has not named."""
     return choice.needs_hub and "interface" not in given

@@ -1,4 +1,5 @@
-"""The command of a study: options that all kinds have, and from the command line to results, page and exit code."""
+"""The command of a study: options that all kinds have, and the way from the command line to results, page and exit
+code."""
 
 from __future__ import annotations
 
@@ -22,14 +23,14 @@ from railhil.study.plan import P, Shard, Study
 
 # Modules that make runs are imported where they are used: help and completion do not need the extra libraries.
 
-#: Field of a request -> attribute of the command line, where that has another name.
+#: Field of a request -> attribute of the command line, if it has another name.
 _ATTRIBUTE = {"settings": "set", "faults": "fault"}
 
 
 def exit_codes(lost: str) -> str:
     """The exit codes in the help.
 
-    :param lost: what exit code 3 means.
+    :param lost: meaning of exit code 3.
     """
     return f"""\
 exit codes:
@@ -45,7 +46,7 @@ def add_folder_arguments(parser: argparse.ArgumentParser, default: str, verified
     """Options about the folder of a study.
 
     :param default: ending of the default folder.
-    :param verified: what ``--verify`` makes again.
+    :param verified: the thing that ``--verify`` makes again.
     :param with_report: whether the command itself writes a report.
     """
     parser.add_argument("--scheduler", metavar="ADDRESS", help="dask: tcp://HOST:PORT of the scheduler")
@@ -77,8 +78,7 @@ def _check_options(request: Any, namespace: argparse.Namespace, beside: str, wit
 
     :param request: class of the requests.
     :param beside: option that goes with ``--verify``, besides ``--draw``.
-    :param without: further ones that do not go with it.
-    :raises InputError: there are some.
+    :param without: further options that do not go with it. :raises InputError: there are such options.
     """
     if namespace.verify is not None:
         names = [_ATTRIBUTE.get(name, name) for name in _given(request, namespace)]
@@ -116,7 +116,7 @@ class Command(Generic[P]):
     ``study``: ``module:object`` of its record, which needs the libraries of the extra. ``verified``: the option that
     says how many items ``--verify`` makes again, and their usual number. ``only_run``: further options that do not go
     with ``--verify``. ``check``: (command line) refuses other options that do not go together. ``engine``: (command
-    line) -> name and processes. ``how``: (plan) -> remark on how the runs are made (empty: none), and the module with
+    line) -> name and processes. ``how``: (plan) -> remark on the making of the runs (empty: none), and the module with
     compiled loops (None: nothing is compiled).
     """
 

@@ -25,7 +25,7 @@ from railhil.study.work import run_task
 _ADDRESS = re.compile(r"(tcp|tls)://([\w.-]+|\[[0-9a-fA-F:.]+\]):(?P<port>\d{1,5})")
 _PORT_MAX = 65535
 _CONNECT_S = 10.0
-#: How long a study waits while there is no worker.
+#: Time for which a study waits while there is no worker.
 _WORKER_S = 60.0
 _ASK_S = 1.0
 _LOOK_S = 0.02
@@ -125,7 +125,7 @@ class DaskEngine:
             raise self._lost()
         error = result[1]
         if isinstance(error, KilledWorker):
-            # dask's own message is about its internals.
+            # dask's own message would describe its internals.
             raise ClusterLost(
                 f"dask gave up a chunk after its workers died {count_of(error.allowed_failures + 1, 'time')} (memory?)"
             )

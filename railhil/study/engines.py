@@ -70,7 +70,7 @@ def running(
     :param jobs: processes of joblib, -1 one per core.
     :param scheduler: address of dask's scheduler.
     :param say: called when a worker is lost.
-    :param work: what a worker does with a task.
+    :param work: the function that a worker applies to a task.
     :param kernel: module with the compiled loops of the system's batch; None: nothing is compiled.
     :raises scenarios.errors.InputError: a library is missing, or there is no answer from the address.
     """

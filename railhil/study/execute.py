@@ -22,12 +22,12 @@ from railhil.study.plan import C, P, Shard, Study
 from railhil.study.table import NotThePart
 from railhil.study.work import Task, task_of
 
-#: How long a shard waits for the folder: others that begin or end have it for a moment.
+#: Time for which a shard waits for the folder: others that begin or end lock it for a moment.
 _OTHERS_S = 10.0
 
 
 class Stopped(Exception):
-    """A study that could not be finished: the reason, what is kept, how to resume."""
+    """A study that could not be finished: the reason, the parts kept, the command that resumes it."""
 
     def __init__(self, text: str, exit_code: int) -> None:
         super().__init__(text)
@@ -36,7 +36,7 @@ class Stopped(Exception):
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """What came of a study: its folder, the rows of ``results.parquet`` and the content of ``summary.json``; of a shard
+    """Outcome of a study: its folder, the rows of ``results.parquet`` and the content of ``summary.json``; of a shard
     no rows and no summary while parts of other shards are missing."""
 
     folder: Path
@@ -80,7 +80,7 @@ def execute(
             _make_parts(study, plan, folder, console, engine, say)
             return Outcome(folder.path, *folder.write_results())
     except InUse:
-        # Another shard joins the parts.
+        # Another shard will join the parts.
         if shard is None:
             raise
         return Outcome(folder.path, None, {})
@@ -88,11 +88,11 @@ def execute(
 
 @contextmanager
 def _kept(study: Study[P, C], folder: PartsFolder[P, C], say: Callable[[str], None], words: str = "") -> Iterator[None]:
-    """Whatever ends the work says what is kept and how it goes on.
+    """Add to any exception that ends the work the parts kept and the command that continues it.
 
-    :param words: of the command that goes on, after the folder.
+    :param words: of the command that continues, after the folder.
     :raises InputError: as raised in the block.
-    :raises Stopped: anything else was raised there.
+    :raises Stopped: another exception was raised there.
     """
 
     def how_on() -> str:
@@ -111,7 +111,7 @@ def _kept(study: Study[P, C], folder: PartsFolder[P, C], say: Callable[[str], No
     except InputError:
         raise
     except Exception as error:
-        # A worker, a law or a driver may fail in any way: the message gives the reason and what is kept.
+        # A worker, a law or a driver may fail in any way: the message gives the reason and the parts kept.
         text = " ".join(str(error).split()) or type(error).__name__
         code = exit_code_of(error)
         kind = f"{type(error).__name__}: " if not hasattr(error, "exit_code") else ""

@@ -1,4 +1,4 @@
-"""A finished study: its summary and rows, its plan with the present installation, and what differs in a run that is
+"""A finished study: its summary and rows, its plan with the present installation, and the differences of a run that is
 made again."""
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ _CODE = ("code_sha256", "batch_sha256", "learning_sha256", "system_sha256", "law
 
 @dataclass(frozen=True, slots=True)
 class Verified:
-    """One run that was made again: which one, in words and as JSON, and the columns in which it differs (the study's
-    value, that of the bench)."""
+    """One run that was made again: its identity in words and as JSON, and the columns in which it differs (the study's
+    value, the bench's value)."""
 
     run: str
     document: Mapping[str, Any]
@@ -90,5 +90,5 @@ def _unfinished(study: Study[P, C], folder: Path, name: str) -> InputError:
 
 
 def differences(ours: Mapping[str, Any], bench: Mapping[str, Any]) -> dict[str, tuple[Any, Any]]:
-    """Columns in which a run differs: the study's value and that of the bench."""
+    """Columns in which a run differs: the study's value and the bench's value."""
     return {name: (ours[name], theirs) for name, theirs in bench.items() if ours[name] != theirs}

@@ -63,7 +63,7 @@ def read_manifest(folder: Path, study: Study[P, C]) -> Manifest:
         allowed = f"{_FORMAT}, of {study.command} of this railhil"
         raise InputError(path, "format", Words("something else"), allowed)
     fields: dict[str, Any] = {study.kind: (dict[str, Any], ...), "request": (study.bounds, ...)}
-    # What is read back; the rest is information for people.
+    # The part that is read back; the rest is information for people.
     model = create_model("_File", __config__=ConfigDict(extra="ignore", strict=True), **fields)
     file = validated(model, document, lambda keys: path)
     check_document(folder, study.manifest, document)
@@ -85,7 +85,7 @@ def checked_request(study: Study[P, C], request: Any, file: Path) -> Any:
 
 
 def manifest_of(study: Study[P, C], plan: P) -> dict[str, Any]:
-    """Content of the manifest: the identity, under the name of the kind, must be the same when resuming, the rest is
+    """Content of the manifest: the identity, under the name of the kind, must be the same when resuming; the rest is
     explanation."""
     return {
         "format": _FORMAT,
@@ -98,7 +98,7 @@ def manifest_of(study: Study[P, C], plan: P) -> dict[str, Any]:
 
 
 def machine_and_list() -> dict[str, Any]:
-    """Keys of every manifest: where the study was begun, and the list of hashes beside it."""
+    """Keys of every manifest: the place where the study was begun, and the list of hashes beside it."""
     return {"machine": machine(), HASH_LIST_KEY: HASH_LIST}
 
 
@@ -106,7 +106,7 @@ def check_same(study: Study[P, C], folder: Path, recorded: dict[str, Any], ours:
     """Refuse to mix two studies.
 
     :param recorded: identity in the manifest.
-    :param ours: identity of what is asked for.
+    :param ours: identity of the requested study.
     :raises InputError: naming the first difference.
     """
     ours = json.loads(json.dumps(ours))

@@ -1,8 +1,8 @@
 """The folder of a study: its manifest, which is also the lock, and parts that are complete or missing.
 
-Either one process has the folder, or any number of processes that make a shard each (``--shard K/N``). A part comes
-whole or not at all, and every process makes the same bytes of it, so shards need nothing of each other: their folders
-may also be on different machines, and be copied into one. A shard lists the hashes of its parts in
+Either one process has the folder, or any number of processes that make a shard each (``--shard K/N``). A part is
+complete or missing, and every process makes the same bytes of it, so shards are independent of each other: their
+folders may also be on different machines, and be copied into one. A shard lists the hashes of its parts in
 ``parts/shard-K-of-N.sha256``; the process that joins all parts enters them into ``SHA256SUMS``.
 """
 
@@ -50,7 +50,7 @@ class ShardLists:
         self._hashes: dict[str, set[str]] = {}
         for file in self.files:
             first, *lines = file.read_text(encoding="utf-8", errors="replace").splitlines(keepends=True) or [""]
-            # Torn at its first line: by a shard that has made no part.
+            # The first line is torn: the shard has made no part.
             if first.endswith("\n") and first != head:
                 allowed = f"{head.strip()}: shards of one plan, made by one code"
                 raise InputError(file, "line 1", Words(first.strip()), allowed)
@@ -62,7 +62,7 @@ class ShardLists:
         return sha256 in self._hashes.get(name, ())
 
     def existing(self, folder: Path) -> dict[str, str]:
-        """Hashes of the listed files that are there as listed."""
+        """Hashes of the listed files that exist as listed."""
         found = {name: sha256_of(folder / name) for name in sorted(self._hashes) if (folder / name).is_file()}
         return {name: sha256 for name, sha256 in found.items() if self.has(name, sha256)}
 
@@ -75,10 +75,10 @@ class PartsFolder(Generic[P, C]):
         self._all = plan.chunks()
         self._chunks = self._all if shard is None else shard.of(self._all)
         self._shards = ShardLists(path / PARTS, _head(study, plan))
-        #: As in the list; None in a folder of an earlier version, which has none.
+        #: Hashes of the list; None in a folder of an earlier version, which has no list.
         self._hashes = read_hash_list(path)
         if shard is None:
-            # Left by a process that was killed while writing; no other process writes here now.
+            # The file was left by a process that was killed while writing; no other process writes here now.
             for place in (path, path / PARTS):
                 for draft in place.glob(DRAFTS):
                     draft.unlink()
@@ -110,7 +110,7 @@ class PartsFolder(Generic[P, C]):
         return table
 
     def _changed_results(self) -> Iterator[str]:
-        """A sentence for each result that was changed since it was written, and that is made from the parts again."""
+        """A sentence for each result that was changed after it was written, and is made from the parts again."""
         for name in (RESULTS, SUMMARY):
             path, listed = self.path / name, (self._hashes or {}).get(name)
             if listed is not None and path.is_file() and sha256_of(path) != listed:
@@ -165,7 +165,7 @@ class PartsFolder(Generic[P, C]):
     def _write(self, name: Path, content: bytes) -> None:
         """Write a file of the folder, completely or not at all. Raises RecordFailed."""
         with self._writing(self.path / name):
-            # Entered first: whatever is there after an interruption is listed.
+            # The hash is entered first, so that any file left by an interruption is listed.
             if self._listed is not None:
                 self._listed.write(f"{hashlib.sha256(content).hexdigest()}  {name.as_posix()}\n".encode())
                 _flush(self._listed)
@@ -178,7 +178,7 @@ class PartsFolder(Generic[P, C]):
         try:
             yield
         except OSError as error:
-            # Whatever the reason: the folder was writable before.
+            # The reason does not matter: the folder was writable before.
             why = (error.strerror or str(error)).lower()
             raise RecordFailed(f"{path} cannot be written: {why}") from error
 
@@ -198,10 +198,9 @@ class InUse(InputError):
 
 
 def _claim(descriptor: int, path: Path, kind: str, mode: int = fcntl.LOCK_EX, wait_s: float = 0.0) -> None:
-    """Lock what is open (flock), until it is closed or the process ends in whatever way.
+    """Lock an open file (flock) until it is closed or the process ends in any way.
 
-    :param wait_s: how long to wait for others.
-    :raises InUse: another process has it.
+    :param wait_s: time to wait for others. :raises InUse: another process has it.
     """
     with refuse_unwritable(_OPTIONS, path, "folder"):
         is_locked = lock_within(descriptor, wait_s, mode)
@@ -234,8 +233,8 @@ def opened(
 
     :param out: the folder; None: ``runs/<utc>-<scenario>-<kind>/``.
     :param shard: that this process makes, beside others; None: it has the folder alone.
-    :param wait_s: how long to wait for other processes.
-    :raises InputError: the folder contains something else or another study, or is not writable.
+    :param wait_s: time to wait for other processes. :raises InputError: the folder contains something else or another
+        study, or is not writable.
     :raises InUse: it is in use.
     :raises RecordFailed: the disk is full.
     """
@@ -266,7 +265,7 @@ def opened(
 def _study_folder(study: Study[P, C], plan: P, out: str | None, shard: Shard | None) -> Path:
     """The folder; with its manifest if it is for a shard.
 
-    :raises InputError: it has something else, or cannot be written.
+    :raises InputError: it has other contents, or cannot be written.
     """
     if out is not None and (Path(out) / study.manifest).exists():
         return Path(out)
@@ -283,7 +282,7 @@ def _study_folder(study: Study[P, C], plan: P, out: str | None, shard: Shard | N
 
 
 def _make_manifest(path: Path, content: bytes) -> None:
-    """Make a file that is there whole or not at all, unless it is there already: shards begin at the same instant.
+    """Make a complete file or none, unless it exists already: shards may begin at the same instant.
 
     :raises OSError: it cannot be written.
     """
@@ -314,7 +313,7 @@ def _shard_list(path: Path, study: Study[P, C], plan: P, shard: Shard) -> Iterat
             stream.truncate(0)
             stream.write(head)
         elif not content.endswith(b"\n"):
-            # A line that was torn ends here; it is of no part.
+            # A torn line ends here; it belongs to no part.
             stream.write(b"\n")
         _flush(stream)
         sync_folder(file.parent)

@@ -14,7 +14,7 @@ from railhil.scenarios.parameters import OTHER_SEEDS
 from railhil.scenarios.run_spec import LawSpec
 from railhil.study.plan import law_named
 
-#: Seed of the first run where the user names none; the others follow.
+#: Default seed of the first run; the others follow.
 FIRST_SEED = 1000
 
 
@@ -35,7 +35,7 @@ def how_made(scenario: AnyScenario) -> tuple[str, str | None]:
 
 
 def training_seeds(scenario: AnyScenario, law: LawSpec, seeds: range) -> list[int]:
-    """Those of the seeds on which the law's parameters were tuned, or its own ones chosen.
+    """The given seeds on which the law's parameters were tuned, or its own ones chosen.
 
     The latter also with a parameter file, because parameters that it does not name keep the law's own values.
     """

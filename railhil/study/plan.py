@@ -1,4 +1,4 @@
-"""What a study is: runs in chunks, an identity that must not change, and what only its kind knows of its rows."""
+"""The plan of a study: runs in chunks, an identity that must not change, and its kind's description of the rows."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ C = TypeVar("C", bound=AnyChunk)
 
 
 class AnyPlan(Protocol[C]):
-    """What is run. ``request``: as asked for. ``identity``: must be the same when the study is resumed.
+    """The runs of a study. ``request``: as given. ``identity``: must be the same when the study is resumed.
     ``results_origin``: identifies the table of all runs."""
 
     @property
@@ -65,7 +65,7 @@ class AnyPlan(Protocol[C]):
         """All chunks, in the order of the rows of the results."""
 
     def origin(self, chunk: C) -> str:
-        """Identifies the part of a chunk: what determines its rows."""
+        """Identity of the part of a chunk: the data that determine its rows."""
 
 
 P = TypeVar("P", bound=AnyPlan[Any])
@@ -75,15 +75,15 @@ P = TypeVar("P", bound=AnyPlan[Any])
 class Study(Generic[P, C]):
     """One kind of study.
 
-    ``command``: goes on with ``--resume``. ``kind``: what is in its folders, also the key of the identity in the
+    ``command``: continues with ``--resume``. ``kind``: what is in its folders, also the key of the identity in the
     ``manifest``, which is named so. ``folder``: last part of the name of a default folder. ``request``: class of the
     requests, ``bounds``: its model in the manifest, with the bounds of the command line. ``make_plan``: (request) ->
-    plan; raises InputError. ``columns``: (plan) -> those of its rows. ``check_rows``: (rows of a part, plan, chunk);
-    raises NotThePart. ``work``: (plan, chunk) -> what a worker does. ``summary``: (plan, rows) -> ``summary.json``.
-    ``explained``: (plan) -> what else stands in the manifest for people. ``items``: (plan) -> how many there are of
-    what ``--verify`` makes again; ``repeat``: (plan, rows, place of one) -> its runs made again on the bench, and how
-    they differ. ``report``: (plan, outcome) -> a line on the page that it has written, or empty. ``show``: (console,
-    plan, outcome, that line) prints the tables.
+    plan; raises InputError. ``columns``: (plan) -> columns of its rows. ``check_rows``: (rows of a part, plan, chunk);
+    raises NotThePart. ``work``: (plan, chunk) -> the work of a worker. ``summary``: (plan, rows) -> ``summary.json``.
+    ``explained``: (plan) -> further entries of the manifest for people. ``items``: (plan) -> how many there are of what
+    ``--verify`` makes again; ``repeat``: (plan, rows, place of one) -> its runs made again on the bench, and how they
+    differ. ``report``: (plan, outcome) -> a line on the page that it has written, or empty. ``show``: (console, plan,
+    outcome, that line) prints the tables.
     """
 
     command: str

@@ -1,4 +1,4 @@
-"""Work on several processors whose processes end with the command, however it ends."""
+"""Work on several processors; its processes end with the command, in any way."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ R = TypeVar("R")
 
 @contextmanager
 def _held_back() -> Iterator[None]:
-    """Signals wait: what one of them raises in the hooks around a fork is lost."""
+    """Signals are held back: an exception of a handler in the hooks around a fork would be lost."""
     before = signal.pthread_sigmask(signal.SIG_BLOCK, ending_signals())
     try:
         yield
@@ -28,7 +28,7 @@ def _held_back() -> Iterator[None]:
 
 def be_worker() -> None:
     """Leave the end to the command: Ctrl-C and ``timeout`` reach the whole group, and a worker that ended by itself
-    would be a defect to the pool. If the command is killed, nobody else ends its workers."""
+    would be a defect to the pool. If the command is killed, no other process ends its workers."""
     signal.pthread_sigmask(signal.SIG_BLOCK, ending_signals())
     end_with_parent()
 
@@ -47,13 +47,13 @@ class Stop:
         return code if isinstance(code, int) else 128 + signal.SIGINT
 
     def after(self, done: int, of: int) -> str:
-        """Says which signal it was, and after how much of the work."""
+        """The line on the signal, and on the share of the work done before it."""
         return f"stopped by {signal.Signals(self.code - 128).name} after {done} of {of}"
 
 
 @contextmanager
 def until_stopped() -> Iterator[Stop]:
-    """A signal that ends the command ends only the block; what has come until then is kept and said."""
+    """A signal that ends the command ends only the block; results until then are kept and printed."""
     stop = Stop()
     try:
         yield stop
@@ -65,7 +65,7 @@ def until_stopped() -> Iterator[Stop]:
 def each(work: Callable[[T], R], items: Sequence[T], jobs: int) -> Iterator[Iterator[R]]:
     """Results in the order of the items. If the block is left with an exception, the processes are ended at once.
 
-    :param jobs: how many processes; 1: this one.
+    :param jobs: number of processes; 1: this one.
     """
     try:
         if jobs == 1 or len(items) < 2:
@@ -76,7 +76,7 @@ def each(work: Callable[[T], R], items: Sequence[T], jobs: int) -> Iterator[Iter
                     results = pool.map(work, items)
                 yield results
     except (KeyboardInterrupt, SystemExit):
-        # `timeout` signals twice; what is left to do is quick.
+        # `timeout` signals twice; the remaining work is short.
         ignore_ending_signals()
         raise
 

@@ -19,11 +19,11 @@ _ORIGIN = b"railhil.campaign"
 
 
 class NotThePart(Exception):
-    """The content of a file does not match its name; the text says why."""
+    """The content of a file does not match its name; the text gives the reason."""
 
 
 def file_bytes(table: pa.Table, origin: str) -> bytes:
-    """The table as a Parquet file with checksums; the same bytes for the same rows, however they were collected."""
+    """The table as a Parquet file with checksums; the same bytes for the same rows, in any order of collection."""
     buffer = BytesIO()
     whole = table.combine_chunks().replace_schema_metadata({_ORIGIN: origin.encode()})
     pq.write_table(whole, buffer, compression="zstd", write_page_checksum=True)

@@ -14,13 +14,13 @@ from railhil.study.table import file_bytes
 
 
 class OtherCode(Exception):
-    """A worker's code differs from that of the study: its figures could differ too."""
+    """A worker's code differs from the study's: its figures could differ too."""
 
     exit_code = INVALID
 
 
 class Work(Protocol):
-    """What a worker does for one chunk; it is small and sent with every chunk."""
+    """The work for one chunk; it is small and sent with every chunk."""
 
     def code(self) -> tuple[str, ...]:
         """Hashes of the code in this process on which the rows depend. Raises InputError: there is no such law."""
@@ -31,7 +31,7 @@ class Work(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Task:
-    """All that a worker needs: ``name`` of the part, ``origin`` that identifies it, ``code`` that must make it."""
+    """The data that a worker needs: ``name`` of the part, ``origin`` that identifies it, ``code`` that must make it."""
 
     name: str
     work: Work
@@ -48,7 +48,7 @@ def task_of(study: Study[P, C], plan: P, chunk: C) -> Task:
 def run_task(task: Task) -> tuple[str, bytes]:
     """Run a chunk; returns its name and the bytes of its part.
 
-    :raises OtherCode: this process runs different code from that of the study.
+    :raises OtherCode: this process runs different code from the study's.
     :raises InputError: as :meth:`Work.rows`.
     """
     if task.work.code() != task.code:

@@ -65,7 +65,8 @@ def pictures(scenario: Scenario, runs: Sequence[Record]) -> list[Figure]:
 
 
 def speed(scenario: Scenario, runs: Sequence[Drawn]) -> Figure:
-    """Speed over distance with limit, target and grade (fig. 7 of the paper), and where a run is off."""
+    """Speed over distance with limit, target and grade (fig. 7 of the paper), and enlarged views of the largest
+    deviations."""
     caption = (
         "Train, target and speed limit in force for the whole train; the grade of the line (up positive); close views "
         "where a train differs most from the target, in each half."
@@ -107,7 +108,7 @@ def widest_places(scenario: Scenario, runs: Sequence[Drawn]) -> list[float]:
     off_kmh = np.zeros(_POINTS)
     for run in runs:
         at_m = run.curves.position_m
-        # A gap begins where the train was last seen.
+        # A gap begins at the last known place of the train.
         at_m = np.where(np.isnan(at_m), np.roll(at_m, 1), at_m)
         known = np.interp(place_m, at_m, run.curves.speed_kmh, right=np.nan)
         off_kmh = np.fmax(off_kmh, np.abs(known - wanted_kmh))

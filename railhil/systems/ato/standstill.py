@@ -44,7 +44,7 @@ class Standstill:
 
 
 class _Held:
-    """A law whose inputs are those of a train at standstill."""
+    """A law with the inputs of a train at standstill."""
 
     def __init__(self, scenario: Scenario, law: str, arithmetic: Arithmetic[Any]) -> None:
         self._arithmetic = arithmetic

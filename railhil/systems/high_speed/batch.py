@@ -1,8 +1,8 @@
 """Runs of the systems ``hst1`` and ``emu3`` with many seeds at once: the part ``batch`` of both.
 
-The trains move in a compiled loop (:mod:`.kernel`), the law steps on arrays, the scores are those of the bench. A run
-in which a unit's watch acts is repeated by :func:`railhil.batch.coupled.run_coupled`; so are all runs of a scenario
-with other periods of the ports than the port table has.
+The trains move in a compiled loop (:mod:`.kernel`), the law steps on arrays, the scores equal the bench's.
+:func:`railhil.batch.coupled.run_coupled` repeats a run in which a unit's watch acts, and makes all runs of a scenario
+with other periods of the ports than in the port table.
 """
 
 from __future__ import annotations
@@ -78,7 +78,7 @@ def _coupled(case: Case, seed: int) -> _Found:
 
 
 def one_by_one(scenario: Any) -> str:
-    """The system's part ``one_by_one``: why its runs are made without arrays; empty: they are not."""
+    """The system's part ``one_by_one``: reason for which its runs are made without arrays; empty: arrays are used."""
     if scenario.faults:
         return "the scenario has faults"
     return "" if _usual_periods(scenario) else "its ports have other periods than those of the port table"
@@ -100,7 +100,7 @@ def _usual_periods(scenario: Any) -> bool:
 
 
 class _Runs:
-    """Runs of some seeds together. ``left`` is 1 for those in which a watch has acted."""
+    """Runs of some seeds together. ``left`` is 1 for runs in which a watch has acted."""
 
     def __init__(self, case: Case, seeds: Sequence[int]) -> None:
         scenario = case.scenario
@@ -175,7 +175,7 @@ class _Runs:
         return _Found(score, counts, digest_of(self._commands[train]))
 
     def _record(self, train: int) -> Columns:
-        """What the score needs of a run's record: commands only where they may change."""
+        """The data that the score needs of a run's record: commands only where they may change."""
         ports, truth, position_m = self._wire, self._fleet.truth[train], self._fleet.position_m[train]
         targets_mps = self._waysides.own_targets_mps(train, self._targets_mps)
         units = len(ports.commands)

@@ -1,4 +1,4 @@
-"""Trains of some seeds at the start of their runs, their random numbers, and what the wayside tells them."""
+"""Trains of some seeds at the start of their runs, their random numbers, and the targets from the wayside."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ def wind_normals(seeds: Sequence[int], ticks: int) -> Floats:
 
 
 def noise_normals(seeds: Sequence[int], units: int, ticks: int, every: int) -> Floats:
-    """Standard normal numbers of the readings at every so many ticks, shape (N, readings, units).
+    """Standard normal numbers of the readings at a fixed interval of ticks, shape (N, readings, units).
 
     Every tick draws one for each unit, in the order of the units.
     """
@@ -106,7 +106,7 @@ class Waysides:
         self.called: dict[int, tuple[int, Wayside]] = {}
 
     def look(self, first_tick: int, position_m: NDArray[np.float64]) -> None:
-        """Look at the trains at some ticks, one after the other.
+        """Check the trains at some ticks, one after the other.
 
         :param position_m: shape (N, ticks).
         """

@@ -72,11 +72,11 @@ OF_UNITS = (
 )
 #: Largest difference of a command from that in float64 on the same readings, before it is rounded for the bus, m/s2.
 AUDIT_LIMITS = {"accel": 1e-4}
-#: Where the controller reports on its arithmetic.
+#: The telegram in which the controller reports on its arithmetic.
 _STATUS = Status("LAW_STAT", "LawFlags")
 #: No unit has this level of the ladder.
 _HOLD = 1
-#: How a complete record may end, with the failure that it means.
+#: Ends of a complete record, with the failure that each means.
 _ENDINGS = {Event.ENDED_COMPLETE: "", Event.ENDED_CONTROLLER_LOST: "controller lost"}
 
 
@@ -98,7 +98,7 @@ def score(scenario: Any, trace: Trace) -> Score:
     missed += [text for unit in range(1, len(scenario.task.unit) + 1) if (text := _alone(trace, truth, unit))]
     missed += filter(None, [wrap_failure(trace, _STATUS), _ENDINGS[ended]])
     if not missed and measured[RMSE.key] is None:
-        # No limit can be missed in a run of which nothing is scored.
+        # A run without a score cannot miss a limit.
         never = f"nothing to score: the target stays below {SCORED_FROM_MPS:g} m/s"
         return Score("INVALID", *unscored(criteria), (never,), ended.name.lower())
     verdict = "FAIL" if missed else "PASS"
@@ -120,7 +120,7 @@ def _criteria(units: int) -> tuple[Criterion, ...]:
 
 
 def _said(scenario: Any, level: str, cause: str) -> str:
-    """Why a unit acted by itself, in words."""
+    """Cause for which a unit acted by itself, in words."""
     if cause == "command_age":
         return "no new command for three periods"
     words = {"controller_safe": "the controller has no readings", "brake_not_answering": "its brake does not answer"}

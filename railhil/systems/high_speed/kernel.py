@@ -1,6 +1,6 @@
 """The compiled loop over the ticks of many high-speed trains, with the plant's own functions.
 
-It does what :meth:`railhil.plant_sim.high_speed.train.HighSpeedTrain.advance` does, in the same order.
+It has the operations of :meth:`railhil.plant_sim.high_speed.train.HighSpeedTrain.advance` in the same order.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from railhil.plant_sim.high_speed.watch import brake_looked_at
 from railhil.wire import power_units
 from railhil.wire.power_units import TRUE_PER_UNIT
 
-#: Columns of the truth before those of units and couplers.
+#: Columns of the truth before the columns of units and couplers.
 SPEED, DRIVE, STANDS, UNITS = range(4)
 COUPLER_MAX = 0x7FFF
 #: Sources of the machine code.
@@ -79,7 +79,7 @@ def _motion(fleet: Any, train: int, unit: int) -> Any:
 
 @compiled.part
 def _grades(fleet: Any, train: int, unit: int, position_m: float) -> Any:
-    """The grades from that under the unit on: the rows behind it are never needed again."""
+    """The grades from the unit's position on: the rows behind it are never needed again."""
     from_m = fleet.from_m[train]
     first = fleet.grade_row[train, unit]
     while first + 1 < from_m.size and from_m[first + 1] <= position_m:

@@ -1,4 +1,4 @@
-"""Figures of the report of a high-speed train: speeds and errors, units, couplers, what the law estimates."""
+"""Figures of the report of a high-speed train: speeds and errors, units, couplers, estimates of the law."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _ESTIMATES = {
     "gain": "gain",
     "delay": "delay (s)",
 }
-#: The true values of the estimates, as far as the plant has them.
+#: The true values of the estimates that the plant has.
 _TRUE = {"gain": "TrueGain", "delay": "TrueTractionDelay"}
 
 
@@ -105,7 +105,7 @@ def _each(runs: Sequence[_Run], curves: Callable[[_Run], list[Curve]], unit: str
 
 
 def _estimates(run: _Run, unit: int) -> list[str]:
-    """The figures that the law of a run reports for a unit: those that are not always 0."""
+    """The figures that the law of a run reports for a unit, without those that are always 0."""
     status = wire(len(run.ride.unit_mps)).status
     names = {field: signal.name for field, signal in status.signals()}
     return [note for note in NOTES if run.trace.raw(status.PORT, names[f"{note}{unit}"]).any()]

@@ -1,4 +1,4 @@
-"""A recorded run of a high-speed train as arrays, and what is measured on it."""
+"""A recorded run of a high-speed train as arrays, and its measurements."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class Ride:
     coupler_n: FloatArray
     #: Speed of each unit, shape (units, n).
     unit_mps: FloatArray
-    #: Time and position of the milestones that were reached.
+    #: Time and position of the reached milestones.
     emergency: tuple[float, float] | None
     arrived: tuple[float, float] | None
 
@@ -71,7 +71,7 @@ class Ride:
 
     @property
     def scored(self) -> Any:
-        """Where the run is scored, as a mask."""
+        """Mask of the scored part of the run."""
         return self.target_mps >= SCORED_FROM_MPS
 
     def rmse_kmh(self) -> float | None:

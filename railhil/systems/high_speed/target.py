@@ -1,8 +1,8 @@
 """Speeds that a high-speed train has to follow: the target curve of the journey, and the emergency profile.
 
 Both are computed at load by explicit steps of :data:`GRID_S`, with the operations ``+ - * /`` only, so every CPython
-gives the same bits. Neither the papers nor another public source prints the curve: what is assumed is in the scenario
-file.
+gives the same bits. Neither the papers nor another public source prints the curve: the scenario file has the
+assumptions.
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ class SpeedCurve:
         return low + (high - low) * (place - index)
 
     def time_at_s(self, position_m: float) -> float:
-        """Time of the first point at or behind a position; that of the last point if it is not reached."""
+        """Time of the first point at or behind a position; the time of the last point if it is not reached."""
         return min(bisect_left(self.positions_m, position_m), len(self.positions_m) - 1) * GRID_S
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from railhil.faults.truth import Truth
 from railhil.scenarios.system import System
 
-#: Its faults, and what each must lead to.
+#: Its faults, with the required reactions.
 CATALOGUE = Path(__file__).with_name("catalogue.toml")
 #: Milestones of the system.
 EVENTS = {"slide_begun": 32}

@@ -1,4 +1,4 @@
-"""A recorded run of the system ``stop`` as arrays, and what is measured on it."""
+"""A recorded run of the system ``stop`` as arrays, and its measurements."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ class Approach:
         return self.position_m - stop_m
 
     def end_unclear(self, end_s: float) -> str:
-        """What the record does not show of the standstill, as a reason; empty if it shows it.
+        """The gap of the record at the standstill, as a reason; empty if the record shows the standstill.
 
         :param end_s: end of the record.
         """
@@ -70,7 +70,7 @@ class Approach:
         return float(self.error_m[-1]) if stands else None
 
     def overshoot_m(self) -> float | None:
-        """How far the train stands behind the stopping point; 0 before it."""
+        """Distance of the standing train behind the stopping point; 0 before it."""
         error_m = self.stop_error_m()
         return None if error_m is None else max(0.0, error_m)
 
@@ -81,7 +81,7 @@ class Approach:
     def jerk_mps3(self) -> float | None:
         """Largest change of the acceleration by traction and brake, over :data:`_JERK_S`, until the standstill.
 
-        The instants are found by their times: a telegram that is missing is no change of the time between the others.
+        The instants are found by their times: a missing telegram does not change the time between the others.
         """
         moves = self.speed_mps > 0.0
         time_s, drive_mps2 = self.time_s[moves], self.drive_mps2[moves]

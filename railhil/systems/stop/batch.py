@@ -1,8 +1,8 @@
 """Runs of the system ``stop``, many at once: the trains move in a compiled loop, the law steps on arrays.
 
 :func:`run_together` is the system's part ``together``, :func:`run_stops` its part ``batch``. A run in which the train's
-watch acts, or in which the train moves again after its stop, is repeated without arrays; so are all runs of a scenario
-with faults or other periods of the ports than the port table has.
+watch acts, or in which the train moves again after its stop, is repeated without arrays. All runs of a scenario with
+faults, or with other periods of the ports than in the port table, are made without arrays, too.
 """
 
 from __future__ import annotations
@@ -79,8 +79,8 @@ def run_together(
     """Runs of one scenario and one law that differ in seed, number and memory, in their order.
 
     :param chunk: number of runs computed together; the results do not depend on it.
-    :param say: told if laws cannot be computed together; None: standard error. That all runs of a scenario are made
-        one by one is the caller's to say (:func:`one_by_one`).
+    :param say: called if laws cannot be computed together; None: standard error. The caller reports that all runs of a
+        scenario are made one by one (:func:`one_by_one`).
     :raises InputError: as :func:`run_stops`.
     :raises PlantError: the simulation failed.
     """
@@ -114,7 +114,7 @@ def _alone(scenario: AnyScenario, spec: RunSpec) -> Together:
 
 
 def one_by_one(scenario: AnyScenario) -> str:
-    """The system's part ``one_by_one``: why its runs are made without arrays; empty: they are not."""
+    """The system's part ``one_by_one``: reason for which its runs are made without arrays; empty: arrays are used."""
     timing = scenario.timing
     if scenario.faults:
         return "the scenario has faults"
@@ -123,7 +123,7 @@ def one_by_one(scenario: AnyScenario) -> str:
 
 
 class _Runs:
-    """Some runs together. ``left`` is 1 for those that have to be repeated without arrays."""
+    """Some runs together. ``left`` is 1 for runs that have to be repeated without arrays."""
 
     def __init__(self, scenario: Any, specs: Sequence[RunSpec]) -> None:
         task = scenario.task
@@ -153,7 +153,7 @@ class _Runs:
 
     @property
     def differs(self) -> str:
-        """In what the laws differ so that they cannot be computed together."""
+        """The difference of the laws for which they cannot be computed together."""
         return self._laws.differs
 
     def run(self) -> bool:
@@ -249,7 +249,7 @@ class _Runs:
         return Together(score, counts, digest, self._laws.own[train].kept())
 
     def _trace(self, train: int, due: int) -> Columns:
-        """What the score needs of a run's record."""
+        """The data that the score needs of a run's record."""
         instants = np.arange(due + 1, dtype=np.int64) * TICK_NS
         record = self._fleet.record[train, : due + 1]
 

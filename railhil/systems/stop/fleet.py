@@ -15,12 +15,12 @@ from railhil.scenarios.run_spec import RunSpec
 from railhil.systems.stop.kernel import Common, Fleet
 from railhil.wire.stop_counts import SAMPLES
 
-#: Commands that may be on their way beside those of the delay: one begins within a tick, one has just come.
+#: Commands that may be on their way besides the delay's: one begins within a tick, one has just come.
 _MORE = 4
 
 
 def made(task: Any, specs: Sequence[RunSpec], ticks: int) -> tuple[Common, Fleet, list[RunDraw]]:
-    """The trains of some runs at tick 0, and what was drawn for each.
+    """The trains of some runs at tick 0, and the random draws for each.
 
     :param task: a :class:`railhil.systems.stop.task.StopTask`.
     :param ticks: number of ticks that are recorded.

@@ -20,7 +20,7 @@ from railhil.record.trace import Trace
 from railhil.systems.stop.approach import Approach
 from railhil.wire.stop import BrakeCommand, BrakeLevel, BrakeStatus, Odo, SpeedRaw, StopReport, Truth
 
-#: Median in fixed point against float64: a stop is as exact as lengths on the bus are, whatever the law makes of it.
+#: Median in fixed point against float64: a stop is as exact as lengths on the bus, with any law.
 _AUDIT_ALLOWED_M = 0.001
 STOP_ERROR = Criterion(
     STOP_ERROR_KEY,
@@ -48,9 +48,9 @@ CRITERIA = (
     Criterion("jerk_mps3", "largest jerk", "m/s3", 3, Approach.jerk_mps3),
     Criterion("brake_travel_mps2", "brake travel", "m/s2", 3, Approach.brake_travel_mps2),
 )
-#: Where the controller reports on its arithmetic.
+#: The telegram in which the controller reports on its arithmetic.
 _ARITHMETIC = Status("ATO_STATE", "LawFlags")
-#: How a complete record may end, with the failure that it means.
+#: Ends of a complete record, with the failure that each means.
 _ENDINGS = {
     Event.ENDED_COMPLETE: "",
     Event.ENDED_NOT_STOPPED: "the train did not stop",

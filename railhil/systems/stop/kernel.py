@@ -1,6 +1,6 @@
 """The compiled loop over many trains that stop, with the plant's own functions.
 
-It does what :class:`railhil.plant_sim.stop.train.StopTrain` and its watch do, in the same order.
+It has the operations of :class:`railhil.plant_sim.stop.train.StopTrain` and its watch in the same order.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ POSITION, SPEED, DRIVE = range(3)
 
 
 class Common(NamedTuple):
-    """What all trains share. ``balise_m``: without the ``first_balise`` balises behind the start of the run."""
+    """The data common to all trains. ``balise_m``: without the ``first_balise`` balises before the start of the run."""
 
     lag_s: float
     loss: float
@@ -161,7 +161,7 @@ def _sample(fleet: Any, train: int, number: int) -> int:
 
 @compiled.cached(*_SOURCES)
 def advance_stops(common: Any, fleet: Any, accel_mps2: Any, after_s: Any, tick: int) -> None:
-    """Give each train a command at a tick and go on to the next; runs that are over stay.
+    """Give each train a command at a tick and simulate to the next; runs that are over stay.
 
     :param accel_mps2, after_s: shape (N,).
     :param tick: -1 records tick 0 and takes its samples.

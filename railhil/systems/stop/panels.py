@@ -14,7 +14,7 @@ from railhil.systems.stop.approach import Approach
 from railhil.wire.stop import AtoState, BrakeCommand, SpeedRaw, Stage
 
 _KMH = 3.6
-#: Margins above this many metres are outside the figure: what matters is where the margin reaches 0.
+#: Margins above this many metres are outside the figure: the important part is where the margin reaches 0.
 _MARGIN_MAX_M = 60.0
 #: The last metres, on a scale of their own.
 _LAST_M = 12.0

@@ -1,9 +1,9 @@
 """The keys of a scenario of precise stopping, ``[task]``.
 
-What a law knows: :class:`StopTask` without ``true``, ``rail``, ``map_error_sigma_permil`` and the sensors' errors. What
-belongs to the train and its line (drawn once for a seed): gain, delay, wheels, errors of the grade map. What differs
-from run to run (drawn for seed and run number): further gain and delay, cruising speed, load, adhesion, all noise.
-Every draw is from a normal distribution with the given standard deviation unless a key says otherwise.
+A law knows :class:`StopTask` without ``true``, ``rail``, ``map_error_sigma_permil`` and the sensors' errors. Draws for
+the train and its line (once for a seed): gain, delay, wheels, errors of the grade map. Draws that differ from run to
+run (for seed and run number): further gain and delay, cruising speed, load, adhesion, all noise. Every draw is from a
+normal distribution with the given standard deviation unless a key says otherwise.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ def _towards(rows: tuple[float, ...]) -> tuple[float, ...]:
 
 
 class BrakeTable(Table):
-    """Traction and brake as the laws know them: ``exp(-delay s) / (lag s + 1)``."""
+    """The laws' model of traction and brake: ``exp(-delay s) / (lag s + 1)``."""
 
     braking_mps2: Annotated[_Accel, Field(description="planned deceleration on a dry rail")] = 0.8
     wet_braking_mps2: Annotated[_Accel, Field(description="planned deceleration when low adhesion is announced")] = 0.55
@@ -63,7 +63,7 @@ class BrakeTable(Table):
 
 
 class TrueBrakeTable(Table):
-    """The brake as it is."""
+    """The real brake."""
 
     BESIDE: ClassVar[Mapping[str, str]] = {"low_speed_mps": "low_speed_loss"}
     delay_s: Annotated[float, Field(ge=0, le=3, description="pure delay")]
@@ -102,7 +102,7 @@ class RailTable(Table):
 
 
 class SensorTable(Table):
-    """Errors of what the laws read."""
+    """Errors of the laws' readings."""
 
     speed_noise_mps: Annotated[_Sigma, Field(description="noise of each speed sample")] = 0.01
     wheel_sigma: Annotated[_Sigma, Field(description="error of the wheel diameter, relative")] = 0.0
@@ -172,7 +172,8 @@ class StopTask(Task):
     sensors: SensorTable = SensorTable()
 
     def reaches(self) -> Iterator[Reach]:
-        """See :meth:`railhil.scenarios.task.Task.reaches`; the train stops where it should, or by its own brake."""
+        """See :meth:`railhil.scenarios.task.Task.reaches`; the train stops at the stopping point, or by its own
+        brake."""
         true, sensors, brake = self.true, self.sensors, self.brake
         wheel, gain = 1.0 + SIGMAS * sensors.wheel_sigma, self.gain_max
         cruise_mps = (self.start_kmh + self.start_spread_kmh) / _KMH + SIGMAS * self.cruise_sigma_mps
@@ -182,7 +183,7 @@ class StopTask(Task):
         yield Reach("SPEED_RAW.Speed5", 0.0, read_mps, start, self.start_kmh)
         yield Reach("TRUE_DATA.TrueCruise", 0.0, cruise_mps, start, self.start_kmh)
         yield Reach("TRUE_DATA.TrueWheel", 1.0 - wheel, wheel - 1.0, wheel_key, sensors.wheel_sigma)
-        # Behind the stopping point as far as the train's own brake needs, after a second without commands.
+        # Distance behind the stopping point for the train's own brake, after a second without commands.
         slowest_mps2 = self.service_braking_mps2 / 2
         end_m = self.stop_m + fastest_mps * (1.0 + true.delay_s + true.lag_s) + fastest_mps**2 / (2 * slowest_mps2)
         stop = ("task", "stop_m")

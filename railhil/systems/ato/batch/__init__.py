@@ -1,10 +1,10 @@
 """The batch of ``ato``: thousands of runs of one scenario under one law in one process, equal to the bench bit for bit.
 
 The plant's own functions are compiled (:mod:`railhil.common.compilable`), the law steps on arrays; the notch codes and
-the scores of each run are those of :func:`railhil.bench.direct_run` with the same seed, and so of the real bench on
-a healthy bus. A run that ends in an emergency brake is repeated through the nodes of the bench
-(:mod:`.replay`), which takes a second. Of the faults of a scenario it computes a mass, a gradient and a resistance that
-differ from the start to the end (:func:`railhil.faults.capability.is_constant`). Needs numba (extra ``campaign``).
+the scores of each run equal :func:`railhil.bench.direct_run` with the same seed, and therefore the real bench on a
+healthy bus. A run that ends in an emergency brake is repeated through the nodes of the bench (:mod:`.replay`), which
+takes a second. Of the faults of a scenario it computes a mass, a gradient and a resistance that differ from the start
+to the end (:func:`railhil.faults.capability.is_constant`). Needs numba (extra ``campaign``).
 """
 
 from __future__ import annotations

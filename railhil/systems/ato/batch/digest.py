@@ -1,4 +1,4 @@
-"""Notch codes of a run, and their digest, by which a run of the batch is compared with one of the bench."""
+"""Notch codes of a run, and their digest, which compares a run of the batch with a run of the bench."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def notch_digest(codes: ArrayLike) -> str:
 
 
 def control_codes(scenario: Scenario, trace: Trace) -> Ints:
-    """Notch codes of a recorded run: that of the first poll in each control period."""
+    """Notch codes of a recorded run: the code of the first poll in each control period."""
     codes = trace.raw(NotchCmd.PORT, "NotchCmd")
     times_ns = np.rint(trace.times_s(NotchCmd.PORT) * 1e9).astype(np.int64)
     first = np.diff(times_ns // scenario.timing.control_period_ns, prepend=-1) > 0

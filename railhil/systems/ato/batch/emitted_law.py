@@ -1,9 +1,9 @@
 """The law of many trains as machine code from its recorded program: replaces the loop of the law on arrays.
 
-For the shipped laws in ``iq``, ``float64`` and ``float32``. In another arithmetic, and for a law of somebody else or
-with an operation that cannot be emitted, the law itself is computed on arrays
-(:class:`railhil.controller_node.ato.control_loop.ControlLoop`); so are the first control period, and a step of a train
-in which something is to be counted.
+For the shipped laws in ``iq``, ``float64`` and ``float32``. In another arithmetic, and for a foreign law or one with an
+operation that cannot be emitted, the law itself is computed on arrays
+(:class:`railhil.controller_node.ato.control_loop.ControlLoop`). The law itself also computes the first control period,
+and a step of a train with an event to count.
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ class EmittedProgram:
         """Its outputs, shape (N, outputs), and the new state in place of the old one, shape (N, leaves).
 
         :param given: (N, inputs).
-        :param left: set where the law itself has to compute the step; nothing has changed there.
+        :param left: set where the law itself has to compute the step; the state is unchanged there.
         """
         answer = np.empty((len(given), self.answers), dtype=self._kind)
         self._function(state, given, answer, left, *self._numbers)
@@ -76,7 +76,7 @@ class EmittedProgram:
 class EmittedLoop:
     """A control loop whose law is machine code.
 
-    ``state``: set to None it begins anew. ``arithmetic``: on arrays; its counts are those of all steps.
+    ``state``: set to None it begins anew. ``arithmetic``: on arrays; its counts cover all steps.
 
     :param programs: inputs and step of the law.
     :param notch: place of the notch among the outputs of the step.
@@ -149,7 +149,7 @@ _kept: list[tuple[Scenario, LawSpec, Callable[[], Any]]] = []
 
 
 def loop_of(scenario: Scenario, law: LawSpec) -> Any:
-    """The loop of a law on arrays: as machine code where that is possible.
+    """The loop of a law on arrays: as machine code where possible.
 
     :raises InputError: as :class:`ControlLoop`.
     """

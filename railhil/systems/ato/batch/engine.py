@@ -64,7 +64,7 @@ class Engine:
             loop = loop_of(scenario, case.law)
         self._loop: Any = loop
         self._number = loop.arithmetic
-        #: Whether the loop reads the last balise; one that does not say so is given it.
+        #: Whether the loop reads the last balise; a loop without this declaration gets it.
         self._track = getattr(loop, "track", True)
 
     def run(self, seeds: Sequence[int]) -> BatchRuns:
@@ -90,7 +90,7 @@ class Engine:
             run_period(self.common, fleet.tables, code, after, tick, int(times.ends[i]))
             if ended.all():
                 break
-        # Not needed any more, and as large as what the scores need.
+        # No longer needed, and as large as the data for the scores.
         self._loop.state = None
         finite = np.isfinite(sum(map(fleet.column, (lanes.POSITION, lanes.SPEED, lanes.ACTUATOR))))
         if not finite.all():
@@ -112,7 +112,7 @@ class Engine:
             balise = BaliseReading(
                 *(part[row, passed] for part in (lines.number, lines.surveyed_01mm, lines.passing_01mm))
             )
-        # A copy, because a loop may keep what it is given.
+        # A copy, because a loop may keep its arguments.
         position = np.minimum(np.maximum(odometer, -POSITION_MAX_01MM), POSITION_MAX_01MM)
         law = self._case.law.controller
         try:
@@ -135,7 +135,7 @@ class Engine:
         column = times.control_columns[np.minimum(np.arange(ticks.max() + 1), ticks[:, None])]
         accel = np.take_along_axis(fleet.tables.control_accel_raw, column, axis=1) * _LSB
         comfort = measures.comfort_mps2_per_km(accel, scenario.plan.distance_m)
-        # From here on in the order of the seeds.
+        # Results are in the order of the seeds from here on.
         place = np.argsort(fleet.tables.order)
 
         def of(quantity: int) -> Any:

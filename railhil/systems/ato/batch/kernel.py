@@ -2,8 +2,8 @@
 
 It repeats the order defined in :mod:`railhil.plant_sim.cycle`, and ``Plant.advance``: each pass of the loop handles the
 end of the run at a tick, watch and motion, then, at the next tick, the readings that are due. The law is computed
-before the pass that begins a control period. The bus is healthy: every command is accepted. Trains to which nothing but
-motion happens are computed side by side (:mod:`railhil.systems.ato.batch.side_by_side`), every other one by itself
+before the pass that begins a control period. The bus is healthy: every command is accepted. Trains without other events
+than motion are computed side by side (:mod:`railhil.systems.ato.batch.side_by_side`), every other one by itself
 (:mod:`railhil.systems.ato.batch.train`); the tests of the batch compare both with ``coupled_run`` and the nodes.
 """
 
@@ -50,7 +50,7 @@ def _set_part(s: Any, i: int, part_at: int) -> None:
 
 @compiled.part
 def _divide(s: Any, i: int, part_at: int, ticks: float, step_s: float) -> None:
-    """The factors of a part of a tick; they are those of the period before, as a rule."""
+    """The factors of a part of a tick; usually they equal the factors of the period before."""
     part_s = ticks * step_s if ticks > SLIVER_TICKS else 0.0
     if ticks == 1.0:
         s[part_at + LANES + i], s[part_at + 2 * LANES + i] = s[at.LAG_DECAY + i], s[at.LAG_MEAN + i]
@@ -115,7 +115,7 @@ def _tick(common: Any, tables: Any, numbers: Any, s: Any, first: int, count: int
     :param due: the instant of the next one before it.
     """
     polled, look_due = tick % common.notch_ticks == 0, tick % common.checks.look_ticks == 0
-    # The watch of a train that moves as it should. Every train gets every command, so they all have its age.
+    # The watch of a train in normal motion. Every train gets every command, so they all have its age.
     state = CommandWatchState(_NORMAL, int(s[at.BLOCK_AGE]), GOOD_AFTER_SERVICE_BRAKE)
     watch = watch_step(common.limits, state, polled, _NORMAL, True, True, False)
     if watch.level != _NORMAL:

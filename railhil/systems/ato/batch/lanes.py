@@ -10,7 +10,7 @@ from __future__ import annotations
 LANES = 64
 
 (
-    # Constants of a train, and factors of its actuator over a whole tick and from one look at its forces to the next.
+    # Constants of a train, and factors of its actuator over a whole tick and from one check of its forces to the next.
     MASS,
     RESISTANCE_A,
     RESISTANCE_B,
@@ -70,7 +70,8 @@ LANES = 64
     ERROR,
     # Position that the odometer shows.
     SHOWN,
-    # 1 while nothing but motion is known to happen; 1 if a tick or a look has to be computed by the whole functions.
+    # 1 while the train has no other events than motion; 1 if a tick or a check has to be computed by the whole
+    # functions.
     ORDINARY,
     TICK_LEFT,
     LOOK_LEFT,

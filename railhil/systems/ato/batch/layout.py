@@ -53,8 +53,9 @@ class PerTrain(NamedTuple):
 
     ``error_sums_kmh`` (cycles, N) and ``control_accel_raw`` (N, control ticks; 0.1 mm/s2) are for the score. ``blocks``
     are the numbers of the trains, (blocks, :data:`.lanes.SIZE`). Trains are in the order of their lanes;
-    ``order`` (N,) is the place of each in the order of the seeds, which is that of ``readings`` (4, N), what the law
-    reads at a poll: speed (0.1 mm/s), odometer (0.1 mm) and balises passed; and how the run has ended (0: it has not).
+    ``order`` (N,) is the place of each in the order of the seeds. ``readings`` (4, N) is in the same order: the law's
+    readings at a poll, speed (0.1 mm/s), odometer (0.1 mm) and balises passed; and how the run has ended (0: it has
+    not).
     """
 
     permil: Any

@@ -39,7 +39,7 @@ def _set_effort(s: Any, i: int, row_at: int, table: Any) -> None:
 
 @compiled.aside
 def look_up(common: Any, tables: Any, index: int, s: Any, i: int) -> None:
-    """Note the rows of all tables in which a train is, and whether nothing but motion is known to happen to it."""
+    """Note the rows of all tables in which a train is, and whether it has no other events than motion."""
     position_m = s[at.POSITION + i]
     ordinary = (
         common.side_by_side

@@ -1,4 +1,4 @@
-"""Ticks of a block in which nothing but motion happens, all trains side by side, with the plant's own functions.
+"""Ticks of a block without other events than motion, all trains side by side, with the plant's own functions.
 
 The plant's functions are compiled here without those that are seldom needed (:func:`railhil.batch.compiled.straight`),
 and with tables of one row, so that a loop over them has no calls and no branches that the processor cannot replace by a
@@ -104,7 +104,7 @@ def _is_in_its_rows(s: Any, i: int, step_s: float) -> Any:
 
 @compiled.side_by_side
 def look(numbers: Any, s: Any) -> None:
-    """``OwnChecks.finding`` at a tick at which the forces are looked at; what it finds is marked."""
+    """``OwnChecks.finding`` at a tick at which the forces are checked; a finding is marked."""
     checks = numbers.checks
     for i in range(LANES):
         before = forces_of(s, i)
@@ -130,7 +130,7 @@ def look(numbers: Any, s: Any) -> None:
 
 @compiled.side_by_side
 def advance(numbers: Any, s: Any, looked: bool) -> int:
-    """``Plant.advance`` of every train by a tick, or by the first part of it; how many are left.
+    """``Plant.advance`` of every train by a tick, or by the first part of it; returns the number of trains left.
 
     :param looked: :func:`look` was called in this tick.
     """
@@ -159,7 +159,7 @@ def advance(numbers: Any, s: Any, looked: bool) -> int:
 
 @compiled.side_by_side
 def move(numbers: Any, s: Any) -> int:
-    """``Plant._move`` of every train by the second part of a tick, if it has one; how many are left."""
+    """``Plant._move`` of every train by the second part of a tick, if it has one; returns the number of trains left."""
     step_s = numbers.step_s
     marked = 0
     for i in range(LANES):
@@ -179,7 +179,7 @@ def move(numbers: Any, s: Any) -> int:
 
 @compiled.side_by_side
 def sample(numbers: Any, s: Any, seconds: float, number: int, judged: bool) -> int:
-    """Add a SIM_TRUTH of every train to the sums of the score; how many are left."""
+    """Add a SIM_TRUTH of every train to the sums of the score; returns the number of trains left."""
     marked = 0
     for i in range(LANES):
         force_n = _applied_n(_constants(numbers, s, i), FREE, motion_of(s, i))

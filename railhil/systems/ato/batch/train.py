@@ -1,6 +1,6 @@
 """One train of a block at one tick, in the order of ``Plant.advance``, with the plant's own functions.
 
-:mod:`railhil.systems.ato.batch.side_by_side` computes the ticks in which nothing but motion happens.
+:mod:`railhil.systems.ato.batch.side_by_side` computes the ticks without other events than motion.
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ def constants_of(s: Any, i: int, traction: Any, brake: Any) -> Any:
 
 @compiled.side_by_side_part
 def forces_of(s: Any, i: int) -> Any:
-    """What a train's watch knows of its forces."""
+    """Data of a train's watch on its forces."""
     return ForceState(s[at.LEFT + i], s[at.RUNNING + i], s[at.FLOOR + i], s[at.WEAK + i])
 
 
@@ -123,7 +123,7 @@ def _restrain(common: Any, s: Any, i: int, before: float, tick: int) -> None:
 
 @compiled.aside
 def _look(common: Any, s: Any, i: int) -> bool:
-    """``OwnChecks.finding`` at a tick at which the forces are looked at."""
+    """``OwnChecks.finding`` at a tick at which the forces are checked."""
     if s[at.ACTING + i] > 0.0 or s[at.SPEED + i] <= 0.0:
         s[at.LEFT + i], s[at.RUNNING + i], s[at.FLOOR + i], s[at.WEAK + i] = inf, 0.0, 0.0, 0.0
         return False

@@ -73,7 +73,7 @@ def checks(scenario: Scenario, found: Score) -> list[tuple[str, str]]:
 
 
 def facts(run: Record) -> list[tuple[str, str]]:
-    """Train and line, and how the run stopped."""
+    """Train and line, and the stop of the run."""
     scenario = run.scenario
     return [
         ("Train", f"{scenario.train.name}, line {scenario.line.name}"),
@@ -121,7 +121,7 @@ def counted(found: Sequence[Score]) -> dict[str, Any]:
 
 
 def advice(run: Record, folder: Path) -> str:
-    """What to try after a FAIL, depending on the cause."""
+    """Advice after a FAIL, depending on the cause."""
     certificate, scenario = run.certificate, run.scenario
     name = certificate.get("scenario") or scenario.name
     if any(text.startswith(WRAP_FAILURE) for text in run.score.failures):

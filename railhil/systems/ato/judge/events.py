@@ -1,4 +1,4 @@
-"""What the events of the system ``ato`` are made of: its two watches, interlocks, and telegrams that are judged."""
+"""Sources of the events of the system ``ato``: its two watches, interlocks, and judged telegrams."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def _overspeed(scenario: Scenario) -> str:
 
 
 def controller_cause(scenario: Scenario, level: str, cause: str) -> str:
-    """Why the controller's watch came to a level, in words."""
+    """Cause of a level of the controller's watch, in words."""
     if cause == "speed_age":
         return f"TRN_SPEED older than {_age_ms(scenario, level)} ms"
     if cause == "overspeed":
@@ -51,7 +51,7 @@ def controller_cause(scenario: Scenario, level: str, cause: str) -> str:
 
 
 def train_cause(scenario: Scenario, level: str, cause: str) -> str:
-    """Why the train's watch came to a level, in words."""
+    """Cause of a level of the train's watch, in words."""
     if cause == "command_age":
         return f"NOTCH_CMD older than {_age_ms(scenario, level)} ms"
     if cause == "overspeed":
@@ -61,11 +61,11 @@ def train_cause(scenario: Scenario, level: str, cause: str) -> str:
 
 
 def received(scenario: Scenario) -> tuple[Received, ...]:
-    """What controller and train accept only after a check of its content."""
+    """Telegrams that controller and train accept only after a check of their content."""
     notch_max = round(scenario.train.notch_max * _NOTCH_LSB_PER_NOTCH)
     return (
         Received.of(TrnSpeed, {"TrainSpeed": SPEED_RANGE_01MMPS}),
-        # The controller takes the odometer only: the effort's check variable is not its concern.
+        # The controller takes the odometer only: the effort's check variable does not matter to it.
         replace(Received.of(TrnPos), checks=("PosChk",)),
         replace(Received.of(NotchCmd, {"NotchCmd": (-notch_max, notch_max)}), follows_bad=False),
     )
@@ -92,7 +92,7 @@ WATCHES = (
         train_cause,
     ),
 )
-#: Everything in PLT_STAT that is true for a train in order.
+#: The fields of PLT_STAT that are true for a train in order.
 INTERLOCKS = (
     Interlocks(
         PltStat.PORT,

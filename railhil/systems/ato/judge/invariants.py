@@ -54,7 +54,7 @@ IntArray: TypeAlias = npt.NDArray[np.int64]
 
 
 class _LateUnseen(Unseen):
-    """Telegrams that may be missing from a record, and how late a node may have taken those that are in it."""
+    """Telegrams that may be missing from a record, and the delay with which a node may have taken the recorded ones."""
 
     def __init__(self, scenario: Scenario, trace: Trace) -> None:
         super().__init__(scenario, trace)

@@ -1,8 +1,7 @@
 """The score: a pure function of the scenario and the recorded telegrams.
 
-The criteria are those of :mod:`.criteria`; this module decides whether the record holds a complete run, and the
-verdict. A standstill of the train is a milestone, and is also visible in SIM_TRUTH: if the two disagree, the record is
-INVALID.
+:mod:`.criteria` has the criteria; this module decides whether the record holds a complete run, and the verdict. A
+standstill of the train is a milestone, and is also visible in SIM_TRUTH: if the two disagree, the record is INVALID.
 """
 
 from __future__ import annotations

@@ -36,7 +36,7 @@ def _used(item: Any) -> Any:
 
 
 def canonical_json(scenario: Scenario) -> str:
-    """JSON of what the run uses, with sorted keys, no spaces and shortest round-trip floats."""
+    """JSON of the data that the run uses, with sorted keys, no spaces and shortest round-trip floats."""
     table = _used(scenario)
     for name in (*_EXPLAINING, *_JUDGING):
         table.pop(name, None)
@@ -53,7 +53,7 @@ def scenario_sha256(scenario: Scenario) -> str:
 
 
 def judged_sha256(scenario: Scenario) -> str:
-    """SHA-256 (hex) of what the run uses and what it is judged by: equal where scores are comparable."""
+    """SHA-256 (hex) of the data that the run uses and is judged by: equal where scores are comparable."""
     table = _used(scenario)
     for name in _EXPLAINING:
         table.pop(name, None)

@@ -98,7 +98,7 @@ def _strongest_n(effort: Effort) -> float:
 #: pass).
 DISTANCE_TOLERANCE_M = 0.01
 TIME_TOLERANCE_S = 0.01
-#: The target may touch a speed limit, not exceed it by more than rounding.
+#: Rounding by which the target may exceed a speed limit.
 SPEED_TOLERANCE_MPS = 0.01
 #: Above this delay the predictive laws limit-cycle (IPFC reading 6).
 LOOP_DELAY_MAX_S = 0.3
@@ -190,14 +190,15 @@ def check_watch(watch: model.WatchLimits, refuse: Refuse) -> None:
 
 
 def check_periods(timing: Timing, watch: model.WatchLimits, sdt: bool, contract: Contract, refuse: Refuse) -> None:
-    """No telegram of a healthy run is older than a watch allows, and a safe command comes with its command."""
+    """Check that no telegram of a healthy run is older than a watch allows, and that a safe command comes with its
+    command."""
     tick_ns = timing.base_tick_ns
     usual = {port.name: port.period_ns for port in contract.ports}
 
     def ticks(port: str) -> int:
         return max(1, timing.port_period_ns.get(port, usual[port]) // tick_ns)
 
-    # An age of which the watch of the train sees the ticks before the next command, and that of the controller all.
+    # The train's watch sees the ticks of this age before the next command, the controller's watch all of them.
     longest_ns = {
         "TRN_SPEED": ("watch.hold_ms", max(watch.hold_ms * _NS_PER_MS, tick_ns)),
         "NOTCH_CMD": ("watch.hold_ms", watch.hold_ms * _NS_PER_MS // tick_ns * tick_ns + tick_ns),

@@ -1,12 +1,11 @@
 """Target speed curves for any line and train, within speed, force, acceleration and jerk limits.
 
-How it works. The fastest run with piecewise-constant acceleration is built over distance
-(:mod:`.envelope`) under the line's limits, the train's limit and one common speed cap. Its speed
-over time is then averaged over a window ``tau``: a moving average keeps the distance, keeps every
-acceleration within its bounds, turns piecewise-constant acceleration into piecewise-linear, and bounds the
-jerk by ``(a_max + b_max) / tau``. The cap is lowered until the running time is nearly met; the rest is a
-stretch of time by ``k >= 1``, which keeps the distance exactly and lowers speed, acceleration and jerk by
-k, k^2 and k^3.
+Method. The fastest run with piecewise-constant acceleration is built over distance (:mod:`.envelope`) under the line's
+limits, the train's limit and one common speed cap. Its speed over time is then averaged over a window ``tau``: a moving
+average keeps the distance, keeps every acceleration within its bounds, turns piecewise-constant acceleration into
+piecewise-linear, and bounds the jerk by ``(a_max + b_max) / tau``. The cap is lowered until the running time is nearly
+met; the rest is a stretch of time by ``k >= 1``, which keeps the distance exactly and lowers speed, acceleration and
+jerk by k, k^2 and k^3.
 """
 
 from __future__ import annotations
@@ -93,7 +92,7 @@ def fastest_time_s(line: Line, train: Train, distance_m: float, limits: CurveLim
 
 
 class _Builder:
-    """Builds the curve for a given speed cap; whatever does not depend on the cap is computed once."""
+    """Builds the curve for a given speed cap; values that do not depend on the cap are computed once."""
 
     def __init__(self, line: Line, train: Train, distance_m: float, limits: CurveLimits) -> None:
         self._train, self._limits = train, limits

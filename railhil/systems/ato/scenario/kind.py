@@ -36,7 +36,7 @@ class TrainScenarios:
         self._system = system
 
     def read(self, layers: Layers) -> Scenario:
-        # A record's scenario is complete: who reads records needs neither tables of files nor the checks of them.
+        # A record's scenario is complete: readers of records need neither tables of files nor their checks.
         from railhil.systems.ato.scenario.train_files import read_train_scenario
 
         rows = layers.merged().get("fault", ())

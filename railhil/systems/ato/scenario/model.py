@@ -101,7 +101,7 @@ class TargetCurve:
 
 @dataclass(frozen=True, slots=True)
 class RunPlan:
-    """The requirements on the run: where and when to stop, and the tolerances for a PASS."""
+    """The requirements on the run: place and time of the stop, and the tolerances for a PASS."""
 
     distance_m: float
     running_time_s: float
@@ -219,8 +219,8 @@ class Perturbations:
 class Scenario(OfSystem):
     """A complete run: train, line, target speed curve, plan, sensors, timing, limits.
 
-    ``sha256`` is the hash of the canonical form of everything that changes the run; the three nodes compare
-    it before they start.
+    ``sha256`` is the hash of the canonical form of all data that change the run; the three nodes compare it before they
+    start.
     """
 
     name: str
@@ -239,7 +239,7 @@ class Scenario(OfSystem):
     assumptions: tuple[str, ...] = ()
     sha256: str = ""
     system: str = "ato"
-    #: What is injected, as canonical texts (:mod:`railhil.faults.language`), in the order of their numbers.
+    #: The faults, as canonical texts (:mod:`railhil.faults.language`), in the order of their numbers.
     faults: tuple[str, ...] = ()
     safety: Safety = Safety()
 

@@ -45,9 +45,9 @@ def perturbed(scenario: Scenario, seed: int) -> Scenario:
 
     The mass factor scales mass and inertial mass, the Davis factor all three coefficients, the grade is
     multiplied and then offset, the force gain scales the force per notch (not the force limits), and the
-    balise error moves each balise against its surveyed position. ``sha256`` stays that of the nominal scenario:
-    together with the seed it identifies the run, and a controller that knows only the nominal train compares the same
-    hash. Raises ``ValueError`` for a negative seed.
+    balise error moves each balise against its surveyed position. ``sha256`` stays the nominal scenario's: together with
+    the seed it identifies the run, and a controller that knows only the nominal train compares the same hash. Raises
+    ``ValueError`` for a negative seed.
     """
     return with_draws(scenario, unit_draws(scenario, seed).tolist())
 

@@ -1,7 +1,7 @@
 """Schema of scenario, line, train and target files of ``ato`` (TOML), checked with pydantic.
 
-Keys carry their unit (``mass_t``, ``distance_m``, ``speed_limit_kmh``); unknown keys are refused. This module only says
-what a file may contain: :mod:`.train_files` resolves references and turns it into :mod:`.model`.
+Keys carry their unit (``mass_t``, ``distance_m``, ``speed_limit_kmh``); unknown keys are refused. This module only
+defines the contents of a file: :mod:`.train_files` resolves references and turns it into :mod:`.model`.
 """
 
 from __future__ import annotations
@@ -72,7 +72,7 @@ class TrainTable(Table):
 
 
 class ImportedTrainTable(Table):
-    """A train from a railtoolkit rolling-stock 2022.05 file, plus the data that format does not contain."""
+    """A train from a railtoolkit rolling-stock 2022.05 file, plus the data that the format does not contain."""
 
     railtoolkit: Text
     train_id: Text | None = None

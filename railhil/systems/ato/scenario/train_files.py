@@ -54,7 +54,7 @@ def _parts(layers: Layers) -> Parts:
     if section_m is not None and abs(section_m - file.plan.distance_m) > check.DISTANCE_TOLERANCE_M:
         raise refuse(("plan", "distance_m"), file.plan.distance_m, f"{section_m:g} m, the distance of the stops")
     behind = [row for row, balise in enumerate(line.balises) if balise.surveyed_m > file.plan.distance_m]
-    # A line may be longer than a run on it: then this is said. Who gives both does not mean it.
+    # A line may be longer than a run on it: a remark then says so, unless the file gives both values.
     if behind and layers.place("line", "balises") <= layers.place("plan", "distance_m"):
         allowed = f"at most plan.distance_m = {file.plan.distance_m:g}: the run ends there"
         raise refuse(("line", "balises", behind[0], "surveyed_m"), line.balises[behind[0]].surveyed_m, allowed)
@@ -114,7 +114,7 @@ def read_train_scenario(layers: Layers, faults_of: Callable[[], tuple[str, ...]]
 
 
 def _published_run(scenario: model.Scenario) -> object:
-    """What defines the run of a published result: its conditions may differ."""
+    """The part that defines the run of a published result: its conditions may differ."""
     plan = scenario.plan
     return scenario.train, scenario.line, scenario.target, plan.distance_m, plan.running_time_s, scenario.energy
 
