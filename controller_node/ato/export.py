@@ -13,13 +13,10 @@ from railhil.bus.schedule import Schedule
 from railhil.bus.sdt import SAFE_DATA_VERSION, source_identity
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Arithmetic
-from railhil.controller_node.ato import balises, odometer, track_info
+from railhil.controller_node.ato import balises, guard, odometer, plausibility, speed_monitors, speed_watch, track_info
 from railhil.controller_node.ato import export_runs as notch_runs
-from railhil.controller_node.ato.control_loop import NO_BALISE, ControlLoop
+from railhil.controller_node.ato.control_loop import NO_BALISE, POSITION_MAX_01MM, ControlLoop
 from railhil.controller_node.ato.node import ANSWERS, MAILBOXES, SAFE_ANSWERS, SAFE_MAILBOXES, end_of_authority_01mm
-from railhil.controller_node.ato.plausibility import MotionLimits
-from railhil.controller_node.ato.speed_monitors import Latency
-from railhil.controller_node.ato.speed_watch import Ladder
 from railhil.controller_node.cost import cost_of
 from railhil.controller_node.export.control import (
     Comments,
@@ -49,6 +46,8 @@ _ARITHMETIC = "iq"
 _AGES = "age of the last accepted TRN_SPEED"
 _CYCLES_MAX = 0xFFFF
 _NS_PER_S = 1_000_000_000
+#: Largest int of the target.
+_INT_MAX = 2**15 - 1
 
 
 def _signal(kind: type[Telegram], field: str) -> Signal:
@@ -60,9 +59,37 @@ def _lsb(kind: type[Telegram], field: str) -> int:
     return round(_signal(kind, field).scale * 1e4)
 
 
+def _limits() -> list[Define]:
+    """Limits of the watch that are the same in every scenario."""
+    limits = {
+        "SPEED_MAX_01MMPS": (guard.SPEED_MAX_01MMPS, "a higher one is none of a train"),
+        "GOOD_AFTER_TRACTION_CUT": (speed_watch.GOOD_AFTER_TRACTION_CUT, "good telegrams in a row that end this level"),
+        "GOOD_AFTER_SERVICE_BRAKE": (speed_watch.GOOD_AFTER_SERVICE_BRAKE, ""),
+        "BAD_FOR_TRACTION_CUT": (speed_watch.BAD_FOR_TRACTION_CUT, "bad ones of the last RAILHIL_RECENT that cause it"),
+        "RECENT": (speed_watch.RECENT, ""),
+        "CHANNEL_WINDOW_MS": (speed_monitors.CHANNEL_WINDOW_MS, "in which RAILHIL_CHANNEL_BAD_MAX are permitted"),
+        "DISORDER_MS": (speed_monitors.DISORDER_MS, "cost of an old telegram"),
+        "DISORDER_MAX_MS": (speed_monitors.DISORDER_MAX_MS, "largest permitted cost"),
+        "SAMPLE_MS": (plausibility.SAMPLE_MS, "between two checks of the motion"),
+        "PAUSE_MAX_MS": (plausibility.PAUSE_MAX_MS, "after a longer one they begin again"),
+        "RING": (plausibility.RING, "entries that are compared with the odometer"),
+        "RING_EVERY": (plausibility.RING_EVERY, "samples from one to the next"),
+        "POSITION_AGE_MAX_MS": (plausibility.POSITION_AGE_MAX_MS, "of a position that is carried forward"),
+        "MORE_BRAKE_MS": (plausibility.MORE_BRAKE_MS, "of additional braking before an emergency"),
+        "DEMAND_MIN": (plausibility.DEMAND_MIN, "0.1 mm/s2: a smaller one does not judge the brake"),
+        "SHORTFALL": (plausibility.SHORTFALL, "permitted with any demand"),
+        "DUE_MIN": (plausibility.DUE_MIN, "0.1 mm/s2: a smaller acceleration makes no change due"),
+        "SLOW": (plausibility.SLOW, "0.1 mm/s: brake and runaway are not judged below it"),
+        "GOOD_POSITIONS": (odometer.GOOD_RUN, "in a row, for trust in the odometer"),
+        "POSITION_MAX_01MM": (POSITION_MAX_01MM, "largest position for the law"),
+        "READING_MAX_01MM": (odometer.READING_MAX_01MM, "largest reading"),
+    }
+    return [Define(name, str(n) if n <= _INT_MAX else wide(n), words) for name, (n, words) in limits.items()]
+
+
 def _motion(scenario: Scenario) -> list[Define]:
     """Thresholds and model of the checks of the motion, and of the monitors of the channel."""
-    limits, latency = MotionLimits.of(scenario), Latency(scenario)
+    limits, latency = plausibility.MotionLimits.of(scenario), speed_monitors.Latency(scenario)
     track_cut_ns, track_brake_ns = track_info.ages_ns(scenario)
     return [
         Define("JUMP_01MMPS", wide(limits.jump_01mmps), "change of the speed by noise alone"),
@@ -203,7 +230,7 @@ class NotchControl(Control):
         """Thresholds of the watch, and tolerances and times of the position."""
         scenario, timing, sensors = self.scenario, self.scenario.timing, self.scenario.sensors
         schedule = Schedule.from_contract(timing.base_tick_ns, timing.port_period_ns)
-        ladder = Ladder.of(scenario)
+        ladder = speed_watch.Ladder.of(scenario)
         cost = cost_of(self.programs, make(_ARITHMETIC), timing.control_period_ns)
         cycles = min(cost.cycles, _CYCLES_MAX)
         needs_position = self.programs.track or self.law.over_distance
@@ -228,6 +255,7 @@ class NotchControl(Control):
             Define("ODOMETER_EXACT", wide(exact), "tolerance at standstill, 1e-13 m"),
             Define("SPEED_ERROR_01MMPS", wide(speed_error), "resolution and noise of the speed"),
             Define("ACCEL_MAX_01MMPS2", wide(round(odometer.ACCEL_MAX_MPS2 * 1e4))),
+            *_limits(),
             *self._end(),
             *_motion(scenario),
             Define("STEP_CYCLES", f"UINT32_C({cycles})", "estimated C28x cycles of a control period, at most 65535"),

@@ -1,7 +1,8 @@
 """The export's description of a kind of control, in addition to the law's recorded programs.
 
-Each kind is a subclass of :class:`Control`: the single notch of a train (:mod:`.notch`), and the readings and commands
-of an ``Interface`` (:mod:`.interface`). The rest of the exported C is the same for both.
+Each kind is a subclass of :class:`Control`: the readings and commands of an ``Interface`` (:mod:`.interface`), and a
+system's part ``export``, as that of the single notch of a train (:mod:`railhil.controller_node.ato.export`). The rest
+of the exported C is the same for all.
 """
 
 from __future__ import annotations

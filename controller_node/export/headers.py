@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from railhil.bus.ident import Role, make_ident
 from railhil.bus.lifesign import MAX_STEP
 from railhil.bus.mvb import master_word
+from railhil.bus.store import ASSEMBLY_NS
 from railhil.bus.telegrams import TimeSync
 from railhil.controller_node.ecan import Mailbox
 from railhil.controller_node.export.control import Control, Define
@@ -71,6 +72,7 @@ def _bus(control: Control, sent: list[Port]) -> list[Define]:
         Define("DEVICE_STATUS_ID", f"UINT32_C({contract.device_status_id:#x})"),
         Define("DEVICE", f"UINT32_C({int(Role.CONTROLLER)})", "MVB device address"),
         Define("BASE_TICK_NS", wide(schedule.base_tick_ns)),
+        Define("ASSEMBLY_NS", wide(ASSEMBLY_NS), "in which all blocks of a telegram arrive"),
         Define(
             "FRACTIONS_PER_S", wide(round(1 / dict(TimeSync.signals())["fraction_65536th_s"].scale)), "of TIME_SYNC"
         ),

@@ -5,10 +5,8 @@
 
 #define NS_PER_MS INT64_C(1000000)
 #define NS_PER_S INT64_C(1000000000)
-/* A higher raw speed is not plausible for a train (0.1 mm/s). */
-#define SPEED_MAX_01MMPS INT32_C(1500000)
-
-enum { GOOD_AFTER_TRACTION_CUT = 5, GOOD_AFTER_SERVICE_BRAKE = 10, BAD_FOR_TRACTION_CUT = 3, RECENT_MASK = 0x3FF };
+/* The last telegrams, a bit each. */
+#define RECENT_MASK ((1u << RAILHIL_RECENT) - 1u)
 
 /* What a check other than the telegrams' demands. */
 typedef struct {
@@ -20,17 +18,13 @@ static const finding_t no_finding = {RAILHIL_WATCH_LEVEL_NORMAL, RAILHIL_CTL_CAU
 
 typedef enum { NO_TELEGRAM, GOOD_TELEGRAM, BAD_TELEGRAM, IMPLAUSIBLE_TELEGRAM } seen_t;
 
-enum { SAMPLE_MS = 100, POSITION_AGE_MAX_MS = 100, MORE_BRAKE_MS = 1000 };
-/* Costs and limits of bad and of old telegrams, ms. */
-enum { CHANNEL_WINDOW_MS = 10000, DISORDER_MS = 20, DISORDER_MAX_MS = 80 };
-
 void railhil_guard_init(railhil_guard_t *guard)
 {
     memset(guard, 0, sizeof *guard);
     guard->odometer.life = guard->watch.life = guard->watch.track_life = -1;
     guard->odometer.run = RAILHIL_GOOD_POSITIONS;
     guard->latency.doubt = 1;
-    guard->watch.sample_ns = -SAMPLE_MS * NS_PER_MS;
+    guard->watch.sample_ns = -RAILHIL_SAMPLE_MS * NS_PER_MS;
     guard->watch.emergency = RAILHIL_FLAG_FALSE;
 #if RAILHIL_SAFE
     railhil_safe_init(&guard->safe);
@@ -55,9 +49,9 @@ static int may_leave(int level, int good_run, int standstill)
     case RAILHIL_WATCH_LEVEL_EMERGENCY:
         return 0; /* never in a run */
     case RAILHIL_WATCH_LEVEL_SERVICE_BRAKE:
-        return standstill || good_run >= GOOD_AFTER_SERVICE_BRAKE;
+        return standstill || good_run >= RAILHIL_GOOD_AFTER_SERVICE_BRAKE;
     case RAILHIL_WATCH_LEVEL_TRACTION_CUT:
-        return good_run >= GOOD_AFTER_TRACTION_CUT;
+        return good_run >= RAILHIL_GOOD_AFTER_TRACTION_CUT;
     default:
         return good_run >= 1;
     }
@@ -108,7 +102,7 @@ static finding_t find(const railhil_guard_t *guard, int64_t now_ns, finding_t fi
     if (motion->runaway) {
         finding = stronger(finding, RAILHIL_WATCH_LEVEL_EMERGENCY, RAILHIL_CTL_CAUSE_RUNAWAY);
     } else if (motion->weak_ms != 0) {
-        finding = stronger(finding, brake_level(motion->weak_ms > MORE_BRAKE_MS),
+        finding = stronger(finding, brake_level(motion->weak_ms > RAILHIL_MORE_BRAKE_MS),
                            RAILHIL_CTL_CAUSE_BRAKE_NOT_ANSWERING);
     } else if (motion->stuck || motion->off_scale) {
         finding = stronger(finding, RAILHIL_WATCH_LEVEL_TRACTION_CUT, RAILHIL_CTL_CAUSE_SPEED_IMPLAUSIBLE);
@@ -150,7 +144,7 @@ static void look(railhil_guard_t *guard, int64_t now_ns, seen_t seen, finding_t 
     finding = find(guard, now_ns, finding);
     if (bad || finding.level != RAILHIL_WATCH_LEVEL_NORMAL || age_ms > RAILHIL_HOLD_MS) {
         watch->good_run = 0;
-    } else if (seen == GOOD_TELEGRAM && watch->good_run < GOOD_AFTER_SERVICE_BRAKE) {
+    } else if (seen == GOOD_TELEGRAM && watch->good_run < RAILHIL_GOOD_AFTER_SERVICE_BRAKE) {
         watch->good_run++;
     }
     if (age_ms > RAILHIL_SERVICE_BRAKE_MS) {
@@ -159,7 +153,7 @@ static void look(railhil_guard_t *guard, int64_t now_ns, seen_t seen, finding_t 
     } else if (age_ms > RAILHIL_TRACTION_CUT_MS) {
         demanded = RAILHIL_WATCH_LEVEL_TRACTION_CUT;
         cause = RAILHIL_CTL_CAUSE_SPEED_AGE;
-    } else if (bad && bad_count >= BAD_FOR_TRACTION_CUT) {
+    } else if (bad && bad_count >= RAILHIL_BAD_FOR_TRACTION_CUT) {
         demanded = RAILHIL_WATCH_LEVEL_TRACTION_CUT;
         cause = refused;
     } else if (age_ms > RAILHIL_HOLD_MS) {
@@ -198,8 +192,8 @@ static void refuse(railhil_guard_t *guard, int64_t now_ns, seen_t seen)
 {
     finding_t finding = no_finding;
     const int64_t now_ms = railhil_floored(now_ns, NS_PER_MS);
-    if (railhil_debt_add(&guard->channel, now_ms, CHANNEL_WINDOW_MS, CHANNEL_WINDOW_MS * RAILHIL_CHANNEL_BAD_MAX,
-                         RAILHIL_CHANNEL_BAD_MAX)) {
+    const int64_t limit = RAILHIL_CHANNEL_WINDOW_MS * RAILHIL_CHANNEL_BAD_MAX;
+    if (railhil_debt_add(&guard->channel, now_ms, RAILHIL_CHANNEL_WINDOW_MS, limit, RAILHIL_CHANNEL_BAD_MAX)) {
         finding = stronger(finding, RAILHIL_WATCH_LEVEL_SERVICE_BRAKE, RAILHIL_CTL_CAUSE_CHANNEL_MONITOR);
     }
     look(guard, now_ns, seen, finding);
@@ -212,7 +206,7 @@ static void sample(railhil_guard_t *guard, int64_t now_ns)
     const railhil_odometer_t *odometer = &guard->odometer;
     const int64_t speed = watch->speed_01mmps;
     const int64_t age_ms = railhil_floored(now_ns - odometer->fitted_ns, NS_PER_MS);
-    const int has_position = age_ms >= 0 && age_ms <= POSITION_AGE_MAX_MS;
+    const int has_position = age_ms >= 0 && age_ms <= RAILHIL_POSITION_AGE_MAX_MS;
     const int has_grade = watch->grade_known && !track_older(guard, now_ns, RAILHIL_TRACK_CUT_NS) &&
                           !track_older(guard, now_ns, RAILHIL_TRACK_BRAKE_NS);
     const int64_t position = has_position ? odometer->reading_01mm + speed * age_ms / 1000 : 0;
@@ -236,7 +230,8 @@ void railhil_speed(railhil_guard_t *guard, int64_t now_ns, const unsigned char *
         if (judged == RAILHIL_OLD) {
             const int64_t now_ms = railhil_floored(now_ns, NS_PER_MS);
             /* Two senders alternate; after a loss there are old ones in a row. */
-            if (!guard->latency.old && railhil_debt_add(&guard->disorder, now_ms, DISORDER_MS, DISORDER_MAX_MS, 1)) {
+            if (!guard->latency.old &&
+                railhil_debt_add(&guard->disorder, now_ms, RAILHIL_DISORDER_MS, RAILHIL_DISORDER_MAX_MS, 1)) {
                 finding = stronger(finding, RAILHIL_WATCH_LEVEL_SERVICE_BRAKE, RAILHIL_CTL_CAUSE_TWO_SOURCES);
             }
             guard->latency.doubt = guard->latency.old = 1;
@@ -252,7 +247,7 @@ void railhil_speed(railhil_guard_t *guard, int64_t now_ns, const unsigned char *
     if (telegram.check != RAILHIL_CHECK_CORRECT) {
         counts[RAILHIL_SPEED_CHECK]++;
         refuse(guard, now_ns, BAD_TELEGRAM);
-    } else if (speed_01mmps < 0 || speed_01mmps > SPEED_MAX_01MMPS) {
+    } else if (speed_01mmps < 0 || speed_01mmps > RAILHIL_SPEED_MAX_01MMPS) {
         counts[RAILHIL_SPEED_OUT_OF_RANGE]++;
         refuse(guard, now_ns, BAD_TELEGRAM);
     } else if (watch->speed_known &&
@@ -267,7 +262,7 @@ void railhil_speed(railhil_guard_t *guard, int64_t now_ns, const unsigned char *
         watch->speed_01mmps = speed_01mmps;
         watch->accepted_ns = now_ns;
         railhil_odometer_speed(&guard->odometer, speed_01mmps, now_ns);
-        if (now_ns < watch->sample_ns || now_ns - watch->sample_ns >= SAMPLE_MS * NS_PER_MS) {
+        if (now_ns < watch->sample_ns || now_ns - watch->sample_ns >= RAILHIL_SAMPLE_MS * NS_PER_MS) {
             sample(guard, now_ns);
         }
         look(guard, now_ns, GOOD_TELEGRAM, no_finding);

@@ -10,8 +10,7 @@
 #define Q20 INT64_C(1048576)
 #define Q40 INT64_C(1099511627776)
 
-enum { SAMPLE_MS = 100, PAUSE_MAX_MS = 1000, LIFE_TURN = 16 };
-enum { SLOW = 5000, DUE_MIN = 1000, DEMAND_MIN = 3000, SHORTFALL = 1500 };
+enum { LIFE_TURN = 16 };
 
 int railhil_speed_fits(int64_t change_01mmps, int64_t elapsed_ns)
 {
@@ -26,7 +25,7 @@ static void judge_stuck(railhil_motion_t *motion, int64_t force, int64_t against
         motion->due = 0;
     } else {
         const int64_t accel = railhil_greater(force, -RAILHIL_BRAKE_01MMPS2) - against;
-        if (railhil_greater(accel, -accel) >= DUE_MIN) {
+        if (railhil_greater(accel, -accel) >= RAILHIL_DUE_MIN) {
             motion->due += accel * step_ms;
         }
     }
@@ -37,12 +36,12 @@ static void judge_force(railhil_motion_t *motion, int64_t wanted, int64_t agains
 {
     const int64_t force = railhil_greater(wanted, -RAILHIL_BRAKE_01MMPS2);
     const int64_t accel = force - against;
-    const int64_t missing = railhil_floored(-force * (1000 - RAILHIL_BRAKE_SHARE_PERMIL), 1000) + SHORTFALL;
+    const int64_t missing = railhil_floored(-force * (1000 - RAILHIL_BRAKE_SHARE_PERMIL), 1000) + RAILHIL_SHORTFALL;
     motion->off -= railhil_floored(motion->off * step_ms, 1000);
     motion->off += change * 1000 - accel * step_ms;
     /* The excess over 1 s is the unexplained acceleration. */
     motion->runaway = motion->off > RAILHIL_RUNAWAY_01MMPS * 1000 && accel * 1000 + motion->off > 0;
-    motion->weak_ms = force < -DEMAND_MIN && motion->off > missing * 1000 ? motion->weak_ms + step_ms : 0;
+    motion->weak_ms = force < -RAILHIL_DEMAND_MIN && motion->off > missing * 1000 ? motion->weak_ms + step_ms : 0;
 }
 
 static void judge_scale(railhil_motion_t *motion, int has_position, int64_t position)
@@ -86,14 +85,14 @@ void railhil_sample(railhil_motion_t *motion, int64_t now_ns, int64_t speed, int
     int64_t against;
     motion->at_ns = now_ns;
     motion->speed = speed;
-    if (!motion->begun || step_ms <= 0 || step_ms > PAUSE_MAX_MS) {
+    if (!motion->begun || step_ms <= 0 || step_ms > RAILHIL_PAUSE_MAX_MS) {
         motion->begun = 1;
         motion->off = motion->due = motion->weak_ms = 0;
         motion->count = 0;
         motion->stuck = motion->off_scale = motion->runaway = 0;
         return;
     }
-    share_q16 = railhil_lesser(RAILHIL_DECAY_Q16 * step_ms / SAMPLE_MS, Q16);
+    share_q16 = railhil_lesser(RAILHIL_DECAY_Q16 * step_ms / RAILHIL_SAMPLE_MS, Q16);
     motion->force += railhil_floored((code * 256 - motion->force) * share_q16, Q16);
     wanted = railhil_floored(motion->force * RAILHIL_NOTCH_01MMPS2, Q16);
     against = RAILHIL_DAVIS_A + railhil_floored(RAILHIL_DAVIS_B_Q20 * speed, Q20) +
@@ -103,7 +102,7 @@ void railhil_sample(railhil_motion_t *motion, int64_t now_ns, int64_t speed, int
     }
     judge_stuck(motion, railhil_lesser(wanted, RAILHIL_WEAK_TRACTION_01MMPS2), against, step_ms,
                 changed_ns <= before_ns);
-    if (code > 0 || speed < SLOW || !has_grade) {
+    if (code > 0 || speed < RAILHIL_SLOW || !has_grade) {
         motion->off = motion->weak_ms = 0;
         motion->runaway = 0;
     } else {

@@ -5,10 +5,8 @@
 #ifndef RAILHIL_MOTION_H
 #define RAILHIL_MOTION_H
 
+#include "@LAW@_node.h"
 #include "railhil_clock.h"
-
-/* Entries of the ring that is compared with the odometer, and samples from one to the next. */
-enum { RAILHIL_RING = 10, RAILHIL_RING_EVERY = 5 };
 
 typedef struct {
     int64_t at_ns;

@@ -13,9 +13,6 @@
 /* Longer pauses are limited to this, so that no product below exceeds 64 bits. */
 #define PAUSE_MAX_NS INT64_C(100000000000)
 #define PLACE_MAX INT64_C(4600000000000000000)
-/* Limits of positions for the law, and of readings, 0.1 mm: the difference of a reading and a place has 64 bits. */
-#define POSITION_MAX_01MM INT64_C(2000000000)
-#define READING_MAX_01MM INT64_C(4000000000)
 
 /* a * share / whole, floored, without a product of more than 64 bits; 0 <= share <= whole <= 1e9. */
 static int64_t share_of(int64_t a, int64_t share, int64_t whole)
@@ -33,7 +30,7 @@ static int64_t tolerance(const railhil_odometer_t *odometer)
 {
     if (!odometer->heard) {
         /* Nobody knows where the train is before the first telegram. */
-        return POSITION_MAX_01MM * NS_PER_S;
+        return RAILHIL_POSITION_MAX_01MM * NS_PER_S;
     }
     return RAILHIL_ODOMETER_EXACT + odometer->speed_01mmps * RAILHIL_HOLD_MS * NS_PER_MS + odometer->slack;
 }
@@ -72,7 +69,7 @@ void railhil_odometer_speed(railhil_odometer_t *odometer, int32_t speed_01mmps, 
 
 static int32_t limited_01mm(int64_t position_mm)
 {
-    return (int32_t)railhil_within(10 * position_mm, POSITION_MAX_01MM);
+    return (int32_t)railhil_within(10 * position_mm, RAILHIL_POSITION_MAX_01MM);
 }
 
 void railhil_position(railhil_odometer_t *odometer, int64_t now_ns, const unsigned char *process, uint32_t *counts)
@@ -95,7 +92,7 @@ void railhil_position(railhil_odometer_t *odometer, int64_t now_ns, const unsign
         return;
     }
     reckon(odometer, now_ns);
-    reading_01mm = railhil_within(RAILHIL_ODOMETER_01MM * telegram.odometer_mm, READING_MAX_01MM);
+    reading_01mm = railhil_within(RAILHIL_ODOMETER_01MM * telegram.odometer_mm, RAILHIL_READING_MAX_01MM);
     if (!odometer->heard) {
         /* The first telegram: there is no earlier position to compare it with. */
         odometer->heard = 1;
@@ -132,14 +129,14 @@ void railhil_position(railhil_odometer_t *odometer, int64_t now_ns, const unsign
 static int64_t reckoned_01mm(railhil_odometer_t *odometer, int64_t now_ns)
 {
     reckon(odometer, now_ns);
-    return railhil_within(railhil_floored(odometer->place, NS_PER_S), POSITION_MAX_01MM);
+    return railhil_within(railhil_floored(odometer->place, NS_PER_S), RAILHIL_POSITION_MAX_01MM);
 }
 
 int32_t railhil_position_01mm(railhil_odometer_t *odometer, int64_t now_ns)
 {
     if (odometer->heard && odometer->run == RAILHIL_GOOD_POSITIONS &&
         now_ns - odometer->fitted_ns <= RAILHIL_POSITION_IN_TIME_NS) {
-        return (int32_t)railhil_within(odometer->reading_01mm, POSITION_MAX_01MM);
+        return (int32_t)railhil_within(odometer->reading_01mm, RAILHIL_POSITION_MAX_01MM);
     }
     return (int32_t)reckoned_01mm(odometer, now_ns);
 }

@@ -18,8 +18,6 @@ enum {
     RAILHIL_POSITION_OUTCOMES
 };
 
-enum { RAILHIL_GOOD_POSITIONS = 10 };
-
 /* Position in 1e-13 m (0.1 mm/s times ns), dead-reckoned from the speeds, and the odometer's readings. */
 typedef struct {
     int64_t place;

@@ -1,9 +1,6 @@
 /* Telegrams in, answers out: see railhil_control.h. */
 #include "railhil_control.h"
 
-/* All blocks of a telegram arrive within this time. */
-#define ASSEMBLY_NS INT64_C(5000000)
-
 enum { F_DEVICE_STATUS = 15, POLL_LENGTH = 3 };
 
 static const char *const count_names[RAILHIL_CLOCK_OUTCOMES] = {
@@ -134,7 +131,7 @@ unsigned railhil_receive(railhil_control_t *control, uint32_t can_id, unsigned l
             railhil_clock_frame(&control->clock, length, data);
         }
         outcome = railhil_take(port, &control->sinks[i], part, length, data, railhil_own_ns(&control->clock),
-                               ASSEMBLY_NS);
+                               RAILHIL_ASSEMBLY_NS);
         control->counts[outcome]++;
         if (outcome == RAILHIL_COMPLETE) {
             take_telegram(control, i, control->sinks[i].data);

@@ -20,6 +20,7 @@ pytestmark = pytest.mark.needs_compiler
 SCENARIO = load("lvshun_tieshan_worn_wheels")
 _SHIM = """\
 #include "railhil_position.h"
+#include "ipfc_plus_node.h"
 static railhil_odometer_t odometer;
 static railhil_balise_t balise;
 static uint32_t counts[RAILHIL_POSITION_OUTCOMES];
