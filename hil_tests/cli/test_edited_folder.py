@@ -31,7 +31,7 @@ _READERS: dict[str, Callable[[Path], object]] = {
     "score, report, replay, plot, export": lambda folder: checked_record(str(folder), None),
     "open_run": library.open_run,
     "panel": lambda folder: RecordedRuns([str(folder)]),
-    "rerun": lambda folder: again.recorded(str(folder)),
+    "rerun": lambda folder: again.certified_run(str(folder)),
 }
 _FILES = (
     "SHA256SUMS", "certificate.json", "events.csv", "faults-plant.csv", "faults.csv", "frames.blf", "frames.log",

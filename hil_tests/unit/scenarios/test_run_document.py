@@ -13,8 +13,6 @@ from railhil.cli import commands
 from railhil.cli.run import spec_of
 from railhil.common.command_line import parse
 from railhil.common.errors import Faults, InputError
-from railhil.run.memory import number_of
-from railhil.scenarios.load import load_any
 from railhil.scenarios.memory import Memory, MemoryRecord, Stored, write_memory
 from railhil.scenarios.memory_store import MemoryStore
 from railhil.scenarios.run_document import ENVIRONMENT, OPTIONS, environment_layer
@@ -216,6 +214,3 @@ def test_a_run_with_a_store_has_the_next_number(tmp_path: Path) -> None:
     assert asked(*words).run_number == 8
     assert asked(*words, "--run-number", "7").run_number == 7
     assert asked("lvshun_tieshan", "--memory", str(tmp_path / "other")).run_number == 1
-    scenario = load_any("yizhuang_stop")
-    assert number_of(scenario, asked(*words), store.read().newest) == 8
-    assert number_of(scenario, asked(*words, "--run-number", "7"), store.read().newest) == 7
