@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railhil.judge.judging import judging_of
+from railhil.judge.result import COUNTS, Result
 from railhil.judge.score import Score
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
@@ -75,14 +76,14 @@ class Batch:
         scores: Sequence[Score],
         counts: Mapping[str, Ints],
         digests: Sequence[str],
-        missed: Sequence[str | None] = (),
+        missed: Sequence[str] = (),
     ) -> Batch:
         """Runs of a scenario of any system, from their scores.
 
         :param counts: ``wraps``, ``saturations`` and ``zero_divisions``, each of shape (N,).
-        :param missed: for each run why it says nothing about the controller, or None; empty: no run has such a reason.
+        :param missed: for each run why it says nothing about the controller, empty if it does; none: every run does.
         """
-        judging, reasons = judging_of(scenario), missed or [None] * len(scores)
+        judging, reasons = judging_of(scenario), missed or [""] * len(scores)
         signed = [criterion.signed for criterion in judging.criteria if criterion.signed is not None]
         return cls(
             seed=np.array(seeds, dtype=np.int64),
@@ -100,6 +101,15 @@ class Batch:
             zero_divisions=counts["zero_divisions"],
             notch_digest=tuple(digests),
         )
+
+    @classmethod
+    def of_results(
+        cls, scenario: AnyScenario, seeds: Sequence[int], runs: Sequence[Result], digests: Sequence[str]
+    ) -> Batch:
+        """Runs of a scenario that were made one by one; INVALID where a fault had no effect."""
+        counted = [run.counts for run in runs]
+        counts = {name: np.array([one[name] for one in counted], dtype=np.int64) for name in COUNTS}
+        return cls.of(scenario, seeds, [run.score for run in runs], counts, digests, [run.missed for run in runs])
 
 
 def column(values: Sequence[float | None]) -> Floats:

@@ -27,17 +27,8 @@ def run_coupled(case: Case, seeds: Sequence[int]) -> Batch:
     """
     direct = case.scenario.installed_system.part("direct")
     runs: list[Result] = [direct(case.scenario, case.run(int(seed))) for seed in seeds]
-    counters = [run.arithmetic for run in runs]
-    return Batch.of(
-        case.scenario,
-        seeds,
-        [run.score for run in runs],
-        {
-            name: np.array([0 if one is None else getattr(one, name) for one in counters], dtype=np.int64)
-            for name in ("wraps", "saturations", "zero_divisions")
-        },
-        [command_digest(case.scenario, run.trace) for run in runs],
-    )
+    digests = [command_digest(case.scenario, run.trace) for run in runs]
+    return Batch.of_results(case.scenario, seeds, runs, digests)
 
 
 def digest_of(commands: ArrayLike) -> str:

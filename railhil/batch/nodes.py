@@ -5,10 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
-import numpy as np
-
 from railhil.batch.case import Batch, Case
-from railhil.judge.fault_report import missed_faults
 from railhil.plant_sim.faults.plants import needs_nodes
 from railhil.run.local import unrecorded_run
 from railhil.scenarios.model import AnyScenario
@@ -49,18 +46,4 @@ def run_nodes(case: Case, seeds: Sequence[int]) -> Batch:
     :raises InputError: law, arithmetic, indexing or parameters do not fit.
     """
     runs = [unrecorded_run(case.scenario, case.run(int(seed))) for seed in seeds]
-    scores = [run.score for run in runs]
-    totals = [run.telemetry["totals"] for run in runs]
-    # A fault that did nothing: such a run says nothing about the controller.
-    missed = [missed_faults(run.faults) for run in runs]
-    return Batch.of(
-        case.scenario,
-        seeds,
-        scores,
-        {
-            name: np.array([total[name] for total in totals], dtype=np.int64)
-            for name in ("wraps", "saturations", "zero_divisions")
-        },
-        [run.frames_sha256[:DIGITS] for run in runs],
-        missed,
-    )
+    return Batch.of_results(case.scenario, seeds, runs, [run.frames_sha256[:DIGITS] for run in runs])

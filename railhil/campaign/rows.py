@@ -12,9 +12,8 @@ import pyarrow.compute as pc
 from railhil.campaign.plan import Chunk, Plan
 from railhil.judge.criteria import Criterion, with_sign
 from railhil.judge.judging import Judging
+from railhil.judge.result import COUNTS
 from railhil.study.table import NotThePart
-
-_COUNTS = ("wraps", "saturations", "zero_divisions")
 
 
 def signed_columns(criteria: Sequence[Criterion]) -> dict[str, str]:
@@ -34,7 +33,7 @@ def schema(judging: Judging) -> pa.Schema:
             pa.field("verdict", pa.string(), nullable=False),
             pa.field("ended", pa.string(), nullable=False),
             *(pa.field(name, pa.float64()) for name in numbers),
-            *(pa.field(name, pa.int64(), nullable=False) for name in _COUNTS),
+            *(pa.field(name, pa.int64(), nullable=False) for name in COUNTS),
             pa.field("failures", pa.list_(pa.string()), nullable=False),
             pa.field("notch_digest", pa.string(), nullable=False),
             # The parameters of the law were tuned or chosen on a run with this seed.
@@ -59,7 +58,7 @@ def table_of(label: str, result: Any, training: Sequence[int], judging: Judging)
         "notch_digest": [str(digest) for digest in result.notch_digest],
         "training": np.isin(seeds, list(training)),
     }
-    columns |= {name: np.asarray(getattr(result, name), dtype=np.int64) for name in _COUNTS}
+    columns |= {name: np.asarray(getattr(result, name), dtype=np.int64) for name in COUNTS}
     found = {criterion.key: result.values[criterion.key] for criterion in judging.criteria}
     found |= {name: result.signed[key] for name, key in signed_columns(judging.criteria).items()}
     # A missing value is null, not NaN, so that every tool leaves it out of averages.

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from railhil.bus.codes import Event
 from railhil.common.exit_codes import FAIL, PASS
 from railhil.judge.events.event import RecordedEvent
-from railhil.judge.fault_report import FaultOutcome
+from railhil.judge.fault_report import FaultOutcome, missed_faults
 from railhil.judge.jitter import RunTiming
 from railhil.judge.judging import Judging, judging_of
 from railhil.judge.score import Score
@@ -22,6 +22,8 @@ from railhil.scenarios.run_spec import RunSpec
 if TYPE_CHECKING:
     from railhil.controller_node.arithmetic.base import Counters
 
+#: Events of the law's arithmetic that are counted over a run.
+COUNTS = ("wraps", "saturations", "zero_divisions")
 #: Counters of a node that do not count refusals.
 _NOT_REFUSED = ("unknown_id", "no_mailbox", "accepted", "polls")
 
@@ -102,6 +104,19 @@ class Result:
     def invalid(self) -> str:
         """Reason for which the run is not trustworthy; empty if it is."""
         return "" if self.trusted else self.line or "no reason given"
+
+    @property
+    def missed(self) -> str:
+        """The faults of the run that had no effect, as the reason why it proves nothing; empty if all acted."""
+        return missed_faults(self.faults)
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """:data:`COUNTS` by name; 0 for a run in which nobody counted them."""
+        if self.arithmetic is not None:
+            return {name: int(getattr(self.arithmetic, name)) for name in COUNTS}
+        totals = self.telemetry["totals"] if self.telemetry else dict.fromkeys(COUNTS, 0)
+        return {name: int(totals[name]) for name in COUNTS}
 
     @property
     def speed_factor(self) -> float:

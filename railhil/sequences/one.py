@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -11,7 +11,6 @@ from railhil.batch.coupled import command_digest
 from railhil.batch.nodes import DIGITS
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.law_controller import maker_of
-from railhil.judge.fault_report import missed_faults
 from railhil.judge.result import Result
 from railhil.judge.score import Score
 from railhil.plant_sim.faults.plants import needs_nodes
@@ -22,10 +21,7 @@ from railhil.run.memory import record_after
 from railhil.scenarios.memory import Memory, MemoryRecord, no_memory
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
-from railhil.scenarios.system import System
 
-#: Events of the arithmetic that are counted.
-COUNTS = ("wraps", "saturations", "zero_divisions")
 #: Makes one run.
 Runner = Callable[[AnyScenario, RunSpec], "OneRun"]
 
@@ -137,25 +133,26 @@ def _direct(scenario: AnyScenario, spec: RunSpec) -> OneRun:
     system = scenario.installed_system
     controller: Any = maker_of(system, scenario)(scenario, spec.law, make(spec.law.arithmetic))
     run: Result = system.part("direct")(scenario, spec, controller=controller)
-    counts = {name: int(getattr(controller.counters, name)) for name in COUNTS}
-    found = controller.kept()
-    kept = None if found is None else kept_of(found)
-    return OneRun(scenario, spec, run.score, counts, "", _digest(system, scenario, run), kept, run.trace)
+    run.arithmetic = controller.counters
+    return _one_of(run, controller.kept())
 
 
 def through_nodes(scenario: AnyScenario, spec: RunSpec) -> OneRun:
     """One run through the nodes of the bench, in this process."""
-    system = scenario.installed_system
     run = unrecorded_run(scenario, spec)
-    totals, found = run.telemetry["totals"], run.telemetry.get("memory")
-    counts = {name: int(totals[name]) for name in COUNTS}
-    kept, missed = None if found is None else kept_of(found), missed_faults(run.faults) or ""
-    return OneRun(scenario, spec, run.score, counts, missed, _digest(system, scenario, run), kept, run.trace)
+    return _one_of(run, run.telemetry.get("memory"))
 
 
-def _digest(system: System, scenario: AnyScenario, run: Result) -> str:
+def _one_of(run: Result, found: Mapping[str, Any] | None) -> OneRun:
+    """:param found: what the law keeps."""
+    kept = None if found is None else kept_of(found)
+    return OneRun(run.scenario, run.spec, run.score, run.counts, run.missed, _digest(run), kept, run.trace)
+
+
+def _digest(run: Result) -> str:
+    system = run.scenario.installed_system
     if system.digest is not None:
-        return str(system.part("digest")(scenario, run.trace))
+        return str(system.part("digest")(run.scenario, run.trace))
     if system.interface is not None:
-        return command_digest(scenario, run.trace)
+        return command_digest(run.scenario, run.trace)
     return run.frames_sha256[:DIGITS]

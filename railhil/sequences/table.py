@@ -13,7 +13,8 @@ from railhil.batch.case import Batch
 from railhil.campaign.rows import schema as campaign_schema
 from railhil.campaign.rows import table_of
 from railhil.judge.judging import Judging
-from railhil.sequences.one import COUNTS, OneRun
+from railhil.judge.result import COUNTS
+from railhil.sequences.one import OneRun
 from railhil.sequences.plan import Chunk, Plan
 from railhil.study.table import NotThePart
 
@@ -42,7 +43,7 @@ def row(seed: int, number: int, run: OneRun, judging: Judging) -> pa.Table:
     """
     record, kept = run.record, run.kept
     counts = {name: np.array([run.counts[name]], dtype=np.int64) for name in COUNTS}
-    result = Batch.of(run.scenario, [run.spec.seed], [run.score], counts, [run.digest], [run.missed or None])
+    result = Batch.of(run.scenario, [run.spec.seed], [run.score], counts, [run.digest], [run.missed])
     shared = table_of(run.spec.law.controller, result, [], judging)
     own = {
         "sequence": [seed],

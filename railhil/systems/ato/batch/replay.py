@@ -25,7 +25,6 @@ def left_the_healthy_path(score: Score) -> bool:
 def replayed(case: Case, seed: int) -> tuple[Score, NDArray[np.int16], dict[int, int]]:
     """Score, notch codes and event counts of the law's arithmetic (by kind) of one run."""
     run = unrecorded_run(case.scenario, case.run(seed))
-    totals = run.telemetry["totals"]
     counts = {WRAP: "wraps", SATURATION: "saturations", DIVISION_BY_ZERO: "zero_divisions"}
     codes = np.asarray(control_codes(case.scenario, run.trace), dtype=np.int16)
-    return run.score, codes, {kind: totals[name] for kind, name in counts.items()}
+    return run.score, codes, {kind: run.counts[name] for kind, name in counts.items()}
