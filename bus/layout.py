@@ -1,5 +1,8 @@
 """Packing of telegram classes: a telegram is one dataclass whose fields are the raw integers of its signals.
 
+A class packs by straight-line code, written for the signals of its port: every node packs or unpacks telegrams several
+times per tick, and a loop over the signals takes several times as long.
+
 The classes are usually made from the port table (:mod:`railhil.bus.made`); one written by hand is bound to its port by
 :meth:`Telegram.bound`.
 """
@@ -7,12 +10,65 @@ The classes are usually made from the port table (:mod:`railhil.bus.made`); one 
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any, ClassVar, Self
 
-from railhil.bus.codec import codec_text
 from railhil.common.generated_source import compile_source
 from railhil.dbc import Port, Signal
+
+
+def codec_text(fields: Sequence[tuple[str, Signal]], data_bytes: int) -> str:
+    """Functions ``encode`` and ``decode``, see :class:`railhil.bus.layout.Telegram`.
+
+    :param fields: fields of the class with their signals, in order.
+    :param data_bytes: length of the port's process data.
+    """
+    bits = data_bytes * 8
+    return _encode_text(fields, bits) + "\n\n" + _decode_text(fields, bits)
+
+
+def _encode_text(fields: Sequence[tuple[str, Signal]], bits: int) -> str:
+    """A value fits if, after shifting into the unsigned range, no bits remain above its signal's length."""
+    too_large, shifted = [], []
+    for name, entry in fields:
+        shift = bits - entry.first_bit - entry.length
+        moved = f"raw_{name} + 0x{1 << entry.length - 1:X}" if entry.signed else f"raw_{name}"
+        too_large.append(f"{moved} >> {entry.length}")
+        value = f"(raw_{name} & 0x{(1 << entry.length) - 1:X})" if entry.signed else f"raw_{name}"
+        shifted.append(f"{value} << {shift}" if shift else value)
+    lines = [
+        "def encode(telegram):",
+        *(f"    raw_{name} = telegram.{name}" for name, _ in fields),
+        "    if (",
+        *_joined("or", too_large),
+        "    ):",
+        "        raise telegram.misfit()",
+        "    word = (",
+        *_joined("|", shifted),
+        "    )",
+        f"    return word.to_bytes({bits // 8})",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _joined(operator: str, words: Sequence[str]) -> list[str]:
+    """An expression, a line for each operand; 0 without one."""
+    return [f"        {f'{operator} ' if index else ''}{word}" for index, word in enumerate(words or ["0"])]
+
+
+def _decode_text(fields: Sequence[tuple[str, Signal]], bits: int) -> str:
+    """Two's complement: flip the sign bit, then subtract its weight."""
+    lines = ["def decode(kind, data):", "    word = int.from_bytes(data)", "    return kind("]
+    for name, entry in fields:
+        shift = bits - entry.first_bit - entry.length
+        value = f"word{f' >> {shift}' if shift else ''} & 0x{(1 << entry.length) - 1:X}"
+        if entry.signed:
+            sign = f"0x{1 << entry.length - 1:X}"
+            value = f"({value} ^ {sign}) - {sign}"
+        lines.append(f"        {value},  # {name}")
+    lines.append("    )")
+    return "\n".join(lines) + "\n"
+
 
 #: Code points of a 2-bit check variable.
 CHECK_ERRONEOUS, CHECK_CORRECT, CHECK_FORCED, CHECK_UNDEFINED = range(4)

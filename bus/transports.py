@@ -17,7 +17,7 @@ from railhil.bus.select import LOCAL, PIPES
 if TYPE_CHECKING:
     import can
 
-    from railhil.bus.link.outage import Timeouts
+    from railhil.bus.link.base import Timeouts
 
 _SINGLE = "railhil.bus.link.single:SingleLink"
 

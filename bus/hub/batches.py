@@ -71,7 +71,7 @@ class HubClient:
         two attempts; an exception from it ends the wait. ``role``: which node of a bench this client is (one of
         :data:`~railhil.bus.hub.wire.ROLES`); the hub then reports which others are connected, see :meth:`has_left`.
         ``name``: shown in the hub's messages. ``coalesce_frames``: receive frames in bulk, at most this many together,
-        and at once when one of the classic frames ``wake_on`` arrives (see :mod:`railhil.bus.hub.coalesce`).
+        and at once when one of the classic frames ``wake_on`` arrives (see :mod:`railhil.bus.hub.ports`).
         ``send_buffer_bytes``: how much the kernel may buffer for a hub that does not read (SO_SNDBUF; a full packet
         needs 4096). ``bitrate``: checked against the hub's bit rate model, ignored if it has none; other settings of
         real interfaces (such as sample points) have no meaning here and are ignored.

@@ -13,11 +13,10 @@ import socket
 import time
 from collections.abc import Callable, Sequence
 
-from railhil.bus.hub.coalesce import HOLD_S
 from railhil.bus.hub.disturbances import order_of
 from railhil.bus.hub.disturbed_bus import Disturbance
 from railhil.bus.hub.membership import HELLO_S, READ, WRITE, Membership
-from railhil.bus.hub.ports import PortClosed, PortFault, SwitchPort
+from railhil.bus.hub.ports import HOLD_S, PortClosed, PortFault, SwitchPort
 from railhil.bus.hub.wire import NOTICE_LENGTH_BIT, OWN_MARK, decode_notice, fault_of
 from railhil.bus.hub.wire_model import WireModel
 from railhil.common.digits import count_of

@@ -7,15 +7,14 @@ by the table of :mod:`railhil.bus.transports`.
 interface         link                   an interface that fails
 ================= ====================== ==========================================================================
 the hub           :mod:`railhil.bus.link.batch`  ends the node: the run is gone with it
-``socketcan``     :mod:`railhil.bus.link.kernel` is waited for (:mod:`railhil.bus.link.outage`) and opened again
+``socketcan``     :mod:`railhil.bus.link.kernel` is waited for (:mod:`railhil.bus.link.base`) and opened again
 ``slcan``         :mod:`railhil.bus.link.slcan`  is waited for and opened again
 ``udp_multicast`` :mod:`railhil.bus.link.single`   is waited for and opened again; own frames are kept from the node
 any other         :mod:`railhil.bus.link.single` is waited for and opened again
 ================= ====================== ==========================================================================
 """
 
-from railhil.bus.link.base import Endpoint, Link
+from railhil.bus.link.base import Endpoint, Link, Timeouts
 from railhil.bus.link.opening import open_link
-from railhil.bus.link.outage import Timeouts
 
 __all__ = ["Endpoint", "Link", "Timeouts", "open_link"]

@@ -12,9 +12,8 @@ from railhil.bus.frame import ERROR, Frame
 from railhil.bus.hub.batches import HubClient
 from railhil.bus.hub.cancontroller import ERROR_PASSIVE
 from railhil.bus.hub.disturbances import Disturber, Host, Notices, Order
-from railhil.bus.link.base import GatewayLink
+from railhil.bus.link.base import TIMEOUTS, GatewayLink, Timeouts
 from railhil.bus.link.errorframe import BUS_OFF, describe
-from railhil.bus.link.outage import TIMEOUTS, Timeouts
 from railhil.bus.transports import Opening
 from railhil.common.mypyc import mypyc_attr
 from railhil.common.patience import WallClock

@@ -18,7 +18,7 @@ import can
 
 from railhil.bus.frame import Frame
 from railhil.bus.hub.wire import FD_SIZE, pack_frame, unpack_frames
-from railhil.bus.link.outage import TIMEOUTS, Timeouts
+from railhil.bus.link.base import TIMEOUTS, Timeouts
 from railhil.bus.link.single import SingleLink
 
 _SO_RXQ_OVFL = 40

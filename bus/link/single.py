@@ -1,6 +1,6 @@
 """The link on any python-can interface: frame by frame, with handling of outages.
 
-An adapter that fails does not end the node: the link waits for it (:mod:`railhil.bus.link.outage`) and reopens it.
+An adapter that fails does not end the node: the link waits for it (:mod:`railhil.bus.link.base`) and reopens it.
 """
 
 from __future__ import annotations
@@ -15,9 +15,8 @@ from collections.abc import Callable, Sequence
 import can
 
 from railhil.bus.frame import ERROR, Frame, from_message, to_message
-from railhil.bus.link.base import GatewayLink
+from railhil.bus.link.base import TIMEOUTS, GatewayLink, Outage, Timeouts
 from railhil.bus.link.errorframe import BUS_OFF, RESTARTED, describe
-from railhil.bus.link.outage import TIMEOUTS, Outage, Timeouts
 from railhil.bus.transports import Opening
 from railhil.common.mypyc import mypyc_attr
 from railhil.common.patience import WallClock

@@ -24,7 +24,7 @@ from typing import Any
 import can
 
 from railhil.bus.frame import Frame
-from railhil.bus.link.outage import TIMEOUTS, Timeouts
+from railhil.bus.link.base import TIMEOUTS, Timeouts
 from railhil.bus.link.single import SingleLink
 from railhil.bus.link.slcanline import FRAME_LETTERS, LINE_MAX_BYTES, from_line, to_line
 from railhil.bus.transports import Opening

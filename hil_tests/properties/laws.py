@@ -25,7 +25,7 @@ from railhil.scenarios.load import load
 from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.systems.ato.batch import run_batch
-from railhil.systems.ato.batch.digest import trace_digest
+from railhil.systems.ato.batch.replay import trace_digest
 from railhil.systems.ato.scenario.model import Perturbations, Scenario
 from railhil.systems.ato.scenario.perturb import perturbed
 

@@ -7,7 +7,7 @@ from typing import Any
 from railhil.batch import Case
 from railhil.bench import direct_run
 from railhil.systems.ato.batch import run_batch
-from railhil.systems.ato.batch.digest import trace_digest
+from railhil.systems.ato.batch.replay import trace_digest
 
 
 def same_as_the_bench(case: Case, seeds: tuple[int, ...]) -> list[Any]:

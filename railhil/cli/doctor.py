@@ -32,7 +32,7 @@ from railhil.common.streams import add_json_argument, print_json
 from railhil.dbc import wire_contract
 from railhil.live.doctor.machine import Finding, kernel_can, machine, tools
 from railhil.live.doctor.timing import lateness, scheduling
-from railhil.run.transports import gets_pipes
+from railhil.run.node_commands import gets_pipes
 from railhil.scenarios.plant_fmu import PlantFmu
 from railhil.scenarios.run_spec import RunSpec
 

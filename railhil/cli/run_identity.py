@@ -16,8 +16,7 @@ from railhil.controller_node.telemetry_file import law_notes
 from railhil.dbc import wire_contract
 from railhil.scenarios.load import load_any, names
 from railhil.scenarios.model import AnyScenario
-from railhil.scenarios.system import DEFAULT, GROUP, System, system_named
-from railhil.scenarios.unknown import UnknownScenario
+from railhil.scenarios.system import DEFAULT, GROUP, System, UnknownScenario, system_named
 
 #: Hexadecimal digits of a hash that the handshake carries.
 _DIGITS = 8

@@ -13,7 +13,7 @@ from railhil.judge.sequence_measure import SequenceMeasure
 from railhil.record.notes import Status, interface_status
 from railhil.record.trace import FloatArray, Trace
 from railhil.scenarios.model import AnyScenario
-from railhil.scenarios.unknown import UnknownScenario
+from railhil.scenarios.system import UnknownScenario
 
 
 def _nothing(*given: Any) -> tuple[Any, ...]:

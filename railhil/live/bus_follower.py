@@ -19,7 +19,7 @@ from railhil.judge.events.event import RecordedEvent
 from railhil.live.live_values import Newest
 from railhil.record.trace import Trace
 from railhil.scenarios.model import AnyScenario
-from railhil.scenarios.unknown import UnknownScenario
+from railhil.scenarios.system import UnknownScenario
 
 #: Milestones that are remembered.
 MILESTONES = 6

@@ -25,8 +25,7 @@ from railhil.panel.receiver import Receiver
 from railhil.panel.wire import APPEND, REPLACE, encode_batch
 from railhil.record.trace import FloatArray, Trace
 from railhil.scenarios.model import AnyScenario, Timing
-from railhil.scenarios.system import System
-from railhil.scenarios.unknown import UnknownScenario
+from railhil.scenarios.system import System, UnknownScenario
 
 #: Messages kept for pages that connect later.
 EVENTS_MAX = 1000

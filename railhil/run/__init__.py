@@ -3,7 +3,6 @@
 ::
 
     spec.py        a RunSpec from arguments, checked like a file
-    transports.py  the bus of a run
     make.py        record_run: a run on any transport, recorded into its folder and judged, with observers
     local.py       a run whose nodes are all in this process
     coupled.py     a run without telegrams: plant and law coupled by raw integers

@@ -19,8 +19,8 @@ from railhil.record.operator_commands import OperatorCommands
 from railhil.record.run_folder import NO_ROOM, PARAMETERS, discard_folder, run_folder, write_inputs
 from railhil.run.bus_run import BusRun
 from railhil.run.memory import keep_memory, learned, with_memory
+from railhil.run.node_commands import chosen_bus
 from railhil.run.run import Run
-from railhil.run.transports import chosen_bus
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 

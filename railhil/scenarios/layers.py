@@ -11,7 +11,7 @@ results are left out. If a file above it, or ``--set``, gives other values, the 
 from __future__ import annotations
 
 import copy
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -23,6 +23,7 @@ from railhil.scenarios.settings import SET, layer
 from railhil.scenarios.tomlfile import parsed_toml
 
 if TYPE_CHECKING:
+    from railhil.scenarios.system import System
     from railhil.scenarios.task import TaskScenario
     from railhil.systems.ato.scenario.model import Scenario
 
@@ -335,3 +336,15 @@ def _listed(changed: list[tuple[str, ...]]) -> str:
     names = [".".join(keys) for keys in changed]
     more = f" and {len(names) - _SHOWN_MAX} more" if len(names) > _SHOWN_MAX else ""
     return ", ".join(names[:_SHOWN_MAX]) + more
+
+
+def faults_of_rows(
+    rows: Sequence[Mapping[str, Any] | str], system: System, origin: Callable[[int], Path]
+) -> tuple[str, ...]:
+    """See :func:`railhil.scenarios.fault_list.fault_texts`."""
+    if not rows:
+        return ()
+    # Loading it takes a tenth of the start of a node, and every node reads the scenario.
+    from railhil.scenarios.fault_list import fault_texts
+
+    return fault_texts(rows, system, origin)

@@ -1,8 +1,10 @@
-"""The part of a scenario that the bench needs, for any system."""
+"""The part of a scenario that the bench needs, for any system; its canonical form, whose SHA-256 the nodes compare."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import hashlib
+import json
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -10,6 +12,24 @@ from railhil.common.errors import InputError, Words
 
 if TYPE_CHECKING:
     from railhil.scenarios.system import System
+
+
+def injected_faults(faults: Sequence[str]) -> list[str]:
+    """The faults of a scenario without the keys that only explain and judge them."""
+    # Imported here: a run without faults does not load their language, which takes a tenth of a node's start.
+    from railhil.faults.language import fault_text, parse
+
+    return [fault_text(parse(text, "faults"), judging=False) for text in faults]
+
+
+def canonical_text(table: dict[str, Any]) -> str:
+    """A table as JSON with sorted keys, no spaces and shortest round-trip floats."""
+    return json.dumps(table, sort_keys=True, separators=(",", ":"), allow_nan=False, ensure_ascii=True)
+
+
+def text_sha256(table: dict[str, Any]) -> str:
+    """SHA-256 (hex) of a table in canonical form."""
+    return hashlib.sha256(canonical_text(table).encode("ascii")).hexdigest()
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,4 +144,7 @@ if not TYPE_CHECKING:
         """Classes of ``ato``: laws that were written for version 0.1.0 import them from here."""
         from importlib import import_module
 
+        if name.startswith("__"):
+            # Python asks for `__path__` in every import from here.
+            raise AttributeError(name)
         return getattr(import_module("railhil.systems.ato.scenario.model"), name)

@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from dataclasses import InitVar, dataclass, field, fields
 from importlib import import_module
 from importlib.resources import files
+from math import nan
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -19,6 +20,7 @@ from railhil.common.law_order import sort_laws
 from railhil.common.plug_ins import cause_of, entries, guard_plug_in
 from railhil.dbc import Contract, system_contract
 from railhil.faults.truth import Truth
+from railhil.scenarios.model import PublishedScore, Timing
 
 if TYPE_CHECKING:
     from railhil.scenarios.task import ScenarioKind
@@ -254,3 +256,49 @@ class OfSystem:
         :raises InputError: it is not installed, or not usable.
         """
         return system_named(self.system)
+
+
+@dataclass(frozen=True, slots=True)
+class UnknownScenario(OfSystem):
+    """A scenario of which only the system and the first 32 bit of the hash are known. Displays of its run show the data
+    of the wire, and no data of the scenario's file (target, timetable, stopping point).
+
+    The port table gives ticks and periods, see :class:`railhil.scenarios.model.AnyScenario`.
+    """
+
+    system: str
+    #: First 32 bit of the hash in hexadecimal digits.
+    sha256: str
+    timing: Timing
+
+    @classmethod
+    def told(cls, system: str, scenario_hash: int, contract: Contract) -> UnknownScenario:
+        """The number in a handshake telegram."""
+        return cls(system, f"{scenario_hash:08x}", Timing(base_tick_ns=contract.base_tick_ns))
+
+    @property
+    def name(self) -> str:
+        """For titles."""
+        return f"unknown scenario {self.sha256}"
+
+    @property
+    def title(self) -> str:
+        """For titles."""
+        return self.name
+
+    @property
+    def planned_s(self) -> float:
+        """Not known."""
+        return nan
+
+    @property
+    def described(self) -> Mapping[str, object]:
+        """Nothing."""
+        return {}
+
+    assumptions: tuple[str, ...] = ()
+    published: tuple[PublishedScore, ...] = ()
+    faults: tuple[str, ...] = ()
+    watch_weakened: str = ""
+    can_be_perturbed: bool = False
+    every_run_is_drawn: bool = False

@@ -24,11 +24,9 @@ from pydantic import BaseModel, Field, create_model
 
 from railhil.common.errors import InputError, Words
 from railhil.faults.truth import HOLE_MAX_S
-from railhil.scenarios.canonical import injected, text_sha256
 from railhil.scenarios.carried import Reach, check_carried
-from railhil.scenarios.fault_rows import faults_of_rows
-from railhil.scenarios.layers import Layers, with_own_words
-from railhil.scenarios.model import AnyScenario, PublishedScore, Timing
+from railhil.scenarios.layers import Layers, faults_of_rows, with_own_words
+from railhil.scenarios.model import AnyScenario, PublishedScore, Timing, injected_faults, text_sha256
 from railhil.scenarios.reference import Key, keys
 from railhil.scenarios.schema import FAULT_TAGS, RUNNING_TIME_MAX_S, FaultRows, Name, Number, Table, Text, TimingTable
 from railhil.scenarios.system import OfSystem, System
@@ -229,7 +227,7 @@ class TaskScenarios:
             for key in scenario.task.JUDGING:
                 used["task"].pop(key, None)
         if scenario.faults:
-            used["faults"] = document["faults"] if judging else injected(scenario.faults)
+            used["faults"] = document["faults"] if judging else injected_faults(scenario.faults)
         return used
 
     def document(self, scenario: Any) -> dict[str, Any]:

@@ -14,9 +14,8 @@ from hypothesis import strategies as st
 
 from hil_tests.support.clock import SetClock
 from railhil.bus.frame import FD, Frame
-from railhil.bus.hub import coalesce
 from railhil.bus.hub.client import HubBus
-from railhil.bus.hub.coalesce import Coalescer, coalescer_of
+from railhil.bus.hub.ports import HOLD_S, Coalescer, coalescer_of
 from railhil.bus.hub.wire import CLASSIC_SIZE, FD_SIZE, MAX_PACKET_SIZE, pack_frame
 from railhil.bus.mvb import master_frame
 
@@ -61,7 +60,7 @@ def test_held_packets_do_not_wait_for_ever_in_steady_traffic():
     coalescer = Coalescer(256, frozenset(), wall)
     packet = pack_frame(Frame(1, b""))
     assert coalescer.take(packet) == []
-    wall.sleep(coalesce.HOLD_S * 1.01)
+    wall.sleep(HOLD_S * 1.01)
     assert coalescer.take(packet) == [packet * 2]
 
 

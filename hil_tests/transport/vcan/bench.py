@@ -20,7 +20,7 @@ from typing import Any
 
 from railhil.bus.administrator import REPLY_NS
 from railhil.bus.link import Link, Timeouts, open_link
-from railhil.bus.link.outage import TIMEOUTS
+from railhil.bus.link.base import TIMEOUTS
 from railhil.bus.local import LocalBus
 from railhil.bus.select import BusChoice
 from railhil.common.exit_codes import run_guarded

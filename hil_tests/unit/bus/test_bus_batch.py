@@ -12,8 +12,8 @@ from railhil.bus.hub.cancontroller import BUS_OFF, ERROR_PASSIVE
 from railhil.bus.hub.connection import Refused
 from railhil.bus.hub.disturbances import Host, Notices, Order
 from railhil.bus.link import errorframe
+from railhil.bus.link.base import Timeouts
 from railhil.bus.link.batch import BatchLink
-from railhil.bus.link.outage import Timeouts
 
 
 class FakeHub:

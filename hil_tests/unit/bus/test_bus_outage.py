@@ -14,8 +14,8 @@ from railhil.bus.clock import BusClock, rate_to_10th, to_time_sync
 from railhil.bus.errors import BusLost, BusOccupied
 from railhil.bus.frame import ERROR, Frame, from_message, to_message
 from railhil.bus.ident import Role
+from railhil.bus.link.base import Timeouts
 from railhil.bus.link.errorframe import describe
-from railhil.bus.link.outage import Timeouts
 from railhil.bus.link.single import SingleLink
 from railhil.bus.local import LocalBus
 from railhil.bus.mvb import F_DEVICE_STATUS, TelegramSource, device_status_frame, master_frame

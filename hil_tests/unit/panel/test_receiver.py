@@ -16,7 +16,7 @@ from railhil.panel import receiver as receivers
 from railhil.panel.command import arguments
 from railhil.panel.receiver import LogFollower, Receiver
 from railhil.record.framelog import LOG_NAME, log_line
-from railhil.run.transports import gets_pipes
+from railhil.run.node_commands import gets_pipes
 
 pytest.importorskip("websockets", reason="MISSING CAPABILITY websockets")
 

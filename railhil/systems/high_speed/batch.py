@@ -30,8 +30,18 @@ from railhil.plant_sim.high_speed.plant import ARRIVED_MPS
 from railhil.plant_sim.high_speed.train import SPEED_RAW_MAX
 from railhil.plant_sim.timed_run import due_tick_of
 from railhil.systems.high_speed import EVENTS
-from railhil.systems.high_speed.fleet import Waysides, made, noise_normals, wind_normals
-from railhil.systems.high_speed.kernel import COUPLER_MAX, DRIVE, SPEED, STANDS, UNITS, advance_fleet
+from railhil.systems.high_speed.kernel import (
+    COUPLER_MAX,
+    DRIVE,
+    SPEED,
+    STANDS,
+    UNITS,
+    Waysides,
+    advance_fleet,
+    made,
+    noise_normals,
+    wind_normals,
+)
 from railhil.wire.power_units import ACCEL_PER_MPS2, SPEED_PER_MPS, TRUE_PER_UNIT, wire
 
 #: Runs computed together; a journey of an hour takes about 1 MB for each, three units twice that.

@@ -32,8 +32,7 @@ from railhil.plant_sim.timed_run import due_tick_of
 from railhil.run.coupled import direct_run
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
-from railhil.systems.stop.fleet import made
-from railhil.systems.stop.kernel import DRIVE, POSITION, SPEED, advance_stops
+from railhil.systems.stop.kernel import DRIVE, POSITION, SPEED, advance_stops, made
 from railhil.wire.stop import AtoState, BrakeCommand, BrakeStatus, StopReport, TrainState, Truth
 from railhil.wire.stop_counts import CONTRACT, MM, START_PER_S, TRUE_PER_UNIT
 

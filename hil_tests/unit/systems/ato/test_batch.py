@@ -29,10 +29,10 @@ from railhil.plant_sim.ato.plant_readings import AxleSensors
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.systems.ato.batch import kernel, run_batch
-from railhil.systems.ato.batch.digest import trace_digest
 from railhil.systems.ato.batch.engine import Engine
 from railhil.systems.ato.batch.lanes import LANES
 from railhil.systems.ato.batch.noise import standard_noise
+from railhil.systems.ato.batch.replay import trace_digest
 from railhil.systems.ato.scenario.model import Balise
 
 SCENARIOS = (

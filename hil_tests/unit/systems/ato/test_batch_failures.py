@@ -17,7 +17,7 @@ from railhil.scenarios.load import load, load_any
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.study.perturbed_runs import FIRST_SEED, run_seeds
 from railhil.systems.ato.batch import run_batch
-from railhil.systems.ato.batch.digest import trace_digest
+from railhil.systems.ato.batch.replay import trace_digest
 from railhil.systems.ato.scenario.model import Effort, Scenario, Uniform
 
 

@@ -17,8 +17,7 @@ import numpy as np
 
 from railhil.batch.case import Batch, Case
 from railhil.controller_node.arithmetic.base import DIVISION_BY_ZERO, SATURATION, WRAP
-from railhil.systems.ato.batch.digest import notch_digest
-from railhil.systems.ato.batch.replay import left_the_healthy_path, replayed
+from railhil.systems.ato.batch.replay import left_the_healthy_path, notch_digest, replayed
 
 if TYPE_CHECKING:
     from railhil.systems.ato.batch.engine import BatchRuns

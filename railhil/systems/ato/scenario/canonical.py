@@ -6,7 +6,7 @@ import dataclasses
 import hashlib
 from typing import Any
 
-from railhil.scenarios.canonical import canonical_text, injected, text_sha256
+from railhil.scenarios.model import canonical_text, injected_faults, text_sha256
 from railhil.systems.ato.scenario.model import Scenario
 
 #: Fields that only explain a scenario.
@@ -43,7 +43,7 @@ def canonical_json(scenario: Scenario) -> str:
     for name in _JUDGING_OF_PLAN:
         table["plan"].pop(name, None)
     if "faults" in table:
-        table["faults"] = injected(scenario.faults)
+        table["faults"] = injected_faults(scenario.faults)
     return canonical_text(table)
 
 

@@ -15,9 +15,8 @@ from typing import TYPE_CHECKING, Any
 from pydantic import BaseModel, TypeAdapter, ValidationError
 
 from railhil.common.errors import InputError, Words
-from railhil.scenarios.fault_rows import faults_of_rows
 from railhil.scenarios.keys import USUAL
-from railhil.scenarios.layers import Layers
+from railhil.scenarios.layers import Layers, faults_of_rows
 from railhil.scenarios.model import PublishedScore
 from railhil.scenarios.system import System
 from railhil.systems.ato.scenario.canonical import judged_sha256, scenario_sha256
