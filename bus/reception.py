@@ -7,7 +7,7 @@ A document for ``NODE.sent`` and ``certificate.json``::
                      refused    those that it has not taken, by cause
                      lost       frames overwritten unread in the CAN module
     frames  frames and telegrams that the traffic store has refused, by cause; no_answer: empty frames of a source that
-            does not answer
+            does not answer; late: frames that came after the reply time-out and were dropped (plant, real time)
     gaps    times in which an injected fault kept everything from the node, in their order: by port the number of its
             telegrams before and in the gap; restarted: the node began anew after it
     by_task mailboxes are read by a task, so that telegrams overwrite each other

@@ -140,6 +140,8 @@ class PlantNode:
         ``judged``."""
         found = reception(self._store, getattr(self.plant, "judged", {}))
         found["frames"]["no_answer"] = self.administrator.counters["no_answer"]
+        if self._pacer.rate:
+            found["frames"]["late"] = self.administrator.counters["late_frames"]
         return found
 
     # -- before the run -------------------------------------------------------------------------------------------

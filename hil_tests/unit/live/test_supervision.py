@@ -20,9 +20,11 @@ from railhil.plant_sim.supervision import SupervisorWatch
 from railhil.record.session import make_session
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.systems.ato.scenario.model import Scenario
+from railhil.wire.ato import NotchCmd
 
 PERIOD_NS = 160_000_000
 SUP_POLL = master_frame(SupCmd.port().f_code, SupCmd.port().address)
+NOTCH_POLL = master_frame(NotchCmd.port().f_code, NotchCmd.port().address)
 S = 1_000_000_000
 
 
@@ -86,6 +88,34 @@ class Interrupted(LocalBus):
             self.is_down = self._outage and is_silent
             return [] if is_silent else self._supervisor(frame)
         return self._supervisor(frame)
+
+
+class Late(LocalBus):
+    """A bus on which the answer to one poll of NOTCH_CMD comes with the next telegram of the plant."""
+
+    def __init__(self, nodes: Sequence[Callable[[Frame], list[Frame]]], poll: int) -> None:
+        super().__init__([self._to_controller, nodes[1]])
+        self._controller = nodes[0]
+        self._left = poll
+        self._kept: list[Frame] = []
+
+    def _to_controller(self, frame: Frame) -> list[Frame]:
+        kept, self._kept = self._kept, []
+        answers = self._controller(frame)
+        if frame == NOTCH_POLL:
+            self._left -= 1
+            if self._left == 0:
+                self._kept, answers = answers, []
+        return kept + answers
+
+
+def test_a_plant_reports_the_frames_that_came_too_late(run_2m: Scenario) -> None:
+    run = RunSpec(pace="realtime", rate=20.0)
+    session = make_session(run_2m, lambda line: None, run)
+    node = ControllerNode(run_2m, LawSpec())
+    plant = make_plant_node(run_2m, run, Late([node.handle, session.handle], poll=10), reply_ns=20_000_000)
+    assert ends_run(plant.run())
+    assert plant.received["frames"]["late"] >= len(NotchCmd.port().can_ids), "more if the machine is busy"
 
 
 @pytest.mark.parametrize("is_down", [False, True])
