@@ -36,8 +36,8 @@ def incomplete(trace: Trace, truth: str) -> str:
 def _hole(trace: Trace, truth: str) -> str:
     """A time without the train, at the start of the record, within it or at its end."""
     shown_s = trace.times_s(truth)
-    firsts_s = [trace.times_s(port.name)[:1] for port in trace.contract.ports]
-    time_s = np.concatenate([[np.concatenate(firsts_s).min()], shown_s, [max(trace.end_s, shown_s[-1])]])
+    begun_s = min(times_s[0] for port in trace.contract.ports if len(times_s := trace.times_s(port.name)))
+    time_s = np.concatenate([[begun_s], shown_s, [trace.end_s]])
     gaps_s = np.diff(time_s)
     longest = int(gaps_s.argmax())
     if gaps_s[longest] <= HOLE_MAX_S:
