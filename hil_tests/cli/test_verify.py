@@ -83,6 +83,28 @@ def test_an_unsigned_run_says_so(here: Railhil, short: Path, tmp_path: Path) -> 
     assert found.json["problems"][0].startswith("frames.blf: no such file, in SHA256SUMS ")
 
 
+def test_the_events_are_derived_from_the_log_again_and_telemetry_is_not(
+    here: Railhil, short: Path, tmp_path: Path
+) -> None:
+    run = _run(here, short, tmp_path / "run")
+    assert "telemetry.json compared with its hash alone" in here("verify", run).out
+    (run / "telemetry.json").unlink()
+    header, *rows = (run / "events.csv").read_text().splitlines()
+    cells = rows[0].split(",")
+    time_s = f"{float(cells[0]) + 0.01:.4g}"
+    for edited, said in (
+        ([",".join([time_s, *cells[1:]]), *rows[1:]], f"events.csv: line 2, time_s: {time_s}, "),
+        (rows[:-1], f"events.csv: line {len(rows) + 1}: "),
+        ([*rows, rows[-1]], f"events.csv: line {len(rows) + 2}: "),
+    ):
+        (run / "events.csv").write_text("\n".join([header, *edited, ""]))
+        write_hash_list(run)
+        found = here("verify", run)
+        assert found.exit_code == 1
+        assert said in found.out
+        assert "telemetry.json" not in found.out
+
+
 def test_of_a_folder_without_a_list_it_is_said_what_is_checked(here: Railhil, short: Path, tmp_path: Path) -> None:
     run = _run(here, short, tmp_path / "run")
     (run / HASH_LIST).unlink()

@@ -14,12 +14,14 @@ from railhil.common.exit_codes import FAIL, PASS
 from railhil.common.output import Output
 from railhil.common.streams import add_json_argument, print_json
 from railhil.dbc import ContractError
-from railhil.judge.derived_files import SIGNALS, blf_difference, signals_difference
+from railhil.judge.derived_files import SIGNALS, blf_difference, events_difference, signals_difference
+from railhil.judge.events.event import EVENTS
 from railhil.judge.record import checked_record
 from railhil.judge.rerun import document_changes
 from railhil.record.documents import CERTIFICATE, FAULT_TABLE, read_fault_table
 from railhil.record.framelog import LOG_NAME
 from railhil.record.hash_list import DOCUMENTS, HASH_LIST, Changed, changed_files, listed_files, read_hash_list
+from railhil.record.run_folder import TELEMETRY
 from railhil.record.signature import KEY, Signed, signed
 
 _END = f"/{HASH_LIST}"
@@ -45,6 +47,7 @@ class _Found:
     each."""
 
     files: int = 0
+    has_telemetry: bool = False
     problems: list[str] = field(default_factory=list)
     unchecked: list[str] = field(default_factory=list)
     remarks: list[str] = field(default_factory=list)
@@ -71,6 +74,9 @@ def work(namespace: argparse.Namespace) -> int:
     for line in seen.problems:
         console.say(line, style="red")
     ending = count_of(len(seen.problems), "problem") if seen.problems else f"{count_of(seen.files, 'file')} as listed"
+    if seen.has_telemetry:
+        # The controller's own report does not follow from the log.
+        ending += f", {TELEMETRY} compared with its hash alone"
     console.say(f"{folder}: {ending}; {said}")
     return FAIL if seen.problems else PASS
 
@@ -147,10 +153,12 @@ def _look_at_record(folder: Path, place: str, seen: _Found) -> None:
         seen.remarks += record.notes
         found = [blf_difference(record)]
         changes = document_changes(record.certificate, "the record")
-        if changes and (folder / SIGNALS).is_file():
-            seen.unchecked.append(f"{place}{SIGNALS}: not compared with the log: {changes[0]}")
-        else:
-            found.append(signals_difference(record))
-        seen.problems += [f"{place}{difference}" for difference in found if difference]
+        for name, difference in ((SIGNALS, signals_difference), (EVENTS, events_difference)):
+            if changes and (folder / name).is_file():
+                seen.unchecked.append(f"{place}{name}: not compared with the log: {changes[0]}")
+            else:
+                found.append(difference(record))
+        seen.has_telemetry |= (folder / TELEMETRY).is_file()
+        seen.problems += [f"{place}{said}" for said in found if said]
     except (InputError, ContractError) as error:
         seen.problems.append(str(error))

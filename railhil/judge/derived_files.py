@@ -8,6 +8,7 @@ from itertools import zip_longest
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from railhil.judge.events.event import EVENTS, write_events
 from railhil.judge.record import Record
 from railhil.judge.signals import write_signals
 from railhil.record.blf_reader import read_blf
@@ -52,6 +53,23 @@ def signals_difference(record: Record) -> str:
     with TemporaryDirectory(prefix="railhil-") as private:
         again = Path(private) / SIGNALS
         write_signals(record.scenario, record.trace, again, record.certificate.get("notes"))
+        if again.read_bytes() == path.read_bytes():
+            return ""
+        return next(_other_values(path, again, record.log.name), "")
+
+
+def events_difference(record: Record) -> str:
+    """The first value in which ``events.csv`` differs from the log and the faults of the certificate; empty: no
+    difference, or no such file.
+
+    The file was made by the code of the record, and other code may give other events.
+    """
+    path = record.log.with_name(EVENTS)
+    if not path.is_file():
+        return ""
+    with TemporaryDirectory(prefix="railhil-") as private:
+        again = Path(private) / EVENTS
+        write_events(record.events, again)
         if again.read_bytes() == path.read_bytes():
             return ""
         return next(_other_values(path, again, record.log.name), "")
