@@ -23,6 +23,7 @@ from railhil.controller_node.high_speed.training import (
     rows_of,
     trained,
 )
+from railhil.judge.folder import code_sha256
 from railhil.judge.record import Record
 from railhil.learning.series import Series, read_series
 from railhil.record.framelog import log_sha256
@@ -31,6 +32,8 @@ from railhil.scenarios.tomlfile import toml_table, toml_value
 _HEAD = "# Written by railhil train-model from a recorded run. For railhil run --parameters.\n"
 #: Digits of the errors.
 _DIGITS = 5
+#: Code on which the training depends, in addition to that of the bench.
+_OWN_CODE = ("learning",)
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,6 +109,8 @@ def describe_training(record: Record, recipe: Recipe, period_s: float, models: T
         method = {"method": f"L-BFGS-B of scipy {version('scipy')}", "decay": BP_DECAY, "iterations": BP_ITERATIONS}
     return {
         "railhil": version("railhil"),
+        "code_sha256": code_sha256(),
+        "training_sha256": code_sha256(_OWN_CODE),
         "options": options,
         "record_sha256": log_sha256(record.log),
         "scenario_sha256": record.scenario.sha256,

@@ -14,6 +14,7 @@ from railhil.bench import direct_run
 from railhil.common.errors import InputError
 from railhil.controller_node.high_speed.learned import WEIGHTS, shipped_networks
 from railhil.controller_node.high_speed.training import Recipe
+from railhil.judge.folder import code_sha256
 from railhil.judge.record import Record
 from railhil.learning.models import describe_training, render_file, train_models
 from railhil.record.trace import Trace
@@ -71,6 +72,9 @@ def test_the_shipped_network_is_what_its_command_makes(tmp_path: Path) -> None:
     assert given.training_seeds == frozenset({1})
     theirs = tomllib.loads((WEIGHTS / "elm_ngpc_hst1.toml").read_text())["training"]["notes"]
     ours = tomllib.loads(file.read_text())["training"]["notes"]
+    # The shipped file was made by other code.
+    assert ours.pop("code_sha256") == code_sha256()
+    assert len(ours.pop("training_sha256")) == 64
     assert ours | {"record_sha256": theirs["record_sha256"]} == theirs
 
 
