@@ -326,7 +326,7 @@ def test_certificates_that_do_not_help(here, tmp_path):
         (None, "file: found no such file"),
         ('{"scenario": "lvs', "file: found no JSON document"),
         ("\xff", "file: found no JSON document"),
-        ("[]", "found [], allowed a JSON object"),
+        ("[]", "found no JSON object, allowed a certificate"),
         ("{}", "scenario: found no such key"),
         ('{"scenario": 3}', "scenario: found 3, allowed a text"),
         ('{"scenario": "lvshun_tieshan", "seed": "7"}', "certificate.json: seed: found '7', allowed a whole number"),

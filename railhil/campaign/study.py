@@ -3,9 +3,6 @@ record for the engine."""
 
 from __future__ import annotations
 
-import json
-import subprocess
-import sys
 import tempfile
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -26,8 +23,7 @@ from railhil.common.exit_codes import FAIL, INVALID, PASS
 from railhil.common.extras import need
 from railhil.controller_node.arithmetic import names as arithmetics
 from railhil.judge.judging import judging_of
-from railhil.record.framelog import log_sha256
-from railhil.record.log_trace import trace_of_log
+from railhil.run.make import run_into
 from railhil.scenarios import system as systems
 from railhil.scenarios.run_spec import RunSpec
 from railhil.study.finished import Verified, differences
@@ -98,30 +94,27 @@ class BenchInvalid(Exception):
 
 
 def bench_run(plan: Plan, run: RunSpec) -> dict[str, Any]:
-    """One run with ``railhil`` in a separate folder, as the columns of a campaign.
+    """One run with the processes of the bench, as the columns of a campaign.
 
     :raises BenchInvalid: the bench gave no valid run.
     """
     with tempfile.TemporaryDirectory(prefix="railhil-") as private:
-        folder = Path(private) / "run"
-        words = ["run", *run.words]
-        command = [sys.executable, "-P", "-m", "railhil.cli", *words, "--out", str(folder), "--json"]
-        done = subprocess.run(command, capture_output=True, text=True, check=False)
-        if done.returncode not in (PASS, FAIL):
-            complaint = " ".join(done.stderr.split()) or "no word"
-            raise BenchInvalid(f"the bench gave exit code {done.returncode} for railhil {' '.join(words)}: {complaint}")
-        found = json.loads((folder / "score.json").read_text(encoding="utf-8"))
-        log = folder / "frames.log"
-        if plan.batch is None:
-            digest = log_sha256(log)[:DIGITS]
-        else:
-            system = plan.scenario.installed_system
-            digest = system.part("digest")(plan.scenario, trace_of_log(log, system.contract))
+        result = run_into(Path(private) / "run", run, keep=False)
+    if result.exit_code not in (PASS, FAIL):
+        words = " ".join(run.words)
+        raise BenchInvalid(f"the bench gave exit code {result.exit_code} for railhil run {words}: {result.line}")
+    score = result.score
+    if plan.batch is None:
+        digest = result.frames_sha256[:DIGITS]
+    else:
+        digest = plan.scenario.installed_system.part("digest")(plan.scenario, result.trace)
     return {
-        **found["scores"],
-        **{extra.key: found[extra.key] for extra in plan.judging.extras},
-        **{name: found["signed"][key] for name, key in signed_columns(plan.criteria).items()},
-        **{name: found[name] for name in ("verdict", "ended", "failures")},
+        **score.values,
+        **score.extras,
+        **{name: score.signed[key] for name, key in signed_columns(plan.criteria).items()},
+        "verdict": score.verdict,
+        "ended": score.ended,
+        "failures": list(score.failures),
         "notch_digest": digest,
     }
 

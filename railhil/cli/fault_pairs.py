@@ -23,7 +23,7 @@ from railhil.faults.random_faults import Sent, random_pair
 from railhil.judge.reactions.evaluate import RULE, VERDICTS
 from railhil.judge.result import Result
 from railhil.record.trace import Trace
-from railhil.run.make import NeverBegan, record_run
+from railhil.run.make import NeverBegan, run_into
 from railhil.scenarios.fault_list import disturbed_signals, fault_texts
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import System
@@ -72,20 +72,6 @@ def judged_pair(number: int, faults: Sequence[str], result: Result) -> PairVerdi
     if verdict == "TOOL ERROR":
         failures.append(f"tool error: {result.line}")
     return PairVerdict(number, faults, verdict, failures)
-
-
-def run_into(folder: Path, spec: RunSpec, *, keep: bool = True) -> Result:
-    """The result of a run into a folder; one that is made here is removed if the run never began.
-
-    :param keep: whether the folder is to be complete; else it has only the files that the result needs.
-    :raises InputError: the run cannot inject one of its faults.
-    :raises NeverBegan: no frame came.
-    :raises SystemExit: a signal has ended the run.
-    """
-    result = record_run(replace(spec, out=folder), keep=keep)
-    if result.stopped_exit_code:
-        raise SystemExit(result.stopped_exit_code)
-    return result
 
 
 def faultless_run(base: RunSpec, out: Path) -> tuple[float, dict[str, Sent]]:

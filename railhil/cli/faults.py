@@ -14,7 +14,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from railhil.bus.can_settings import HUB_INTERFACE
-from railhil.cli.fault_pairs import pairs, run_into
+from railhil.cli.fault_pairs import pairs
 from railhil.cli.run import add_arguments, law_names, run_spec, run_system
 from railhil.common.command_line import whole_number
 from railhil.common.digits import count_of
@@ -34,7 +34,7 @@ from railhil.record.documents import FAULT_TABLE
 from railhil.record.hash_list import HASH_LIST, HASH_LIST_KEY, write_hash_list
 from railhil.record.run_folder import RecordFailed, json_text
 from railhil.record.signature import add_sign_argument, check_key, sign_list
-from railhil.run.make import NeverBegan
+from railhil.run.make import NeverBegan, run_into
 from railhil.scenarios.options import add_option
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import System

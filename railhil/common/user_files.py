@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import errno
 import fcntl
+import json
 import os
 import stat
 import tempfile
@@ -16,6 +17,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from io import BufferedReader
 from pathlib import Path
+from typing import Any
 
 from railhil.common.errors import InputError, Words
 
@@ -59,6 +61,23 @@ def given_text(path: Path, encoding: str = "utf-8", errors: str = "strict") -> s
     """
     text = given_bytes(path).decode(encoding, errors)
     return text.replace("\r\n", "\n").replace("\r", "\n")
+
+
+def given_json(path: Path, allowed: str, key: str = "") -> dict[str, Any]:
+    """The JSON object in a file, as :func:`open_given`.
+
+    :param allowed: what should be there; ``key``: of the error.
+    :raises InputError: the file cannot be read (its cause is the OSError), or has something else.
+    """
+    try:
+        document = json.loads(given_text(path))
+    except OSError as error:
+        raise InputError(path, key, Words((error.strerror or str(error)).lower()), allowed) from error
+    except (ValueError, RecursionError) as error:
+        raise InputError(path, key, Words("no JSON document"), allowed, str(error)) from None
+    if not isinstance(document, dict):
+        raise InputError(path, key, Words("no JSON object"), allowed)
+    return document
 
 
 _NEW_FILE_MODE = 0o666

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import itertools
-import json
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, model_validator
 
-from railhil.common.errors import InputError, Words
-from railhil.common.user_files import given_text
+from railhil.common.errors import InputError
+from railhil.common.user_files import given_json
 from railhil.scenarios.validation import validated
 
 #: Names in a run folder.
@@ -278,15 +277,11 @@ class _Comparison(_Part):
 
 def _read(path: Path, model: type[_Part], allowed: str) -> dict[str, Any] | None:
     try:
-        document = json.loads(given_text(path))
-    except FileNotFoundError:
-        return None
-    except OSError as error:
-        raise InputError(path, "file", Words((error.strerror or str(error)).lower()), allowed) from None
-    except (ValueError, RecursionError) as error:
-        raise InputError(path, "file", Words("no JSON document"), allowed, str(error)) from None
-    if not isinstance(document, dict):
-        raise InputError(path, "file", document, f"a JSON object: {allowed}")
+        document = given_json(path, allowed, "file")
+    except InputError as error:
+        if isinstance(error.__cause__, FileNotFoundError):
+            return None
+        raise
     validated(model, document, lambda keys: path, ("shown", "summary", "lockstep", "realtime"))
     return document
 

@@ -15,7 +15,7 @@ from typing import Any
 
 from railhil.common.errors import InputError
 from railhil.common.held_code import OURS, held_sha256
-from railhil.common.user_files import whole_file
+from railhil.common.user_files import given_json, whole_file
 from railhil.reproduce.paper import Entry, Measurement, Paper, Results
 from railhil.study.pool import each, until_stopped
 
@@ -112,10 +112,7 @@ def _read(file: Path, entry: Entry) -> Measurement:
 
     :raises InputError: they are those of another run, or of other code.
     """
-    try:
-        found = json.loads(file.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise InputError(file, "file", str(error), "figures of a run, as --measured writes them") from None
+    found = given_json(file, "figures of a run, as --measured writes them", "file")
     for key, allowed in _identity(entry).items():
         if found.get(key) != allowed:
             raise InputError(file, key, str(found.get(key)), f"{allowed}, or no such file: the run is then made")

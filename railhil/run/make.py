@@ -153,6 +153,20 @@ def record_run(spec: RunSpec, *observers: Observer, scenario: AnyScenario | None
     return result
 
 
+def run_into(folder: Path, spec: RunSpec, *, keep: bool = True) -> Result:
+    """The result of a run into a folder; one that is made here is removed if the run never began.
+
+    :param keep: whether the folder is to be complete; else it has only the files that the result needs.
+    :raises InputError: the run cannot inject one of its faults.
+    :raises NeverBegan: no frame came.
+    :raises SystemExit: a signal has ended the run.
+    """
+    result = record_run(replace(spec, out=folder), keep=keep)
+    if result.stopped_exit_code:
+        raise SystemExit(result.stopped_exit_code)
+    return result
+
+
 def complete(result: Result) -> None:
     """Complete a result with its events, and with the expectations of its faults."""
     from railhil.judge.events.derive import events_of

@@ -12,8 +12,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
-from railhil.common.errors import InputError, Words
-from railhil.common.user_files import given_text
+from railhil.common.errors import InputError
+from railhil.common.user_files import given_json
 from railhil.scenarios.layers import DATA
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.system import DEFAULT, system_named
@@ -49,14 +49,7 @@ def read_scenario(path: Path) -> AnyScenario:
 
     :raises InputError: it cannot be read, is not a scenario, or does not match its own hash.
     """
-    try:
-        fields = json.loads(given_text(path))
-    except OSError as error:
-        raise InputError(path, "file", Words((error.strerror or str(error)).lower()), _ALLOWED) from None
-    except (ValueError, RecursionError):
-        raise InputError(path, "file", Words("no JSON document"), _ALLOWED) from None
-    if not isinstance(fields, dict):
-        raise InputError(path, "file", Words("no JSON object"), _ALLOWED)
+    fields = given_json(path, _ALLOWED, "file")
     system = system_named(str(fields.get("system", DEFAULT)), path)
     scenario = system.scenario_kind.stored(fields, path)
     if fields.get("sha256") != scenario.sha256:

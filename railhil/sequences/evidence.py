@@ -24,7 +24,7 @@ from typing import Any, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from railhil.common.errors import InputError, Words
-from railhil.common.user_files import write_synced
+from railhil.common.user_files import given_json, write_synced
 from railhil.dbc import ContractError
 from railhil.judge.cross_check import check_folder
 from railhil.record.documents import CERTIFICATE, read_certificate
@@ -153,13 +153,7 @@ def read_evidence(folder: Path) -> Evidence:
     :raises InputError: there is none, or it is damaged.
     """
     path = folder / SEQUENCE
-    try:
-        document = json.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        found = Words((error.strerror or str(error)).lower())
-        raise InputError(path, "", found, "folder of railhil sequence run") from None
-    except (ValueError, RecursionError):
-        raise InputError(path, "", Words("no JSON"), "what `railhil sequence run` has written") from None
+    document = given_json(path, "folder of railhil sequence run")
     file = validated(_File, document, lambda keys: path)
     if document.get(HASH_LIST_KEY) or len(file.made) == file.runs:
         check_document(folder, SEQUENCE, document)

@@ -12,6 +12,7 @@ from typing import Any
 import pyarrow as pa
 
 from railhil.common.errors import InputError, Words
+from railhil.common.user_files import given_json
 from railhil.record.hash_list import check_hash_list
 from railhil.study.manifest import read_manifest
 from railhil.study.parts import SUMMARY
@@ -74,15 +75,9 @@ def finished_rows(study: Study[P, C], plan: P, folder: Path) -> pa.Table:
 
 def finished_summary(study: Study[P, C], folder: Path) -> dict[str, Any]:
     """``summary.json`` of a finished study. Raises InputError."""
-    try:
-        found = json.loads((folder / SUMMARY).read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise _unfinished(study, folder, SUMMARY) from None
-    except ValueError:
-        found = None
-    if not isinstance(found, dict):
-        raise InputError(folder / SUMMARY, "", Words("no JSON table"), f"what {study.command} has written")
-    return found
+    if not (folder / SUMMARY).exists():
+        raise _unfinished(study, folder, SUMMARY)
+    return given_json(folder / SUMMARY, f"what {study.command} has written")
 
 
 def _unfinished(study: Study[P, C], folder: Path, name: str) -> InputError:

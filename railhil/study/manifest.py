@@ -13,6 +13,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, create_model
 
 from railhil.common.build import machine
 from railhil.common.errors import InputError, Words
+from railhil.common.user_files import given_json
 from railhil.record.hash_list import HASH_LIST, HASH_LIST_KEY, check_document
 from railhil.scenarios.stored import any_document
 from railhil.scenarios.validation import validated
@@ -52,14 +53,8 @@ def read_manifest(folder: Path, study: Study[P, C]) -> Manifest:
     :raises InputError: there is none, or it was not written by such a study.
     """
     path = folder / study.manifest
-    try:
-        document = json.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        found = Words((error.strerror or str(error)).lower())
-        raise InputError(path, "", found, f"folder of {study.command}") from None
-    except (ValueError, RecursionError):
-        raise InputError(path, "", Words("no JSON"), f"what `{study.command}` has written") from None
-    if not isinstance(document, dict) or document.get("format") != _FORMAT:
+    document = given_json(path, f"folder of {study.command}")
+    if document.get("format") != _FORMAT:
         allowed = f"{_FORMAT}, of {study.command} of this railhil"
         raise InputError(path, "format", Words("something else"), allowed)
     fields: dict[str, Any] = {study.kind: (dict[str, Any], ...), "request": (study.bounds, ...)}

@@ -139,7 +139,10 @@ def test_a_folder_with_something_else_is_refused(campaign, short):
     Path("mine/notes.txt").touch()
     assert "--out: found 'mine', allowed an empty or new folder" in campaign(short, "--out", "mine").one_line()
     Path("mine/campaign.json").write_text("[]")
-    assert "campaign.json: format: found something else" in campaign("--resume", "mine").one_line()
+    assert (
+        "campaign.json: found no JSON object, allowed folder of railhil campaign"
+        in campaign("--resume", "mine").one_line()
+    )
 
 
 @pytest.mark.parametrize("module", ["pyarrow", "numba", "joblib"])

@@ -30,7 +30,7 @@ _WHOLE = {
         ("score.json", "run", {"sim_time_s": 1e999, "wall_time_s": 3},
          "score.json: run.sim_time_s: found inf, allowed a finite number"),
         ("score.json", None, "{", "score.json: file: found no JSON document"),
-        ("score.json", None, "[]", "score.json: file: found [], allowed a JSON object"),
+        ("score.json", None, "[]", "score.json: file: found no JSON object, allowed"),
     ],
 )  # fmt: skip
 def test_damaged_documents_are_one_line(

@@ -6,15 +6,14 @@ Operations Research Forum 4:67 (2023). Units are named in the file and must be m
 
 from __future__ import annotations
 
-import json
 from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, Strict
 
-from railhil.common.errors import InputError, Words
-from railhil.common.user_files import given_text
+from railhil.common.errors import InputError
+from railhil.common.user_files import given_json
 from railhil.scenarios.validation import validated
 from railhil.systems.ato.scenario.importers.section import Stop, StopLine
 from railhil.systems.ato.scenario.model import Line, Profile
@@ -102,12 +101,4 @@ def _increasing(file: str | Path, key: str, positions: list[float]) -> None:
 
 
 def _read(file: str | Path) -> dict[str, Any]:
-    try:
-        data = json.loads(given_text(Path(file)))
-    except OSError as error:
-        raise InputError(file, "", Words(error.strerror or "no readable file"), "a readable JSON file") from None
-    except (ValueError, RecursionError) as error:
-        raise InputError(file, "", Words(str(error)), "JSON in UTF-8") from None
-    if not isinstance(data, dict):
-        raise InputError(file, "", Words(f"a {type(data).__name__}"), "a TTOBench track object")
-    return data
+    return given_json(Path(file), "a TTOBench track object (JSON in UTF-8)")
