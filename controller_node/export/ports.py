@@ -24,22 +24,6 @@ _OCTET = 8
 #: Longest expression in one line.
 _COLUMNS = 70
 
-_SIGNED = """\
-/* A number of so many bits in two's complement. */
-static inline int32_t railhil_signed(uint32_t raw, unsigned bits)
-{
-    const uint32_t sign = UINT32_C(1) << (bits - 1u);
-    return (int32_t)((raw ^ sign) - sign);
-}
-"""
-_SIGNED_WIDE = """\
-static inline int64_t railhil_signed_wide(uint64_t raw, unsigned bits)
-{
-    const uint64_t sign = UINT64_C(1) << (bits - 1u);
-    return (int64_t)((raw ^ sign) - sign);
-}
-"""
-
 
 class CTelegram:
     """The telegram of a port, or of all ports with the same layout, as a C structure.
@@ -161,9 +145,6 @@ def ports_header(control: Control) -> str:
             "enum {",
             *(f"    RAILHIL_{port.name}_BYTES = {port.data_bytes}," for port in ports),
             "};",
-            "",
-            *_SIGNED.splitlines(),
-            *_SIGNED_WIDE.splitlines(),
             "",
             *_telegrams(received, sent),
             "/* Life signs that count time: of the clock port, and of RAILHIL_SLOW_PORT. */",

@@ -94,6 +94,19 @@ static inline uint32_t railhil_get16(const unsigned char *at)
     return ((uint32_t)at[0] << 8) | at[1];
 }
 
+/* Numbers of so many bits in two's complement. */
+static inline int32_t railhil_signed(uint32_t raw, unsigned bits)
+{
+    const uint32_t sign = UINT32_C(1) << (bits - 1u);
+    return (int32_t)((raw ^ sign) - sign);
+}
+
+static inline int64_t railhil_signed_wide(uint64_t raw, unsigned bits)
+{
+    const uint64_t sign = UINT64_C(1) << (bits - 1u);
+    return (int64_t)((raw ^ sign) - sign);
+}
+
 /* Master word and its check sequence: the last three bytes of every telegram. */
 static inline void railhil_put_tail(unsigned char *at, uint32_t word)
 {
