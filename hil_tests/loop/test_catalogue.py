@@ -77,12 +77,12 @@ def test_nothing_is_known_without_a_run(tmp_path: Path) -> None:
 
 
 def test_most_random_pairs_have_a_verdict() -> None:
-    done = railhil("faults", PAIRS, "--pairs", "10", "--seed", "1", "--jobs", "2", "--json")
+    done = railhil("faults", PAIRS, "--pairs", "5", "--seed", "1", "--jobs", "2", "--json")
     assert done.exit_code == 0, done.err
     assert done.json["broken"] == []
     verdicts = done.json["verdicts"]
-    assert sum(verdicts.values()) == 10
-    assert verdicts["PASS"] + verdicts["FAIL"] > 8
+    assert sum(verdicts.values()) == 5
+    assert verdicts["PASS"] + verdicts["FAIL"] >= 4
 
 
 @pytest.mark.parametrize("words", [["--pairs", "2000", "--seed", "1"], []], ids=["pairs", "catalogue"])

@@ -176,8 +176,14 @@ def test_what_is_wrong_is_used_as_little_as_by_our_node(exported, law: str, inde
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("polls", [3, 8, 25, 80])
-@pytest.mark.parametrize("silent", [TrnSpeed, TrnPos, BalisePassed])
+@pytest.mark.parametrize(
+    ("silent", "polls"),
+    [
+        *((TrnSpeed, polls) for polls in (3, 8, 25, 80)),
+        *((port, 80) for port in (TrnPos, BalisePassed)),
+        *(pytest.param(port, polls, marks=pytest.mark.long) for port in (TrnPos, BalisePassed) for polls in (3, 8, 25)),
+    ],
+)
 def test_a_silent_port_is_answered_as_by_our_node(exported, silent, polls: int) -> None:
     """One port falls silent in motion and comes back: the ladder by age, the reckoned position, the way back."""
     quiet = {can_id: range(250, 250 + polls) for can_id in silent.port().can_ids}
@@ -312,7 +318,12 @@ def late_run(scenario: Scenario, c: CNode, law: str, at_s: float) -> list[NotchC
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("law", "safe", "at_s"),
-    [("ipfc", False, 3.0), ("ipfc", False, 3.39), ("ipfc_plus", False, 3.0), ("ipfc", True, 3.0)],
+    [
+        ("ipfc_plus", False, 3.0),
+        ("ipfc", True, 3.0),
+        pytest.param("ipfc", False, 3.0, marks=pytest.mark.long),
+        pytest.param("ipfc", False, 3.39, marks=pytest.mark.long),
+    ],
 )
 def test_a_controller_that_restarts_in_motion_brakes_until_it_knows_the_time(
     exported, law: str, safe: bool, at_s: float

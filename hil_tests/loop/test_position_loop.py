@@ -113,7 +113,9 @@ def assert_braked(run: Result, begin_s: float) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("begin_s", "scenario"), [(60, WORN), (75, SHORT), (88, SHORT)])
+@pytest.mark.parametrize(
+    ("begin_s", "scenario"), [(60, WORN), pytest.param(75, SHORT, marks=pytest.mark.long), (88, SHORT)]
+)
 def test_silent_position_is_reckoned_for_a_second_and_then_braked(
     tmp_path: Path, begin_s: float, scenario: Scenario
 ) -> None:
@@ -129,7 +131,7 @@ def test_silent_position_is_reckoned_for_a_second_and_then_braked(
     [
         (60, {"off_mm": None, "check": 3}, "position_check"),
         (80, {"off_mm": -20_000}, "position_jump"),
-        (80, {"off_mm": 20_000}, "position_jump"),
+        pytest.param(80, {"off_mm": 20_000}, "position_jump", marks=pytest.mark.long),
     ],
 )
 def test_a_position_that_is_wrong_is_as_good_as_none(
@@ -229,6 +231,7 @@ def test_a_first_balise_that_may_be_an_old_one_is_not_used(tmp_path: Path) -> No
     assert run.score.values["stop_error_m"] < 0.05
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_a_law_with_a_wrong_position_brakes_at_the_end_of_its_authority(tmp_path: Path) -> None:
     """The third balise tells a place 65 m short of its own, which a worn wheel would explain; the last one is right."""

@@ -30,9 +30,9 @@ from railhil.systems.ato.scenario.model import Perturbations, Scenario
 from railhil.systems.ato.scenario.perturb import perturbed
 
 YIZHUANG = (
-    "yizhuang_01_songjiazhuang_xiaocun",
+    pytest.param("yizhuang_01_songjiazhuang_xiaocun", marks=pytest.mark.long),
     "yizhuang_05_yizhuang_qiao_yizhuang_wenhuayuan",
-    "yizhuang_11_jinghai_lu_ciqu_nan",
+    pytest.param("yizhuang_11_jinghai_lu_ciqu_nan", marks=pytest.mark.long),
 )
 #: Seeds of the perturbed runs; their trains differ in mass, resistance, brakes, wheels, delays.
 SEEDS = range(1000, 1020)
@@ -51,11 +51,16 @@ class LawProperties:
     notch_raw_error_max: ClassVar[float] = 2e-4
     #: And the minimum share of equal notch codes.
     equal_share_min: ClassVar[float] = 0.99
+    #: Arithmetic of its batches; in fixed point too, which is long for a law that takes long to compile there.
+    batched: ClassVar[str] = "iq"
 
     def pytest_generate_tests(self, metafunc: pytest.Metafunc) -> None:
-        """Set-points by time and by distance, for a law that supports both."""
+        """Set-points by time and by distance, for a law that supports both; the arithmetics of its batches."""
         if "indexing" in metafunc.fixturenames:
             metafunc.parametrize("indexing", self.kind().indexings)
+        if "batched" in metafunc.fixturenames:
+            fixed_point = [pytest.param("iq", marks=pytest.mark.long)] if self.batched != "iq" else []
+            metafunc.parametrize("batched", [self.batched, *fixed_point])
 
     @classmethod
     def kind(cls) -> type[Law[Any, Any]]:
@@ -159,10 +164,10 @@ class LawProperties:
 
     @pytest.mark.slow
     @pytest.mark.parametrize("name", YIZHUANG)
-    def test_takes_a_train_from_station_to_station(self, name: str) -> None:
-        scenario = load(name)
-        nominal = run_batch(Case(scenario, LawSpec(self.law), perturbed=False), [0])
-        drawn = run_batch(Case(scenario, LawSpec(self.law)), SEEDS)
+    def test_takes_a_train_from_station_to_station(self, name: str, batched: str) -> None:
+        scenario, law = load(name), LawSpec(self.law, batched)
+        nominal = run_batch(Case(scenario, law, perturbed=False), [0])
+        drawn = run_batch(Case(scenario, law), SEEDS)
         for runs in (nominal, drawn):
             assert set(runs.ended) == {"ended_complete"}
             assert not np.isnan(runs.values["stop_error_m"]).any()
@@ -174,13 +179,13 @@ class LawProperties:
         assert nominal.values["stop_error_m"][0] < 1.5
 
     @pytest.mark.slow
-    def test_bus_direct_coupling_and_batch_give_the_same_notches(self, tmp_path: Path) -> None:
+    def test_bus_direct_coupling_and_batch_give_the_same_notches(self, tmp_path: Path, batched: str) -> None:
         """With worn wheels and misplaced balises, so that a law that uses the balises must get the same readings."""
         scenario: Scenario = load(_WORN)
-        spec = RunSpec(law=LawSpec(self.law), seed=1003, perturbed=True)
+        spec = RunSpec(law=LawSpec(self.law, batched), seed=1003, perturbed=True)
         over_bus = local_run(scenario, tmp_path, spec)
         coupled = direct_run(scenario, spec)
-        batch = run_batch(Case(scenario, LawSpec(self.law)), [1003])
+        batch = run_batch(Case(scenario, spec.law), [1003])
         assert over_bus.notches == coupled.notches
         assert over_bus.score == coupled.score
         assert trace_digest(scenario, over_bus.trace) == batch.notch_digest[0]

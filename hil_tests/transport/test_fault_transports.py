@@ -85,7 +85,7 @@ def local_sha256(tmp_path_factory: pytest.TempPathFactory) -> Callable[[tuple[st
     return sha256
 
 
-@pytest.mark.parametrize("bus", [*OPTIONS, *BUSES])
+@pytest.mark.parametrize("bus", ["local", pytest.param("hub", marks=pytest.mark.long), "pipes", *BUSES])
 def test_a_train_whose_controller_is_killed_stops_by_itself(bus: str, tmp_path: Path, local_sha256: Any) -> None:
     scenario = fast(tmp_path, *KILLED)
     if bus in BUSES:
@@ -124,10 +124,10 @@ def test_a_controller_that_hangs_starts_anew_or_brakes(bus: str, tmp_path: Path,
     ("fault", "needs"),
     [
         ("bus off @8s for 300ms", False),
-        ("TRN_SPEED duplicate 50% copies 2 @8s for 1s", False),
-        ("speed wrong 1.1 @8s", False),
+        pytest.param("TRN_SPEED duplicate 50% copies 2 @8s for 1s", False, marks=pytest.mark.long),
+        pytest.param("speed wrong 1.1 @8s", False, marks=pytest.mark.long),
         ("bus error_frames 2% @8s for 1s", True),
-        ("bus.a open @8s", True),
+        pytest.param("bus.a open @8s", True, marks=pytest.mark.long),
     ],
 )
 def test_only_a_fault_of_the_bus_itself_needs_the_hub(

@@ -111,6 +111,7 @@ def test_a_damaged_cache_is_no_harm(tmp_path):
         assert said() == ("42\n", ""), damaged
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_the_compiled_loop_is_what_the_interpreter_makes_of_it(short, tmp_path):
     """So that a debugger can step through it."""

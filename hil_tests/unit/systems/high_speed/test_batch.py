@@ -25,6 +25,8 @@ from railhil.systems.high_speed.batch import run_high_speed
 from railhil.wire.power_units import wire
 
 LAWS = ("pid", "mm_gpc", "elm_ngpc", "delay_gpc")
+#: The others are long.
+_QUICK = ("pid", "mm_gpc")
 BRAKING = ("task.start_s=3530", "task.rmse_max_kmh=90")
 
 
@@ -56,7 +58,7 @@ def check(
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("no_repeats")
-@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("law", [pytest.param(law, marks=() if law in _QUICK else pytest.mark.long) for law in LAWS])
 def test_the_batch_gives_the_runs_of_the_bench(law: str) -> None:
     scenario = load_any("hst_short", ["task.duration_s=12"])
     assert batch_of(scenario) is run_high_speed
