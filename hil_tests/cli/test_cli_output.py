@@ -20,7 +20,7 @@ from hil_tests.support.cli import command, railhil
 from hil_tests.support.recordings import certified
 from hil_tests.support.scores import made_score, with_values
 from railhil.audit import __main__ as audit
-from railhil.campaign import command as campaign
+from railhil.campaign import __main__ as campaign
 from railhil.cli.commands import parser
 from railhil.cli.result_printer import print_scores, print_verdict
 from railhil.common.output import Output
