@@ -10,6 +10,7 @@ from benchmarks.figures import Figure, MeasurementError, Setting, median
 from benchmarks.processes import RunCommand
 from hil_tests.support.cli import command
 from railhil.common.exit_codes import FAIL, PASS
+from railhil.dbc import wire_contract
 from railhil.record.framelog import read_log
 from railhil.record.log_trace import trace_of_log
 from railhil.record.trace import trace_of
@@ -49,9 +50,9 @@ def measure(setting: Setting) -> list[Figure]:
             done = running.finish()
         run, log = done.score["run"], out / "frames.log"
         begun_s = time.perf_counter()
-        trace = trace_of_log(log)
+        trace = trace_of_log(log, wire_contract())
         middle_s = time.perf_counter()
-        same = trace_of(read_log(log))
+        same = trace_of(read_log(log), wire_contract())
         ended_s = time.perf_counter()
         if (trace.polls, trace.end_ns) != (same.polls, same.end_ns):
             raise MeasurementError("the record is not the same as columns and frame by frame")

@@ -13,7 +13,6 @@ from railhil.bus.layout import CHECK_CORRECT
 from railhil.bus.lifesign import MAX_STEP, LifeSign
 from railhil.bus.telegrams import TimeSync
 from railhil.common.patience import WallClock
-from railhil.dbc import wire_contract
 
 _FRACTION: Final = 65536
 _LIFE_MODULUS: Final = 16
@@ -69,13 +68,10 @@ class BusClock:
         "is_set", "now_ns", "own_ns", "rate", "running", "tick",
     )  # fmt: skip
 
-    def __init__(
-        self, base_tick_ns: int, ticks_per_frame: int | None = None, counters: Counter[str] | None = None
-    ) -> None:
-        port = wire_contract().clock_port
+    def __init__(self, base_tick_ns: int, ticks_per_frame: int, counters: Counter[str] | None = None) -> None:
         self.counters: Counter[str] = Counter() if counters is None else counters
         self.base_tick_ns = base_tick_ns
-        self._ticks_per_frame = ticks_per_frame or max(1, port.period_ns // base_tick_ns)
+        self._ticks_per_frame = ticks_per_frame
         # Largest number of lost ticks that life signs can bridge.
         self._near_ticks = MAX_STEP * self._ticks_per_frame
         # Life sign of the last clock frame (-1: not known) and its tick, which falls behind ``tick`` when polls advance

@@ -10,7 +10,7 @@ from railhil.bus.layout import FLAG_TRUE, flag
 from railhil.bus.telegrams import Role as Role
 from railhil.common import command_line
 from railhil.common.plug_ins import entries
-from railhil.dbc import Contract, wire_contract
+from railhil.dbc import Contract
 
 #: Codes of ``arithmetic``, ``indexing`` and ``pace`` in the handshake.
 ARITHMETICS = ("none", *command_line.ARITHMETICS)
@@ -128,15 +128,15 @@ def make_ident(
     arithmetic: str = "none",
     indexing: str = "none",
     pace: str = "none",
-    contract: Contract | None = None,
+    contract: Contract,
 ) -> Ident:
     """Handshake telegram of a node; hashes are truncated to their first 32 bits.
 
-    :param contract: of the run's system; None: the contract of railhil's own train.
+    :param contract: of the run's system.
     """
     return _CLASSES[role](
         scenario_hash=int(scenario_sha256[:8], 16),
-        wire_hash=int((contract or wire_contract()).sha256[:8], 16),
+        wire_hash=int(contract.sha256[:8], 16),
         seed=seed,
         law=law_code(controller),
         role=role,

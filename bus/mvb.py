@@ -31,7 +31,7 @@ from typing import Final
 
 from railhil.bus.frame import FD, Frame, quick_frame
 from railhil.bus.hub.wire import pack_frame
-from railhil.dbc import Port, wire_contract
+from railhil.dbc import Port, house_contract
 
 #: Generator without its x^7 term.
 _POLYNOMIAL: Final = 0x65
@@ -119,7 +119,7 @@ def master_word(f_code: int, address: int) -> bytes:
 def master_frame(f_code: int, address: int) -> Frame:
     """The master frame with which the bus administrator polls a telegram (CAN: 3 bytes on the poll id)."""
     word = master_word(f_code, address)
-    return Frame(wire_contract().poll_id, word + bytes([check_sequence(word)]))
+    return Frame(house_contract().poll_id, word + bytes([check_sequence(word)]))
 
 
 @lru_cache(maxsize=256)
@@ -225,7 +225,7 @@ def device_status_frame(device: int, status: int) -> Frame:
     """Answer to a device status poll (F_code 15): a 16-bit telegram in the single-frame layout."""
     data = status.to_bytes(2)
     payload = data + b"\0\0" + bytes([check_sequence(data)]) + master_tail(F_DEVICE_STATUS, device)
-    return Frame(wire_contract().device_status_id, payload)
+    return Frame(house_contract().device_status_id, payload)
 
 
 def parse_device_status(data: bytes) -> tuple[int, int] | None:

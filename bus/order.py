@@ -15,7 +15,7 @@ import time
 from railhil.bus.frame import Frame
 from railhil.bus.mvb import F_DEVICE_STATUS
 from railhil.bus.own_frames import OwnFrames
-from railhil.dbc import Contract, wire_contract
+from railhil.dbc import Contract
 
 #: Silence after which held frames are released. A slow controller, or a short outage of the bus, must not change the
 #: recorded order; while nothing is held, the administrator gets its answers.
@@ -25,20 +25,19 @@ PATIENCE_S = 0.5
 class BusOrder:
     """Returns frames in the order of the wire; holds some of them briefly.
 
+    :param contract: of the run's system.
     :param source: the node whose answers may arrive out of order (not the recorder itself).
     :param fd: the bus carries the CAN FD form.
     :param patience_s: wall time of silence after which held frames are released.
-    :param contract: of the run's system; None: that of railhil's own train.
     """
 
     def __init__(
         self,
+        contract: Contract,
         source: str = "controller",
         fd: bool = False,
         patience_s: float = PATIENCE_S,
-        contract: Contract | None = None,
     ) -> None:
-        contract = contract or wire_contract()
         self._poll_id = contract.poll_id
         self._own = OwnFrames(contract)
         self._answers = {

@@ -19,7 +19,7 @@ from railhil.bus.mvb import F_DEVICE_STATUS, TelegramSource, device_status_frame
 from railhil.bus.schedule import Schedule
 from railhil.bus.store import FrameCheck, TrafficStore
 from railhil.bus.telegrams import TimeSync
-from railhil.dbc import Contract, Port, wire_contract
+from railhil.dbc import Contract, Port
 
 #: Bits of the life sign of a port that counts time for the clock, see :func:`slow_port`.
 _LIFE_BITS: Final = 4
@@ -92,7 +92,7 @@ class Responder:
     :param answers: for each port of which this node is the source, the function that makes the telegram when it is
         polled.
     :param module: the node's CAN module; None: every frame of its ports is read at once.
-    :param contract: of the run's system; None: that of railhil's own train.
+    :param contract: of the run's system.
     :param paced: the polls of its own ports are the second time base of its clock, and the slowest port with a life
         sign the third; False: the clock has another time base.
     """
@@ -105,11 +105,10 @@ class Responder:
         answers: Mapping[str, Callable[[], Telegram]],
         *,
         fd: bool = False,
+        contract: Contract,
         module: CanModule | None = None,
-        contract: Contract | None = None,
         paced: bool = True,
     ) -> None:
-        contract = contract or wire_contract()
         clock_port = contract.clock_port
         sinks = tuple(sinks)
         self.store = TrafficStore(sinks)

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from railhil.dbc import Contract, Port, wire_contract
+from railhil.dbc import Contract, Port
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,14 +19,12 @@ class Schedule:
     periods_ns: Mapping[str, int]
 
     @classmethod
-    def from_contract(
-        cls, base_tick_ns: int, overrides: Mapping[str, int], contract: Contract | None = None
-    ) -> Schedule:
+    def from_contract(cls, base_tick_ns: int, overrides: Mapping[str, int], contract: Contract) -> Schedule:
         """Periods of the port table with the scenario's overrides.
 
-        :param contract: of the run's system; None: that of railhil's own train.
+        :param contract: of the run's system.
         """
-        periods = {port.name: port.period_ns for port in (contract or wire_contract()).ports if port.period_ns}
+        periods = {port.name: port.period_ns for port in contract.ports if port.period_ns}
         return cls(base_tick_ns, {**periods, **overrides})
 
     def ticks(self, port: str) -> int:

@@ -235,12 +235,12 @@ def _ports(file: str, table: Mapping[str, Any]) -> list[Port]:
     return ports
 
 
-def recorded_contract(folder: Path, sha256: str | None, current: Contract | None = None) -> Contract:
+def recorded_contract(folder: Path, sha256: str | None, current: Contract) -> Contract:
     """The contract with which a record was made: from its folder, else this version's, else an earlier one's.
 
     :param folder: run folder; its port table and DBC, if it has them, are :data:`PORTS` and :data:`DBC`.
     :param sha256: of the DBC, from the certificate; None if unknown.
-    :param current: today's contract of the record's system; None: railhil's own.
+    :param current: today's contract of the record's system.
     :raises ContractError: the folder's DBC has another hash, its port table another DBC, or no version of railhil had
         the requested one.
     """
@@ -248,8 +248,7 @@ def recorded_contract(folder: Path, sha256: str | None, current: Contract | None
         found = hashlib.sha256((folder / DBC).read_bytes()).hexdigest()
         if sha256 not in (None, found):
             raise ContractError(f"{folder / DBC}: sha256: found {found}, allowed {sha256}, as in the certificate")
-        return _read(folder / PORTS, found, current or wire_contract())
-    current = current or wire_contract()
+        return _read(folder / PORTS, found, current)
     if sha256 in (None, current.sha256):
         return current
     earlier = _FOLDER / "history" / f"{sha256}.toml"

@@ -39,7 +39,7 @@ from railhil.bus.select import PIPES
 from railhil.bus.transports import Opening
 from railhil.common.mypyc import mypyc_attr
 from railhil.common.patience import PATIENCE_S
-from railhil.dbc import wire_contract
+from railhil.dbc import house_contract
 
 _SUPERVISOR: Final = "supervisor"
 #: Largest read; a multiple of the size of a frame.
@@ -184,7 +184,7 @@ class PipeLink(Link):
         self._held = b""
         self._asks: frozenset[bytes] = frozenset()
         if self._is_plant:
-            self._asks = frozenset(map(pack_frame, supervisor_polls(wire_contract())))
+            self._asks = frozenset(map(pack_frame, supervisor_polls(house_contract())))
         self._gone: set[int] = set()
 
     @property

@@ -36,7 +36,7 @@ from railhil.controller_node.laws.base import NOTCH_Q, BaliseReading
 from railhil.controller_node.laws.note import SLOTS, slots
 from railhil.controller_node.program.model import BALISE_INPUTS, Value
 from railhil.controller_node.program.tracer import record
-from railhil.dbc import Port, Signal
+from railhil.dbc import Port, Signal, wire_contract
 from railhil.scenarios.run_spec import LawSpec
 from railhil.systems.ato.scenario.model import Scenario
 from railhil.wire.ato import BalisePassed, NotchCmd, NotchSdt, SpeedSdt, TrkInfo, TrnPos, TrnSpeed
@@ -229,7 +229,7 @@ class NotchControl(Control):
     def constants(self) -> list[Define]:
         """Thresholds of the watch, and tolerances and times of the position."""
         scenario, timing, sensors = self.scenario, self.scenario.timing, self.scenario.sensors
-        schedule = Schedule.from_contract(timing.base_tick_ns, timing.port_period_ns)
+        schedule = Schedule.from_contract(timing.base_tick_ns, timing.port_period_ns, wire_contract())
         ladder = speed_watch.Ladder.of(scenario)
         cost = cost_of(self.programs, make(_ARITHMETIC), timing.control_period_ns)
         cycles = min(cost.cycles, _CYCLES_MAX)

@@ -126,7 +126,7 @@ class ControllerNode(LawNode):
             self.ecan = mailboxes_read.ecan
         responder = Responder(
             Role.CONTROLLER,
-            Schedule.from_contract(scenario.timing.base_tick_ns, scenario.timing.port_period_ns),
+            Schedule.from_contract(scenario.timing.base_tick_ns, scenario.timing.port_period_ns, wire_contract()),
             [contract.port(telegram.PORT) for telegram in (SAFE_MAILBOXES if safe else MAILBOXES)],
             {
                 NotchCmd.PORT: self._notch,
@@ -136,6 +136,7 @@ class ControllerNode(LawNode):
             },
             fd=fd,
             module=mailboxes_read,
+            contract=wire_contract(),
         )
         responder.on(TrnSpeed, self._speed)
         if safe:

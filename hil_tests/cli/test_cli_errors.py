@@ -38,7 +38,7 @@ Railhil = Callable[..., Done]
 
 def ident_frames(**changes: int) -> list[Frame]:
     """PLT_IDENT of a run of the published scenario, with changed fields and right check sequences."""
-    ident = make_ident(Role.PLANT, load("lvshun_tieshan").sha256)
+    ident = make_ident(Role.PLANT, load("lvshun_tieshan").sha256, contract=wire_contract())
     for name, value in changes.items():
         setattr(ident, name, value)
     return list(TelegramSource(wire_contract().port(ident.PORT), False).frames(ident.encode()))

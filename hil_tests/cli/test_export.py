@@ -16,6 +16,7 @@ from hil_tests.cli.conftest import Railhil
 from hil_tests.support.cli import Done
 from railhil.bus.frame import from_message
 from railhil.bus.ros2 import ros_name
+from railhil.dbc import wire_contract
 from railhil.record.framelog import read_log
 from railhil.record.trace import trace_of
 
@@ -272,7 +273,7 @@ def test_frames_of_every_kind_come_back_from_mf4(one: railhil.Outcome, tmp_path:
     ]  # fmt: skip
     log = tmp_path / "frames.log"
     log.write_text("".join(log_line(20_000_000 * at, frame) for at, frame in enumerate(frames)))
-    record = Record(log, one.scenario, trace_of(read_log(log)), certificate={"notes": None})
+    record = Record(log, one.scenario, trace_of(read_log(log), wire_contract()), certificate={"notes": None})
     write_mf4(Content(record), tmp_path / "run.mf4")
     found = {round(message.timestamp % 1, 6): from_message(message) for message in can.LogReader(tmp_path / "run.mf4")}
     wanted = dict(enumerate(frames))

@@ -203,11 +203,11 @@ def test_folder_that_is_full_after_the_run_holds_the_log_alone(monkeypatch, tmp_
     choice = BusChoice({"interface": "railhil", "channel": "c"}, "test")
     run = BusRun(lvshun, RunSpec(), choice, tmp_path)
     log = FrameLog(tmp_path)
-    ident = make_ident(Role.PLANT, lvshun.sha256)
+    ident = make_ident(Role.PLANT, lvshun.sha256, contract=wire_contract())
     for frame in TelegramSource(wire_contract().port(ident.PORT), False).frames(ident.encode()):
         log.write(log_line(0, frame))
     result = result_of(run, log.close(), {}, "a reason", False, [])
-    result.trace = Trace()
+    result.trace = Trace(wire_contract())
     result.trace.add(SimTruth.PORT, 0, SimTruth().encode())
     write_folder(result)
     kept = sorted(path.name for path in tmp_path.iterdir())

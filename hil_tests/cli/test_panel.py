@@ -17,6 +17,7 @@ from hil_tests.support.browser import browser
 from hil_tests.support.cli import command
 from railhil.bus.codes import FaultOrder, SupCommand
 from railhil.bus.telegrams import SupCmd
+from railhil.dbc import wire_contract
 from railhil.faults.language import parse
 from railhil.faults.operator_values import octets_of
 from railhil.record.framelog import read_log
@@ -144,7 +145,7 @@ def run(chromium: Any, tmp_path_factory: pytest.TempPathFactory) -> dict[str, An
 
 
 def test_every_button_is_a_telegram(run):
-    trace = trace_of(read_log(run["folder"] / "frames.log"))
+    trace = trace_of(read_log(run["folder"] / "frames.log"), wire_contract())
     commands, orders = trace.raw(SupCmd.PORT, "SupCommand").tolist(), trace.raw(SupCmd.PORT, "FaultOrder").tolist()
     faults = trace.raw(SupCmd.PORT, "FaultNumber").tolist()
     sent = [(faults[at], order) for at, order in enumerate(orders) if order]

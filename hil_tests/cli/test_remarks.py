@@ -11,6 +11,7 @@ import pytest
 from hil_tests.support.recordings import row_of
 from hil_tests.support.scores import made_score
 from railhil.cli.result_printer import assumption_lines, next_step
+from railhil.dbc import wire_contract
 from railhil.judge.record import Record
 from railhil.record.notes import WRAP_FAILURE
 from railhil.record.trace import Trace
@@ -23,7 +24,7 @@ _SCORE = made_score("FAIL", 1.0, 1.0, 0.1, -0.219, 1.0, (_STOP,))
 def run(scenario: Scenario, *failures: str, verdict: str = "FAIL", **certificate: Any) -> Record:
     said = {"controller": "ipfc", "indexing": "time", "scenario": scenario.name} | certificate
     score = replace(_SCORE, failures=failures or _SCORE.failures, verdict=verdict)
-    return row_of(Path("run"), said, scenario, Trace(), score)
+    return row_of(Path("run"), said, scenario, Trace(wire_contract()), score)
 
 
 def test_assumptions_are_one_line_that_points_at_the_report(lvshun: Scenario, tmp_path: Path) -> None:

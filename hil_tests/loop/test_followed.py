@@ -18,6 +18,7 @@ from railhil.bus.codes import SupCommand
 from railhil.bus.frame import Frame
 from railhil.bus.telegrams import SupCmd
 from railhil.common.exit_codes import FAIL, PASS
+from railhil.dbc import wire_contract
 from railhil.panel.receiver import LogFollower
 from railhil.record.framelog import read_log
 from railhil.record.trace import trace_of
@@ -72,7 +73,7 @@ def test_a_panel_that_is_gone_changes_nothing(tmp_path: Path, how: signal.Signal
     frames = [frame for _, frame in read_log(folder / "frames.log")]
     heard += followed.receive()
     assert heard == frames
-    commands = trace_of(read_log(folder / "frames.log")).raw(SupCmd.PORT, "SupCommand").tolist()
+    commands = trace_of(read_log(folder / "frames.log"), wire_contract()).raw(SupCmd.PORT, "SupCommand").tolist()
     assert commands[1] == SupCommand.NONE
     # Orders by hand make the same run again.
     spec = RunSpec.from_file(folder / "certificate.json")

@@ -82,7 +82,7 @@ def test_whole_runs_over_the_hub_have_the_same_frames(
         scenario, tmp_path / "python", RunSpec(law=LawSpec(law, indexing=indexing), seed=seed, perturbed=drawn)
     )
     assert expected.log is not None
-    found = trace_of(read_log(tmp_path / "c/frames.log"))
+    found = trace_of(read_log(tmp_path / "c/frames.log"), wire_contract())
     assert [int(code) for code in found.raw(NotchCmd.PORT, "NotchCmd")] == expected.notches
     assert without_status(tmp_path / "c/frames.log") == without_status(expected.log)
     assert len(set(expected.notches)) > 50
@@ -139,7 +139,7 @@ def test_killed_program_is_a_lost_controller(program: Path, tmp_path: Path, sock
         hub.finish()
     assert done.exit_code == 3
     assert "Traceback" not in done.out + done.err
-    trace = trace_of(read_log(folder / "frames.log"))
+    trace = trace_of(read_log(folder / "frames.log"), wire_contract())
     assert trace.raw(RunEvent.PORT, "RunEvent")[-1] == Event.ENDED_CONTROLLER_LOST
     speeds, commanded = trace.values(SimTruth.PORT, "TrueSpeed"), trace.times_s(NotchCmd.PORT)[-1]
     assert speeds[np.searchsorted(trace.times_s(SimTruth.PORT), commanded)] > 5

@@ -15,6 +15,7 @@ from railhil.bus.local import LocalBus
 from railhil.bus.mvb import TelegramSource, master_frame
 from railhil.bus.telegrams import RunEvent
 from railhil.controller_node.ato.node import ControllerNode
+from railhil.dbc import wire_contract
 from railhil.plant_sim.ato import dynamics
 from railhil.plant_sim.ato.plant import PlantError
 from railhil.plant_sim.handshake import Refused
@@ -184,7 +185,7 @@ def test_plant_that_fails_says_so_on_the_bus(lvshun, session, monkeypatch):
 
 
 def test_score_survives_repeated_telegrams_and_unknown_events(lvshun):
-    trace = Trace()
+    trace = Trace(wire_contract())
     stopped_01mm = 29_400_000
     for tick in range(0, 19700, 2):
         speed = 0 if tick > 19500 else 150_000
@@ -204,7 +205,7 @@ def test_score_survives_repeated_telegrams_and_unknown_events(lvshun):
 @pytest.mark.parametrize(("lost_ticks", "verdict"), [(98, "FAIL"), (100, "INVALID")])
 def test_a_record_with_a_hole_is_no_run(lvshun, lost_ticks, verdict):
     """What the train did meanwhile, too fast perhaps, is not in it; a bus that fails for a moment is no reason."""
-    trace = Trace()
+    trace = Trace(wire_contract())
     for tick in range(0, 1000, 2):
         if not 500 < tick <= 500 + lost_ticks:
             trace.add(SimTruth.PORT, tick * 10_000_000, SimTruth(tick * 1000, 100).encode())

@@ -19,6 +19,7 @@ import pytest
 from hil_tests.support.cli import Started, node_of, railhil, wait_for
 from hil_tests.support.short_runs import RUN_72M_TOML
 from railhil.bench import local_run
+from railhil.dbc import wire_contract
 from railhil.record.framelog import read_log, sha256_of
 from railhil.record.trace import trace_of
 from railhil.scenarios.load import load
@@ -88,7 +89,7 @@ def test_bench_health(hub_run):
     """Nothing lost, rejected or out of order between the processes."""
     counters = json.loads((hub_run / "score.json").read_text(encoding="utf-8"))["run"]["counters"]
     assert {key: count for key, count in counters.items() if key not in ("sent", "received") and count} == {}
-    trace = trace_of(read_log(hub_run / "frames.log"))
+    trace = trace_of(read_log(hub_run / "frames.log"), wire_contract())
     for port, signal_name, modulus in (("TRN_SPEED", "SpeedLife", 16), ("NOTCH_CMD", "NotchLife", 16)):
         steps = np.diff(trace.raw(port, signal_name)) % modulus
         assert set(steps.tolist()) == {1}
@@ -145,7 +146,7 @@ def test_candump_log_is_readable_by_python_can(hub_run):
 
 def test_signals_table_matches_the_log(hub_run):
     table = np.genfromtxt(hub_run / "signals.csv", delimiter=",", names=True)
-    trace = trace_of(read_log(hub_run / "frames.log"))
+    trace = trace_of(read_log(hub_run / "frames.log"), wire_contract())
     assert np.allclose(table["true_speed_mps"], trace.values("SIM_TRUTH", "TrueSpeed"))
     assert table["time_s"][-1] == pytest.approx(trace.times_s("SIM_TRUTH")[-1])
     assert np.nanmax(table["notch_command"]) == pytest.approx(trace.values(NotchCmd.PORT, "NotchCmd").max())
@@ -213,7 +214,7 @@ def test_train_stops_by_itself_when_the_controller_dies_in_lockstep(tmp_path):
     run.child("controller").send_signal(signal.SIGKILL)
     done, seconds = run.finish()
     assert (done.exit_code, seconds < END_S) == (3, True)
-    trace = trace_of(read_log(log))
+    trace = trace_of(read_log(log), wire_contract())
     assert trace.raw("RUN_EVENT", "RunEvent")[-1] == 7, "ended_controller_lost"
     assert trace.values("SIM_TRUTH", "TrueSpeed")[-1] == 0
     last_notch_s = trace.times_s(NotchCmd.PORT)[-1]

@@ -10,6 +10,7 @@ import pytest
 from hil_tests.support.short_runs import RUN_2M_TOML
 from railhil.bus.codes import FaultOrder, SupCommand
 from railhil.bus.telegrams import SupCmd
+from railhil.dbc import wire_contract
 from railhil.judge.events.derive import events_of
 from railhil.judge.events.event import LEVEL
 from railhil.judge.fault_report import fault_outcomes
@@ -66,7 +67,7 @@ def test_what_was_ordered_by_hand_makes_the_same_run_again(spec, tmp_path):
     again = made(replace(spec, orders=tuple(operator.sent)), tmp_path / "again")
     assert again.log.path.read_bytes() == by_hand.log.path.read_bytes()
 
-    trace = trace_of(read_log(by_hand.log.path))
+    trace = trace_of(read_log(by_hand.log.path), wire_contract())
     commands = trace.raw(SupCmd.PORT, "SupCommand").tolist()
     assert commands.count(SupCommand.NONE) == 1
     assert commands.count(SupCommand.STOP) == 1

@@ -19,6 +19,7 @@ from hil_tests.support.cli import Done, Started, railhil, wait_for
 from hil_tests.support.short_runs import RUN_2M_TOML
 from railhil.bus.codes import Event, ends_run
 from railhil.common.scheduling import HUB_PRIORITY, NODE_PRIORITY, RECORDER_PRIORITY, permitted_priority
+from railhil.dbc import wire_contract
 from railhil.judge.jitter import LATE_SHARE_MAX
 from railhil.record.framelog import read_log
 from railhil.record.trace import trace_of
@@ -100,7 +101,7 @@ def test_the_plant_has_measured_every_cycle_and_every_poll(with_fifo: Path) -> N
     document = score(with_fifo)
     timing = document["run"]["timing"]
     assert timing["source"] == "plant"
-    trace = trace_of(read_log(with_fifo / "frames.log"))
+    trace = trace_of(read_log(with_fifo / "frames.log"), wire_contract())
     ticks = round(document["run"]["sim_time_s"] * 100) + 1
     assert timing["lateness"]["cycles"] == sum(timing["histogram"]["counts"]) == ticks
     assert {item["port"] for item in timing["answers"]} == {"SUP_CMD", "NOTCH_CMD", "CTL_STAT"}
@@ -146,7 +147,7 @@ def test_a_pause_of_the_supervisor_is_not(scenarios: Path, tmp_path: Path) -> No
     # Whatever else this machine did meanwhile: the verdict is that of the plant's own lateness.
     assert (done.exit_code == 3) is (timing["lateness"]["late_share"] > LATE_SHARE_MAX), document["line"]
     # Nothing is missing in the record.
-    trace = trace_of(read_log(tmp_path / "run" / "frames.log"))
+    trace = trace_of(read_log(tmp_path / "run" / "frames.log"), wire_contract())
     assert set(np.diff(trace.raw("TRN_SPEED", "SpeedLife")) % 16) == {1}
 
 
@@ -158,7 +159,7 @@ def test_a_pause_of_the_controller_is_missed_polls_and_the_trains_ladder(scenari
     assert (done.exit_code == 3) is (lateness["late_share"] > LATE_SHARE_MAX), document["line"]
     notch = next(item for item in document["run"]["timing"]["answers"] if item["port"] == "NOTCH_CMD")
     assert notch["missed"] >= STOPPED_S / 0.02 - 3
-    trace = trace_of(read_log(tmp_path / "run" / "frames.log"))
+    trace = trace_of(read_log(tmp_path / "run" / "frames.log"), wire_contract())
     times_s, truth_s = trace.times_s(NotchCmd.PORT), trace.times_s(SimTruth.PORT)
     widest = int(np.argmax(np.diff(times_s)))
     silent = (truth_s > times_s[widest] + 0.12) & (truth_s < times_s[widest + 1])
@@ -185,7 +186,7 @@ def test_a_hub_that_stands_still_across_the_end_delivers_the_last_second(scenari
     done, _ = run.finish()
     assert done.exit_code in (0, 1, 3)
     assert "lost at simulation time" not in done.out
-    trace = trace_of(read_log(out / "frames.log"))
+    trace = trace_of(read_log(out / "frames.log"), wire_contract())
     # Without the hub the train has had no commands; how the plant sees that depends on how long it was.
     assert ends_run(trace.raw("RUN_EVENT", "RunEvent")[-1])
     assert np.diff(trace.times_s("TRN_SPEED")).max() == pytest.approx(0.01), "nothing is missing in the record"
@@ -206,7 +207,7 @@ def test_a_controller_suspended_for_good_is_named(scenarios: Path, tmp_path: Pat
     assert "INVALID: controller lost at simulation time" in done.out
     assert "suspended by a signal (SIGSTOP)" in done.out
     assert not controller.is_running()
-    trace = trace_of(read_log(out / "frames.log"))
+    trace = trace_of(read_log(out / "frames.log"), wire_contract())
     assert trace.raw("RUN_EVENT", "RunEvent")[-1] == Event.ENDED_CONTROLLER_LOST
     assert trace.values("SIM_TRUTH", "TrueSpeed")[-1] == 0
 

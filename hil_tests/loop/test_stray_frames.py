@@ -14,6 +14,7 @@ from railhil.bus.codes import EVENT_COPIES, Event
 from railhil.bus.frame import Frame
 from railhil.bus.mvb import TelegramSource
 from railhil.bus.telegrams import RunEvent
+from railhil.dbc import wire_contract
 from railhil.judge.score import Score
 from railhil.plant_sim.cycle import Milestones
 from railhil.record.framelog import read_log
@@ -76,7 +77,7 @@ def milestones(record: Record) -> list[int]:
 
 
 def same_or_invalid(scenario: Scenario, run: Result, record: Record) -> Score:
-    found = score(scenario, trace_of(record))
+    found = score(scenario, trace_of(record, wire_contract()))
     assert found.verdict in (run.score.verdict, "INVALID")
     if found.verdict == "INVALID":
         assert found.failures
@@ -177,7 +178,7 @@ def test_one_repetition_is_enough(short: Scenario, run: Result) -> None:
 
 def truth_of(run: Result, events: list[RunEvent]) -> Trace:
     """The record's truth beside other milestones."""
-    trace = Trace()
+    trace = Trace(wire_contract())
     for time_s, position, speed in zip(
         run.trace.times_s(SimTruth.PORT),
         run.trace.raw(SimTruth.PORT, "TruePos"),
@@ -215,7 +216,7 @@ def test_a_stop_that_the_truth_does_not_show_is_no_stop(short: Scenario, passed:
 @pytest.mark.parametrize(("speed_mps", "verdict"), [(0.0, "FAIL"), (0.9, "FAIL"), (1.3, "INVALID"), (15.0, "INVALID")])
 def test_a_stop_in_full_motion_is_none(short: Scenario, speed_mps: float, verdict: str) -> None:
     """A train that has just stopped may be under way again, but not so fast."""
-    trace = Trace()
+    trace = Trace(wire_contract())
     for tick in range(0, 600, 2):
         moving = tick > 402
         position = 20_000 + (round(max(0, tick - 402) * speed_mps * 100) if moving else 0)
@@ -243,7 +244,7 @@ def test_a_train_that_creeps_to_its_stand_has_stopped_there(short: Scenario) -> 
     """Slower than half a bit of the speed for two seconds, then at rest; and one that goes on from its stand."""
 
     def verdict(stopped_s: float, goes_on: bool) -> str:
-        trace = Trace()
+        trace = Trace(wire_contract())
         for tick in range(0, 1000, 2):
             speed = 0 if 400 <= tick < 700 or (not goes_on and tick >= 700) else 3000
             trace.add(SimTruth.PORT, tick * 10_000_000, SimTruth(min(20_000, 50 * tick), speed).encode())

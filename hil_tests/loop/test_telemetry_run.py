@@ -26,6 +26,7 @@ from railhil.controller_node.ato.node import ControllerNode
 from railhil.controller_node.laws.base import SPEED_Q, LawInputs, LawOutputs
 from railhil.controller_node.program.tracer import Tracer
 from railhil.controller_node.telemetry_file import write_telemetry
+from railhil.dbc import wire_contract
 from railhil.judge.folder import junit, rerun_needs, run_command, score_json
 from railhil.judge.result import Result
 from railhil.record.telemetry import Headroom, read_summary, shown_telemetry
@@ -169,8 +170,8 @@ def test_the_wrap_stands_in_the_log_and_in_junit(wrapped: Result, nominal: Resul
 
 def test_a_run_without_telemetry_says_so(lvshun: Scenario, nominal: Result) -> None:
     """A controller that never made a step, and left no file."""
-    assert shown_telemetry(Trace(), STATUS) is None
-    trace = Trace()
+    assert shown_telemetry(Trace(wire_contract()), STATUS) is None
+    trace = Trace(wire_contract())
     trace.add(CtlStat.PORT, 0, CtlStat().encode())
     assert shown_telemetry(trace, STATUS) is None
     document = score_json(result_of(lvshun, nominal, RunSpec(perturbed=True)))

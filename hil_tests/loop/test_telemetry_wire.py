@@ -19,6 +19,7 @@ from railhil.controller_node.arithmetic.base import DIVISION_BY_ZERO, SATURATION
 from railhil.controller_node.ato.node import ControllerNode
 from railhil.controller_node.telemetry import Telemetry
 from railhil.controller_node.telemetry_file import telemetry_document
+from railhil.dbc import wire_contract
 from railhil.record.framelog import read_log
 from railhil.record.telemetry import shown_telemetry
 from railhil.record.trace import Trace
@@ -185,7 +186,7 @@ def test_cantools_reads_the_telemetry() -> None:
 
 
 def test_each_quantity_counts_as_it_was_last_shown() -> None:
-    trace = Trace()
+    trace = Trace(wire_contract())
     for index, maximum, extreme, headroom_bits, wrapped, flags in (
         (0, 0, -12, 18, 0, 0),
         (0, 1, 8, 17, 0, 8),

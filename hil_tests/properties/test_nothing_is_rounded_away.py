@@ -18,6 +18,7 @@ from railhil.controller_node.ato.plausibility import Motion, MotionLimits
 from railhil.controller_node.ato.safe_speed import SafeSpeed
 from railhil.controller_node.ato.speed_monitors import CHANNEL_WINDOW_MS, Debt
 from railhil.controller_node.ato.speed_watch import Ladder
+from railhil.dbc import wire_contract
 from railhil.scenarios.load import load
 from railhil.systems.ato.scenario.model import Safety
 from railhil.wire.ato import SpeedSdt, TrnSpeed, WatchLevel
@@ -109,7 +110,7 @@ def test_a_late_safe_telegram_does_not_take_the_time_of_a_lost_one(late_percent:
     scenario = replace(SCENARIO, safety=Safety(sdt=True))
     safe, source = SafeSpeed(scenario), SafeSource(source_identity(SpeedSdt.port().address), SAFE_DATA_VERSION)
     timing = scenario.timing
-    period_ns = Schedule.from_contract(timing.base_tick_ns, timing.port_period_ns).ticks(SpeedSdt.PORT)
+    period_ns = Schedule.from_contract(timing.base_tick_ns, timing.port_period_ns, wire_contract()).ticks(SpeedSdt.PORT)
     period_ns *= timing.base_tick_ns
     confirmed = []
     for number in range(12 + scenario.safety.n_rxsafe):

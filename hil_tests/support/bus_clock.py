@@ -13,7 +13,7 @@ TELEGRAMS = [TrnSpeed(123, life=life).encode() for life in range(16)]
 
 def started(tick: int = 0, base_tick_ns: int = TICK_NS) -> BusClock:
     """A clock that has heard the clock frames of the ticks 0 to ``tick``."""
-    clock = BusClock(base_tick_ns)
+    clock = BusClock(base_tick_ns, 1)
     assert not clock.running
     for item in range(tick + 1):
         assert clock.feed(TELEGRAMS[item % 16])

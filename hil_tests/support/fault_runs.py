@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from railhil.bus.codes import Event
+from railhil.dbc import wire_contract
 from railhil.judge.events.derive import events_of
 from railhil.judge.events.event import LEVEL, RecordedEvent
 from railhil.judge.result import Result
@@ -69,7 +70,7 @@ def fast(folder: Path, *faults: str) -> AnyScenario:
 
 def levels(scenario: AnyScenario, folder: Path, watch: str) -> list[RecordedEvent]:
     """What a watch (``train``, ``controller``) reported in a run folder."""
-    events = events_of(scenario, trace_of(read_log(folder / "frames.log")))
+    events = events_of(scenario, trace_of(read_log(folder / "frames.log"), wire_contract()))
     return [event for event in events if event.source == watch and event.kind == LEVEL]
 
 
@@ -81,7 +82,7 @@ def assert_stopped_by_its_own_watch(
 
     :param late_s: real time: answers that were missed before.
     """
-    trace = trace_of(read_log(made.folder / "frames.log"))
+    trace = trace_of(read_log(made.folder / "frames.log"), wire_contract())
     truth_s, speed_mps = trace.times_s("SIM_TRUTH"), trace.values("SIM_TRUTH", "TrueSpeed")
     killed_s = float(truth_s[speed_mps >= killed_kmh / 3.6][0])
     after = [event for event in levels(scenario, made.folder, "train") if event.time_s > killed_s - 0.05]

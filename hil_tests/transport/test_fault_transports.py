@@ -25,6 +25,7 @@ from hil_tests.support.fault_runs import (
 from hil_tests.support.hub import running_hub, socket_folder, two_hubs_and_a_gateway
 from hil_tests.transport.vcan.bench import run_on
 from railhil.bench import local_run
+from railhil.dbc import wire_contract
 from railhil.record.framelog import read_log
 from railhil.record.trace import trace_of
 
@@ -153,7 +154,7 @@ def test_in_real_time_the_process_is_stopped_and_killed(tmp_path: Path) -> None:
     made = Made.of(tmp_path / "run", result)
     assert_stopped_by_its_own_watch(scenario, made, late_s=0.1, killed_kmh=40.0)
     assert (result.faults[0].hits, result.faults[0].begun_s) == (1, 8.0)
-    notch_s = trace_of(read_log(made.folder / "frames.log")).times_s("NOTCH_CMD")
+    notch_s = trace_of(read_log(made.folder / "frames.log"), wire_contract()).times_s("NOTCH_CMD")
     stopped_s = notch_s[(notch_s > 7.5) & (notch_s < 12.0)]
     assert np.diff(stopped_s).max() > 0.25, "the process has slept"
     found = levels(scenario, made.folder, "train")

@@ -13,7 +13,7 @@ from railhil.bus.store import TrafficStore
 from railhil.common.errors import InputError, Words
 from railhil.common.plug_ins import entries
 from railhil.controller_node.telemetry_file import law_notes
-from railhil.dbc import wire_contract
+from railhil.dbc import house_contract
 from railhil.scenarios.load import load_any, names
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.system import DEFAULT, GROUP, System, UnknownScenario, system_named
@@ -55,9 +55,7 @@ class RunIdentity:
     """
 
     def __init__(self, named: AnyScenario | None, law: str | None = None) -> None:
-        contract = wire_contract()
-        # These ports are the same in every system.
-        ports = [contract.port(kind.PORT) for kind in (PltIdent, CtlIdent)]
+        ports = [house_contract().port(kind.PORT) for kind in (PltIdent, CtlIdent)]
         self._ids = {can_id for port in ports for can_id in (*port.can_ids, port.fd_id)}
         self._store = TrafficStore(ports)
         self._named, self._law = named, law

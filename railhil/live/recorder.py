@@ -23,7 +23,7 @@ from railhil.bus.select import BusChoice
 from railhil.common.exit_codes import INVALID, PASS, Signalled, ending_signals, leave_terminal
 from railhil.common.patience import LATER_S
 from railhil.common.scheduling import RECORDER_PRIORITY, Scheduling, cycle
-from railhil.dbc import wire_contract
+from railhil.dbc import house_contract
 from railhil.live.processes import Node, Nodes
 from railhil.record.session import Session
 from railhil.scenarios.run_spec import RunSpec
@@ -124,7 +124,7 @@ def _bulk_reading(choice: BusChoice) -> dict[str, Any]:
     """On the hub in lockstep, read frames in bulk and wake at once only for polls to be answered."""
     if choice.config.get("interface") != HUB_INTERFACE:
         return {}
-    return {"coalesce_frames": _BULK_FRAMES, "wake_on": [*supervisor_polls(wire_contract())]}
+    return {"coalesce_frames": _BULK_FRAMES, "wake_on": [*supervisor_polls(house_contract())]}
 
 
 def refuse_occupied(link: Link, choice: BusChoice) -> None:
@@ -132,7 +132,7 @@ def refuse_occupied(link: Link, choice: BusChoice) -> None:
 
     :raises BusOccupied: a bus administrator is polling there.
     """
-    poll_id = wire_contract().poll_id
+    poll_id = house_contract().poll_id
     deadline_s = time.monotonic() + _LISTEN_S
     while (rest_s := deadline_s - time.monotonic()) > 0:
         if any(frame.can_id == poll_id and not frame.flags for frame in link.receive(rest_s)):

@@ -30,10 +30,10 @@ _POLL_BYTES, _FRAME_BYTES = 3, 8
 _TABLES = tuple(np.frombuffer(table, np.uint8) for table in CHECK_TABLES)
 
 
-def trace_of_log(log: Path, contract: Contract | None = None, senders: Senders | None = None) -> Trace:
+def trace_of_log(log: Path, contract: Contract, senders: Senders | None = None) -> Trace:
     """Trace of a candump log or of the BLF made from it.
 
-    :param contract: the one used for recording; default: this version's.
+    :param contract: the one used for recording.
     :param senders: compares the frames with the nodes' own lists while they are read.
     :raises InputError: as :func:`railhil.record.framelog.read_log`.
     """

@@ -16,7 +16,7 @@ from railhil.bus.mvb import master_tail, parse_master_frame
 from railhil.bus.own_frames import OwnFrames
 from railhil.bus.store import TrafficStore
 from railhil.common.mypyc import mypyc_attr
-from railhil.dbc import Contract, Signal, wire_contract
+from railhil.dbc import Contract, Signal
 
 FloatArray: TypeAlias = npt.NDArray[np.float64]
 #: Source of refused frames that belong to no port.
@@ -67,9 +67,9 @@ class Trace:
     Raw process data are kept as received (16 to 40 bytes per telegram) and decoded together on request.
     """
 
-    def __init__(self, contract: Contract | None = None) -> None:
-        #: Wire contract of the telegrams; default: this version's.
-        self.contract = contract or wire_contract()
+    def __init__(self, contract: Contract) -> None:
+        #: Wire contract of the telegrams.
+        self.contract = contract
         self._times_ns: dict[str, array[int]] = {}
         self._order: dict[str, array[int]] = {}
         self._added = 0
@@ -252,12 +252,12 @@ class Trace:
 class TraceReader:
     """Makes a trace of recorded frames in bus order, in one part or in several.
 
-    :param contract: the one used for recording; default: this version's.
+    :param contract: the one used for recording.
     """
 
-    def __init__(self, contract: Contract | None = None) -> None:
+    def __init__(self, contract: Contract) -> None:
         self.trace = Trace(contract)
-        self._ports = contract = self.trace.contract
+        self._ports = contract
         self._own = OwnFrames(contract)
         self._store = TrafficStore(contract.ports)
         polled = [port for port in contract.ports if port.mode == "poll"]
@@ -303,11 +303,11 @@ class TraceReader:
         trace.end_ns = time_ns
 
 
-def trace_of(frames: Iterable[tuple[int, Frame]], contract: Contract | None = None) -> Trace:
+def trace_of(frames: Iterable[tuple[int, Frame]], contract: Contract) -> Trace:
     """Trace of recorded frames ``(time_ns, frame)`` in bus order; :func:`railhil.record.log_trace.trace_of_log`
     does the same for a log, in less time.
 
-    :param contract: the one used for recording; default: this version's.
+    :param contract: the one used for recording.
     """
     reader = TraceReader(contract)
     reader.take(frames)

@@ -17,6 +17,7 @@ from hil_tests.transport.vcan.bench import counters_of, run_on
 from railhil.bench import local_run
 from railhil.bus.codes import Event, ends_run
 from railhil.bus.link import Timeouts
+from railhil.dbc import wire_contract
 from railhil.judge.result import Result
 from railhil.record.framelog import read_log
 from railhil.record.trace import Trace, trace_of
@@ -94,12 +95,16 @@ def realtime(
     assert status["plugged_in"]
     assert len(timetable.given_s) == len(orders), result.line
     lines = (out / "controller.txt").read_text().splitlines()
-    return result, trace_of(read_log(out / "frames.log")), [line for line in lines if "slcan:" in line][1:]
+    return (
+        result,
+        trace_of(read_log(out / "frames.log"), wire_contract()),
+        [line for line in lines if "slcan:" in line][1:],
+    )
 
 
 def assert_whole(result: Result, folder: Path, move_file: Path) -> None:
     """The record ends with the run, and the score comes out of it again."""
-    trace = trace_of(read_log(folder / "frames.log"))
+    trace = trace_of(read_log(folder / "frames.log"), wire_contract())
     assert ends_run(trace.raw("RUN_EVENT", "RunEvent")[-1])
     assert set((np.diff(trace.raw("TRN_SPEED", "SpeedLife")) % 16).tolist()) == {1}
     again = railhil("score", folder / "frames.log", "--scenario", move_file, "--json").json
@@ -239,7 +244,7 @@ def test_one_that_stays_unplugged_ends_the_controller(rig, move, tmp_path):
         on_progress=Timetable(rig, {5.0: "unplug"}), timeouts=Timeouts(give_up_s=3.0),
     )  # fmt: skip
     assert exit_codes == [3, 0]
-    trace = trace_of(read_log(folder / "frames.log"))
+    trace = trace_of(read_log(folder / "frames.log"), wire_contract())
     assert events(trace)[-1] is Event.ENDED_CONTROLLER_LOST
     assert trace.values("SIM_TRUTH", "TrueSpeed")[-1] == 0
     assert result.exit_code == 3

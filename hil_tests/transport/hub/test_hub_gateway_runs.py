@@ -14,6 +14,7 @@ from hil_tests.support.hub import PATIENCE_S, gateway, node, running_hub, two_hu
 from hil_tests.support.short_runs import RUN_72M_TOML, RUN_297M_TOML
 from railhil.bench import local_run
 from railhil.bus.codes import Event
+from railhil.dbc import wire_contract
 from railhil.record.framelog import read_log, sha256_of
 from railhil.record.trace import trace_of
 from railhil.scenarios.load import load
@@ -108,7 +109,7 @@ def test_an_adapter_of_the_gateway_is_unplugged_in_motion(tmp_path: Path, short:
     assert f"railhil hub: slcan:{port} is down" in said
     assert f"railhil hub: slcan:{port} is back after" in said
     assert ", 1 outage" in said.splitlines()[-1]
-    trace = trace_of(read_log(folder / "frames.log"))
+    trace = trace_of(read_log(folder / "frames.log"), wire_contract())
     assert trace.raw("RUN_EVENT", "RunEvent")[-1] in (Event.ENDED_COMPLETE, Event.ENDED_NOT_STOPPED)
     times_s = trace.times_s("NOTCH_CMD")
     gaps_s = times_s[1:] - times_s[:-1]
@@ -143,7 +144,7 @@ def test_when_the_controller_s_bus_dies_the_train_stops_by_itself(tmp_path: Path
         assert controller.stderr is not None
         assert f"railhil hub at {b.channel}" in controller.stderr.read()
         assert f"port railhil:{b.channel} is down" in between.stderr()
-    trace = trace_of(read_log(folder / "frames.log"))
+    trace = trace_of(read_log(folder / "frames.log"), wire_contract())
     last_notch_s = trace.times_s("NOTCH_CMD")[-1]
     after = trace.times_s("SIM_TRUTH") > last_notch_s + 0.2
     assert after.any()

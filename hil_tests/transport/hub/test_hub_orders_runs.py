@@ -23,6 +23,7 @@ from railhil.bus.link import Link
 from railhil.bus.link.batch import BatchLink
 from railhil.controller_node.ato.node import ControllerNode
 from railhil.controller_node.process_loop import serve
+from railhil.dbc import wire_contract
 from railhil.plant_sim.node import PlantNode, make_plant_node
 from railhil.record.framelog import FrameLog, read_log
 from railhil.record.session import Session, make_session
@@ -93,7 +94,7 @@ class Bench:
             self.missed_polls = plant.counters.get("missed_polls", 0)
         log.close()
         self.sha256 = hashlib.sha256(log.path.read_bytes()).hexdigest()
-        self.trace: Trace = trace_of(read_log(log.path))
+        self.trace: Trace = trace_of(read_log(log.path), wire_contract())
 
 
 def _order_before_ticks(plant: PlantNode, bus: HubBus, orders: Orders) -> None:

@@ -18,6 +18,7 @@ from railhil.bus.hub import wire
 from railhil.bus.hub.client import HubUnavailable
 from railhil.bus.ident import Role
 from railhil.bus.link import open_link
+from railhil.dbc import wire_contract
 from railhil.record.framelog import read_log
 from railhil.record.trace import trace_of
 
@@ -141,7 +142,7 @@ def test_a_run_of_attached_nodes_names_who_has_left(tmp_path: Path, killed: str)
                 r"waits for controller \((NOTCH_CMD|CTL_STAT)\), which has ended, at simulation time", other.err
             )
         assert other.exit_code == 3
-    trace = trace_of(read_log(tmp_path / "run" / "frames.log"))
+    trace = trace_of(read_log(tmp_path / "run" / "frames.log"), wire_contract())
     assert (trace.raw("RUN_EVENT", "RunEvent")[-1] == 7) == (killed == "controller"), "the train brakes by itself"
 
 
@@ -165,7 +166,7 @@ def test_in_realtime_nobody_gives_up_earlier(tmp_path: Path) -> None:
         done = _done(nodes["supervisor"])
         assert done.exit_code == 3, done.err
         assert "left the bus" not in done.out
-    trace = trace_of(read_log(tmp_path / "run" / "frames.log"))
+    trace = trace_of(read_log(tmp_path / "run" / "frames.log"), wire_contract())
     assert trace.raw("RUN_EVENT", "RunEvent")[-1] == 7
     last_notch_s = trace.times_s("NOTCH_CMD")[-1]
     assert trace.times_s("SIM_TRUTH")[-1] > last_notch_s + 1, "braked by the train's own watch, in the record"

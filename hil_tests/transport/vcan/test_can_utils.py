@@ -42,7 +42,7 @@ def record_of(frames: list[Frame]) -> list[Frame]:
         return scan or frame.can_id == contract.device_status_id
 
     for source in ("controller", "supervisor"):
-        order = BusOrder(source, patience_s=0.0)
+        order = BusOrder(wire_contract(), source, patience_s=0.0)
         frames = [item for frame in frames for item in order.feed(frame)] + order.flush()
     opening = contract.port("PLT_IDENT").address
     start = next(index for index, frame in enumerate(frames) if frame.can_id == opening)
@@ -104,7 +104,7 @@ def test_load_of_foreign_frames_changes_no_command(hop, hop_reference, folder):
     assert [frame for frame in frames if frame.can_id != 0x7A0 and frame.data != _NO_TELEGRAM] == frames_of(
         hop_reference.log
     )
-    trace = trace_of(read_log(folder / "frames.log"))
+    trace = trace_of(read_log(folder / "frames.log"), wire_contract())
     assert [int(code) for code in trace.raw(NotchCmd.PORT, "NotchCmd")] == hop_reference.notches
     # PLT_STAT is one frame; of a telegram of several a wrong frame may also take the place of a right one.
     refused = counters_of(folder, "controller")["wrong_check_sequence"]

@@ -11,6 +11,7 @@ from railhil.bus.errors import PeerSilent
 from railhil.bus.frame import ERROR, REMOTE, Frame
 from railhil.bus.mvb import TelegramSource, master_frame
 from railhil.bus.schedule import Schedule
+from railhil.dbc import wire_contract
 from railhil.wire.ato import CtlStat, NotchCmd, TrnPos, TrnSpeed
 
 
@@ -20,11 +21,11 @@ def wall() -> SetClock:
 
 
 def test_schedule_is_the_port_table_with_the_overrides() -> None:
-    schedule = Schedule.from_contract(10_000_000, {"TRN_SPEED": 16_000_000, "NOTCH_CMD": 40_000_000})
+    schedule = Schedule.from_contract(10_000_000, {"TRN_SPEED": 16_000_000, "NOTCH_CMD": 40_000_000}, wire_contract())
     assert schedule.ticks("TIME_SYNC") == 128
     assert schedule.ticks("NOTCH_CMD") == 4
     assert schedule.ticks("TRN_SPEED") == 1
-    assert Schedule.from_contract(16_000_000, {}).ticks("TRN_SPEED") == 1
+    assert Schedule.from_contract(16_000_000, {}, wire_contract()).ticks("TRN_SPEED") == 1
     assert "RUN_EVENT" not in schedule.periods_ns
 
 

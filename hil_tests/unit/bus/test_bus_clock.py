@@ -11,6 +11,7 @@ from railhil.bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame
 from railhil.bus.mvb import TelegramSource
 from railhil.bus.responder import Responder
 from railhil.bus.schedule import Schedule
+from railhil.dbc import wire_contract
 from railhil.wire.ato import NotchCmd, TrnSpeed
 
 
@@ -20,7 +21,9 @@ def frame_of(tick: int, *, fd: bool = False) -> Frame:
 
 def listener() -> Responder:
     """A node that sinks the clock port alone."""
-    return Responder(1, Schedule.from_contract(TICK_NS, {}), [TrnSpeed.port()], {})
+    return Responder(
+        1, Schedule.from_contract(TICK_NS, {}, wire_contract()), [TrnSpeed.port()], {}, contract=wire_contract()
+    )
 
 
 @pytest.mark.parametrize("fd", [False, True])
@@ -62,7 +65,7 @@ def run(clock: BusClock, ticks: range, lost: range) -> list[int]:
 @pytest.mark.parametrize("start", [10, 11, 24, 25])
 @pytest.mark.parametrize("lost", [*range(1, 40), 127, 1000])
 def test_polls_carry_time_through_any_loss_of_the_clock_port(start: int, lost: int) -> None:
-    clock = BusClock(TICK_NS)
+    clock = BusClock(TICK_NS, 1)
     end = start + lost
     seen = run(clock, range(end + 4), range(start, end))
     assert seen[:start] == list(range(start))
@@ -74,7 +77,7 @@ def test_polls_carry_time_through_any_loss_of_the_clock_port(start: int, lost: i
 
 @pytest.mark.parametrize("copies", [1, 2])
 def test_repeated_polls_never_run_away(copies: int) -> None:
-    clock = BusClock(TICK_NS)
+    clock = BusClock(TICK_NS, 1)
     for tick in range(400):
         clock.feed(TELEGRAMS[tick % 16])
         if tick % POLL_TICKS == 0:
@@ -84,7 +87,7 @@ def test_repeated_polls_never_run_away(copies: int) -> None:
 
 
 def test_polls_before_the_first_frame_are_no_time() -> None:
-    clock = BusClock(TICK_NS)
+    clock = BusClock(TICK_NS, 1)
     for _ in range(10):
         clock.polled(POLL_TICKS)
     assert (clock.running, clock.tick, clock.own_ns, clock.is_set) == (False, 0, 0, False)
@@ -258,7 +261,7 @@ def test_counted_frames_are_the_same_as_each_of_them(frames: int, first: int, ti
 
 
 def test_a_clock_is_regular_while_its_time_is_that_of_the_last_frame() -> None:
-    clock = BusClock(TICK_NS)
+    clock = BusClock(TICK_NS, 1)
     assert not clock.is_regular
     assert clock.life == -1
     clock.feed(TELEGRAMS[5])
@@ -272,7 +275,7 @@ def test_a_clock_is_regular_while_its_time_is_that_of_the_last_frame() -> None:
 
 
 def test_nothing_elapses_before_the_first_frame() -> None:
-    clock = BusClock(TICK_NS)
+    clock = BusClock(TICK_NS, 1)
     assert (clock.tick, clock.now_ns, clock.rate) == (0, 0, 0.0)
     clock.elapsed(10**9)
     assert (clock.tick, clock.now_ns, clock.running) == (0, 0, False)

@@ -98,7 +98,9 @@ def test_a_device_status_that_is_refused_is_not_silence(
     answer = good._replace(data=change(good.data))
     administrator, _ = make(FakeEndpoint(wall, lambda frame: [(0, answer)]))
     with pytest.raises(PeerSilent) as caught:
-        Handshake(administrator, make_ident(Role.PLANT, "0" * 64), wire_contract(), 0.3).agree()
+        Handshake(
+            administrator, make_ident(Role.PLANT, "0" * 64, contract=wire_contract()), wire_contract(), 0.3
+        ).agree()
     # Two nodes are asked three times.
     expected = f"no good answer within 0.3 s, refused on identifier 088: 6 times {reason}"
     assert str(caught.value) == f"bus administrator waits for controller and supervisor: {expected}"
@@ -107,7 +109,9 @@ def test_a_device_status_that_is_refused_is_not_silence(
 def test_silence_is_called_so(wall: SetClock) -> None:
     administrator, _ = make(FakeEndpoint(wall))
     with pytest.raises(PeerSilent, match=r"waits for controller and supervisor: no answer within 0\.3 s$"):
-        Handshake(administrator, make_ident(Role.PLANT, "0" * 64), wire_contract(), 0.3).agree()
+        Handshake(
+            administrator, make_ident(Role.PLANT, "0" * 64, contract=wire_contract()), wire_contract(), 0.3
+        ).agree()
 
 
 def test_a_device_status_that_is_not_ours_is_no_answer(wall: SetClock) -> None:

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from railhil.bus.frame import Frame
 from railhil.bus.mvb import TelegramSource, master_frame
 from railhil.bus.order import BusOrder
+from railhil.dbc import wire_contract
 from railhil.wire.ato import CtlStat, NotchCmd, TrnSpeed
 
 SPEED = TelegramSource(TrnSpeed.port()).frames(TrnSpeed(1).encode())
@@ -18,12 +19,12 @@ STATUS_POLL = master_frame(CtlStat.port().f_code, CtlStat.port().address)
 
 
 def ordered(frames: list[Frame]) -> list[Frame]:
-    order = BusOrder(patience_s=0.0)
+    order = BusOrder(wire_contract(), patience_s=0.0)
     return [item for frame in frames for item in order.feed(frame)] + order.flush()
 
 
 def test_frames_in_order_pass_at_once():
-    order = BusOrder()
+    order = BusOrder(wire_contract())
     frames = [*SPEED, NOTCH_POLL, *NOTCH, *SPEED, STATUS_POLL, *STATUS, *SPEED]
     assert [order.feed(frame) for frame in frames] == [[frame] for frame in frames]
     assert order.moved == 0
@@ -50,14 +51,14 @@ def test_any_merge_of_the_two_senders_gives_the_order_of_the_wire(gaps, random):
 
 
 def test_no_answer_ends_the_wait_for_a_telegram_of_several_frames():
-    order = BusOrder()
+    order = BusOrder(wire_contract())
     none = Frame(CtlStat.port().can_ids[-1], b"")
     frames = [STATUS_POLL, none, *SPEED, STATUS_POLL, *STATUS]
     assert [order.feed(frame) for frame in frames] == [[frame] for frame in frames]
 
 
 def test_answer_that_never_comes_is_given_up_when_the_bus_falls_silent():
-    order = BusOrder(patience_s=0.0)
+    order = BusOrder(wire_contract(), patience_s=0.0)
     assert order.feed(NOTCH_POLL) == [NOTCH_POLL]
     assert [order.feed(frame) for frame in SPEED] == [[]]
     assert order.flush() == SPEED
@@ -67,7 +68,7 @@ def test_answer_that_never_comes_is_given_up_when_the_bus_falls_silent():
 
 def test_answer_after_a_pause_stands_behind_its_poll():
     """A slow controller, a busy machine: the record is the same as without the pause."""
-    order = BusOrder()
+    order = BusOrder(wire_contract())
     assert order.feed(NOTCH_POLL) == [NOTCH_POLL]
     assert order.flush() == []
     assert [order.feed(frame) for frame in SPEED] == [[]]
@@ -82,7 +83,7 @@ def test_random_frames_are_neither_lost_nor_invented(frames):
 
 
 def test_can_fd_answers_are_known():
-    order = BusOrder(fd=True)
+    order = BusOrder(wire_contract(), fd=True)
     answer = TelegramSource(NotchCmd.port(), fd=True).frames(NotchCmd(1).encode())
     assert order.feed(NOTCH_POLL) == [NOTCH_POLL]
     assert order.feed(SPEED[0]) == []

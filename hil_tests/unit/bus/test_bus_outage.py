@@ -262,7 +262,7 @@ def test_error_frames_in_words():
 
 
 def clock_at(tick: int, rate_10th: int) -> BusClock:
-    clock = BusClock(_TICK_NS)
+    clock = BusClock(_TICK_NS, 1)
     clock.feed(speeds(tick % 16)[0].data)
     for life in range(2):
         clock.synchronise(to_time_sync(tick, _TICK_NS, rate_10th=rate_10th, life=life))

@@ -39,9 +39,9 @@ SHA_A, SHA_B = "0123456789abcdef" * 4, "fedcba9876543210" * 4
 def idents(sha256: str = SHA_A, **told: str) -> tuple[Ident, Ident, Ident]:
     known = {"controller": "ipfc", "arithmetic": "iq", "indexing": "time", **told}
     return (
-        make_ident(Role.PLANT, sha256, seed=7),
-        make_ident(Role.CONTROLLER, sha256, **known),  # type: ignore[arg-type]
-        make_ident(Role.SUPERVISOR, sha256, seed=7, **known),  # type: ignore[arg-type]
+        make_ident(Role.PLANT, sha256, seed=7, contract=wire_contract()),
+        make_ident(Role.CONTROLLER, sha256, **known, contract=wire_contract()),  # type: ignore[arg-type]
+        make_ident(Role.SUPERVISOR, sha256, seed=7, **known, contract=wire_contract()),  # type: ignore[arg-type]
     )
 
 
@@ -89,17 +89,17 @@ def test_what_the_plant_does_not_know_differs_only_between_the_others(told: dict
 
 def test_seed_and_drawing_matter_between_plant_and_supervisor_only() -> None:
     plant, controller, supervisor = idents()
-    other_seed = make_ident(Role.SUPERVISOR, SHA_A, seed=8)
+    other_seed = make_ident(Role.SUPERVISOR, SHA_A, seed=8, contract=wire_contract())
     assert plant.differences(other_seed) == ["seed differs: plant 7, supervisor 8"]
     assert controller.differences(other_seed) == []
-    drawn = make_ident(Role.SUPERVISOR, SHA_A, seed=7, perturbed=True)
+    drawn = make_ident(Role.SUPERVISOR, SHA_A, seed=7, perturbed=True, contract=wire_contract())
     assert len(plant.differences(drawn)) == 1
     assert (is_perturbed(drawn), is_perturbed(supervisor)) == (True, False)
 
 
 def test_pace_differs_between_plant_and_supervisor_only() -> None:
-    plant = make_ident(Role.PLANT, SHA_A, seed=7, pace="realtime")
-    supervisor = make_ident(Role.SUPERVISOR, SHA_A, seed=7, pace="lockstep")
+    plant = make_ident(Role.PLANT, SHA_A, seed=7, pace="realtime", contract=wire_contract())
+    supervisor = make_ident(Role.SUPERVISOR, SHA_A, seed=7, pace="lockstep", contract=wire_contract())
     assert plant.differences(supervisor) == ["pace differs: plant realtime, supervisor lockstep"]
     assert plant.differences(idents()[1]) == []
     assert PltIdent.decode(plant.encode()).pace == 2
@@ -121,12 +121,19 @@ def test_codes_fit_their_signals() -> None:
     assert law_code("ipfc") == zlib.crc32(b"ipfc") % 4096
     # A name whose code would say "does not know" is compared like any other.
     assert zlib.crc32(b"law5109") % 4096 == 0
-    other, ipfc = (make_ident(Role.CONTROLLER, "f" * 64, controller=name) for name in ("law5109", "ipfc"))
+    other, ipfc = (
+        make_ident(Role.CONTROLLER, "f" * 64, controller=name, contract=wire_contract()) for name in ("law5109", "ipfc")
+    )
     assert CtlIdent.decode(other.encode()) == other
-    assert len(make_ident(Role.SUPERVISOR, "f" * 64, controller="law5109").differences(ipfc)) == 1
+    assert (
+        len(make_ident(Role.SUPERVISOR, "f" * 64, controller="law5109", contract=wire_contract()).differences(ipfc))
+        == 1
+    )
     for arithmetic in ARITHMETICS:
         for indexing in INDEXINGS:
-            ident = make_ident(Role.CONTROLLER, "f" * 64, arithmetic=arithmetic, indexing=indexing)
+            ident = make_ident(
+                Role.CONTROLLER, "f" * 64, arithmetic=arithmetic, indexing=indexing, contract=wire_contract()
+            )
             assert CtlIdent.decode(ident.encode()) == ident
 
 

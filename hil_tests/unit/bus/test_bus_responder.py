@@ -33,10 +33,11 @@ class Node:
         self.read: list[Reading[Any]] = []
         self.responder = Responder(
             DEVICE,
-            Schedule.from_contract(TICK_NS, {}),
+            Schedule.from_contract(TICK_NS, {}, wire_contract()),
             [TrnSpeed.port(), TrnPos.port(), TimeSync.port()],
             {NotchCmd.PORT: self._notch, CtlStat.PORT: self._status},
             fd=fd,
+            contract=wire_contract(),
         )
         for telegram in (TrnSpeed, TrnPos):
             self.responder.on(telegram, lambda reading: self.read.append(reading))
@@ -186,7 +187,13 @@ def test_time_goes_on_by_the_polls_of_the_fastest_own_port() -> None:
 
 def test_a_slow_port_is_no_clock() -> None:
     """An extra poll of a port with a long period must not be taken for lost time."""
-    responder = Responder(2, Schedule.from_contract(TICK_NS, {}), [TrnSpeed.port()], {SupCmd.PORT: lambda: SupCmd(1)})
+    responder = Responder(
+        2,
+        Schedule.from_contract(TICK_NS, {}, wire_contract()),
+        [TrnSpeed.port()],
+        {SupCmd.PORT: lambda: SupCmd(1)},
+        contract=wire_contract(),
+    )
     responder.handle(TelegramSource(TrnSpeed.port()).frames(TrnSpeed(5).encode())[0])
     for _ in range(5):
         assert responder.handle(poll(SupCmd))
@@ -196,7 +203,13 @@ def test_a_slow_port_is_no_clock() -> None:
 def test_ports_of_one_layout_have_each_its_own_mailbox_and_handler() -> None:
     """Two units: one telegram class, two ports; the same telegram on the one is none of the other."""
     units = [replace(TrnSpeed.port(), name=f"TRN_SPEED_{unit}", address=0x300 + 8 * unit) for unit in (1, 2)]
-    responder = Responder(DEVICE, Schedule.from_contract(TICK_NS, {}), [TrnSpeed.port(), *units], {})
+    responder = Responder(
+        DEVICE,
+        Schedule.from_contract(TICK_NS, {}, wire_contract()),
+        [TrnSpeed.port(), *units],
+        {},
+        contract=wire_contract(),
+    )
     read: dict[str, list[int]] = {port.name: [] for port in units}
     for port in units:
         responder.on(

@@ -19,7 +19,7 @@ from railhil.dbc import wire_contract
 from railhil.wire.ato import NotchCmd, PltStat, TrkInfo, TrnPos, TrnSpeed
 
 TICK_NS = 10_000_000
-SCHEDULE = Schedule.from_contract(TICK_NS, {})
+SCHEDULE = Schedule.from_contract(TICK_NS, {}, wire_contract())
 SINKS = [kind.port() for kind in (TrnSpeed, TrnPos, TimeSync, PltStat, TrkInfo)]
 #: Ticks from one telegram of the slow port to the next, and from one TIME_SYNC to the next.
 SLOW, SYNC = SCHEDULE.ticks(PltStat.PORT), SCHEDULE.ticks(TimeSync.PORT)
@@ -29,7 +29,7 @@ class Bus:
     """The plant's telegrams of the clock, in time, and the node's polls."""
 
     def __init__(self) -> None:
-        self.node = Responder(1, SCHEDULE, SINKS, {NotchCmd.PORT: NotchCmd})
+        self.node = Responder(1, SCHEDULE, SINKS, {NotchCmd.PORT: NotchCmd}, contract=wire_contract())
         self._sources = {kind: TelegramSource(kind.port()) for kind in (TrnSpeed, PltStat, TimeSync)}
         self._poll = master_frame(NotchCmd.port().f_code, NotchCmd.port().address)
 
@@ -55,7 +55,7 @@ def test_the_slow_port_is_the_slowest_with_a_life_sign_of_four_bits() -> None:
     clock_port = wire_contract().clock_port
     assert slow_port(SINKS, clock_port, SCHEDULE) == PltStat.port()
     assert slow_port([TrnSpeed.port(), TrkInfo.port(), TimeSync.port()], clock_port, SCHEDULE) is None
-    fast = Schedule.from_contract(TICK_NS, {PltStat.PORT: TICK_NS})
+    fast = Schedule.from_contract(TICK_NS, {PltStat.PORT: TICK_NS}, wire_contract())
     assert slow_port(SINKS, clock_port, fast) == TrnPos.port()
 
 

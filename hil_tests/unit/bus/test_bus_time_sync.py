@@ -98,7 +98,7 @@ def test_the_estimate_of_an_outage_is_corrected_but_not_to_before_it() -> None:
 
 @pytest.mark.parametrize("lost", [[], [128], [127, 128], [126, 127, 128], [0], [0, 128]])
 def test_loss_of_the_clock_frame_of_a_time_sync_tick(lost: list[int]) -> None:
-    clock = BusClock(TICK_NS)
+    clock = BusClock(TICK_NS, 1)
     for tick in range(300):
         if tick not in lost:
             clock.feed(TELEGRAMS[tick % 16])
@@ -111,7 +111,7 @@ def test_loss_of_the_clock_frame_of_a_time_sync_tick(lost: list[int]) -> None:
 @pytest.mark.parametrize("first", [110, 111, 118, 127])
 @pytest.mark.parametrize("count", [2, 4, 5, 20, 33])
 def test_burst_loss_across_a_time_sync(first: int, count: int) -> None:
-    clock = BusClock(TICK_NS)
+    clock = BusClock(TICK_NS, 1)
     for tick in range(300):
         lost = first <= tick < first + count
         if not lost:
@@ -126,7 +126,7 @@ def test_burst_loss_across_a_time_sync(first: int, count: int) -> None:
 
 
 def test_joining_late_takes_the_time_that_two_time_syncs_agree_on() -> None:
-    clock = BusClock(TICK_NS)
+    clock = BusClock(TICK_NS, 1)
     for tick in range(1000, 1300):
         clock.feed(TELEGRAMS[tick % 16])
         if tick % 128 == 0:
@@ -168,7 +168,7 @@ def test_silence_goes_on_at_the_pace_of_the_run() -> None:
     clock.synchronise(to_time_sync(3, TICK_NS, rate_10th=20))
     clock.silence(94_999_999)
     assert (clock.tick, clock.now_ns) == (3 + 18, 21 * TICK_NS)
-    new = BusClock(TICK_NS)
+    new = BusClock(TICK_NS, 1)
     new.silence(1_000_000_000)
     assert (new.tick, new.running) == (0, False)
 

@@ -12,6 +12,7 @@ from railhil.bus.mvb import TelegramSource, master_frame
 from railhil.bus.order import BusOrder
 from railhil.bus.own_frames import OwnFrames
 from railhil.bus.store import TrafficStore
+from railhil.dbc import wire_contract
 from railhil.record.senders import Findings, Senders
 from railhil.record.session import make_session
 from railhil.record.trace import TraceReader
@@ -63,7 +64,7 @@ def test_others_are_no_answers_and_no_polls_of_a_trace() -> None:
 @pytest.mark.parametrize("fd", [False, True])
 def test_others_do_not_change_the_order_of_the_record(fd: bool) -> None:
     answer = TelegramSource(NOTCH, fd).frames(NotchCmd(1, life=1).encode())
-    order = BusOrder(fd=fd, patience_s=0.0)
+    order = BusOrder(wire_contract(), fd=fd, patience_s=0.0)
     assert [item for frame in OTHERS for item in order.feed(frame)] == OTHERS
     # What comes between a poll and its answer stands after both, wherever it was seen.
     found = [item for frame in (POLL, *OTHERS, *answer) for item in order.feed(frame)]

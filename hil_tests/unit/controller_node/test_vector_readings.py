@@ -16,6 +16,7 @@ from railhil.bus.telegrams import RunEvent, TimeSync
 from railhil.common.errors import InputError
 from railhil.controller_node.vector.law import Interface, Reading
 from railhil.controller_node.vector.node import Readings
+from railhil.dbc import wire_contract
 from railhil.wire.ato import TrnPos, TrnSpeed
 
 TICK_NS = 10_000_000
@@ -28,7 +29,9 @@ class Node:
 
     def __init__(self, *fields: tuple[type[Telegram], str]) -> None:
         sinks = [TrnSpeed.port(), TrnPos.port(), TimeSync.port(), RunEvent.port()]
-        self.responder = Responder(1, Schedule.from_contract(TICK_NS, {}), sinks, {})
+        self.responder = Responder(
+            1, Schedule.from_contract(TICK_NS, {}, wire_contract()), sinks, {}, contract=wire_contract()
+        )
         interface = Interface(tuple(Reading(name, kind, name) for kind, name in fields), (), age_max_ms=AGE_MAX_MS)
         self.readings = Readings(interface, self.responder)
         self._life = 0

@@ -105,7 +105,7 @@ def test_cantools_decodes_every_frame_and_agrees(telegram, fd):
     for frame in TelegramSource(port, fd).frames(telegram.encode()):
         message = database().get_message_by_frame_id(frame.can_id)
         raw |= message.decode(frame.data, decode_choices=False, scaling=False)
-    trace = Trace()
+    trace = Trace(wire_contract())
     trace.add(port.name, 0, telegram.encode())
     for item in port.signals:
         assert raw[item.name] == trace.raw(port.name, item.name)[0]

@@ -16,6 +16,7 @@ from railhil.bus.telegrams import RunEvent, TimeSync
 from railhil.common.errors import InputError
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.ato.control_loop import ControlLoop
+from railhil.dbc import wire_contract
 from railhil.plant_sim.ato.dynamics import Motion
 from railhil.plant_sim.ato.plant import Plant
 from railhil.plant_sim.ato.telegrams import TrainTelegrams
@@ -85,7 +86,7 @@ def test_milestones_and_balises_at_the_far_end() -> None:
 
 def test_the_record_reads_what_was_sent() -> None:
     """Also what needs more than 32 bits, and what is below 0."""
-    trace = Trace()
+    trace = Trace(wire_contract())
     truths = [(0, 0), (2**31, 1_000_000), (4_200_000_000, -1), (-5, 0), (2**33 - 1, 2**23 - 1), (-(2**33), -(2**23))]
     for position, speed in truths:
         trace.add(SimTruth.PORT, 0, SimTruth(position, speed).encode())

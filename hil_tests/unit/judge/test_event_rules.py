@@ -45,7 +45,7 @@ def frames_of(*telegrams: tuple[int, Telegram]) -> list[tuple[int, Frame]]:
 
 
 def events_in(scenario: Scenario, record: Iterable[tuple[int, Frame]]) -> list[RecordedEvent]:
-    return list(events_of(scenario, trace_of(record)))
+    return list(events_of(scenario, trace_of(record, wire_contract())))
 
 
 def speeds(*lives: int, **fields: int) -> list[tuple[int, Frame]]:
@@ -262,7 +262,7 @@ def test_an_interlock_is_an_event_from_its_change_to_its_return(scenario: Scenar
 
 def test_events_of_another_source_are_merged_in_order(scenario: Scenario) -> None:
     fault = RecordedEvent(0.02, "TRN_SPEED", "fault", "loss")
-    events = events_of(scenario, trace_of(speeds(0, 1, 1, 1, 2)), [fault])
+    events = events_of(scenario, trace_of(speeds(0, 1, 1, 1, 2), wire_contract()), [fault])
     assert [event.kind for event in events] == ["fault", "refused"]
 
 
@@ -291,7 +291,7 @@ def test_no_content_of_frames_raises(scenario: Scenario) -> None:
         frames.append(Frame(random.randrange(0x800), random.randbytes(random.randint(0, 8)), random.randrange(8)))
         polled = random.choice(ports)
         record += [(tick * TICK_NS, frame) for frame in (*frames, master_frame(polled.f_code, polled.address))]
-    trace = trace_of(record)
+    trace = trace_of(record, wire_contract())
     events = events_of(scenario, trace)
     assert len(events) > 500
     assert [event.time_s for event in events] == sorted(event.time_s for event in events)

@@ -235,6 +235,6 @@ def test_port_tables_of_earlier_versions_can_be_read(tmp_path: Path) -> None:
     kept = sorted((ROOT / "dbc" / "history").glob("*.toml"))
     assert kept
     for path in kept:
-        contract = recorded_contract(tmp_path, path.stem)
+        contract = recorded_contract(tmp_path, path.stem, wire_contract())
         assert contract.sha256 == path.stem
         assert {"SIM_TRUTH", "RUN_EVENT", "NOTCH_CMD", "PLT_IDENT"} <= {port.name for port in contract.ports}

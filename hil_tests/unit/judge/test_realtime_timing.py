@@ -143,7 +143,7 @@ def test_without_a_whole_table_the_arrivals_stand_for_it(tmp_path: Path, text: s
     if text is not None:
         (tmp_path / TIMING).write_text(text)
     arrivals = late(1000, 2)
-    timing = realtime_timing(tmp_path, Trace(), arrivals, SCHEDULING)
+    timing = realtime_timing(tmp_path, Trace(wire_contract()), arrivals, SCHEDULING)
     assert (timing.source, timing.jitter, timing.answers) == (RECORDER, arrivals, ())
 
 
@@ -186,7 +186,7 @@ def test_options_of_a_realtime_run_are_refused_in_lockstep(
 def test_only_the_plants_own_lateness_counts(tmp_path: Path, plant_ms: float, arrivals_late: int, valid: bool) -> None:
     """A recorder that falls behind does not spoil a run, and one that keeps up does not save it."""
     plant_table(tmp_path, plant_ms)
-    timing = realtime_timing(tmp_path, Trace(), late(1000, arrivals_late), SCHEDULING)
+    timing = realtime_timing(tmp_path, Trace(wire_contract()), late(1000, arrivals_late), SCHEDULING)
     assert timing.source == PLANT
     assert timing.jitter is not None
     assert timing.jitter.valid is valid
@@ -226,7 +226,7 @@ def test_polls_without_an_answer_are_counted_from_the_record() -> None:
         # An answer that nobody can accept; a duplicate; a poll that nobody can read; the last one, at the end.
         notch, *broken, notch, *whole, *whole, damaged_poll, sup,
     ]  # fmt: skip
-    trace = trace_of((index * 1000, frame) for index, frame in enumerate(frames))
+    trace = trace_of(((index * 1000, frame) for index, frame in enumerate(frames)), wire_contract())
     assert (trace.polls, trace.missed_polls) == (7, 3)
 
 
@@ -244,7 +244,7 @@ def lockstep(tmp_path_factory) -> Record:
 def document(tmp_path: Path) -> dict:
     """``run.timing`` of a realtime run that its plant has measured."""
     plant_table(tmp_path, 0.25)
-    return realtime_timing(tmp_path, Trace(), late(100, 0), SCHEDULING).as_json()
+    return realtime_timing(tmp_path, Trace(wire_contract()), late(100, 0), SCHEDULING).as_json()
 
 
 def realtime(run: Record, timing: dict) -> Record:

@@ -7,6 +7,7 @@ from collections.abc import Iterable
 import pytest
 
 from railhil.bus.ident import PltIdent, Role, make_ident
+from railhil.dbc import wire_contract
 from railhil.judge.record_checks import Unseen, incomplete
 from railhil.record.trace import NodeCounters, Trace
 from railhil.scenarios.load import load
@@ -17,7 +18,7 @@ MS = 1_000_000
 
 def trace_of(truth_ms: Iterable[int], positions_ms: Iterable[int], end_ms: int) -> Trace:
     """A record of two ports."""
-    trace = Trace()
+    trace = Trace(wire_contract())
     for count, time_ms in enumerate(truth_ms):
         trace.add(SimTruth.PORT, time_ms * MS, SimTruth(count, 100).encode())
     for count, time_ms in enumerate(positions_ms):
@@ -72,7 +73,7 @@ def test_telegrams_that_may_be_missing_count_where_the_gap_touches_the_time(
 def test_a_gap_at_the_very_start_may_be_missing() -> None:
     """The record begins with PLT_IDENT."""
     trace = trace_of(range(0, 4001, 20), range(400, 4001, 20), 4000)
-    trace.add(PltIdent.PORT, 0, make_ident(Role.PLANT, "0" * 64).encode())
+    trace.add(PltIdent.PORT, 0, make_ident(Role.PLANT, "0" * 64, contract=wire_contract()).encode())
     unseen = Unseen(load("lvshun_tieshan"), trace)
     assert unseen.count(TrnPos.PORT) == 20
     assert unseen.count(TrnPos.PORT, 0.0, 0.0) == 20

@@ -12,6 +12,7 @@ from hil_tests.support.recordings import row_of
 from hil_tests.support.scores import made_score
 from railhil.cli.result_printer import print_scores
 from railhil.common.output import Output
+from railhil.dbc import wire_contract
 from railhil.judge.folder import junit
 from railhil.judge.result import Result
 from railhil.judge.score import Score
@@ -93,14 +94,14 @@ def test_a_stop_that_was_never_made_and_one_that_is_late_are_named() -> None:
 
 def test_junit_report_and_console_list_them(lvshun: Scenario, tmp_path: Path) -> None:
     score = two_stops()
-    result = Result(lvshun, RunSpec(), Trace(), score, exit_code=1, line=score.failures[0])
+    result = Result(lvshun, RunSpec(), Trace(wire_contract()), score, exit_code=1, line=score.failures[0])
     suite = junit(result).getroot()
     cases = {case.get("name"): case.find("failure") for case in suite.iter("testcase")}
     assert cases["stop Xiaocun"] is None
     failure = cases["stop Xiaohongmen"]
     assert failure is not None
     assert failure.get("message") == "+0.412 m (allowed +-0.3 m)"
-    html = page([row_of(tmp_path, {}, lvshun, Trace(), score)])
+    html = page([row_of(tmp_path, {}, lvshun, Trace(wire_contract()), score)])
     assert '<h2 id="each-stop">Stops</h2>' in html
     assert "<td>Xiaohongmen</td><td>2300</td>" in html
     assert "FAIL: +0.412 m (allowed +-0.3 m)" in html

@@ -14,6 +14,7 @@ from railhil.bench import direct_run
 from railhil.common.errors import InputError
 from railhil.controller_node.high_speed.learned import WEIGHTS, shipped_networks
 from railhil.controller_node.high_speed.training import Recipe
+from railhil.dbc import wire_contract
 from railhil.judge.folder import code_sha256
 from railhil.judge.record import Record
 from railhil.learning.models import describe_training, render_file, train_models
@@ -110,7 +111,7 @@ def test_a_record_that_is_too_short_is_one_line() -> None:
 
 def test_a_record_of_another_system_is_one_line() -> None:
     scenario = load_any("lvshun_tieshan")
-    record = Record(Path("frames.log"), scenario, Trace())
+    record = Record(Path("frames.log"), scenario, Trace(wire_contract()))
     with pytest.raises(InputError, match="system: found 'ato', allowed a system of high-speed trains: hst1 or emu3"):
         train_models(record, Recipe(), 1.0)
 

@@ -23,6 +23,7 @@ from railhil.cli.progress import Progress
 from railhil.cli.run_identity import RunIdentity
 from railhil.common.errors import InputError
 from railhil.common.output import Output
+from railhil.dbc import wire_contract
 from railhil.judge.signals import signal_table
 from railhil.live.bus_follower import Listener, Milestones
 from railhil.live.live_values import Instruments, LogTail, Newest
@@ -46,7 +47,7 @@ class Recorded:
         self.frames = list(read_log(self.log))
 
     def trace(self) -> Trace:
-        return trace_of(self.frames)
+        return trace_of(self.frames, wire_contract())
 
     def until(self, time_s: float) -> list[tuple[int, Frame]]:
         return [(time_ns, frame) for time_ns, frame in self.frames if time_ns <= time_s * 1e9]

@@ -13,6 +13,7 @@ from hil_tests.support.panel import ScriptedLink
 from railhil.bench import local_run
 from railhil.bus.frame import Frame
 from railhil.cli.run_identity import RunIdentity
+from railhil.dbc import wire_contract
 from railhil.panel.layout import HISTORY_ROWS_MAX, History, Rows, is_gap
 from railhil.panel.live import LiveRun
 from railhil.panel.receiver import LOOK_FRAMES, Receiver
@@ -32,7 +33,7 @@ class Ride:
         log = list(read_log(folder / "frames.log"))
         self.frames = [frame for _, frame in log]
         self.times_s = np.array([time_ns for time_ns, _ in log]) / 1e9
-        trace = trace_of(log)
+        trace = trace_of(log, wire_contract())
         self._times_s, self._speeds = trace.times_s("SIM_TRUTH"), trace.values("SIM_TRUTH", "TrueSpeed")
 
     def from_s(self, time_s: float) -> list[Frame]:
@@ -139,9 +140,11 @@ def test_another_run_after_a_hole_begins_anew(ride: Ride) -> None:
 
 def test_a_truth_that_is_missing_is_a_gap_of_a_recorded_run_too(ride: Ride) -> None:
     """As where the recorder missed SIM_TRUTH; the same rows go to the page."""
-    truth = set(trace_of([]).contract.port("SIM_TRUTH").can_ids)
+    truth = set(trace_of([], wire_contract()).contract.port("SIM_TRUTH").can_ids)
     heard = zip(ride.times_s, ride.frames, strict=True)
-    trace = trace_of((round(at * 1e9), one) for at, one in heard if not (10 < at < 16 and one.can_id in truth))
+    trace = trace_of(
+        ((round(at * 1e9), one) for at, one in heard if not (10 < at < 16 and one.can_id in truth)), wire_contract()
+    )
     live, _ = shown(ride, [])
     made = Rows(ride.scenario, live.layout)
     rows = made.insert_gaps(made.make(trace))
@@ -151,7 +154,7 @@ def test_a_truth_that_is_missing_is_a_gap_of_a_recorded_run_too(ride: Ride) -> N
 
 def without(ride: Ride, port: str, from_s: float, to_s: float) -> list[tuple[int, Frame]]:
     """The record, as if nothing of this port had been heard for a while."""
-    own = set(trace_of([]).contract.port(port).can_ids)
+    own = set(trace_of([], wire_contract()).contract.port(port).can_ids)
     heard = zip(ride.times_s, ride.frames, strict=True)
     return [(round(at * 1e9), one) for at, one in heard if not (from_s < at < to_s and one.can_id in own)]
 
@@ -169,7 +172,7 @@ def test_a_column_of_a_silent_port_is_a_gap(ride: Ride, port: str, column: str, 
     heard = without(ride, port, 10.0, 16.0)
     live, rows = shown(ride, *chunks([frame for _, frame in heard], 500))
     made = Rows(ride.scenario, live.layout)
-    recorded = made.insert_gaps(made.make(trace_of(heard)))
+    recorded = made.insert_gaps(made.make(trace_of(heard, wire_contract())))
     place = 1 + next(at for at, one in enumerate(live.layout.columns) if one.name == column)
     for table in (rows, recorded):
         begun = table[table[:, 0] > 2.0]

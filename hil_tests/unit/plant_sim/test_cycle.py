@@ -10,7 +10,7 @@ from railhil.bus.codes import Event
 from railhil.bus.layout import CHECK_CORRECT, CHECK_ERRONEOUS, Telegram
 from railhil.bus.schedule import Schedule
 from railhil.bus.telegrams import SupCmd, TimeSync
-from railhil.dbc import Port
+from railhil.dbc import Port, wire_contract
 from railhil.plant_sim.any_plant import PlantError
 from railhil.plant_sim.ato.plant import Plant, PlantEvent
 from railhil.plant_sim.ato.telegrams import TrainTelegrams
@@ -69,7 +69,7 @@ class Noting:
 
 def cycle_of(scenario: Scenario, plant: Plant, noting: Noting, *ports: str) -> TickLoop:
     makers = TrainTelegrams(scenario, plant, 0.0).makers
-    schedule = Schedule.from_contract(scenario.timing.base_tick_ns, scenario.timing.port_period_ns)
+    schedule = Schedule.from_contract(scenario.timing.base_tick_ns, scenario.timing.port_period_ns, wire_contract())
     asked = [telegram.port() for telegram in (SupCmd, NotchCmd, CtlStat)]
     published = {port: makers[port] for port in ports}
     return TickLoop(plant, RunEnd(scenario, plant), schedule, noting, published, asked, TrnSpeed.PORT)

@@ -40,7 +40,7 @@ def written(folder: Path, frames: Recorded) -> Path:
 
 def demand_the_same(folder: Path, frames: Recorded) -> None:
     log = written(folder, frames)
-    assert state_of(trace_of_log(log)) == state_of(trace_of(read_log(log)))
+    assert state_of(trace_of_log(log, wire_contract())) == state_of(trace_of(read_log(log), wire_contract()))
 
 
 def read_singly(patch: pytest.MonkeyPatch) -> list[int]:
@@ -63,7 +63,7 @@ def test_a_run_is_read_as_whole_telegrams(tmp_path: Path, monkeypatch: pytest.Mo
     monkeypatch.setattr("railhil.record.framelog._PART_BYTES", part_bytes)
     demand_the_same(tmp_path, frames)
     singly = read_singly(monkeypatch)
-    trace_of_log(written(tmp_path, frames))
+    trace_of_log(written(tmp_path, frames), wire_contract())
     assert not singly
 
 
@@ -76,7 +76,7 @@ def test_one_strange_frame_has_its_part_read_singly_and_no_other(
     monkeypatch.setattr("railhil.record.framelog._PART_BYTES", 4000)
     demand_the_same(tmp_path, frames)
     singly = read_singly(monkeypatch)
-    trace_of_log(written(tmp_path, frames))
+    trace_of_log(written(tmp_path, frames), wire_contract())
     assert len(singly) == 1
     assert singly[0] < 400
 
@@ -84,7 +84,9 @@ def test_one_strange_frame_has_its_part_read_singly_and_no_other(
 def test_a_blf_is_read_too(tmp_path: Path) -> None:
     log = written(tmp_path, list(recorded()))
     write_blf(log, tmp_path / "frames.blf")
-    assert state_of(trace_of_log(tmp_path / "frames.blf")) == state_of(trace_of_log(log))
+    assert state_of(trace_of_log(tmp_path / "frames.blf", wire_contract())) == state_of(
+        trace_of_log(log, wire_contract())
+    )
 
 
 def test_a_log_that_ends_inside_a_telegram_or_before_an_answer(tmp_path: Path) -> None:
@@ -135,7 +137,7 @@ def test_senders_see_every_frame(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     for path in (log, tmp_path / "frames.blf"):
         # Without lists of what was sent it counts the frames of each identifier.
         senders = Senders(tmp_path, wire_contract(), complete=False)
-        assert state_of(trace_of_log(path, None, senders)) == state_of(trace_of(frames))
+        assert state_of(trace_of_log(path, wire_contract(), senders)) == state_of(trace_of(frames, wire_contract()))
         assert senders._answers == every
 
 
@@ -147,7 +149,7 @@ def test_frames_of_others_are_not_in_the_second_hash(tmp_path: Path) -> None:
     for place, other in enumerate(OTHERS):
         frames.insert(200 + 2 * place % 150, (frames[200][0], other))
     log = written(tmp_path, frames)
-    assert trace_of_log(log).foreign == len(OTHERS)
+    assert trace_of_log(log, wire_contract()).foreign == len(OTHERS)
     assert telegrams_sha256(log, wire_contract()) == alone != log_sha256(log)
 
 

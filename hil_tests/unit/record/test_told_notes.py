@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from hil_tests.support.recordings import recorded_folder
+from railhil.dbc import wire_contract
 from railhil.judge.record import Record
 from railhil.judge.signals import signal_table
 from railhil.record.notes import note_values, notes_of, told_notes
@@ -56,7 +57,7 @@ def test_a_law_without_notes_has_no_column_and_no_figure(run: Record) -> None:
 def test_a_signed_note_with_its_own_scale() -> None:
     (note,) = told_notes([TURN])
     assert note.label == "turn of the wheel (rad)"
-    trace = Trace()
+    trace = Trace(wire_contract())
     for value in (0x0004, 0xFFFE):
         trace.add(CtlStat.PORT, 0, CtlStat(note3=value).encode())
     assert note_values(trace, note).tolist() == [1.0, -0.5]

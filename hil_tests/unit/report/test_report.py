@@ -258,7 +258,7 @@ def test_without_score_json_nothing_is_said_of_the_controller(run: Record) -> No
 
 def kept(trace: Trace, keep: Callable[[str, int], bool]) -> Trace:
     """The telegrams of a record for whose port and time ``keep`` is true."""
-    found = Trace()
+    found = Trace(wire_contract())
     for port in wire_contract().ports:
         times_ns = (trace.times_s(port.name) * 1e9).round().astype(int).tolist()
         data = trace._data.get(port.name, bytearray())
@@ -314,7 +314,12 @@ def test_close_views_show_where_a_run_is_off(run: Record) -> None:
 
 
 def test_a_run_without_curves_is_reported_and_not_drawn(run: Record) -> None:
-    lost = run.copy_with(label="lost", trace=Trace(), score=score(run.scenario, Trace()), invalid="controller lost")
+    lost = run.copy_with(
+        label="lost",
+        trace=Trace(wire_contract()),
+        score=score(run.scenario, Trace(wire_contract())),
+        invalid="controller lost",
+    )
     text = page([lost])
     assert "<svg" not in text
     assert "INVALID lost: controller lost" in words(text)

@@ -19,6 +19,7 @@ from hil_tests.support.svg_paths import path_points
 from railhil.bench import local_run
 from railhil.charts.figure import TIME, Chart, Curve, Figure
 from railhil.charts.svg import markup
+from railhil.dbc import wire_contract
 from railhil.judge.record import Record
 from railhil.record.framelog import read_log
 from railhil.record.notes import ReportedNote
@@ -50,11 +51,14 @@ class Gappy:
         self._frames = list(read_log(folder / "frames.log"))
 
     def trace(self, *silent: str) -> Trace:
-        ids = {can_id for port in silent for can_id in trace_of([]).contract.port(port).can_ids}
+        ids = {can_id for port in silent for can_id in trace_of([], wire_contract()).contract.port(port).can_ids}
         return trace_of(
-            (time_ns, frame)
-            for time_ns, frame in self._frames
-            if not (_FROM_S < time_ns / 1e9 < _TO_S and frame.can_id in ids)
+            (
+                (time_ns, frame)
+                for time_ns, frame in self._frames
+                if not (_FROM_S < time_ns / 1e9 < _TO_S and frame.can_id in ids)
+            ),
+            wire_contract(),
         )
 
     def run(self, trace: Trace) -> Record:

@@ -10,7 +10,7 @@ from railhil.bus.schedule import Schedule
 from railhil.common.errors import InputError, Words
 from railhil.controller_node.ato.control_loop import NO_BALISE, limited_01mm
 from railhil.controller_node.laws.base import BaliseReading
-from railhil.dbc import Port
+from railhil.dbc import Port, wire_contract
 from railhil.plant_sim.ato.plant import Plant
 from railhil.plant_sim.ato.telegrams import TrainTelegrams
 from railhil.plant_sim.ato.train import RunEnd
@@ -51,7 +51,7 @@ def coupled_schedule(scenario: Scenario) -> Schedule:
     """
     if scenario.safety.sdt:
         raise InputError(scenario.name, "safety.sdt", Words("true"), "false, or the run over a bus (railhil run)")
-    schedule = Schedule.from_contract(scenario.timing.base_tick_ns, scenario.timing.port_period_ns)
+    schedule = Schedule.from_contract(scenario.timing.base_tick_ns, scenario.timing.port_period_ns, wire_contract())
     speed, notch = schedule.ticks(TrnSpeed.PORT), schedule.ticks(NotchCmd.PORT)
     if speed > notch:
         found = Words(f"TRN_SPEED every {speed} ticks, NOTCH_CMD polled every {notch}")

@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 
 from railhil.bus.ident import PltIdent, Role, make_ident
+from railhil.dbc import wire_contract
 from railhil.plant_sim.ato.command_watch import GOOD_AFTER_SERVICE_BRAKE as TRAIN_AFTER_BRAKE
 from railhil.plant_sim.ato.command_watch import GOOD_AFTER_TRACTION_CUT as TRAIN_AFTER_CUT
 from railhil.record.trace import NodeCounters, Trace
@@ -47,10 +48,14 @@ class Story:
     command_late: set[int] = field(default_factory=set)
 
     def trace(self) -> Trace:
-        made, told, life, now_ns = Trace(), -1, 0, 0
+        made, told, life, now_ns = Trace(wire_contract()), -1, 0, 0
         made.reported = NodeCounters(self.whole, {})
         if self.pace != "lockstep":
-            made.add(PltIdent.PORT, 0, make_ident(Role.PLANT, SCENARIO.sha256, pace=self.pace).encode())
+            made.add(
+                PltIdent.PORT,
+                0,
+                make_ident(Role.PLANT, SCENARIO.sha256, pace=self.pace, contract=wire_contract()).encode(),
+            )
         late: list[NotchCmd] = []
         for tick in range(100):
             # Without the port that opens the ticks, the record's clock stands still.
@@ -322,7 +327,7 @@ def test_a_record_without_the_trains_watch_is_judged_by_the_rest() -> None:
     trace._times_ns.pop(TrnWatch.PORT)
     assert [text[:30] for text in broken(SCENARIO, trace)] == ["invariant 2: the controller co"]
     # On a bus there is one.
-    trace.add(PltIdent.PORT, 0, make_ident(Role.PLANT, SCENARIO.sha256).encode())
+    trace.add(PltIdent.PORT, 0, make_ident(Role.PLANT, SCENARIO.sha256, contract=wire_contract()).encode())
     assert broken(SCENARIO, trace)[1] == "record: no TRN_WATCH, so the level of the train's watch is not known"
 
 

@@ -51,7 +51,7 @@ def record(
     again: Any = lambda ms: None,
 ) -> Trace:
     """A record with a SIM_TRUTH at each moment, and perhaps another one at the same instant."""
-    trace = Trace()
+    trace = Trace(wire_contract())
     for ms in moments_ms:
         values = {"position_01mm": position_01mm(ms), "speed_01mmps": speed_01mmps(ms), **truth(ms)}
         trace.add(SimTruth.PORT, ms * 1_000_000, SimTruth(**values).encode())
@@ -178,7 +178,7 @@ def test_set_points_by_distance_are_taken_from_the_identity() -> None:
         return score(HOP, trace).values["itae"] or 0.0
 
     def ident(indexing: str) -> Any:
-        return make_ident(Role.CONTROLLER, HOP.sha256, indexing=indexing)
+        return make_ident(Role.CONTROLLER, HOP.sha256, indexing=indexing, contract=wire_contract())
 
     by_time = itae()
     assert itae(ident("time")) == by_time
@@ -275,7 +275,7 @@ def unnumbered() -> Contract:
 
 def test_missing_milestones_are_named() -> None:
     assert score(HOP, record(numbers=[2, 1])).verdict == "PASS"
-    assert milestone_missing(Trace()) == milestone_missing(Trace(unnumbered())) == ""
+    assert milestone_missing(Trace(wire_contract())) == milestone_missing(Trace(unnumbered())) == ""
     assert invalid(record(numbers=[1, 3])) == "ended_complete: record: RUN_EVENT 2 of 3 is missing"
     assert invalid(record(numbers=[2, 8])) == "ended_complete: record: RUN_EVENT 1, 3, 4, 5, 6, ... of 8 is missing"
     assert invalid(record(numbers=[2, 7])) == "ended_complete: record: RUN_EVENT 1, 3, 4, 5, 6 of 7 is missing"
