@@ -17,7 +17,7 @@ MOVED = {
     "report.recorded": "railhil.report.recorded",
     "sampled": "railhil.record.sampling",
     "score": "railhil.judge.score",
-    "sequence_measure": "railhil.judge.sequence_measure",
+    "sequence_measure": "railhil.judge.judging",
     "shown": "railhil.report.display_columns",
     "status": "railhil.record.notes",
     "stops": "railhil.judge.stops",

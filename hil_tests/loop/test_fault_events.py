@@ -12,7 +12,7 @@ import pytest
 import railhil
 from hil_tests.support.short_runs import RUN_2M_TOML
 from railhil.cli import main
-from railhil.judge.events.injected import fault_events, faults_said
+from railhil.judge.events.summary import fault_events, faults_said
 from railhil.report.tables import event_rows
 from railhil.scenarios.run_spec import RunSpec
 from railhil.testing.live import Live

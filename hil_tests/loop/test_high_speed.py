@@ -11,8 +11,8 @@ from hil_tests.support.cli import railhil
 from railhil.bench import Result, direct_run, local_run
 from railhil.bus.codes import Event
 from railhil.controller_node.vector.node import ports_of
-from railhil.judge.events.derive import events_of
 from railhil.judge.events.event import LEVEL
+from railhil.judge.events.telegrams import events_of
 from railhil.judge.reactions.catalogue import catalogue, catalogue_of
 from railhil.scenarios.fault_list import fault_texts
 from railhil.scenarios.load import load_any

@@ -11,10 +11,10 @@ from hil_tests.support.short_runs import RUN_2M_TOML
 from railhil.bus.codes import FaultOrder, SupCommand
 from railhil.bus.telegrams import SupCmd
 from railhil.dbc import wire_contract
-from railhil.judge.events.derive import events_of
 from railhil.judge.events.event import LEVEL
+from railhil.judge.events.telegrams import events_of
 from railhil.judge.fault_report import fault_outcomes
-from railhil.judge.reactions.by_hand import faults_by_hand
+from railhil.judge.reactions.catalogue import faults_by_hand
 from railhil.record.framelog import read_log
 from railhil.record.operator_commands import OperatorCommands
 from railhil.record.trace import trace_of

@@ -58,7 +58,7 @@ from railhil.bench import local_run
 from railhil.scenarios.load import load_any
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.system import system_named
-from railhil.judge.events.derive import events_of
+from railhil.judge.events.telegrams import events_of
 from railhil.judge.judging import judging_of
 from railhil.record.telemetry import shown_telemetry
 from two_carts.wire import LAW_STAT, STATS

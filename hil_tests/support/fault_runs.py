@@ -10,8 +10,8 @@ import pytest
 
 from railhil.bus.codes import Event
 from railhil.dbc import wire_contract
-from railhil.judge.events.derive import events_of
 from railhil.judge.events.event import LEVEL, RecordedEvent
+from railhil.judge.events.telegrams import events_of
 from railhil.judge.result import Result
 from railhil.record.framelog import read_log
 from railhil.record.trace import trace_of

@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Any
 
 from railhil.bench import local_run
-from railhil.judge.events.derive import events_of
 from railhil.judge.events.event import RecordedEvent
+from railhil.judge.events.telegrams import events_of
 from railhil.judge.folder import write_folder
 from railhil.judge.record import Record
 from railhil.judge.score import Score

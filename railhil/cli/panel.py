@@ -140,7 +140,7 @@ def with_catalogue(spec: RunSpec) -> RunSpec:
 
     :raises InputError: the run would have too many faults.
     """
-    from railhil.judge.reactions.by_hand import faults_by_hand
+    from railhil.judge.reactions.catalogue import faults_by_hand
 
     return replace(spec, faults=(*spec.faults, *faults_by_hand(spec.load())))
 

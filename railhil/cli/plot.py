@@ -30,7 +30,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 def work(namespace: argparse.Namespace) -> int:
     """Draw the picture and print its path."""
     try:
-        from railhil.report.signals_picture import draw as draw_signals
+        from railhil.report.pictures import draw_signals
     except ImportError as error:
         raise missing_library("railhil plot", error, "report") from None
     record = checked_record(namespace.log, namespace.scenario)

@@ -15,9 +15,8 @@ from railhil.judge.record import Record
 from railhil.judge.result import Result
 from railhil.judge.score import Score
 from railhil.record.hash_list import REPORT
-from railhil.report.facts import parameters_sentence
+from railhil.report.facts import answers_sentence, jitter_sentence, parameters_sentence, scheduling_sentence
 from railhil.report.tables import published_text
-from railhil.report.timing import answers_sentence, jitter_sentence, scheduling_sentence
 from railhil.scenarios.model import AnyScenario, watch_sentence
 
 #: Below this width columns are separated by one space, so that no number is truncated.

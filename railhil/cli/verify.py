@@ -14,10 +14,9 @@ from railhil.common.exit_codes import FAIL, PASS
 from railhil.common.output import Output
 from railhil.common.streams import add_json_argument, print_json
 from railhil.dbc import ContractError
-from railhil.judge.derived_files import SIGNALS, blf_difference, events_difference, signals_difference
 from railhil.judge.events.event import EVENTS
 from railhil.judge.record import checked_record
-from railhil.judge.rerun import document_changes
+from railhil.judge.rerun import SIGNALS, blf_difference, document_changes, events_difference, signals_difference
 from railhil.record.documents import CERTIFICATE, FAULT_TABLE, read_fault_table
 from railhil.record.framelog import LOG_NAME
 from railhil.record.hash_list import DOCUMENTS, HASH_LIST, Changed, changed_files, listed_files, read_hash_list

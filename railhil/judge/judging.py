@@ -1,4 +1,4 @@
-"""Judging and display of a system's records: the parts of a system for score, tables, report and run folder."""
+"""Judging and display of a system's records: its parts for score, tables, report, run folder and sequences of runs."""
 
 from __future__ import annotations
 
@@ -6,14 +6,40 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from railhil.judge.criteria import Criterion, Extra
+from railhil.judge.criteria import Criterion, Extra, limited
 from railhil.judge.events.declared import Interlocks, Received, Watch, in_words, interface_received
 from railhil.judge.score import Score
-from railhil.judge.sequence_measure import SequenceMeasure
 from railhil.record.notes import Status, interface_status
 from railhil.record.trace import FloatArray, Trace
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.system import UnknownScenario
+
+
+@dataclass(frozen=True, slots=True)
+class SequenceMeasure:
+    """A criterion over sequences of runs.
+
+    :param within: limits in the unit of the criterion; the share of runs inside each is given.
+    :param converged: a sequence has converged at the first of ``in_a_row`` successive runs inside this limit.
+    """
+
+    criterion: Criterion
+    within: tuple[float, ...]
+    converged: float
+    in_a_row: int = 3
+
+
+def sequence_measures(scenario: Any, judging: Judging) -> Sequence[SequenceMeasure]:
+    """The measures of a scenario: its system's, else one for each of its limits."""
+    if judging.learned:
+        return judging.learned
+    found = []
+    for criterion in limited(judging.criteria, scenario):
+        limit = criterion.limit_in(scenario)
+        assert limit is not None
+        if criterion.better == "low":
+            found.append(SequenceMeasure(criterion, (limit,), limit))
+    return found
 
 
 def _nothing(*given: Any) -> tuple[Any, ...]:
@@ -57,7 +83,7 @@ class Judging:
     none.
 
     ``learned``: measures over sequences of runs; empty: each limit
-    (:func:`railhil.judge.sequence_measure.sequence_measures`).
+    (:func:`railhil.judge.judging.sequence_measures`).
 
     For the events (:mod:`railhil.judge.events.declared`): ``watches``: the reaction ladders on the bus.
     ``interlocks``: states of the train, reported when they differ from the usual ones. ``received``: (scenario) -> the

@@ -13,10 +13,9 @@ from railhil.bus.ident import PltIdent, SupIdent
 from railhil.common.errors import InputError, Words
 from railhil.dbc import ContractError, recorded_contract
 from railhil.judge.cross_check import check_folder, check_record
-from railhil.judge.events.derive import events_of
 from railhil.judge.events.event import RecordedEvent
-from railhil.judge.events.injected import fault_events
-from railhil.judge.events.summary import explained, why
+from railhil.judge.events.summary import explained, fault_events, why
+from railhil.judge.events.telegrams import events_of
 from railhil.judge.judging import Judging, judging_of
 from railhil.judge.reactions.expected import with_expectations
 from railhil.judge.score import Score

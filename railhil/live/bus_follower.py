@@ -14,8 +14,8 @@ from railhil.bus.own_frames import OwnFrames
 from railhil.bus.schedule import Schedule
 from railhil.bus.telegrams import RunEvent, TimeSync
 from railhil.dbc import Contract
-from railhil.judge.events.derive import milestones
 from railhil.judge.events.event import RecordedEvent
+from railhil.judge.events.telegrams import milestones
 from railhil.live.live_values import Newest
 from railhil.record.trace import Trace
 from railhil.scenarios.model import AnyScenario

@@ -18,9 +18,8 @@ from railhil.common.digits import count_of
 from railhil.common.errors import InputError, Words
 from railhil.judge.cross_check import check_folder
 from railhil.judge.events.event import LEVEL, MISSED_POLL, START, RecordedEvent
-from railhil.judge.judging import judging_of
+from railhil.judge.judging import judging_of, sequence_measures
 from railhil.judge.record import Record, checked_record
-from railhil.judge.sequence_measure import sequence_measures
 from railhil.panel.layout import Chart, Layout, Rows, make_layout
 from railhil.panel.wire import REPLACE, encode_batch
 from railhil.record.documents import read_certificate, read_score

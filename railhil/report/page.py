@@ -14,16 +14,14 @@ import numpy as np
 from railhil.charts.figure import Figure
 from railhil.judge.record import Record
 from railhil.record.hash_list import REPORT, listed_file
-from railhil.report import timing as timing
 from railhil.report.display_columns import ShownColumn
 from railhil.report.distribution import picture, spreads_of, worst_first
-from railhil.report.facts import facts, without_paths
+from railhil.report.facts import TIMING_HEADINGS, facts, lateness_figures, timing_table, without_paths
 from railhil.report.over_time import RunColumns, columns_of, reactions, signals, system_pictures
 from railhil.report.recorded import distinct_labels
 from railhil.report.styles import styles
 from railhil.report.tables import better_sentence, event_rows, has_unusual, rows
 from railhil.report.templates import script, styles_text, template
-from railhil.report.timing import lateness
 from railhil.scenarios.model import watch_sentence
 
 #: Number of runs above which the page shows distributions, and figures and charts of the worst runs only.
@@ -52,7 +50,7 @@ def page(runs: Sequence[Record], notes: Sequence[str] = (), links: Sequence[str]
         for number, (run, style) in enumerate(zip(shown, styles([run.controller for run in shown]), strict=True))
         if run.can_be_drawn
     ]
-    own = [*system_pictures(scenario, shown), *lateness(shown)]
+    own = [*system_pictures(scenario, shown), *lateness_figures(shown)]
     pictures = [*own[:1], *reactions(columns), *own[1:]]
     opened, further = signals(columns, [one for one in pictures if isinstance(one, Figure)])
     known = judging.deviations if scenario.published else None
@@ -76,8 +74,8 @@ def page(runs: Sequence[Record], notes: Sequence[str] = (), links: Sequence[str]
         events=[row for run in shown for row in event_rows(run.label, run.events)],
         quiet=[run.label for run in shown if not has_unusual(run.events)],
         facts=facts(runs),
-        timing=timing.table(runs),
-        timing_headings=timing.HEADINGS,
+        timing=timing_table(runs),
+        timing_headings=TIMING_HEADINGS,
         pictures=pictures,
         opened=opened,
         further=further,

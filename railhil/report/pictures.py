@@ -17,6 +17,8 @@ from matplotlib.figure import Figure as Sheet
 from matplotlib.ticker import MaxNLocator, ScalarFormatter
 
 from railhil.charts.figure import Area, Chart, Curve, Figure, Look, extent, looks
+from railhil.record.trace import Trace
+from railhil.report.over_time import signal_charts
 
 _WIDTH_IN = 8.5
 #: Pixels of a page in an inch of paper.
@@ -247,3 +249,8 @@ def stacked(name: str, title: str, caption: str, rows: Sequence[Callable[[Axes],
             figure.legend(lines, labels, loc="upper right", ncols=4, frameon=False)
         figure.align_ylabels()
         return Picture(name, title, caption, svg(figure, name, title))
+
+
+def draw_signals(scenario: Any, trace: Trace, out: Path) -> None:
+    """Draw the signals of ``signals.csv`` into a file whose bytes depend only on the record (fixed ids, no date)."""
+    save(Figure("signals", scenario.title, "", signal_charts(scenario, trace)), out, scenario.title)

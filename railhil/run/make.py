@@ -169,8 +169,8 @@ def run_into(folder: Path, spec: RunSpec, *, keep: bool = True) -> Result:
 
 def complete(result: Result) -> None:
     """Complete a result with its events, and with the expectations of its faults."""
-    from railhil.judge.events.derive import events_of
-    from railhil.judge.events.injected import fault_events
+    from railhil.judge.events.summary import fault_events
+    from railhil.judge.events.telegrams import events_of
     from railhil.judge.reactions.expected import with_expectations
 
     scenario, trace = result.scenario, result.trace

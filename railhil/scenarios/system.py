@@ -108,7 +108,7 @@ class System:
     #: Its plants with faults and with an FMU (:mod:`railhil.plant_sim.faults.plants`).
     faulty_plant: str | None = None
     fmu_plant: str | None = None
-    #: Draws scenario and trace into a file; without it :mod:`railhil.report.signals_picture` does.
+    #: Draws scenario and trace into a file; without it :mod:`railhil.report.pictures` does.
     picture: str | None = None
 
     def __post_init__(self, own: Mapping[str, str] | None) -> None:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from railhil.campaign.rows import column_of
 from railhil.common.digits import count_of
-from railhil.judge.sequence_measure import SequenceMeasure, sequence_measures
+from railhil.judge.judging import SequenceMeasure, sequence_measures
 from railhil.report.pictures import Picture, stacked
 from railhil.report.styles import Style
 from railhil.sequences.plan import Plan

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from railhil.batch.statistics import at_most
 from railhil.campaign.rows import column_of
 from railhil.judge.criteria import limit_key
-from railhil.judge.sequence_measure import SequenceMeasure, sequence_measures
+from railhil.judge.judging import SequenceMeasure, sequence_measures
 from railhil.sequences.plan import Plan
 from railhil.sequences.table import by_run
 

@@ -17,9 +17,9 @@ from railhil.bus.layout import CHECK_CORRECT, FLAG_FALSE, FLAG_TRUE, Telegram
 from railhil.bus.mvb import TelegramSource, master_frame
 from railhil.controller_node.ato.guard import SPEED_MAX_01MMPS
 from railhil.dbc import recorded_contract, wire_contract
-from railhil.judge.events.derive import events_of
 from railhil.judge.events.event import RecordedEvent
 from railhil.judge.events.summary import summary, why
+from railhil.judge.events.telegrams import events_of
 from railhil.record.trace import Trace, trace_of
 from railhil.scenarios.load import load
 from railhil.systems.ato.judge.events import SPEED_RANGE_01MMPS

@@ -22,9 +22,9 @@ from hil_tests.support.recordings import row_of
 from hil_tests.support.short_runs import RUN_72M_TOML
 from hil_tests.support.told import told
 from railhil.bus.frame import Frame
-from railhil.judge.events.derive import events_of
 from railhil.judge.events.event import COLUMNS
 from railhil.judge.events.summary import explained, summary, why
+from railhil.judge.events.telegrams import events_of
 from railhil.judge.judging import judging_of
 from railhil.judge.record import Record, checked_record
 from railhil.report.page import page

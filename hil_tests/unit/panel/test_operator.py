@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from railhil.faults.language import parse, with_hand
-from railhil.judge.reactions.by_hand import faults_by_hand
+from railhil.judge.reactions.catalogue import faults_by_hand
 from railhil.panel.operator import list_fault_kinds
 from railhil.record.operator_commands import prepared_for
 from railhil.scenarios.load import load_any

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from railhil.judge.judging import judging_of
-from railhil.judge.sequence_measure import sequence_measures
+from railhil.judge.judging import judging_of, sequence_measures
 from railhil.scenarios.load import load
 from railhil.sequences.summary import runs_to_converge, spread, tail_runs
 

@@ -11,10 +11,9 @@ from railhil.bus.codes import Event
 from railhil.bus.telegrams import RunEvent
 from railhil.judge.criteria import DID_NOT_STOP, STOP_ERROR_KEY, Criterion, Limit, scores, unscored
 from railhil.judge.events.declared import Watch
-from railhil.judge.judging import Judging
+from railhil.judge.judging import Judging, SequenceMeasure
 from railhil.judge.record_checks import incomplete
 from railhil.judge.score import Score
-from railhil.judge.sequence_measure import SequenceMeasure
 from railhil.record.notes import Status, wrap_failure
 from railhil.record.trace import Trace
 from railhil.systems.stop.approach import Approach
