@@ -39,12 +39,11 @@ from railhil.controller_node.program.tracer import record
 from railhil.dbc import Port, Signal, wire_contract
 from railhil.scenarios.run_spec import LawSpec
 from railhil.systems.ato.scenario.model import Scenario
-from railhil.wire.ato import BalisePassed, NotchCmd, NotchSdt, SpeedSdt, TrkInfo, TrnPos, TrnSpeed
+from railhil.wire.ato import BalisePassed, CtlStat, NotchCmd, NotchSdt, SpeedSdt, TrkInfo, TrnPos, TrnSpeed
 
 _BALISE_WORDS = ";\n * last balise: number (0: none yet), surveyed position, odometer reading when passed (0.1 mm)"
 _ARITHMETIC = "iq"
 _AGES = "age of the last accepted TRN_SPEED"
-_CYCLES_MAX = 0xFFFF
 _NS_PER_S = 1_000_000_000
 #: Largest int of the target.
 _INT_MAX = 2**15 - 1
@@ -52,6 +51,10 @@ _INT_MAX = 2**15 - 1
 
 def _signal(kind: type[Telegram], field: str) -> Signal:
     return dict(kind.signals())[field]
+
+
+def _largest(kind: type[Telegram], field: str) -> int:
+    return _signal(kind, field).raw_range[1]
 
 
 def _lsb(kind: type[Telegram], field: str) -> int:
@@ -232,7 +235,7 @@ class NotchControl(Control):
         schedule = Schedule.from_contract(timing.base_tick_ns, timing.port_period_ns, wire_contract())
         ladder = speed_watch.Ladder.of(scenario)
         cost = cost_of(self.programs, make(_ARITHMETIC), timing.control_period_ns)
-        cycles = min(cost.cycles, _CYCLES_MAX)
+        cycles = min(cost.cycles, _largest(CtlStat, "step_cycles"))
         needs_position = self.programs.track or self.law.over_distance
         exact = round((odometer.TOLERANCE_M + sensors.odometer_lsb_m) * 1e4) * _NS_PER_S
         speed_error = round((sensors.speed_lsb_mps / 2 + sensors.speed_noise_sigma_mps) * 1e4)
@@ -259,6 +262,7 @@ class NotchControl(Control):
             *self._end(),
             *_motion(scenario),
             Define("STEP_CYCLES", f"UINT32_C({cycles})", "estimated C28x cycles of a control period, at most 65535"),
+            Define("OVERRUN_COUNT_MAX", str(_largest(CtlStat, "overruns"))),
             *self._safe_channel(schedule),
         ]
 
@@ -269,7 +273,7 @@ class NotchControl(Control):
             Define("WHEEL_PARTS", wide(balises.WHEEL_PARTS), "the largest error of a wheel is one of so many parts"),
             Define(
                 "BALISE_WORD_MM",
-                wide(1 << _signal(BalisePassed, "odometer_low_mm").length),
+                wide(_largest(BalisePassed, "odometer_low_mm") + 1),
                 "odometer readings of BALISE",
             ),
             Define("BALISE_ERROR_MM", wide(balises.BALISE_ERROR_MM), "largest error of a surveyed balise"),
@@ -283,6 +287,8 @@ class NotchControl(Control):
         if not safety.sdt:
             return [Define("SAFE", "0", "1: speeds and commands count only if safe telegrams confirm them")]
         ticks = schedule.ticks(SpeedSdt.PORT)
+        low = _signal(SpeedSdt, "tick_low")
+        low_max, high_max = low.raw_range[1], _largest(SpeedSdt, "tick_high")
 
         def identity(port: Port) -> str:
             return f"UINT32_C({source_identity(port.address):#x})"
@@ -292,6 +298,9 @@ class NotchControl(Control):
             Define("SAFE_RXSAFE", str(safety.n_rxsafe), "cycles without a fresh safe telegram that are tolerated"),
             Define("SAFE_CMTHR", str(safety.cmthr), "telegrams within which a second CRC error fails the channel"),
             Define("SAFE_PERIOD_NS", wide(ticks * schedule.base_tick_ns), "period of SPEED_SDT"),
+            Define("SAFE_TICK_LOW_BITS", f"{low.length}u", "of the time in the safe telegrams"),
+            Define("SAFE_TICK_LOW_MASK", f"UINT32_C({low_max:#x})"),
+            Define("SAFE_TICK_MASK", f"UINT32_C({high_max << low.length | low_max:#x})", "of all of its bits"),
             Define("SAFE_LATE_TICKS", f"UINT32_C({safety.n_rxsafe * ticks})", "largest difference of its time"),
             Define("SAFE_SPEED_SID", identity(SpeedSdt.port()), "identity of its source"),
             Define("SAFE_NOTCH_SID", identity(NotchSdt.port()), "that of the source of NOTCH_SDT"),

@@ -13,11 +13,11 @@ from railhil.controller_node.arithmetic.base import INT32_MAX, INT32_MIN
 from railhil.controller_node.ato.control_loop import NO_BALISE, ControlLoop
 from railhil.controller_node.export.control import FLAG_BEGIN, FLAG_SENT, Generator, Period
 from railhil.controller_node.laws.base import SPEED_Q, BaliseReading
+from railhil.controller_node.vector.law import raw_range
 from railhil.systems.ato.scenario.model import Scenario
+from railhil.wire.ato import NotchCmd, TrnSpeed
 
 _PERIODS = 80
-#: Limits of TrainSpeed (s24), 0.1 mm/s.
-_SPEED_MIN, _SPEED_MAX = -(2**23), 2**23 - 1
 _SPEED_LIKELY_01MMPS = 300_000
 _SENT_EVERY = 7
 _BALISE_EVERY = 11
@@ -86,11 +86,13 @@ def jumping() -> Iterator[Period]:
 def limits() -> Iterator[Period]:
     """The limits of the wire and of int32."""
     generator = Generator(3)
-    speeds = (_SPEED_MIN, -1, 0, 1, _SPEED_MAX)
+    slowest, fastest = raw_range(TrnSpeed, "speed_01mmps")
+    speeds = (slowest, -1, 0, 1, fastest)
+    notches = raw_range(NotchCmd, "notch_256th")
     positions = (INT32_MIN, -1, 0, 50_000, 50_001, INT32_MAX)
     periods = (INT32_MIN, -1, 0, 1, 200, INT32_MAX)
     for k in range(_PERIODS):
         flags = (FLAG_BEGIN if k == 0 else 0) | (FLAG_SENT if k % _SENT_EVERY == 2 else 0)
         k_, speed, position = [values[generator.between(0, len(values) - 1)] for values in (periods, speeds, positions)]
         balise = BaliseReading(*(positions[generator.between(0, len(positions) - 1)] for _ in range(3)))
-        yield _period(flags, k_, speed, position, (-32768, 32767)[k % 2], balise)
+        yield _period(flags, k_, speed, position, notches[k % 2], balise)

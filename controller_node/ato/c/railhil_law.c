@@ -1,8 +1,6 @@
 /* Inputs, notch and status of the law: see railhil_law.h. */
 #include "railhil_law.h"
 
-/* Largest OverrunCount. */
-enum { OVERRUNS_MAX = 255 };
 
 static const char *const outcome_names[RAILHIL_COUNTS - RAILHIL_CLOCK_OUTCOMES] = {
     "position_duplicate",
@@ -124,7 +122,7 @@ static void answer_status(railhil_law_t *law, unsigned char *process)
         telegram.overflow_flags = railhil_law_flags(law);
         telegram.step_count = (int32_t)(law->steps & 0xFFFFu);
         telegram.step_cycles = RAILHIL_STEP_CYCLES;
-        telegram.overruns = (int32_t)railhil_lesser(watch->overruns, OVERRUNS_MAX);
+        telegram.overruns = (int32_t)railhil_lesser(watch->overruns, RAILHIL_OVERRUN_COUNT_MAX);
         telegram.ready = RAILHIL_FLAG_TRUE;
     }
     railhil_pack_ctl_stat(&telegram, process);

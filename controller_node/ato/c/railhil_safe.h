@@ -72,8 +72,8 @@ static inline uint32_t railhil_safe_code(const unsigned char *data, unsigned cou
 static inline void railhil_safe_secure(railhil_safe_t *safe, railhil_notch_sdt_t *telegram, int64_t tick,
                                        unsigned char *process)
 {
-    telegram->tick_high = (int32_t)((uint64_t)tick >> 16 & 0xFFu);
-    telegram->tick_low = (int32_t)((uint64_t)tick & 0xFFFFu);
+    telegram->tick_high = (int32_t)(((uint64_t)tick & RAILHIL_SAFE_TICK_MASK) >> RAILHIL_SAFE_TICK_LOW_BITS);
+    telegram->tick_low = (int32_t)((uint64_t)tick & RAILHIL_SAFE_TICK_LOW_MASK);
     telegram->version = RAILHIL_SAFE_DATA_VERSION << 4;
     telegram->ssc = (int32_t)safe->sent_ssc;
     safe->sent_ssc = (safe->sent_ssc + 1u) & 0xFFu;
@@ -161,8 +161,8 @@ static inline void railhil_safe_speed(railhil_safe_t *safe, const railhil_clock_
     const int64_t cycles = railhil_floored(now_ns - safe->cycle_ns, RAILHIL_SAFE_PERIOD_NS);
     int64_t missed;
     const railhil_speed_sdt_t telegram = railhil_unpack_speed_sdt(process);
-    const uint32_t tick = (uint32_t)telegram.tick_high << 16 | (uint32_t)telegram.tick_low;
-    const uint32_t off = (tick - (uint32_t)((uint64_t)clock->tick & 0xFFFFFFu)) & 0xFFFFFFu;
+    const uint32_t tick = (uint32_t)telegram.tick_high << RAILHIL_SAFE_TICK_LOW_BITS | (uint32_t)telegram.tick_low;
+    const uint32_t off = (tick - (uint32_t)((uint64_t)clock->tick & RAILHIL_SAFE_TICK_MASK)) & RAILHIL_SAFE_TICK_MASK;
     /* A telegram that comes late does not take the time of the next one. */
     safe->cycle_ns = cycles > 0 ? safe->cycle_ns + cycles * RAILHIL_SAFE_PERIOD_NS : now_ns;
     for (missed = railhil_lesser(cycles - 1, RAILHIL_SAFE_RXSAFE); missed > 0; missed--) {
@@ -171,7 +171,7 @@ static inline void railhil_safe_speed(railhil_safe_t *safe, const railhil_clock_
     if (railhil_safe_judge(safe, process, counts) != RAILHIL_SAFE_FRESH) {
         return;
     }
-    if (clock->is_set && off > RAILHIL_SAFE_LATE_TICKS && UINT32_C(0x1000000) - off > RAILHIL_SAFE_LATE_TICKS) {
+    if (clock->is_set && off > RAILHIL_SAFE_LATE_TICKS && RAILHIL_SAFE_TICK_MASK + 1u - off > RAILHIL_SAFE_LATE_TICKS) {
         counts[RAILHIL_SAFE_TIME]++;
     } else if (speed_known && speed_01mmps != telegram.speed_01mmps) {
         counts[RAILHIL_SAFE_DIFFERS]++;
