@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from railhil.common.errors import InputError, Words, did_you_mean
-from railhil.common.law_order import sort_laws
-from railhil.common.plug_ins import cause_of, entries, guard_plug_in
+from railhil.common.plug_ins import cause_of, entries, guard_plug_in, sort_laws
 from railhil.controller_node.laws.base import Law
 from railhil.controller_node.laws.note import slots
 

@@ -5,9 +5,10 @@ from __future__ import annotations
 import importlib.metadata
 import pkgutil
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import cache
+from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -22,7 +23,7 @@ SYSTEMS = {
     "stop": "railhil.systems.stop:STOP",
 }
 #: Packages with the laws that come with railhil, by their group. A module there is a law: a class, the module's name
-#: in capitals (``mm_gpc``: ``MmGpc``).
+#: in capitals (``mm_gpc``: ``MmGpc``). A package may have ``ORDER``, the order of its laws in every list.
 SHIPPED = {
     "railhil.laws": "railhil.controller_node.ato.laws",
     "railhil.laws_high_speed": "railhil.controller_node.high_speed.laws",
@@ -102,3 +103,15 @@ def _shipped(group: str) -> Iterator[importlib.metadata.EntryPoint]:
 def _every(path: tuple[str, ...]) -> Any:
     # EntryPoints, or the class with the same select() in Python 3.11.
     return importlib.metadata.entry_points()
+
+
+@cache
+def shipped_order() -> tuple[str, ...]:
+    """The laws of railhil that have a place in every table, legend and list, in this order."""
+    return tuple(law for package in SHIPPED.values() for law in getattr(import_module(package), "ORDER", ()))
+
+
+def sort_laws(names: Iterable[str]) -> list[str]:
+    """The names, each once: those of :func:`shipped_order` in that order, then the others sorted."""
+    found, order = set(names), shipped_order()
+    return [name for name in order if name in found] + sorted(found.difference(order))

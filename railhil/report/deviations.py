@@ -1,4 +1,4 @@
-"""Deviations of the bench from the paper with the published scores; the sentences are in ``deviations.toml``."""
+"""Deviations of the bench from the paper with the published scores of a system."""
 
 from __future__ import annotations
 
@@ -17,7 +17,10 @@ class Deviation:
     other: str
 
 
-def deviations() -> tuple[str, tuple[Deviation, ...]]:
-    """The paper, and all deviations from it in the order of its equations."""
-    content = tomllib.loads(files(__package__).joinpath("deviations.toml").read_text(encoding="utf-8"))
+def read_deviations(package: str) -> tuple[str, tuple[Deviation, ...]]:
+    """The paper, and all deviations from it in the order of its equations.
+
+    :param package: the package with their file, ``deviations.toml``.
+    """
+    content = tomllib.loads(files(package).joinpath("deviations.toml").read_text(encoding="utf-8"))
     return content["source"], tuple(Deviation(**row) for row in content["deviation"])

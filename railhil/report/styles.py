@@ -10,10 +10,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from railhil.charts.figure import Look
-from railhil.common.law_order import LAW_ORDER
+from railhil.common.plug_ins import shipped_order
 
 #: Colours of Okabe and Ito (distinguishable with colour blindness), dashes in px, markers. The first ones belong to
-#: the laws of LAW_ORDER, the rest to others.
+#: the laws of :func:`shipped_order`, the rest to others.
 _LAWS: tuple[tuple[str, tuple[float, ...], str], ...] = (
     ("#0072b2", (), "o"),
     ("#d55e00", (7, 2), "s"),
@@ -78,13 +78,14 @@ def styles(laws: Sequence[str]) -> list[Style]:
 
     :param laws: law of each run, in the order of the runs.
     :returns: all different for up to 28 runs; the styles of a law's first two runs do not depend on the other runs if
-        it is one of :data:`~railhil.common.law_order.LAW_ORDER`.
+        it is one of :func:`~railhil.common.plug_ins.shipped_order`.
     """
-    places = {law: LAW_ORDER.index(law) for law in laws if law in LAW_ORDER}
+    order = shipped_order()
+    places = {law: order.index(law) for law in laws if law in order}
     others = [law for law in dict.fromkeys(laws) if law not in places]
     free = [place for place in range(len(_LAWS)) if place not in places.values()]
     # Styles not used by railhil's own laws come first.
-    free.sort(key=lambda place: place < len(LAW_ORDER))
+    free.sort(key=lambda place: place < len(order))
     places |= dict(zip(others, free, strict=False))
     found: dict[int, Style] = {}
     for law, place in places.items():

@@ -16,8 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 from railhil.common.errors import InputError, Words, did_you_mean
 from railhil.common.held_code import OURS, held_sha256
-from railhil.common.law_order import sort_laws
-from railhil.common.plug_ins import cause_of, entries, guard_plug_in
+from railhil.common.plug_ins import cause_of, entries, guard_plug_in, sort_laws
 from railhil.dbc import Contract, system_contract
 from railhil.faults.truth import Truth
 from railhil.scenarios.model import PublishedScore, Timing

@@ -14,7 +14,7 @@ from railhil.campaign.study import CAMPAIGN
 from railhil.campaign.summary import training_sentence
 from railhil.common.errors import InputError
 from railhil.common.extras import install_command
-from railhil.common.law_order import sort_laws
+from railhil.common.plug_ins import sort_laws
 from railhil.controller_node.laws import names
 from railhil.record.hash_list import write_hash_list
 from railhil.study.manifest import manifest_of, read_manifest

@@ -18,13 +18,12 @@ from railhil.bus.transports import limits, limits_of
 from railhil.dbc import wire_contract
 from railhil.judge.record import Record
 from railhil.record.trace import Trace
-from railhil.report.deviations import deviations
 from railhil.report.page import page
 from railhil.report.recorded import distinct_labels
 from railhil.report.styles import Style
 from railhil.report.tables import rows
 from railhil.systems.ato import panels as ato_panels
-from railhil.systems.ato.judge import JUDGING, stopped_within
+from railhil.systems.ato.judge import JUDGING, deviations, stopped_within
 from railhil.systems.ato.judge.curves import curves
 from railhil.systems.ato.judge.score import score
 from railhil.systems.ato.panels import Drawn

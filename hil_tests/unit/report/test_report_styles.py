@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from railhil.cli.run import law_names
-from railhil.common.law_order import LAW_ORDER, sort_laws
+from railhil.common.plug_ins import sort_laws
+from railhil.controller_node.ato.laws import ORDER
 from railhil.report.styles import Style, styles
 from railhil.systems.ato.scenario.model import Scenario
 
@@ -15,23 +16,23 @@ def look(style: Style) -> tuple[object, ...]:
 
 def test_runs_differ_also_in_grey() -> None:
     """Own and tuned parameters of all laws; twelve runs of one law; laws of others."""
-    both = styles([law for law in LAW_ORDER for _ in range(2)])
+    both = styles([law for law in ORDER for _ in range(2)])
     for runs in (
         both,
         styles(["ipfc"] * 12),
-        styles([*LAW_ORDER, "mine", "yours"]),
+        styles([*ORDER, "mine", "yours"]),
         styles([f"law{n}" for n in range(12)]),
     ):
         assert len({look(style) for style in runs}) == len(runs)
     for own, tuned in zip(both[::2], both[1::2], strict=True):
         assert own.colour == tuned.colour
-    assert len({style.colour for style in both}) == len(LAW_ORDER)
+    assert len({style.colour for style in both}) == len(ORDER)
     # A law looks the same whatever is drawn beside it.
     assert styles(["mine", "tdmc", "ipfc_plus"])[1:] == [both[6], both[10]]
     assert len(styles(["ipfc"] * 40)) == 40
 
 
 def test_laws_stand_in_the_order_of_the_published_table(lvshun: Scenario) -> None:
-    assert [row.controller for row in lvshun.published] == list(LAW_ORDER[:5])
+    assert [row.controller for row in lvshun.published] == list(ORDER[:5])
     assert sort_laws(["zeta", "ipfc_plus", "tdmc", "alpha", "ipfc"]) == ["ipfc", "tdmc", "ipfc_plus", "alpha", "zeta"]
     assert law_names() == sort_laws(law_names())

@@ -10,10 +10,10 @@ import numpy as np
 
 from railhil.judge.score import Score
 from railhil.library import Outcome
-from railhil.report.deviations import deviations
 from railhil.reproduce.paper import Entry, Results, read_text
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.systems.ato.judge import deviations
 from railhil.systems.ato.judge.curves import Curves
 from railhil.systems.ato.judge.curves import curves as recorded_curves
 from railhil.systems.ato.judge.score import score

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from railhil.common.digits import text_beside_limit
-from railhil.common.law_order import LAW_ORDER
+from railhil.controller_node.ato.laws import ORDER
 from railhil.judge.counters import unchecked, unreconciled
 from railhil.judge.criteria import STOP_WITHIN_M
 from railhil.judge.judging import Judging
@@ -15,7 +15,7 @@ from railhil.judge.record import Record
 from railhil.judge.score import Score
 from railhil.record.notes import WRAP_FAILURE, note_values, notes_of
 from railhil.record.trace import FloatArray, Trace
-from railhil.report.deviations import deviations
+from railhil.report.deviations import Deviation, read_deviations
 from railhil.systems.ato.judge.criteria import CRITERIA, OVERSPEED, STOP_ERROR, TIME_ERROR
 from railhil.systems.ato.judge.curves import wanted_mps
 from railhil.systems.ato.judge.events import INTERLOCKS, WATCHES, received
@@ -132,9 +132,14 @@ def advice(run: Record, folder: Path) -> str:
     steps = []
     if _WITH_POSITION in scenario.installed_system.law_names():
         steps.append(f"the same with --controller {_WITH_POSITION}, which knows its position")
-    if run.controller in LAW_ORDER and not certificate.get("parameters"):
+    if run.controller in ORDER and not certificate.get("parameters"):
         steps.append(f"railhil tune {run.controller} {name}, which searches its parameters")
     return f"next: {'; or '.join(steps)}" if steps else ""
+
+
+def deviations() -> tuple[str, tuple[Deviation, ...]]:
+    """The paper of the published rows, and the places where the bench reads it otherwise than printed."""
+    return read_deviations("railhil.systems.ato")
 
 
 JUDGING = Judging(
