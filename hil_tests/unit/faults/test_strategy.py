@@ -22,6 +22,7 @@ def test_a_run_can_inject_them(found: tuple[str, ...]) -> None:
     check_faults(scenario, ["local"], "lockstep")
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_they_shrink_to_fewer_shorter_and_later_ones() -> None:
     end_s = load("yizhuang_05").planned_s
