@@ -18,7 +18,7 @@ from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario
 from railhil.study.execute import Outcome, execute
 from railhil.study.finished import Verified, differences
-from railhil.study.manifest import Bounds, machine_and_list
+from railhil.study.manifest import machine_and_list
 from railhil.study.plan import Shard, Study
 from railhil.study.table import NotThePart, row
 from railhil.study.work import Task, run_task
@@ -33,12 +33,6 @@ class Request:
     runs: int = 12
     chunk: int = 1
     code: str = "mine"
-
-
-class _Bounds(Bounds):
-    runs: int
-    chunk: int
-    code: str
 
 
 @dataclass(frozen=True)
@@ -106,7 +100,6 @@ TOY: Study[Plan, Chunk] = Study(
     manifest="campaign.json",
     folder="toy",
     request=Request,
-    bounds=_Bounds,
     make_plan=Plan,
     columns=lambda plan: SCHEMA,
     check_rows=_check_rows,

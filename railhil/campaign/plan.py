@@ -5,12 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 from urllib.parse import quote
 
+from pydantic import Field
+
 from railhil.batch.nodes import batch_of
-from railhil.common.command_line import SEED_MAX, USUAL_SCENARIO
+from railhil.common.command_line import INDEXINGS, SEED_MAX, USUAL_SCENARIO
 from railhil.common.errors import InputError, Words, did_you_mean
+from railhil.controller_node.arithmetic import names as arithmetics
 from railhil.judge.criteria import Criterion
 from railhil.judge.judging import Judging, judging_of
 from railhil.scenarios.load import load_any
@@ -18,7 +21,9 @@ from railhil.scenarios.model import AnyScenario, require_perturbations
 from railhil.scenarios.parameters import ParameterSet, load_parameters
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.stored import any_judged_sha256
-from railhil.scenarios.system import System
+from railhil.scenarios.system import System, system_named
+from railhil.scenarios.system import names as system_names
+from railhil.study.manifest import one_of
 from railhil.study.perturbed_runs import FIRST_SEED, check_unseen, training_seeds
 from railhil.study.plan import batch_sha256, bench_sha256, law_sha256, sha256_of_json
 
@@ -28,21 +33,26 @@ RUNS_MAX = 10_000_000
 CHUNK_MAX = 10_000
 
 
+def _known_laws() -> list[str]:
+    """Laws of all installed systems; whether one fits the scenario is seen when the plan is made."""
+    return [*dict.fromkeys(law for name in system_names() for law in system_named(name).law_names()), ALL_LAWS]
+
+
 @dataclass(frozen=True, slots=True)
 class Request:
     """The request from the command line. Files have absolute paths, so that a campaign can be resumed from any
     folder."""
 
-    scenario: str = USUAL_SCENARIO
+    scenario: Annotated[str, Field(min_length=1)] = USUAL_SCENARIO
     settings: tuple[str, ...] = ()
-    runs: int = 1000
-    first_seed: int = FIRST_SEED
-    laws: tuple[str, ...] = ()
+    runs: Annotated[int, Field(ge=1, le=RUNS_MAX)] = 1000
+    first_seed: Annotated[int, Field(ge=0, le=SEED_MAX)] = FIRST_SEED
+    laws: tuple[Annotated[str, one_of(_known_laws)], ...] = ()
     both: bool = False
-    arithmetic: str = "float64"
-    indexing: str = "time"
+    arithmetic: Annotated[str, one_of(arithmetics)] = "float64"
+    indexing: Annotated[str, one_of(INDEXINGS)] = "time"
     parameters: tuple[str, ...] = ()
-    chunk: int = 500
+    chunk: Annotated[int, Field(ge=1, le=CHUNK_MAX)] = 500
     allow_training_seeds: bool = False
 
 

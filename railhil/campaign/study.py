@@ -8,52 +8,27 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 import pyarrow as pa
-from pydantic import Field
 
 from railhil.batch.nodes import DIGITS
-from railhil.campaign.plan import ALL_LAWS, CHUNK_MAX, RUNS_MAX, Chunk, Plan, Request, make_plan
+from railhil.campaign.plan import Chunk, Plan, Request, make_plan
 from railhil.campaign.rows import check_rows, schema, signed_columns, table_of
 from railhil.campaign.show import show
 from railhil.campaign.summary import summary
-from railhil.common.command_line import INDEXINGS, SEED_MAX
 from railhil.common.exit_codes import FAIL, INVALID, PASS
 from railhil.common.extras import need
-from railhil.controller_node.arithmetic import names as arithmetics
 from railhil.judge.judging import judging_of
 from railhil.run.make import run_into
-from railhil.scenarios import system as systems
 from railhil.scenarios.run_spec import RunSpec
 from railhil.study.finished import Verified, differences
-from railhil.study.manifest import Bounds, machine_and_list, one_of
+from railhil.study.manifest import machine_and_list
 from railhil.study.perturbed_runs import run_seeds
 from railhil.study.plan import Study, batch_sha256, bench_sha256, law_sha256
 from railhil.study.table import row
 
 _LIBRARIES = ("numpy", "numba", "pyarrow", "scipy")
-
-
-def _known_laws() -> list[str]:
-    """Laws of all installed systems; whether one fits the scenario is seen when the plan is made."""
-    return [*dict.fromkeys(law for name in systems.names() for law in systems.system_named(name).law_names()), ALL_LAWS]
-
-
-class _Bounds(Bounds):
-    """:class:`~railhil.campaign.plan.Request` as JSON."""
-
-    scenario: str = Field(min_length=1)
-    settings: list[str] = Field(default=[])
-    runs: int = Field(ge=1, le=RUNS_MAX)
-    first_seed: int = Field(ge=0, le=SEED_MAX)
-    laws: list[Annotated[str, one_of(_known_laws)]]
-    both: bool
-    arithmetic: Annotated[str, one_of(arithmetics)]
-    indexing: Annotated[str, one_of(lambda: INDEXINGS)]
-    parameters: list[str]
-    chunk: int = Field(ge=1, le=CHUNK_MAX)
-    allow_training_seeds: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,7 +110,6 @@ CAMPAIGN: Study[Plan, Chunk] = Study(
     manifest="campaign.json",
     folder="campaign",
     request=Request,
-    bounds=_Bounds,
     make_plan=make_plan,
     columns=lambda plan: schema(plan.judging),
     check_rows=check_rows,

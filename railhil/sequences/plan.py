@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
-from railhil.common.command_line import SEED_MAX, USUAL_SCENARIO
+from pydantic import Field
+
+from railhil.common.command_line import INDEXINGS, SEED_MAX, USUAL_SCENARIO
 from railhil.common.errors import InputError, Words
+from railhil.controller_node.arithmetic import names as arithmetics
 from railhil.controller_node.law_controller import maker_of
 from railhil.controller_node.laws import find
 from railhil.controller_node.laws.memory import require_memory
@@ -18,6 +21,7 @@ from railhil.scenarios.parameters import load_parameters
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.stored import any_judged_sha256
 from railhil.sequences.one import sequence_batch_of
+from railhil.study.manifest import one_of
 from railhil.study.perturbed_runs import check_unseen
 from railhil.study.plan import batch_sha256, bench_sha256, law_sha256, sha256_of_json
 
@@ -31,19 +35,19 @@ _OTHERS = "another --seed, of runs on which no parameters were tuned or chosen"
 class Request:
     """The request from the command line. Files have absolute paths, so that it can be resumed from any folder."""
 
-    scenario: str = USUAL_SCENARIO
+    scenario: Annotated[str, Field(min_length=1)] = USUAL_SCENARIO
     settings: tuple[str, ...] = ()
     faults: tuple[str, ...] = ()
     controller: str = ""
-    arithmetic: str = "float64"
-    indexing: str = "time"
+    arithmetic: Annotated[str, one_of(arithmetics)] = "float64"
+    indexing: Annotated[str, one_of(INDEXINGS)] = "time"
     parameters: str | None = None
     nominal: bool = False
-    runs: int = 15
-    sequences: int = 150
-    seed: int = 1000
-    #: 0: as many as suits the system.
-    chunk: int = 0
+    runs: Annotated[int, Field(ge=1, le=RUNS_MAX)] = 15
+    sequences: Annotated[int, Field(ge=1, le=SEQUENCES_MAX)] = 150
+    seed: Annotated[int, Field(ge=0, le=SEED_MAX)] = 1000
+    #: 0: as many as suits the system; a plan has the number.
+    chunk: Annotated[int, Field(ge=1, le=CHUNK_MAX)] = 0
 
 
 @dataclass(frozen=True, slots=True)

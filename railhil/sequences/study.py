@@ -8,18 +8,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pyarrow as pa
-from pydantic import Field
 
-from railhil.common.command_line import SEED_MAX
 from railhil.judge.judging import judging_of
 from railhil.run.report import say_report
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 from railhil.sequences.one import sequence, sequences, through_nodes
 from railhil.sequences.plan import (
-    CHUNK_MAX,
-    RUNS_MAX,
-    SEQUENCES_MAX,
     Chunk,
     Plan,
     Request,
@@ -32,26 +27,9 @@ from railhil.sequences.summary import summary
 from railhil.sequences.table import check_rows, row, schema
 from railhil.study.execute import Outcome
 from railhil.study.finished import Verified, differences
-from railhil.study.manifest import Bounds, machine_and_list
+from railhil.study.manifest import machine_and_list
 from railhil.study.plan import Study, bench_sha256, law_sha256
 from railhil.study.table import row as row_of
-
-
-class _Bounds(Bounds):
-    """:class:`~railhil.sequences.plan.Request` as JSON."""
-
-    scenario: str = Field(min_length=1)
-    settings: list[str]
-    faults: list[str]
-    controller: str
-    arithmetic: str
-    indexing: str
-    parameters: str | None
-    nominal: bool
-    runs: int = Field(ge=1, le=RUNS_MAX)
-    sequences: int = Field(ge=1, le=SEQUENCES_MAX)
-    seed: int = Field(ge=0, le=SEED_MAX)
-    chunk: int = Field(ge=1, le=CHUNK_MAX)
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,7 +79,6 @@ LEARN: Study[Plan, Chunk] = Study(
     manifest="learn.json",
     folder="learn",
     request=Request,
-    bounds=_Bounds,
     make_plan=make_plan,
     columns=lambda plan: schema(plan.judging),
     check_rows=check_rows,

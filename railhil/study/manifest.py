@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args, get_origin, get_type_hints
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, create_model
 
@@ -20,6 +20,8 @@ from railhil.scenarios.validation import validated
 from railhil.study.plan import C, P, Study
 
 _FORMAT = 1
+#: Fields of a request that a manifest of an earlier version lacks.
+_LATER = ("settings",)
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,18 +32,22 @@ class Manifest:
     request: Any
 
 
-class Bounds(BaseModel):
-    """A request as JSON; each field with the bounds of the command line."""
+def _model_of(request: type[Any]) -> type[BaseModel]:
+    """A request as JSON: its fields, each within the bounds of its annotation."""
+    fields: dict[str, Any] = {}
+    for name, hint in get_type_hints(request, include_extras=True).items():
+        kind = list[get_args(hint)[0]] if get_origin(hint) is tuple else hint  # type: ignore[misc]
+        fields[name] = (kind, [] if name in _LATER else ...)
+    return create_model(request.__name__, __config__=ConfigDict(extra="forbid", strict=True), **fields)
 
-    model_config = ConfigDict(extra="forbid", strict=True)
 
-
-def one_of(names: Callable[[], Sequence[str]]) -> AfterValidator:
-    """Restricts a text to some names, which are looked up when it is checked."""
+def one_of(names: Sequence[str] | Callable[[], Sequence[str]]) -> AfterValidator:
+    """Restricts a text to some names; a function is called when the text is checked."""
 
     def check(text: str) -> str:
-        if text not in names():
-            raise ValueError(f"one of {', '.join(names())}")
+        known = names() if callable(names) else names
+        if text not in known:
+            raise ValueError(f"one of {', '.join(known)}")
         return text
 
     return AfterValidator(check)
@@ -57,7 +63,7 @@ def read_manifest(folder: Path, study: Study[P, C]) -> Manifest:
     if document.get("format") != _FORMAT:
         allowed = f"{_FORMAT}, of {study.command} of this railhil"
         raise InputError(path, "format", Words("something else"), allowed)
-    fields: dict[str, Any] = {study.kind: (dict[str, Any], ...), "request": (study.bounds, ...)}
+    fields: dict[str, Any] = {study.kind: (dict[str, Any], ...), "request": (_model_of(study.request), ...)}
     # The part that is read back; the rest is information for people.
     model = create_model("_File", __config__=ConfigDict(extra="ignore", strict=True), **fields)
     file = validated(model, document, lambda keys: path)
@@ -76,7 +82,7 @@ def checked_request(study: Study[P, C], request: Any, file: Path) -> Any:
     :raises InputError: one of its values is out of range.
     """
     document = json.loads(json.dumps(asdict(request)))
-    return _request_of(study, validated(study.bounds, document, lambda keys: file))
+    return _request_of(study, validated(_model_of(study.request), document, lambda keys: file))
 
 
 def manifest_of(study: Study[P, C], plan: P) -> dict[str, Any]:

@@ -20,7 +20,6 @@ from railhil.scenarios.system import system_named
 
 if TYPE_CHECKING:
     import pyarrow as pa
-    from pydantic import BaseModel
 
     from railhil.common.output import Output
     from railhil.study.execute import Outcome
@@ -77,8 +76,8 @@ class Study(Generic[P, C]):
 
     ``command``: continues with ``--resume``. ``kind``: what is in its folders, also the key of the identity in the
     ``manifest``, which is named so. ``folder``: last part of the name of a default folder. ``request``: class of the
-    requests, ``bounds``: its model in the manifest, with the bounds of the command line. ``make_plan``: (request) ->
-    plan; raises InputError. ``columns``: (plan) -> columns of its rows. ``check_rows``: (rows of a part, plan, chunk);
+    requests, a dataclass whose annotations have the bounds of the command line. ``make_plan``: (request) -> plan;
+    raises InputError. ``columns``: (plan) -> columns of its rows. ``check_rows``: (rows of a part, plan, chunk);
     raises NotThePart. ``work``: (plan, chunk) -> the work of a worker. ``summary``: (plan, rows) -> ``summary.json``.
     ``explained``: (plan) -> further entries of the manifest for people. ``items``: (plan) -> how many there are of what
     ``--verify`` makes again; ``repeat``: (plan, rows, place of one) -> its runs made again on the bench, and how they
@@ -91,7 +90,6 @@ class Study(Generic[P, C]):
     manifest: str
     folder: str
     request: type[Any]
-    bounds: type[BaseModel]
     make_plan: Callable[[Any], P]
     columns: Callable[[P], pa.Schema]
     check_rows: Callable[[pa.Table, P, C], None]
