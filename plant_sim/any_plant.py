@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Protocol
+from typing import Final, Protocol
 
 from railhil.bus.codes import Event
 from railhil.bus.layout import Telegram
+
+#: Longest time to wait for a train to stop after its controller was lost.
+BRAKING_MAX_NS: Final = 300_000_000_000
 
 
 class PlantError(Exception):

@@ -8,6 +8,7 @@ from typing import Any, Final
 from railhil.bus.codes import Event
 from railhil.bus.layout import Telegram
 from railhil.common.mypyc import mypyc_attr
+from railhil.plant_sim.any_plant import BRAKING_MAX_NS
 from railhil.plant_sim.ato.command_watch import CommandWatchState
 from railhil.plant_sim.ato.gate import CommandGate
 from railhil.plant_sim.ato.plant import NOTCH_LSB_PER_NOTCH, Plant
@@ -101,8 +102,6 @@ class TrainOnBus(Plant):
 
 #: Recording continues for this long after the stop, so that it shows the standstill.
 AFTER_STOP_S: Final = 1.0
-#: Longest time to wait for a train to stop after its controller was lost.
-BRAKING_MAX_NS: Final = 300_000_000_000
 
 
 class RunEnd:

@@ -9,8 +9,7 @@ from typing import Any
 from railhil.bus.codes import Event
 from railhil.bus.layout import CHECK_CORRECT, CHECK_ERRONEOUS, Telegram
 from railhil.common.errors import InputError
-from railhil.plant_sim.any_plant import PlantError
-from railhil.plant_sim.ato.train import BRAKING_MAX_NS
+from railhil.plant_sim.any_plant import BRAKING_MAX_NS, PlantError
 from railhil.plant_sim.stop.draws import RunDraw, TrainDraw, drawn_run, drawn_train
 from railhil.plant_sim.stop.train import SPEED_RAW_MAX, StopTrain
 from railhil.plant_sim.stop.watch import StopWatch

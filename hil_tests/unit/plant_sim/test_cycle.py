@@ -11,10 +11,10 @@ from railhil.bus.layout import CHECK_CORRECT, CHECK_ERRONEOUS, Telegram
 from railhil.bus.schedule import Schedule
 from railhil.bus.telegrams import SupCmd, TimeSync
 from railhil.dbc import Port, wire_contract
-from railhil.plant_sim.any_plant import PlantError
+from railhil.plant_sim.any_plant import BRAKING_MAX_NS, PlantError
 from railhil.plant_sim.ato.plant import Plant, PlantEvent
 from railhil.plant_sim.ato.telegrams import TrainTelegrams
-from railhil.plant_sim.ato.train import BRAKING_MAX_NS, RunEnd
+from railhil.plant_sim.ato.train import RunEnd
 from railhil.plant_sim.cycle import Milestones, TickLoop
 from railhil.scenarios.load import load
 from railhil.systems.ato.scenario.model import Balise, Scenario
