@@ -16,7 +16,7 @@ from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Arithmetic, Counters
 from railhil.controller_node.compiled_law import compile_law
 from railhil.controller_node.cost import cost_of
-from railhil.controller_node.laws.failure import law_fault
+from railhil.controller_node.laws.failure import describe_failure
 from railhil.controller_node.program.ranges import Interval, refuse_wraps
 from railhil.controller_node.program.tracer import record_loop
 from railhil.controller_node.telemetry import Telemetry
@@ -116,7 +116,7 @@ class LawController:
         """The error line for a law that raised in a run, with the last quantity that it named in this period."""
         named = self.telemetry.quantities[: len(self.arithmetic.noted or ())]
         last = named[-1].name if named else None
-        return law_fault(self._loop.name, type(self.law), error, function, last)
+        return describe_failure(self._loop.name, type(self.law), error, function, last)
 
 
 def maker_of(system: System, scenario: AnyScenario) -> type[Any]:

@@ -12,10 +12,10 @@ from railhil.common.mypyc import mypyc_attr
 from railhil.common.plug_ins import guard_plug_in
 from railhil.controller_node.arithmetic.base import Arithmetic, T
 from railhil.controller_node.compiled_law import CompiledLaw, Values
-from railhil.controller_node.laws.failure import place
+from railhil.controller_node.laws.failure import find_source_line
 from railhil.controller_node.laws.memory import kept, memory_arguments
 from railhil.controller_node.laws.parameters import law_parameters
-from railhil.controller_node.program.model import leaves, like
+from railhil.controller_node.program.model import map_leaves, name_leaves
 from railhil.controller_node.program.tracer import Tracer
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec
@@ -31,7 +31,7 @@ def starting(law: str, kind: type[Any], made_for: str) -> Iterator[None]:
         raise
     except Exception as error:
         # A law is code that somebody plugs in, and may raise anything.
-        at = place(kind, error)
+        at = find_source_line(kind, error)
         cause = f"{type(error).__name__}: {error}{f', at {at}' if at else ''}"
         found, allowed = Words("a law that fails at its start"), f"a law that can be made for {made_for}"
         raise InputError("controller", law, found, allowed, cause) from error
@@ -79,7 +79,7 @@ class LawLoop(ABC, Generic[T]):
         """State of the law; None before the first step."""
         if self._leaves is not None:
             following = iter(self._leaves)
-            self._state = like(self._state, lambda name, old: next(following))
+            self._state = map_leaves(self._state, lambda name, old: next(following))
             self._leaves = None
         return self._state
 
@@ -96,7 +96,7 @@ class LawLoop(ABC, Generic[T]):
             return None
         before = self._leaves
         if before is None:
-            before = tuple([value for _, value in leaves(self._state)])
+            before = tuple([value for _, value in name_leaves(self._state)])
         done = self.compiled.step(before, wire)
         if done is None:
             return None

@@ -13,7 +13,7 @@ from railhil.common.errors import InputError, Words
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.export.control import FLAG_SENT, Control, Period, Play
 from railhil.controller_node.export.text import comment
-from railhil.controller_node.program.model import Evaluator, leaves
+from railhil.controller_node.program.model import Evaluator, name_leaves
 
 _MASK = 2**32 - 1
 
@@ -46,7 +46,7 @@ class _Twin:
             loop.sent(period.told)
             told = dict(zip((word.name for word in control.told), period.told, strict=True))
             self._state = self._sent.run(self._state | told)
-        law: list[Any] = [*leaves(inputs, "in"), *leaves(loop.state, "state"), *leaves(outputs, "out")]
+        law: list[Any] = [*name_leaves(inputs, "in"), *name_leaves(loop.state, "state"), *name_leaves(outputs, "out")]
         program = [*given.items(), *self._state.items(), *((n, v) for n, v in after.items() if n.startswith("out."))]
         for (name, value), (_, other) in zip(law, program, strict=True):
             if value != other:

@@ -16,7 +16,7 @@ from railhil.controller_node.export.body import Body
 from railhil.controller_node.export.control import Source
 from railhil.controller_node.export.source import c_name
 from railhil.controller_node.export.text import Names, comment, header, identifier, template
-from railhil.controller_node.program.model import Kind, LawProgram, Operation, Program, leaves
+from railhil.controller_node.program.model import Kind, LawProgram, Operation, Program, name_leaves
 from railhil.controller_node.vector.controller import VectorController
 from railhil.controller_node.vector.law import Interface, raw_range
 from railhil.scenarios.model import AnyScenario
@@ -220,7 +220,7 @@ def _log(controller: VectorController, interface: Interface) -> str:
         sent = k % _SENT_EVERY == _SENT_EVERY - 1
         if sent:
             controller.sent(*told)
-        state = [_word(value) for _, value in leaves(controller.state)]
+        state = [_word(value) for _, value in name_leaves(controller.state)]
         flag = 2 if sent else int(k == 0)
         numbers = (flag, *raws, *told, *output.commands, *output.notes, *state)
         lines.append(" ".join(f"{number & 0xFFFFFFFF:08x}" for number in numbers))

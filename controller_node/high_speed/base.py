@@ -220,7 +220,7 @@ class HighSpeedLaw(VectorLaw[T, Any], Generic[T, LoopState]):
             # The trigger of an emergency is a sample, from which the next ones are counted.
             since = ar.where(ar.gt(urgent, state.urgent), self.zero, state.period)
             waits = ar.gt(since, self.zero)
-            after = chosen(ar, waits, state, after)
+            after = select_nested(ar, waits, state, after)
             # The minimum bounds the count for the interval analysis.
             count = ar.minimum(ar.add(since, self._one), self._end)
             period = ar.where(ar.gt(since, self._last), self.zero, count)
@@ -265,10 +265,10 @@ class HighSpeedLaw(VectorLaw[T, Any], Generic[T, LoopState]):
         return Answer(tuple(commands), tuple(notes))
 
 
-def chosen(ar: Arithmetic[T], condition: Any, a: Any, b: Any) -> Any:
+def select_nested(ar: Arithmetic[T], condition: Any, a: Any, b: Any) -> Any:
     """``where`` for numbers in tuples of any depth: ``a`` where the condition is true, else ``b``."""
     if isinstance(a, tuple):
-        parts = [chosen(ar, condition, one, other) for one, other in zip(a, b, strict=True)]
+        parts = [select_nested(ar, condition, one, other) for one, other in zip(a, b, strict=True)]
         return type(a)(*parts) if hasattr(a, "_fields") else tuple(parts)
     return ar.where(condition, a, b)
 

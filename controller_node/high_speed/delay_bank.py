@@ -53,7 +53,7 @@ class Innovation(NamedTuple, Generic[T]):
     variance: T
 
 
-def predicted(re: Reals[T], old: Belief[T], gained: T, period: T, noise: Noise[T]) -> Belief[T]:
+def predict(re: Reals[T], old: Belief[T], gained: T, period: T, noise: Noise[T]) -> Belief[T]:
     """The belief one period later, before the reading.
 
     :param gained: speed that the commands give with gain 1, m/s; ``period``: T0, s.
@@ -73,7 +73,7 @@ def predicted(re: Reals[T], old: Belief[T], gained: T, period: T, noise: Noise[T
     )
 
 
-def corrected(re: Reals[T], old: Belief[T], reading: T, noise: Noise[T]) -> tuple[Belief[T], Innovation[T]]:
+def correct(re: Reals[T], old: Belief[T], reading: T, noise: Noise[T]) -> tuple[Belief[T], Innovation[T]]:
     """The belief after a reading of the speed, m/s."""
     vv, vd, vk, dd, dk, kk = old.covariance
     error = re.sub(reading, old.speed)
@@ -106,9 +106,9 @@ def steady_gains(re: Reals[float], period: float, noise: Noise[float]) -> tuple[
     belief = Belief(0.0, 0.0, 1.0, (noise.reading, 0.0, 0.0, noise.reading, 0.0, 0.0))
     gains = (0.0, 0.0)
     for _ in range(_SETTLED):
-        before = predicted(re, belief, 0.0, period, noise)
+        before = predict(re, belief, 0.0, period, noise)
         vv, vd, *_ = before.covariance
-        belief, innovation = corrected(re, before, 0.0, noise)
+        belief, innovation = correct(re, before, 0.0, noise)
         last, gains = gains, (vv / innovation.variance, vd / innovation.variance)
         if max(abs(new - old) for new, old in zip(gains, last, strict=True)) < _STEADY:
             break
@@ -220,8 +220,8 @@ class DelayBank(Generic[T]):
         filters, errors = [], []
         for one, shift in zip(bank, self.shifts, strict=True):
             rolled = self.lines.roll(one.accel, parts, shift)
-            before = predicted(re, one.belief, rolled.gained, self._period, self.noise)
-            belief, innovation = corrected(re, before, speed, self.noise)
+            before = predict(re, one.belief, rolled.gained, self._period, self.noise)
+            belief, innovation = correct(re, before, speed, self.noise)
             belief = belief._replace(gain=re.clip(belief.gain, *self._gains))
             square = re.div(re.mul(innovation.error, innovation.error), innovation.variance)
             score = re.add(one.score, re.mul(self._weight, re.sub(square, one.score)))

@@ -13,7 +13,7 @@ from typing import Generic, NamedTuple, TypeVar
 
 from railhil.controller_node.arithmetic.base import T
 from railhil.controller_node.high_speed.law import Unit
-from railhil.controller_node.high_speed.model import held, lagged
+from railhil.controller_node.high_speed.model import hold_input, make_lag
 from railhil.controller_node.high_speed.reals import Reals
 
 #: A number, or one for each of several units.
@@ -35,9 +35,9 @@ def side_weights(delay_s: float, lag_s: float, period_s: float) -> SideWeights:
     """Exact for lag and delay."""
     whole = math.floor(delay_s / period_s + 1e-9)
     rest_s = max(delay_s - whole * period_s, 0.0)
-    dynamics, drive = lagged(lag_s)
-    _, by_older = held(dynamics, drive, rest_s)
-    late, by_newer = held(dynamics, drive, period_s - rest_s)
+    dynamics, drive = make_lag(lag_s)
+    _, by_older = hold_input(dynamics, drive, rest_s)
+    late, by_newer = hold_input(dynamics, drive, period_s - rest_s)
     older = late @ by_older
     return SideWeights(whole, (float(older[0]), float(by_newer[0])), (float(older[1]), float(by_newer[1])))
 

@@ -103,7 +103,7 @@ class LawParameters(HighSpeedParameters):
     override: bool = False
 
 
-def between(place: float) -> tuple[tuple[int, ...], tuple[float, ...]]:
+def weigh_preview(place: float) -> tuple[tuple[int, ...], tuple[float, ...]]:
     """Points of the preview (0 is now) and their weights for the reference at ``place`` steps of the preview from now.
 
     Linear between two points; behind the last one the last slope continues.
@@ -148,7 +148,7 @@ class LoopControllerLaw(HighSpeedLaw[T, Any]):
         self._instants = [
             (places, re.numbers(f"preview_{i}", shares))
             for i in range(horizon + 1)
-            for places, shares in [between(i * steps)]
+            for places, shares in [weigh_preview(i * steps)]
         ]
 
     @abstractmethod

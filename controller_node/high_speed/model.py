@@ -48,7 +48,7 @@ def exponential(matrix: Matrix) -> Matrix:
     return total
 
 
-def held(dynamics: Matrix, drive: Matrix, period_s: float) -> tuple[Matrix, Matrix]:
+def hold_input(dynamics: Matrix, drive: Matrix, period_s: float) -> tuple[Matrix, Matrix]:
     """Transition over a period with the input held: (n, n) and (n,) of x(k+1) = F x(k) + g u(k)."""
     n = len(drive)
     joined = np.zeros((n + 1, n + 1))
@@ -57,7 +57,7 @@ def held(dynamics: Matrix, drive: Matrix, period_s: float) -> tuple[Matrix, Matr
     return whole[:n, :n], whole[:n, n]
 
 
-def lagged(lag_s: float, gain: float = 1.0) -> tuple[Matrix, Matrix]:
+def make_lag(lag_s: float, gain: float = 1.0) -> tuple[Matrix, Matrix]:
     """Continuous state-space form of lag and integrator, states speed and acceleration."""
     return np.array([[0.0, 1.0], [0.0, -1.0 / lag_s]]), np.array([0.0, gain / lag_s])
 
@@ -69,7 +69,7 @@ def pade_zoh(delay_s: float, lag_s: float, period_s: float) -> Sampled:
     """
     pole = 2.0 / delay_s
     dynamics = np.array([[0.0, 1.0, 0.0], [0.0, -1.0 / lag_s, 2.0 * pole / lag_s], [0.0, 0.0, -pole]])
-    step, drive = held(dynamics, np.array([0.0, -1.0 / lag_s, 1.0]), period_s)
+    step, drive = hold_input(dynamics, np.array([0.0, -1.0 / lag_s, 1.0]), period_s)
     # The poles are known: 1, exp(-T0/tau), exp(-pole T0).
     roots = (1.0, math.exp(-period_s / lag_s), math.exp(-period_s * pole))
     a = _product([1.0, -root] for root in roots)

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 
 from railhil.common.errors import InputError, Words
-from railhil.controller_node.high_speed.model import Matrix, Sampled, held, lagged
+from railhil.controller_node.high_speed.model import Matrix, Sampled, hold_input, make_lag
 from railhil.controller_node.high_speed.predictor import Weights
 
 if TYPE_CHECKING:
@@ -37,9 +37,9 @@ def transition(train: Train, period_s: float) -> tuple[Matrix, Matrix]:
     """
     whole = math.floor(train.delay_s / period_s + 1e-9)
     rest_s = max(train.delay_s - whole * period_s, 0.0)
-    dynamics, drive = lagged(train.lag_s, train.gain)
-    early, by_older = held(dynamics, drive, rest_s)
-    late, by_newer = held(dynamics, drive, period_s - rest_s)
+    dynamics, drive = make_lag(train.lag_s, train.gain)
+    early, by_older = hold_input(dynamics, drive, rest_s)
+    late, by_newer = hold_input(dynamics, drive, period_s - rest_s)
     size = 3 + whole
     step, command = np.zeros((size, size)), np.zeros(size)
     step[:2, :2] = late @ early

@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from railhil.controller_node.high_speed.model import Matrix, held
+from railhil.controller_node.high_speed.model import Matrix, hold_input
 
 #: Steps of the model in a sampling period.
 SUBSTEPS = 2
@@ -82,7 +82,7 @@ class TrainModel:
             lag = 2 * n - 1 + i
             dynamics[i, lag] += 1.0
             dynamics[lag, lag] = -1.0 / unit.lag_s
-        self.transition, _ = held(dynamics, np.zeros(self.states), self.step_s)
+        self.transition, _ = hold_input(dynamics, np.zeros(self.states), self.step_s)
         self.ways = [
             [self._way(dynamics, 2 * n - 1 + i, unit.lag_s, delay_s) for delay_s in unit.delays_s]
             for i, unit in enumerate(units)
@@ -93,8 +93,8 @@ class TrainModel:
         rest_s = max(delay_s - whole * self.step_s, 0.0)
         drive = np.zeros(self.states)
         drive[lag] = 1.0 / lag_s
-        late, newer = held(dynamics, drive, self.step_s - rest_s)
-        return Way(whole, late @ held(dynamics, drive, rest_s)[1], newer)
+        late, newer = hold_input(dynamics, drive, self.step_s - rest_s)
+        return Way(whole, late @ hold_input(dynamics, drive, rest_s)[1], newer)
 
 
 class Responses(NamedTuple):

@@ -199,7 +199,7 @@ def rows_of(model: Sampled, speed_mps: FloatArray, command_mps2: FloatArray) -> 
     return Rows(inputs, v[k] + inputs @ weights)
 
 
-def held_out(count: int) -> NDArray[np.bool_]:
+def select_held_out(count: int) -> NDArray[np.bool_]:
     """Which of ``count`` rows are kept from training: :data:`HELD_OUT` of them, evenly spread over the journey; (n,).
 
     :raises ValueError: too few rows.
@@ -222,13 +222,15 @@ class ModelError:
     integrated_kmh: float
 
 
-def trained(rows: Rows, recipe: Recipe, period_s: float, delay_s: float, lag_s: float) -> tuple[Network, ModelError]:
-    """A network trained on the rows that are not :func:`held_out`, and its error on the others.
+def train_and_judge(
+    rows: Rows, recipe: Recipe, period_s: float, delay_s: float, lag_s: float
+) -> tuple[Network, ModelError]:
+    """A network trained on the rows that are not :func:`select_held_out`, and its error on the others.
 
     :param delay_s, lag_s: of the linear model whose residual the rows contain.
-    :raises ValueError: as :func:`held_out` and :func:`railhil.controller_node.high_speed.training.train`.
+    :raises ValueError: as :func:`select_held_out` and :func:`railhil.controller_node.high_speed.training.train`.
     """
-    away = held_out(len(rows))
+    away = select_held_out(len(rows))
     network = train(rows.at(~away), recipe, period_s, delay_s, lag_s)
     judged = rows.at(away)
     left = judged.residual_mps - network.values(judged.inputs)

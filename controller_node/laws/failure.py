@@ -25,7 +25,7 @@ def _folders(kind: type[Any]) -> set[Path]:
     return found
 
 
-def place(kind: type[Any], error: BaseException) -> str:
+def find_source_line(kind: type[Any], error: BaseException) -> str:
     """Location in a law's source where an exception was raised, ``FILE:LINE``; empty if no line of it was involved."""
     folders = _folders(kind)
     at = ""
@@ -41,7 +41,7 @@ def _beginning(kind: type[Any], function: str) -> str:
     return f"{code.co_filename}:{code.co_firstlineno}" if code is not None else kind.__qualname__
 
 
-def law_fault(name: str, kind: type[Any], error: Exception, function: str, quantity: str | None) -> InputError:
+def describe_failure(name: str, kind: type[Any], error: Exception, function: str, quantity: str | None) -> InputError:
     """The one-line message for an exception raised by a law, or caused by its result.
 
     :param name: the name by which the law was requested.
@@ -54,5 +54,9 @@ def law_fault(name: str, kind: type[Any], error: Exception, function: str, quant
     cause = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
     key = f"law {name}, {function}{after}"
     return InputError(
-        place(kind, error) or _beginning(kind, function), key, Words("an operation that fails"), _ALLOWED, cause
+        find_source_line(kind, error) or _beginning(kind, function),
+        key,
+        Words("an operation that fails"),
+        _ALLOWED,
+        cause,
     )

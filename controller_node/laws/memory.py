@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from railhil.common.errors import InputError, Words
-from railhil.controller_node.laws.failure import place
+from railhil.controller_node.laws.failure import find_source_line
 from railhil.scenarios.memory import FAULTS, LINE_DEFAULT, NAMED_FILE, SLOT_A, SLOT_B, Memory, Stored
 
 
@@ -165,7 +165,7 @@ def kept(name: str, law: Any, scenario: Any, state: Any, given: Memory | None) -
     except Exception as error:
         # Plug-in code may raise anything.
         cause = f"{type(error).__name__}: {error}"
-        at = place(kind, error) or kind.__qualname__
+        at = find_source_line(kind, error) or kind.__qualname__
         found = Words("values that cannot be kept")
         raise InputError(at, f"law {name}, memory", found, "a dict that JSON can hold", cause) from error
     chosen = choice(name, kind, scenario, given)

@@ -11,26 +11,29 @@ from typing import Any, NoReturn
 from railhil.controller_node.arithmetic.base import Arithmetic, Constant, Curve, Problem
 
 
-def leaves(value: Any, prefix: str = "") -> Iterator[tuple[str, Any]]:
+def name_leaves(value: Any, prefix: str = "") -> Iterator[tuple[str, Any]]:
     """Named leaves of nested (named) tuples and lists: ``state.model[0]``, ``state.notch``, ..."""
     if hasattr(value, "_fields"):
         for name in value._fields:
-            yield from leaves(getattr(value, name), f"{prefix}.{name}" if prefix else name)
+            yield from name_leaves(getattr(value, name), f"{prefix}.{name}" if prefix else name)
     elif isinstance(value, tuple | list):
         for i, item in enumerate(value):
-            yield from leaves(item, f"{prefix}[{i}]")
+            yield from name_leaves(item, f"{prefix}[{i}]")
     else:
         yield prefix, value
 
 
-def like(template: Any, make: Callable[[str, Any], Any], prefix: str = "") -> Any:
+def map_leaves(template: Any, make: Callable[[str, Any], Any], prefix: str = "") -> Any:
     """A structure of the same shape (lists become tuples) with new leaves, made from name and old leaf."""
     if hasattr(template, "_fields"):
         return type(template)(
-            *(like(getattr(template, name), make, f"{prefix}.{name}" if prefix else name) for name in template._fields)
+            *(
+                map_leaves(getattr(template, name), make, f"{prefix}.{name}" if prefix else name)
+                for name in template._fields
+            )
         )
     if isinstance(template, tuple | list):
-        return tuple(like(item, make, f"{prefix}[{i}]") for i, item in enumerate(template))
+        return tuple(map_leaves(item, make, f"{prefix}[{i}]") for i, item in enumerate(template))
     return make(prefix, template)
 
 

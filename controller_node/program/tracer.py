@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from railhil.common.plug_ins import guard_plug_in
 from railhil.controller_node.arithmetic.base import INT32_MIN, Arithmetic, Condition, Constant, Curve, Problem
-from railhil.controller_node.laws.failure import law_fault
+from railhil.controller_node.laws.failure import describe_failure
 from railhil.controller_node.program.model import (
     Kind,
     LawProgram,
@@ -23,8 +23,8 @@ from railhil.controller_node.program.model import (
     Quantity,
     Table,
     Value,
-    leaves,
-    like,
+    map_leaves,
+    name_leaves,
 )
 from railhil.scenarios.run_spec import LawSpec
 
@@ -273,7 +273,9 @@ def record_loop(
         program = tracer.program
         quantity = program.quantities[-1].name if program is not None and program.quantities else None
         function = program.name if program is not None else "inputs"
-        raise law_fault(bound.name, type(bound.law), error, _FUNCTIONS.get(function, function), quantity) from error
+        raise describe_failure(
+            bound.name, type(bound.law), error, _FUNCTIONS.get(function, function), quantity
+        ) from error
 
 
 def _recorded(tracer: Tracer, loop: LawLoop[Value]) -> LawProgram:
@@ -284,23 +286,23 @@ def _recorded(tracer: Tracer, loop: LawLoop[Value]) -> LawProgram:
 
     inputs = tracer.begin("inputs")
     given = loop.traced_inputs(tracer)
-    inputs.outputs = list(leaves(given, "in"))
+    inputs.outputs = list(name_leaves(given, "in"))
 
     start = tracer.begin("start")
-    first_state = loop.law.start(like(given, fresh, "in"))
-    start.outputs = list(leaves(first_state, "state"))
+    first_state = loop.law.start(map_leaves(given, fresh, "in"))
+    start.outputs = list(name_leaves(first_state, "state"))
     formats = _formats(tracer, loop, first_state, given)
 
     def state_input(name: str, old: Value) -> Value:
         return tracer.input(name, formats[name])
 
     step = tracer.begin("step")
-    state = like(first_state, state_input, "state")
-    new_state, outputs = loop.answered(state, like(given, fresh, "in"))
-    step.outputs = [*leaves(new_state, "state"), *leaves(outputs, "out")]
+    state = map_leaves(first_state, state_input, "state")
+    new_state, outputs = loop.answered(state, map_leaves(given, fresh, "in"))
+    step.outputs = [*name_leaves(new_state, "state"), *name_leaves(outputs, "out")]
     sent = tracer.begin("sent")
-    told = loop.law.with_sent(like(first_state, state_input, "state"), loop.traced_commands(tracer))
-    sent.outputs = list(leaves(told, "state"))
+    told = loop.law.with_sent(map_leaves(first_state, state_input, "state"), loop.traced_commands(tracer))
+    sent.outputs = list(name_leaves(told, "state"))
     if not wide:
         _check(step, formats)
         _check(sent, formats)
@@ -310,15 +312,15 @@ def _recorded(tracer: Tracer, loop: LawLoop[Value]) -> LawProgram:
 def _formats(tracer: Tracer, loop: LawLoop[Value], first_state: Any, given: Any) -> dict[str, int | None]:
     """Format of every leaf of the state: from its start or, if it starts as the constant 0, from the result of a
     step."""
-    formats = {name: value.q for name, value in leaves(first_state, "state")}
+    formats = {name: value.q for name, value in name_leaves(first_state, "state")}
 
     def known(name: str, old: Value) -> Value:
         return tracer.input(name, formats.get(name, old.q), old.kind)
 
     while True:
         tracer.begin("first step")
-        after, _ = loop.answered(like(first_state, known, "state"), like(given, known, "in"))
-        found = {name: value.q for name, value in leaves(after, "state") if formats[name] is None}
+        after, _ = loop.answered(map_leaves(first_state, known, "state"), map_leaves(given, known, "in"))
+        found = {name: value.q for name, value in name_leaves(after, "state") if formats[name] is None}
         if all(q is None for q in found.values()):
             return formats
         formats |= found

@@ -146,7 +146,7 @@ class Inputs(Generic[T]):
         self._held = numbers.hold("held_cycles", HELD_CYCLES, 0, "law")
         self._most = numbers.hold("count_max", COUNT_MAX, 0, "law")
 
-    def measured(self, readings: Sequence[T]) -> Measured[T]:
+    def decode(self, readings: Sequence[T]) -> Measured[T]:
         """The readings of the interface in SI units."""
         ar = self._numbers.ar
 
@@ -179,7 +179,7 @@ class Inputs(Generic[T]):
         zero = self._numbers.zero
         return Gap(self._none, zero, zero, measured.samples[-1])
 
-    def bridged(self, gap: Gap[T], measured: Measured[T]) -> tuple[Gap[T], tuple[T, ...], T]:
+    def bridge_gap(self, gap: Gap[T], measured: Measured[T]) -> tuple[Gap[T], tuple[T, ...], T]:
         """The samples of this cycle, with the last one repeated where there are no new ones, and 1 if there are new
         ones (Q0)."""
         ar, zero, one = self._numbers.ar, self._numbers.zero, self._numbers.one
@@ -192,7 +192,7 @@ class Inputs(Generic[T]):
         seen = ar.where(ar.gt(missed, self._held), zero, seen)
         return Gap(measured.number, missed, seen, samples[-1]), samples, fresh
 
-    def refused(self, gap: Gap[T], warm_up: int) -> T:
+    def judge_gap(self, gap: Gap[T], warm_up: int) -> T:
         """1 while the estimate must not start the brake (Q0): too long without speed, or not yet warm again."""
         ar, zero, one = self._numbers.ar, self._numbers.zero, self._numbers.one
         enough = self._numbers.hold("warm_up", warm_up - 1, 0, "filter")

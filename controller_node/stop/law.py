@@ -138,7 +138,7 @@ class StopLaw(VectorLaw[T, StopState[T]]):
         """State of the law's own part before the first step."""
 
     @abstractmethod
-    def estimated(
+    def estimate(
         self, own: Any, measured: Measured[T], samples: tuple[T, ...], fresh: T, accel: T
     ) -> tuple[Any, Estimate[T]]:
         """Speed and place. ``accel``: the command of the last cycle, m/s2; ``fresh``: 1 with new samples (Q0)."""
@@ -165,7 +165,7 @@ class StopLaw(VectorLaw[T, StopState[T]]):
         """Stopping distance from ``speed`` (m/s) with the planned deceleration (m/s2), m (Q ``DISTANCE_Q``)."""
         return own, self.distance(speed, planned).distance
 
-    def taught(self, own: Any, first: T, usable: T, measured: Measured[T]) -> Any:
+    def teach(self, own: Any, first: T, usable: T, measured: Measured[T]) -> Any:
         """The law's own part after the brake began (``first`` is 1) or a stop was reported (``usable`` is 1)."""
         return own
 
@@ -173,13 +173,13 @@ class StopLaw(VectorLaw[T, StopState[T]]):
 
     def start(self, readings: Sequence[T]) -> StopState[T]:
         zero = self.numbers.zero
-        measured = self.inputs.measured(readings)
+        measured = self.inputs.decode(readings)
         return StopState(
             self.inputs.start(measured),
             zero,
             self._approach.start(measured.samples[-1]),
             zero,
-            self.steady(measured),
+            self.hold_speed(measured),
             self.numbers.hold("no_distance", 0.0, DISTANCE_Q, "law"),
             self.learning.start(measured.load, measured.wet),
             self.own_start(measured),
@@ -187,10 +187,10 @@ class StopLaw(VectorLaw[T, StopState[T]]):
 
     def step(self, state: Any, readings: Sequence[T]) -> tuple[Any, Answer[T]]:
         ar, zero, one = self.ar, self.numbers.zero, self.numbers.one
-        measured = self.inputs.measured(readings)
-        gap, samples, fresh = self.inputs.bridged(state.gap, measured)
-        refused = self.inputs.refused(gap, self.warm_up)
-        own, estimate = self.estimated(state.own, measured, samples, fresh, state.accel)
+        measured = self.inputs.decode(readings)
+        gap, samples, fresh = self.inputs.bridge_gap(state.gap, measured)
+        refused = self.inputs.judge_gap(gap, self.warm_up)
+        own, estimate = self.estimate(state.own, measured, samples, fresh, state.accel)
         speed = ar.note("v_hat", estimate.speed, SPEED_Q, "m/s")
         left = ar.note("left", estimate.left, DISTANCE_Q, "m")
         planned = ar.where(ar.gt(measured.wet, zero), self._plans[1], self._plans[0])
@@ -201,7 +201,7 @@ class StopLaw(VectorLaw[T, StopState[T]]):
 
         begins = self.begins(estimate, margin)
         done = state.learned.learned
-        stage = self._stages.after(state.stage, measured, speed, state.cruise, margin, refused, begins, done)
+        stage = self._stages.advance(state.stage, measured, speed, state.cruise, margin, refused, begins, done)
 
         warm = ar.maximum(state.cruising, ar.sub(one, refused))
         cruise = self._approach.speed(state.cruise, speed, state.cruising, warm)
@@ -229,7 +229,7 @@ class StopLaw(VectorLaw[T, StopState[T]]):
         )
 
         taught = ar.where(ar.gt(learned.learned, state.learned.learned), ar.sub(one, learned.spoiled), zero)
-        own = self.taught(own, first, taught, measured)
+        own = self.teach(own, first, taught, measured)
 
         new = StopState(gap, stage, cruise, warm, accel, distance_used, learned, own)
         return new, self._outputs.answer(stage, code, start, margin, distance, speed, state.learned.before)
@@ -261,9 +261,9 @@ class StopLaw(VectorLaw[T, StopState[T]]):
     def memory(self, state: Any) -> Mapping[str, Any]:
         return self.learning.memory(state.learned)
 
-    def steady(self, measured: Measured[T]) -> T:
+    def hold_speed(self, measured: Measured[T]) -> T:
         """The command with which a train that runs keeps its speed, m/s2; 0 for one that stands."""
-        return self._approach.steady(self.way_left(measured.odometer))
+        return self._approach.hold_speed(self.way_left(measured.odometer))
 
     def way_left(self, odometer: T) -> T:
         """Distance to the stopping point by the odometer, m."""

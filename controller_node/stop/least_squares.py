@@ -98,7 +98,7 @@ class LeastSquares(Generic[T]):
         regressors = (speed, square, re.mul(re.mul(load, self._percent), square))
         return regressors, re.sub(re.dot(state.theta, regressors), re.mul(decel, self._lag))
 
-    def begun(self, state: Braking[T], first: T, regressors: tuple[T, ...], expected: T) -> Braking[T]:
+    def begin(self, state: Braking[T], first: T, regressors: tuple[T, ...], expected: T) -> Braking[T]:
         """Store the values at the beginning of the brake, in the cycle in which ``first`` is 1."""
         re = self.re
         now = re.gt(first, re.zero)

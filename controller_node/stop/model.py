@@ -102,7 +102,7 @@ class BrakeModel(Generic[T]):
         acting = (accel, queue[self._whole + 1], queue[self._whole])
         return self._ar.dot(self._accel, acting, GAIN_Q), self._ar.dot(self._speed, acting, GAIN_Q)
 
-    def ahead(self, now: Rolled[T], disturbance: T, queue: Sequence[T]) -> Rolled[T]:
+    def predict(self, now: Rolled[T], disturbance: T, queue: Sequence[T]) -> Rolled[T]:
         """The train when the command that is computed now begins to act.
 
         :param disturbance: acceleration besides the brake's, m/s2 (Q ``ACCEL_Q``).

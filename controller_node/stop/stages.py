@@ -28,7 +28,7 @@ class Stages(Generic[T]):
         self._moving = hold("moving", _MOVING_MPS, SPEED_Q, "law")
         self._armed_m = hold("armed", _ARMED_M, DISTANCE_Q, "law")
 
-    def after(
+    def advance(
         self, stage: T, measured: Measured[T], speed: T, cruise: T, margin: T, refused: T, begins: T, learned: T
     ) -> T:
         """The stage of this cycle.
@@ -93,7 +93,7 @@ class Approach(Generic[T]):
         """The speed to hold before the first step, m/s, from the measured one."""
         return self._planned if self._standing else speed
 
-    def steady(self, left: T) -> T:
+    def hold_speed(self, left: T) -> T:
         """The command with which a train that runs keeps its speed, m/s2; 0 for one that stands.
 
         :param left: distance to the stopping point, m.

@@ -19,7 +19,7 @@ from railhil.controller_node.ato.controller import Controller, ControlOutput
 from railhil.controller_node.export import Bundle, make_bundle, write_bundle
 from railhil.controller_node.laws.base import BaliseReading
 from railhil.controller_node.laws.note import on_wire
-from railhil.controller_node.program.model import leaves
+from railhil.controller_node.program.model import name_leaves
 from railhil.scenarios.run_spec import LawSpec
 from railhil.systems.ato.scenario.model import Scenario
 
@@ -97,7 +97,7 @@ def from_python(scenario: Scenario, wire: Wire, indexing: str = "time", law: str
         balise = NO_BALISE if wire.balise is None else BaliseReading(*(part[s] for part in wire.balise))
         inputs, outputs = loop.step(wire.k[s], wire.speed_01mmps[s], wire.position_01mm[s], balise)
         loop.sent(np.where(wire.told[s], wire.sent[s], outputs.notch))
-        parts = [*leaves(inputs, "in"), *leaves(loop.state, "state"), *leaves(outputs, "out")]
+        parts = [*name_leaves(inputs, "in"), *name_leaves(loop.state, "state"), *name_leaves(outputs, "out")]
         rows.append([np.broadcast_to(value, (trains,)) for _, value in parts])
     words = np.array(rows, dtype=np.int32).transpose(2, 0, 1)
     return Results(words, number.counters.saturations, number.counters.zero_divisions)

@@ -15,7 +15,7 @@ import numpy as np
 
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Arithmetic, Constant
-from railhil.controller_node.program.model import Value, leaves
+from railhil.controller_node.program.model import Value, name_leaves
 from railhil.controller_node.program.tracer import Tracer
 from railhil.controller_node.vector.controller import VectorLoop
 from railhil.scenarios.model import AnyScenario
@@ -78,7 +78,7 @@ def shape_of(scenario: AnyScenario, law: LawSpec) -> Shape:
             (one.op, tuple(map(operand, one.arguments)), one.parameters, one.table, one.curve, id(one.problem))
             for one in tracer.program.operations
         ),
-        tuple((name, operand(value)) for part in (state, after, answer, told) for name, value in leaves(part)),
+        tuple((name, operand(value)) for part in (state, after, answer, told) for name, value in name_leaves(part)),
     )
 
 

@@ -116,7 +116,7 @@ class RunIdentity:
         elif (name := _shipped().get(digits)) is not None:
             self.scenario = load_any(name)
         else:
-            self.scenario = UnknownScenario.told(system.name, plant.scenario_hash, system.contract)
+            self.scenario = UnknownScenario.from_handshake(system.name, plant.scenario_hash, system.contract)
         laws = laws_of_code(self._law_code, system.laws)
         law = laws[0] if len(laws) == 1 else self._law
         self.notes = law_notes(system, law if law in system.law_names() else None)

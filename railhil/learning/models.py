@@ -21,7 +21,7 @@ from railhil.controller_node.high_speed.training import (
     Recipe,
     Rows,
     rows_of,
-    trained,
+    train_and_judge,
 )
 from railhil.judge.folder import code_sha256
 from railhil.judge.record import Record
@@ -93,7 +93,7 @@ def _train(record: Record, unit: Unit, recipe: Recipe, period_s: float, phase_s:
         found = Words(f"{count_of(len(rows), 'sample')} of {period_s:g} s")
         raise InputError(record.log, "length", found, f"at least {2 * HELD_OUT}")
     try:
-        return trained(rows, recipe, period_s, unit.delay_s, unit.lag_s)
+        return train_and_judge(rows, recipe, period_s, unit.delay_s, unit.lag_s)
     except ValueError as error:
         raise InputError(
             "command line", "--ridge", recipe.ridge, "one that determines all weights", str(error)

@@ -271,7 +271,7 @@ class UnknownScenario(OfSystem):
     timing: Timing
 
     @classmethod
-    def told(cls, system: str, scenario_hash: int, contract: Contract) -> UnknownScenario:
+    def from_handshake(cls, system: str, scenario_hash: int, contract: Contract) -> UnknownScenario:
         """The number in a handshake telegram."""
         return cls(system, f"{scenario_hash:08x}", Timing(base_tick_ns=contract.base_tick_ns))
 

@@ -125,12 +125,12 @@ class DelayController(LoopController[T, DelayState[T]]):
     def step(self, state: DelayState[T], sample: Sample[T]) -> tuple[DelayState[T], Move[T]]:
         re = self.re
         filters, found = self._bank.step(state.bank, state.commands, sample.speed)
-        command, correction = self.commanded(state.commands, state.correction, found, sample)
+        command, correction = self.compute_command(state.commands, state.correction, found, sample)
         after = DelayState((command, *state.commands[:-1]), correction, filters)
         xi = re.mul(found.belief.disturbance, self._period)
         return after, Move(command, found.error, xi, found.belief.gain, found.delay)
 
-    def commanded(self, past: tuple[T, ...], last: T, found: Found[T], sample: Sample[T]) -> tuple[T, T]:
+    def compute_command(self, past: tuple[T, ...], last: T, found: Found[T], sample: Sample[T]) -> tuple[T, T]:
         """Command and correction, m/s^2.
 
         :param past: u(k-1), u(k-2), ...; ``last``: correction of the last sample.
@@ -279,6 +279,6 @@ def _after(
     belief = Belief(predicted + gains[0] * error, disturbance + gains[1] * error, 1.0, _NO_COVARIANCE)
     found = Found(belief, rolled.accel, error, 0.0, controller.nominal)
     sample = Sample(speed, (0.0,) * (controller.horizon + 1), -_UNLIMITED_MPS2, _UNLIMITED_MPS2, emergency)
-    command, correction = controller.commanded(sent[: lines.count], correction, found, sample)
+    command, correction = controller.compute_command(sent[: lines.count], correction, found, sample)
     moved = step[:2] @ state[: len(drive)] + drive[:2] * command
     return [*map(float, moved), command, *sent[:-1], correction, belief.speed, belief.disturbance, rolled.accel]

@@ -27,7 +27,7 @@ from railhil.controller_node.high_speed.base import (
 )
 from railhil.controller_node.high_speed.delay_bank import Bank, BankParameters, DelayBank
 from railhil.controller_node.high_speed.delay_line import TrainLines
-from railhil.controller_node.high_speed.law import JOURNEYS, Unit, between
+from railhil.controller_node.high_speed.law import JOURNEYS, Unit, weigh_preview
 from railhil.controller_node.high_speed.qp_problem import Limits, Qp, QpParameters, Situation, daqp_solver
 from railhil.controller_node.high_speed.reals import Reals
 from railhil.controller_node.high_speed.train_model import CouplerModel, Prediction, TrainModel, UnitModel
@@ -173,7 +173,7 @@ class DelayQp(HighSpeedLaw[T, Any]):
         self._instants = [
             (places, re.numbers(f"preview_{i}", shares))
             for i in range(given.horizon + 1)
-            for places, shares in [between(i * steps)]
+            for places, shares in [weigh_preview(i * steps)]
         ]
         self._per_count = re.number("per_count", 1.0 / ACCEL_PER_MPS2, "port table")
 

@@ -107,13 +107,13 @@ class IlcStop(StopLaw[T]):
         return max(128, self._filter.warm_up)
 
     def own_start(self, measured: Measured[T]) -> Any:
-        steady = self.steady(measured)
+        steady = self.hold_speed(measured)
         queue = (steady,) * self._model.count if self._model else ()
         squares, zero = self._squares, self.numbers.zero
         braking, now = (squares.start(), ((zero,) * 3, zero)) if squares else ((), ())
         return Filtered(self._filter.start(measured.samples[-1]), steady, queue, braking, now)
 
-    def estimated(
+    def estimate(
         self, own: Any, measured: Measured[T], samples: tuple[T, ...], fresh: T, accel: T
     ) -> tuple[Any, Estimate[T]]:
         ar = self.ar
@@ -133,10 +133,10 @@ class IlcStop(StopLaw[T]):
         now = self._squares.distance(own.braking, speed, planned, measured.load)
         return own._replace(now=now), now[1]
 
-    def taught(self, own: Any, first: T, usable: T, measured: Measured[T]) -> Any:
+    def teach(self, own: Any, first: T, usable: T, measured: Measured[T]) -> Any:
         if self._squares is None:
             return own
-        begun = self._squares.begun(own.braking, first, *own.now)
+        begun = self._squares.begin(own.braking, first, *own.now)
         return own._replace(braking=self._squares.step(begun, usable, measured.run, measured.error))
 
     def begins(self, estimate: Estimate[T], margin: T) -> T:

@@ -125,11 +125,11 @@ class Reaim(StopLaw[T]):
         return bool(self.given.learning)
 
     def own_start(self, measured: Measured[T]) -> Aim[T]:
-        steady = self.steady(measured)
+        steady = self.hold_speed(measured)
         queue = (steady,) * self._model.count
         return Aim(queue, steady, measured.samples[-1], self._released, self._odometry.start(), self.numbers.zero)
 
-    def estimated(
+    def estimate(
         self, own: Aim[T], measured: Measured[T], samples: tuple[T, ...], fresh: T, accel: T
     ) -> tuple[Aim[T], Estimate[T]]:
         ar, held = self.ar, self.numbers
@@ -164,7 +164,7 @@ class Reaim(StopLaw[T]):
         ar, zero, one = self.ar, self.numbers.zero, self.numbers.one
         observed = own.disturbance if self.given.observer else self._released
         now = Rolled(ar.sub(estimate.left, offset), estimate.speed, own.accel)
-        then = self._model.ahead(now, ar.add(self.grades.at(estimate.left), observed), own.queue)
+        then = self._model.predict(now, ar.add(self.grades.at(estimate.left), observed), own.queue)
         left = ar.clip(then.left, self._longest, self._shortest)
         outside = ar.add(self.grades.mean(left), observed)
         command = last

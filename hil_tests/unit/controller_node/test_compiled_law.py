@@ -25,7 +25,7 @@ from railhil.controller_node.compiled_law import compile_law
 from railhil.controller_node.laws import load as load_law
 from railhil.controller_node.laws.base import BaliseReading
 from railhil.controller_node.program.emit_python import FIXED, FLOAT32, FLOAT64, emit_python
-from railhil.controller_node.program.model import Value, leaves
+from railhil.controller_node.program.model import Value, name_leaves
 from railhil.controller_node.program.ranges import analyse_law
 from railhil.controller_node.program.tracer import Tracer, record
 from railhil.controller_node.vector.controller import VectorController, VectorLoop
@@ -76,7 +76,7 @@ def test_outputs_state_telemetry_and_counters_are_those_of_the_law(
             fast.sent(sent)
             slow.sent(sent)
         # As text: 0.0 and -0.0 are equal.
-        assert repr(list(leaves(fast._loop.state))) == repr(list(leaves(slow._loop.state)))
+        assert repr(list(name_leaves(fast._loop.state))) == repr(list(name_leaves(slow._loop.state)))
     assert fast.telemetry.rows == slow.telemetry.rows
     assert fast.counters == slow.counters
 
@@ -114,7 +114,7 @@ def test_a_law_of_several_readings_gives_what_it_computes_itself(
     raws = [data.draw(st.integers(low, high)) for low, high in ranges]
     for _ in range(data.draw(st.integers(2, 8))):
         assert fast.step(raws) == slow.step(raws)
-        assert repr(list(leaves(fast.state))) == repr(list(leaves(slow.state)))
+        assert repr(list(name_leaves(fast.state))) == repr(list(name_leaves(slow.state)))
         if data.draw(st.booleans()):
             told = [data.draw(st.integers(-50, 50)) for _ in fast.commands]
             fast.sent(*told)

@@ -13,7 +13,7 @@ from railhil.controller_node.arithmetic.base import INT32_MIN, Constant, Curve
 from railhil.controller_node.ato.control_loop import ControlLoop
 from railhil.controller_node.cost import C28X_CYCLES, FPU_CYCLES, estimated_cycles
 from railhil.controller_node.laws.base import NOTCH_Q
-from railhil.controller_node.program.model import BranchError, Evaluator, Kind, Value, leaves, like
+from railhil.controller_node.program.model import BranchError, Evaluator, Kind, Value, map_leaves, name_leaves
 from railhil.controller_node.program.tracer import FormatError, Tracer, record
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec
@@ -53,9 +53,9 @@ def test_recorded_program_computes_what_the_law_computes(arithmetic: str, indexi
         after = step.run(state | found)
         notch = random.integers(-1792, 1793, 50)
         loop.sent(number.from_raw(notch, NOTCH_Q))
-        law_state, law_outputs = dict(leaves(loop.state, "state")), dict(leaves(outputs, "out"))
+        law_state, law_outputs = dict(name_leaves(loop.state, "state")), dict(name_leaves(outputs, "out"))
         state = sent.run({name: after[name] for name in law_state} | {"notch": other.from_raw(notch, NOTCH_Q)})
-        for name, value in (dict(leaves(given, "in")) | law_outputs | law_state).items():
+        for name, value in (dict(name_leaves(given, "in")) | law_outputs | law_state).items():
             assert np.array_equal(value, {**found, **after, **state}[name]), f"{name} in period {k}"
     assert number.counters == other.counters
 
@@ -208,5 +208,5 @@ def test_leaves_and_like_are_each_other_s_inverse() -> None:
     names = [name for name, _ in state.inputs]
     assert names[:4] == ["state.model[0]", "state.model[1]", "state.notch", "state.model_errors[0]"]
     nested = ((1, [2, 3]), 4)
-    assert list(leaves(nested)) == [("[0][0]", 1), ("[0][1][0]", 2), ("[0][1][1]", 3), ("[1]", 4)]
-    assert like(nested, lambda name, old: (name, old))[0][1] == (("[0][1][0]", 2), ("[0][1][1]", 3))
+    assert list(name_leaves(nested)) == [("[0][0]", 1), ("[0][1][0]", 2), ("[0][1][1]", 3), ("[1]", 4)]
+    assert map_leaves(nested, lambda name, old: (name, old))[0][1] == (("[0][1][0]", 2), ("[0][1][1]", 3))

@@ -26,7 +26,7 @@ from railhil.controller_node.ato.laws.ipfc import Ipfc
 from railhil.controller_node.ato.node import ControllerNode
 from railhil.controller_node.laws import load as load_law
 from railhil.controller_node.laws import names
-from railhil.controller_node.program.model import Program, leaves
+from railhil.controller_node.program.model import Program, name_leaves
 from railhil.controller_node.program.ranges import analyse, analyse_law
 from railhil.controller_node.program.tracer import Tracer, record
 from railhil.scenarios.load import load
@@ -233,7 +233,7 @@ def test_a_law_under_wild_inputs_stays_inside_its_bounds(indexing: str) -> None:
         position = draw.choice(WIRE["position_01mm"]) if wild else draw.randint(0, 29_500_000)
         loop.step(k % 420, speed, position)
         loop.sent(draw.choice((-7 * 256, 0, 7 * 256, draw.randint(-7 * 256, 7 * 256))))
-        for name, value in leaves(loop.state, "state"):
+        for name, value in name_leaves(loop.state, "state"):
             low, high = ranges.step.of(outputs[name]) if name != "state.notch" else (-7 << 24, 7 << 24)
             assert low <= value <= high, name
         for quantity, value in zip(program.quantities, noted, strict=True):

@@ -21,7 +21,7 @@ from railhil.bus.schedule import Schedule
 from railhil.bus.telegrams import RunEvent
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import DIVISION_BY_ZERO, SATURATION, WRAP
-from railhil.controller_node.laws.failure import law_fault
+from railhil.controller_node.laws.failure import describe_failure
 from railhil.controller_node.vector.controller import VectorController, VectorLoop
 from railhil.judge.judging import judging_of
 from railhil.judge.score import Score
@@ -173,7 +173,7 @@ class _Runs:
             _, answer = self._loop.step(raws)
         except Exception as error:
             # A law is plug-in code and may raise anything.
-            raise law_fault(self._loop.name, type(self._loop.law), error, "step", "") from error
+            raise describe_failure(self._loop.name, type(self._loop.law), error, "step", "") from error
         for column, (item, value) in enumerate(zip(self._loop.interface.commands, answer.commands, strict=True)):
             self._commands[:, period, column] = self._number.raw(value, item.q)
         self._first_wrap[(self._counts[WRAP] > 0) & (self._first_wrap < 0)] = period

@@ -22,7 +22,7 @@ from railhil.bus.telegrams import RunEvent
 from railhil.common.digits import count_of
 from railhil.common.output import Output
 from railhil.controller_node.arithmetic.base import DIVISION_BY_ZERO, SATURATION, WRAP
-from railhil.controller_node.laws.failure import law_fault
+from railhil.controller_node.laws.failure import describe_failure
 from railhil.controller_node.vector.controller import VectorController, VectorLoop
 from railhil.judge.judging import judging_of
 from railhil.judge.score import Score
@@ -234,7 +234,7 @@ class _Runs:
             _, answer = loop.step(self._readings(tick))
         except Exception as error:
             # A law is plug-in code and may raise anything.
-            raise law_fault(loop.name, type(loop.law), error, "step", "") from error
+            raise describe_failure(loop.name, type(loop.law), error, "step", "") from error
         for column, (item, value) in enumerate(zip(loop.interface.commands, answer.commands, strict=True)):
             self._commands[:, tick, column] = loop.arithmetic.raw(value, item.q)
         self._first_wrap[(self._counts[WRAP] > 0) & (self._first_wrap < 0)] = tick

@@ -18,7 +18,7 @@ from railhil.controller_node.high_speed.learned import LearnedParameters, Networ
 from railhil.controller_node.high_speed.model import pade_zoh
 from railhil.controller_node.high_speed.network import Forward
 from railhil.controller_node.high_speed.reals import Reals
-from railhil.controller_node.high_speed.training import HELD_OUT, Recipe, held_out, rows_of, trained
+from railhil.controller_node.high_speed.training import HELD_OUT, Recipe, rows_of, select_held_out, train_and_judge
 
 MODEL = pade_zoh(0.5, 0.4, 1.0)
 UNIT = Unit(0.5, 1.0, 0.4, 1.0)
@@ -49,18 +49,18 @@ def test_the_rows_hold_the_residual_that_the_law_measures() -> None:
 
 
 def test_a_network_halves_the_modelling_error_on_samples_that_it_has_not_seen() -> None:
-    network, error = trained(rows_of(MODEL, *journey()), Recipe(ridge=0.01), 1.0, 0.5, 0.4)
+    network, error = train_and_judge(rows_of(MODEL, *journey()), Recipe(ridge=0.01), 1.0, 0.5, 0.4)
     assert error.integrated_kmh < 0.5 * error.linear_kmh
     assert (network.sample_period_s, network.model_delay_s, network.model_lag_s) == (1.0, 0.5, 0.4)
 
 
 def test_the_held_out_samples_are_300_spread_over_the_journey() -> None:
-    chosen = held_out(3754)
+    chosen = select_held_out(3754)
     gaps = np.diff(np.flatnonzero(chosen))
     assert chosen.sum() == HELD_OUT
     assert set(gaps.tolist()) == {12, 13}
     with pytest.raises(ValueError, match="599 samples"):
-        held_out(599)
+        select_held_out(599)
 
 
 @pytest.fixture
@@ -71,13 +71,13 @@ def law() -> ElmNgpc[float]:
 
 def test_a_law_takes_the_network_of_its_linear_model(law: ElmNgpc[float]) -> None:
     rows = rows_of(MODEL, *journey())
-    networks = [trained(rows, Recipe(), 1.0, delay_s, 0.4)[0] for delay_s in (0.5, 0.7)]
+    networks = [train_and_judge(rows, Recipe(), 1.0, delay_s, 0.4)[0] for delay_s in (0.5, 0.7)]
     law._networks = tuple(networks)
     assert law.network(UNIT, LearnedParameters()) is networks[0]
     assert law.network(UNIT, LearnedParameters(model_delay_s=0.7)) is networks[1]
     with pytest.raises(InputError, match="elm_ngpc, networks: found no such network, allowed one trained for T0 = 2 s"):
         law.network(Unit(0.5, 1.0, 0.4, 2.0), LearnedParameters())
-    law._networks = (trained(rows, Recipe("bp", hidden=2), 1.0, 0.5, 0.4)[0],)
+    law._networks = (train_and_judge(rows, Recipe("bp", hidden=2), 1.0, 0.5, 0.4)[0],)
     with pytest.raises(InputError, match="found 'bp', allowed elm"):
         law.network(UNIT, LearnedParameters())
 
@@ -85,7 +85,7 @@ def test_a_law_takes_the_network_of_its_linear_model(law: ElmNgpc[float]) -> Non
 def test_a_sequential_network_learns_a_shift_that_a_trained_one_keeps() -> None:
     ar = make("float64")
     rows = rows_of(MODEL, *journey())
-    network, _ = trained(rows, Recipe(), 1.0, 0.5, 0.4)
+    network, _ = train_and_judge(rows, Recipe(), 1.0, 0.5, 0.4)
     estimators: list[Any] = [
         NetworkEstimator(Forward(ar, network)),
         SequentialEstimator(Forward(ar, network), SequentialStep(ar, 0.01), newest=True),

@@ -7,7 +7,7 @@ import pytest
 
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.high_speed.carima import increments
-from railhil.controller_node.high_speed.delay_bank import Belief, Noise, corrected, predicted
+from railhil.controller_node.high_speed.delay_bank import Belief, Noise, correct, predict
 from railhil.controller_node.high_speed.delay_line import DelayLines, step_response
 from railhil.controller_node.high_speed.identification import (
     LowPass,
@@ -20,7 +20,7 @@ from railhil.controller_node.high_speed.identification import (
     residual,
     theta_of,
 )
-from railhil.controller_node.high_speed.law import between
+from railhil.controller_node.high_speed.law import weigh_preview
 from railhil.controller_node.high_speed.laws.a_gpc import Rls, rls_step, triangle
 from railhil.controller_node.high_speed.laws.delay_gpc import error_weights
 from railhil.controller_node.high_speed.model import pade_zoh
@@ -154,11 +154,11 @@ def test_the_filter_is_the_textbook_one():
     old = Belief(*x, tuple(p[i, j] for i, j in upper))
     f = np.array([[1.0, 0.2, 0.07], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
     x, p = f @ x, f @ p @ f.T + np.diag(noise[1:])
-    before = predicted(RE, old, 0.07, 0.2, noise)
+    before = predict(RE, old, 0.07, 0.2, noise)
     assert before[:3] == pytest.approx(x, abs=1e-12)
     assert before.covariance == pytest.approx([p[i, j] for i, j in upper], abs=1e-12)
     gain = p[:, 0] / (p[0, 0] + noise.reading)
-    after, innovation = corrected(RE, before, 80.1, noise)
+    after, innovation = correct(RE, before, 80.1, noise)
     assert innovation == pytest.approx((80.1 - x[0], p[0, 0] + noise.reading))
     x, p = x + gain * (80.1 - x[0]), p - np.outer(gain, p[0])
     assert after[:3] == pytest.approx(x, abs=1e-12)
@@ -177,12 +177,12 @@ def test_increments_of_the_correction_are_weighted_by_least_squares():
     [(0, ((0,), (1.0,))), (4, ((4,), (1.0,))), (14, ((14,), (1.0,))), (0.8, ((0, 1), (0.2, 0.8)))],
 )
 def test_the_reference_between_two_points_of_the_preview_is_linear(place, expected):
-    places, shares = between(place)
+    places, shares = weigh_preview(place)
     assert places == expected[0]
     assert shares == pytest.approx(expected[1])
 
 
 def test_behind_the_preview_the_last_slope_goes_on():
-    places, shares = between(15.0)
+    places, shares = weigh_preview(15.0)
     assert places == (13, 14)
     assert shares == pytest.approx((-1.0, 2.0))

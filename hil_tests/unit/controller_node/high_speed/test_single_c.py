@@ -13,7 +13,7 @@ import pytest
 
 from railhil.bench import coupled_run
 from railhil.controller_node.export import make_bundle, write_bundle
-from railhil.controller_node.program.model import leaves
+from railhil.controller_node.program.model import name_leaves
 from railhil.controller_node.vector.controller import VectorController
 from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario
@@ -106,7 +106,7 @@ def test_every_word_is_that_of_float32(
             # The node has sent safe commands.
             controller.sent(0, 4)
             c.sent(0, 4)
-        state = [value for _, value in leaves(controller.state)]
+        state = [value for _, value in name_leaves(controller.state)]
         assert list(words(c.state)) == words(state), k
         identified.add(notes[2])
     # The projection has changed the model, or there is none in this law.

@@ -34,8 +34,8 @@ class Brake:
         speed, load = self.random.uniform(12.5, 17.0), float(round(self.random.uniform(0, 100)))
         state = squares.start()
         regressors, expected = squares.distance(state, speed, DECEL_MPS2, load)
-        state = squares.begun(state, 1.0, regressors, expected)
-        state = squares.begun(state, 0.0, regressors, 0.0)
+        state = squares.begin(state, 1.0, regressors, expected)
+        state = squares.begin(state, 0.0, regressors, 0.0)
         needed = TRUE_S * speed + (1 / GAIN + LOADED * load / 100) * speed**2 / (2 * DECEL_MPS2)
         error = needed - DECEL_MPS2 * LAG_S**2 / 2 - expected + off_m + 0.1 * self.random.standard_normal()
         for _ in range(2):

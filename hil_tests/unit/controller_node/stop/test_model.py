@@ -31,7 +31,7 @@ def test_prediction_and_steps_are_those_of_an_integration(delay_s, lag_s):
     state = 0.0
     for k in range(100):
         now = Rolled(500.0, 20.0, state)
-        found = model.ahead(now, 0.05, queue)
+        found = model.predict(now, 0.05, queue)
         part = accel[16 * k : 16 * k + round(delay_s / small_s) + 1]
         if len(part) > 1:
             gained = np.concatenate([[0.0], np.cumsum((part[1:] + part[:-1]) / 2 * small_s)])

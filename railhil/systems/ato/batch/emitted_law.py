@@ -23,7 +23,7 @@ from railhil.controller_node.laws import load
 from railhil.controller_node.laws.base import BaliseReading
 from railhil.controller_node.program.emit_numba import emit_numba
 from railhil.controller_node.program.emit_python import FIXED, FLOAT32, FLOAT64, is_state
-from railhil.controller_node.program.model import Program, leaves, like
+from railhil.controller_node.program.model import Program, map_leaves, name_leaves
 from railhil.controller_node.program.ranges import Ranges, analyse_law
 from railhil.controller_node.program.tracer import record
 from railhil.scenarios.run_spec import LawSpec
@@ -108,7 +108,7 @@ class EmittedLoop:
         kind = self._step._kind
         if self._state is None:
             _, outputs = self._law.step(k, speed_01mmps, position_01mm, balise)
-            first = [np.asarray(value) for _, value in leaves(self._law.state)]
+            first = [np.asarray(value) for _, value in name_leaves(self._law.state)]
             self._kinds = [value.dtype for value in first]
             self._state = np.array([np.broadcast_to(value, trains) for value in first], dtype=kind).T.copy()
             return None, Notches(np.broadcast_to(outputs.notch, trains))
@@ -129,7 +129,7 @@ class EmittedLoop:
         state, law, counted = self._state, self._law, self.arithmetic.per_train
         assert state is not None
         columns = iter([state[trains, i].astype(kind) for i, kind in enumerate(self._kinds)])
-        law.state = like(law.state, lambda name, old: next(columns))
+        law.state = map_leaves(law.state, lambda name, old: next(columns))
         given = [value[trains] if np.ndim(value) else value for value in wire]
         if counted is not None:
             self.arithmetic.per_train = {kind: np.zeros(trains.size, dtype=np.int64) for kind in counted}
@@ -138,7 +138,7 @@ class EmittedLoop:
             for kind, counts in self.arithmetic.per_train.items():
                 counted[kind][trains] += counts
             self.arithmetic.per_train = counted
-        for i, (_, value) in enumerate(leaves(law.state)):
+        for i, (_, value) in enumerate(name_leaves(law.state)):
             state[trains, i] = value
         notch[trains] = outputs.notch
 

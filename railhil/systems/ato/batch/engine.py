@@ -15,7 +15,7 @@ from railhil.controller_node.arithmetic.base import DIVISION_BY_ZERO, SATURATION
 from railhil.controller_node.ato.control_loop import NO_BALISE, POSITION_MAX_01MM
 from railhil.controller_node.laws import load as load_law
 from railhil.controller_node.laws.base import NOTCH_Q, BaliseReading
-from railhil.controller_node.laws.failure import law_fault
+from railhil.controller_node.laws.failure import describe_failure
 from railhil.judge.score import Score
 from railhil.plant_sim.any_plant import PlantError
 from railhil.record.notes import WRAP_FAILURE
@@ -119,7 +119,7 @@ class Engine:
             _, outputs = self._loop.step(k, speed.copy(), position, balise)
         except Exception as fault:
             # A law is code that somebody plugs in: whatever it raises is said of it, with file and line.
-            raise law_fault(law, load_law(law), fault, "step", "") from fault
+            raise describe_failure(law, load_law(law), fault, "step", "") from fault
         raw = np.asarray(self._number.raw(outputs.notch, NOTCH_Q), dtype=np.int64)
         return np.broadcast_to(raw, passed.shape).copy()
 
