@@ -134,6 +134,7 @@ def test_a_step_longer_than_a_period_and_a_step_back_are_refused(export: Export,
         loop.slave.doStep(loop.period_s, loop.period_s)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("version", VERSIONS)
 def test_steps_repeated_from_a_kept_state_give_the_same_words(export: Export, version: str, tmp_path: Path) -> None:
     """Kept in memory, or as bytes over a reset, and not from the bytes of another FMU."""
@@ -168,6 +169,7 @@ def test_steps_repeated_from_a_kept_state_give_the_same_words(export: Export, ve
             loop.slave.deserializeFMUState(refused)
 
 
+@pytest.mark.slow
 def test_other_variables_than_those_of_the_description_are_refused(export: Export, tmp_path: Path) -> None:
     loop = Loop(export.fmus["3.0"], tmp_path)
     assert loop.slave.doStep(0.0, loop.period_s) == (False, False, False, loop.period_s)

@@ -42,6 +42,7 @@ def test_certificate_and_signals_name_what_the_controller_said(run: Record) -> N
     assert np.nanmax(rows[:, first + 1]) == pytest.approx(0.85, abs=1e-4)
 
 
+@pytest.mark.slow
 def test_a_record_of_an_unknown_law_has_numbered_notes(run: Record) -> None:
     notes = notes_of(run.trace, None)
     assert [note.name for note in notes] == ["note_1", "note_2", "note_3"]
