@@ -17,8 +17,8 @@ ARG RAILHIL_COMPILED=0
 RUN if [ "$RAILHIL_COMPILED" != 0 ]; then \
     apt-get update && apt-get install -y --no-install-recommends gcc libc6-dev python3-dev; fi
 COPY . ./
-# Of no use at run time, a third of the size: pip itself, the libraries' own test suites, and what is there for compilers
-# and type checkers.
+# Not used at run time, a third of the size: pip itself, the libraries' own test suites, and the files for compilers and
+# type checkers.
 RUN /opt/railhil/bin/pip install --no-cache-dir --no-deps . \
     && /opt/railhil/bin/pip uninstall -y pip setuptools \
     && find /opt/railhil -type d -name tests -prune -exec rm -rf {} + \

@@ -4,9 +4,9 @@ PYTHON ?= python3
 VENV   ?= .venv
 BIN    := $(VENV)/bin
 COMMA  := ,
-# What `make run` passes on, e.g. make run ARGS="yizhuang_01_songjiazhuang_xiaocun --seed 7"
+# Arguments that `make run` passes on, e.g. make run ARGS="yizhuang_01_songjiazhuang_xiaocun --seed 7"
 ARGS   ?=
-# As in every railhil command (railhil/common/exit_codes.py): the tests start hundreds of processes.
+# Set as in every railhil command (railhil/common/exit_codes.py): the tests start hundreds of processes.
 export OPENBLAS_NUM_THREADS ?= 1
 # make test-long SAMPLE=4: one long test of 4 only, and make test-builds SAMPLE=8 one run of 8: those of the day.
 SAMPLE ?=
@@ -17,7 +17,7 @@ PART         = $(BIN)/python -m hil_tests.part
 COUNTS       = build/test_counts
 COUNTED      = $(PART) --counts $(COUNTS)
 HERE         = not needs_socketcan and not needs_docker
-# A file at a time, so that what a module's tests share is made once; hil_tests/conftest.py puts the long ones first.
+# A file at a time, so that the fixtures of a module are made once; hil_tests/conftest.py puts the long ones first.
 # WORKERS more than there are cores, because some tests wait; each takes 5 s of processor time to find all tests.
 SIDE_BY_SIDE = $(BIN)/pytest -q -n $$(($$(nproc) + $(WORKERS))) --dist loadfile --no-loadscope-reorder
 WORKERS      = 1
@@ -26,7 +26,7 @@ VCAN_FIRST   = test_faults or test_can_utils or test_outage or test_benchmark_pa
 # Files of tests that keep real time: collecting all the others takes as long as some of these tests.
 REAL_TIME    = $$(grep -rlw --include='test_*.py' wall_clock hil_tests)
 
-# `make help` lists what people use. The others are parts of it, which hosted CI makes one by one.
+# `make help` lists what people use. The others are parts of it, which hosted CI calls one by one.
 PEOPLE = run test test-fast test-long lint docs release dbc lock install clean help
 .PHONY: $(PEOPLE) test-here test-builds test-side-by-side test-long-side-by-side test-real-time test-vcan test-vcan-first test-vcan-second test-docker test-docker-vcan test-compiled test-arm64 locked
 
@@ -36,8 +36,8 @@ run: $(VENV)/.installed  ## a run of the published scenario, or of ARGS
 	@$(BIN)/railhil run $(ARGS) || [ $$? -eq 1 ]
 
 # Lint and all tests but the long ones, with the capabilities (compilers, Chromium, kernel SocketCAN, Docker) brought up
-# where this machine permits. What the last parts need of packages, kernels and images is fetched and built from the
-# beginning on, beside installation and lint. Docker waits most of the time, so it has its part beside the tests side by
+# where this machine permits. Packages, kernels and images of the last parts are fetched and built from the beginning
+# on, beside installation and lint. Docker waits most of the time, so it has its part beside the tests side by
 # side. The tests in real time leave the processors idle most of the time: two virtual machines take that time, and only
 # that (--behind). Parts that run beside others are printed whole at their end; the last line is the sum.
 test: | $(VENV)/bin/pip  ## lint and all tests but the long ones, with what they need
@@ -52,19 +52,19 @@ test: | $(VENV)/bin/pip  ## lint and all tests but the long ones, with what they
 	@$(MAKE) --no-print-directory PART="$(COUNTED)" BEHIND=--behind -j3 -Otarget test-vcan-first test-vcan-second test-real-time
 	@$(PART) --counts $(COUNTS) --total 5
 
-# What takes minutes together and seldom fails: benchmarks, long comparisons of batch, bench and exported C, search and
-# training, and containers on a kernel with CAN. `.ci/run` does a sample of it after `make test`.
+# Tests that take minutes together and seldom fail: benchmarks, long comparisons of batch, bench and exported C, search
+# and training, and containers on a kernel with CAN. `.ci/run` does a sample of it after `make test`.
 test-long: $(VENV)/.installed-dev  ## the long tests; SAMPLE=8: one of eight, those of the day
 	@rm -f $(COUNTS)
 	@$(MAKE) --no-print-directory PART="$(COUNTED)" BEHIND=--behind -j2 -Otarget test-long-side-by-side test-docker-vcan
 	@$(PART) --counts $(COUNTS) --total 2
 
-# What a developer runs all day: a file at a time on each core, without what is slow or needs a machine.
+# The tests that a developer runs all day: a file at a time on each core, without tests that are slow or need a machine.
 test-fast: WORKERS = 0
 test-fast: $(VENV)/.installed-dev  ## the quick tests
 	$(SIDE_BY_SIDE) -m "$(HERE) and not slow and not long and not wall_clock"
 
-# All that needs no machine. What keeps real time runs after the rest.
+# All tests that need no machine. Tests in real time run after the rest.
 test-here: $(VENV)/.installed-dev
 	@$(MAKE) --no-print-directory test-side-by-side
 	@$(MAKE) --no-print-directory test-real-time
@@ -118,7 +118,7 @@ lint: $(VENV)/.installed-dev  ## ruff, mypy, import contracts
 	$(BIN)/mypy
 	cd build/tree && $(abspath $(BIN))/lint-imports ../../pyproject.toml --cache-dir ../../.import_linter_cache
 
-# What a release needs (docs/release.md): all tests, every mutant of what judges, moves and protects
+# The checks of a release (docs/release.md): all tests, every mutant of the code that judges, moves and protects
 # (hil_tests/mutation/targets.toml), then its pure wheel; hours.
 release: test  ## all tests, mutants and the wheel; hours
 	@$(MAKE) --no-print-directory test-long
@@ -126,7 +126,7 @@ release: test  ## all tests, mutants and the wheel; hours
 	@$(BIN)/python -m hil_tests.mutation
 	@$(BIN)/python -m hil_tests.wheels
 
-# What commands print, and the figures in tables and text, into README.md and docs/*.md (hil_tests/documents); long.
+# Outputs of commands, and the figures in tables and text, into README.md and docs/*.md (hil_tests/documents); long.
 # ARGS="docs/laws.md", ARGS=--quick: a page, or without what `make test-long` checks.
 docs: $(VENV)/.installed-dev  ## what commands print, and figures, into the pages
 	@$(BIN)/python -m hil_tests.documents $(ARGS)
@@ -143,8 +143,8 @@ $(VENV)/bin/pip:
 	  && apt-get update -q && apt-get install -y -q python3-venv && $(PYTHON) -m venv $(VENV); }
 
 # One line for each step of pip: on a slow machine all of them take minutes. Its complaints go to standard error.
-# (awk and grep may keep lines back until they have many.) Bytecode is made of what is imported, when it is: of all
-# libraries it would take as long as fetching them.
+# (awk and grep may keep lines back until they have many.) A module's bytecode is made at its first import: for
+# all libraries it would take as long as fetching them.
 PIP_STEPS = while read -r word rest; do set -- $$rest; case "$$word $$rest" in \
   Collecting*) echo "  fetching $$1";; \
   "Building wheel"*started) echo "  building $$3";; \

@@ -102,7 +102,7 @@ MODULES = [
     "railhil/record/session.py",
     "railhil/record/trace.py",
 ]
-#: A build environment has no libraries, and no configuration is read: what is compiled depends on the sources only.
+#: A build environment has no libraries, and no configuration is read: the build depends on the sources only.
 OPTIONS = ["--config-file=", "--follow-imports=silent", "--ignore-missing-imports"]
 
 

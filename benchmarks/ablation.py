@@ -27,7 +27,7 @@ from railhil.systems.ato.batch import run_batch
 from railhil.systems.ato.scenario.model import Scenario
 
 LAW = "ipfc_plus"
-#: What is switched off or replaced, and the parameters that do it.
+#: Elements that are switched off or replaced, and the parameters that do it.
 ELEMENTS: dict[str, Mapping[str, Any]] = {
     "IPFC+": {},
     "no balises": {"wheel_error_max": 0.0, "balise_error_max_m": 0.0},

@@ -28,10 +28,10 @@ from railhil.common.errors import InputError
 from railhil.common.exit_codes import FAIL, PASS, run_guarded
 
 _TOP = Path(__file__).resolve().parents[1]
-#: Left out of the command for a version that does not have them.
+#: Options that the command omits for a version without them.
 _WISHED = ("--quiet", "--no-report")
 _PATIENCE_S = 300.0
-#: Prints how the other Python and its railhil were built; an older railhil has nothing to say about itself.
+#: Prints how the other Python and its railhil were built; an older railhil has no such information.
 _DESCRIBE = """\
 import platform, sysconfig
 from importlib.util import find_spec
@@ -49,7 +49,7 @@ print(f"{platform.python_implementation()} {platform.python_version()} ({pgo} {l
 
 @dataclass(slots=True)
 class Version:
-    """One railhil to measure, and what was found.
+    """One railhil to measure, and its measurements.
 
     ``factors``: simulated seconds per wall second of each run. ``rest_s``: wall time of each command before its
     first frame and after its last one. ``cpu_s``: processor time of each command with all its processes.
@@ -98,7 +98,7 @@ def _importable(tree: Path, folder: Path) -> str:
 
 
 def version_of(what: str, folder: Path) -> Version:
-    """What the command line names.
+    """The version that a word of the command line names.
 
     :param folder: for unpacked trees.
     :raises InputError: it is neither a commit nor a folder with a railhil nor a Python.
@@ -146,7 +146,7 @@ def describe(version: Version, folder: Path) -> None:
 
 
 def run_once(version: Version, scenario: str, out: Path) -> None:
-    """One run of it into the folder ``out``, and its score once more from the log, added to what was found.
+    """One run of it into the folder ``out``, and its score once more from the log, added to its measurements.
 
     :raises MeasurementError: no verdict, or no speed in its score.
     """
@@ -164,7 +164,7 @@ def run_once(version: Version, scenario: str, out: Path) -> None:
 
 
 def weigh_once(version: Version, scenario: str, out: Path) -> None:
-    """One more run of it, for its memory alone: to look at it takes time from it.
+    """One more run of it, for its memory alone, because reading the memory slows the run down.
 
     :raises MeasurementError: as :func:`run_once`.
     """
@@ -191,7 +191,7 @@ def _run_words(version: Version, scenario: str, out: Path) -> list[str]:
 
 
 def _demand_verdict(version: Version, exit_code: int, said: str) -> None:
-    """Refuse a command that has ended without a verdict; ``said``: what it printed.
+    """Refuse a command that has ended without a verdict; ``said``: its output.
 
     :raises MeasurementError: with the last line of that.
     """
@@ -200,8 +200,8 @@ def _demand_verdict(version: Version, exit_code: int, said: str) -> None:
 
 
 def _recorded(version: Version, out: Path, exit_code: int, said: str) -> tuple[float, float]:
-    """Speed factor of a run and the wall time it was taken from, in s; what else its folder tells is added to what was
-    found.
+    """Speed factor of a run and the wall time it was taken from, in s; other values from its folder are added to its
+    measurements.
 
     :raises MeasurementError: as :func:`run_once`.
     """
@@ -217,7 +217,7 @@ def _recorded(version: Version, out: Path, exit_code: int, said: str) -> tuple[f
 
 
 def _memory_lines(version: Version, here: Version) -> list[str]:
-    """What is printed of the memory of a version; nothing if no run was made for it."""
+    """Lines on the memory of a version; none if no run was made for it."""
     if not version.peaks:
         return []
     totals_mb = [peak.total_mb for peak in version.peaks]
@@ -234,7 +234,7 @@ def _memory_lines(version: Version, here: Version) -> list[str]:
 
 
 def _lines(versions: Sequence[Version]) -> list[str]:
-    """What is printed of all versions; the last one is this."""
+    """Lines on all versions; the last one is this."""
     here = versions[-1]
     lines = []
     for version in versions:

@@ -1,4 +1,4 @@
-"""The vectorised batch: runs per second of one core, and where the time goes."""
+"""The vectorised batch: runs per second of one core, and the time of its parts."""
 
 from __future__ import annotations
 

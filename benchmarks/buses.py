@@ -1,4 +1,4 @@
-"""The transports of the bench for benchmarks: what must be started, and where the ends attach."""
+"""The transports of the bench for benchmarks: the processes to start, and the addresses of the ends."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ VCAN = "vcan0"
 
 @dataclass(slots=True)
 class Ends:
-    """Where the two ends of a pair attach.
+    """Addresses of the two ends of a pair.
 
     ``near``, ``far``: kind and address for :mod:`benchmarks.peer`. ``hub_pids``: processes between them.
     """
@@ -109,8 +109,8 @@ NO_VCAN = f"this kernel has no {VCAN}: railhil vcan -- python -m benchmarks --on
 def transports(*, emulated: bool | None = None, vcan: bool | None = None) -> tuple[list[Transport], list[Missing]]:
     """The transports to measure on a machine, and those left out, with the reason.
 
-    :param emulated: whether its processor is emulated; None: that of this machine.
-    :param vcan: whether its kernel has :data:`VCAN`; None: that of this machine.
+    :param emulated: whether its processor is emulated; None: as on this machine.
+    :param vcan: whether its kernel has :data:`VCAN`; None: as on this machine.
     """
     found, missing = [SOCKET_PAIR, UNIX_HUB], []
     if is_emulated() if emulated is None else emulated:

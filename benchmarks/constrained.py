@@ -1,4 +1,5 @@
-"""Measures what constraints give a high-speed train: ``python -m benchmarks.constrained`` prints laws beside delay_qp.
+"""Measures the benefit of constraints for a high-speed train: ``python -m benchmarks.constrained`` prints laws beside
+delay_qp.
 
 Normal running, emergency, mutation and a longer delay of one power unit, and normal running of three units without and
 with couplers, each without a bus, with seeds from which no parameter was made. Means over the seeds. RMSE: of the speed
@@ -32,7 +33,7 @@ from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.systems.high_speed.ride import Ride
 
-#: Of the law with constraints.
+#: Parameters of the law with constraints.
 _QP = "delay_qp"
 _ONE: tuple[tuple[str, Mapping[str, Any]], ...] = (
     ("pid", {}),

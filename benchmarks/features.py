@@ -1,4 +1,4 @@
-"""What a fault, the panel, learning and three units cost: the same run with and without, in turns."""
+"""Cost of a fault, the panel, learning and three units: the same run with and without, in turns."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _FAULT = "TRN_SPEED loss 10% @2s for 1s"
 _LEARNING = "ilc_stop"
 _STOP = "yizhuang_stop"
 _ONE_STOP, _SEQUENCE = "one stop", "learning sequence"
-#: Name, scenario (empty: that of the setting), arithmetic, options, and what it is compared with.
+#: Name, scenario (empty: the setting's), arithmetic, options, and the name of the run to compare with.
 _RUNS = (
     ("plain", "", "iq", (), ""),
     ("with a fault", "", "iq", ("--fault", _FAULT), "plain"),
@@ -60,7 +60,7 @@ def measure(setting: Setting) -> list[Figure]:
         for index, (name, scenario, arithmetic, words, _) in enumerate(kinds):
             chosen = replace(setting, scenario_name=scenario or setting.scenario_name)
             out = setting.folder / f"{index}-{number}"
-            # The runs of a stop differ: one by one they are those that the sequence begins with.
+            # The runs of a stop differ: the single runs are the first ones of the sequence.
             counted = ("--run-number", str(number + 1)) if scenario == _STOP else ()
             with RunCommand(chosen, arithmetic, out, [*words, *counted, "--no-report"]) as running:
                 done = running.finish()

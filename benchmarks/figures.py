@@ -39,7 +39,7 @@ class MeasurementError(Exception):
 class Figure:
     """One measured value.
 
-    ``ratio`` is a pure number and ``against`` names what is compared; both are absent if nothing is compared.
+    ``ratio`` is a pure number and ``against`` names the other quantity; both are absent if nothing is compared.
     ``spread``: further values of the same samples in the same unit, such as ``{"p99": 12.5}``.
     """
 
@@ -61,10 +61,10 @@ class Missing:
 
 @dataclass(frozen=True, slots=True)
 class Setting:
-    """What a benchmark is given: how thorough to be, the scenario, and an empty folder of its own.
+    """Arguments of a benchmark: whether it is quick, the scenario, and an empty folder of its own.
 
-    ``scenario_name``: as the command line takes it (shipped name or TOML file). ``multicast``: the group that may be
-    sent to; empty: none.
+    ``scenario_name``: as the command line takes it (shipped name or TOML file). ``multicast``: the permitted multicast
+    group; empty: none.
     """
 
     quick: bool
@@ -113,8 +113,8 @@ def spread_of(samples: Sequence[float], *percents: float) -> dict[str, float]:
 def cpu_ns(setting: Setting, *functions: Callable[[], object], calls: int = 500, blocks: int = 60) -> list[float]:
     """CPU time of a call of each function in ns, best of ``blocks`` blocks of ``calls`` calls.
 
-    The best, because a disturbance can only increase the time; alternating, so that a busy period affects all
-    functions.
+    The best block counts, because a disturbance can only increase the time. The functions alternate, so that a busy
+    period affects all of them.
     """
     timers = [timeit.Timer(function, timer=process_time) for function in functions]
     number = setting.count(calls, min(calls, 20))

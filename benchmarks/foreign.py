@@ -1,4 +1,4 @@
-"""Transports that python-can brings, to be measured beside those of the bench."""
+"""Transports of python-can, to be measured beside the bench's own."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _NOT_ASKED_FOR = "it sends to a multicast group: --multicast GROUP permits that"
 
 
 def _free_port() -> int:
-    """A TCP port of the loopback that nobody uses at the moment."""
+    """A TCP port of the loopback that is free at the moment."""
     with socket.socket() as probe:
         probe.bind((_HOST, 0))
         return int(probe.getsockname()[1])
@@ -94,8 +94,8 @@ def multicast_to(group: str) -> Transport:
 def foreign_transports(group: str, *, vcan: bool | None = None) -> tuple[list[Transport], list[Missing]]:
     """The transports of python-can to measure on a machine, and those left out, with the reason.
 
-    :param group: multicast address that may be sent to; empty: none.
-    :param vcan: whether its kernel has :data:`~benchmarks.buses.VCAN`; None: that of this machine.
+    :param group: permitted multicast group; empty: none.
+    :param vcan: whether its kernel has :data:`~benchmarks.buses.VCAN`; None: as on this machine.
     """
     found, missing = [], []
     if shutil.which(_DAEMON) is None:

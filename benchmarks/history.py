@@ -1,4 +1,4 @@
-"""The history of the figures: one line of JSON for each time they were measured, so that a loss shows."""
+"""The history of the figures: one line of JSON for each measurement, so that a loss shows."""
 
 from __future__ import annotations
 
@@ -11,7 +11,8 @@ from railhil.common.errors import InputError
 
 #: A figure counts as lost when it is worse than the last one by more than this share.
 LOSS_SHARE = 0.1
-#: What makes two measurements comparable. A line of before ``railhil_build`` was kept is compared with none.
+#: Values that must be equal in two comparable measurements. An older line without ``railhil_build`` is compared with
+#: none.
 _SAME = ("cpu", "cores", "python", "build", "railhil_build", "counting")
 #: Units of which more is better; of all others (s, us, MB) less is.
 _RATES = ("sim s/s", "frames/s", "runs/s")
@@ -20,7 +21,7 @@ _RATES = ("sim s/s", "frames/s", "runs/s")
 def entry(document: dict[str, Any], now: datetime | None = None) -> dict[str, Any]:
     """The line for a measurement.
 
-    :param document: what ``python -m benchmarks --json`` prints.
+    :param document: the output of ``python -m benchmarks --json``.
     """
     figures = {
         f"{name}: {figure['name']}": [figure["value"], figure["unit"]]
@@ -69,7 +70,7 @@ def losses(before: list[dict[str, Any]], now: dict[str, Any]) -> list[str]:
 
 
 def _state(item: dict[str, Any]) -> str:
-    """What may explain another figure: the machine's load, and the latency of its memory if that was measured."""
+    """Possible causes of a different figure: the machine's load, and the latency of its memory if that was measured."""
     far_ns = item.get("far_read_ns")
     return f"load {item['load_1min']:.1f}" + ("" if far_ns is None else f", latency {far_ns:.0f} ns")
 

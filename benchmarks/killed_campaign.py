@@ -26,7 +26,7 @@ _LOOK_S = 0.01
 
 @dataclass(frozen=True, slots=True)
 class Killed:
-    """What was done: parts on the disk at each kill by SIGKILL, and the SHA-256 of both results."""
+    """Log of the kills: parts on the disk at each SIGKILL, and the SHA-256 of both results."""
 
     parts_at_kill: list[int]
     parts: int
@@ -85,7 +85,7 @@ def measure(folder: Path, words: Sequence[str], kills: int, longest_s: float, se
     """Make a campaign twice, once killed at random instants.
 
     :param words: options of ``railhil campaign`` (``--runs``, ``--engine``, ...).
-    :param kills: so many times, as long as it has not ended before.
+    :param kills: number of kills; fewer if the campaign ends before.
     :param longest_s: a kill comes this long after the start, or after the first new part, at most.
     :raises MeasurementError: a campaign that was not killed did not end with exit code 0.
     """
@@ -94,7 +94,7 @@ def measure(folder: Path, words: Sequence[str], kills: int, longest_s: float, se
     draw = random.Random(seed)
     at_kill: list[int] = []
     again = [*words, "--out", str(killed)]
-    # In turns while it makes runs and from its start on.
+    # The delay counts in turns from its first new part and from its start.
     while len(at_kill) < kills and _kill_after(again, killed, draw.uniform(0.0, longest_s), len(at_kill) % 2 == 0):
         at_kill.append(_parts(killed))
     resumed = _finished(again, killed)

@@ -32,7 +32,7 @@ _ARITHMETICS = ("iq", "float64")
 _BUSES: dict[str, list[str]] = {"hub": ["-i", HUB_INTERFACE], "pipes": []}
 #: Journey of a high-speed train: figure, scenario, number of runs.
 _JOURNEYS = (("first 120 s", "hst_short", 3), ("all of 3757 s", "jinan_xuzhou", 1))
-#: What such a journey is asked for.
+#: Options of such a journey.
 _ASKED_FACTOR = 50.0
 _QUICK_JOURNEY_TOML = """\
 system = "hst1"
@@ -52,14 +52,14 @@ class _Timed:
 
 @dataclass(frozen=True, slots=True)
 class _Cost:
-    """Of a command and its processes: processor time, context switches."""
+    """Processor time and context switches of a command and its processes."""
 
     cpu_s: float
     switches: int
 
     @classmethod
     def until_now(cls) -> _Cost:
-        """Of all processes that this one has started and that have ended."""
+        """The sums over all processes that this one has started and that have ended."""
         used = resource.getrusage(resource.RUSAGE_CHILDREN)
         return cls(used.ru_utime + used.ru_stime, used.ru_nvcsw + used.ru_nivcsw)
 
@@ -83,7 +83,7 @@ def _in_one_process(scenario: Scenario, arithmetic: str, folder: Path) -> _Timed
 def measure(setting: Setting) -> list[Figure]:
     """Figures of both arithmetics (quick: IQ alone).
 
-    :raises MeasurementError: a run failed, or its frame log is not that of the run in one process.
+    :raises MeasurementError: a run failed, or its frame log differs from the log of the run in one process.
     """
     figures: list[Figure] = []
     scenario = setting.scenario

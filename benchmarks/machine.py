@@ -53,7 +53,7 @@ class Machine:
 
     @property
     def emulated(self) -> bool:
-        """True in a machine that is emulated by software, such as that of ``railhil vcan``."""
+        """True in a machine that is emulated by software, such as the machine of ``railhil vcan``."""
         return _is_emulators(self.cpu)
 
     @property
@@ -82,8 +82,8 @@ class Machine:
 
 
 def cpu_model(cpuinfo: Path = Path("/proc/cpuinfo")) -> str:
-    """Name of the CPU according to the kernel, with the numbers of its family and model: a virtual machine often names
-    no more than the maker, and generations differ by a factor. Without a name, the architecture."""
+    """Name of the CPU according to the kernel, with the numbers of its family and model. A virtual machine often names
+    only the maker, and generations differ by a factor. Without a name, the architecture."""
     found: dict[str, str] = {}
     if cpuinfo.is_file():
         for line in cpuinfo.read_text(encoding="utf-8", errors="replace").splitlines():

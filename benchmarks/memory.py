@@ -38,7 +38,7 @@ def share_mb(pid: int) -> float:
 
 @dataclass(frozen=True, slots=True)
 class Peak:
-    """The most that all processes of a command took at one time.
+    """The largest memory that all processes of a command had at one time.
 
     :param parts: name and memory in MB of each process.
     """
@@ -52,7 +52,7 @@ class Peak:
 
 
 def peak_of(process: subprocess.Popen[Any], patience_s: float) -> Peak:
-    """Wait for the end of a command and look every 20 ms at what it and its descendants take.
+    """Wait for the end of a command and read every 20 ms the memory of it and its descendants.
 
     :returns: the peak, the largest process first.
     :raises MeasurementError: it does not end within ``patience_s``.

@@ -35,7 +35,7 @@ _SPIN = "import sys, time\nend = time.monotonic() + float(sys.argv[1])\nwhile ti
 
 
 def _start(program: Sequence[str], mode: str, where: tuple[str, str], first_id: int) -> subprocess.Popen[bytes]:
-    """Start an end; it inherits its own socket of a pair, but not that of the other end."""
+    """Start an end; it inherits its own socket of a pair, but not the other end's."""
     kind, address = where
     return subprocess.Popen(
         [*program, mode, kind, address, hex(first_id)],
@@ -84,7 +84,7 @@ class Pair:
 
     @property
     def hub_pids(self) -> list[int]:
-        """Process ids between the ends, with those of processes that a daemon has started for its clients."""
+        """Ids of the processes between the ends, also of processes that a daemon has started for its clients."""
         children = [child.pid for pid in self._hub_pids for child in psutil.Process(pid).children()]
         return [*self._hub_pids, *children]
 
@@ -130,7 +130,7 @@ class Pair:
         return line.decode()
 
     def _last_words(self) -> str:
-        """Why the near end, or else the far end, has ended."""
+        """The reason why the near end, or else the far end, has ended."""
         for process in (self._near, self._far):
             end(process)
             assert process.stderr is not None

@@ -1,8 +1,8 @@
-"""``python -m benchmarks.panel``: what the live panel costs, with two pages in headless Chromium.
+"""``python -m benchmarks.panel``: the cost of the live panel, with two pages in headless Chromium.
 
-In real time (1x): the panel's share of a core, what it sends, its memory at the start and at the end, the frames that
-the pages draw, and the lateness of the loop, beside a run of at most 120 s without the panel. In lockstep: the speed
-factor with the panel and without, in turns, without pages (a browser would need the cores of the run).
+In real time (1x): the panel's share of a core, the bytes that it sends, its memory at the start and at the end, the
+frames that the pages draw, and the lateness of the loop, beside a run of at most 120 s without the panel. In lockstep:
+the speed factor with the panel and without, in turns, without pages (a browser would need the cores of the run).
 """
 
 from __future__ import annotations
@@ -56,8 +56,8 @@ class Sample:
 
 @dataclass(frozen=True, slots=True)
 class Cost:
-    """Of a panel between its first and its last sample: ``share``: of a core; memory in MB (10^6 bytes), at the start,
-    at half time, when it has all rows that it keeps, at the end, and at most."""
+    """Cost of a panel between its first and its last sample. ``share``: of a core. Memory in MB (10^6 bytes): at the
+    start, at half time (when it has all rows that it keeps), at the end, and at most."""
 
     seconds: float
     share: float

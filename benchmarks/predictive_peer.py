@@ -1,4 +1,4 @@
-"""Compares the step of IPFC with that of do-mpc, a general tool for model predictive control, on one tracking
+"""Compares the step of IPFC with a step of do-mpc, a general tool for model predictive control, on one tracking
 problem."""
 
 from __future__ import annotations

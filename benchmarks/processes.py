@@ -39,7 +39,7 @@ def end(process: subprocess.Popen[Any]) -> None:
 
 
 def last_line(said: str) -> str:
-    """The last line of what a process has written on standard error: why it has ended."""
+    """The last line of a process on standard error, which says why it has ended."""
     return (said.strip().splitlines() or ["no message"])[-1]
 
 

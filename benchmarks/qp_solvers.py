@@ -1,4 +1,4 @@
-"""Compares solvers of quadratic programs on those of the law delay_qp: ``python -m benchmarks.qp_solvers``.
+"""Compares solvers on the quadratic programs of the law delay_qp: ``python -m benchmarks.qp_solvers``.
 
 The programs are recorded in the first two minutes of a journey, for one unit and for a train of three with couplers,
 every so many of them. Each solver starts anew for each program; "warm" begins with the solution of the program before.

@@ -1,4 +1,4 @@
-"""What a command takes before its first frame and after its last one, and what the score takes from the log alone."""
+"""Time of a command before its first frame and after its last one, and time of the score from the log alone."""
 
 from __future__ import annotations
 

@@ -34,7 +34,7 @@ from railhil.systems.ato.scenario.model import Scenario
 from railhil.systems.ato.scenario.perturb import perturbed
 
 LAW = "ipfc_plus_stop"
-#: What is switched off, and the parameters that do it.
+#: Elements that are switched off, and the parameters that do it.
 ELEMENTS: dict[str, Mapping[str, Any]] = {
     "without the end phase": {"handover_kmh": 0.0},
     "one lag, no delay": {"delay_sigma_s": 0.0},
@@ -50,7 +50,7 @@ LAST_M = 1.0
 def floors_m(scenario: Scenario, seeds: Sequence[int]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Stop errors (m) of trains that stop where they take the stopping point to be: by the fit, and by the bounds.
 
-    Shapes (runs,). Where the bounds leave nothing, the fit is used.
+    Shapes (runs,). If the bounds leave no position, the fit is used.
     """
     given, distance_m = IpfcPlusStopParameters(), scenario.plan.distance_m
     fitted, bounded = np.empty(len(seeds)), np.empty(len(seeds))

@@ -26,7 +26,7 @@ def _rows(count: int) -> Rows:
 
 
 def measure(setting: Setting) -> list[Figure]:
-    """Each kind's training time, as a ratio to that of the ELM with ridge."""
+    """Each kind's training time, as a ratio to the time of the ELM with ridge."""
     rows = _rows(setting.count(_ROWS, _QUICK_ROWS))
     recipes = {
         "ELM, ridge": Recipe(),

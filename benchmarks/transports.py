@@ -55,7 +55,7 @@ def open_pairs(transport: Transport, loop: Path | Missing, folder: Path) -> Iter
 
 
 def to_c(values: dict[str, float], language: str, more: str = "") -> tuple[float | None, str]:
-    """Ratio of a language's value to that of C, and its description; nothing for C itself or without C."""
+    """Ratio of a language's value to C's, and its description; nothing for C itself or without C."""
     if language == C or C not in values:
         return None, ""
     return values[language] / values[C], f"Python to C{more}"
@@ -127,7 +127,7 @@ def _added_by_the_gateway(figures: list[Figure]) -> Figure:
 def _beside_the_hub(transport: Transport, figures: list[Figure]) -> list[Figure]:
     """The figures of a transport of python-can, each with its ratio to that of the hub.
 
-    :param figures: with those of the hub.
+    :param figures: with the figures of the hub.
     """
     values = {figure.name: figure.value for figure in figures}
     return [

@@ -18,7 +18,7 @@ up="up --exit-code-from supervisor"
 
 say() { echo "$role: $*" >&2; }
 
-# A setting that is there but wrong is none that was left out. The commands check all others.
+# A wrong setting must not count as a missing one. The commands check all others.
 only() { say "$1: found $2, allowed $3"; exit 2; }
 case ${START_TIMEOUT:-60} in *[!0-9]*) only START_TIMEOUT "$START_TIMEOUT" "whole seconds" ;; esac
 case ${WAIT:-1} in 1) ;; *) only WAIT "$WAIT" "1, or nothing" ;; esac
@@ -30,7 +30,7 @@ if [ -z "$paged" ]; then
     [ -z "${WAIT:-}${CATALOGUE:-}" ] || only "WAIT, CATALOGUE" "${WAIT:-}${CATALOGUE:-}" "nothing without COMPOSE_PROFILES=panel"
 fi
 
-# Wait until a file of the volume is there; not zero when there is a problem in its place.
+# Wait until a file of the volume is there; not zero if the file of a problem is there instead.
 await() {
     tries=$((START_TIMEOUT * 10))
     until [ -e "/bus/$1" ]; do
@@ -41,7 +41,7 @@ await() {
     done
 }
 
-# A file appears in the volume whole or not at all.
+# A file appears in the volume only when it is complete.
 leave() { cat >"/bus/$1.part" && mv "/bus/$1.part" "/bus/$1"; }
 
 # Run a command so that a stop of the container reaches it (the shell is process 1 and must pass it on).
@@ -78,13 +78,13 @@ refused() {
     exit 2
 }
 
-# What makes this run again: the containers, not the supervisor's part of them.
+# The command that repeats this run: it starts the containers, not only the supervisor.
 again() {
     echo "SCENARIO='$SCENARIO' CONTROLLER=$CONTROLLER ARITHMETIC=$ARITHMETIC SEED=$SEED PACE=$PACE RATE=$RATE $started"
 }
 
-# The law that runs where none is chosen: that of the scenario's system, whose notes the panel then names. Nothing for a
-# scenario that cannot be loaded, which the panel itself reports.
+# The law that runs where none is chosen: the default of the scenario's system, whose notes the panel then names.
+# Nothing for a scenario that cannot be loaded, which the panel itself reports.
 usual_law() {
     python3 -c 'import sys
 from railhil.scenarios.load import load_any
@@ -98,8 +98,8 @@ pacing() {
     if [ "$PACE" = realtime ] || [ "$RATE" != 1 ]; then echo --rate "$RATE"; fi
 }
 
-# How long the plant waits for the supervisor, s: with WAIT a person presses Start first, and the controller waits 300 s
-# for its first frame.
+# Time for which the plant waits for the supervisor, s: with WAIT a person presses Start first, and the controller waits
+# 300 s for its first frame.
 appear() {
     if [ -n "${WAIT:-}" ] && [ "$START_TIMEOUT" -lt 300 ]; then echo 300; else echo "$START_TIMEOUT"; fi
 }
@@ -109,7 +109,7 @@ priority() {
     if [ "$PACE" = realtime ]; then echo "$1"; else echo 0; fi
 }
 
-# Why an interface of this network namespace cannot be the bus; nothing when it can.
+# The reason why an interface of this network namespace cannot be the bus; nothing when it can.
 why_not() {
     device=/sys/class/net/$1
     bring_up="sudo ip link set $1 type can bitrate 500000 && sudo ip link set $1 txqueuelen 1000 up"
@@ -206,7 +206,7 @@ supervisor)
     ;;
 results)
     # Runs as root without any capability: as the owner of a folder that root (or the engine) made, it may open it to
-    # the group of the bench. A folder of somebody else is left alone.
+    # the group of the bench. A folder of another user is left alone.
     owner=$(stat -c %u /runs)
     if [ "$owner" = 0 ] && [ "$BENCH_UID" != 0 ]; then
         chgrp "$BENCH_GID" /runs && chmod g+rwx /runs

@@ -59,8 +59,8 @@ def run(
 
     :param scenario: shipped name, path of a TOML file, or a ``RunSpec``, in which case only ``bus``, ``no_controller``
         and ``out`` are used.
-    :param controller, arithmetic: the law and what it computes with; None: the usual ones of the scenario's system.
-    :param faults: what is injected besides the scenario's own faults, one text or several (docs/faults.md).
+    :param controller, arithmetic: the law and its arithmetic; None: the usual ones of the scenario's system.
+    :param faults: faults besides the scenario's own, one text or several (docs/faults.md).
     :param run_number: of the run in the sequence of its seed, for systems whose runs have numbers.
     :param bus: ``local``: all nodes in this process; ``auto``: three processes over the bus that ``railhil run`` would
         choose; ``hub``: over a hub of the run's own; ``INTERFACE:CHANNEL[@BITRATE]`` of python-can, such as
@@ -104,7 +104,7 @@ class CampaignOutcome:
 
     folder: Path
     summary: Mapping[str, Any] = field(repr=False)
-    #: How its system judges runs.
+    #: The part of its system that judges runs.
     judging: Judging = field(repr=False)
 
     @property

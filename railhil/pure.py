@@ -16,7 +16,7 @@ class _Sources(MetaPathFinder):
         self._folders: dict[str, FileFinder] = {}
 
     def find_spec(self, name: str, path: Sequence[str] | None, target: ModuleType | None = None) -> ModuleSpec | None:
-        """The module's source; None for what is not railhil's."""
+        """The module's source; None for a module of another package."""
         if path is None or not name.startswith("railhil."):
             return None
         for folder in path:
@@ -29,5 +29,5 @@ class _Sources(MetaPathFinder):
 
 
 def use_sources() -> None:
-    """From now on import railhil's sources, whatever else is beside them."""
+    """From now on import railhil's sources, even if compiled modules are beside them."""
     sys.meta_path.insert(0, _Sources())

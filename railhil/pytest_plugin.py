@@ -1,7 +1,7 @@
 """The plugin for pytest: fixtures ``bench``, ``seed`` and ``railhil_config``, options, markers (docs/testing.md).
 
-pytest imports this module in every session of an environment with railhil: it loads nothing but pytest and what needs
-no library. The bench itself is loaded by the first test that asks for it.
+pytest imports this module in every session of an environment with railhil: it loads nothing but pytest and modules that
+need no library. The bench itself is loaded by the first test that asks for it.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ _SETTINGS = pytest.StashKey[Settings]()
 _BENCH = pytest.StashKey["Bench"]()
 _FAILED = pytest.StashKey[bool]()
 _MISUSED = pytest.StashKey[str]()
-#: Arguments of the marker ``railhil``: those of a run that a module's tests have in common.
+#: Arguments of the marker ``railhil``: the arguments of a run that a module's tests have in common.
 _USUAL = ("scenario", "controller", "arithmetic", "indexing", "parameters", "settings", "faults")
 _MARKERS = (
     f"railhil({', '.join(f'{name}=' for name in _USUAL)}): what the test's runs have in common",
@@ -113,7 +113,7 @@ def bench(
 
 
 def _usual(item: pytest.Item) -> dict[str, Any]:
-    """Arguments of the markers ``railhil``, those of the test before those of its module."""
+    """Arguments of the markers ``railhil``; the test's own come before its module's."""
     found: dict[str, Any] = {}
     for mark in item.iter_markers("railhil"):
         found = {**mark.kwargs, **found}
@@ -143,7 +143,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
 
 def _misused(mark: pytest.Mark) -> str:
-    """What is wrong with the arguments of a marker; empty if nothing is."""
+    """Error in the arguments of a marker; empty if there is none."""
     if mark.name == "railhil":
         unknown = [name for name in mark.kwargs if name not in _USUAL]
         if mark.args or unknown or not mark.kwargs:
@@ -158,7 +158,7 @@ def _misused(mark: pytest.Mark) -> str:
 
 
 def pytest_runtest_setup(item: pytest.Item) -> None:
-    """Skip a test that needs what is not there, and say what."""
+    """Skip a test if something that it needs is not there; the reason names it."""
     if line := item.stash.get(_MISUSED, ""):
         raise pytest.UsageError(line)
     settings = item.config.stash[_SETTINGS]

@@ -14,7 +14,7 @@ from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec
 from railhil.study.perturbed_runs import FIRST_SEED, run_seeds
 
-#: Allowed difference of a median from that of float64, relative to the latter, if the criterion sets none.
+#: Allowed difference of a median from float64's, relative to float64's, if the criterion sets none.
 _ALLOWED_SHARE = 0.01
 
 
@@ -36,7 +36,7 @@ class ScoreEffect:
 
     @property
     def difference(self) -> float | None:
-        """Median of the audited arithmetic minus that of float64."""
+        """Median of the audited arithmetic minus the median of float64."""
         return None if self.audited is None or self.reference is None else self.audited - self.reference
 
     @property

@@ -36,7 +36,7 @@ class Options:
 class Floor:
     """The twin with floored products.
 
-    ``errors`` and ``codes`` compare it with float64 on the inputs of the audited run; ``score`` is that of a run of its
+    ``errors`` and ``codes`` compare it with float64 on the inputs of the audited run; ``score`` is from a run of its
     own.
     """
 
@@ -47,7 +47,7 @@ class Floor:
 
 @dataclass(frozen=True, slots=True)
 class Audit:
-    """Everything that an audit found.
+    """All findings of an audit.
 
     ``codes`` has one element for each command. ``bounds`` and ``floor`` are None for an arithmetic without formats,
     ``effect`` without perturbed runs, ``look`` for a system without an examination of its own.

@@ -3,9 +3,10 @@
 Every controller is given the commands that were really sent. Their states therefore stay comparable: differences come
 from the arithmetic alone, not from two plants that drift apart.
 
-The controller that drives is not told its own commands. A law that computes without formats (``VectorLaw.floating``)
-knows them before they are rounded for the bus, by up to half a code, which is far more than the arithmetic does. Such a
-law is therefore compared with float64 by a twin in the same arithmetic, which is told what was sent like all others.
+The controller that drives does not receive its own commands. A law that computes without formats
+(``VectorLaw.floating``) knows them before they are rounded for the bus, by up to half a code, which is far more than
+the arithmetic does. Such a law is therefore compared with float64 by a twin in the same arithmetic, which receives the
+sent commands like all others.
 """
 
 from __future__ import annotations
@@ -34,8 +35,8 @@ class Watched:
     """A controller that records the values of its named quantities and the codes of its commands, one row per period.
 
     :param law: its arithmetic is ignored; ``arithmetic`` counts.
-    :raises InputError: there is no such law, it cannot be made, or the system's controller does not provide what the
-        audit needs (see :mod:`railhil.controller_node.law_controller`).
+    :raises InputError: there is no such law, it cannot be made, or the system's controller lacks parts that the audit
+        needs (see :mod:`railhil.controller_node.law_controller`).
     """
 
     def __init__(self, scenario: AnyScenario, law: LawSpec, arithmetic: Arithmetic[Any]) -> None:
@@ -104,8 +105,8 @@ class Shadowed(Watched):
 
 
 def floored(arithmetic: Arithmetic[int]) -> Arithmetic[int]:
-    """A fresh fixed-point arithmetic of the same kind that floors the products which the original rounds: it shows
-    what a law loses by ``mpy`` instead of ``rmpy``.
+    """A fresh fixed-point arithmetic of the same kind that floors the products which the original rounds: it shows the
+    error that a law gets from ``mpy`` instead of ``rmpy``.
 
     Each floored product is half an LSB lower on average, a sum of n products n/2 LSB. The quantiser of the notch
     still rounds: its rounding is part of the law's equations.
@@ -189,9 +190,9 @@ class QuantityError:
     """Error of one quantity against float64 over a run, in the unit of the quantity.
 
     ``bias`` is the signed mean, ``worst_step`` the control period of the largest error. ``outside`` counts the periods
-    in which float64's value does not fit the format at all: there the law substitutes a limit, so the difference is
-    not an error of the arithmetic. These periods are excluded, as are those in which the audited value is infinite
-    (this has a limit of its own); if none is left, the figures are None.
+    in which float64's value does not fit the format at all. There the law substitutes a limit, so the difference is not
+    an error of the arithmetic. These periods are excluded, as are those in which the audited value is infinite (this
+    has a limit of its own); if none is left, the figures are None.
     """
 
     name: str
@@ -240,7 +241,7 @@ def errors(quantities: Sequence[Quantity], audited: Watched, reference: Watched)
 
 @dataclass(frozen=True, slots=True)
 class Codes:
-    """Codes of one command in one arithmetic compared with those of float64 on the same inputs."""
+    """Codes of one command in one arithmetic compared with float64's codes on the same inputs."""
 
     command: CommandCode
     steps: int

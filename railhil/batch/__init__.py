@@ -1,8 +1,8 @@
-"""Many runs of a scenario at once: what the batches of all systems share.
+"""Many runs of a scenario at once: the code that the batches of all systems share.
 
 A system's part ``batch`` makes the runs, with the plant's own functions compiled by numba (:mod:`.compiled`, extra
 ``campaign``) and the law on arrays. Without it they go through the nodes of the bench (:mod:`.nodes`). Each run equals
-that of the bench bit by bit.
+the run of the bench bit by bit.
 """
 
 from __future__ import annotations

@@ -65,7 +65,7 @@ class Batch:
 
     @property
     def passed(self) -> NDArray[np.bool_]:
-        """Which runs have passed."""
+        """For each run, whether it has passed."""
         return np.array([verdict == "PASS" for verdict in self.verdicts], dtype=bool)
 
     @classmethod

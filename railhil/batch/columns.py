@@ -1,4 +1,4 @@
-"""What is kept of a run in a batch, in the form of a record: enough for the score and the digest."""
+"""The signals that a batch keeps of a run, in the form of a record: enough for the score and the digest."""
 
 from __future__ import annotations
 

@@ -39,7 +39,7 @@ except ImportError as error:
 #: Exceptions raised when a damaged cache file is read.
 _DAMAGED = (EOFError, pickle.UnpicklingError, AttributeError, ImportError, IndexError, KeyError, OSError, ValueError)
 
-#: Compiling is said where it takes longer.
+#: Compiling is announced if it takes longer than this.
 _SAID_AFTER_S = 1.0
 _UNSAID: AbstractContextManager[None] = nullcontext()
 #: Options for functions inlined into a loop: no reference counting, no calls.
@@ -49,14 +49,14 @@ _ASIDE = {"_nrt": False}
 
 part: Callable[[F], F] = numba.njit(**_INLINE)
 aside: Callable[[F], F] = numba.njit(**_ASIDE)
-#: The same for loops over lanes and what they call: a division by zero gives infinity as in arrays of numpy, because a
-#: loop that may raise is not computed side by side.
+#: The same for loops over lanes and the functions that they call. A division by zero gives infinity as in arrays of
+#: numpy, because a loop that may raise is not computed side by side.
 side_by_side: Callable[[F], F] = numba.njit(error_model="numpy", **_ASIDE)
 side_by_side_part: Callable[[F], F] = numba.njit(error_model="numpy", **_INLINE)
 
 
 def _as_marked(function: Callable[..., Any]) -> Callable[..., Any]:
-    """What numba's ``register_jitable`` makes of a function, also for one that is compiled already."""
+    """Overload as by numba's ``register_jitable``, also for a function that is compiled already."""
     source = interpreted(function)
     return lambda *given: source
 
@@ -75,11 +75,11 @@ def _register() -> None:
 
 
 def straight(function: Any) -> Callable[..., Any]:
-    """A marked function, compiled for loops over lanes: those that it seldom needs answer NaN instead, and its tables
-    have one row, in which each value lies.
+    """A marked function, compiled for loops over lanes. Functions that it seldom needs answer NaN instead, and its
+    tables have one row, in which each value lies.
 
-    Such a loop is computed side by side, because it has no calls and no loops; a result that is not a number has to be
-    computed by the whole function.
+    Such a loop has no calls and no loops, so it is computed side by side. If a result is not a number, the whole
+    function has to compute it.
     """
     return side_by_side_part(_without_seldom(function))
 
@@ -156,7 +156,7 @@ FUNCTIONS: list[Kept] = []
 def _folder(*sources: ModuleType | str) -> tuple[Path, bool]:
     """The folder with the machine code of functions, and whether it can be written.
 
-    numba checks only the file of the function itself; this folder is named after the contents of every file whose
+    numba checks only the file of the function itself. This folder is named after the contents of every file whose
     functions may be compiled into it (``NUMBA_CACHE_DIR``, else ``XDG_CACHE_HOME``, else ``~/.cache``).
     """
     # numba's own subfolder is named after the path of the source.

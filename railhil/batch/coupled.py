@@ -1,4 +1,4 @@
-"""Runs of many seeds without a bus, for systems whose laws use an ``Interface``: equal to those of the nodes.
+"""Runs of many seeds without a bus, for systems whose laws use an ``Interface``; equal to runs of the nodes.
 
 The part ``batch`` of such a system is :func:`run_coupled`, its part ``digest`` is :func:`command_digest`.
 """

@@ -11,7 +11,7 @@ from railhil.batch import compiled
 from railhil.controller_node.arithmetic.base import INT32_MAX, INT32_MIN
 from railhil.controller_node.arithmetic.float32 import ESTIMATE_BITS, FLT_MAX, FLT_MIN
 
-#: Instead of a quotient in fixed point where something is to be counted.
+#: Stands for a quotient in fixed point whose events are counted.
 LEFT = 2**40
 
 

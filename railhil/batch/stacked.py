@@ -1,9 +1,9 @@
-"""One law on arrays for trains whose laws differ in their constants, as those with a memory each.
+"""One law on arrays for trains whose laws differ in their constants, such as laws with a memory each.
 
 The law is made once for each train, which gives the constants of all trains in one order; made again on arrays, it gets
 an array wherever they differ. All other that it does must be the same (:func:`shape_of`).
 Two laws of one shape can be computed as one law whose constants are arrays. A law has no branches on data, so one call
-shows all of its operations; which ones they are may still depend on what it was constructed with, as on its memory.
+shows all of its operations. The operations may still depend on the arguments of its constructor, such as its memory.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ Shape = tuple[Any, ...]
 
 
 class _Shaper(Tracer):
-    """Records all operations in one program, those on constants too; formats are those of the laws' own trace."""
+    """Records all operations in one program, also those on constants, with the formats of the laws' own trace."""
 
     def __init__(self, wide: bool) -> None:
         super().__init__(wide)
@@ -52,7 +52,7 @@ class _Shaper(Tracer):
 
 
 def shape_of(scenario: AnyScenario, law: LawSpec) -> Shape:
-    """Operations of a law of an ``Interface``, with what they are done on, and its constants by name.
+    """Operations of a law of an ``Interface`` with their operands, and its constants by name.
 
     A constant of its construction counts by its name, format and place, any other one by its value.
 
@@ -95,7 +95,7 @@ def _recording(arithmetic: Arithmetic[Any]) -> tuple[Arithmetic[Any], list[Const
 
 
 def _stacking(arithmetic: Arithmetic[Any], columns: Iterator[tuple[Constant, ...]]) -> Arithmetic[Any]:
-    """An arithmetic on arrays whose constants are those of all trains, as long as there are ``columns``."""
+    """An arithmetic on arrays whose constants are taken from all trains, as long as there are ``columns``."""
 
     def const(self: Any, constant: Constant) -> Any:
         load = super(kind, self).const
@@ -111,8 +111,8 @@ def _stacking(arithmetic: Arithmetic[Any], columns: Iterator[tuple[Constant, ...
 class StackedLaw:
     """A law on arrays, and the laws of its trains.
 
-    ``loop``: on arrays; None: the laws differ in more than the values of their constants (``differs`` says in what).
-    ``own``: of each train, not stepped.
+    ``loop``: on arrays; None: the laws differ in more than the values of their constants (``differs`` names the
+    difference). ``own``: of each train, not stepped.
 
     :param laws: one for each train, alike but for the memory.
     :raises InputError: as :class:`railhil.controller_node.vector.controller.VectorLoop`.
@@ -143,7 +143,7 @@ class StackedLaw:
 
 
 def _difference(scenario: AnyScenario, laws: Sequence[LawSpec]) -> str:
-    """In what the laws differ beside the values of their constants; empty: in nothing."""
+    """The difference between the laws beside the values of their constants; empty: there is none."""
     first: Shape = ()
     for law in laws:
         if law is laws[0]:

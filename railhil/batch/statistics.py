@@ -43,9 +43,9 @@ class Share:
 def order_ranks(n: int, q: float) -> tuple[int, int]:
     """Ranks (from 1) of the order statistics between which the ``q`` quantile lies with :data:`CONFIDENCE`.
 
-    The number of values at or below the quantile is binomial (n, q), whatever the distribution; the probability outside
-    is at most half of the remainder on each side. Rank 0 or n + 1: the sample is too small for a bound on that side.
-    See David and Nagaraja, Order Statistics, 3rd ed., section 7.1.
+    The number of values at or below the quantile is binomial (n, q) for every distribution. The probability outside is
+    at most half of the remainder on each side. Rank 0 or n + 1: the sample is too small for a bound on that side. See
+    David and Nagaraja, Order Statistics, 3rd ed., section 7.1.
     """
     # Smallest counts that reach the probability; scipy.stats can do this too, but takes half a second to import.
     low, high = (bisect_left(range(n), p, key=lambda count: bdtr(count, n, q)) for p in (_TAIL, 1 - _TAIL))
@@ -67,7 +67,8 @@ def quantile(ordered: NDArray[np.float64], q: float) -> float:
 
 
 def at_most(values: NDArray[np.float64], q: float) -> float:
-    """The least of the values that a share ``q`` of them is at or below: "in 90 % of the sequences at most 7 runs".
+    """The least value such that a share ``q`` of the values is at or below it: "in 90 % of the sequences at most 7
+    runs".
 
     :param values: any shape, at least one.
     """
@@ -96,7 +97,7 @@ def share(hits: NDArray[np.bool_]) -> Share:
 
 
 def differences(values: NDArray[np.float64], baseline: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Values minus those of the baseline in the same runs, shape (n,).
+    """Values minus the values of the baseline in the same runs, shape (n,).
 
     NaN counts as +infinity; where both are missing, the runs count as equally bad, difference 0.
     """

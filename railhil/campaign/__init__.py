@@ -2,7 +2,7 @@
 
 ::
 
-    plan.py      what is run: laws, seeds, chunks; its identity is recorded in campaign.json
+    plan.py      the plan: laws, seeds, chunks; its identity is recorded in campaign.json
     rows.py      a row per run; study.py: the work of a chunk, runs made again, and the record of this kind of study
     summary.py   rows -> statistics.py's figures and worst.py's runs; show.py prints them, report.py draws them
 """

@@ -27,7 +27,7 @@ from railhil.study.manifest import one_of
 from railhil.study.perturbed_runs import FIRST_SEED, check_unseen, training_seeds
 from railhil.study.plan import batch_sha256, bench_sha256, law_sha256, sha256_of_json
 
-#: Means every registered law, in the order of the tables; the others are compared with the first.
+#: Stands for every registered law, in the order of the tables; the others are compared with the first.
 ALL_LAWS = "all"
 RUNS_MAX = 10_000_000
 CHUNK_MAX = 10_000
@@ -104,7 +104,7 @@ class Plan:
 
     @property
     def judging(self) -> Judging:
-        """How the runs are judged."""
+        """The system's part that judges the runs."""
         return judging_of(self.scenario)
 
     @property
@@ -139,7 +139,7 @@ class Plan:
 
     @property
     def how(self) -> dict[str, str]:
-        """How every law is run."""
+        """The settings with which every law is run."""
         return self.entries[0].law.how
 
     def run(self, entry: Entry, seed: int) -> RunSpec:
@@ -169,7 +169,7 @@ class Plan:
 
     @property
     def identity(self) -> dict[str, Any]:
-        """What must be unchanged when the campaign is resumed."""
+        """The values that must be unchanged when the campaign is resumed."""
         return self.subject | {
             "first_seed": self.request.first_seed,
             "runs": self.request.runs,

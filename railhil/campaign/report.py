@@ -23,7 +23,7 @@ from railhil.study.finished import finished_rows, finished_summary
 from railhil.study.manifest import read_manifest
 from railhil.study.table import numbers
 
-#: Folder in that of the campaign for runs that are made again.
+#: Folder inside the campaign's folder for runs that are made again.
 _AGAIN = "worst"
 
 

@@ -115,7 +115,7 @@ def _against(summary: Mapping[str, Any], criteria: Sequence[Criterion]) -> Table
 
 
 def _errors(run: Mapping[str, Any], summary: Mapping[str, Any], criteria: Sequence[Criterion]) -> str:
-    """The values of a run that have a limit, and how it failed."""
+    """The values of a run that have a limit, and its failures."""
     values = [(criterion, run[limit_key(criterion)], summary["limits"][limit_key(criterion)]) for criterion in criteria]
     said = ", ".join(
         f"{criterion.brief} {text_beside_limit(value, limit, 3, '+' if criterion.signed else '')} {criterion.unit}"
@@ -127,7 +127,7 @@ def _errors(run: Mapping[str, Any], summary: Mapping[str, Any], criteria: Sequen
 
 
 def _failures(summary: Mapping[str, Any]) -> Iterator[str]:
-    """For each law that has failed, or has runs that say nothing about it: in how many, and why."""
+    """Number of runs and reasons, for each law that has failed or has runs that say nothing about it."""
     runs = count_of(summary["runs"], "run", spec=",")
     for label, law in summary["laws"].items():
         if failed := summary["runs"] - law["inside"]["pass"]["runs"] - _invalid_runs(law):

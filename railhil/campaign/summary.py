@@ -22,7 +22,7 @@ from railhil.study.table import numbers
 
 #: Key and probability of each quantile.
 QUANTILES = {"median": 0.5, "p95": 0.95}
-#: Of a score that does not apply.
+#: Summary of a score that does not apply.
 _NOTHING: dict[str, Any] = {"value": None, "interval": [None, None]}
 _NOTES = [
     'a run without a value (it did not stop) counts as infinitely bad in the quantiles: the text "inf"; '
@@ -78,7 +78,7 @@ def key_of(criterion: Criterion) -> str:
 
 
 def _stops(limits: Sequence[Criterion], rows: pa.Table) -> dict[str, Any]:
-    """How many runs stopped, and within what; empty where no limit asks for a stop."""
+    """Number of runs that stopped, and within each limit; empty where no limit asks for a stop."""
     if not any(criterion.without == DID_NOT_STOP for criterion in limits):
         return {}
     found: dict[str, Any] = {"not_stopped": int(np.count_nonzero(without_stop(rows, limits)))}
@@ -89,7 +89,7 @@ def _stops(limits: Sequence[Criterion], rows: pa.Table) -> dict[str, Any]:
 
 
 def _kinds(rows: pa.Table, chosen: NDArray[np.bool_]) -> dict[str, int]:
-    """How many of the chosen runs failed in each way."""
+    """Number of the chosen runs that failed in each way."""
     counts = {kind: int(np.count_nonzero(chosen[failed])) for kind, failed in failures_of(rows).items()}
     return {kind: count for kind, count in counts.items() if count}
 
@@ -114,7 +114,7 @@ def _law(plan: Plan, entry: Entry, rows: pa.Table) -> dict[str, Any]:
             all_limits(limits): _share(share(np.logical_and.reduce([everyone, *inside.values()]))),
             "pass": _share(share(passed)),
         },
-        # How many runs failed in each way; a run may fail in several.
+        # Number of runs that failed in each way; a run may fail in several.
         "failures": _kinds(rows, ~invalid),
         # Runs that say nothing about the controller, and why; without such a run there is no such key.
         **({"invalid": {"runs": int(invalid.sum()), "reasons": _kinds(rows, invalid)}} if invalid.any() else {}),

@@ -32,7 +32,7 @@ def _worst(rows: pa.Table, criterion: Criterion) -> list[int]:
 
 
 def without_stop(rows: pa.Table, criteria: Sequence[Criterion]) -> NDArray[np.bool_]:
-    """Which rows have no value of a criterion with a limit because the train did not stop."""
+    """The rows without a value of a criterion with a limit because the train did not stop."""
     stops = [criterion for criterion in limited(criteria) if criterion.without == DID_NOT_STOP]
     missing = [np.isnan(numbers(rows, criterion.key)) for criterion in stops]
     return np.any(missing, axis=0) if missing else np.zeros(rows.num_rows, dtype=np.bool_)

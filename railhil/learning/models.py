@@ -1,5 +1,5 @@
-"""Networks for every power unit of a recorded run, how well they explain samples that they were not trained on, and the
-weights file: a parameter file of the law (:mod:`railhil.scenarios.parameters`), the same bytes each time."""
+"""Networks for every power unit of a recorded run, their errors on samples outside the training data, and the weights
+file. The file is a parameter file of the law (:mod:`railhil.scenarios.parameters`), with the same bytes each time."""
 
 from __future__ import annotations
 
@@ -51,7 +51,8 @@ class Unit:
 
 @dataclass(frozen=True, slots=True)
 class TrainedModels:
-    """``networks``: one for each unit. Of the first unit: number of ``rows``, ``errors`` by sampling period in s."""
+    """``networks``: one for each unit. ``rows`` (their number) and ``errors`` (by sampling period in s) are of the
+    first unit."""
 
     networks: tuple[Network, ...]
     errors: Mapping[float, ModelError]
@@ -101,7 +102,7 @@ def _train(record: Record, unit: Unit, recipe: Recipe, period_s: float, phase_s:
 
 
 def describe_training(record: Record, recipe: Recipe, period_s: float, models: TrainedModels) -> dict[str, Any]:
-    """How the networks were made; no date and no path. Errors in km/h, by sampling period in s."""
+    """Origin of the networks; no date and no path. Errors in km/h, by sampling period in s."""
     solver = "" if recipe.kind == "bp" else " --pinv" if recipe.ridge is None else f" --ridge {recipe.ridge:g}"
     options = f"--hidden {recipe.hidden}{solver} --seed {recipe.seed} --period {period_s:g}"
     method: dict[str, Any] = {"ridge": recipe.ridge} if recipe.ridge is not None else {"pinv": True}

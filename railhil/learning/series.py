@@ -17,7 +17,8 @@ FloatArray: TypeAlias = NDArray[np.float64]
 _KMH = 3.6
 #: Grid on which the instant of a change is compared with others, s.
 _INSTANT_S = 0.001
-#: A command is looked up this often, in the middle between two such instants: its telegram may come a tick later.
+#: A command is looked up this often, in the middle between two such instants, because its telegram may come a tick
+#: later.
 _LOOK_S = 0.1
 
 

@@ -1,2 +1,2 @@
-"""What stands in for hardware that a host lacks: a kernel with CAN (``railhil vcan -- COMMAND``) and a serial adapter
+"""Substitutes for hardware that a host lacks: a kernel with CAN (``railhil vcan -- COMMAND``) and a serial adapter
 (``python -m railhil.machines.adapter``)."""

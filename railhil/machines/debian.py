@@ -1,8 +1,7 @@
-"""What a Debian host provides for a machine with CAN: packages, a cache directory, and a clear refusal.
+"""Services of a Debian host for a machine with CAN: packages, a cache directory, and a clear refusal.
 
-A machine that is not available (no root, not Debian, no package mirror)
-says so in one line and ends with :data:`EXIT_NO_CAPABILITY`, so that a caller can tell "this host cannot do it" from
-"it was done and failed".
+If a machine is not available (no root, not Debian, no package mirror), its command says so in one line and ends with
+:data:`EXIT_NO_CAPABILITY`. A caller can thus tell "this host cannot do it" from "it was done and failed".
 """
 
 from __future__ import annotations
@@ -30,7 +29,7 @@ _PATH_OF_ROOT = "/usr/local/sbin:/usr/sbin:/sbin"
 
 
 class CapabilityError(Exception):
-    """The host does not have the capability; the text is one line that names what is missing."""
+    """The host does not have the capability; the text is one line that names the missing part."""
 
 
 class MachineError(Exception):

@@ -1,7 +1,7 @@
 """A fresh network namespace of the host's own kernel, with private CAN interfaces.
 
 The command runs at full speed, with the host's files and without any network except the CAN interfaces and its own
-loopback. The interfaces disappear with the last process in the namespace; those of the host, including a ``vcan0``, are
+loopback. The interfaces disappear with the last process in the namespace; the host's own, including a ``vcan0``, are
 neither visible nor touched.
 """
 
@@ -38,7 +38,7 @@ def require_namespace(interfaces: Sequence[str]) -> str:
     """Make sure that a namespace with these interfaces can be created; returns how, in a few words.
 
     Raises:
-        CapabilityError: it cannot; the text names what is missing and the remedy.
+        CapabilityError: it cannot; the text names the missing part and the remedy.
     """
     _require_can()
     if os.geteuid() == 0 and not all(debian.find_command(command) for command in _PACKAGES):
@@ -74,7 +74,7 @@ def _prepared(interfaces: Sequence[str], command: Sequence[str]) -> list[str]:
     steps = ["ip link set lo up"]
     for name in map(shlex.quote, interfaces):
         steps += [f"ip link add {name} type vcan", f"ip link set {name} up"]
-    # Not before unshare: gaining rights in the namespace would clear it again.
+    # setpriv comes after unshare: gaining rights in the namespace would clear it again.
     tied = ["setpriv", "--pdeathsig", "KILL"]
     return [*tied, "sh", "-c", " && ".join([*steps, 'exec "$@"']), "sh", *command]
 

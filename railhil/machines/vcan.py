@@ -1,6 +1,6 @@
 """Run a command with ``vcan0`` and ``vcan1`` up: ``railhil vcan -- COMMAND ...``
 
-The first of these that the host supports is used; a line on standard error says which and why:
+The first of these ways that the host supports is used; a line on standard error names it and the reason:
 
 ``namespace``
     a fresh network namespace of the host's kernel: full speed, the host's own interfaces are not touched;
@@ -8,8 +8,8 @@ The first of these that the host supports is used; a line on standard error says
     a throw-away virtual machine with a kernel of Debian's (:mod:`railhil.machines.vcan_vm`): a user-mode kernel, or an
     emulated machine, which is slower.
 
-Exit code: the command's own, 128 + number for one that a signal ended; 77 when this host can have neither (one line
-says why); 124 after ``--timeout``; 125 when the machine itself failed; 2 for a wrong command line.
+Exit code: the command's own, 128 + number if a signal ended it; 77 when this host can have neither (one line gives the
+reason); 124 after ``--timeout``; 125 when the machine itself failed; 2 for a wrong command line.
 """
 
 from __future__ import annotations
@@ -134,7 +134,7 @@ def _run(options: argparse.Namespace) -> int:
     """Run the command in the first way that this host supports.
 
     Raises:
-        CapabilityError: the host supports none; the text names what was tried.
+        CapabilityError: the host supports none; the text names the ways that were tried.
     """
     reason = "asked for"
     if options.via in (None, "namespace"):

@@ -1,10 +1,10 @@
 """A throw-away virtual machine with kernel SocketCAN: ``railhil vcan --via user-mode [--share DIR] -- COMMAND ...``
 
 Boots a kernel of Debian's whose root is this host's root, read-only under an overlay in memory; it has no network
-card. The CAN interfaces are up; the command runs as root in the caller's directory with the caller's environment. What
-it writes is gone afterwards, except below the shared folders. The command has no terminal and no input.
+card. The CAN interfaces are up; the command runs as root in the caller's directory with the caller's environment. Files
+that it writes are gone afterwards, except below the shared folders. The command has no terminal and no input.
 
-There are two kinds (:mod:`railhil.machines.vm_image`). The second is taken where the first does not boot.
+There are two kinds (:mod:`railhil.machines.vm_image`). The second is used where the first does not boot.
 """
 
 from __future__ import annotations
@@ -25,17 +25,17 @@ from railhil.machines import debian
 from railhil.machines.vm_image import KINDS, PURPOSE, Boot, Kind, VmImage, ensure_image
 
 _EXIT_GRACE_S = 20.0
-#: A machine that has not begun with the command after this time does not boot; a busy host takes its time.
+#: A machine that has not begun with the command after this time does not boot; the limit allows for a busy host.
 _BOOT_S = 180.0
 _LOOK_S = 1.0
 
 
 class DoesNotBootError(debian.MachineError):
-    """The machine has not come as far as the command."""
+    """The machine has not begun with the command."""
 
 
 def ensure_machine(kind: Kind) -> VmImage:
-    """Install and download what is missing; only installing needs root.
+    """Install and download missing parts; only installing needs root.
 
     Raises:
         CapabilityError: not Debian on x86-64, not on this processor, or a package is missing and not available.
@@ -101,7 +101,7 @@ def _copy_until_end(sources: Mapping[int, BinaryIO], began: Path, deadline_s: fl
 
 
 def first_that_boots(action: Callable[[Kind], int], kinds: Sequence[Kind] = tuple(KINDS.values())) -> int:
-    """What ``action`` returns with the first kind of machine that this host can have.
+    """Result of ``action`` with the first kind of machine that this host can have.
 
     Raises:
         CapabilityError: it can have none.
@@ -139,8 +139,8 @@ def run(
         command: words of the command, looked up in the host's file system.
         interfaces: virtual CAN interfaces that are up in the machine.
         cwd: directory it runs in, the caller's by default; ``environment`` likewise.
-        shares: host folders that the command may write to, at the same path. What it makes there is this user's if
-            the kernel is a user-mode one, whoever makes it.
+        shares: host folders that the command may write to, at the same path. If the kernel is a user-mode one, all
+            files that it makes there belong to this user.
         timeout_s: for everything from boot to power-off.
         memory_mb: of the machine.
         processors: of an emulated machine. If the host is also busy with other work, one is better: two wait for each

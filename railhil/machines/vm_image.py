@@ -4,7 +4,7 @@ Both images are made once and kept in the cache. The kernel is one of Debian's o
 unpacked and never installed; the file system is a static busybox, the modules in load order and ``vm_init.sh``.
 
 User-mode Linux is a kernel that is a process of this host. It computes at the host's speed; its system calls, which it
-sees by ptrace, are what takes time. It has one processor and needs no root.
+sees by ptrace, take most of the time. It has one processor and needs no root.
 
 An emulated machine (QEMU, software translation, no network card) has Debian's own kernel. It is some 25 times slower
 than the host and needs nothing of it.
@@ -39,7 +39,7 @@ class VmImage:
 
 @dataclass(frozen=True, slots=True)
 class Recipe:
-    """What an image is made of.
+    """The parts of an image.
 
     Attributes:
         name: folder in the cache.
@@ -57,7 +57,7 @@ class Recipe:
 
     @property
     def key(self) -> str:
-        """Changes with what the image holds beside the kernel."""
+        """Changes with the contents of the image beside the kernel."""
         return hashlib.sha256(_INIT.read_bytes() + repr(self.modules).encode()).hexdigest()[:12]
 
 
@@ -196,7 +196,7 @@ class Kind:
     """A way to have a kernel of one's own.
 
     Attributes:
-        said: what it is, in a message.
+        said: its name in a message.
         recipe: of its image.
         packages: commands of the host that it needs, and Debian's packages of them.
         words: the command line.
@@ -216,7 +216,7 @@ def too_large_for(cpu_info: str) -> str:
     The kernel has room for the registers of a process up to AVX-512, 2696 bytes. Tiles (AMX) make them 11 008 bytes,
     and ptrace sets all of them or none (``userspace - ptrace set fp regs failed, errno = 14``, then a panic).
 
-    :param cpu_info: what ``/proc/cpuinfo`` says.
+    :param cpu_info: the text of ``/proc/cpuinfo``.
     """
     flags = next((line for line in cpu_info.splitlines() if line.startswith("flags")), "")
     return "a user-mode kernel cannot hold the registers of this processor (AMX)" if " amx_tile" in flags else ""
@@ -229,7 +229,7 @@ def _refuse_user_mode() -> str:
 def _user_mode_words(boot: Boot) -> list[str]:
     out, err = boot.outputs
     words = [str(boot.image.kernel), f"initrd={boot.image.initrd}", f"mem={boot.memory_mb}M", f"railhil={boot.control}"]
-    # Where it keeps the socket of its management console.
+    # Folder of the socket of its management console.
     words += [f"uml_dir={boot.control}", "umid=uml", "quiet", "panic=-1"]
     words += ["con=null", "con0=null,fd:2", f"con1=null,fd:{out}", f"con2=null,fd:{err}"]
     words += [f"ubd{number}={disk}" for number, disk in enumerate(boot.disks)]

@@ -46,7 +46,7 @@ while read -r letter path; do
     mkdir -p "/new$path"
     mount -t ext4 "/dev/$disk$letter" "/new$path" || say "disk $path does not mount"
 done <$control/disks
-# Version 1 hierarchies, one per controller: what an older container runtime expects.
+# Version 1 hierarchies, one per controller, for older container runtimes.
 mount -t tmpfs -o mode=755 cgroup /new/sys/fs/cgroup
 while read -r controller _ _ enabled; do
     [ "$enabled" = 1 ] || continue
@@ -71,7 +71,7 @@ touch $control/began
 unshare -m /bin/sh -c 'cd /new && mount --move . / && exec chroot . /bin/sh /run/railhil-vm/command' >/out 2>/err </dev/null
 echo $? >$control/exit_code.part
 mv $control/exit_code.part $control/exit_code
-# What the command left running may hold the pipes; the rest of its output gets five seconds.
+# Processes that the command left running may hold the pipes; the rest of its output gets five seconds.
 (sleep 5; kill $copy_out $copy_err) 2>/dev/null &
 wait $copy_out $copy_err
 sync

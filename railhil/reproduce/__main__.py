@@ -141,7 +141,7 @@ def _pictures(paper: Paper, found: Results, console: Output) -> Sequence[Picture
 
 
 def main(words: Sequence[str] | None = None, papers: Mapping[str, str] = PAPERS) -> int:
-    """List the papers, or run the protocol of one and print or write what came of it.
+    """List the papers, or run the protocol of one and print or write the results.
 
     :param papers: as in :data:`railhil.reproduce.paper.PAPERS`.
     """
@@ -162,7 +162,7 @@ def _work(namespace: argparse.Namespace, papers: Mapping[str, str]) -> int:
 
 
 def _reproduce(paper: Paper, namespace: argparse.Namespace) -> int:
-    """Run the protocol of one paper, print and write what came of it."""
+    """Run the protocol of one paper, print and write the results."""
     folder: Path | None = namespace.out
     made = folder is not None and _folder(folder, namespace.keep_runs)
     try:

@@ -1,4 +1,4 @@
-"""Tables, bands and statements: what is measured beside what is published."""
+"""Tables, bands and statements, measured beside published."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from railhil.reproduce.paper import Results
 
-#: What a statement of a paper comes to on this bench.
+#: Verdict on a statement of a paper on this bench.
 FOLLOWS, IN_PART, FOLLOWS_NOT, OPEN = "follows", "follows in part", "does not follow", "cannot be checked"
 
 
@@ -29,7 +29,7 @@ def quotient(value: float | None, other: float | None) -> float | None:
 
 
 def is_less(value: float | None, other: float | None) -> bool:
-    """Whether a value is less than another; two that are known."""
+    """Whether a value is less than another; both must be known."""
     return value is not None and other is not None and value < other
 
 
@@ -42,7 +42,7 @@ def decimal(value: float | None, digits: int) -> str:
 class Line:
     """One figure: published, and measured by each column of its table; None: there is none.
 
-    ``remark``: what a reader must know about this figure.
+    ``remark``: a note for readers of this figure.
     """
 
     item: str
@@ -113,8 +113,8 @@ class Table:
 
 @dataclass(frozen=True, slots=True)
 class Statement:
-    """Something that the paper says: where, what, what is measured here, the verdict (``FOLLOWS``, ``IN_PART``,
-    ``FOLLOWS_NOT`` or ``OPEN``), and why."""
+    """A statement of the paper: its place, its text, the measured figures, the verdict (``FOLLOWS``, ``IN_PART``,
+    ``FOLLOWS_NOT`` or ``OPEN``), and the reason."""
 
     at: str
     claim: str
@@ -125,7 +125,7 @@ class Statement:
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """What is measured of a statement.
+    """The measurement for a statement.
 
     ``statement``: its name in the text of the paper. ``measured``: the figures, in a sentence. ``holds``: whether each
     part of the claim holds; without parts it cannot be checked. ``needs``: the entries that the figures are from.
@@ -140,7 +140,7 @@ class Finding:
 
     @property
     def verdict(self) -> str:
-        """The verdict; that of a paper is computed, never written down."""
+        """The verdict. The verdict on a paper's statement is computed, never written down."""
         if not self.holds:
             return OPEN
         return FOLLOWS if all(self.holds) else IN_PART if any(self.holds) else FOLLOWS_NOT
@@ -151,7 +151,7 @@ class Band:
     """Least and greatest allowed value of a figure; None: there is none.
 
     ``at``, ``what``: its place in the table. ``needs``: (results) -> the entries that the figure is from. ``measured``:
-    (results) -> what the table shows of it; the first of these is compared. ``unmade``: the verdict without an entry.
+    (results) -> the values in the table; the first of these is compared. ``unmade``: the verdict without an entry.
     """
 
     at: str
@@ -180,7 +180,7 @@ class Band:
         return results.has(self.needs(results))
 
     def holds(self, results: Results) -> bool:
-        """Whether the figure is in the band; no value is not."""
+        """Whether the figure is in the band; False without a value."""
         return self.verdict(results) == "holds"
 
     def verdict(self, results: Results) -> str:

@@ -26,13 +26,13 @@ if TYPE_CHECKING:
 PAGE, RESULTS, RUNS = "page.md", "results.json", "runs"
 #: Digits of a hash in a table; the document has all of them.
 _DIGEST_DIGITS = 12
-#: So many seeds that follow each other are written as a range.
+#: From this many successive seeds on, they are written as a range.
 _MANY_SEEDS = 10
 
 
 @dataclass(frozen=True, slots=True)
 class Caption:
-    """What page and document say of a picture beside the page, ``name``.svg."""
+    """Title and caption of a picture beside the page, ``name``.svg."""
 
     name: str
     title: str
@@ -178,7 +178,7 @@ def _lines(paper: Paper, results: Results, captions: Sequence[Caption]) -> Itera
         yield from ("## How the paper is read", "")
         rows = [[one.at, one.reading, one.other] for one in text.readings]
         yield from _markdown(("where", "reading of this bench", "otherwise"), rows, ())
-    # Last, because there may be hundreds.
+    # The table of the runs comes last, because there may be hundreds.
     yield from ("## Runs", "")
     yield from _markdown(("run", "verdict", "SHA-256", "again"), _run_rows(paper, results), ())
 

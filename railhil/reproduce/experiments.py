@@ -1,5 +1,5 @@
-"""How the entries of a protocol are made, each in one process: a run over the in-process bus, a run without a bus, or a
-set of sequences of a law that learns."""
+"""Makes the entries of a protocol, each in one process: a run over the in-process bus, a run without a bus, or a set of
+sequences of a law that learns."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ if TYPE_CHECKING:
 class EntryResult:
     """An entry that was made.
 
-    ``reasons``: why the verdict is not PASS. ``sha256``: of its log; empty if it has none. ``outcome``: what
-    ``measure`` and ``curves`` of the paper are called with.
+    ``reasons``: the reasons why the verdict is not PASS. ``sha256``: of its log; empty if it has none. ``outcome``: the
+    argument of ``measure`` and ``curves`` of the paper.
     """
 
     verdict: str
@@ -38,7 +38,7 @@ class EntryResult:
 
 
 class Experiment(Protocol):
-    """How an entry is made from the run that it is about."""
+    """The way in which an entry is made from its run."""
 
     def words(self, spec: RunSpec) -> list[str]:
         """Words of the command line, after ``railhil``, that make it alone; none: there is no such command."""
@@ -68,7 +68,7 @@ class RecordedRun:
 class CoupledRun:
     """One run without a bus (:mod:`railhil.run.coupled`); it has neither folder nor certificate.
 
-    ``ports``: those that the plant publishes beside the readings of the law.
+    ``ports``: published by the plant beside the readings of the law.
     """
 
     ports: tuple[str, ...]
@@ -98,7 +98,7 @@ class SequenceSet:
     """``count`` sequences of ``runs`` runs, each beginning without a memory, as ``railhil learn`` makes them.
 
     The runs of all sequences are made at once where the system can do so. ``first``: seed of the first one; the others
-    follow as those of ``railhil learn``.
+    follow as in ``railhil learn``.
     """
 
     first: int

@@ -1,5 +1,4 @@
-"""Makes and measures the entries of a paper's protocol, each in one process without a bus, as many at a time as asked
-for."""
+"""Makes and measures the entries of a paper's protocol, each in one process without a bus, several at a time."""
 
 from __future__ import annotations
 
@@ -34,11 +33,11 @@ def measure_paper(
     """Make all runs of a paper.
 
     :param jobs: processes at a time; the result does not depend on it.
-    :param kept: where the run folders stay, each under the key of its run; None: nowhere.
+    :param kept: folder in which the run folders stay, each under the key of its run; None: they are removed.
     :param measured: folder of the figures of each run; runs whose figures are there are not made again, except those
         that are drawn. None: all are made.
-    :param only: pattern (:mod:`fnmatch`) of the names of the runs to make; of the others only those are in the result
-        whose figures are stored. None: all.
+    :param only: pattern (:mod:`fnmatch`) of the names of the runs to make; of the other runs, the result has only those
+        with stored figures. None: all.
     :param drawn: also keep the curves of the runs that a figure shows.
     :param say: called after each run.
     :raises InputError: a run cannot be made.
@@ -62,7 +61,7 @@ def measure_paper(
 
 @dataclass(frozen=True, slots=True)
 class _Work:
-    """What is done with each entry, perhaps in a process of its own; see :func:`measure_paper`."""
+    """The work on each entry, perhaps in a process of its own; see :func:`measure_paper`."""
 
     paper: Paper
     kept: Path | None
@@ -110,7 +109,7 @@ def _stored(found: Measurement, entry: Entry) -> dict[str, Any]:
 def _read(file: Path, entry: Entry) -> Measurement:
     """The stored figures of a run.
 
-    :raises InputError: they are those of another run, or of other code.
+    :raises InputError: they are from another run, or from other code.
     """
     found = given_json(file, "figures of a run, as --measured writes them", "file")
     for key, allowed in _identity(entry).items():

@@ -1,4 +1,4 @@
-"""What a paper is for ``railhil reproduce``: runs to be made, and what is read from them beside the published figures.
+"""A paper for ``railhil reproduce``: runs to be made, and the figures from them beside the published ones.
 
 A paper is one record (:class:`Paper`) in a package of its own. All its parts are pure functions of the measured runs,
 so that the same seeds give the same bytes.
@@ -43,7 +43,7 @@ def find_paper(name: str, papers: Mapping[str, str] = PAPERS) -> Paper:
 class Entry:
     """One entry of a protocol: ``key`` names it in tables, documents and folders; ``drawn``: a figure shows its curves.
 
-    ``spec``: the run; of a set of sequences any of its runs. ``experiment``: how the entry is made.
+    ``spec``: the run; of a set of sequences any of its runs. ``experiment``: the way in which the entry is made.
     """
 
     key: str
@@ -53,21 +53,22 @@ class Entry:
 
     @property
     def command(self) -> str:
-        """The command that makes it alone; empty: there is none."""
+        """The command that makes only this entry; empty: there is none."""
         words = self.experiment.words(self.spec)
         return shlex.join(["railhil", *words]) if words else ""
 
     @property
     def identity(self) -> list[str]:
-        """What its figures depend on besides the code: experiment, law with its parameters, run."""
+        """Everything besides the code on which its figures depend: experiment, law with its parameters, run."""
         return [repr(self.experiment), self.spec.law.label, *self.spec.words]
 
 
 @dataclass(frozen=True, slots=True)
 class Measurement:
-    """What is kept of an entry: its figures by name (None: a run did not get that far), and the curves of a drawn one.
+    """The stored results of an entry: its figures by name (None: a run did not get that far), and the curves of a drawn
+    one.
 
-    ``reasons``: why the verdict is not PASS. ``sha256``: of its log; empty if it has none.
+    ``reasons``: the reasons why the verdict is not PASS. ``sha256``: of its log; empty if it has none.
     """
 
     key: str
@@ -90,7 +91,7 @@ class Results:
         return all(key in self.runs for key in keys)
 
     def made(self, keys: Iterable[str]) -> list[str]:
-        """Those of these entries that were made."""
+        """The entries among these that were made."""
         return [key for key in keys if key in self.runs]
 
     def value(self, key: str, name: str) -> float | None:
@@ -104,18 +105,18 @@ class Results:
         return float(reduce(known)) if values and len(known) == len(values) else None
 
     def spread(self, keys: Iterable[str], name: str) -> tuple[float | None, float | None, float | None]:
-        """Mean, least and greatest value of a figure over those of the entries that were made."""
+        """Mean, least and greatest value of a figure over the entries that were made."""
         made = self.made(keys)
         return self.over(made, name, fmean), self.over(made, name, min), self.over(made, name, max)
 
 
 @dataclass(frozen=True)
 class Text:
-    """What a paper says, as data (``paper.toml`` of its package).
+    """The text of a paper as data (``paper.toml`` of its package).
 
-    ``protocol``: how the runs are made, in sentences. ``seeds``: those of the page. ``published``: printed values.
-    ``readings``: places that can be read in more than one way, and how the bench reads them. ``tables``: title and note
-    of each table. ``statements``: where (``at``), what (``claim``), and why it comes to what it does here (``why``).
+    ``protocol``: description of the runs, in sentences. ``seeds``: the seeds of the page. ``published``: printed
+    values. ``readings``: places that can be read in more than one way, and the bench's reading. ``tables``: title and
+    note of each table. ``statements``: place (``at``), text (``claim``), and the reason for the verdict here (``why``).
     """
 
     title: str

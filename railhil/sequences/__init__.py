@@ -2,7 +2,7 @@
 
 ::
 
-    plan.py      what is run: a law, seeds of sequences, runs of each; its identity is recorded in learn.json
+    plan.py      the plan: a law, seeds of sequences, runs of each; its identity is recorded in learn.json
     one.py       one run with the memory that it begins with, without a bus if the system can; a whole sequence
     table.py     a row per run; study.py: the work of a chunk, and the record of this kind of study (railhil/study)
     summary.py   results -> figures by run, and runs until the law has learned

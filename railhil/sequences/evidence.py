@@ -3,7 +3,7 @@
 ::
 
     run001/, run002/, ...   run folders, as of railhil run
-    sequence.json           what was asked for, a line per finished run, and the hash of the sequence
+    sequence.json           the request, a line per finished run, and the hash of the sequence
     SHA256SUMS              of a complete sequence: hashes of sequence.json and of the lists of the runs
 
 The hash is the SHA-256 of one line per run, ``NUMBER MEMORY_BEFORE FRAMES MEMORY_AFTER`` and a line feed: the SHA-256
@@ -89,8 +89,8 @@ class Evidence:
     """A recorded sequence.
 
     :param first: its first run, with the memory that the sequence began with.
-    :param runs: how many were asked for.
-    :param made: those that are finished, in order.
+    :param runs: number of runs that were requested.
+    :param made: the finished runs, in order.
     """
 
     first: RunSpec
@@ -186,7 +186,7 @@ def left(folder: Path, began: Memory) -> tuple[Memory, MemoryRecord | None]:
 
 
 def problems(folder: Path) -> Iterator[str]:
-    """What does not fit in a recorded sequence: one sentence each; nothing for one that is as it was recorded.
+    """Differences between a sequence and its record, one sentence each; none for a sequence as it was recorded.
 
     :raises InputError: the folder has no sequence.
     """
@@ -197,7 +197,7 @@ def problems(folder: Path) -> Iterator[str]:
 
 
 def differences(folder: Path, evidence: Evidence) -> Iterator[str]:
-    """What does not fit in the finished runs of a sequence: one sentence each."""
+    """Differences between the finished runs of a sequence and its record, one sentence each."""
     memory = evidence.began
     for one in evidence.made:
         place = folder / run_name(one.run)

@@ -1,4 +1,5 @@
-"""One run of a sequence, and a whole sequence in one process: each run begins with what the last one has left."""
+"""One run of a sequence, and a whole sequence in one process; each run begins with the memory that the last one has
+left."""
 
 from __future__ import annotations
 
@@ -30,10 +31,10 @@ Runner = Callable[[AnyScenario, RunSpec], "OneRun"]
 class OneRun:
     """One run of a sequence.
 
-    :param scenario, spec: of the run; the law of the second has the memory that it began with.
-    :param missed: why it says nothing about the controller; empty: it does.
+    :param scenario, spec: of the run; the law of ``spec`` has the memory that it began with.
+    :param missed: the reason why it says nothing about the controller; empty: there is none.
     :param digest: of its commands, or of its frames where the system has no digest.
-    :param kept: what the law keeps.
+    :param kept: the values that the law keeps.
     :param trace: its telegrams; None of a run that was made together with others.
     """
 
@@ -144,7 +145,7 @@ def through_nodes(scenario: AnyScenario, spec: RunSpec) -> OneRun:
 
 
 def _one_of(run: Result, found: Mapping[str, Any] | None) -> OneRun:
-    """:param found: what the law keeps."""
+    """:param found: values that the law keeps."""
     kept = None if found is None else kept_of(found)
     return OneRun(run.scenario, run.spec, run.score, run.counts, run.missed, _digest(run), kept, run.trace)
 

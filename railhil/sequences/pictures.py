@@ -1,4 +1,4 @@
-"""Figures of ``railhil learn``: errors by the number of the run, their distribution, what the law keeps."""
+"""Figures of ``railhil learn``: errors by the number of the run, their distribution, the values that the law keeps."""
 
 from __future__ import annotations
 
@@ -128,7 +128,7 @@ def _histogram(measure: SequenceMeasure, values: Floats) -> Picture:
 
 
 def _kept(found: Sequence[Sequence[Mapping[str, Any] | None]]) -> list[Picture]:
-    """What the law keeps after each run: every number in its values that is not always the same."""
+    """Numbers that the law keeps after each run, without those that are always the same."""
     flat = [[{} if values is None else dict(_leaves("", values)) for values in sequence] for sequence in found]
     names = list(dict.fromkeys(name for sequence in flat for values in sequence for name in values))
     drawn: list[tuple[str, Floats]] = []

@@ -70,14 +70,14 @@ class Chunk:
 
 
 def learning_sha256() -> str:
-    """Hash over the code of this package and of what a campaign's figures depend on."""
+    """Hash over the code of this package and the code on which a campaign's figures depend."""
     return batch_sha256("sequences")
 
 
 def run_specs(base: RunSpec, scenario: AnyScenario, seed: int, runs: int) -> list[RunSpec]:
     """The runs of a sequence, in order.
 
-    In a system whose runs have no numbers, each run has a seed of its own instead: that of the sequence and the next
+    In a system whose runs have no numbers, each run has a seed of its own instead: the sequence's seed and the next
     ones.
 
     :param base: any of its runs.
@@ -90,7 +90,7 @@ def run_specs(base: RunSpec, scenario: AnyScenario, seed: int, runs: int) -> lis
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """What is run; to resume it, its identity must be the same."""
+    """Sequences to be run; to resume them, the identity must be the same."""
 
     request: Request
     scenario: AnyScenario
@@ -98,7 +98,7 @@ class Plan:
 
     @property
     def judging(self) -> Judging:
-        """How the runs are judged."""
+        """The system's part that judges the runs."""
         return judging_of(self.scenario)
 
     @property
@@ -138,7 +138,7 @@ class Plan:
 
     @property
     def identity(self) -> dict[str, Any]:
-        """What must be unchanged when it is resumed."""
+        """The values that must be unchanged when it is resumed."""
         given = self.law.parameters
         return asdict(self.request) | {
             "perturbed": self.perturbed,
@@ -189,12 +189,12 @@ def make_plan(request: Request) -> Plan:
 
 
 def _check_unseen(plan: Plan, last: int) -> None:
-    """Refuse seeds on which the law's parameters were tuned or chosen: what is learned there is no evaluation.
+    """Refuse seeds on which the law's parameters were tuned or chosen: learning there is no evaluation.
 
     :param last: seed of the last run.
     :raises InputError: there is such a seed.
     """
-    # Runs that are not perturbed draw nothing else, so that only a file can be of the same runs.
+    # Runs that are not perturbed draw nothing else, so only a file can be from the same runs.
     drawn = plan.perturbed or plan.scenario.every_run_is_drawn
     seeds = range(plan.seeds.start, last + 1)
     if drawn:

@@ -1,4 +1,4 @@
-"""Records a sequence: one run folder after another, each run beginning with what the last one has left."""
+"""Records a sequence: one run folder after another, each run beginning with the memory that the last one has left."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ def begin(first: RunSpec, scenario: AnyScenario, runs: int, out: str | None) -> 
 
 
 def _check_same(evidence: Evidence, first: RunSpec, runs: int, folder: Path) -> None:
-    """Refuse to go on with something else. Raises InputError."""
+    """Refuse to resume with another request. Raises InputError."""
     if (evidence.first.as_json(), evidence.runs) != (first.as_json(), runs):
         raise InputError(folder / SEQUENCE, "", Words("another sequence"), "the same one to go on, or another --out")
     for difference in differences(folder, evidence):
@@ -78,7 +78,7 @@ def _check_same(evidence: Evidence, first: RunSpec, runs: int, folder: Path) -> 
 def record(folder: Path, evidence: Evidence, scenario: AnyScenario, first: RunSpec, told: Told) -> Evidence:
     """Make the runs that are missing.
 
-    :param first: that of the evidence, with where and how the runs are made.
+    :param first: first run of the evidence, with the settings with which the runs are made.
     :raises Broken: a run is not trustworthy, or was stopped.
     :raises NeverBegan: a run was refused.
     :raises RecordFailed: the folder cannot be written.

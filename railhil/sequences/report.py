@@ -67,7 +67,7 @@ def _examples(plan: Plan, table: pa.Table) -> list[Any]:
 def _example(plan: Plan, table: pa.Table, number: int, values: Mapping[str, Any] | None) -> Record:
     """One run of the first sequence, made again.
 
-    :param values: what the run before it has left.
+    :param values: left by the run before it.
     """
     law = plan.law.controller
     memory = no_memory(law, Path("memory"))

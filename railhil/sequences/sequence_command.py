@@ -116,7 +116,8 @@ def _record(
 
 @contextmanager
 def _page(port: int | None, folder: Path, has_runs: bool) -> Iterator[Callable[[], None]]:
-    """The page of a sequence (``railhil panel FOLDER``); it needs a finished run: call what is yielded after each."""
+    """The page of a sequence (``railhil panel FOLDER``); it needs a finished run: call the yielded function after
+    each."""
     if port is None:
         yield lambda: None
         return

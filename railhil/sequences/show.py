@@ -34,7 +34,7 @@ def _rows(measure: Mapping[str, Any]) -> Table:
 
 
 def converged(measure: Mapping[str, Any], sequences: int) -> str:
-    """How many runs the sequences need, in words."""
+    """Number of runs that the sequences need, in words."""
     found = measure["converged"]
     inside = f"{count_of(found['in_a_row'], 'run')} in a row within {found['limit']:g} {measure['unit']}"
     if not found["sequences"]:

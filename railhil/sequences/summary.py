@@ -1,7 +1,7 @@
 """``summary.json`` of ``railhil learn``: measures by the number of the run and over the last runs, runs to converge.
 
 Errors are magnitudes. A run without a value (the train did not stop) is outside every limit and infinitely bad in the
-quantiles; means are of the runs with a value, and their number is given.
+quantiles. Means are over the runs with a value, and their number is given.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ def tail_runs(runs: int) -> int:
 
 
 def runs_to_converge(errors: Floats, limit: float, in_a_row: int) -> Floats:
-    """First of so many successive runs inside the limit, counted from 1; infinite for a sequence without.
+    """First of so many successive runs inside the limit, counted from 1; infinite for a sequence without such runs.
 
     :param errors: magnitudes, shape (sequences, runs), NaN where a run has none.
     :returns: shape (sequences,).
@@ -94,7 +94,7 @@ def _measure(values: Floats, measure: SequenceMeasure) -> dict[str, Any]:
 
 
 def _counts(table: pa.Table, column: str) -> dict[str, int]:
-    """How often each text of a column occurs; lists are counted by their items."""
+    """Number of occurrences of each text in a column; lists are counted by their items."""
     found: dict[str, int] = {}
     for value in table[column].to_pylist():
         for text in value if isinstance(value, list) else [value]:

@@ -18,7 +18,7 @@ from railhil.sequences.one import OneRun
 from railhil.sequences.plan import Chunk, Plan
 from railhil.study.table import NotThePart
 
-#: Columns besides those of a campaign: seed of the sequence, number of the run in it, the slot that it began with,
+#: Columns that a campaign does not have: seed of the sequence, number of the run in it, the slot that it began with,
 #: slots that could not be used, hashes of the memory before and of the record after it, the record's values as JSON.
 _OWN = (
     pa.field("sequence", pa.int64(), nullable=False),

@@ -1,6 +1,6 @@
-"""For tests of users: the bench in pytest (:mod:`railhil.pytest_plugin`), its runs, and units.
+"""Tests of users: the bench in pytest (:mod:`railhil.pytest_plugin`), its runs, and units.
 
-How to: docs/testing.md. Importing this loads nothing else; modules are loaded when a name is first used.
+Guide: docs/testing.md. Importing this package loads nothing else; modules are loaded when a name is first used.
 """
 
 from __future__ import annotations

@@ -55,7 +55,7 @@ class Bench:
 
         :param spec: further arguments of :func:`railhil.run`, such as ``scenario``, ``controller``, ``settings``,
             ``faults``; they override the marker ``railhil``.
-        :raises InputError: anything that is not allowed, in one line.
+        :raises InputError: an argument is not allowed; one line.
         :raises NeverBegan: the nodes refused the run, or no frame came.
         """
         given = self._given(seed, perturbed, spec)
@@ -68,7 +68,7 @@ class Bench:
     def start(self, *, seed: int = 0, perturbed: bool = False, **spec: Any) -> Live:
         """A run whose clock the test holds; arguments as in :meth:`run`. Always in this process.
 
-        :raises InputError: anything that is not allowed; the session has a bus on which nobody can hold the clock.
+        :raises InputError: an argument is not allowed, or the session has a bus whose clock the test cannot hold.
         """
         if self.settings.bus != "local":
             found = Words(f"bus {self.settings.bus}")
@@ -121,7 +121,8 @@ class Bench:
         return [f"{folder}: {_counted(causes)}" for folder, causes in found if causes]
 
     def facts(self) -> list[tuple[str, str]]:
-        """Properties of the finished runs for the JUnit report; those of the second have ``.2`` after their names."""
+        """Properties of the finished runs for the JUnit report; properties of the second run have ``.2`` after their
+        names."""
         found = []
         for number, run in enumerate(self.runs, 1):
             end = "" if number == 1 else f".{number}"
@@ -154,7 +155,7 @@ class Bench:
         return lines
 
     def keep_certificates(self) -> None:
-        """Of each run folder, keep only the certificate, with which ``railhil rerun`` makes the rest again."""
+        """Keep only the certificate of each run folder; ``railhil rerun`` makes the rest again from it."""
         for run in self.runs:
             for path in run.folder.iterdir():
                 if path.name != CERTIFICATE:

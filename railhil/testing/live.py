@@ -29,7 +29,7 @@ from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 from railhil.testing.result import Run
 
-#: What a signal is compared with: a number, a word of its value table, or a function of its value.
+#: Wanted value of a signal: a number, a word of its value table, or a function of its value.
 Wanted = float | str | Callable[[float], object]
 
 
@@ -119,7 +119,7 @@ def _unknown(what: str, name: str, allowed: list[str]) -> str:
 
 #: A truth of the run to wait for: a value to be reached from either side, or a function of it.
 Truth = float | Callable[[float], object]
-#: What may follow the condition of a fault.
+#: Text that may follow the condition of a fault.
 _TAIL = re.compile(r"\s(x\d+|for|until|after|seed|units?|combine|id|expect)(?=\s|$)")
 
 
@@ -186,7 +186,7 @@ class Live:
         self.close()
 
     def close(self) -> None:
-        """End the run here, unless it has ended; nothing is recorded of one that has not begun."""
+        """End the run here, unless it has ended; a run that has not begun leaves no record."""
         if not self._begun:
             self._run.log.close()
         elif self.result is None:
@@ -215,7 +215,7 @@ class Live:
 
     @property
     def time_s(self) -> float:
-        """Simulation time: that of the current tick, whose telegrams have all been sent."""
+        """Simulation time of the current tick, whose telegrams have all been sent."""
         return self._plant.plant.tick * self._tick_ns / 1e9
 
     @property
@@ -235,8 +235,8 @@ class Live:
     def inject(self, fault: str) -> None:
         """Inject a fault from the next tick on, or when its own condition is met.
 
-        The run is made again up to now with the fault, so that its record is that of a run with all its faults given
-        from the start: ``railhil rerun`` repeats it.
+        The run is made again up to now with the fault. Its record therefore equals the record of a run that has all its
+        faults from the start, and ``railhil rerun`` repeats it.
 
         :param fault: in the fault language, ``"pantograph off"``, ``"TRN_SPEED loss 30% for 5s"``; with ``@WHEN`` for a
             later instant, place or event.
@@ -288,7 +288,7 @@ class Live:
         position: Truth | None = None,
         **signals: Wanted,
     ) -> float:
-        """Advance until all that is named is true; returns the simulation time.
+        """Advance until all given conditions are true; returns the simulation time.
 
         :param port: wait for its signals to be as wanted: a number, a word of the port table, or a function.
         :param speed: true speed in m/s, ``position`` in m: reached from either side, or a function.
@@ -338,7 +338,7 @@ class Live:
         return self.time_s
 
     def _truth(self, name: str, wanted: Truth) -> tuple[Callable[[], bool], Callable[[], str]]:
-        """Whether a truth is reached, and how it is now."""
+        """Whether a truth is reached, and its present value in words."""
         truth = self.scenario.installed_system.truth
         signal = str(getattr(truth, name)) if truth is not None else ""
         if truth is None or not signal:

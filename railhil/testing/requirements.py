@@ -1,4 +1,4 @@
-"""Which requirements the tests of a session show, and with what result."""
+"""The requirements that the tests of a session show, and the results."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pathlib import Path
 PROPERTY = "requirement"
 #: Name of the table in the folder of the session's runs.
 FILE_NAME = "requirements.csv"
-#: Outcomes of pytest -> what they say about a requirement; the worst comes first.
+#: Outcomes of pytest -> result of a requirement; the worst comes first.
 _SAYS: Mapping[str, str] = {
     "error": "FAILED",
     "failed": "FAILED",

@@ -19,10 +19,10 @@ from railhil.scenarios.run_spec import RunSpec
 
 @dataclass(frozen=True, slots=True)
 class Injected:
-    """One fault of a run. Times are simulation time in s; None: it did not.
+    """One fault of a run. Times are simulation time in s; None: it did not happen.
 
     ``text``: in the fault language, with all values drawn. ``begun_s``: it became active; ``effect_s``: it first
-    changed something; ``ended_s``. ``hits``: how many telegrams, samples or processes it has changed.
+    changed something; ``ended_s``. ``hits``: number of telegrams, samples or processes that it has changed.
     """
 
     text: str
@@ -63,7 +63,7 @@ def watch_times_s(events: Sequence[RecordedEvent], level: str) -> list[tuple[flo
 
 
 class Reaction:
-    """When the watches were at a level or above it.
+    """Times in which the watches were at a level or above it.
 
     :param times_s: begin and end of each time.
     :param effect_s: fault -> simulation time of its first effect.
@@ -81,12 +81,12 @@ class Reaction:
 
     @property
     def time_s(self) -> float:
-        """When a watch first came to the level; infinite if none did."""
+        """Time at which a watch first came to the level; infinite if none did."""
         return min((begun_s for begun_s, _ in self.times_s), default=math.inf)
 
     def after_s(self, fault: str | int | Injected) -> float:
-        """Time from the first effect of a fault until a watch came to the level; infinite if none did, so that no bound
-        is met; 0 if one was there already.
+        """Time from the first effect of a fault until a watch came to the level. It is infinite if none did, so that no
+        bound is met, and 0 if a watch was there already.
 
         :param fault: its text as given to the run, its place in ``run.faults``, or one of these.
         :raises AssertionError: the fault has changed nothing.
@@ -111,9 +111,10 @@ def disturbed(counters: Mapping[str, int]) -> dict[str, int]:
 
 
 def disturbed_events(events: Iterable[RecordedEvent]) -> dict[str, int]:
-    """Telegrams that the record shows as lost or refused, by what, port and cause; empty for a healthy bus.
+    """Telegrams that the record shows as lost or refused, by event, port and cause; empty for a healthy bus.
 
-    No counter of a node shows what was changed before all of them, or what another node of the bus should have taken.
+    The counters of the nodes show neither a telegram that was changed before all nodes nor one that another node of the
+    bus should have taken.
     """
     found: Counter[str] = Counter()
     for event in events:
@@ -190,16 +191,16 @@ class Run:
 
     @property
     def events(self) -> tuple[RecordedEvent, ...]:
-        """What happened, in order."""
+        """The events of the run, in order."""
         return self.outcome.events
 
     @cached_property
     def faults(self) -> tuple[Injected, ...]:
-        """What became of the faults of the run: those of its scenario, then those of the test."""
+        """The faults of the run and their effects: first the scenario's faults, then the test's."""
         return injected(self.folder)
 
     def reaction(self, level: str) -> Reaction:
-        """When the watches came to a level, or above it.
+        """Times in which the watches were at a level, or above it.
 
         :param level: ``HOLD``, ``TRACTION CUT``, ``SERVICE BRAKE``, ``EMERGENCY``, or a word of the system's watches.
         :raises ValueError: no watch has this level.
@@ -249,8 +250,8 @@ class Run:
     def disturbed(self) -> dict[str, int]:
         """Frames lost, refused or out of order, by cause; empty on a healthy bus.
 
-        From the counters of the nodes, and in lockstep from the events of the record too: in real time a frame may be
-        late because the machine is busy.
+        They come from the counters of the nodes, and in lockstep also from the events of the record: in real time a
+        frame may be late because the machine is busy.
         """
         shown = {} if self.spec.is_realtime else disturbed_events(self.events)
         return {**disturbed_run(self.folder), **shown}

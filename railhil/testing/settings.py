@@ -46,9 +46,10 @@ class Settings:
 def settings_from(given: Callable[[str], tuple[str, str]], folder: Path) -> Settings:
     """The settings of a session.
 
-    :param given: for the name of an option, its text and what the user calls it; the text is empty if nobody gave it.
-    :param folder: relative to which ``runs`` is.
-    :raises ValueError: one that is not allowed, in one line.
+    :param given: name of an option -> its text and the user's name for it; the text is empty if the option was not
+        given.
+    :param folder: folder to which ``runs`` is relative.
+    :raises ValueError: a setting is not allowed; one line.
     """
     said = {name: given(name) for name in OPTIONS}
 

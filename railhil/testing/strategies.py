@@ -33,7 +33,7 @@ def faults(
     """Lists of faults in the fault language that a lockstep run of a scenario in one process can inject.
 
     :param scenario: shipped name or TOML file; its timetable bounds the instants, its system the places.
-    :param min_size, max_size: how many faults.
+    :param min_size, max_size: number of faults.
     :raises InputError: there is no such scenario.
     """
     loaded = load_any(scenario, settings)
@@ -46,7 +46,7 @@ def faults(
     def fault(draw: st.DrawFn) -> Fault:
         word, place = draw(st.sampled_from(places))
         values = {one.name: draw(_value(one, place, ports)) for one in word.parameters if one.usual is None}
-        # Counted from the end, so that what is simpler is later.
+        # Counted from the end, so that a simpler fault is later.
         trigger = Trigger("time", round((last - draw(st.integers(0, last))) * _STEP_S, 2))
         steps = draw(st.integers(1, round(_LONGEST_S / _STEP_S))) if word.lasts else 0
         duration_s = round(steps * _STEP_S, 2) if steps else None

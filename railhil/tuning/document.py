@@ -15,7 +15,7 @@ from railhil.tuning.search import Box, Found, Protocol
 
 _HEAD = "# Written by railhil tune. Parameters of the law that are not named here keep their defaults.\n"
 _DIGITS = 6
-#: Code on which the search depends, in addition to that of the bench.
+#: Code on which the search depends, in addition to the bench's.
 _OWN_CODE = ("batch", "bench.py", "tuning")
 
 
@@ -29,7 +29,7 @@ def _made_by(system: str, law: str) -> dict[str, str | None]:
 
 
 def changes(given: ParameterSet, system: str) -> list[str]:
-    """One sentence for each part of the code that is not that by which a file was made; none for a file by hand."""
+    """One sentence for each part of the code that differs from the code that made a file; none for a file by hand."""
     return code_changes(given.notes, _made_by(system, given.law), "the search") if given.notes else []
 
 
@@ -39,7 +39,7 @@ def notes(protocol: Protocol, found: Found) -> dict[str, Any]:
     reference = protocol.scenario.installed_system.law
     return {
         "scenario_sha256": protocol.scenario.sha256,
-        # TOML has no word for none.
+        # TOML has no value for None.
         **{key: value for key, value in own.items() if value is not None},
         **protocol.law.how,
         "method": f"differential evolution of scipy {version('scipy')}",

@@ -23,7 +23,7 @@ _QUANTILES = (("median", 0.5), ("p95", 0.95))
 
 @dataclass(frozen=True, slots=True)
 class Evaluation:
-    """Runs of one law with its own parameters and with those of a file, on the same seeds.
+    """Runs of one law with its own parameters and with the parameters of a file, on the same seeds.
 
     ``seen``: seeds among them on which the file's parameters were tuned.
     """

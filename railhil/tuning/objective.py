@@ -5,10 +5,10 @@ For each run::
 
     stop error / its limit  +  time error / its limit  +  ITAE / I  +  energy / E  +  comfort / C
 
-(each criterion of the system), with the limits of the scenario's plan, and I, E,
-C the medians of IPFC with its published parameters on the same runs: a fixed scale on which every score of a good law
-is about 1. A train that does not stop has the maximum stop and time terms (``TERM_MAX`` each); overspeed adds
-``EXTRA`` plus its amount in km/h. The objective is the mean over the runs, so that every run matters.
+(each criterion of the system), with the limits of the scenario's plan. I, E and C are the medians of IPFC with its
+published parameters on the same runs: a fixed scale on which every score of a good law is about 1. A train that does
+not stop has the maximum stop and time terms (``TERM_MAX`` each); overspeed adds ``EXTRA`` plus its amount in km/h. The
+objective is the mean over the runs, so that every run matters.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ EXTRA = 10.0
 class Scale:
     """The divisors of the scores, in their units.
 
-    ``limits``: those of the scenario, by the key of the limit; ``medians``: of the reference's runs, by criterion.
+    ``limits``: of the scenario, by the key of the limit; ``medians``: of the reference's runs, by criterion.
     ``judging``: of the system, with its criteria and extras.
     """
 

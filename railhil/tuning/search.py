@@ -1,8 +1,8 @@
 """The search: differential evolution within the bounds declared by a law, with the same number of evaluations for every
 law.
 
-Candidates are rounded to six significant digits *before* they are evaluated, so the file holds exactly what was
-evaluated. A parameter whose bounds are positive and a factor of ten or more apart is searched on a logarithmic scale.
+Candidates are rounded to six significant digits *before* they are evaluated, so the file holds exactly the evaluated
+values. A parameter whose bounds are positive and a factor of ten or more apart is searched on a logarithmic scale.
 """
 
 from __future__ import annotations
@@ -57,8 +57,8 @@ class Protocol:
 class Found:
     """The best parameters, and how they were found; ``complete`` is false after Ctrl-C.
 
-    ``laid_aside``: why the best parameters were discarded after the evaluation on other runs, in which case ``values``
-    are the law's own.
+    ``laid_aside``: the reason why the evaluation on other runs discarded the best parameters. ``values`` are then the
+    law's own.
     """
 
     values: Mapping[str, float]

@@ -22,7 +22,7 @@ class Trials:
     """Training runs of one law. The system's default law, with its own parameters, sets the scale of the objective.
 
     :param scenario: of a system with the part ``parameter_batch``.
-    :param law: its arithmetic is :data:`ARITHMETIC`, its parameters are those of the candidates.
+    :param law: its arithmetic is :data:`ARITHMETIC`, its parameters come from the candidates.
     :param seeds: of the perturbed runs.
     """
 

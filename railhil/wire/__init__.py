@@ -1,1 +1,1 @@
-"""Telegrams of the systems that come with the bench, made from their port tables, and what their numbers mean."""
+"""Telegrams of the systems that come with the bench, made from their port tables, and the meaning of their numbers."""

@@ -1,4 +1,4 @@
-"""Telegrams and enumerations of the system ``hst1``, made from ``dbc/hst1.toml``; those of ``emu3`` are in
+"""Telegrams and enumerations of the system ``hst1``, made from ``dbc/hst1.toml``; the telegrams of ``emu3`` are in
 :func:`railhil.wire.power_units.wire`.
 
 Declarations for type checkers are in ``high_speed.pyi``, which ``setup.py`` writes.

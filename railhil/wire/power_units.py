@@ -1,6 +1,6 @@
 """The wire contracts of the systems of high-speed trains: ``hst1`` has one power unit, ``emu3`` three.
 
-What belongs to a unit has one layout and a port for each unit.
+The telegrams of a unit have one layout, and a port for each unit.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ ACCEL_PER_MPS2 = 1000.0
 TRUE_PER_UNIT = 10_000.0
 #: Figures that the laws report for each unit, with their counts per unit of measure.
 NOTES: Mapping[str, float] = {"model_error": 10_000.0, "xi": 10_000.0, "gain": 1000.0, "delay": 1000.0}
-#: Modes of a command: what it asks for, and ``SAFE`` while the controller has no readings to compute it from.
+#: Modes of a command: the requested action, and ``SAFE`` while the controller has no readings to compute it from.
 COAST, TRACTION, BRAKE, EMERGENCY, SAFE = map(int, UnitMode)
 
 

@@ -35,7 +35,7 @@ _COMMAND_BYTES = 4096
 
 
 class CommandError(ValueError):
-    """An unknown command; the text says what was found and what is allowed."""
+    """An unknown command; the text says which words were found and which are allowed."""
 
 
 class Emulator:

@@ -1,4 +1,4 @@
-"""Figure 6 and tables 2 and 3 of the paper, and those of railhil's specification; bands; statements."""
+"""Figure 6 and tables 2 and 3 of the paper, and tables of railhil's specification; bands; statements."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ PRINTED = TEXT.published
 _BENCH = ("bench",)
 _RUNS_TITLE = "runs until converged"
 _NONE = filter_key(runs.NONE)
-#: One is better than another only if its mean error is this much less.
+#: A law is better than another only if its mean error is this much less.
 _MARGIN = 0.1
 #: The trains with scatter: title, key, whether something is learned.
 _CLOSED = (

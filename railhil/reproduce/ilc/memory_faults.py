@@ -1,4 +1,4 @@
-"""Memories that are damaged after eight runs: what the ninth run and the next ones do."""
+"""Memories that are damaged after eight runs, and their effect on the ninth run and the next ones."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ if TYPE_CHECKING:
     # Needs the extra [campaign].
     from railhil.sequences.one import OneRun
 
-#: Runs before the fault, and from it on.
+#: Number of runs before the fault, and from it on.
 BEFORE, AFTER = 8, 10
 #: Recovered: the first of so many runs in a row within this, m; without a fault a run is seldom outside.
 RECOVERED_M, _IN_A_ROW = 0.5, 3
 #: Largest offset that a law accepts, m.
 _OFFSET_MAX_M = 12.0
-#: What the page has of each fault: mean error with sign and largest error of the ninth run, largest error from it on,
+#: Figures of each fault on the page: mean error with sign and largest error of the ninth run, largest error from it on,
 #: runs until recovered, share of the runs in which the law has seen the fault.
 ERROR, WORST_AT_ONCE, WORST, RECOVERED, RECOVERED_P90, SEEN = (
     "error_m", "worst_at_once_m", "worst_m", "recovered", "recovered_p90", "seen",
@@ -75,7 +75,7 @@ FAULTS: Mapping[str, _Fault] = {
         memory, lambda one: _with_offset(one, lambda b: -b)
     ),
 }
-#: Those that nothing can detect: their CRC is correct.
+#: Faults that no law can detect: the CRC is correct.
 UNDETECTED = tuple(name for name in FAULTS if name.startswith("undetected"))
 DETECTED = tuple(name for name in FAULTS if name != "none" and name not in UNDETECTED)
 

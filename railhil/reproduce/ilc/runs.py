@@ -17,9 +17,9 @@ from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 
 TEXT = read_text(__package__)
-#: Runs of a sequence, and where nothing is learned.
+#: Runs of a sequence, and runs of one in which nothing is learned.
 RUNS, FEW = 15, 3
-#: Filters of table 3: that of the paper, none, and others.
+#: Filters of table 3: the paper's, none, and others.
 PACKET, NONE = "packet", "none"
 FILTERS = (NONE, PACKET, "packet_8", "packet_newest", "packet_antireflect", "mean16", "fir65", "iir", "kalman")
 #: Learning gains; 0: the rule max(1/j, 0.3).
@@ -31,7 +31,7 @@ CYCLES_MS = (16, 48)
 SCATTERS = (0.001, 0.005, 0.01, 0.02)
 #: A tolerance with two sides, without a fallback.
 WINDOW = "window-0.1"
-#: Where memories are damaged.
+#: Sets whose memories are damaged.
 MEMORY = "memory-faults"
 
 #: The paper's law, and ours, on the train with scatter.
@@ -102,12 +102,12 @@ LAST_RMS_HELD = of_last("rms_without_slide")
 
 _OWN, _OURS, _ARITHMETIC = "ilc_stop", "reaim", "float64"
 _SCENARIO, _CLOSED = "yizhuang_stop", "yizhuang_stop_closed"
-#: The laws' model is that of the train, and the line is level.
+#: The laws' model equals the train, and the line is level.
 _EXACT = ("task.true.delay_s=0.6", "task.true.lag_s=0.4", "task.true.gain=1", "task.grade=[[0, 0]]")
 #: Parameters: the law's own; nothing is learned.
 _USUAL: Mapping[str, Any] = {}
 _FIXED: Mapping[str, Any] = {"learning": "none"}
-#: What the entries with scatter have beside it.
+#: Scatter of the delay in the entries with scatter.
 _DELAY_SCATTER = "task.true.delay_run_sigma_s=0.02"
 #: A sequence has converged at the first of so many runs in a row within the limit (m).
 _CONVERGED_M, _IN_A_ROW = 0.3, 3

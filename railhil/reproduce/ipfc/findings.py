@@ -30,7 +30,7 @@ from railhil.systems.ato.judge.measures import KMH
 if TYPE_CHECKING:
     from railhil.report.pictures import Picture
 
-#: By how many percent IPFC is better than each law in use, by score.
+#: Percentage by which IPFC is better than each law in use, by score.
 _BETTER = PRINTED["better_percent"]
 #: The laws that the paper calls widely used.
 _IN_USE = ("tdmc", "fuzzy_pid")
@@ -87,7 +87,7 @@ def _make_score_lines(results: Results) -> Iterator[Line]:
 
 
 def compute_improvement(results: Results, arithmetic: str, name: str, other: str) -> float | None:
-    """By how many percent a score of IPFC is less than that of another law."""
+    """Percentage by which a score of IPFC is less than another law's."""
     return _compute_reduction(*(find_median(results, law, arithmetic, name) for law in ("ipfc", other)))
 
 
@@ -189,7 +189,7 @@ def _find_missed(results: Results, law: str) -> Iterator[str]:
 
 
 def _check_curves(results: Results) -> Iterator[Finding]:
-    """What the text reads from figures 7 to 9."""
+    """Statements that the text reads from figures 7 to 9."""
 
     def show(value: float | None) -> str:
         return "-" if value is None else f"{decimal(value, 3)} km/h"

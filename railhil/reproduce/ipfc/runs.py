@@ -20,9 +20,9 @@ from railhil.systems.ato.judge.score import score
 from railhil.systems.ato.scenario.model import Scenario
 
 SCENARIO = "lvshun_tieshan"
-#: The equations as they are, and the fixed point of the paper's TMS320F28335.
+#: The equations in double precision, and the fixed point of the paper's TMS320F28335.
 ARITHMETICS = ("float64", "iq")
-#: The arithmetic of the figures and of the statements: that of the paper's controller.
+#: The arithmetic of the figures and of the statements, as in the paper's controller.
 USUAL = "iq"
 #: Speed error over the run, in km/h: root mean square, largest, and root mean square of its change from one control
 #: period to the next.
@@ -79,7 +79,7 @@ class Drawable:
 
 
 def curves(outcome: Outcome) -> Drawable:
-    """What the figures show of a run."""
+    """The curves of a run in the figures."""
     return Drawable(_curves(outcome), score(load_scenario(), outcome.trace))
 
 

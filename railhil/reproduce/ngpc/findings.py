@@ -55,7 +55,7 @@ if TYPE_CHECKING:
 PRINTED = TEXT.published
 _OVER_SEEDS = ("mean", "least", "greatest")
 _TITLES = {WHOLE: "RMSE", BRAKING: "RMSE", WINDOWS: "RMSE in the windows", STOP_M: "stop"}
-#: Where the paper compares its law with another one: statement, situation, figure of the run, the other law.
+#: Comparisons of the paper's law with another one: statement, situation, figure of the run, the other law.
 _COMPARED = (
     ("normal", NORMAL, WHOLE, MULTI_MODEL),
     ("emergency", EMERGENCY, BRAKING, MULTI_MODEL),
@@ -89,7 +89,7 @@ def _find_mean(results: Results, situation: str, law: str, name: str) -> float |
 
 
 def _make_band(situation: str, law: str, least: float | None, most: float, name: str = "") -> Band:
-    """Bounds of the mean of a figure over the seeds, by default of how well the target is followed."""
+    """Bounds of the mean of a figure over the seeds, by default of the error from the target."""
     name = name or SITUATIONS[situation].rmse
     unit, digits = ("m", 1) if name == STOP_M else ("km/h", 4)
     needs = partial(_list_keys, situation, law)
@@ -130,7 +130,7 @@ def compare(results: Results) -> list[Table]:
 
 
 def _count_runs(results: Results, keys: Sequence[str]) -> str:
-    """How many runs the figures come from, in words."""
+    """Number of runs that the figures come from, in words."""
     return count_of(len(results.made(keys)), "run")
 
 
@@ -141,7 +141,7 @@ def _find_model_errors(results: Results, kind: str) -> tuple[float | None, ...]:
 
 
 def _compute_effort(results: Results, law: str) -> float | None:
-    """Cycles of a law's control period, in units of those of ELM-NGPC."""
+    """Cycles of a law's control period, in units of the cycles of ELM-NGPC."""
     return quotient(*(results.value(effort_key(name), CYCLES) for name in (law, ELM)))
 
 

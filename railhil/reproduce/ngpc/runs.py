@@ -23,8 +23,8 @@ from railhil.systems.high_speed.ride import Ride
 from railhil.wire.power_units import wire
 
 TEXT = read_text(__package__)
-#: The law of the paper with one unit, its comparators, the baselines that a law with a network is judged against, and
-#: the best of railhil's own.
+#: The law of the paper with one unit, its comparators, the baselines for a law with a network, and the best of
+#: railhil's own.
 ELM, BP, MULTI_MODEL, ADAPTIVE = "elm_ngpc", "bp_ngpc", "mm_gpc", "a_gpc"
 LAWS = (ELM, BP, MULTI_MODEL, ADAPTIVE, "pid", "pid_ff", "gpc", "res_ngpc", "os_elm_ngpc", "delay_gpc")
 PID, RESIDUAL, DELAY = "pid", "res_ngpc", "delay_gpc"
@@ -46,7 +46,7 @@ UNITS_RMSE, SPREAD, COUPLER_KN = "units_rmse_kmh", "spread_kmh", "coupler_peak_k
 CYCLES = "cycles"
 #: Sampling periods of the modelling error, s.
 PERIODS_S = (0.5, 1.0, 2.0, 4.0)
-#: Begin and duration of the mutations of jinan_xuzhou_mutation, s; those of the other situations are at the same times.
+#: Begin and duration of the mutations of jinan_xuzhou_mutation, s. The other situations have theirs at the same times.
 WINDOWS_S = ((1030, 80), (2800, 90), (3590, 85))
 
 
@@ -54,8 +54,8 @@ WINDOWS_S = ((1030, 80), (2800, 90), (3590, 85))
 class Situation:
     """Journeys of one kind.
 
-    ``rmse``: the figure that says how well the target is followed. ``fault``: in the windows of the mutation.
-    ``parameters``: of the laws, where not their own; ``file``: for them.
+    ``rmse``: the figure of the error from the target. ``fault``: in the windows of the mutation. ``parameters``: of the
+    laws, where not their own; ``file``: for them.
     """
 
     scenario: str
@@ -96,7 +96,7 @@ _UNITS_SCENARIO: Mapping[str, str] = {"free": "jinan_xuzhou_emu3", "coupled": "j
 _SHORT, _COUNTED = "hst_short", "float32"
 #: The papers simulate on a computer.
 _ARITHMETIC = "float64"
-#: A record to test models on is driven by this law with a square wave of 0.05 m/s2 (reading D14).
+#: This law with a square wave of 0.05 m/s2 drives the runs whose records test models (reading D14).
 _DRIVER, _DITHER, _DITHER_MPS2 = PID, "dither_mps2", 0.05
 #: Sampling period of the laws, s; points of a drawn curve are one of these apart.
 _PERIOD_S = 1.0
@@ -194,7 +194,7 @@ def measure(outcome: Outcome) -> dict[str, float | None]:
 
 
 def compute_windows_rmse_kmh(ride: Ride) -> float | None:
-    """RMSE of the speed inside the windows of the mutation, as far as the run is scored there; None: it is not."""
+    """RMSE of the speed inside the windows of the mutation, in the part of the run that is scored; None: no part is."""
     time_s = ride.time_s
     inside = np.any([(time_s >= begin_s) & (time_s < begin_s + long_s) for begin_s, long_s in WINDOWS_S], axis=0)
     errors = ride.error_kmh[inside & ride.scored]
@@ -203,7 +203,7 @@ def compute_windows_rmse_kmh(ride: Ride) -> float | None:
 
 @dataclass(frozen=True, slots=True)
 class Drawable:
-    """What is drawn of a run: arrays of shape (n,), about a second apart."""
+    """The drawn curves of a run: arrays of shape (n,), about a second apart."""
 
     position_m: FloatArray
     target_kmh: FloatArray
