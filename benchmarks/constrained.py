@@ -1,5 +1,4 @@
-"""Measures the benefit of constraints for a high-speed train: ``python -m benchmarks.constrained`` prints laws beside
-delay_qp.
+"""Constraints for a high-speed train: ``python -m benchmarks.constrained`` measures delay_qp beside other laws.
 
 Normal running, emergency, mutation and a longer delay of one power unit, and normal running of three units without and
 with couplers, each without a bus, with seeds from which no parameter was made. Means over the seeds. RMSE: of the speed

@@ -42,7 +42,8 @@ _LOOK_NS: Final = 100_000_000
 
 
 class SendQueue:
-    """What the administrator sends, in order: the telegrams it publishes, and polls, with which all of it leaves.
+    """Output of the administrator, in order: the telegrams that it publishes, and polls. A poll sends everything before
+    it.
 
     :param contract: wire contract of the run's system; the administrator publishes the ports of the plant.
     :param fd: send the CAN FD form.
@@ -93,7 +94,7 @@ class SendQueue:
                 self._queue = queue
 
     def flush(self) -> None:
-        """Send what is queued."""
+        """Send the queue."""
         # The queue is emptied first: a signal in the middle of sending ends the run and sends its last event
         # afterwards. The frames of this queue must not go out twice.
         if packet := self._packet:
@@ -105,7 +106,7 @@ class SendQueue:
             self._endpoint.send(queue)
 
     def poll(self, port: Port) -> None:
-        """Send what is queued, and the poll of a port after it."""
+        """Send the queue, and the poll of a port after it."""
         if self._packed is not None:
             self._packet += self._polls[port.name]
         else:

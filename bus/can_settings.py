@@ -12,7 +12,7 @@ import sys
 from collections.abc import Iterator, Mapping
 from typing import Any, ClassVar
 
-#: Where python-can looks for settings on Linux (``can.util.CONFIG_FILES`` and ``load_environment_config``).
+#: Files in which python-can looks for settings on Linux (``can.util.CONFIG_FILES`` and ``load_environment_config``).
 _FILES = ("~/can.conf", "/etc/can.conf", "~/.can", "~/.canrc")
 _VARIABLES = ("CAN_INTERFACE", "CAN_CHANNEL", "CAN_BITRATE", "CAN_CONFIG")
 #: Name of the hub's python-can interface.

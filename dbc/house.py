@@ -17,7 +17,7 @@ def house_contract() -> Contract:
 
 
 def own_ports(contract: Contract) -> list[Port]:
-    """The ports of a system beside those of the house."""
+    """The ports of a system beside the ports of the house."""
     house = {port.name for port in house_contract().ports}
     return [port for port in contract.ports if port.name not in house]
 

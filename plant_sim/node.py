@@ -352,7 +352,7 @@ def make_plant_node(
     sent: NodeFaults | None = None
     send_early: Callable[[Sequence[Frame]], bool] | None = None
     if scenario.faults:
-        # What injects faults is loaded only for a run with faults: it takes a tenth of the start of a node.
+        # The injector is loaded only for a run with faults, because it takes a tenth of the start of a node.
         from railhil.bus.injector.node_faults import NodeFaults
         from railhil.bus.injector.plant_side import FaultyEndpoint
         from railhil.scenarios.fault_list import injection_of

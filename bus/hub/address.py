@@ -33,7 +33,7 @@ _LOCK_TIMEOUT_S = 2.0
 
 @dataclass(frozen=True, slots=True)
 class Address:
-    """Where a hub listens: ``path``, or ``host`` and ``port``."""
+    """Address at which a hub listens: ``path``, or ``host`` and ``port``."""
 
     path: str | None
     host: str = ""

@@ -123,7 +123,7 @@ class Membership:
             self.drop(oldest, "no hello yet, and others want to connect")
 
     def stop_accepting(self) -> None:
-        """Accept nobody any more."""
+        """Accept no more clients."""
         if self._is_accepting:
             self._epoll.unregister(self._listener.fileno())
         # Prevents a client that leaves from enabling the listener again.

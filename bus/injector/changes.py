@@ -78,7 +78,7 @@ class CounterChange:
         self._modulus = 1 << signal.length
         self._last_valid: int | None = None
         self._last: int | None = None
-        # What is added to every counter after the fault.
+        # Number that is added to every counter after the fault.
         self._afterwards: int | None = None
 
     def __call__(self, frames: Telegram, now_ns: int) -> Telegram:

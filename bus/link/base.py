@@ -86,7 +86,7 @@ _TROUBLE: Final = (
 
 
 class Endpoint(Protocol):
-    """What a node needs from its connection."""
+    """The interface that a node needs from its connection."""
 
     #: Lockstep: if the queue is full or the interface down, a frame waits; otherwise it is dropped and counted.
     lossless: bool

@@ -1,4 +1,4 @@
-"""Error frames: what a CAN controller reports about itself and the bus to its own host, as in ``linux/can/error.h``.
+"""Error frames: reports of a CAN controller about itself and the bus to its own host, as in ``linux/can/error.h``.
 
 The hub's model of CAN controllers makes them; the links read them from the hub as from a real interface.
 """

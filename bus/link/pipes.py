@@ -138,7 +138,7 @@ class Pipes:
             os.close(end)
 
     def close(self) -> None:
-        """Close what is still held."""
+        """Close the ends that are still held."""
         for end in tuple(self._open):
             self._close(end)
 

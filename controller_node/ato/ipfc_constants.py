@@ -1,6 +1,6 @@
 """Parameters of the IPFC law (defaults: the paper's) and the table of constants made from them.
 
-Equation and section numbers are those of the paper (see ``ipfc``).
+Equation and section numbers refer to the paper (see ``ipfc``).
 """
 
 from __future__ import annotations

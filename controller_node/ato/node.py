@@ -79,7 +79,7 @@ class ControllerNode(LawNode):
         that the chip does not support.
     """
 
-    #: What computes the notch.
+    #: The controller that computes the notch.
     computes: ClassVar[type[Any]] = Controller
 
     def __init__(

@@ -1,6 +1,6 @@
 """Parameters and constants common to all predictive functional laws on the core of ``pfc``; defaults are the paper's.
 
-Equation and section numbers are those of the paper (see ``pfc_model``).
+Equation and section numbers refer to the paper (see ``pfc_model``).
 """
 
 from __future__ import annotations

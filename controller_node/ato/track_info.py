@@ -34,7 +34,7 @@ def ages_ns(scenario: Scenario) -> tuple[int, int]:
 
 
 class TrackInfo:
-    """What the track has told; times are those of the node's own count, from its beginning.
+    """Information from the track; times are counted by the node from its beginning.
 
     :param watched: False: no age is ever too large.
     """

@@ -1,4 +1,4 @@
-"""The CAN module of the TMS320F28335 (eCAN) as far as it affects a controller: mailboxes, losses, time stamps."""
+"""The CAN module of the TMS320F28335 (eCAN) in the parts that affect a controller: mailboxes, losses, time stamps."""
 
 from railhil.controller_node.ecan.mailboxes import Mailbox, mailbox_table
 from railhil.controller_node.ecan.module import Ecan

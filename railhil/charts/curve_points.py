@@ -65,7 +65,7 @@ def _bent(rows: Rows, values: FloatArray, allowed: float) -> Rows:
     kept, low, high = [0], -np.inf, np.inf
     for place in range(1, len(at)):
         if np.isnan(y[place]) and not np.isnan(y[place - 1]):
-            # Where a gap begins, even one of a single row.
+            # True where a gap begins, even a gap of a single row.
             kept += [place - 1, place]
             low, high = -np.inf, np.inf
             continue

@@ -89,7 +89,7 @@ def _writer(kind: _Format) -> Callable[[Content, Path], None]:
 
 
 def _places(out: str | None, folder: Path, wanted: list[str]) -> dict[str, Path]:
-    """Where each file goes."""
+    """Folder of each file."""
     if out is not None and not out.strip():
         raise InputError("command line", "--out", out, "name of a folder or file")
     place = folder if out is None else Path(out)

@@ -108,7 +108,7 @@ def main() -> int:
 
 
 def _size(source: Source) -> str:
-    """What a law needs on the target."""
+    """Resources that a law needs on the target."""
     if not source.stack_words:
         return f"in single precision: {len(source.columns)} numbers of state"
     words = source.constant_words + sum(source.table_words.values())

@@ -58,7 +58,7 @@ def print_json(document: object) -> None:
 
 
 def flush_output() -> None:
-    """Flush buffered output, so that nothing can fail later when the process ends."""
+    """Flush buffered output, so that no write can fail later when the process ends."""
     try:
         sys.stdout.flush()
     except BrokenPipeError:

@@ -142,7 +142,7 @@ _BENCH = frozenset(("RUN_EVENT", "SUP_CMD", "PLT_IDENT", "CTL_IDENT", "SUP_IDENT
 
 
 def instruments(truth: Truth | None) -> frozenset[str]:
-    """Names of the ports that no fault touches: those of the bench, and the truth of the system."""
+    """Names of the ports that no fault touches: the ports of the bench, and the truth of the system."""
     return _BENCH if truth is None else _BENCH | {truth.port, *truth.beside}
 
 

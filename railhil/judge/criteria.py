@@ -1,4 +1,4 @@
-"""Criteria: by what the runs of a system are judged. Each system defines its own, each once.
+"""Criteria by which the runs of a system are judged. Each system defines its own, each once.
 
 Score, tables, JUnit cases, campaign, tuning, audit and report iterate over such a tuple and know no criterion by name.
 """

@@ -121,7 +121,7 @@ class Record:
 
     @property
     def line(self) -> str:
-        """The reasons of the verdict, and what the watches did."""
+        """The reasons of the verdict, and the actions of the watches."""
         return explained("; ".join(self.reasons), self.why)
 
     @cached_property
@@ -155,7 +155,7 @@ class Record:
 
     @cached_property
     def label(self) -> str:
-        """What stands for the run in tables: its law, parameters and memory, as far as they are known."""
+        """Name of the run in tables: its law, parameters and memory, if they are known."""
         found = law_label(self.certificate, self.folder.name)
         if memory := _confirmed(self.certificate).get("memory"):
             found += f"@{memory['sha256'][:DIGEST_DIGITS]}"
@@ -218,7 +218,7 @@ class Record:
 
 
 def _confirmed(certificate: Mapping[str, Any]) -> Mapping[str, Any]:
-    """What may be said of the law: of a controller that has not said that it has them, nothing is known."""
+    """Confirmed facts of the law; none for a controller that has not reported them."""
     return {} if certificate.get("asked") else certificate
 
 

@@ -74,7 +74,7 @@ class StopSignals:
             self.check()
 
     def check(self) -> None:
-        """Raise here what the signal would have raised.
+        """Raise here the exception that the signal would have raised.
 
         :raises KeyboardInterrupt: SIGINT came.
         :raises Signalled: SIGTERM or SIGHUP came.

@@ -149,8 +149,8 @@ def wrap_failure(trace: Trace, status: Status | None) -> str:
 def untold_wrap(trace: Trace, status: Status | None, wraps: int) -> str:
     """Reason not to trust a run without a wrap in its record, if the controller itself has counted some; else empty.
 
-    A fault may keep the telegram from the bus or change its flags. The record then does not show what the arithmetic
-    did.
+    A fault may keep the telegram from the bus or change its flags. The record then does not show the events of the
+    arithmetic.
 
     :param wraps: wraps in the controller's own telemetry.
     """

@@ -28,7 +28,7 @@ class Handshake:
         self._heard: dict[str, Ident] = {}
         #: Disagreements between the nodes, one sentence each; the run is then not started.
         self.disagreements: list[str] = []
-        #: Handshake telegrams whose role differs from that of their port's source.
+        #: Handshake telegrams whose role differs from the role of their port's source.
         self.wrong_roles = 0
 
     def own(self) -> Ident:
@@ -36,7 +36,7 @@ class Handshake:
         return self._own
 
     def take(self, reading: Reading[Ident]) -> None:
-        """Take a handshake telegram, unless its role differs from that of its port's source."""
+        """Take a handshake telegram, unless its role differs from the role of its port's source."""
         ident = reading.telegram
         if not ident.is_own:
             self.wrong_roles += 1

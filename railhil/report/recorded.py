@@ -28,7 +28,7 @@ def distinct_labels(runs: Sequence[Record]) -> list[str]:
 
 
 def _extended(labels: Sequence[str], runs: Sequence[Record], keys: Sequence[str]) -> list[str]:
-    """Equal labels extended by what the certificates of the runs differ in, among these keys."""
+    """Equal labels extended by those of these keys in which the certificates of the runs differ."""
     found = list(labels)
     for key in keys:
         before = list(found)

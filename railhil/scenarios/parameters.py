@@ -59,7 +59,7 @@ class _Stored(BaseModel):
     training: _Training | None = None
 
 
-#: What is allowed instead of seeds on which parameters were tuned or chosen.
+#: Text on the allowed seeds, for a refusal of seeds on which parameters were tuned or chosen.
 OTHER_SEEDS = "other seeds for an evaluation, or --allow-training-seeds, which every table then says"
 
 

@@ -102,7 +102,7 @@ class System:
     audit_limits: str | None = None
     #: Exports its laws as C (:class:`railhil.controller_node.export.control.Control`); without it ``interface`` does.
     export: str | None = None
-    #: Path of its fault catalogue; without it that of ``ato``.
+    #: Path of its fault catalogue; without it the catalogue of ``ato`` is used.
     catalogue: str | None = None
     #: Its plants with faults and with an FMU (:mod:`railhil.plant_sim.faults.plants`).
     faulty_plant: str | None = None
@@ -242,7 +242,8 @@ def system_named(name: str, file: str | Path = "scenario") -> System:
 
 
 class OfSystem:
-    """Base of the scenarios: each names its system in its documents, and gives it to whoever runs or judges it."""
+    """Base of the scenarios: each names its system in its documents, and gives it to the code that runs or judges
+    it."""
 
     __slots__ = ()
     #: Its name.

@@ -37,7 +37,8 @@ def how_made(scenario: AnyScenario) -> tuple[str, str | None]:
 def training_seeds(scenario: AnyScenario, law: LawSpec, seeds: range) -> list[int]:
     """The given seeds on which the law's parameters were tuned, or its own ones chosen.
 
-    The latter also with a parameter file, because parameters that it does not name keep the law's own values.
+    The law's own seeds count also with a parameter file, because parameters that it does not name keep the law's own
+    values.
     """
     tuned = set() if law.parameters is None else set(law.parameters.seen(seeds))
     declared = law_named(law.controller, scenario.system).design_seeds

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from railhil.study.finished import Verified
     from railhil.study.work import Work
 
-#: Code on which the figures of perturbed runs depend, in addition to that of the bench (``certificate.json``).
+#: Code on which the figures of perturbed runs depend, in addition to the bench's (``certificate.json``).
 _OWN_CODE = ("batch", "study/table.py", "study/work.py", "campaign/rows.py", "campaign/study.py")
 _SHARD = re.compile(r"([0-9]{1,6})/([0-9]{1,6})", re.ASCII)
 

@@ -98,7 +98,7 @@ class Tdmc(Law[T, TdmcState[T]]):
     def state_bounds(self) -> dict[str, tuple[float, float]]:
         """Predictions under any notches inside the range, and the correction line under any speed on the wire.
 
-        A millionth is added to the latter for the rounding of its products; the former are exact.
+        The predictions are exact; a millionth is added to the correction line for the rounding of its products.
         """
         notch_max = self.table.notch_max.value
         sizes = [notch_max * size for size in largest_predictions([a.value for a in self.table.step_response])]

@@ -106,7 +106,7 @@ class SequentialEstimator(Estimator[T, Sequential[T]]):
 
 
 class OsElmNgpc(LearnedLaw[T]):
-    """The hidden layer and the first output weights are those of ELM-NGPC."""
+    """The hidden layer and the first output weights are the same as in ELM-NGPC."""
 
     name = "os_elm_ngpc"
     kind = "elm"

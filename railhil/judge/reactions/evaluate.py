@@ -46,7 +46,7 @@ def _first_s(times_s: Iterable[float | None]) -> float | None:
 
 
 def seen_in(result: Result) -> Seen:
-    """What a run did."""
+    """The effects of a run."""
     trace, truth = result.trace, result.judging.truth
     end_s = trace.times_s(truth)
     speed_mps = trace.values(truth, "TrueSpeed") if trace.has(truth, "TrueSpeed") else end_s[:0]

@@ -31,7 +31,7 @@ _SOURCES = (__file__, dynamics, train_module, watch, power_units)
 
 
 class Common(NamedTuple):
-    """What all trains share; arrays have one entry for each unit.
+    """Values that all trains share; arrays have one entry for each unit.
 
     ``coupler``: of no use unless ``coupled``.
     """

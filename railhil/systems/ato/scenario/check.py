@@ -23,7 +23,7 @@ _SAMPLE_S = 0.1
 
 
 def train_reaches(scenario: Scenario, target: Target) -> Iterator[Reach]:
-    """What a run of ``ato`` can reach.
+    """Bounds that a run of ``ato`` can reach.
 
     :param target: its target curve, which has been checked.
     """
