@@ -116,8 +116,8 @@ def test_also_when_ports_have_come_since(mine: Path, monkeypatch: pytest.MonkeyP
     added = dataclasses.replace(today.port("SIM_TRUTH"), name="SIM_TRUTH", address=0x3F0)
     ports = tuple(added if port.name == added.name else port for port in today.ports)
     later = dataclasses.replace(today, ports=ports, sha256="0" * 64)
-    monkeypatch.setattr("railhil.dbc.read.wire_contract", lambda: later)
-    monkeypatch.setattr("railhil.record.trace.wire_contract", lambda: later)
+    monkeypatch.setattr("railhil.scenarios.system.system_contract", lambda table: later)
+    assert load("yizhuang_05").installed_system.contract is later
     assert score(*_judged(mine)) == wanted
 
 
