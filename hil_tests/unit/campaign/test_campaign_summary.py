@@ -19,7 +19,7 @@ from railhil.campaign.show import _against, _scores, show
 from railhil.campaign.summary import summary
 from railhil.campaign.worst import worst_runs
 from railhil.common.output import Output
-from railhil.systems.ato.judge import JUDGING
+from railhil.systems.ato.judge.judging import JUDGING
 
 
 def made_result(seeds, stop_m, time_s, overspeed_mps=0.0, wraps=0):

@@ -23,8 +23,8 @@ from railhil.report.recorded import distinct_labels
 from railhil.report.styles import Style
 from railhil.report.tables import rows
 from railhil.systems.ato import panels as ato_panels
-from railhil.systems.ato.judge import JUDGING, deviations, stopped_within
 from railhil.systems.ato.judge.curves import curves
+from railhil.systems.ato.judge.judging import JUDGING, deviations, stopped_within
 from railhil.systems.ato.judge.score import score
 from railhil.systems.ato.panels import Drawn
 from railhil.systems.ato.scenario.model import Scenario

@@ -25,7 +25,7 @@ from railhil.report.display_columns import shown_columns
 from railhil.report.distribution import shares, spreads_of, worst_first
 from railhil.report.page import page, write_report
 from railhil.scenarios.load import load, load_any
-from railhil.systems.ato.judge import JUDGING
+from railhil.systems.ato.judge.judging import JUDGING
 
 _EVENTS = (
     RecordedEvent(20.0, "TRN_SPEED", FAULT, "loss", until_s=22.0, detail="fault 1: TRN_SPEED loss </script><b>"),

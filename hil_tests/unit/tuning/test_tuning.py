@@ -30,7 +30,7 @@ from railhil.scenarios.parameters import ParameterSet, load_parameters
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.systems.ato.batch import run_batch
 from railhil.systems.ato.batch.stacked import StackedLoop
-from railhil.systems.ato.judge import JUDGING
+from railhil.systems.ato.judge.judging import JUDGING
 from railhil.systems.ato.scenario.model import Scenario
 from railhil.tuning.document import document
 from railhil.tuning.objective import EXTRA, TERM_MAX, Scale, objective, run_cost

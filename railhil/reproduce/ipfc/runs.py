@@ -13,9 +13,9 @@ from railhil.library import Outcome
 from railhil.reproduce.paper import Entry, Results, read_text
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.systems.ato.judge import deviations
 from railhil.systems.ato.judge.curves import Curves
 from railhil.systems.ato.judge.curves import curves as recorded_curves
+from railhil.systems.ato.judge.judging import deviations
 from railhil.systems.ato.judge.score import score
 from railhil.systems.ato.scenario.model import Scenario
 
