@@ -29,6 +29,8 @@ collect_ignore = ["data"]
 _GARBAGE = 100_000
 #: A slow test takes as long as so many others.
 _SLOW_WEIGHT = 20
+#: Cases of each test with ``long_after`` that were collected.
+_CASES = pytest.StashKey[Counter[str]]()
 
 
 def _outlives_its_terminal(number: int, frame: object) -> None:
@@ -61,6 +63,18 @@ def pytest_collection() -> Iterator[None]:
         gc.freeze()
         gc.set_threshold(_GARBAGE)
         gc.enable()
+
+
+def pytest_itemcollected(item: pytest.Item) -> None:
+    """With ``long_after(N)`` the cases of a test after its first N are long."""
+    mark = item.get_closest_marker("long_after")
+    if mark is None or item.get_closest_marker("long") is not None:
+        return
+    cases = item.session.stash.setdefault(_CASES, Counter())
+    test, _, _ = item.nodeid.partition("[")
+    cases[test] += 1
+    if cases[test] > mark.args[0]:
+        item.add_marker(pytest.mark.long)
 
 
 @pytest.hookimpl(trylast=True)

@@ -84,6 +84,7 @@ def test_a_weakened_watch_stands_in_console_report_and_certificate(tmp_path):
     assert railhil("score", tmp_path / "run", "--json").json["watch_weakened"] == words
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.loop
 def test_a_weakened_watch_stands_in_a_comparison(tmp_path):
@@ -344,6 +345,7 @@ def test_closed_output_is_one_line(tmp_path: Path, words: str) -> None:
     assert not list(tmp_path.iterdir()), "no run is made whose result nobody can read"
 
 
+@pytest.mark.long_after(2)
 @pytest.mark.parametrize("closed", ["2>&-", "<&- 2>&-"])
 @pytest.mark.parametrize("words", ["run {short} --seed 1 --no-report --quiet --out {out}", "score {run}", "nonsense"])
 @pytest.mark.slow

@@ -127,6 +127,7 @@ def test_the_hash_of_our_own_system_loads_no_plant():
     assert done.stdout.strip() == "None False"
 
 
+@pytest.mark.long_after(2)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "module", ["plant_sim.command", "controller_node.command", "run.bus_run", "cli.run", "run.local", "run.replay"]

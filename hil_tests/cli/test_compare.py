@@ -253,6 +253,7 @@ def test_bad_command_lines_are_one_line_and_leave_nothing(place: Path, arguments
     assert not (place / "bad").exists()
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.loop
 def test_ctrl_c_while_a_later_law_starts_says_what_is_there(place: Path) -> None:
@@ -266,6 +267,7 @@ def test_ctrl_c_while_a_later_law_starts_says_what_is_there(place: Path) -> None
     assert [path.name for path in folder.iterdir()] == ["ipfc"]
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.loop
 def test_training_and_design_seeds_are_said_when_they_are_allowed(place: Path) -> None:

@@ -33,6 +33,7 @@ def test_the_home_of_somebody_else_has_no_settings(tmp_path: Path) -> None:
     assert as_nobody("-c", asked, home=tmp_path).stdout == "False\n"
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("words", ["scenarios {}/x.toml", "score {}/run", "memory show {}/store", "panel {}/run"])
 def test_a_path_that_the_user_may_not_look_at_is_bad_input(tmp_path: Path, words: str) -> None:

@@ -35,6 +35,7 @@ def interruptible() -> None:
     signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.slow
 @pytest.mark.loop
 @pytest.mark.parametrize(

@@ -304,6 +304,7 @@ def test_the_law_drives_the_train(law_site: Path, tmp_path: Path, arithmetic: st
     assert scores["telemetry"]["wraps"] == 0
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.needs_compiler
 def test_the_law_is_audited_and_exported(law_site: Path, tmp_path: Path) -> None:

@@ -158,6 +158,7 @@ def test_a_log_of_two_buses_is_refused(run: Path, lines: list[_Line], tmp_path: 
         checked_record(str(log), str(run.parent / "short.toml"))
 
 
+@pytest.mark.long_after(2)
 @pytest.mark.parametrize(
     "fault",
     [

@@ -84,6 +84,7 @@ def test_processes_have_the_bytes_of_one_process(here: Railhil, train: Path, tmp
     assert json.loads(Path("three/certificate.json").read_text())["frames_sha256"] == one["frames_sha256"]
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("version", ["2.0", "3.0"])
 def test_trains_in_python_run_and_do_the_same_twice(here: Railhil, version: str, tmp_path: Path) -> None:

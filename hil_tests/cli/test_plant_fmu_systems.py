@@ -42,6 +42,7 @@ def _plant(scenario: str, fmu: Path | None = None, seed: int = 1) -> Any:
     return make_plant(run.load(), run)[0]
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("scenario", ["hst_short", "jinan_xuzhou_emergency", "jinan_xuzhou_emu3_coupled"])
 def test_units_move_like_those_of_the_bench(unit: Path, scenario: str) -> None:

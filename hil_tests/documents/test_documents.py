@@ -59,7 +59,7 @@ def test_commands_and_figures_are_there() -> None:
     kinds = [block.kind for block in blocks()]
     assert {page for page in PAGES if page not in {block.page for block in blocks()}} == set()
     assert (kinds.count("fence") > 100, kinds.count("table") > 80) == (True, True)
-    assert sum(not group.long for group in groups()) > 20
+    assert sum(not group.long for group in groups()) > 15
 
 
 @pytest.mark.parametrize(

@@ -22,6 +22,12 @@ pytestmark = [pytest.mark.faults, pytest.mark.slow]
 ON_A_HUB, IN_REAL_TIME = {"B1", "B2", "B7", "N5"}, {"K2"}
 #: Entries that need a longer journey.
 FARTHER = {"S3d"}
+#: Entries whose kind of fault another entry has, or another test of this module; they are long.
+LONG = {
+    *("T1", "T1b", "T2a", "T2b", "T4", "T5a", "T5", "T5c", "T6", "T9", "T9b", "T11b", "T12", "T16b", "T18"),
+    *("S1c", "S1e", "S1g", "S1h", "S2b", "S3c", "S3d", "S4a", "S5b", "S5c"),
+    *("B2", "B6", "B7", "N2", "C1a", "C3a", "C5"),
+}
 SHIPPED = "yizhuang_05"
 #: A short journey of one fault pair.
 PAIRS = Path(__file__).parents[1] / "data" / "pairs.toml"
@@ -34,10 +40,14 @@ def journey(tmp_path_factory: pytest.TempPathFactory) -> str:
     return str(path)
 
 
-HERE = [entry for entry in catalogue() if entry.faults and entry.id not in IN_REAL_TIME]
+HERE = [
+    pytest.param(entry, id=entry.id, marks=[pytest.mark.long] if entry.id in LONG else [])
+    for entry in catalogue()
+    if entry.faults and entry.id not in IN_REAL_TIME
+]
 
 
-@pytest.mark.parametrize("entry", HERE, ids=lambda entry: entry.id)
+@pytest.mark.parametrize("entry", HERE)
 def test_the_bench_reacts_as_the_catalogue_says(entry: Entry, journey: str, tmp_path: Path) -> None:
     given = parser(["faults"]).parse_args(["faults", SHIPPED if entry.id in FARTHER else journey])
     base = run_spec(given, "ipfc", None)
@@ -77,14 +87,15 @@ def test_nothing_is_known_without_a_run(tmp_path: Path) -> None:
 
 
 def test_most_random_pairs_have_a_verdict() -> None:
-    done = railhil("faults", PAIRS, "--pairs", "5", "--seed", "1", "--jobs", "2", "--json")
+    done = railhil("faults", PAIRS, "--pairs", "2", "--seed", "1", "--jobs", "2", "--json")
     assert done.exit_code == 0, done.err
     assert done.json["broken"] == []
     verdicts = done.json["verdicts"]
-    assert sum(verdicts.values()) == 5
-    assert verdicts["PASS"] + verdicts["FAIL"] >= 4
+    assert sum(verdicts.values()) == 2
+    assert verdicts["PASS"] + verdicts["FAIL"] >= 1
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.parametrize("words", [["--pairs", "2000", "--seed", "1"], []], ids=["pairs", "catalogue"])
 def test_a_stopped_command_ends_its_processes_and_says_how_far_it_came(words: list[str]) -> None:
     started = Started("faults", PAIRS, "--jobs", "2", *words)

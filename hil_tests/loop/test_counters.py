@@ -77,6 +77,7 @@ def test_the_nodes_count_what_the_record_shows(disturbed: tuple[Scenario, Result
     assert unchecked(run.trace) == ""
 
 
+@pytest.mark.long_after(4)
 @pytest.mark.parametrize(
     "fault",
     [

@@ -34,6 +34,7 @@ def panel_of(command: Started) -> psutil.Process | None:
     return next((child for child in children if "railhil.panel" in child.cmdline()), None)
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.parametrize("how", [signal.SIGSTOP, signal.SIGKILL], ids=["stopped", "killed"])
 def test_a_panel_that_is_gone_changes_nothing(tmp_path: Path, how: signal.Signals) -> None:
     """Pause and start come from another hand; what was recorded until the pause can be followed."""

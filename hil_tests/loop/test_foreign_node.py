@@ -154,6 +154,7 @@ def faulty_run(
     return run
 
 
+@pytest.mark.long_after(2)
 @pytest.mark.slow
 @pytest.mark.parametrize("often", [0.003, 0.03, 0.3])
 @pytest.mark.parametrize(("law", "indexing"), [("ipfc", "distance"), ("ipfc_plus", "time")])
@@ -175,6 +176,7 @@ def test_what_is_wrong_is_used_as_little_as_by_our_node(exported, law: str, inde
         }  # fmt: skip
 
 
+@pytest.mark.long_after(3)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("silent", "polls"),
@@ -315,6 +317,7 @@ def late_run(scenario: Scenario, c: CNode, law: str, at_s: float) -> list[NotchC
     return told
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("law", "safe", "at_s"),
@@ -359,6 +362,7 @@ def test_a_controller_that_restarts_at_a_standstill_waits_for_the_time(exported)
 # -- the safe channel -------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("often", [0.0, 0.01, 0.1, 0.6])
 def test_the_safe_channel_is_that_of_our_node(exported, often: float, tmp_path: Path) -> None:

@@ -91,6 +91,7 @@ def test_whole_runs_over_the_hub_have_the_same_frames(
         assert np.array_equal(found.raw(CtlStat.PORT, field), expected.trace.raw(CtlStat.PORT, field)), field
 
 
+@pytest.mark.long_after(2)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("arguments", "words"),

@@ -42,6 +42,7 @@ def exported(scenario: Scenario, tmp_path_factory: pytest.TempPathFactory) -> Pa
     return folder
 
 
+@pytest.mark.long_after(2)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("ticks", "level"),
@@ -181,6 +182,7 @@ def test_a_law_without_a_position_brakes_for_positions_that_are_wrong_and_never_
     assert twins.node.guard.level is WatchLevel.NORMAL
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("tick_ns", [500_000, 7_000_000])
 def test_the_ramps_lose_nothing_with_any_tick(scenario: Scenario, tmp_path: Path, tick_ns: int) -> None:

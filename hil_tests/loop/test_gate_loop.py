@@ -73,6 +73,7 @@ def lose(count: int) -> Callable[[int, Frame], list[Frame]]:
 # -- loss -------------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.slow
 @pytest.mark.faults
 @pytest.mark.parametrize(
@@ -106,6 +107,7 @@ def test_burst_loss_of_speed(
     assert wire.sent == wire.passed + count
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("first", [LOSS_TICK, LOSS_TICK + 1, LOSS_TICK + 16])
 def test_permanent_loss_of_speed_stops_the_train_on_the_ladder(
@@ -148,6 +150,7 @@ def test_stuck_sender_is_like_loss(lvshun: Scenario, tmp_path: Path, train: list
 # -- frames that are repeated, exchanged, damaged or not ours ---------------------------------------------------------
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.faults
 def test_duplicates_change_nothing(short: Scenario, clean: Result, tmp_path: Path) -> None:
@@ -157,6 +160,7 @@ def test_duplicates_change_nothing(short: Scenario, clean: Result, tmp_path: Pat
     assert run.refused == {"controller.duplicate": wire.passed - wire.sent}
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.faults
 def test_exchanged_neighbours_are_counted_and_the_old_one_is_not_used(
@@ -180,6 +184,7 @@ def test_exchanged_neighbours_are_counted_and_the_old_one_is_not_used(
     assert run.score.values["stop_error_m"] == pytest.approx(clean.score.values["stop_error_m"], abs=0.05)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.faults
 def test_flipped_bits_are_refused_and_the_run_stays_healthy(short: Scenario, clean: Result, tmp_path: Path) -> None:
@@ -213,6 +218,7 @@ def test_flipped_bits_are_refused_and_the_run_stays_healthy(short: Scenario, cle
     assert run.score.values["stop_error_m"] == pytest.approx(clean.score.values["stop_error_m"], abs=0.05)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.faults
 def test_a_right_telegram_under_a_wrong_identifier_is_not_used(short: Scenario, clean: Result, tmp_path: Path) -> None:

@@ -52,6 +52,7 @@ def test_a_run_without_a_bus_has_the_same_telegrams_at_the_same_instants(both: B
     assert both.direct.score.values == both.local.score.values
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.loop
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["hst_short", "emu3_short"])

@@ -119,6 +119,7 @@ def test_the_words_are_listed() -> None:
     assert {"telegram", "node", "bus", "sensor"} <= {word["level"] for word in words}
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_error_counters_and_lines_of_the_bus_are_disturbed_on_a_hub_of_the_run(tmp_path: Path) -> None:
     """B1, B2 and B7 of the catalogue: both watches stay at NORMAL, and the run is the same bytes each time."""

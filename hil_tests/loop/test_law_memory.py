@@ -75,6 +75,7 @@ def put(path: Path, slot: str, record: MemoryRecord) -> None:
     MemoryStore(path).file(slot).write_text(record.text)
 
 
+@pytest.mark.long
 def test_three_runs_learn_the_same_over_the_hub_and_in_one_process(short: Path, tmp_path: Path) -> None:
     files: dict[str, list[dict[str, bytes]]] = {}
     hashes: dict[str, list[str]] = {}
@@ -152,6 +153,7 @@ def test_a_law_with_memory_that_is_given_none_keeps_it_in_its_folder(short: Path
     assert read_record(tmp_path / "run" / "memory.json").runs == 1
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.parametrize("words", [(), ("-i", "railhil")], ids=["one process", "hub"])
 def test_a_memory_of_something_else_is_refused(short: Path, tmp_path: Path, words: tuple[str, ...]) -> None:
     """A named file is used or refused, and a store belongs to one law."""
@@ -180,6 +182,7 @@ _DAMAGE = {
 }
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.parametrize("fault", _DAMAGE)
 def test_a_damaged_slot_is_passed_over_said_and_kept_aside(fault: str, short: Path, tmp_path: Path) -> None:
     damage, said = _DAMAGE[fault]
@@ -238,6 +241,7 @@ def test_what_cannot_be_together_is_refused(short: Path, tmp_path: Path, words: 
 
 
 # The signal comes at any instruction of the process in which all nodes are: a telegram may be half delivered.
+@pytest.mark.long
 @pytest.mark.faults
 def test_a_run_that_is_broken_off_keeps_nothing(short: Path, tmp_path: Path) -> None:
     path, folder = tmp_path / "memory", tmp_path / "broken"

@@ -77,6 +77,7 @@ def test_the_folder_is_that_of_a_run_over_the_hub(short: Path, tmp_path: Path) -
     assert railhil("score", tmp_path / "local").exit_code == codes[0]
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_a_run_from_a_file_is_made_again_from_its_certificate(short: Path, tmp_path: Path) -> None:
     (tmp_path / "law.toml").write_text('law = "ipfc"\n[parameters]\nsoftening_max = 0.83\n')
@@ -106,6 +107,7 @@ def test_a_spec_that_is_none_leaves_no_folder(tmp_path: Path) -> None:
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_laws_are_compared_without_a_bus(short: Path, tmp_path: Path) -> None:
     words = ("--laws", "ipfc,tdmc", "--bus", "local", "--quiet", "--no-report")
@@ -253,6 +255,7 @@ def test_no_fault_of_its_telegram_hides_a_wrap(
     assert result.line.startswith(line)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.faults
 def test_no_fault_of_its_telegram_hides_a_wrap_on_the_hub(

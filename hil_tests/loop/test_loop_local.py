@@ -77,6 +77,7 @@ def test_direct_coupling_is_the_same_loop(nominal, lvshun, brief, tmp_path, arit
     assert direct.score == through_telegrams.score
 
 
+@pytest.mark.long_after(4)
 @pytest.mark.parametrize(
     "timing",
     [

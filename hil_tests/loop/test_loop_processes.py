@@ -100,6 +100,7 @@ def test_processes_give_the_bytes_of_the_bench_in_one_process(hub_run, short_sha
     assert certificate(hub_run)["transport"] in ("railhil:pipes", "socketcan:vcan0")
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_tcp_hub_gives_the_same_bytes(short, short_sha256, tmp_path):
     with socket.socket() as probe:
@@ -161,6 +162,7 @@ def test_command_of_the_certificate_makes_the_same_bytes(hub_run, tmp_path):
     assert certificate(folder)["frames_sha256"] == certificate(hub_run)["frames_sha256"]
 
 
+@pytest.mark.long_after(2)
 @pytest.mark.slow
 @pytest.mark.parametrize("role", ["plant", "controller", "hub"])
 @pytest.mark.faults
@@ -185,6 +187,7 @@ def test_killed_node_ends_the_run_and_leaves_a_readable_log(tmp_path, role):
     assert f"{role} lost at simulation time" in scored.out
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.faults
 @pytest.mark.slow
 @pytest.mark.parametrize("role", ["plant", "controller"])
@@ -204,6 +207,7 @@ def test_killed_node_ends_a_run_without_hub(tmp_path, role):
     assert json.loads((folder / "score.json").read_text(encoding="utf-8"))["run"]["transport"] == "railhil:pipes"
 
 
+@pytest.mark.long
 @pytest.mark.faults
 @pytest.mark.slow
 def test_train_stops_by_itself_when_the_controller_dies_in_lockstep(tmp_path):
@@ -250,6 +254,7 @@ def test_the_hub_is_waited_for_while_its_process_lives(short, tmp_path, monkeypa
         assert done.one_line() == "railhil: no memory for the hub"
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_lockstep_waits_for_processes_that_stand_still(short, short_sha256, tmp_path):
     """On a loaded machine, longer than any of them would wait in realtime: the record is whole and the same."""
@@ -274,6 +279,7 @@ def test_lockstep_waits_for_processes_that_stand_still(short, short_sha256, tmp_
         assert certificate(tmp_path / starved)["frames_sha256"] == short_sha256, starved
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.slow
 @pytest.mark.faults
 @pytest.mark.parametrize("pace", [(), ("--pace", "realtime", "--rate", "20")])
@@ -293,6 +299,7 @@ def test_killed_supervisor_stops_the_nodes(tmp_path, pace):
     assert list(read_log(tmp_path / "run" / "frames.log"))
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_other_tools_attach_to_the_hub(short, tmp_path, socket_folder):
     """python-can's logger, unmodified, sees what the supervisor records."""

@@ -89,6 +89,7 @@ def test_a_state_that_is_not_a_number_is_no_verdict(short: str, tmp_path: Path) 
     assert "not finite at tick 801" in ended.out + ended.err
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("fault", ["balise doubled @0s", "balise wrong 5m @0s", "balise off @0s", "balise missed @0s"])
 def test_a_law_that_uses_balises_stands_faults_of_their_reader(fault: str, tmp_path: Path) -> None:
@@ -111,6 +112,7 @@ def test_an_odometer_that_jumps_shows_in_the_record(short: str, tmp_path: Path) 
     assert abs(error_m[at] - 30.0).max() < 0.02
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_the_same_seed_gives_the_same_bytes(short: str, tmp_path: Path) -> None:
     faults = ("speed noise 0.05 @2s", "brake scale uniform(0.7,1.3) @0s", "adhesion low 3% @braking for 1s")
@@ -155,6 +157,7 @@ def test_a_fault_is_injected_and_cleared_by_hand(short: str) -> None:
     assert doors.hits == 1
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_processes_on_a_bus_give_the_same_bytes(short: str, tmp_path: Path) -> None:
     faults = [word for text in ("speed noise 0.05 @2s", "brake weak 70% @braking") for word in ("--fault", text)]

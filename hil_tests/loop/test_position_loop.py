@@ -112,6 +112,7 @@ def assert_braked(run: Result, begin_s: float) -> None:
 # -- position ---------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("begin_s", "scenario"), [(60, WORN), pytest.param(75, SHORT, marks=pytest.mark.long), (88, SHORT)]
@@ -142,6 +143,7 @@ def test_a_position_that_is_wrong_is_as_good_as_none(
     assert set(run.refused) == {f"controller.{cause}"}
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("law", ["ipfc_plus", "ipfc_plus_stop"])
 def test_lost_half_a_second_before_the_stop(tmp_path: Path, law: str) -> None:
@@ -151,6 +153,7 @@ def test_lost_half_a_second_before_the_stop(tmp_path: Path, law: str) -> None:
     assert run.score.values["stop_error_m"] < 0.1
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.slow
 @pytest.mark.faults
 @pytest.mark.parametrize("fault", [silent(60, 60.6), changed(60, 60.8, off_mm=-20_000)], ids=["silent", "jump"])
@@ -177,6 +180,7 @@ def test_position_that_comes_back_is_used_again(tmp_path: Path) -> None:
     assert run.score.values["stop_error_m"] < 0.05
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.faults
 def test_position_that_never_comes_holds_the_train(tmp_path: Path) -> None:
@@ -251,6 +255,7 @@ def test_a_law_with_a_wrong_position_brakes_at_the_end_of_its_authority(tmp_path
     assert run.score.signed["stop_error_m"] > 5.0
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.slow
 @pytest.mark.faults
 @pytest.mark.parametrize("wrong", [{"balise_id": 0}, {"check": 3}])

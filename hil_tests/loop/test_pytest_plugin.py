@@ -144,6 +144,7 @@ def test_faults_of_a_suite(suite: pytest.Pytester) -> None:
     assert dict(found["test_train_is_safe[controller_kill_@v>1km/h]"])["fault"] == "controller kill @v>1km/h"
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_the_same_suite_over_a_hub(suite: pytest.Pytester) -> None:
     """Three processes instead of one: the same bytes; nobody can hold their clock."""

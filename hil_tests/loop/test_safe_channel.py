@@ -118,6 +118,7 @@ def silenced(frames: list[Frame], ticks: list[list[Frame]]) -> list[Frame]:
     return frames if frames[0].can_id == TrnSpeed.port().address else []
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.slow
 @pytest.mark.faults
 @pytest.mark.parametrize(

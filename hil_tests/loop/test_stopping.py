@@ -121,6 +121,7 @@ def test_a_number_is_refused_where_runs_have_none() -> None:
     assert load_any("yizhuang_stop").system == "stop"
 
 
+@pytest.mark.long_after(2)
 @pytest.mark.faults
 @pytest.mark.slow
 @pytest.mark.parametrize(

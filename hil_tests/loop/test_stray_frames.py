@@ -123,6 +123,7 @@ def test_one_stray_frame_beside_a_frame_of_a_milestone(short: Scenario, run: Res
             assert found.verdict == run.score.verdict
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.slow
 def test_one_stray_frame_at_any_time(short: Scenario, run: Result) -> None:
     """The stray block waits for the next milestone, seconds later."""
@@ -133,6 +134,7 @@ def test_one_stray_frame_at_any_time(short: Scenario, run: Result) -> None:
             assert same_or_invalid(short, run, [*record[:place], stray, *record[place:]]).verdict == run.score.verdict
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.slow
 def test_one_frame_repeated_at_once_and_later(short: Scenario, run: Result) -> None:
     record = record_of(run)

@@ -147,6 +147,7 @@ def twins(site: Path, folder: Path, seed: int) -> dict[str, int]:
     return dict(counted)
 
 
+@pytest.mark.long_after(2)
 @pytest.mark.parametrize("seed", [0, 1, 2, 3])
 def test_the_c_node_answers_as_ours_on_any_bus(site: Path, exported: Path, tmp_path: Path, seed: int) -> None:
     copy = tmp_path / "c"

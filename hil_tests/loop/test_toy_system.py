@@ -174,6 +174,7 @@ def test_ports_of_the_system(site: Path, recorded: Path) -> None:
     assert "NOTCH_CMD" not in done.stdout
 
 
+@pytest.mark.long
 def test_compare(site: Path, tmp_path: Path) -> None:
     """Compares one law with two sets of parameters."""
     soft = tmp_path / "soft.toml"

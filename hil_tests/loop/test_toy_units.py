@@ -89,6 +89,7 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return install_toy(tmp_path_factory.mktemp("toy"))
 
 
+@pytest.mark.long_after(2)
 @pytest.mark.parametrize("unit", [0, 1])
 @pytest.mark.parametrize(
     ("what", "refused"),
@@ -170,6 +171,7 @@ class Counting(Apart):
 """
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.parametrize("arithmetic", ["iq", "float64"])
 def test_a_law_over_several_units_keeps_a_memory_too(site: Path, tmp_path: Path, arithmetic: str) -> None:
     """Over the hub and in one process: the same bytes."""

@@ -77,6 +77,7 @@ class LawProperties:
 
     # -- arithmetics --------------------------------------------------------------------------------------------------
 
+    @pytest.mark.long_after(2)
     @pytest.mark.slow
     @pytest.mark.parametrize("arithmetic", ["float64", "float32", "iq", "iq-portable"])
     def test_many_trains_equal_each_alone(self, arithmetic: str) -> None:
@@ -105,6 +106,7 @@ class LawProperties:
                 for controller, code in zip(alone, sent, strict=True):
                     controller.sent(int(code))
 
+    @pytest.mark.long_after(1)
     @pytest.mark.slow
     def test_fixed_point_follows_float64(self, indexing: str) -> None:
         """A nominal run in fixed point, with a float64 copy on the same inputs."""

@@ -86,6 +86,7 @@ def local_sha256(tmp_path_factory: pytest.TempPathFactory) -> Callable[[tuple[st
     return sha256
 
 
+@pytest.mark.long_after(2)
 @pytest.mark.parametrize("bus", ["local", pytest.param("hub", marks=pytest.mark.long), "pipes", *BUSES])
 def test_a_train_whose_controller_is_killed_stops_by_itself(bus: str, tmp_path: Path, local_sha256: Any) -> None:
     scenario = fast(tmp_path, *KILLED)
@@ -103,6 +104,7 @@ def test_a_train_whose_controller_is_killed_stops_by_itself(bus: str, tmp_path: 
     assert_stopped_by_its_own_watch(scenario, made)
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.parametrize("bus", ["hub", "pipes", "adapter"])
 def test_a_controller_that_hangs_starts_anew_or_brakes(bus: str, tmp_path: Path, local_sha256: Any) -> None:
     if bus == "adapter":
@@ -121,6 +123,7 @@ def test_a_controller_that_hangs_starts_anew_or_brakes(bus: str, tmp_path: Path,
     assert (made.exit_code, made.line.split(" ")[:2]) == (1, ["stop", "error"])
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.parametrize(
     ("fault", "needs"),
     [

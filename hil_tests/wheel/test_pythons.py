@@ -60,6 +60,7 @@ def test_logs_have_equal_hashes(other: Environment, tmp_path: Path) -> None:
     assert other.run("python", "-c", _IN_PROCESS, *arithmetics).split() == here
 
 
+@pytest.mark.long
 def test_command_in_three_processes(other: Environment, tmp_path: Path) -> None:
     expected = local_run(load(str(other.folder / "short.toml")), tmp_path, RunSpec(seed=3))
     exit_code = 1 if expected.score.failures else 0

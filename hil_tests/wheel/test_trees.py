@@ -58,6 +58,7 @@ def test_git_holds_no_link_and_nothing_that_a_build_makes() -> None:
     assert [name for mode, _, _, name in lines if mode == "120000" or ".egg-info/" in name or "build/" in name] == []
 
 
+@pytest.mark.long_after(1)
 def test_each_installation_gives_the_bytes_and_has_the_code_of_the_checkout(
     environment: Environment, tmp_path: Path
 ) -> None:

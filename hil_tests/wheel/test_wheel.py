@@ -177,6 +177,7 @@ def test_every_command_is_there(installed: Environment) -> None:
     assert usages == [f"usage: railhil {command}" for command in SUBCOMMANDS]
 
 
+@pytest.mark.long_after(2)
 @pytest.mark.parametrize("command", PROGRAMS)
 def test_every_program_is_there(installed: Environment, command: str) -> None:
     assert f"railhil {command}" in installed.run("railhil", *command.split(), "--help")

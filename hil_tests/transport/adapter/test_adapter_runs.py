@@ -148,6 +148,7 @@ def test_a_controller_behind_an_adapter_gives_the_same_bytes(rig, move, move_fil
     assert status["transmitted"] > 1000
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_fd_frames_pass_the_adapter(socket_folder, move, move_file, tmp_path):
     """All by hand, the telegrams as CAN FD frames, on an adapter that can, and that answers nothing."""

@@ -50,6 +50,7 @@ bus.shutdown()
 """
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("scheme", ["path", "tcp"])
 def test_round_trip_between_two_processes(scheme: str) -> None:

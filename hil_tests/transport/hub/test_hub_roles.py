@@ -122,6 +122,7 @@ def _done(process: subprocess.Popen[str]) -> Done:
     return Done(process.returncode, out or "", err)
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.slow
 @pytest.mark.loop
 @pytest.mark.faults
@@ -156,6 +157,7 @@ def test_nodes_whose_recorder_has_left_end(tmp_path: Path) -> None:
         assert nodes["controller"].wait(PATIENCE_S) == 0, "the plant has told it the end"
 
 
+@pytest.mark.long
 @pytest.mark.loop
 @pytest.mark.faults
 @pytest.mark.slow

@@ -75,6 +75,7 @@ def test_a_poll_that_is_not_the_plants_makes_the_record_invalid(tmp_path: Path, 
     assert "3 frames on the identifier of the polls that the plant did not send, first at 0." in said
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_in_real_time_too(tmp_path: Path, scenario: Path) -> None:
     exit_code, said = attacked(tmp_path / "run", scenario, FORGED[0][0], TIMES, "--pace", "realtime", "--no-rt")

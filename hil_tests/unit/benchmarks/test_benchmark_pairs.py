@@ -102,6 +102,7 @@ def test_echo_ends_with_its_bus() -> None:
         echo(Gone(Wire()), FIRST_ID)
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.loop
 @pytest.mark.parametrize("transport", [SOCKET_PAIR, UNIX_HUB, TCP_HUB], ids=lambda transport: transport.short)
 def test_both_languages_on_one_transport(transport: Transport, loop: Path, socket_folder: Path) -> None:

@@ -57,6 +57,7 @@ def test_settings_are_looked_for_where_python_can_does(monkeypatch: pytest.Monke
     assert can_settings.has_settings({})
 
 
+@pytest.mark.long_after(2)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "module",

@@ -149,6 +149,7 @@ def test_the_declarations_are_what_is_made(module: ModuleType) -> None:
             assert rows == [f"{item.name}: int = {item.default}" for item in fields(kind)]
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_type_checkers_know_the_fields(tmp_path: Path) -> None:
     """mypy --strict, with the declarations that setup.py writes."""

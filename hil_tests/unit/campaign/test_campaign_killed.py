@@ -264,6 +264,7 @@ def test_nobody_at_the_address_is_one_line():
         pass
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.parametrize("address", ["nowhere", "tls://127.0.0.1:9"])
 def test_an_address_that_cannot_be_used_leaves_one_line_behind(tmp_path, address):
     """In a process of its own: what dask has left half made complains when the process ends."""

@@ -48,6 +48,7 @@ def test_ctrl_c_while_the_modules_load(tmp_path, monkeypatch, module):
     _stopped(done)
 
 
+@pytest.mark.long_after(4)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "module", [*outside.NODES.values(), *(module for module, _ in outside.PROGRAMS.values())], ids=str

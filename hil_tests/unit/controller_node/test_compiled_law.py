@@ -62,6 +62,7 @@ def _began_anew(controller: Controller) -> Controller:
     return controller
 
 
+@pytest.mark.long_after(4)
 @pytest.mark.parametrize(("law", "indexing", "arithmetic"), CASES)
 @settings(max_examples=12, deadline=None)
 @given(steps=st.lists(st.tuples(STEP, SENT), min_size=2, max_size=6))
@@ -99,6 +100,7 @@ def _pair_of(scenario: str, law: str, arithmetic: str) -> tuple[VectorController
     return controllers[0], controllers[1]
 
 
+@pytest.mark.long_after(2)
 @pytest.mark.slow
 @pytest.mark.parametrize(("scenario", "law", "arithmetic"), OTHERS)
 @settings(max_examples=15, deadline=None)

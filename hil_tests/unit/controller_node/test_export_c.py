@@ -217,6 +217,7 @@ def _without_status(run: Result) -> list[str]:
     return [line for line in run.log.read_text().splitlines() if line.split()[2].partition("#")[0] not in own]
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.slow
 def test_log_as_text_is_checked_by_every_build(
     exported: tuple[str, Path, Bundle], programs: dict[str, Path], tmp_path: Path
@@ -241,6 +242,7 @@ def test_log_as_text_is_checked_by_every_build(
     assert done.stdout.startswith(f"line 101, word {5 + len(bundle.source.columns)}: ")
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.slow
 def test_broken_records_and_logs_are_refused(programs: dict[str, Path], tmp_path: Path) -> None:
     program = next(iter(programs.values()))

@@ -45,6 +45,7 @@ def test_single_steps(name: str, arithmetic: str) -> None:
     assert outputs.notes[2] == pytest.approx(expected["mu"], abs=1e-6)
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.slow
 @pytest.mark.parametrize(("arithmetic", "share"), [("float32", 0.01), ("float32-truncated", 0.02)])
 def test_codes_follow_float64_on_the_same_inputs(arithmetic: str, share: float) -> None:

@@ -71,6 +71,7 @@ def test_what_a_board_takes_compiles_where_int_has_16_bits(folder: Path) -> None
     assert done.returncode == 0, done.stderr
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("compiler", ["gcc", "clang"])
 def test_make_node_builds_the_program(folder: Path, compiler: str) -> None:

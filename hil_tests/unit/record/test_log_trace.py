@@ -105,6 +105,7 @@ def test_whatever_is_wrong_with_a_record_both_ways_find_the_same(frames: Recorde
         demand_the_same(Path(folder), frames)
 
 
+@pytest.mark.long_after(3)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "strange",
@@ -166,6 +167,7 @@ def test_a_block_twice_is_not_the_other_one_with_the_same_data(tmp_path: Path) -
     demand_the_same(tmp_path, [(0, block), (0, block), (0, trailer)])
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_every_wrong_bit_and_every_exchange_of_a_cycle(tmp_path: Path) -> None:
     """Of 20 frames, among them telegrams of one frame and of several."""

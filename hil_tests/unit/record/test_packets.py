@@ -185,6 +185,7 @@ def test_whatever_is_wrong_with_the_frames_both_ways_record_the_same(
     both.demand_the_same(frames, ends, settled=data.draw(st.booleans()))
 
 
+@pytest.mark.long_after(8)
 @pytest.mark.parametrize(
     "strange",
     [

@@ -63,6 +63,7 @@ def reports(lvshun: Scenario, tmp_path_factory: pytest.TempPathFactory) -> dict[
     return found
 
 
+@pytest.mark.long_after(2)
 @pytest.mark.slow
 @pytest.mark.needs_browser
 @pytest.mark.parametrize("name", ["one", "many"])

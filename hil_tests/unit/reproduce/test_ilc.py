@@ -177,6 +177,7 @@ def short(key: str, first: int = 5) -> Any:
     )
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_a_set_has_the_runs_of_its_sequences(tmp_path: Path) -> None:
     one = short(runs.filter_key(runs.NONE))

@@ -174,6 +174,7 @@ def test_a_folder_with_something_else_is_no_folder_of_shards(tmp_path: Path) -> 
     assert [path.name for path in tmp_path.iterdir()] == ["notes.txt"]
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_processes_killed_at_random_in_one_folder_give_the_same_bytes(tmp_path: Path) -> None:
     draw, folder, runs, shards = random.Random(1), tmp_path / "shards", 60, range(1, 4)

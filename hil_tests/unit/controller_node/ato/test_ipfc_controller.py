@@ -13,6 +13,7 @@ from railhil.controller_node.ato.controller import BatchController, Controller
 from railhil.scenarios.run_spec import LawSpec
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("arithmetic", names())
 def test_softening_adapts_equally_for_many_and_for_one(arithmetic: str) -> None:
@@ -37,6 +38,7 @@ def test_softening_adapts_equally_for_many_and_for_one(arithmetic: str) -> None:
     assert softening.min() == int(0.77 * 2**14)
 
 
+@pytest.mark.long_after(2)
 @pytest.mark.parametrize("arithmetic", ["iq", "iq-portable"])
 @pytest.mark.parametrize("seed", [0, 1, 2, 3])
 def test_fixed_point_follows_float64_on_the_same_inputs(seed: int, arithmetic: str) -> None:
@@ -51,6 +53,7 @@ def test_fixed_point_follows_float64_on_the_same_inputs(seed: int, arithmetic: s
     assert max(abs(iq.error_raw - double.error_raw) for iq, double in answers) <= 2
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("arithmetic", names())
 def test_closed_loop_stops_where_and_when_the_law_does(arithmetic: str) -> None:

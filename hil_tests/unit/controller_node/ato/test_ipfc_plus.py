@@ -124,6 +124,7 @@ def faulty(fault: str, seed: int, law: str = LAW) -> Result:
     return run
 
 
+@pytest.mark.long_after(2)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("fault", "seed", "stop_error_m", "punctuality_s"),
@@ -153,6 +154,7 @@ def test_fixed_point_and_float64_share_every_constant() -> None:
     assert all(constant.rounding_error == 0.0 for constant in TABLE.entries())
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_batch_with_balises_is_the_bench() -> None:
     batch = run_batch(Case(WORN, LawSpec(LAW, "iq")), [7])

@@ -178,6 +178,7 @@ def test_batch_is_the_bench() -> None:
     assert run_batch(Case(WORN, LawSpec(LAW, "iq")), [1007]).scores[0] == score
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.parametrize(
     ("fault", "seed", "punctuality_s"),
     [

@@ -143,6 +143,7 @@ def test_ramp_above_the_threshold_of_the_paper(change: float, code: int) -> None
     assert outputs.notes[0] == code
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("name", LAWS)
 def test_fixed_point_follows_float64_on_the_same_inputs(name: str) -> None:

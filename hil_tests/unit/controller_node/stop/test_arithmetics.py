@@ -40,6 +40,7 @@ def test_the_re_aim_cannot_wrap_without_its_parts():
     VectorController(CLOSED, spec("reaim", sample_period_ms=16, gamma=GAMMA_LEAST))
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("law", ["ilc_stop", "reaim"])
 def test_all_arithmetics_stop_at_the_same_place(law):
@@ -51,6 +52,7 @@ def test_all_arithmetics_stop_at_the_same_place(law):
     assert stops["iq"] == pytest.approx(stops["float64"], abs=0.005)
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("law", ["ilc_stop", "reaim"])
 def test_fixed_point_commands_what_float64_commands_from_the_same_readings(law):

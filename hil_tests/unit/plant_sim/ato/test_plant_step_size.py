@@ -90,6 +90,7 @@ def itae(run: Run, scenario: Scenario) -> float:
     return sum(k * 0.25 * error for k, error in enumerate(errors))
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("case", ["nominal", "perturbed"])
 def test_tick_of_10_ms_is_fine_enough(case: str) -> None:

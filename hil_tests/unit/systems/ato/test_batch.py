@@ -172,6 +172,7 @@ def test_the_law_is_given_what_the_bench_gives_it():
         assert len({row[3] for row in alone[seed]}) > 25
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("arithmetic", ["float64", "iq"])
 def test_a_batch_is_what_a_run_through_the_telegrams_is(short, tmp_path, arithmetic):
@@ -286,6 +287,7 @@ CREEPING = (
 )
 
 
+@pytest.mark.long_after(2)
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "law", "arithmetic", "seed"), CREEPING)
 def test_a_train_that_creeps_to_a_stand_has_stopped(name, law, arithmetic, seed):

@@ -155,6 +155,7 @@ def test_a_mismatch_from_the_start_is_computed_like_in_the_nodes(tmp_path):
     assert len(same_as_the_bench(replace(case, perturbed=False), (3,))) == 1
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "fault",

@@ -65,6 +65,7 @@ def _same(spec: LawSpec) -> None:
         assert np.array_equal(emitted.step(*given)[1].notch, wanted)
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("arithmetic", ARITHMETICS)
 def test_a_law_is_the_same(arithmetic: str) -> None:
@@ -135,6 +136,7 @@ def _program(wide: bool) -> Program:
     return step
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("arithmetic", ARITHMETICS)
 def test_each_operation_at_the_ends_of_its_range(arithmetic: str) -> None:

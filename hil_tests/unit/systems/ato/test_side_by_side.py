@@ -93,6 +93,7 @@ WAYS = {
 }
 
 
+@pytest.mark.long_after(4)
 @pytest.mark.slow
 @pytest.mark.parametrize("way", WAYS)
 @pytest.mark.parametrize("by_distance", [False, True])

@@ -76,6 +76,7 @@ def test_the_batch_gives_the_runs_of_the_bench_with_three_units(name: str, law: 
     check(scenario, LawSpec(law, arithmetic="float64"), [3, 4], 1, direct_run)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.usefixtures("no_repeats")
 @pytest.mark.parametrize("arithmetic", ["iq", "float32"])
@@ -160,6 +161,7 @@ def test_columns_are_complete_from_the_start() -> None:
         columns.add("TRUTH", 0, b"")
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_a_campaign_is_verified_on_the_bench(tmp_path: Path) -> None:
     """Over the ports of the system, which are not those of railhil's own train."""
