@@ -288,6 +288,7 @@ def test_a_users_test_cannot_wait_for_a_truth_that_the_system_does_not_name(
     run("pytest", "-q", "-p", "no:cacheprovider", cwd=tmp_path, site=system_site)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.loop
 @pytest.mark.parametrize(

@@ -102,6 +102,7 @@ def test_a_record_of_can_fd_is_replayed_in_that_form(tmp_path: Path, node: str) 
     assert found.same(["NOTCH_CMD"] if node == "controller" else ["TRN_SPEED", "SIM_TRUTH"])
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "fault", ["TRN_SPEED loss 30% @0s", "NOTCH_CMD delay 20ms jitter 20ms @1s", "controller kill @2s"]

@@ -107,7 +107,7 @@ def test_burst_loss_of_speed(
     assert wire.sent == wire.passed + count
 
 
-@pytest.mark.long_after(1)
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize("first", [LOSS_TICK, LOSS_TICK + 1, LOSS_TICK + 16])
 def test_permanent_loss_of_speed_stops_the_train_on_the_ladder(

@@ -40,6 +40,7 @@ def documents(folder: Path) -> tuple[dict[str, Any], dict[str, Any]]:
     return read[0], read[1]
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_over_the_hub_a_run_with_faults_has_the_bytes_of_the_one_in_process(tmp_path: Path) -> None:
     path = tmp_path / "short.toml"

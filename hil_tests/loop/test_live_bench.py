@@ -29,6 +29,7 @@ def bench(scenarios: Path, tmp_path: Path) -> Iterator[Bench]:
     made.close()
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_a_run_that_nobody_disturbs_is_the_ordinary_one(bench: Bench, scenarios: Path) -> None:
     with bench.start(seed=5) as live:

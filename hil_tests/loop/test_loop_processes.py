@@ -162,7 +162,7 @@ def test_command_of_the_certificate_makes_the_same_bytes(hub_run, tmp_path):
     assert certificate(folder)["frames_sha256"] == certificate(hub_run)["frames_sha256"]
 
 
-@pytest.mark.long_after(2)
+@pytest.mark.long_after(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("role", ["plant", "controller", "hub"])
 @pytest.mark.faults
@@ -187,7 +187,7 @@ def test_killed_node_ends_the_run_and_leaves_a_readable_log(tmp_path, role):
     assert f"{role} lost at simulation time" in scored.out
 
 
-@pytest.mark.long_after(1)
+@pytest.mark.long
 @pytest.mark.faults
 @pytest.mark.slow
 @pytest.mark.parametrize("role", ["plant", "controller"])

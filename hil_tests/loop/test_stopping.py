@@ -189,6 +189,7 @@ def test_another_base_tick_is_refused() -> None:
         direct_run(stop_scenario("timing.base_tick_ms=8"), SPEC)
 
 
+@pytest.mark.long
 @pytest.mark.loop
 @pytest.mark.slow
 def test_three_processes_over_the_hub_send_the_same_bytes_and_rerun_repeats_them(tmp_path: Path) -> None:

@@ -83,6 +83,7 @@ def test_every_part_of_the_audit_is_there(site: Path, tmp_path: Path) -> None:
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.long
 def test_figures_of_every_quantity_and_command(site: Path) -> None:
     found = audited(site, "--controller", "apart", "--runs", "2", "--seed", "5")
     assert (found["scenario"], found["controller"], found["seed"], found["runs"]) == ("two_carts_2m", "apart", 5, 2)
@@ -116,6 +117,7 @@ def test_figures_of_every_quantity_and_command(site: Path) -> None:
     assert not [bar for bar in found["bars"] if "notch" in bar["name"] or "held" in bar["name"]]
 
 
+@pytest.mark.long
 def test_the_score_is_that_of_a_run_with_the_same_seed(site: Path, tmp_path: Path) -> None:
     found = audited(site, "--runs", "0", "--seed", "5")
     words = ("--seed", "5", "--bus", "local", "--out", str(tmp_path / "run"), "--quiet", "--no-report", "--json")

@@ -224,6 +224,7 @@ def test_what_knows_only_railhils_own_train_says_so(site: Path, words: tuple[str
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.long
 def test_plot_draws_the_signals_of_the_system(site: Path, recorded: Path, tmp_path: Path) -> None:
     pictures = [tmp_path / name for name in ("picture.svg", "again.svg", "picture.png")]
     for picture in pictures:
@@ -237,6 +238,7 @@ def test_plot_draws_the_signals_of_the_system(site: Path, recorded: Path, tmp_pa
     assert {f"<!-- {name} -->".encode() in first for name in ("true position2", "force1", "stretch")} == {True}
 
 
+@pytest.mark.long
 def test_export_writes_the_ports_and_signals_of_the_system(site: Path, recorded: Path, tmp_path: Path) -> None:
     done = railhil(site, "export", recorded, "--mf4", "--mcap", "--parquet", "--csv", "--out", tmp_path)
     assert done.returncode == 0, done.stderr

@@ -86,8 +86,8 @@ def local_sha256(tmp_path_factory: pytest.TempPathFactory) -> Callable[[tuple[st
     return sha256
 
 
-@pytest.mark.long_after(2)
-@pytest.mark.parametrize("bus", ["local", pytest.param("hub", marks=pytest.mark.long), "pipes", *BUSES])
+@pytest.mark.long_after(1)
+@pytest.mark.parametrize("bus", ["pipes", "local", "hub", *BUSES])
 def test_a_train_whose_controller_is_killed_stops_by_itself(bus: str, tmp_path: Path, local_sha256: Any) -> None:
     scenario = fast(tmp_path, *KILLED)
     if bus in BUSES:

@@ -107,6 +107,7 @@ def test_table_names_every_figure_and_its_unit():
     assert "cycles" in row.split("│")[3]
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_a_wrong_product_is_no_measurement(monkeypatch, tmp_path):
     class Floored(type(make("iq", batch=True))):
@@ -143,6 +144,7 @@ def test_a_run_that_does_not_start_is_no_measurement(socket_folder):
     assert running.process.returncode == 2
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_a_sequence_that_does_not_start_is_no_measurement(tmp_path):
     with pytest.raises(MeasurementError, match=r"sequence run ended with exit code 2: .*missing\.toml"):

@@ -21,6 +21,7 @@ def test_a_run_is_measured_and_the_jerk_limit_seen() -> None:
     assert found.step_us > 0.0
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_recorded_programs_are_solved_within_their_bounds_and_twice_alike() -> None:
     programs = recorded("emu3_short", {"loop": "train"})[:200:20]

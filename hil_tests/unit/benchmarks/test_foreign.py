@@ -163,6 +163,7 @@ def test_the_daemon_is_started_on_loopback_without_beacon_and_ended(tmp_path, mo
     assert not any(psutil.pid_exists(pid) for pid in pids)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.loop
 def test_an_end_that_fails_says_why_though_a_library_complains_after_it(tmp_path, monkeypatch) -> None:

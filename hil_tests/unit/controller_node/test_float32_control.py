@@ -63,6 +63,7 @@ def test_codes_follow_float64_on_the_same_inputs(arithmetic: str, share: float) 
     assert 0 < sum(differences) <= share * len(differences)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_a_run_through_the_telegrams_stops(tmp_path: Path) -> None:
     run = local_run(SCENARIO, tmp_path, RunSpec(law=LawSpec(arithmetic="float32")))

@@ -197,6 +197,7 @@ def test_a_set_has_the_runs_of_its_sequences(tmp_path: Path) -> None:
     assert found.reasons == ("4 of 4 runs FAIL",)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_the_command_beside_a_set_makes_the_same_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from railhil.judge.judging import judging_of

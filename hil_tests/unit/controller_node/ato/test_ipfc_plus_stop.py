@@ -155,6 +155,7 @@ def test_better_than_ipfc_plus_in_fixed_point() -> None:
     assert mine < 0.0038
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_what_is_left_over_is_the_survey() -> None:
     """Stop error without that of the best estimate of the position, rms."""

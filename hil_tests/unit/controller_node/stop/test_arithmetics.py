@@ -90,6 +90,7 @@ def test_an_export_in_an_arithmetic_that_the_law_has_not_is_refused(tmp_path):
     assert (done.exit_code, "allowed iq for a law of system ato" in done.err) == (2, True)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_runs_of_the_bench_learn_from_each_other_and_not_twice_from_one(tmp_path):
     memory = tmp_path / "memory"
