@@ -319,7 +319,7 @@ def test_report_of_runs_that_do_not_belong_together(compared: Compared, place: P
     assert railhil("report", tmp_path / "other").exit_code == 0
     assert (tmp_path / "other" / "report.html").is_file()
     (tmp_path / "compare.json").write_text("[]")
-    assert "compare.json: file: found [], allowed a JSON object" in railhil("report", tmp_path).one_line()
+    assert "compare.json: file: found no JSON object" in railhil("report", tmp_path).one_line()
 
 
 @pytest.mark.slow
