@@ -14,7 +14,7 @@ from typing import Any
 
 from railhil.bus.can_settings import HUB_INTERFACE, has_settings
 from railhil.bus.hub.address import OWN_HUB_START_S, default_channel
-from railhil.common.errors import InputError, Words
+from railhil.common.errors import InputError, Sentence, Words
 
 _DEFAULT_VCAN = "vcan0"
 #: Channel of this interface between the nodes of one run: pipes, no hub.
@@ -124,9 +124,11 @@ def no_bus(given: Mapping[str, Any], pace: str) -> BusChoice:
     """
     if given:
         found = Words(" ".join(arguments_from_config(given)) or "a timing")
-        raise InputError("command line", "--bus local", found, "no other option of a bus beside it")
+        allowed = Sentence(f"cannot be given with {found} or any other option of a bus")
+        raise InputError("command line", "--bus local", found, allowed)
     if pace != "lockstep":
-        raise InputError("command line", "--bus local", pace, "--pace lockstep beside it")
+        allowed = Sentence(f"used only with --pace lockstep, not with --pace {pace}")
+        raise InputError("command line", "--bus local", pace, allowed)
     return BusChoice({"interface": LOCAL}, "all nodes in this process, as asked for")
 
 

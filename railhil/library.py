@@ -16,7 +16,7 @@ import numpy as np
 from rich.console import Console
 
 from railhil.common.command_line import RATE, USUAL_LAW, USUAL_SCENARIO
-from railhil.common.errors import InputError, Words
+from railhil.common.errors import InputError, Sentence, Words
 from railhil.judge.criteria import Criterion
 from railhil.judge.events.event import RecordedEvent
 from railhil.judge.judging import Judging
@@ -82,7 +82,8 @@ def run(
         )  # fmt: skip
     spec, loaded = checked_spec(spec)
     if no_controller and spec.is_local:
-        raise InputError("railhil.run", "no_controller", Words("a run in this process"), "a bus beside it")
+        allowed = Sentence("used only in a run over a bus")
+        raise InputError("railhil.run", "no_controller", Words("a run in this process"), allowed)
     spec = replace(spec, can=can, start_up=StartUp(foreign=no_controller), out=out)
     result = record_run(spec, scenario=loaded)
     if result.stopped_exit_code:

@@ -277,7 +277,7 @@ def test_a_supervisor_that_takes_the_plant_for_another_pace(lvshun):
 def test_a_program_that_the_installation_lacks(monkeypatch):
     """The container image leaves the tests out, and the audit with them."""
     monkeypatch.setitem(sys.modules, "railhil.audit", None)
-    with pytest.raises(InputError, match=r"^railhil: command: found 'railhil.audit', allowed a program of this inst"):
+    with pytest.raises(InputError, match=r"^railhil: command: railhil.audit is not part of this inst"):
         outside.become_program(["audit", "lvshun_tieshan"])
 
 

@@ -221,12 +221,12 @@ def test_a_law_without_memory_is_not_given_one(short: Path, tmp_path: Path) -> N
 @pytest.mark.parametrize(
     ("words", "line"),
     [
-        (("--attach",), "--attach: found a memory of the law"),
-        (("--no-controller",), "--no-controller: found a memory of the law"),
-        (("--memory-from", "m.json"), "--memory-from: found beside --memory, allowed one of the two"),
+        (("--attach",), "--attach: used only without a memory"),
+        (("--no-controller",), "--no-controller: used only without a memory"),
+        (("--memory-from", "m.json"), "--memory-from: cannot be given with --memory"),
         (
             ("--memory-from", "m.json", "--memory", "n.json"),
-            "--memory-from: found beside --memory, allowed one of the two",
+            "--memory-from: cannot be given with --memory",
         ),
         (("--memory", "/proc/folder"), "--memory: found "),
     ],

@@ -112,7 +112,7 @@ def test_it_stands_in_certificate_score_junit_report_and_table(
 def test_a_name_is_only_for_a_controller_of_somebody_else(tmp_path: Path) -> None:
     done = railhil("run", "--bus", "local", "--controller-name", "mine", "--out", tmp_path / "run")
     assert done.exit_code == 2
-    assert "--controller-name: found 'mine', allowed only with --no-controller" in done.one_line()
+    assert "--controller-name: used only with --no-controller" in done.one_line()
 
 
 @pytest.mark.parametrize(("name", "folder"), [("", "other"), ("ATO 3/b", "ATO_3_b")])

@@ -11,7 +11,7 @@ from shutil import rmtree
 from typing import Any
 from zipfile import BadZipFile, ZipFile
 
-from railhil.common.errors import InputError, Words
+from railhil.common.errors import InputError, Sentence, Words
 from railhil.common.extras import missing_library
 from railhil.common.user_files import open_given
 from railhil.plant_sim.any_plant import PlantError
@@ -59,7 +59,8 @@ class Fmu:
         except Exception as error:
             # The reader passes on the exceptions of XML, zip and its own checks.
             cause = " ".join(str(error).split())
-            raise InputError(self.file, "modelDescription.xml", Words("cannot be read"), "an FMU", cause) from None
+            allowed = Sentence("cannot be read as that of an FMU")
+            raise InputError(self.file, "modelDescription.xml", Words("cannot be read"), allowed, cause) from None
         self._check_kind(fmpy)
         self._check_variables()
         self._check_step(step_s)
@@ -144,7 +145,8 @@ class Fmu:
         except Exception as error:
             # The reader passes on the exceptions of zip and its own checks of names.
             cause = " ".join(str(error).split())
-            raise InputError(self.file, "archive", Words("cannot be unpacked"), "an FMU", cause) from None
+            allowed = Sentence("cannot be unpacked as that of an FMU")
+            raise InputError(self.file, "archive", Words("cannot be unpacked"), allowed, cause) from None
         given = {
             "guid": description.guid,
             "unzipDirectory": self._folder,
@@ -177,7 +179,8 @@ class Fmu:
         except Exception as error:
             # A library that cannot be loaded raises it, too.
             cause = " ".join(str(error).split())
-            raise InputError(self.file, "start", Words("cannot be started"), "an FMU that starts", cause) from None
+            allowed = Sentence("cannot be started as that of an FMU")
+            raise InputError(self.file, "start", Words("cannot be started"), allowed, cause) from None
 
     def _set_all(self, values: Mapping[str, float]) -> None:
         for name, value in values.items():

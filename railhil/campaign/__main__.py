@@ -7,7 +7,7 @@ import sys
 
 from railhil.campaign.plan import ALL_LAWS, CHUNK_MAX, RUNS_MAX, Plan, Request
 from railhil.common.command_line import SEED_MAX, OneLineParser, whole_number
-from railhil.common.errors import InputError
+from railhil.common.errors import InputError, Sentence
 from railhil.common.exit_codes import run_guarded
 from railhil.controller_node.laws import names as laws
 from railhil.scenarios.options import add_option, add_options
@@ -64,9 +64,9 @@ def arguments() -> argparse.ArgumentParser:
 
 def _check_engine(namespace: argparse.Namespace) -> None:
     if namespace.jobs is not None and namespace.engine != "joblib":
-        raise InputError("command line", "--jobs", namespace.jobs, "only with --engine joblib")
+        raise InputError("command line", "--jobs", namespace.jobs, Sentence("used only with --engine joblib"))
     if namespace.scheduler is not None and namespace.engine != "dask":
-        raise InputError("command line", "--scheduler", namespace.scheduler, "only with --engine dask")
+        raise InputError("command line", "--scheduler", namespace.scheduler, Sentence("used only with --engine dask"))
 
 
 COMMAND: Command[Plan] = Command(

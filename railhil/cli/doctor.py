@@ -25,7 +25,7 @@ from railhil.bus.transports import limits
 from railhil.common.build import python_build, railhil_build
 from railhil.common.command_line import USUAL_SCENARIO
 from railhil.common.digits import count_of
-from railhil.common.errors import InputError
+from railhil.common.errors import InputError, Sentence
 from railhil.common.exit_codes import PASS, USAGE
 from railhil.common.output import Output, table
 from railhil.common.streams import add_json_argument, print_json
@@ -120,7 +120,7 @@ def _fmu(namespace: argparse.Namespace) -> int:
         option, value = ("--fmu-map", namespace.fmu_map)
         if value is None:
             option, value = ("--fmu-scenario", namespace.fmu_scenario)
-        raise InputError("command line", option, value, "only with --fmu")
+        raise InputError("command line", option, value, Sentence("used only with --fmu"))
     named = PlantFmu(namespace.fmu, namespace.fmu_map or str(Path(namespace.fmu).with_suffix(".toml")))
     document = named.as_json()
     run = RunSpec(namespace.fmu_scenario or USUAL_SCENARIO, plant_fmu=named)

@@ -16,7 +16,7 @@ from rich.console import Console
 from rich.table import Table
 
 from railhil.common.command_line import OneLineParser, parse
-from railhil.common.errors import InputError
+from railhil.common.errors import InputError, Sentence
 from railhil.common.exit_codes import run_guarded
 from railhil.controller_node.export.bundle import make_bundle, write_bundle
 from railhil.controller_node.export.control import Source
@@ -83,7 +83,7 @@ def main() -> int:
     """Write the files and list them."""
     namespace = parse(arguments())
     if namespace.fmi_version and not namespace.fmu:
-        raise InputError("command line", "--fmi-version", namespace.fmi_version, "only with --fmu")
+        raise InputError("command line", "--fmi-version", namespace.fmi_version, Sentence("used only with --fmu"))
     parameters = None if namespace.parameters is None else load_parameters(namespace.parameters)
     scenario = load_any(namespace.scenario, namespace.set)
     law = LawSpec(namespace.law, indexing=namespace.indexing, parameters=parameters)

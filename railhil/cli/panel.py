@@ -14,7 +14,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from railhil.common.command_line import whole_number
-from railhil.common.errors import InputError, Words
+from railhil.common.errors import InputError, Sentence, Words
 from railhil.common.extras import install_command
 from railhil.judge.fault_report import check_faults, transports_of
 from railhil.judge.result import Result
@@ -35,6 +35,7 @@ _LOOK_S = 0.1
 _SHOWN_S = 0.2
 #: Nice value of the panel, compared with the run.
 _NICE = 10
+_PANEL_ONLY = Sentence("used only with --panel or --operator")
 #: The fault of the emergency button: like the driver's mushroom button it opens the safety loop.
 EMERGENCY_PLACE, EMERGENCY = "train.safety_loop", "safety_loop off @manual"
 
@@ -81,19 +82,19 @@ def check_panel(namespace: argparse.Namespace, spec: RunSpec) -> None:
     :raises InputError: the run has no bus, or the extra is not installed.
     """
     if namespace.wait and namespace.panel is None and namespace.operator is None:
-        raise InputError("command line", "--wait", Words("without a panel"), "--panel or --operator beside it")
+        raise InputError("command line", "--wait", Words("without a panel"), _PANEL_ONLY)
     if namespace.catalogue and namespace.panel is None and namespace.operator is None:
-        raise InputError("command line", "--catalogue", Words("without a panel"), "--panel or --operator beside it")
+        raise InputError("command line", "--catalogue", Words("without a panel"), _PANEL_ONLY)
     if namespace.catalogue and (namespace.attach or namespace.no_controller):
         found = Words("beside nodes that are running already")
-        raise InputError("command line", "--catalogue", found, "nodes that railhil run starts, with its faults")
+        allowed = Sentence("used only with nodes that railhil run starts, with its faults")
+        raise InputError("command line", "--catalogue", found, allowed)
     if namespace.foxglove is not None and namespace.panel is None:
-        raise InputError("command line", "--foxglove", namespace.foxglove, "--panel beside it")
+        raise InputError("command line", "--foxglove", namespace.foxglove, Sentence("used only with --panel"))
     asked = "--panel" if namespace.panel is not None else "--operator" if namespace.operator is not None else ""
     if asked and spec.is_local:
-        raise InputError(
-            "command line", asked, Words("beside --bus local"), "a run over a bus, which a panel listens to"
-        )
+        allowed = Sentence("cannot be given with --bus local: a panel listens to a run over a bus")
+        raise InputError("command line", asked, Words("beside --bus local"), allowed)
     if namespace.panel is not None:
         require_websockets()
 
@@ -104,7 +105,8 @@ def require_websockets() -> None:
         import websockets  # noqa: F401
     except ImportError as error:
         found = Words(f"module {error.name} is not installed")
-        raise InputError("command line", "--panel", found, install_command("panel"), "the extra [panel]") from None
+        allowed = Sentence(f"needs the module {error.name}; install it with {install_command('panel')}")
+        raise InputError("command line", "--panel", found, allowed, "the extra [panel]") from None
 
 
 def with_emergency(spec: RunSpec) -> RunSpec:

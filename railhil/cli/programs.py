@@ -11,7 +11,7 @@ import importlib.util
 import os
 import sys
 
-from railhil.common.errors import InputError
+from railhil.common.errors import InputError, Sentence
 from railhil.common.exit_codes import hold_back_interrupts
 
 NODES = {"plant": "railhil.plant_sim", "controller": "railhil.controller_node"}
@@ -66,7 +66,7 @@ def become_program(arguments: list[str]) -> None:
 def _become(module: str, arguments: list[str]) -> int:
     if importlib.util.find_spec(module) is None:
         # The container image, for example, does not contain the tests and programs based on them.
-        raise InputError("railhil", "command", module, "a program of this installation, which leaves it out")
+        raise InputError("railhil", "command", module, Sentence(f"{module} is not part of this installation"))
     sys.stdout.flush()
     sys.stderr.flush()
     hold_back_interrupts()

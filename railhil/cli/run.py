@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 from railhil.bus.can_settings import add_bus_arguments, named_bus
 from railhil.cli.panel import PanelBeside, add_panel_arguments, check_panel, with_catalogue, with_emergency
 from railhil.cli.progress import Progress
-from railhil.common.errors import Faults, InputError, Words
+from railhil.common.errors import Faults, InputError, Sentence, Words
 from railhil.common.streams import add_json_argument, print_json, say
 from railhil.common.user_files import given_text
 from railhil.record.signature import add_sign_argument, check_key, sign_list
@@ -152,22 +152,28 @@ def _read_spec(namespace: argparse.Namespace) -> RunSpec:
     given = [flag for flag, on in (("--attach", namespace.attach), ("--no-controller", namespace.no_controller)) if on]
     given += ["--bus local"] * spec.is_local
     if len(given) > 1:
-        raise InputError("command line", given[1], Words(f"beside {given[0]}"), "one of the two")
+        allowed = Sentence(f"cannot be given with {given[0]}")
+        raise InputError("command line", given[1], Words(f"beside {given[0]}"), allowed)
     if (namespace.attach or namespace.no_controller) and spec.law.task_period_ms:
         raise InputError("command line", "--task-period-ms", spec.law.task_period_ms, f"0 with {given[0]}")
     if (namespace.attach or namespace.no_controller) and (spec.memory_store or spec.law.memory):
         found = Words("a memory of the law")
-        raise InputError("command line", given[0], found, "none: the controller of somebody else is not given it")
+        allowed = Sentence("used only without a memory of the law: the controller of somebody else is not given it")
+        raise InputError("command line", given[0], found, allowed)
     if namespace.controller_name and not namespace.no_controller:
-        raise InputError("command line", "--controller-name", namespace.controller_name, "only with --no-controller")
+        allowed = Sentence("used only with --no-controller")
+        raise InputError("command line", "--controller-name", namespace.controller_name, allowed)
     if namespace.rerun_command and not namespace.attach:
-        raise InputError("command line", "--rerun-command", namespace.rerun_command, "only with --attach")
+        allowed = Sentence("used only with --attach")
+        raise InputError("command line", "--rerun-command", namespace.rerun_command, allowed)
     if namespace.fault_logs is not None and not namespace.attach:
-        raise InputError("command line", "--fault-logs", str(namespace.fault_logs), "only with --attach")
+        raise InputError("command line", "--fault-logs", str(namespace.fault_logs), Sentence("used only with --attach"))
     if namespace.attach and spec.plant_fmu is not None:
-        raise InputError("command line", FMU_OPTION, Words("beside --attach"), "it on the command line of the plant")
+        allowed = Sentence("cannot be given with --attach, but on the command line of the plant")
+        raise InputError("command line", FMU_OPTION, Words("beside --attach"), allowed)
     if namespace.no_rt and not spec.is_realtime:
-        raise InputError("command line", "--no-rt", Words(f"a run in {spec.pace}"), "only in a run with pace realtime")
+        allowed = Sentence("used only with --pace realtime")
+        raise InputError("command line", "--no-rt", Words(f"a run in {spec.pace}"), allowed)
     how = replace(
         start_up(namespace),
         attach=namespace.attach,

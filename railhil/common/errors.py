@@ -67,11 +67,18 @@ def near_file(path: Path) -> str | None:
     return f"did you mean {path.parent / nearest}?" if nearest else None
 
 
+class Sentence(str):
+    """What is wrong and what is allowed, as a sentence whose subject is the key, e.g. "used only with --fmu"."""
+
+    __slots__ = ()
+
+
 class InputError(Exception):
     """Bad input from outside (scenario, line or train file, DBC, log, command line).
 
     ``str()`` is one line: ``FILE: KEY: found X, allowed Y (HINT)``. ``found`` is shown as its ``repr``, shortened;
-    :class:`Words` describes what has no value to show. ``allowed`` is shown in full.
+    :class:`Words` describes what has no value to show. ``allowed`` is shown in full. If ``allowed`` is a
+    :class:`Sentence`, the line is ``FILE: KEY: SENTENCE (HINT)``.
     """
 
     exit_code = 2
@@ -91,9 +98,12 @@ class InputError(Exception):
 
     @property
     def difference(self) -> str:
-        """``found X, allowed Y``."""
+        """``found X, allowed Y``, or the sentence."""
+        allowed = " ".join(self.allowed.split())
+        if isinstance(self.allowed, Sentence):
+            return allowed
         shown = self.found if isinstance(self.found, Words) else repr(self.found)
-        return f"found {_one_line(str(shown))}, allowed {' '.join(self.allowed.split())}"
+        return f"found {_one_line(str(shown))}, allowed {allowed}"
 
 
 class InputErrors(InputError):

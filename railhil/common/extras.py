@@ -16,7 +16,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from types import ModuleType
 
-from railhil.common.errors import InputError, Words
+from railhil.common.errors import InputError, Sentence, Words
 
 _DISTRIBUTION = "railhil"
 #: pipx puts this file into the environment of a program.
@@ -47,7 +47,9 @@ def missing_library(command: str, error: ImportError, extra: str) -> InputError:
     """The one-line message for a library that is missing or unusable."""
     absent = isinstance(error, ModuleNotFoundError)
     found = Words("not installed" if absent else f"an installation that cannot be used ({error})")
-    return InputError(command, f"module {error.name or '?'}", found, install_command(extra), f"the extra [{extra}]")
+    problem = "not installed" if absent else f"the installation cannot be used ({error})"
+    allowed = Sentence(f"{problem}; install it with {install_command(extra)}")
+    return InputError(command, f"module {error.name or '?'}", found, allowed, f"the extra [{extra}]")
 
 
 def need(module: str, extra: str, command: str = "railhil campaign") -> ModuleType:

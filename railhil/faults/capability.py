@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from railhil.common.errors import InputError, Words
+from railhil.common.errors import InputError, Sentence, Words
 from railhil.dbc import Contract, Port, Signal
 from railhil.faults.language import fault_text
 from railhil.faults.model import Fault, Word
@@ -134,7 +134,8 @@ def check_injectable(fault: Fault, transports: Sequence[str], pace: str, sources
     for transport in transports:
         if why := why_not(fault, transport, pace, sources):
             found = Words(f"a run on {transport} in {pace}")
-            raise InputError("faults", fault_text(fault, judging=False), found, f"no such fault there: {why}")
+            allowed = Sentence(f"cannot be injected in {found}: {why}")
+            raise InputError("faults", fault_text(fault, judging=False), found, allowed)
 
 
 #: Ports of the bench itself, by which it observes and judges.

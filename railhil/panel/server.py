@@ -26,7 +26,7 @@ from websockets.typing import Subprotocol
 from railhil.bus.can_settings import named_bus
 from railhil.bus.select import arguments_from_config, choose_bus
 from railhil.cli.run_identity import RunIdentity, named_scenario
-from railhil.common.errors import InputError, Words
+from railhil.common.errors import InputError, Sentence, Words
 from railhil.common.exit_codes import ending_signals
 from railhil.common.output import Output
 from railhil.common.python_process import end_with_parent
@@ -249,7 +249,7 @@ def serve_panel(namespace: argparse.Namespace) -> int:
         end_with_parent()
     if any(Path(text).is_dir() for text in namespace.what):
         if namespace.foxglove is not None:
-            allowed = "the run on a bus; for a recorded one railhil export --mcap"
+            allowed = Sentence("cannot be given with run folders; railhil export --mcap makes a file of one")
             raise InputError("command line", "--foxglove", Words("beside run folders"), allowed)
         from railhil.panel.recorded import RecordedRuns
 
@@ -279,7 +279,8 @@ def _make_receiver(given: Mapping[str, Any], follow: str | None) -> Receiver:
         return Receiver(choose_bus(given).config)
     if given:
         found = Words(" ".join(arguments_from_config(given)) or "a timing")
-        raise InputError("command line", "--follow", found, "no option of a bus beside it")
+        allowed = Sentence(f"cannot be given with {found} or any other option of a bus")
+        raise InputError("command line", "--follow", found, allowed)
     folder = Path(follow)
     return Receiver({}, lambda config, name: LogFollower(folder), waits=True)
 

@@ -26,7 +26,7 @@ from railhil.common.command_line import (
     seconds,
     whole_number,
 )
-from railhil.common.errors import InputError
+from railhil.common.errors import InputError, Sentence
 from railhil.common.patience import APPEAR_S, PATIENCE_S
 from railhil.scenarios.operator_commands import ORDER
 from railhil.scenarios.plant_fmu import MAP_OPTION, OPTION, PlantFmu
@@ -208,7 +208,7 @@ def named_fmu(namespace: argparse.Namespace) -> PlantFmu | None:
     """
     if namespace.plant_fmu is None:
         if namespace.fmu_map is not None:
-            raise InputError("command line", MAP_OPTION, namespace.fmu_map, f"only with {OPTION}")
+            raise InputError("command line", MAP_OPTION, namespace.fmu_map, Sentence(f"used only with {OPTION}"))
         return None
     file = Path(namespace.plant_fmu)
     found = PlantFmu(str(file), namespace.fmu_map or str(file.with_suffix(".toml")))

@@ -28,7 +28,7 @@ from railhil.common.command_line import (
     USUAL_LAW,
     USUAL_SCENARIO,
 )
-from railhil.common.errors import Faults, InputError, Words, did_you_mean, near_file
+from railhil.common.errors import Faults, InputError, Sentence, Words, did_you_mean, near_file
 from railhil.common.patience import PATIENCE_S
 from railhil.common.user_files import given_text
 from railhil.faults import FAULT
@@ -216,7 +216,8 @@ def merged(layers: Sequence[Layer], faults: Faults) -> tuple[dict[str, Any], Par
     for layer in layers:
         if {*_MEMORY} <= {*layer.values}:
             names = [layer.names.get(key, key) for key in _MEMORY]
-            faults.found.append(layer.refused("memory", Words(f"beside {names[1]}"), "one of the two"))
+            allowed = Sentence(f"cannot be given with {names[1]}")
+            faults.found.append(layer.refused("memory", Words(f"beside {names[1]}"), allowed))
         if any(key in layer.values for key in _MEMORY):
             # Both define the memory with which the run begins.
             document = {key: value for key, value in document.items() if key not in _MEMORY}
@@ -229,7 +230,8 @@ def merged(layers: Sequence[Layer], faults: Faults) -> tuple[dict[str, Any], Par
             with faults.kept():
                 faults_given.append(canonical_fault(text, layer.fault_source))
         if document.get("pace", "lockstep") == "lockstep" and document.pop("rate", None) and "rate" in layer.values:
-            faults.found.append(layer.refused("rate", layer.values["rate"], "only in a run with pace realtime"))
+            allowed = Sentence("used only in a run with pace realtime")
+            faults.found.append(layer.refused("rate", layer.values["rate"], allowed))
     document["settings"], document["faults"] = settings, faults_given
     with faults.kept():
         document["scenario"] = _scenario(document.get("scenario", USUAL_SCENARIO), said.get("scenario"))

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, Generic
 
 from railhil.common.command_line import SEED_MAX, run_command, whole_number
-from railhil.common.errors import InputError
+from railhil.common.errors import InputError, Sentence
 from railhil.common.exit_codes import FAIL, PASS
 from railhil.common.extras import need
 from railhil.common.output import Output
@@ -85,15 +85,17 @@ def _check_options(request: Any, namespace: argparse.Namespace, beside: str, wit
         names += [name for name in ("out", "resume", "shard", *without) if getattr(namespace, name)]
         if extra := [name for name in names if name != beside]:
             option = extra[0] if extra[0] == "scenario" else f"--{extra[0].replace('_', '-')}"
-            raise InputError("command line", "--verify", option, f"beside it only --{beside} and --draw")
+            allowed = Sentence(f"cannot be given with {option}, only with --{beside} and --draw")
+            raise InputError("command line", "--verify", option, allowed)
     if namespace.resume is not None and namespace.out is not None:
         raise InputError("command line", "--out", namespace.out, "one of --out and --resume")
     if namespace.shard is not None:
         if namespace.resume is None and namespace.out is None:
-            allowed = "beside it --out or --resume: the folder of the shards"
+            allowed = Sentence("used only with --out or --resume, the folder of the shards")
             raise InputError("command line", "--shard", str(namespace.shard), allowed)
         if namespace.sign is not None:
-            raise InputError("command line", "--sign", str(namespace.sign), "with all parts: --resume DIR, not --shard")
+            allowed = Sentence("used only with all parts: --resume DIR, not --shard")
+            raise InputError("command line", "--sign", str(namespace.sign), allowed)
 
 
 def request_from(begun: Any, namespace: argparse.Namespace) -> Any:

@@ -114,15 +114,15 @@ def test_the_request_comes_back_from_the_manifest(tmp_path):
         (["--first-seed", "4294967290"], "found last seed 4294968289, allowed at most 4294967295"),
         (["--arithmetic", "nix"], "--arithmetic"),
         (["--engine", "nix"], "--engine"),
-        (["--jobs", "2"], "--jobs: found 2, allowed only with --engine joblib"),
+        (["--jobs", "2"], "--jobs: used only with --engine joblib"),
         (["--engine", "dask"], "--scheduler: found nothing, allowed tcp://HOST:PORT"),
-        (["--scheduler", "tcp://127.0.0.1:9"], "--scheduler: found 'tcp://127.0.0.1:9', allowed only with"),
+        (["--scheduler", "tcp://127.0.0.1:9"], "--scheduler: used only with --engine dask"),
         (["--parameters", "none.toml"], "none.toml: found No such file"),
         (["--resume", "nowhere"], "nowhere/campaign.json: found no such file or directory"),
         (["--resume", "a", "--out", "b"], "--out: found 'b', allowed one of --out and --resume"),
         (["--verify", "nowhere"], "nowhere/campaign.json: found no such file or directory"),
-        (["--verify", "x", "--out", "y"], "--verify: found '--out', allowed beside it only --runs and --draw"),
-        (["--verify", "x", "--json"], "--verify: found '--json', allowed beside it only --runs and --draw"),
+        (["--verify", "x", "--out", "y"], "--verify: cannot be given with --out, only with --runs and --draw"),
+        (["--verify", "x", "--json"], "--verify: cannot be given with --json, only with --runs and --draw"),
         (["--out", "/proc/nothing"], "--out: found '/proc/nothing'"),
     ],
 )
@@ -150,7 +150,7 @@ def test_a_missing_library_is_one_line(campaign, short, tmp_path, monkeypatch, m
     monkeypatch.setitem(sys.modules, module, None)
     done = campaign(short, "--engine", "joblib", "--out", "mine")
     assert done.exit_code == 2
-    assert f"module {module}: found not installed" in done.one_line()
+    assert f"module {module}: not installed" in done.one_line()
     assert install_command("campaign") in done.one_line()
     assert not list(tmp_path.iterdir())
 

@@ -56,10 +56,11 @@ def test_an_environment_without_pip_is_one_of_uv(monkeypatch: pytest.MonkeyPatch
 def test_a_library_that_cannot_be_used_is_told_from_one_that_is_not_there() -> None:
     absent = str(missing_library("x", ModuleNotFoundError("No module named 'numba'", name="numba"), "campaign"))
     assert (
-        absent == f"x: module numba: found not installed, allowed {install_command('campaign')} (the extra [campaign])"
+        absent
+        == f"x: module numba: not installed; install it with {install_command('campaign')} (the extra [campaign])"
     )
     broken = str(missing_library("x", ImportError("Numba needs NumPy 2.3 or less", name="numba"), "campaign"))
-    assert "found an installation that cannot be used (Numba needs NumPy 2.3 or less), allowed " in broken
+    assert "the installation cannot be used (Numba needs NumPy 2.3 or less); install it with " in broken
 
 
 @pytest.mark.parametrize("name", ["railhil", "railhil panel"])
@@ -69,4 +70,4 @@ def test_the_line_names_the_command_once(name: str, capsys: pytest.CaptureFixtur
         raise missing_library("railhil panel", error, "panel")
 
     assert run_guarded(name, work) == USAGE
-    assert capsys.readouterr().err.startswith("railhil panel: module websockets: found not installed")
+    assert capsys.readouterr().err.startswith("railhil panel: module websockets: not installed")

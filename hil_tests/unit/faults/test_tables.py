@@ -72,7 +72,7 @@ def test_what_cannot_be_injected_says_why(text: str, transport: str, pace: str, 
     why = why_not(fault, transport, pace, sources)
     assert (said in why) if said else not why
     if why:
-        with pytest.raises(InputError, match="no such fault there") as caught:
+        with pytest.raises(InputError, match="cannot be injected in a run") as caught:
             check_injectable(fault, [transport], pace, sources)
         assert "\n" not in str(caught.value)
 

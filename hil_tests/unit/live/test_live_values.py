@@ -281,5 +281,5 @@ def test_watch_names_the_notes_of_the_law(recorded: Recorded, monkeypatch: pytes
     monkeypatch.undo()
     with pytest.raises(InputError, match="no_such_law"):
         namespace.work(namespace)
-    with pytest.raises(InputError, match="--set: found without a scenario"):
+    with pytest.raises(InputError, match="--set: used only after a SCENARIO"):
         watch.work(parser.parse_args(["watch", "-i", "railhil", "-c", "x", "--set", "plan.distance_m=1"]))

@@ -139,7 +139,7 @@ def test_a_certificate_makes_its_run_again(tmp_path: Path) -> None:
         ('scenario = "nowhere.toml"', "run.toml: scenario: found 'nowhere.toml', allowed an existing .toml file"),
         ('controller = "ipcf"', "run.toml: controller: found 'ipcf', allowed ipfc, .*did you mean ipfc"),
         ('parameters = "none.toml"', "none.toml: found No such file or directory, allowed a parameter file"),
-        ("rate = 2.0", "run.toml: rate: found 2.0, allowed only in a run with pace realtime"),
+        ("rate = 2.0", "run.toml: rate: used only in a run with pace realtime"),
         ("seed = ", "run.toml: found .*, allowed a run in TOML"),
         (
             'sed = 1\narithmetic = "iq9"\ncontroller = "ipcf"',
@@ -176,7 +176,7 @@ def test_all_sources_are_refused_together(tmp_path: Path) -> None:
         f"{path}: seed: found -1, allowed at least 0",
         "environment: RAILHIL_SEED: found 'x', allowed a whole number",
         "environment: RAILHIL_PERTURBED: found 'perhaps', allowed true or false",
-        "command line: --rate: found 2.0, allowed only in a run with pace realtime",
+        "command line: --rate: used only in a run with pace realtime",
         str(refused.value).split("; ")[4],
     ]
     assert "command line: --controller: found 'ipcf'" in str(refused.value)

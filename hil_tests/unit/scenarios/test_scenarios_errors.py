@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import pickle
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -12,7 +13,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from railhil.common.errors import InputError, Words, nearest_key
+from railhil.common.errors import InputError, Sentence, Words, nearest_key
 from railhil.scenarios.layers import Layers
 from railhil.scenarios.load import RUNS, load, load_any, short_names, stable_name
 from railhil.scenarios.model import require_perturbations
@@ -245,6 +246,13 @@ def test_input_error_is_one_line_whatever_it_holds() -> None:
     assert str(error).count("\n") == 0
     assert len(str(error)) < 200
     assert str(InputError("f", "k", Words(), "a value")) == "f: k: found nothing, allowed a value"
+
+
+def test_a_sentence_replaces_found_and_allowed_in_the_line_only() -> None:
+    error = InputError("f", "--jobs", 2, Sentence("used only\nwith --engine joblib"), "d")
+    assert str(error) == "f: --jobs: used only with --engine joblib (d)"
+    assert (error.found, "--engine joblib" in error.allowed) == (2, True)
+    assert str(pickle.loads(pickle.dumps(error))) == str(error)
 
 
 def test_nearest_key_prefers_the_same_name_in_another_unit() -> None:

@@ -139,7 +139,7 @@ def test_seeds_that_the_law_was_made_on_are_refused(short: Path, monkeypatch: py
             ("--jobs", "2", "--scheduler", "tcp://127.0.0.1:1"),
             "--scheduler: found 'tcp://127.0.0.1:1', allowed one of --jobs",
         ),
-        (("--verify", "x", "--runs", "2"), "--verify: found '.*', allowed beside it only --sequences and --draw"),
+        (("--verify", "x", "--runs", "2"), "--verify: cannot be given with --runs, only with --sequences and --draw"),
         (("--resume", "nowhere"), r"learn\.json: found no such file or directory, allowed folder of railhil learn"),
     ],
 )

@@ -127,8 +127,8 @@ def test_a_wrong_shard_says_what_is_allowed(text: str) -> None:
 def test_a_wrong_shard_is_one_line_and_exit_code_2(command: str, tmp_path: Path) -> None:
     for words, said in (
         (("--shard", "5/4", "--out", "mine"), "--shard: found 5/4, allowed K/N with K from 1 to N"),
-        (("--shard", "1/4"), "--shard: found '1/4', allowed beside it --out or --resume"),
-        (("--shard", "1/4", "--verify", "mine"), "--verify: found '--shard', allowed beside it only"),
+        (("--shard", "1/4"), "--shard: used only with --out or --resume"),
+        (("--shard", "1/4", "--verify", "mine"), "--verify: cannot be given with --shard, only with"),
     ):
         done = railhil(command, *words, cwd=tmp_path)
         assert done.exit_code == 2

@@ -12,7 +12,7 @@ from hil_tests.support.warm import run_module
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        (("--timing-file", "x.csv"), "--timing-file: found 'x.csv', allowed only with --pace realtime"),
+        (("--timing-file", "x.csv"), "--timing-file: used only with --pace realtime"),
         (("--pace", "realtime", "--timing-file", "/nowhere/x.csv"), "--timing-file: found '/nowhere/x.csv', allowed a"),
         (("--rate", "4"), "argument --rate: allowed only with --pace realtime"),
         (("--realtime-priority", "99"), "--realtime-priority: found 99, allowed 0..98"),
