@@ -114,6 +114,7 @@ def test_export_of_something_else_is_refused(
         assert "the nodes do not agree on what to run; railhil run says in what" in run.said
 
 
+@pytest.mark.long
 @pytest.mark.faults
 @pytest.mark.slow
 def test_killed_program_is_a_lost_controller(program: Path, tmp_path: Path, socket_folder: Path) -> None:

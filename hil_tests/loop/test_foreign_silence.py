@@ -131,6 +131,7 @@ class Twins:
         assert self.c.level == self.node.guard.level
 
 
+@pytest.mark.long_after(3)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("silent_ms", "level"),

@@ -35,6 +35,7 @@ def both(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactor
     return Both(local_run(scenario, tmp_path_factory.mktemp("run"), SPEC), direct_run(scenario, SPEC))
 
 
+@pytest.mark.long_after(1)
 def test_the_run_is_complete_and_healthy(both: Both) -> None:
     assert both.local.ended is Event.ENDED_COMPLETE
     assert both.local.score.failures == ()

@@ -65,6 +65,7 @@ def test_can_fd_form_gives_the_same_run(brief, brief_run, tmp_path):
     assert fd.frames_sha256 != brief_run.frames_sha256
 
 
+@pytest.mark.long_after(2)
 @pytest.mark.parametrize("arithmetic", ["iq", "float64"])
 @pytest.mark.parametrize(("seed", "drawn"), [(2, False), (5, True)])
 def test_direct_coupling_is_the_same_loop(nominal, lvshun, brief, tmp_path, arithmetic, seed, drawn):

@@ -26,6 +26,7 @@ def train_72m(tmp_path_factory: pytest.TempPathFactory) -> Scenario:
     return load(str(path))
 
 
+@pytest.mark.long_after(3)
 @pytest.mark.parametrize(("choice", "cause"), TIME_ATTACKS, ids=lambda item: getattr(item, "__name__", ""))
 def test_no_other_time_keeps_the_last_speed_fresh(
     train_72m: Scenario, tmp_path: Path, choice: Choice, cause: str

@@ -186,6 +186,7 @@ def levels_of(scenario: Scenario, attack: Callable[[list[Frame]], list[Frame]]) 
     return levels, plant
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.slow
 @pytest.mark.faults
 @pytest.mark.parametrize("back", [16, 256])

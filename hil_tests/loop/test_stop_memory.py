@@ -60,6 +60,7 @@ def error_m(run: OneRun) -> float:
     return error
 
 
+@pytest.mark.long_after(2)
 @pytest.mark.parametrize(
     ("bad", "fault"),
     [

@@ -44,6 +44,7 @@ def rows(folder: Path) -> tuple[list[str], list[dict[str, int]]]:
     return names, [dict(zip(names, (word - (word >> 31 << 32) for word in line), strict=True)) for line in words]
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.parametrize("compiler", ["gcc", "clang"])
 def test_every_word_of_the_reference_log_comes_out_of_the_c(exported: Path, tmp_path: Path, compiler: str) -> None:
     copy = tmp_path / "c"

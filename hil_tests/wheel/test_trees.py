@@ -137,6 +137,7 @@ def test_pyright_sees_all_packages(tree: Path, pyright: Path) -> None:
     assert [(one["range"]["start"]["line"], one["rule"]) for one in found] == [(4, "reportAssignmentType")], found
 
 
+@pytest.mark.long_after(2)
 @pytest.mark.parametrize("kind", ["wheel", "sdist", "editable"])
 @pytest.mark.parametrize("left", ["text", "nothing"])
 def test_a_tree_without_its_folders_is_refused_in_one_line(tmp_path: Path, kind: str, left: str) -> None:

@@ -214,6 +214,7 @@ def test_frames_that_nobody_takes_over_make_room_and_are_counted() -> None:
 # -- full and missing buses ---------------------------------------------------------------------------------------
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("lossless", [True, False])
 def test_a_bus_that_takes_nothing_stops_nobody(lossless: bool) -> None:

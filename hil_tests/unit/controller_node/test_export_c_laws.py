@@ -80,6 +80,7 @@ class Toy(Law[Any, ToyState]):
         return state, LawOutputs(ar.convert(wide, 9, 19), notch, (flags, ar.convert(product, 37, 30), self.zero))
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.slow
 @pytest.mark.needs_compiler
 @pytest.mark.parametrize("indexing", ["time", "distance"])

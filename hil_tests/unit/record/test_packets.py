@@ -99,6 +99,7 @@ def frames_of(records: Recorded) -> list[Frame]:
     return [frame for _, frame in records if frame.can_id not in OWN]
 
 
+@pytest.mark.long_after(4)
 @pytest.mark.parametrize("together", [1, 2, 5, 17, 86, 1000])
 @pytest.mark.parametrize("faults", [(), FAULTS], ids=["healthy", "faults"])
 def test_a_run_is_recorded_as_one_by_one(faults: tuple[str, ...], together: int) -> None:

@@ -258,6 +258,7 @@ def test_brake_wins_over_traction() -> None:
     assert train.brake_n == SCENARIO.train.brake.force_max_n
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("law", ["ipfc", "fuzzy_pid"])
 def test_a_run_that_stops_in_time_never_meets_its_end(law: str) -> None:

@@ -97,6 +97,7 @@ def test_the_end_of_the_journey_is_that_of_the_bench(law: str) -> None:
         assert np.isfinite(found.values["arrival_m"]).all()
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.slow
 @pytest.mark.usefixtures("no_repeats")
 @pytest.mark.parametrize("at_km", [204.5, 1.0])
