@@ -221,7 +221,6 @@ def test_process_leaves_the_telemetry_in_the_folder(short: Path, short_run: Resu
     assert not list(folder.glob(".part-*"))
 
 
-@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.loop
 def test_attached_run_takes_the_telemetry_from_the_record(

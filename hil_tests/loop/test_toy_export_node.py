@@ -122,7 +122,6 @@ def run_folder(site: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-@pytest.mark.long
 def test_the_c_node_over_the_hub_gives_the_bytes_of_our_own(
     site: Path, exported: Path, run_folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -56,7 +56,6 @@ def test_a_run_through_the_gateway_has_the_bytes_of_every_other_transport(tmp_pa
     assert sha256_of(tmp_path / "run/frames.log") == reference.frames_sha256
 
 
-@pytest.mark.long
 @pytest.mark.slow
 def test_the_supervisor_may_sit_at_the_controller_s_bus_and_telegrams_may_be_can_fd(
     tmp_path: Path, short: Path

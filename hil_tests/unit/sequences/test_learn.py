@@ -92,7 +92,6 @@ def test_processes_and_machines_make_no_difference(short: Path, tmp_path: Path) 
         assert one == two == dask
 
 
-@pytest.mark.long
 def test_after_a_kill_it_goes_on_with_the_same_bytes(short: Path, tmp_path: Path) -> None:
     whole, torn = tmp_path / "whole", tmp_path / "torn"
     assert learn(short, whole) == PASS
