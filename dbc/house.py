@@ -38,6 +38,13 @@ def _check_same(file: str, port: Port, house: Port) -> None:
         raise ContractError(f"{file}: {port.name}.signals: found another layout, allowed that of every system")
 
 
+def _name_as_house(port: Port, house: Port) -> Port:
+    """A port of the bench with its own comments, and the names of the house for its telegram, fields and enumerations:
+    a table that was written before version 0.2 has none."""
+    signals = tuple(replace(one, comment=own.comment) for own, one in zip(port.signals, house.signals, strict=True))
+    return replace(port, signals=signals, telegram=house.telegram, layout=house.layout)
+
+
 @cache
 def system_contract(path: Path) -> Contract:
     """The contract of a system from its port table; the DBC is made from the table and need not exist as a file.
@@ -65,11 +72,13 @@ def system_contract(path: Path) -> Contract:
     names = set(taken.values())
     if len(names) < len(contract.ports):
         raise ContractError(f"{file}: port.name: found one twice, allowed each once")
+    ports = {port.name: port for port in contract.ports}
     for port in house.ports:
         if port.name not in names:
             allowed = "a table with all ports of the house, or without any"
             raise ContractError(f"{file}: {port.name}: found no such port, allowed {allowed}")
-        _check_same(file, contract.port(port.name), port)
+        _check_same(file, ports[port.name], port)
+        ports[port.name] = _name_as_house(ports[port.name], port)
     if not any(port.source == "plant" and port.mode == "publish" and port.period_ns for port in contract.ports):
         raise ContractError(f"{file}: port: found none that the plant publishes, allowed at least one")
     clock = contract.clock_port
@@ -83,4 +92,4 @@ def system_contract(path: Path) -> Contract:
         raise ContractError(
             f"{file}: {clock.name}.period_ms: found {found}, allowed base_tick_ms = {allowed}: it opens every tick"
         )
-    return contract
+    return replace(contract, ports=tuple(ports.values()))

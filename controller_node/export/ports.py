@@ -180,7 +180,14 @@ def _enumerations(ports: Sequence[Port]) -> Iterator[str]:
 
 
 def _enumeration(words: str, prefix: str, members: Mapping[str, int]) -> list[str]:
-    rows = [f"    RAILHIL_{prefix}_{identifier(name).upper()} = {value}," for name, value in members.items()]
+    found: dict[str, int] = {}
+    for name, value in members.items():
+        word = identifier(name).upper()
+        while word in found:
+            # Texts that differ in signs or letters' case alone.
+            word += f"_{value}"
+        found[word] = value
+    rows = [f"    RAILHIL_{prefix}_{word} = {value}," for word, value in found.items()]
     return [f"/* {words} */", "enum {", *rows, "};", ""]
 
 

@@ -53,14 +53,15 @@ def guard_plug_in() -> Iterator[None]:
 
 
 def cause_of(error: Exception) -> str:
-    """Message of an exception of plug-in code; for an import of a module of railhil that has moved, in its room or to a
-    system, also its new place."""
+    """Message of an exception of plug-in code; for an import of a module that railhil does not have, also where it has
+    one of that name, and where to read what has moved."""
     said = f"{type(error).__name__}: {error}"
     name = error.name if isinstance(error, ModuleNotFoundError) else None
     if name is None or name.count(".") < 2 or name.partition(".")[0] != __name__.partition(".")[0]:
         return said
     found = _places(".".join(name.split(".")[:2]), name) or _places("railhil.systems", name)
-    return f"{said}; now {' or '.join(sorted(found))}" if found else said
+    same = f"railhil has {' and '.join(sorted(found))}; " if found else ""
+    return f"{said}; {same}CHANGELOG.md says what has moved"
 
 
 def _places(room: str, name: str) -> set[str]:

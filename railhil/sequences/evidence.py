@@ -153,7 +153,7 @@ def read_evidence(folder: Path) -> Evidence:
     :raises InputError: there is none, or it is damaged.
     """
     path = folder / SEQUENCE
-    document = given_json(path, "folder of railhil sequence run")
+    document = given_json(path, "a file of railhil sequence run")
     file = validated(_File, document, lambda keys: path)
     if document.get(HASH_LIST_KEY) or len(file.made) == file.runs:
         check_document(folder, SEQUENCE, document)

@@ -59,7 +59,7 @@ def read_manifest(folder: Path, study: Study[P, C]) -> Manifest:
     :raises InputError: there is none, or it was not written by such a study.
     """
     path = folder / study.manifest
-    document = given_json(path, f"folder of {study.command}")
+    document = given_json(path, f"a file of {study.command}")
     if document.get("format") != _FORMAT:
         allowed = f"{_FORMAT}, of {study.command} of this railhil"
         raise InputError(path, "format", Words("something else"), allowed)

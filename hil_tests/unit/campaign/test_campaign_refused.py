@@ -140,7 +140,7 @@ def test_a_folder_with_something_else_is_refused(campaign, short):
     assert "--out: found 'mine', allowed an empty or new folder" in campaign(short, "--out", "mine").one_line()
     Path("mine/campaign.json").write_text("[]")
     assert (
-        "campaign.json: found no JSON object, allowed folder of railhil campaign"
+        "campaign.json: found no JSON object, allowed a file of railhil campaign"
         in campaign("--resume", "mine").one_line()
     )
 

@@ -61,14 +61,14 @@ def test_a_shipped_law_is_its_module(group: str) -> None:
 @pytest.mark.parametrize(
     ("before", "said"),
     [
-        ("railhil.controller_node.laws.pfc", "; now railhil.controller_node.ato.pfc"),
-        ("railhil.plant_sim.dynamics", "; now railhil.plant_sim.ato.dynamics or railhil.plant_sim.high_speed.dynamics"),
-        ("railhil.judge.journey", "; now railhil.systems.ato.judge.journey"),
-        ("railhil.controller_node.nothing", "No module named 'railhil.controller_node.nothing'"),
+        ("railhil.controller_node.laws.pfc", "; railhil has railhil.controller_node.ato.pfc; CHANGELOG"),
+        ("railhil.plant_sim.dynamics", "railhil.plant_sim.ato.dynamics and railhil.plant_sim.high_speed.dynamics"),
+        ("railhil.judge.journey", "; railhil has railhil.systems.ato.judge.journey; "),
+        ("railhil.controller_node.nothing", "'railhil.controller_node.nothing'; CHANGELOG.md says what has moved"),
         ("nothing_of_ours", "No module named 'nothing_of_ours'"),
     ],
 )
 def test_a_module_that_has_moved_is_named(before: str, said: str) -> None:
     with pytest.raises(ModuleNotFoundError) as caught:
         importlib.import_module(before)
-    assert cause_of(caught.value).endswith(said)
+    assert said in cause_of(caught.value)

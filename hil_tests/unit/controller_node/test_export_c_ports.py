@@ -127,3 +127,12 @@ def test_enumerations_and_counts_of_life_signs_are_those_of_the_table(tmp_path: 
     c = library(tmp_path / "c", contract, ports, [], code)
     assert list((ctypes.c_int * 7).in_dll(c, "values")) == [8, 17, 127, 1, 2, 8, 4]
     assert [c.life(bytes([0xFF, 0xFF, 0xFF, last])) for last in (0x00, 0x5A, 0xFF)] == [0, 10, 15]
+
+
+def test_texts_of_an_enumeration_that_differ_in_signs_alone_are_apart(tmp_path: Path) -> None:
+    mode = Signal("LawMode", 0, 7, 8, field_name="mode", codes=("Mode", {"up +": 0, "up -": 1, "Up": 2}))
+    clock = Port("CLOCK", 0x100, 1, 10, "plant", "publish", "", (Signal("Life", 3, 3, 4, field_name="life"), mode))
+    contract = Contract(500_000, 0x80, 0x88, 10_000_000, (clock,), "0" * 64)
+    code = "int values[] = {RAILHIL_MODE_UP, RAILHIL_MODE_UP_1, RAILHIL_MODE_UP_2};\n"
+    c = library(tmp_path / "c", contract, [clock], [], code)
+    assert list((ctypes.c_int * 3).in_dll(c, "values")) == [0, 1, 2]

@@ -49,6 +49,21 @@ def test_a_table_that_repeats_the_ports_of_the_house_is_the_same_contract(contra
     assert system_contract(path) == contract
 
 
+def test_ports_of_the_house_have_their_names_whoever_wrote_the_table(tmp_path: Path) -> None:
+    """A table of version 0.1.0 names no fields and no enumerations; the exported C uses those of the house."""
+    (old,) = (TOY.parents[2] / "made_by_0.1.0").rglob("ports.toml")
+    path = tmp_path / "ports.toml"
+    before, name, after = old.read_text(encoding="utf-8").partition('name = "PLT_IDENT"')
+    path.write_text(before + name + after.replace("period_ms = 0", "period_ms = 1280", 1), encoding="utf-8")
+    contract = system_contract(path)
+    for house in house_contract().ports:
+        port = contract.port(house.name)
+        assert (port.telegram, port.layout, port.codes) == (house.telegram, house.layout, house.codes)
+        names = [[(one.field_name, one.default) for one in table.signals] for table in (port, house)]
+        assert names[0] == names[1]
+    assert dbc_text(contract) == dbc_text(load_contract(path, check_dbc=False))
+
+
 def test_railhils_own_table_is_that_of_a_system() -> None:
     assert SYSTEMS[0] == wire_contract()
 

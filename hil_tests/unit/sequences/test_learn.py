@@ -139,7 +139,7 @@ def test_seeds_that_the_law_was_made_on_are_refused(short: Path, monkeypatch: py
             "--scheduler: found 'tcp://127.0.0.1:1', allowed one of --jobs",
         ),
         (("--verify", "x", "--runs", "2"), "--verify: cannot be given with --runs, only with --sequences and --draw"),
-        (("--resume", "nowhere"), r"learn\.json: found no such file or directory, allowed folder of railhil learn"),
+        (("--resume", "nowhere"), r"learn\.json: found no such file or directory, allowed a file of railhil learn"),
     ],
 )
 def test_bad_input_is_one_line(words: tuple[str, ...], line: str, short: Path) -> None:

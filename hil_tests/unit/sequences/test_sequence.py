@@ -123,7 +123,7 @@ def test_a_changed_sequence_is_not_gone_on_with(sequence: Path, short: Path) -> 
     ("given", "line"),
     [
         (("run", "{}", "--controller", "ipfc"), "--controller: found 'ipfc', allowed a law that keeps a memory"),
-        (("verify", "nowhere"), r"sequence\.json: found no such file or directory, allowed folder of railhil sequence"),
+        (("verify", "nowhere"), r"sequence\.json: found no such file or directory, allowed a file of railhil sequence"),
         (("rerun", "nowhere"), r"sequence\.json: found no such file or directory"),
     ],
 )
