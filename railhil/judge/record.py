@@ -63,6 +63,10 @@ class Record:
         derived = {name for name, kind in vars(Record).items() if isinstance(kind, cached_property)}
         assert values.keys() <= vars(self).keys() | derived, f"only {sorted(vars(self).keys() | derived)} can be given"
         made = copy(self)
+        if "trace" in values:
+            # What was derived from the other trace is not that of this one.
+            for name in ("score", "events", "signals"):
+                vars(made).pop(name, None)
         vars(made).update(values)
         return made
 

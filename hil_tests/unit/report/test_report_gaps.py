@@ -103,6 +103,13 @@ def test_no_figure_has_a_line_over_a_gap(gappy: Gappy, silent: tuple[str, ...], 
             assert bridges(x, y) == is_bridged, name
 
 
+def test_a_copy_with_another_trace_has_its_own_signals(gappy: Gappy) -> None:
+    whole = gappy.run(gappy.trace())
+    rows = len(whole.signals["time_s"])
+    assert len(whole.copy_with(trace=gappy.trace("SIM_TRUTH")).signals["time_s"]) < rows
+    assert len(whole.copy_with(label="another").signals["time_s"]) == rows
+
+
 def test_no_line_over_distance_goes_over_a_gap(gappy: Gappy) -> None:
     scenario: Any = gappy.scenario
     trace = gappy.trace("SIM_TRUTH")
