@@ -182,7 +182,8 @@ def test_unplugged_for_two_seconds_in_motion(socket_folder, move, move_file, tmp
     assert begin_s == pytest.approx(8.0, abs=_LATER_S)
     assert 1.9 < length_s < 3.0
     speeds_mps, times_s = trace.values("SIM_TRUTH", "TrueSpeed"), trace.times_s("SIM_TRUTH")
-    assert speeds_mps[times_s > begin_s + length_s][0] > 0, "back in motion"
+    # How soon the driver finds it again is the machine's affair; it may take until the train stands.
+    assert speeds_mps[times_s > begin_s + 2][0] > 0, "plugged in again in motion"
     # The train's own watch: service brake, then emergency, which stays. The last answers may have come too late for it.
     emergency_s = trace.times_s("RUN_EVENT")[events(trace).index(Event.EMERGENCY)]
     assert _EMERGENCY_S - _LATER_S < emergency_s - begin_s < _EMERGENCY_S + 0.05
