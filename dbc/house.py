@@ -40,7 +40,7 @@ def _check_same(file: str, port: Port, house: Port) -> None:
 
 def _name_as_house(port: Port, house: Port) -> Port:
     """A port of the bench with its own comments, and the names of the house for its telegram, fields and enumerations:
-    a table that was written before version 0.2 has none."""
+    a table of version 0.1.0 has none."""
     signals = tuple(replace(one, comment=own.comment) for own, one in zip(port.signals, house.signals, strict=True))
     return replace(port, signals=signals, telegram=house.telegram, layout=house.layout)
 
