@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
@@ -16,6 +17,11 @@ ANTIVALENT_VALUES = {0: "error", 1: "false", 2: "true", 3: "undefined"}
 PORTS, DBC = "ports.toml", "railhil.dbc"
 #: The table of the ports that every system has.
 HOUSE = "house.toml"
+
+
+def snake_case(name: str) -> str:
+    """A name of the port table as a field or a C function has it: ``TrainPos`` is ``train_pos``."""
+    return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name).lower()
 
 
 class ContractError(Exception):

@@ -27,6 +27,7 @@ from railhil.dbc.contract import (
     ContractError,
     Port,
     Signal,
+    snake_case,
 )
 from railhil.dbc.table_keys import check_table
 from railhil.dbc.text import dbc_text, table_text
@@ -45,7 +46,7 @@ def _field(name: str, check: str, is_only_check: bool) -> str:
         return "life"
     if check == "chk" and is_only_check:
         return "check"
-    return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name.replace("{p}", "")).lower()
+    return snake_case(name.replace("{p}", ""))
 
 
 def _signal(file: str, port: str, entry: Mapping[str, Any], prefix: str, is_only_check: bool) -> Signal:

@@ -6,7 +6,6 @@ number of a telegram.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Mapping, Sequence
 
 from railhil.bus.codes import ControllerFlag
@@ -16,7 +15,7 @@ from railhil.bus.schedule import Schedule
 from railhil.controller_node.export.control import Control
 from railhil.controller_node.export.text import Names, comment, header, identifier
 from railhil.dbc import Port, Signal
-from railhil.dbc.contract import ANTIVALENT_VALUES, CHECK_VALUES
+from railhil.dbc.contract import ANTIVALENT_VALUES, CHECK_VALUES, snake_case
 
 #: Longest integer in bits of a member that does not need 64.
 _LONG_BITS = 32
@@ -34,7 +33,7 @@ class CTelegram:
 
     def __init__(self, port: Port) -> None:
         self._port = port
-        self.name = _snake(port.layout or port.telegram)
+        self.name = snake_case(port.layout or port.telegram)
         self.type = f"railhil_{self.name}_t"
         names = Names()
         self.members = {signal.field_name: names.new(signal.field_name) for signal in port.signals}
@@ -176,7 +175,7 @@ def _enumerations(ports: Sequence[Port]) -> Iterator[str]:
     for port in ports:
         found |= port.codes
     for name, members in found.items():
-        yield from _enumeration(f"{name} of the port table.", _snake(name).upper(), members)
+        yield from _enumeration(f"{name} of the port table.", snake_case(name).upper(), members)
 
 
 def _enumeration(words: str, prefix: str, members: Mapping[str, int]) -> list[str]:
@@ -203,10 +202,6 @@ def _life(name: str, port: Port | None) -> list[str]:
     telegram = CTelegram(port)
     member = telegram.members[port.life.field_name]
     return [*opening, f"    return (int)railhil_unpack_{telegram.name}(process).{member};", "}", ""]
-
-
-def _snake(name: str) -> str:
-    return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name).lower()
 
 
 def _kind(signal: Signal) -> str:
