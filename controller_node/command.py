@@ -16,13 +16,13 @@ from railhil.common.command_line import OneLineParser, add_priority_argument, pa
 from railhil.common.exit_codes import ignore_ending_signals
 from railhil.common.python_process import kill_this_process, stop_this_process
 from railhil.common.scheduling import cycle
-from railhil.controller_node.controller import controller_of, write_fault_log
+from railhil.controller_node.controller import make_controller_node, write_fault_log
 from railhil.controller_node.laws import find
 from railhil.controller_node.process_loop import FIRST_FRAME_S, run_controller
 from railhil.controller_node.telemetry_file import check_writable, law_document, write_telemetry
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.options import add_law_options, add_option, add_options, law_spec, patience_help
-from railhil.scenarios.run_spec import LawSpec
+from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.scenario_pipe import OPTION, received_scenario
 from railhil.scenarios.system import System
 
@@ -87,10 +87,9 @@ def main(words: Sequence[str] | None = None) -> int:
         check_writable(namespace.telemetry)
     choice = choose_bus(named_bus(namespace))
     print(f"controller: {choice.transport} ({choice.reason})", file=sys.stderr)
-    node = controller_of(
+    node = make_controller_node(
         scenario,
-        law,
-        namespace.seed,
+        RunSpec(law=law, seed=namespace.seed),
         fd=choice.fd,
         bit_rate=getattr(namespace, "bitrate", None),
         folder=namespace.fault_log,

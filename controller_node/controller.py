@@ -10,7 +10,7 @@ from railhil.bus.codes import Event
 from railhil.bus.frame import Frame
 from railhil.bus.schedule import Schedule
 from railhil.scenarios.model import AnyScenario
-from railhil.scenarios.run_spec import LawSpec
+from railhil.scenarios.run_spec import LawSpec, RunSpec
 
 
 class AnyController(Protocol):
@@ -56,10 +56,9 @@ class AnyController(Protocol):
         """The object that computes, with ``counters``, ``cost`` and ``telemetry``; ``kept()``: the law's memory."""
 
 
-def controller_of(
+def make_controller_node(
     scenario: AnyScenario,
-    law: LawSpec,
-    seed: int,
+    run: RunSpec,
     controller: Any = None,
     *,
     fd: bool = False,
@@ -70,7 +69,6 @@ def controller_of(
 ) -> AnyController:
     """The controller of a run.
 
-    :param seed: of the run, for the random numbers of faults.
     :param controller: computes the commands instead of the law; None: the law.
     :param folder: the run folder, for the log of the faults; None: no log is written.
     :param kill, pause: see :class:`railhil.bus.injector.controller_side.FaultyController`.
@@ -80,7 +78,7 @@ def controller_of(
     part, contract = system.part("controller"), system.contract
 
     def make() -> Any:
-        return part(scenario, law, controller, fd=fd, bit_rate=bit_rate)
+        return part(scenario, run.law, controller, fd=fd, bit_rate=bit_rate)
 
     if not scenario.faults:
         return cast(AnyController, make())
@@ -89,7 +87,7 @@ def controller_of(
     from railhil.bus.injector.node_faults import NodeFaults
     from railhil.scenarios.fault_list import injection_of
 
-    injection = injection_of(scenario, seed)
+    injection = injection_of(scenario, run.seed)
     assert injection is not None
     schedule = Schedule.from_contract(scenario.timing.base_tick_ns, scenario.timing.port_period_ns, contract)
     faults = NodeFaults(injection, contract, schedule, "controller", folder)

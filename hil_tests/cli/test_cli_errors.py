@@ -30,6 +30,7 @@ from railhil.record.framelog import log_line, sha256_of
 from railhil.record.run_folder import run_folder
 from railhil.record.session import make_session
 from railhil.run.bus_run import BusRun
+from railhil.run.run import Plan
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec, RunSpec, StartUp
 
@@ -202,7 +203,7 @@ def test_bus_that_cannot_be_opened(here, tmp_path, socket_folder):
 def test_interface_without_its_driver(tmp_path):
     """python-can's plugins raise anything when the vendor's library is missing; kvaser a NameError."""
     choice = BusChoice({"interface": "kvaser", "channel": "0"}, "test")
-    run = BusRun(load("lvshun_tieshan"), RunSpec(start_up=StartUp(attach=True)), choice, tmp_path)
+    run = BusRun(Plan(RunSpec(start_up=StartUp(attach=True)), load("lvshun_tieshan"), choice, tmp_path))
     with pytest.raises(BusUnavailable, match=r"^bus kvaser:0 cannot be opened: ."):
         run.execute()
 
@@ -222,7 +223,8 @@ def test_attach_with_nobody_there(tmp_path):
 
     choice = BusChoice({"interface": "socketcan", "channel": "can0"}, "test")
     spec = RunSpec(start_up=StartUp(attach=True, appear_s=0.3))
-    run = BusRun(load("lvshun_tieshan"), spec, choice, tmp_path, open_bus=lambda _config, _name: Chatter())
+    plan = Plan(spec, load("lvshun_tieshan"), choice, tmp_path)
+    run = BusRun(plan, open_bus=lambda _config, _name: Chatter())
     result = run.execute()
     assert (result.exit_code, result.frames) == (3, 0)
     assert result.line == "no plant on socketcan:can0 within 0.3 s"

@@ -136,9 +136,9 @@ def test_a_run_without_faults_loads_nothing_of_them(module):
     """Their language and what injects them take a tenth of the start of each process."""
     code = (
         f"import sys, railhil.{module}; from railhil.scenarios.run_spec import RunSpec; scenario = RunSpec().load();"
-        "from railhil.controller_node.controller import controller_of;"
+        "from railhil.controller_node.controller import make_controller_node;"
         "from railhil.plant_sim.faults.plants import make_plant; make_plant(scenario, RunSpec());"
-        "controller_of(scenario, RunSpec().law, 0);"
+        "make_controller_node(scenario, RunSpec());"
         "from railhil.judge.fault_report import check_faults, fault_outcomes, missing_logs;"
         "check_faults(scenario, ['hub'], 'lockstep'); fault_outcomes(None, scenario, 0); missing_logs(None, scenario);"
         "print(*(name for name in sys.modules if name.startswith(('railhil.faults.', 'railhil.bus.injector.'))))"

@@ -26,6 +26,7 @@ from railhil.record.framelog import FrameLog, log_line, read_log
 from railhil.record.trace import Trace
 from railhil.run.bus_run import BusRun
 from railhil.run.conclusion import result_of
+from railhil.run.run import Plan
 from railhil.scenarios.run_spec import RunSpec
 from railhil.wire.ato import SimTruth
 
@@ -202,7 +203,7 @@ def test_disk_without_room_for_a_run(tmp_path, size_kib):
 
 def test_folder_that_is_full_after_the_run_holds_the_log_alone(monkeypatch, tmp_path, lvshun):
     choice = BusChoice({"interface": "railhil", "channel": "c"}, "test")
-    run = BusRun(lvshun, RunSpec(), choice, tmp_path)
+    run = BusRun(Plan(RunSpec(), lvshun, choice, tmp_path))
     log = FrameLog(tmp_path)
     ident = make_ident(Role.PLANT, lvshun.sha256, contract=wire_contract())
     for frame in TelegramSource(wire_contract().port(ident.PORT), False).frames(ident.encode()):

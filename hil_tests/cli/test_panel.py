@@ -22,7 +22,7 @@ from railhil.faults.language import parse
 from railhil.faults.operator_values import octets_of
 from railhil.record.framelog import read_log
 from railhil.record.trace import trace_of
-from railhil.run.local import LocalRun
+from railhil.run.local import LocalRun, local_plan
 from railhil.scenarios.run_spec import RunSpec
 
 pytestmark = [pytest.mark.needs_browser, pytest.mark.slow]
@@ -176,7 +176,7 @@ def test_every_button_is_a_telegram(run):
 def test_the_certificate_makes_the_same_run_again(run, tmp_path):
     spec = RunSpec.from_file(run["folder"] / "certificate.json")
     assert spec.orders
-    again = LocalRun(spec.load(), spec, tmp_path)
+    again = LocalRun(local_plan(spec.load(), spec, tmp_path))
     again.execute()
     assert again.log.path.read_bytes() == (run["folder"] / "frames.log").read_bytes()
 

@@ -22,7 +22,7 @@ from railhil.dbc import wire_contract
 from railhil.panel.receiver import LogFollower
 from railhil.record.framelog import read_log
 from railhil.record.trace import trace_of
-from railhil.run.local import LocalRun
+from railhil.run.local import LocalRun, local_plan
 from railhil.scenarios.run_spec import RunSpec
 
 pytestmark = [pytest.mark.loop, pytest.mark.slow]
@@ -79,6 +79,6 @@ def test_a_panel_that_is_gone_changes_nothing(tmp_path: Path, how: signal.Signal
     # Orders by hand make the same run again.
     spec = RunSpec.from_file(folder / "certificate.json")
     assert spec.orders
-    again = LocalRun(spec.load(), spec, tmp_path)
+    again = LocalRun(local_plan(spec.load(), spec, tmp_path))
     again.execute()
     assert again.log.path.read_bytes() == (folder / "frames.log").read_bytes()

@@ -18,13 +18,14 @@ from railhil.bus.mvb import TelegramSource
 from railhil.bus.telegrams import RunEvent
 from railhil.common.errors import InputError
 from railhil.controller_node.ato.node import ControllerNode
-from railhil.controller_node.controller import controller_of
+from railhil.controller_node.controller import make_controller_node
 from railhil.dbc import wire_contract
 from railhil.judge.fault_report import fault_outcomes, missed_faults
 from railhil.record.framelog import read_log
-from railhil.run.local import LocalRun
+from railhil.run.local import LocalRun, local_plan
+from railhil.run.run import Observer
 from railhil.scenarios.load import load
-from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.scenarios.run_spec import RunSpec
 from railhil.wire.ato import CtlMode, CtlStat, NotchCmd, TrnPos, TrnSpeed
 
 pytestmark = pytest.mark.faults
@@ -39,7 +40,7 @@ def test_a_controller_without_faults_of_its_own_has_no_injector(tmp_path: Path) 
     path = tmp_path / "short.toml"
     path.write_text(RUN_2M_TOML)
     for fault, kind in (("TRN_SPEED loss @1s", ControllerNode), ("NOTCH_CMD loss @1s", FaultyController)):
-        assert isinstance(controller_of(load(path, (), (fault,)), LawSpec(), 0), kind)
+        assert isinstance(make_controller_node(load(path, (), (fault,)), RunSpec()), kind)
 
 
 def test_what_is_lost_is_not_on_the_wire(runs: Runs) -> None:
@@ -291,16 +292,17 @@ def test_an_order_by_hand_becomes_a_fault_with_its_instant(runs: Runs, tmp_path:
     scenario = load(path, (), texts)
     spec = RunSpec(str(path))
 
-    def on_progress(time_s: float) -> None:
-        for at_s, number, order in (
-            (0.8, 1, FaultOrder.INJECT),
-            (1.12, 1, FaultOrder.CLEAR),
-            (1.6, 2, FaultOrder.INJECT),
-        ):
-            if abs(time_s - at_s) < 1e-6:
-                run.session.commands.order(number, order)
+    class Orders(Observer):
+        def on_progress(self, time_s: float) -> None:
+            for at_s, number, order in (
+                (0.8, 1, FaultOrder.INJECT),
+                (1.12, 1, FaultOrder.CLEAR),
+                (1.6, 2, FaultOrder.INJECT),
+            ):
+                if abs(time_s - at_s) < 1e-6:
+                    run.session.commands.order(number, order)
 
-    run = LocalRun(scenario, spec, tmp_path, on_progress)
+    run = LocalRun(local_plan(scenario, spec, tmp_path), Orders())
     run.play()
     first, second, third = fault_outcomes(tmp_path, scenario, spec.seed)
     assert first.text == "TRN_SPEED loss 50% @810ms for 320ms"

@@ -25,7 +25,8 @@ from railhil.controller_node.laws.base import LawInputs, LawOutputs
 from railhil.controller_node.program.tracer import Tracer
 from railhil.dbc import wire_contract
 from railhil.judge.folder import code_files
-from railhil.run.local import LocalRun
+from railhil.run.local import LocalRun, local_plan
+from railhil.run.run import Observer
 from railhil.scenarios.load import load, load_any
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.testing.result import disturbed
@@ -168,13 +169,13 @@ def test_ctrl_c_keeps_what_was_recorded(tmp_path: Path) -> None:
     assert (folder / "telemetry.json").is_file()
 
 
-class StopsAfter:
+class StopsAfter(Observer):
     """Sends SIGINT to this process at a poll of SUP_CMD."""
 
     def __init__(self, polls: int) -> None:
         self._left = polls
 
-    def __call__(self, sim_time_s: float) -> None:
+    def on_progress(self, sim_time_s: float) -> None:
         self._left -= 1
         if self._left == 0:
             signal.raise_signal(signal.SIGINT)
@@ -186,7 +187,7 @@ def test_a_run_that_is_stopped_at_any_poll_has_lost_nothing(short: Path, tmp_pat
     for polls in range(1, 10):
         folder = tmp_path / str(polls)
         folder.mkdir()
-        run = LocalRun(load(short), RunSpec(), folder, StopsAfter(polls))
+        run = LocalRun(local_plan(load(short), RunSpec(), folder), StopsAfter(polls))
         result = run.execute()
         assert (result.exit_code, run.stopped_exit_code) == (INVALID, 128 + signal.SIGINT)
         assert disturbed(result.recorder_counters) == {}, polls
@@ -212,8 +213,8 @@ def test_a_law_that_raises_is_bad_input_with_its_place(
     plug_in(tmp_path, monkeypatch, stumbling=Stumbling)
     folder = tmp_path / "run"
     folder.mkdir()
-    run = LocalRun(load(str(short)), RunSpec(str(short), law=LawSpec("stumbling"), bus="local"), folder)
-    result = run.execute()
+    spec = RunSpec(str(short), law=LawSpec("stumbling"), bus="local")
+    result = LocalRun(local_plan(spec.load(), spec, folder)).execute()
     assert (result.exit_code, result.verdict) == (USAGE, "INVALID")
     assert "in the middle of the run" in result.line
     assert "test_local_command.py" in result.line
@@ -249,7 +250,8 @@ def test_no_fault_of_its_telegram_hides_a_wrap(
     folder = tmp_path / "run"
     folder.mkdir()
     scenario = load_any(str(short), _WIDE, faults)
-    result = LocalRun(scenario, RunSpec(str(short), law=LawSpec("wrapping"), bus="local"), folder).execute()
+    spec = RunSpec(str(short), law=LawSpec("wrapping"), bus="local")
+    result = LocalRun(local_plan(scenario, spec, folder)).execute()
     assert (result.verdict, result.score.verdict) == (verdict, "FAIL" if verdict == "FAIL" else "PASS")
     assert result.exit_code == (FAIL if verdict == "FAIL" else INVALID)
     assert result.line.startswith(line)

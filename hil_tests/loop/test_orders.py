@@ -16,9 +16,8 @@ from railhil.judge.events.telegrams import events_of
 from railhil.judge.fault_report import fault_outcomes
 from railhil.judge.reactions.catalogue import faults_by_hand
 from railhil.record.framelog import read_log
-from railhil.record.operator_commands import OperatorCommands
 from railhil.record.trace import trace_of
-from railhil.run.local import LocalRun
+from railhil.run.local import LocalRun, local_plan
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 
 
@@ -44,11 +43,18 @@ def spec(tmp_path: Path) -> RunSpec:
     return RunSpec(str(path), faults=("TRN_SPEED loss @manual", "safety_loop off @manual"))
 
 
-def made(spec: RunSpec, folder: Path, operator: OperatorCommands | None = None) -> LocalRun:
+def made(spec: RunSpec, folder: Path, panel: Hands | None = None) -> LocalRun:
     folder.mkdir()
-    run = LocalRun(spec.load(), spec, folder, operator=operator)
+    run = LocalRun(replace(local_plan(spec.load(), spec, folder), panel=panel))
     run.execute()
     return run
+
+
+def orders_of(run: LocalRun) -> tuple[str, ...]:
+    """All that has been ordered in a run."""
+    operator = run.session.commands.operator
+    assert operator is not None
+    return tuple(operator.sent)
 
 
 @pytest.mark.faults
@@ -61,10 +67,9 @@ def test_what_was_ordered_by_hand_makes_the_same_run_again(spec, tmp_path):
         9: [{"do": "clear", "fault": 1}],
         14: [{"do": "stop"}],
     }
-    operator = OperatorCommands((), Hands(presses), True, spec.faults)
-    by_hand = made(spec, tmp_path / "hand", operator)
-    assert [text.partition(" ")[2] for text in operator.sent] == ["inject 1", "pause", "clear 1", "stop"]
-    again = made(replace(spec, orders=tuple(operator.sent)), tmp_path / "again")
+    by_hand = made(spec, tmp_path / "hand", Hands(presses))
+    assert [text.partition(" ")[2] for text in orders_of(by_hand)] == ["inject 1", "pause", "clear 1", "stop"]
+    again = made(replace(spec, orders=orders_of(by_hand)), tmp_path / "again")
     assert again.log.path.read_bytes() == by_hand.log.path.read_bytes()
 
     trace = trace_of(read_log(by_hand.log.path), wire_contract())
@@ -90,16 +95,15 @@ def test_a_fault_of_the_catalogue_that_is_typed_during_a_run_makes_the_same_run_
         4: [{"do": "fault", "text": "brake weak 30%"}],
         12: [{"do": "stop"}],
     }
-    operator = OperatorCommands((), Hands(presses), True, spec.faults)
-    by_hand = made(spec, tmp_path / "hand", operator)
+    by_hand = made(spec, tmp_path / "hand", Hands(presses))
     number = faults.index("TRN_SPEED loss @manual combine id T3") + 1
     other = faults.index("brake weak 30% @manual combine id C3a") + 1
-    assert [text.partition(" ")[2] for text in operator.sent] == [
+    assert [text.partition(" ")[2] for text in orders_of(by_hand)] == [
         f"inject {number}", f"inject {other}", f"clear {number}", "stop"
     ]  # fmt: skip
     levels = {event.cause for event in events_of(by_hand.scenario, by_hand.trace) if event.kind == LEVEL}
     assert "speed_age" in levels
-    again = made(replace(spec, orders=tuple(operator.sent)), tmp_path / "again")
+    again = made(replace(spec, orders=orders_of(by_hand)), tmp_path / "again")
     assert again.log.path.read_bytes() == by_hand.log.path.read_bytes()
 
 
@@ -117,15 +121,15 @@ def test_faults_with_values_of_the_operator_make_the_same_run_again(spec, tmp_pa
         ],
         35: [{"do": "stop"}],
     }
-    by_hand = made(spec, tmp_path / "hand", operator := OperatorCommands((), Hands(presses), True, spec.faults))
+    by_hand = made(spec, tmp_path / "hand", Hands(presses))
     outcomes = [one.text for one in fault_outcomes(tmp_path / "hand", by_hand.scenario, spec.seed)]
     assert [text.partition(" @")[0] for text in outcomes] == [
         "TRN_SPEED loss 62.5%", "speed delayed 750ms", "NOTCH_CMD.NotchCmd offset -2.5"
     ]  # fmt: skip
-    again = made(replace(spec, orders=tuple(operator.sent)), tmp_path / "again")
+    again = made(replace(spec, orders=orders_of(by_hand)), tmp_path / "again")
     assert again.log.path.read_bytes() == by_hand.log.path.read_bytes()
     # The values act: the faults as they were prepared make another run.
-    plain = tuple(text for text in operator.sent if " value " not in text)
+    plain = tuple(text for text in orders_of(by_hand) if " value " not in text)
     other = made(replace(spec, orders=plain), tmp_path / "plain")
     assert other.trace.raw("NOTCH_CMD", "NotchCmd").tolist() != by_hand.trace.raw("NOTCH_CMD", "NotchCmd").tolist()
 
@@ -141,24 +145,21 @@ def test_the_emergency_button_of_every_train_makes_the_same_run_again(scenario, 
         scenario, law=LawSpec(controller=laws[scenario], arithmetic="float64"), faults=("safety_loop off @manual",)
     )
     presses = {4: [{"do": "inject", "fault": 1}], 12: [{"do": "clear", "fault": 1}], 20: [{"do": "stop"}]}
-    by_hand = made(spec, tmp_path / "hand", operator := OperatorCommands((), Hands(presses), True, spec.faults))
-    assert [text.partition(" ")[2] for text in operator.sent] == ["inject 1", "clear 1", "stop"]
+    by_hand = made(spec, tmp_path / "hand", Hands(presses))
+    assert [text.partition(" ")[2] for text in orders_of(by_hand)] == ["inject 1", "clear 1", "stop"]
     trace = by_hand.trace
     assert trace.raw(SupCmd.PORT, "FaultOrder").tolist().count(FaultOrder.INJECT) == 1
     taken = [event for event in events_of(by_hand.scenario, trace) if event.kind == LEVEL]
     assert [(event.level, event.cause) for event in taken][-1] == (level, "")
-    again = made(replace(spec, orders=tuple(operator.sent)), tmp_path / "again")
+    again = made(replace(spec, orders=orders_of(by_hand)), tmp_path / "again")
     assert again.log.path.read_bytes() == by_hand.log.path.read_bytes()
 
 
 @pytest.mark.slow
 def test_without_orders_nothing_is_different(spec, tmp_path):
-    operator = OperatorCommands((), Hands({}), True, spec.faults)
-    assert (
-        made(spec, tmp_path / "by_hand", operator).log.path.read_bytes()
-        == made(spec, tmp_path / "none").log.path.read_bytes()
-    )
-    assert operator.sent == []
+    by_hand = made(spec, tmp_path / "by_hand", Hands({}))
+    assert by_hand.log.path.read_bytes() == made(spec, tmp_path / "none").log.path.read_bytes()
+    assert orders_of(by_hand) == ()
 
 
 def test_the_recorder_has_the_time_of_the_run_with_prepared_faults(spec, tmp_path):

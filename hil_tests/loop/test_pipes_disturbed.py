@@ -20,7 +20,7 @@ from hil_tests.support.operator import pressed
 from hil_tests.support.short_runs import RUN_72M_TOML
 from railhil.common.exit_codes import FAIL, INVALID, PASS, TOOL_ERROR
 from railhil.record.framelog import read_log
-from railhil.run.local import LocalRun
+from railhil.run.local import LocalRun, local_plan
 from railhil.scenarios.run_spec import RunSpec
 
 pytestmark = [pytest.mark.loop, pytest.mark.faults, pytest.mark.slow]
@@ -75,7 +75,7 @@ def test_a_plant_that_stands_still_changes_nothing(tmp_path: Path) -> None:
     certificate = json.loads((run.folder / "certificate.json").read_text(encoding="utf-8"))
     assert certificate["transport"] == "railhil:pipes"
     spec = RunSpec.from_file(run.folder / "certificate.json")
-    same = LocalRun(spec.load(), spec, tmp_path)
+    same = LocalRun(local_plan(spec.load(), spec, tmp_path))
     same.execute()
     assert same.log.path.read_bytes() == run.log.read_bytes()
 

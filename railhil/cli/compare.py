@@ -27,8 +27,9 @@ from railhil.record.signature import add_sign_argument, check_key, sign_list
 from railhil.record.telemetry import LawOrigin, law_origin
 from railhil.report.comparison_file import write_comparison
 from railhil.report.facts import parameters_sentence
-from railhil.run.make import NeverBegan, Observer, Plan, record_run
+from railhil.run.make import NeverBegan, record_run
 from railhil.run.report import as_recorded, report_line
+from railhil.run.run import Observer, Plan
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.options import add_option
 from railhil.scenarios.parameters import ParameterSet, load_parameters

@@ -20,7 +20,7 @@ from railhil.judge.fault_report import check_faults, transports_of
 from railhil.judge.result import Result
 from railhil.live.processes import nodes_processor
 from railhil.live.sockets import PanelSocket, private_socket
-from railhil.run.make import Observer, Plan
+from railhil.run.run import Observer, Plan
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.operator_commands import ORDER
 from railhil.scenarios.options import add_option

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from railhil.bus.ident import CtlIdent
 from railhil.record.framelog import LOG_NAME
-from railhil.run.make import Observer, Plan
+from railhil.run.run import Observer, Plan
 
 if TYPE_CHECKING:
     from railhil.common.output import Output

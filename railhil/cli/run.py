@@ -20,9 +20,10 @@ from railhil.common.errors import Faults, InputError, Sentence, Words
 from railhil.common.streams import add_json_argument, print_json, say
 from railhil.common.user_files import given_text
 from railhil.record.signature import add_sign_argument, check_key, sign_list
-from railhil.run.make import Observer, Plan, record_run
+from railhil.run.make import record_run
 from railhil.run.memory import memory_lines
 from railhil.run.report import as_recorded, report_line
+from railhil.run.run import Observer, Plan
 from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.options import (

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from railhil.bus.can_settings import HUB_INTERFACE
@@ -13,20 +12,16 @@ from railhil.bus.errors import BusLost
 from railhil.bus.link import Link, open_link
 from railhil.bus.link.pipes import Pipes
 from railhil.bus.order import BusOrder
-from railhil.bus.select import BusChoice
 from railhil.common.digits import count_of
 from railhil.common.exit_codes import USAGE
 from railhil.faults import parse_faults
 from railhil.judge.fault_report import FaultOutcome, fault_outcomes, missing_logs, take_logs
 from railhil.live.live_values import LiveLateness
-from railhil.live.processes import Nodes, process_start_ns
+from railhil.live.processes import Nodes
 from railhil.live.recorder import AFTER_LOSS_S, SILENCE_S, Recorder, open_recorder, refuse_occupied
-from railhil.record.operator_commands import OperatorCommands
 from railhil.record.session import make_session
 from railhil.run.node_commands import longest_stop_s, start_hub, start_nodes
-from railhil.run.run import Run
-from railhil.scenarios.model import AnyScenario
-from railhil.scenarios.run_spec import RunSpec
+from railhil.run.run import Observer, Plan, Run
 
 if TYPE_CHECKING:
     from railhil.judge.result import Result
@@ -41,35 +36,30 @@ class BusRun(Run):
     :param open_bus: makes the recorder's link from the arguments of ``can.Bus`` and the name of the node.
     :param silence_s: wall time without a tick after which a started run counts as dead.
     :param after_loss_s: wall time for the other nodes to stop by themselves after a node was lost.
-    :param operator: gives the orders of an operator.
-    :param meanwhile: called when the nodes have been started, which then take a while to appear.
-    :param at_end: called when the run has ended, and the nodes take a while to end.
     """
 
     def __init__(
         self,
-        scenario: AnyScenario,
-        spec: RunSpec,
-        choice: BusChoice,
-        folder: Path,
-        on_progress: Callable[[float], None] | None = None,
+        plan: Plan,
+        observer: Observer | None = None,
         *,
         open_bus: Callable[[dict[str, Any], str], Link] = open_link,
         silence_s: float = SILENCE_S,
         after_loss_s: float = AFTER_LOSS_S,
-        operator: OperatorCommands | None = None,
-        meanwhile: Callable[[], object] | None = None,
-        at_end: Callable[[], object] | None = None,
     ) -> None:
-        super().__init__(scenario, spec, choice, folder)
+        super().__init__(plan, observer)
+        spec, choice, operator = plan.spec, plan.choice, plan.make_operator()
         self._open_bus = open_bus
         self._after_loss_s = after_loss_s
-        self._meanwhile = meanwhile
-        self._at_end = at_end
         lines = self.log.late if choice.needs_pipes else None
-        write = self.log.write if lines is None else lines.write
         self.session = make_session(
-            scenario, write, spec, fd=choice.fd, on_progress=on_progress, operator=operator, late=lines
+            plan.scenario,
+            self.log.write if lines is None else lines.write,
+            spec,
+            fd=choice.fd,
+            on_progress=self.observer.on_progress,
+            operator=operator,
+            late=lines,
         )
         if operator is not None:
             operator.while_waiting = self._while_held
@@ -85,7 +75,7 @@ class BusRun(Run):
             choice.transport,
             None if in_order else BusOrder(fd=choice.fd, contract=self.contract),
             # On the wall clock.
-            stopped_s=longest_stop_s(scenario.faults) / (spec.wall_rate or 1.0),
+            stopped_s=longest_stop_s(plan.scenario.faults) / (spec.wall_rate or 1.0),
             silence_s=silence_s,
             after_loss_s=after_loss_s,
         )
@@ -97,7 +87,6 @@ class BusRun(Run):
 
     def execute(self) -> Result:
         with self.stop:
-            self.started_ns = process_start_ns()
             return self._execute()
 
     def _execute(self) -> Result:
@@ -121,8 +110,7 @@ class BusRun(Run):
                     link.tell_trouble()
                 if self.session.ended is not None:
                     self.recorder.await_continued(nodes, self.stop)
-                    if self._at_end is not None:
-                        self._at_end()
+                    self.observer.on_ended()
                 counters = dict(link.counters) | self.session.counters
                 if self.session.ended is not None:
                     nodes.wait(("plant", "controller"), self._after_loss_s)
@@ -193,8 +181,7 @@ class BusRun(Run):
     def _start(self, nodes: Nodes, pipes: Pipes | None = None) -> None:
         if not self.spec.start_up.attach:
             start_nodes(nodes, self.spec, self.choice, self.folder, self.scenario, pipes)
-        if self._meanwhile is not None:
-            self._meanwhile()
+        self.observer.on_started()
 
     def _verdict_line(self, nodes: Nodes, counters: dict[str, int]) -> tuple[str, bool]:
         """The line that explains a run without a score, and whether it was refused as bad input."""

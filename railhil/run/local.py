@@ -14,10 +14,10 @@ from railhil.bus.errors import BusError, PeerSilent
 from railhil.bus.frame import Frame
 from railhil.bus.local import LocalBus
 from railhil.bus.reception import received_by
-from railhil.bus.select import LOCAL, BusChoice, no_bus
+from railhil.bus.select import LOCAL, no_bus
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import INVALID, PASS, TOOL_ERROR, USAGE
-from railhil.controller_node.controller import AnyController, controller_of, was_killed, write_fault_log
+from railhil.controller_node.controller import AnyController, make_controller_node, was_killed, write_fault_log
 from railhil.controller_node.telemetry_file import telemetry_document, write_telemetry
 from railhil.judge.fault_report import check_faults, fault_outcomes
 from railhil.judge.jitter import lockstep_timing
@@ -26,12 +26,11 @@ from railhil.live.recorder import LOOK_S
 from railhil.plant_sim.any_plant import PlantError
 from railhil.plant_sim.node import make_plant_node
 from railhil.record.log_trace import trace_of_log
-from railhil.record.operator_commands import OperatorCommands
 from railhil.record.run_folder import TELEMETRY
 from railhil.record.session import make_session
 from railhil.record.trace import NodeCounters, Trace
 from railhil.run.conclusion import judged
-from railhil.run.run import Run
+from railhil.run.run import Observer, Plan, Run
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 
@@ -39,44 +38,31 @@ from railhil.scenarios.run_spec import LawSpec, RunSpec
 class LocalRun(Run):
     """Plant, controller and recorder in one process.
 
-    :param choice: None: the choice of a run without a bus.
-    :param started_ns: monotonic time from which the wait for the first frame is counted; None: now.
-    :param fd: telegrams in the CAN FD form.
     :param wire: applied to each frame on its way to the controller (faults); None: no change.
     :param controller: computes the commands instead of the run's law.
-    :param operator: gives the orders of an operator.
     :param hear: called with each frame in bus order, and its simulation time in ns.
     """
 
     def __init__(
         self,
-        scenario: AnyScenario,
-        spec: RunSpec,
-        folder: Path,
-        on_progress: Callable[[float], None] | None = None,
+        plan: Plan,
+        observer: Observer | None = None,
         *,
-        choice: BusChoice | None = None,
-        started_ns: int | None = None,
-        fd: bool = False,
         wire: Callable[[Frame], list[Frame]] | None = None,
         controller: Any = None,
-        operator: OperatorCommands | None = None,
         hear: Callable[[Frame, int], object] | None = None,
     ) -> None:
-        super().__init__(scenario, spec, choice or no_bus({}, spec.pace), folder)
+        super().__init__(plan, observer)
+        scenario, spec, folder, fd = plan.scenario, plan.spec, plan.folder, plan.choice.fd
         late = self.log.late
         self.session = make_session(
-            scenario, late.write, spec, fd=fd, on_progress=self._poll, operator=operator, late=late
+            scenario, late.write, spec, fd=fd, on_progress=self._poll, operator=plan.make_operator(), late=late
         )
-        self._on_progress = on_progress
         self._flush_s = 0.0
         self._wire = wire
         self._hear = hear
-        self.started_ns = time.monotonic_ns() if started_ns is None else started_ns
         try:
-            self.controller: AnyController = controller_of(
-                scenario, spec.law, spec.seed, controller, fd=fd, folder=folder
-            )
+            self.controller: AnyController = make_controller_node(scenario, spec, controller, fd=fd, folder=folder)
             bus = LocalBus([self._controller_takes if wire else self.controller.handle, self._recorder_takes()])
             self.plant = make_plant_node(scenario, spec, bus, fd=fd, fault_log=folder)
         except BaseException:
@@ -107,8 +93,7 @@ class LocalRun(Run):
         if now_s >= self._flush_s:
             self.log.flush()
             self._flush_s = now_s + LOOK_S
-        if self._on_progress is not None:
-            self._on_progress(sim_time_s)
+        self.observer.on_progress(sim_time_s)
 
     def execute(self) -> Result:
         with self.stop:
@@ -187,6 +172,16 @@ class LocalRun(Run):
         return self.log.close()
 
 
+def local_plan(scenario: AnyScenario, spec: RunSpec, folder: Path, *, fd: bool = False) -> Plan:
+    """A run in this process, into an existing folder.
+
+    :param fd: telegrams in the CAN FD form.
+    :raises InputError: the run is in real time.
+    """
+    choice = no_bus({}, spec.pace)
+    return Plan(spec, scenario, replace(choice, config={**choice.config, "fd": fd}), folder)
+
+
 def local_run(
     scenario: AnyScenario,
     folder: Path,
@@ -205,7 +200,7 @@ def local_run(
     """
     spec = spec or RunSpec(law=LawSpec(scenario.installed_system.law))
     check_faults(scenario, [LOCAL], spec.pace)
-    return LocalRun(scenario, spec, folder, fd=fd, wire=wire, controller=controller).play()
+    return LocalRun(local_plan(scenario, spec, folder, fd=fd), wire=wire, controller=controller).play()
 
 
 def unrecorded_run(scenario: AnyScenario, spec: RunSpec | None = None, controller: Any = None) -> Result:

@@ -4,23 +4,20 @@ from __future__ import annotations
 
 import errno
 from collections.abc import Iterator, Sequence
-from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
-from dataclasses import dataclass, replace
+from contextlib import ExitStack, contextmanager
+from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from railhil.bus.select import BusChoice
 from railhil.common.exit_codes import FAIL, INVALID, USAGE
 from railhil.judge.fault_report import check_faults, transports_of
 from railhil.live.processes import process_start_ns
-from railhil.live.sockets import PanelSocket
-from railhil.record.operator_commands import OperatorCommands
 from railhil.record.run_folder import NO_ROOM, PARAMETERS, discard_folder, run_folder, write_inputs
 from railhil.run.bus_run import BusRun
 from railhil.run.memory import keep_memory, learned, with_memory
 from railhil.run.node_commands import chosen_bus
-from railhil.run.run import Run
+from railhil.run.run import Observer, Plan, Run
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 
@@ -49,40 +46,6 @@ class NeverBegan(Exception):
     def __reduce__(self) -> tuple[type[NeverBegan], tuple[str, int]]:
         """Needed to pass it back from the process that made the run."""
         return type(self), (str(self), self.exit_code)
-
-
-@dataclass(frozen=True, slots=True)
-class Plan:
-    """A run that is about to begin, in its folder and on its bus.
-
-    :param panel: connection to a person who gives orders.
-    """
-
-    spec: RunSpec
-    scenario: AnyScenario
-    choice: BusChoice
-    folder: Path
-    panel: PanelSocket | None = None
-
-
-class Observer:
-    """Watches a run while it is made. Each method does nothing here."""
-
-    def beside(self, plan: Plan) -> AbstractContextManager[Plan]:
-        """Entered before the run begins, and left when its folder is written; returns the plan to carry out."""
-        return nullcontext(plan)
-
-    def on_started(self) -> None:
-        """The nodes have been started, and take a while to appear."""
-
-    def on_progress(self, sim_time_s: float) -> None:
-        """Simulation time has reached ``sim_time_s``: called every 160 ms of it."""
-
-    def on_ended(self) -> None:
-        """The run has ended, and its nodes take a while to end."""
-
-    def on_result(self, result: Result) -> None:
-        """The folder is complete."""
 
 
 class _Observers(Observer):
@@ -134,6 +97,7 @@ def record_run(spec: RunSpec, *observers: Observer, scenario: AnyScenario | None
         try:
             plan = held.enter_context(observer.beside(Plan(placed(spec, folder), scenario, choice, folder)))
             run = _begun(plan, observer)
+            run.started_ns = process_start_ns()
             held.enter_context(run.stop)
         except BaseException:
             # No folder without a run may remain on Ctrl-C, too.
@@ -208,28 +172,17 @@ def _begun(plan: Plan, observer: Observer) -> Run:
 
     :raises RecordFailed: they cannot be written.
     """
-    scenario, choice, folder = plan.scenario, plan.choice, plan.folder
-    check_faults(scenario, transports_of(choice, plan.spec.start_up.foreign), plan.spec.pace)
+    spec, scenario, folder = plan.spec, plan.scenario, plan.folder
+    check_faults(scenario, transports_of(plan.choice, spec.start_up.foreign), spec.pace)
     try:
-        write_inputs(folder, scenario, plan.spec.law.parameters)
-        spec = with_memory(plan.spec, folder)
+        write_inputs(folder, scenario, spec.law.parameters)
+        plan = replace(plan, spec=with_memory(spec, folder))
         if spec.is_local:
             # Laws and plant are loaded only by processes that compute with them.
             from railhil.run.local import LocalRun
 
-            return LocalRun(scenario, spec, folder, observer.on_progress, choice=choice, started_ns=process_start_ns())
-        return BusRun(
-            scenario,
-            spec,
-            choice,
-            folder,
-            observer.on_progress,
-            operator=None
-            if plan.panel is None
-            else OperatorCommands(spec.orders, plan.panel, not spec.is_realtime, scenario.faults),
-            meanwhile=observer.on_started,
-            at_end=observer.on_ended,
-        )
+            return LocalRun(plan, observer)
+        return BusRun(plan, observer)
     except OSError as error:
         from railhil.judge.folder import record_failed
 

@@ -19,7 +19,7 @@ from railhil.bus.frame import FD, Frame
 from railhil.bus.local import AnsweredAtOnce
 from railhil.bus.mvb import F_DEVICE_STATUS, device_status_frame, parse_master_frame
 from railhil.bus.own_frames import OwnFrames
-from railhil.controller_node.controller import AnyController, controller_of
+from railhil.controller_node.controller import AnyController, make_controller_node
 from railhil.dbc import Contract
 from railhil.plant_sim.node import make_plant_node
 from railhil.record.difference import Difference, FrameWords, Timed, difference_of
@@ -83,7 +83,7 @@ def replay(node: str, record: Sequence[Timed], scenario: AnyScenario, spec: RunS
     fd = bool(record[0][1].flags & FD)
     replayed = Replayed(node, len(record), record[-1][0] / 1e9)
     if node == "controller":
-        controller = controller_of(scenario, spec.law, spec.seed, fd=fd)
+        controller = make_controller_node(scenario, spec, fd=fd)
         begun_ns = time.perf_counter_ns()
         _drive_controller(controller, record, replayed, system.contract)
     else:

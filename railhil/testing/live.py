@@ -21,7 +21,7 @@ from railhil.faults.language import fault_text, parse
 from railhil.judge.fault_report import check_faults
 from railhil.plant_sim.any_plant import PlantError
 from railhil.record.run_folder import write_inputs
-from railhil.run.local import LocalRun
+from railhil.run.local import LocalRun, local_plan
 from railhil.run.make import complete, placed, write_results
 from railhil.run.memory import with_memory
 from railhil.run.report import as_recorded
@@ -157,7 +157,7 @@ class Live:
         self.spec, self.scenario = spec, scenario
         write_inputs(self.folder, scenario, spec.law.parameters)
         self._heard = NewestTelegrams(scenario.installed_system.contract)
-        self._run = LocalRun(scenario, spec, self.folder, hear=self._heard.take)
+        self._run = LocalRun(local_plan(scenario, spec, self.folder), hear=self._heard.take)
         self._plant = self._run.plant
         self._tick_ns = scenario.timing.base_tick_ns
         self._ticks: Iterator[None] = iter(())

@@ -28,7 +28,7 @@ from railhil.common.patience import Lifelines
 from railhil.common.python_process import kill_this_process, stop_this_process
 from railhil.common.scheduling import cycle
 from railhil.controller_node.ato.node import ControllerNode
-from railhil.controller_node.controller import controller_of, write_fault_log
+from railhil.controller_node.controller import make_controller_node, write_fault_log
 from railhil.controller_node.process_loop import run_controller
 from railhil.controller_node.telemetry_file import write_telemetry
 from railhil.judge.result import Result
@@ -37,6 +37,7 @@ from railhil.record.run_folder import TELEMETRY
 from railhil.record.session import make_session
 from railhil.run.bus_run import BusRun
 from railhil.run.memory import learned
+from railhil.run.run import Observer, Plan
 from railhil.scenarios.load import load_any
 from railhil.scenarios.memory import no_memory
 from railhil.scenarios.model import AnyScenario
@@ -106,9 +107,7 @@ def run_on(
 
     def run_the_controller() -> int:
         os.close(controller_alive)
-        node = controller_of(
-            scenario, asked.law, asked.seed, folder=folder, kill=kill_this_process, pause=stop_this_process
-        )
+        node = make_controller_node(scenario, asked, folder=folder, kill=kill_this_process, pause=stop_this_process)
         link = open_link(
             dict(config if controller_config is None else controller_config), "controller", timeouts=timeouts
         )
@@ -142,12 +141,24 @@ def run_on(
         nodes.append(_Forked("plant", run_the_plant, folder))
         choice = BusChoice(dict(config), "the test's")
         asked = replace(asked, start_up=StartUp(attach=True, appear_s=appear_s))
-        result = BusRun(scenario, asked, choice, folder, on_progress, open_bus=open_recorder).execute()
+        plan = Plan(asked, scenario, choice, folder)
+        result = BusRun(plan, _Progress(on_progress), open_bus=open_recorder).execute()
         return result, [node.exit_code(_NODE_END_S) for node in nodes]
     finally:
         os.close(controller_alive)
         for node in nodes:
             node.kill()
+
+
+class _Progress(Observer):
+    """Passes the progress of a run on to a test."""
+
+    def __init__(self, take: Callable[[float], None] | None) -> None:
+        self._take = take
+
+    def on_progress(self, sim_time_s: float) -> None:
+        if self._take is not None:
+            self._take(sim_time_s)
 
 
 def short_stop() -> AnyScenario:

@@ -8,6 +8,7 @@ from hil_tests.support.short_runs import RUN_2M_TOML
 from railhil.bus.select import BusChoice
 from railhil.judge.fault_report import fault_outcomes, missing_logs
 from railhil.run.bus_run import BusRun
+from railhil.run.run import Plan
 from railhil.scenarios.run_spec import RunSpec, StartUp
 
 
@@ -22,7 +23,7 @@ def test_they_are_moved_into_the_run_folder(tmp_path: Path) -> None:
     scenario = spec.load()
     (logs / "faults-inside-plant.csv").write_text("fault,time_ns,what,before,after\n1,10000000,begun,,\n")
     choice = BusChoice({"interface": "railhil", "channel": "nowhere"}, "given")
-    run = BusRun(scenario, spec, choice, folder, after_loss_s=0.0)
+    run = BusRun(Plan(spec, scenario, choice, folder), after_loss_s=0.0)
     run._await_fault_logs()
     run.log.close()
     assert missing_logs(folder, scenario) == []

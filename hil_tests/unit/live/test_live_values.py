@@ -29,7 +29,7 @@ from railhil.live.bus_follower import Listener, Milestones
 from railhil.live.live_values import Instruments, LogTail, Newest
 from railhil.record.framelog import log_line, read_log
 from railhil.record.trace import Trace, trace_of
-from railhil.run.make import Plan
+from railhil.run.run import Plan
 from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec, StartUp

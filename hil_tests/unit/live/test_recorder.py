@@ -22,6 +22,7 @@ from railhil.live.processes import Node, Nodes
 from railhil.live.recorder import StopSignals, open_recorder
 from railhil.plant_sim import command as plant_program
 from railhil.run.bus_run import BusRun
+from railhil.run.run import Plan
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import RunSpec
 
@@ -60,14 +61,8 @@ FOREIGN = [Frame(0x7FF, b"\0")]
 def made(folder: Path, silence_s: float, faults: tuple[str, ...] = ()) -> BusRun:
     """A realtime run that gives up after so long."""
     choice = BusChoice({"interface": "socketcan", "channel": "can0"}, "test")
-    return BusRun(
-        load("lvshun_tieshan", (), faults),
-        RunSpec(pace="realtime"),
-        choice,
-        folder,
-        silence_s=silence_s,
-        after_loss_s=0.05,
-    )
+    plan = Plan(RunSpec(pace="realtime"), load("lvshun_tieshan", (), faults), choice, folder)
+    return BusRun(plan, silence_s=silence_s, after_loss_s=0.05)
 
 
 @pytest.fixture

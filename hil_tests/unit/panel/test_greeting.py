@@ -15,7 +15,7 @@ from railhil.bus.select import own_pipes
 from railhil.cli import panel as cli
 from railhil.live.sockets import PanelSocket
 from railhil.panel.operator import Operator
-from railhil.run.make import Plan
+from railhil.run.run import Plan
 from railhil.scenarios.run_spec import RunSpec
 
 
