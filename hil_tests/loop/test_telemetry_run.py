@@ -33,7 +33,7 @@ from railhil.record.telemetry import Headroom, read_summary, shown_telemetry
 from railhil.record.trace import Trace
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec, RunSpec, StartUp
-from railhil.systems.ato.judge.score import STATUS
+from railhil.systems.ato.judge.events import STATUS
 from railhil.systems.ato.scenario.model import Scenario
 from railhil.wire.ato import CtlStat, NotchCmd, SimTruth
 

@@ -21,10 +21,11 @@ from railhil.controller_node.telemetry import Telemetry
 from railhil.controller_node.telemetry_file import telemetry_document
 from railhil.dbc import wire_contract
 from railhil.record.framelog import read_log
+from railhil.record.notes import Status
 from railhil.record.telemetry import shown_telemetry
 from railhil.record.trace import Trace
 from railhil.scenarios.run_spec import LawSpec
-from railhil.systems.ato.judge.score import STATUS
+from railhil.systems.ato.judge.events import STATUS
 from railhil.systems.ato.scenario.model import Scenario
 from railhil.wire.ato import CtlStat, TelemetryHeadroom, TelemetryIndex
 
@@ -217,3 +218,17 @@ def test_each_quantity_counts_as_it_was_last_shown() -> None:
             {"index": 1, "minimum_raw": None, "maximum_raw": 20_000 << 13, "headroom_bits": 3, "wrapped": False} | none,
         ),
     }
+
+
+def test_any_port_that_declares_these_signals_is_read_by_the_words_of_its_contract() -> None:
+    own = wire_contract()
+    words = {"TelemetryIndex": {5: "none"}, "TelemetryHeadroom": {30: "unused"}}
+    port = own.port(CtlStat.PORT)
+    signals = tuple(dataclasses.replace(one, values=words.get(one.name, one.values)) for one in port.signals)
+    trace = Trace(dataclasses.replace(own, ports=(dataclasses.replace(port, name="LAW_STAT", signals=signals),)))
+    for index, headroom_bits in ((5, 12), (6, 30), (7, 31)):
+        telegram = CtlStat(telemetry_index=index, telemetry_headroom_bits=headroom_bits, telemetry_extreme=1)
+        trace.add("LAW_STAT", 0, telegram.encode())
+    found = shown_telemetry(trace, Status("LAW_STAT", "OverflowFlags"))
+    assert found is not None
+    assert [(row["index"], row["headroom_bits"]) for row in found.quantities] == [(6, None), (7, 31)]

@@ -188,7 +188,7 @@ def certificate(result: Result, code: str) -> dict[str, Any]:
 
 
 def _notes(result: Result) -> list[dict[str, Any]] | None:
-    return None if result.origin is None else [note.as_json() for note in result.origin.notes]
+    return None if result.notes is None else [note.as_json() for note in result.notes]
 
 
 def junit(result: Result) -> ET.ElementTree[ET.Element]:

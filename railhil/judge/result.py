@@ -15,6 +15,7 @@ from railhil.judge.jitter import RunTiming
 from railhil.judge.judging import Judging, judging_of
 from railhil.judge.score import Score
 from railhil.record.framelog import LOG_NAME
+from railhil.record.notes import ReportedNote
 from railhil.record.telemetry import LawOrigin, Learned, ShownTelemetry, TelemetrySummary
 from railhil.record.trace import Trace
 from railhil.scenarios.run_spec import RunSpec
@@ -55,6 +56,8 @@ class Result:
     summary: TelemetrySummary | ShownTelemetry | None = None
     #: The declaration about the law's own parameters in its file.
     origin: LawOrigin | None = None
+    #: The law's declaration of its notes in its file.
+    notes: tuple[ReportedNote, ...] | None = None
     #: Counters of the recorder and its link.
     recorder_counters: dict[str, int] = field(default_factory=dict)
     timing: RunTiming | None = None

@@ -67,7 +67,8 @@ def table_of(
     time_s = trace.times_s(judging.truth)
     found = [(header, port, trace.values(port, signal)) for header, port, signal in judging.columns]
     for status in judging.status.every if judging.status else ():
-        found += [(note.name, status.port, note_values(trace, note, status.port)) for note in status.notes]
+        reported = status.recorded(trace, notes)
+        found += [(note.name, status.port, note_values(trace, note, status.port)) for note in reported]
     found += judging.told(trace, notes)
     watches = _watches(judging, trace)
     found += [(f"{watch.name}_level", watch.port, ranks(trace, watch)) for watch in watches]
@@ -99,6 +100,7 @@ def _watches(judging: Judging, trace: Trace) -> list[Watch]:
 def signal_units(scenario: AnyScenario, trace: Trace, notes: Any = None) -> dict[str, str]:
     """Unit of each column of :func:`signal_table`, empty for numbers without one."""
     judging = judging_of(scenario)
+    statuses = judging.status.every if judging.status else ()
 
     def unit(port: str, signal: str) -> str:
         return next(item.unit for item in trace.contract.port(port).signals if item.name == signal)
@@ -106,11 +108,8 @@ def signal_units(scenario: AnyScenario, trace: Trace, notes: Any = None) -> dict
     return {
         "time_s": "s",
         **{header: unit(port, signal) for header, port, signal in judging.columns},
-        **{
-            note.name: note.unit for status in (judging.status.every if judging.status else ()) for note in status.notes
-        },
+        **{note.name: note.unit for status in statuses for note in status.recorded(trace, notes)},
         **dict.fromkeys((header for header, _, _ in judging.told(trace, notes)), ""),
-        **{note["name"]: str(note.get("unit", "")) for note in notes or ()},
         **dict.fromkeys((f"{watch.name}_level" for watch in _watches(judging, trace)), ""),
         **{header: unit for header, unit, _ in judging.reckoned(scenario, trace)},
     }

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
@@ -10,16 +10,13 @@ import numpy as np
 
 from railhil.bus.codes import ControllerFlag
 from railhil.record.trace import FloatArray, Trace
-from railhil.wire.ato import CtlStat
 
-#: UNIPOLAR2.16: 1/16384.
-_UNIPOLAR2 = 2.0**-14
 _HALF, _WHOLE = 1 << 15, 1 << 16
 
 
 @dataclass(frozen=True, slots=True)
 class ReportedNote:
-    """One note: its signal in CTL_STAT; ``name`` is a column header, ``title`` and ``symbol`` are used in figures.
+    """One note: its signal in the status telegram; ``name`` is a column header, figures have ``title`` and ``symbol``.
 
     Value = raw * ``scale`` in ``unit``, raw in two's complement (16 bits) when ``signed``. ``bits`` names the bits of a
     bit field from bit 0 on.
@@ -38,52 +35,68 @@ class ReportedNote:
         """As ``certificate.json`` has it."""
         return asdict(self) | {"bits": list(self.bits)}
 
+    @classmethod
+    def from_json(cls, document: Mapping[str, Any]) -> ReportedNote:
+        """Inverse of :meth:`as_json`.
+
+        :raises LookupError, TypeError, ValueError: it is not the description of a note.
+        """
+        signal, name, title, symbol, unit = (
+            str(document[key]) for key in ("signal", "name", "title", "symbol", "unit")
+        )
+        bits = tuple(map(str, document["bits"]))
+        return cls(signal, name, title, symbol, unit, float(document["scale"]), bool(document["signed"]), bits)
+
     @property
     def label(self) -> str:
         """Title with symbol and unit."""
         return " ".join(word for word in (self.title, self.symbol, f"({self.unit})" if self.unit else "") if word)
 
 
-#: The notes of a record whose wire contract names them: up to version 0.1.0 they were the notes of IPFC.
-_EARLIER = (
-    ReportedNote("BasisInUse", "basis_in_use", "basis functions", "", "", 1.0, False, ("step", "wavelet", "ramp")),
-    ReportedNote("SofteningFactor", "softening_factor", "softening factor", "α", "", _UNIPOLAR2, False, ()),
-    ReportedNote("Satisfaction", "satisfaction", "satisfaction", "μ", "", _UNIPOLAR2, False, ()),
-)
-#: The notes of a law without a description.
-_UNKNOWN = (
-    ReportedNote("Note1", "note_1", "note 1", "", "", 1.0, False, ()),
-    ReportedNote("Note2", "note_2", "note 2", "", "", _UNIPOLAR2, False, ()),
-    ReportedNote("Note3", "note_3", "note 3", "", "", _UNIPOLAR2, False, ()),
-)
+@dataclass(frozen=True, slots=True)
+class Status:
+    """``port`` of the telegram; ``flags``: its signal of :class:`~railhil.bus.codes.ControllerFlag`, empty: none.
 
-
-def told_notes(documents: Sequence[dict[str, Any]]) -> tuple[ReportedNote, ...]:
-    """Notes from the controller's description of its law.
-
-    :raises LookupError, TypeError, ValueError: it is not a valid description.
+    ``notes``: the notes common to all laws of the system. ``slots``: the signals in which each law sends notes of its
+    own, with the names that they have if the law's declaration is not known. ``earlier``: the notes of records whose
+    wire contract has no slots, but signals with fixed names. ``further``: other telegrams with notes.
     """
-    found = []
-    for one in documents:
-        if one["signal"] not in {note.signal for note in _UNKNOWN}:
-            raise ValueError(f"no signal of CTL_STAT for notes: {one['signal']}")
-        signal, name, title, symbol, unit = (str(one[key]) for key in ("signal", "name", "title", "symbol", "unit"))
-        bits = tuple(map(str, one["bits"]))
-        found.append(ReportedNote(signal, name, title, symbol, unit, float(one["scale"]), bool(one["signed"]), bits))
-    return tuple(found)
+
+    port: str
+    flags: str = ""
+    notes: tuple[ReportedNote, ...] = ()
+    slots: tuple[ReportedNote, ...] = ()
+    earlier: tuple[ReportedNote, ...] = ()
+    further: tuple[Status, ...] = ()
+
+    @property
+    def every(self) -> tuple[Status, ...]:
+        """This telegram and the further ones."""
+        return (self, *self.further)
+
+    def declared(self, documents: Sequence[dict[str, Any]]) -> tuple[ReportedNote, ...]:
+        """Notes from the controller's description of its law.
+
+        :raises LookupError, TypeError, ValueError: it is not a valid description.
+        """
+        notes = tuple(map(ReportedNote.from_json, documents))
+        if others := {note.signal for note in notes} - {slot.signal for slot in self.slots}:
+            raise ValueError(f"no signals of {self.port} for notes: {', '.join(sorted(others))}")
+        return notes
+
+    def recorded(self, trace: Trace, documents: Sequence[dict[str, Any]] | None) -> tuple[ReportedNote, ...]:
+        """The notes of a record in this telegram.
+
+        :param documents: ``notes`` of its certificate; None: unknown.
+        """
+        if not self.slots:
+            return self.notes
+        if not trace.has(self.port, self.slots[0].signal):
+            return self.notes + self.earlier
+        return self.notes + (self.slots if documents is None else self.declared(documents))
 
 
-def notes_of(trace: Trace, told: Sequence[dict[str, Any]] | None) -> tuple[ReportedNote, ...]:
-    """The notes of a record; its wire contract determines whether their names are fixed.
-
-    :param told: ``notes`` of its certificate; None: unknown.
-    """
-    if not trace.has(CtlStat.PORT, _UNKNOWN[0].signal):
-        return _EARLIER
-    return _UNKNOWN if told is None else told_notes(told)
-
-
-def note_values(trace: Trace, note: ReportedNote, port: str = CtlStat.PORT) -> FloatArray:
+def note_values(trace: Trace, note: ReportedNote, port: str) -> FloatArray:
     """Values of a note in each telegram of the port, in its unit, shape (n,)."""
     raw = trace.raw(port, note.signal)
     if note.signed:
@@ -93,25 +106,6 @@ def note_values(trace: Trace, note: ReportedNote, port: str = CtlStat.PORT) -> F
 
 #: Beginning of the failure text of a run in which the controller's fixed-point arithmetic has wrapped.
 WRAP_FAILURE = "fixed-point wrap in the controller"
-
-
-@dataclass(frozen=True, slots=True)
-class Status:
-    """``port`` of the telegram; ``flags``: its signal of :class:`~railhil.bus.codes.ControllerFlag`, empty: none.
-
-    ``notes``: the notes common to all laws of the system; a law may declare further ones. ``further``: other telegrams
-    with notes.
-    """
-
-    port: str
-    flags: str = ""
-    notes: tuple[ReportedNote, ...] = ()
-    further: tuple[Status, ...] = ()
-
-    @property
-    def every(self) -> tuple[Status, ...]:
-        """This telegram and the further ones."""
-        return (self, *self.further)
 
 
 def interface_status(interface: Any) -> Status | None:

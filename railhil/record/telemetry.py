@@ -18,12 +18,11 @@ import numpy as np
 
 from railhil.bus.codes import ControllerFlag
 from railhil.bus.ident import CtlIdent
-from railhil.record.notes import ReportedNote, Status, told_notes
+from railhil.record.notes import ReportedNote, Status
 from railhil.record.run_folder import TELEMETRY
 from railhil.record.trace import Trace
 from railhil.scenarios.memory import MemoryRecord
 from railhil.scenarios.run_spec import StartUp
-from railhil.wire.ato import TelemetryHeadroom, TelemetryIndex
 
 
 @dataclass(frozen=True, slots=True)
@@ -157,12 +156,11 @@ def summary(document: dict[str, Any]) -> TelemetrySummary:
 
 @dataclass(frozen=True, slots=True)
 class LawOrigin:
-    """Declarations of a law: the source of its own parameters, the perturbed runs (name of the scenario, seeds) from
-    which they were chosen, and the meaning of its notes in CTL_STAT."""
+    """Declaration of a law: the source of its own parameters, and the perturbed runs (name of the scenario, seeds) from
+    which they were chosen."""
 
     text: str
     design_seeds: Mapping[str, range]
-    notes: tuple[ReportedNote, ...]
 
 
 def law_origin(document: dict[str, Any]) -> LawOrigin:
@@ -171,7 +169,7 @@ def law_origin(document: dict[str, Any]) -> LawOrigin:
     :raises LookupError, TypeError, ValueError, AttributeError: it is neither.
     """
     seeds = {str(name): range(*map(int, numbers)) for name, numbers in document["design_seeds"].items()}
-    return LawOrigin(str(document["parameters_origin"]), seeds, told_notes(document["notes"]))
+    return LawOrigin(str(document["parameters_origin"]), seeds)
 
 
 _F = TypeVar("_F")
@@ -193,6 +191,15 @@ def read_summary(folder: Path) -> TelemetrySummary | None:
 def read_origin(folder: Path) -> LawOrigin | None:
     """Origin of the law's own parameters from a run folder; None if the controller has not written it there."""
     return _read(folder, law_origin)
+
+
+def read_notes(folder: Path, status: Status | None) -> tuple[ReportedNote, ...] | None:
+    """The notes of its own that the law sends, from a run folder; None if the controller has not declared them there.
+
+    :param status: the status telegram of the system; None: it has none, and so no law has notes.
+    """
+    declared = Status("").declared if status is None else status.declared
+    return _read(folder, lambda document: declared(document["notes"]))
 
 
 def read_kept(folder: Path) -> Kept | None:
@@ -230,8 +237,10 @@ class ShownTelemetry:
         return ", ".join(words)
 
 
-#: Signals of a status telegram that reports the quantities of the law in turn.
+#: Signals of a status telegram that reports the quantities of the law in turn, after the word ``Telemetry``.
 _IN_TURNS = ("Index", "Maximum", "Extreme", "Headroom", "Wrapped", "Saturated", "ZeroDivision")
+#: Words of the wire contract for an index of no quantity, and for the headroom of a quantity that was always 0.
+_NO_QUANTITY, _NO_HEADROOM = "none", "unused"
 
 
 def shown_telemetry(trace: Trace, status: Status | None) -> ShownTelemetry | None:
@@ -241,7 +250,7 @@ def shown_telemetry(trace: Trace, status: Status | None) -> ShownTelemetry | Non
     """
     if status is None or not status.flags or not trace.count(status.port):
         return None
-    in_turns = trace.has(status.port, f"Telemetry{_IN_TURNS[0]}")
+    in_turns = all(trace.has(status.port, f"Telemetry{name}") for name in _IN_TURNS)
     quantities = _quantities(trace, status.port) if in_turns else ()
     if in_turns and not quantities:
         return None
@@ -269,9 +278,9 @@ def _quantities(trace: Trace, port: str) -> tuple[dict[str, int | bool | None], 
     for index, maximum, extreme, bits, *events in zip(
         *(trace.raw(port, f"Telemetry{name}").tolist() for name in _IN_TURNS), strict=True
     ):
-        if index != TelemetryIndex.NONE:
+        if trace.word(port, "TelemetryIndex", index) != _NO_QUANTITY:
             row = shown.setdefault(index, {"index": index, "minimum_raw": None, "maximum_raw": None})
-            known = bits != TelemetryHeadroom.UNUSED
+            known = trace.word(port, "TelemetryHeadroom", bits) != _NO_HEADROOM
             row["maximum_raw" if maximum else "minimum_raw"] = extreme << 16 >> bits if known else None
             row["headroom_bits"] = bits if known else None
             row.update(zip(("wrapped", "saturated", "zero_division"), map(bool, events), strict=True))

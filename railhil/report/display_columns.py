@@ -13,7 +13,7 @@ from typing import Any
 from railhil.dbc import Contract, Signal
 from railhil.judge.judging import Judging, judging_of
 from railhil.judge.signals import signal_table, signal_units
-from railhil.record.notes import ReportedNote, notes_of
+from railhil.record.notes import ReportedNote
 from railhil.record.trace import Trace
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.system import System
@@ -120,7 +120,8 @@ def shown_columns(scenario: AnyScenario, contract: Contract | None = None, notes
     empty = Trace(contract or system.contract)
     header, _ = signal_table(scenario, empty, notes)
     units = signal_units(scenario, empty, notes)
-    told = _notes(judging, empty, notes)
+    statuses = judging.status.every if judging.status else ()
+    told = {note.name: note for status in statuses for note in status.recorded(empty, notes)}
     words = _words(judging, empty.contract)
     levels = {f"{watch.name}_level" for watch in judging.watches}
     columns = tuple(
@@ -152,13 +153,6 @@ def _column(name: str, unit: str, is_level: bool, words: Mapping[int, str], note
         label, words = f"{note.title.replace('_', ' ')} {note.symbol}".strip(), _of_bits(note.bits)
     kind = LEVEL if is_level else NOTE if note is not None else STATE if words else SIGNAL
     return ShownColumn(name, label, shown, factor, kind, words)
-
-
-def _notes(judging: Judging, empty: Trace, notes: Any) -> dict[str, ReportedNote]:
-    """The columns that are notes of the law."""
-    found = {note.name: note for status in (judging.status.every if judging.status else ()) for note in status.notes}
-    told = {name for name, _, _ in judging.told(empty, notes)}
-    return found | {note.name: note for note in (notes_of(empty, notes) if told else ()) if note.name in told}
 
 
 def _of_bits(bits: Sequence[str]) -> dict[int, str]:

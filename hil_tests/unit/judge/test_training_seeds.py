@@ -14,7 +14,7 @@ from railhil.scenarios.load import load_any
 from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 
-CHOSEN = LawOrigin("ours", {"jinan_xuzhou": range(100, 110), "lvshun_tieshan": range(100, 110)}, ())
+CHOSEN = LawOrigin("ours", {"jinan_xuzhou": range(100, 110), "lvshun_tieshan": range(100, 110)})
 STILL = ("task.gradient_permil=0", "task.wind_sigma_mps2=0", "task.noise_sigma_mps=0")
 
 
@@ -45,7 +45,7 @@ def test_the_seeds_of_a_search_count_too() -> None:
 
 def test_our_law_is_not_evaluated_on_the_seeds_of_its_design() -> None:
     scenario = load_any("jinan_xuzhou_emergency")
-    origin = LawOrigin(DelayGpc.parameters_origin, DelayGpc.design_seeds, ())
+    origin = LawOrigin(DelayGpc.parameters_origin, DelayGpc.design_seeds)
     law = LawSpec("delay_gpc", "float64")
     with pytest.raises(InputError, match="105, on which delay_gpc's own parameters were chosen"):
         check_unseen(scenario, RunSpec(scenario.name, law=law, seed=105), origin)

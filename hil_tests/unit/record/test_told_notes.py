@@ -9,9 +9,10 @@ from hil_tests.support.recordings import recorded_folder
 from railhil.dbc import wire_contract
 from railhil.judge.record import Record
 from railhil.judge.signals import signal_table
-from railhil.record.notes import note_values, notes_of, told_notes
+from railhil.record.notes import note_values
 from railhil.record.trace import Trace
 from railhil.report.page import page
+from railhil.systems.ato.judge.events import STATUS
 from railhil.systems.ato.scenario.model import Scenario
 from railhil.wire.ato import CtlStat
 
@@ -44,27 +45,27 @@ def test_certificate_and_signals_name_what_the_controller_said(run: Record) -> N
 
 @pytest.mark.slow
 def test_a_record_of_an_unknown_law_has_numbered_notes(run: Record) -> None:
-    notes = notes_of(run.trace, None)
+    notes = STATUS.recorded(run.trace, None)
     assert [note.name for note in notes] == ["note_1", "note_2", "note_3"]
     text = page([run.copy_with(certificate={**run.certificate, "notes": None})])
     assert "Note 1 and note 2 and note 3 over time" in text
 
 
 def test_a_law_without_notes_has_no_column_and_no_figure(run: Record) -> None:
-    assert notes_of(run.trace, []) == ()
+    assert STATUS.recorded(run.trace, []) == ()
     assert 'id="softening_factor"' not in page([run.copy_with(certificate={**run.certificate, "notes": []})])
 
 
 def test_a_signed_note_with_its_own_scale() -> None:
-    (note,) = told_notes([TURN])
+    (note,) = STATUS.declared([TURN])
     assert note.label == "turn of the wheel (rad)"
     trace = Trace(wire_contract())
     for value in (0x0004, 0xFFFE):
         trace.add(CtlStat.PORT, 0, CtlStat(note3=value).encode())
-    assert note_values(trace, note).tolist() == [1.0, -0.5]
+    assert note_values(trace, note, CtlStat.PORT).tolist() == [1.0, -0.5]
 
 
 @pytest.mark.parametrize(("key", "value"), [("signal", "Note4"), ("scale", "much")])
 def test_what_is_no_note_is_refused(key: str, value: str) -> None:
     with pytest.raises(ValueError, match=value):
-        told_notes([{**TURN, key: value}])
+        STATUS.declared([{**TURN, key: value}])

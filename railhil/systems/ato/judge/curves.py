@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 
 from railhil.bus.ident import INDEXINGS, CtlIdent, PltIdent
-from railhil.record.notes import ReportedNote, note_values, notes_of
+from railhil.record.notes import ReportedNote, note_values
 from railhil.record.sampling import drawn_trace
 from railhil.record.trace import FloatArray, Trace
+from railhil.systems.ato.judge.events import STATUS
 from railhil.systems.ato.judge.measures import KMH
 from railhil.systems.ato.scenario.model import Scenario
 from railhil.systems.ato.scenario.target import target_of
@@ -73,5 +74,5 @@ def curves(scenario: Scenario, trace: Trace, told: Sequence[dict[str, Any]] | No
         notch_s=trace.times_s(NotchCmd.PORT),
         notch=trace.values(NotchCmd.PORT, "NotchCmd"),
         status_s=trace.times_s(CtlStat.PORT),
-        notes=tuple((note, note_values(trace, note)) for note in notes_of(trace, told)),
+        notes=tuple((note, note_values(trace, note, STATUS.port)) for note in STATUS.recorded(trace, told)),
     )

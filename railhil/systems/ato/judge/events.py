@@ -1,4 +1,4 @@
-"""Sources of the events of the system ``ato``: its two watches, interlocks, and judged telegrams."""
+"""Sources of the events and notes of the system ``ato``: status, two watches, interlocks, and judged telegrams."""
 
 from __future__ import annotations
 
@@ -6,13 +6,31 @@ from dataclasses import replace
 
 from railhil.bus.layout import FLAG_TRUE
 from railhil.judge.events.declared import Interlocks, Received, Watch
+from railhil.record.notes import ReportedNote, Status
 from railhil.systems.ato.scenario.model import Scenario
-from railhil.wire.ato import CtlMode, NotchCmd, PltStat, TrnPos, TrnSpeed, TrnWatch
+from railhil.wire.ato import CtlMode, CtlStat, NotchCmd, PltStat, TrnPos, TrnSpeed, TrnWatch
 
 _NOTCH_LSB_PER_NOTCH = 256
 #: Speeds that the controller accepts (0.1 mm/s); a test compares with :mod:`railhil.controller_node.ato.guard`.
 SPEED_RANGE_01MMPS = (0, 1_500_000)
 _KMH = 3.6
+#: UNIPOLAR2.16: 1/16384.
+_UNIPOLAR2 = 2.0**-14
+#: The controller's status; the law defines the notes. Up to version 0.1.0 they were those of IPFC.
+STATUS = Status(
+    CtlStat.PORT,
+    "OverflowFlags",
+    slots=(
+        ReportedNote("Note1", "note_1", "note 1", "", "", 1.0, False, ()),
+        ReportedNote("Note2", "note_2", "note 2", "", "", _UNIPOLAR2, False, ()),
+        ReportedNote("Note3", "note_3", "note 3", "", "", _UNIPOLAR2, False, ()),
+    ),
+    earlier=(
+        ReportedNote("BasisInUse", "basis_in_use", "basis functions", "", "", 1.0, False, ("step", "wavelet", "ramp")),
+        ReportedNote("SofteningFactor", "softening_factor", "softening factor", "α", "", _UNIPOLAR2, False, ()),
+        ReportedNote("Satisfaction", "satisfaction", "satisfaction", "μ", "", _UNIPOLAR2, False, ()),
+    ),
+)
 
 
 def _age_ms(scenario: Scenario, level: str) -> int:

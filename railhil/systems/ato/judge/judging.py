@@ -13,13 +13,13 @@ from railhil.judge.criteria import STOP_WITHIN_M
 from railhil.judge.judging import Judging
 from railhil.judge.record import Record
 from railhil.judge.score import Score
-from railhil.record.notes import WRAP_FAILURE, note_values, notes_of
+from railhil.record.notes import WRAP_FAILURE
 from railhil.record.trace import FloatArray, Trace
 from railhil.report.deviations import Deviation, read_deviations
 from railhil.systems.ato.judge.criteria import CRITERIA, OVERSPEED, STOP_ERROR, TIME_ERROR
 from railhil.systems.ato.judge.curves import wanted_mps
-from railhil.systems.ato.judge.events import INTERLOCKS, WATCHES, received
-from railhil.systems.ato.judge.score import STATUS, score
+from railhil.systems.ato.judge.events import INTERLOCKS, STATUS, WATCHES, received
+from railhil.systems.ato.judge.score import score
 from railhil.systems.ato.scenario.model import Scenario
 from railhil.wire.ato import CtlStat, NotchCmd, SimTruth, TrkInfo, TrnPos, TrnSpeed
 
@@ -41,9 +41,8 @@ COLUMNS = (
 
 
 def told(trace: Trace, notes: Any) -> list[tuple[str, str, FloatArray]]:
-    """The law's notes and the ladder."""
-    found = [(note.name, CtlStat.PORT, note_values(trace, note)) for note in notes_of(trace, notes)]
-    return [*found, ("ladder_level", CtlStat.PORT, trace.values(CtlStat.PORT, "LadderLevel"))]
+    """The ladder."""
+    return [("ladder_level", CtlStat.PORT, trace.values(CtlStat.PORT, "LadderLevel"))]
 
 
 def reckoned(scenario: Scenario, trace: Trace) -> list[tuple[str, str, FloatArray]]:

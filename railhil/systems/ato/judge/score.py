@@ -21,15 +21,16 @@ from railhil.judge.criteria import limited, scores, unscored
 from railhil.judge.record_checks import STAMP_ERROR_MAX_S, UNCLEAR, incomplete
 from railhil.judge.score import Score
 from railhil.judge.stops import ScoredStop
-from railhil.record.notes import Status, wrap_failure
+from railhil.record.notes import wrap_failure
 from railhil.record.trace import FloatArray, Trace
 from railhil.systems.ato.judge import measures
 from railhil.systems.ato.judge.criteria import CRITERIA, OVERSPEED
+from railhil.systems.ato.judge.events import STATUS
 from railhil.systems.ato.judge.invariants import broken
 from railhil.systems.ato.judge.journey import Journey, stop_of
 from railhil.systems.ato.judge.measures import limits_under_train
 from railhil.systems.ato.scenario.model import Scenario
-from railhil.wire.ato import CtlStat, NotchCmd, SimTruth
+from railhil.wire.ato import NotchCmd, SimTruth
 
 if TYPE_CHECKING:
     from railhil.faults.model import Fault
@@ -43,8 +44,6 @@ STANDING_S = 0.5
 ACCEL_MAX_MPS2 = 10.0
 #: Resolution of positions on the wire, rounded once in the milestone and once in the truth.
 _LSB_M = 1e-4
-#: The status telegram of the controller; the law defines the notes.
-STATUS = Status(CtlStat.PORT, "OverflowFlags")
 
 
 def _events(trace: Trace) -> dict[Event, list[tuple[float, float]]]:
