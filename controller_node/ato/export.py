@@ -26,7 +26,6 @@ from railhil.controller_node.export.control import (
     Macro,
     Period,
     Play,
-    Source,
     Wire,
     Word,
 )
@@ -143,8 +142,10 @@ class NotchControl(Control):
 
     scenario: Scenario
     period_word = "k"
+    life_start = 0
+    commands = ("out.notch",)
     folder = "railhil.controller_node.ato:c"
-    sources = ("railhil_position.c", "railhil_motion.c", "railhil_guard.c", "railhil_law.c")
+    sources = ("railhil_position.c", "railhil_motion.c", "railhil_guard.c", "railhil_telegrams.c")
     headers = ("railhil_position.h", "railhil_motion.h", "railhil_safe.h", "railhil_guard.h")
 
     def __init__(self, scenario: Scenario, law: LawSpec) -> None:
@@ -306,7 +307,3 @@ class NotchControl(Control):
             Define("SAFE_NOTCH_SID", identity(NotchSdt.port()), "that of the source of NOTCH_SDT"),
             Define("SAFE_DATA_VERSION", str(SAFE_DATA_VERSION), "version of the data of both"),
         ]
-
-    def places(self, source: Source) -> dict[str, str]:
-        balise = "".join(f", balise[{word}]" for word in range(len(BALISE_INPUTS)))
-        return {"BALISE": balise if self.programs.track else ""}

@@ -33,7 +33,7 @@ class Bundle:
 
 
 #: The controller around the law, the same for every kind of control: sources, headers.
-_SOURCES = ("railhil_clock.c", "railhil_control.c")
+_SOURCES = ("railhil_clock.c", "railhil_law.c", "railhil_control.c")
 _HEADERS = ("railhil_mvb.h", "railhil_clock.h", "railhil_law.h", "railhil_control.h")
 _PROGRAM = ("railhil_socket.h", "railhil_socket.c", "railhil_node.c")
 
@@ -69,11 +69,16 @@ def _host_program(name: str, control: Control) -> str:
 
 def _node_files(name: str, control: Control, source: Source) -> dict[str, str]:
     places = control.places(source)
+    shared = {
+        "GIVEN": ", ".join(f"given[{i}]" for i in range(len(control.given))),
+        "COMMANDS": "\n".join(f"    commands[{i}] = law->out.{name};" for i, name in enumerate(source.commands)),
+        "SENT": ", ".join(f"commands[{i}]" for i in range(len(control.told))),
+    }
     own = [*control.headers, *control.sources]
     return {
         "railhil_ports.h": ports_header(control),
         f"{name}_node.h": node_header(name, control),
-        **{file: template(file, name) for file in (*_HEADERS, *_SOURCES)},
+        **{file: template(file, name, **shared) for file in (*_HEADERS, *_SOURCES)},
         **{file: template(file, name, control.folder, **places) for file in own},
         **{file: template(file, name) for file in _PROGRAM},
     }

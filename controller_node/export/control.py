@@ -92,9 +92,9 @@ class Source:
 
     ``header`` and ``source``: text of the two files. ``columns``: names of the result words in a log, in order; in
     single precision those of the state only, and what follows is empty. ``macros``: names of the macros for its notes.
-    ``constants``: the single constants. Sizes are in 16-bit words: ``table_words`` of the tables, ``constant_words`` of
-    the single constants, ``ram_words`` of state, inputs, outputs and event counters, ``stack_words`` the stack
-    estimated for each function by its name.
+    ``commands``: members of ``out`` that are the law's commands. ``constants``: the single constants. Sizes are in
+    16-bit words: ``table_words`` of the tables, ``constant_words`` of the single constants, ``ram_words`` of state,
+    inputs, outputs and event counters, ``stack_words`` the stack estimated for each function by its name.
     """
 
     name: str
@@ -102,6 +102,7 @@ class Source:
     source: str
     columns: tuple[str, ...]
     macros: tuple[str, ...] = ()
+    commands: tuple[str, ...] = ()
     constants: tuple[Constant, ...] = ()
     table_words: Mapping[str, int] = field(default_factory=dict)
     constant_words: int = 0
@@ -154,17 +155,21 @@ class Control(ABC):
     """A recorded law of one kind of control.
 
     ``programs``: the recorded law. ``given``, ``told``: the parameters of the C functions ``inputs`` and ``sent``, in
-    their order; ``record``: all of them in the order of the log.
+    their order; ``record``: all of them in the order of the log; ``commands``: the leaves of the law's outputs for the
+    words of ``told``.
 
     :raises InputError: like :func:`railhil.controller_node.program.tracer.record`.
     """
 
     #: Column of the word that is the number of the control period; empty: there is none.
     period_word: ClassVar[str] = ""
+    #: Life sign before that of the first telegram on each port that it sends.
+    life_start: ClassVar[int] = 15
     programs: LawProgram
     given: tuple[Word, ...]
     told: tuple[Word, ...]
     record: tuple[Word, ...]
+    commands: tuple[str, ...]
 
     def __init__(self, scenario: Any, law: LawSpec) -> None:
         self.scenario: AnyScenario = scenario
@@ -230,9 +235,9 @@ class Control(ABC):
         """Lines of the node's header after the table of ports."""
         return []
 
-    @abstractmethod
     def places(self, source: Source) -> dict[str, str]:
         """Replacements for the ``@NAME@`` placeholders in its C files."""
+        return {}
 
 
 class Generator:

@@ -81,6 +81,9 @@ def _bus(control: Control, sent: list[Port]) -> list[Define]:
         Define("PACE_WORD", f"UINT32_C({pace_word:#x})"),
         Define("SLOW_PORT", "-1" if slow is None else f"RAILHIL_{slow.name}", "its life sign counts long silences"),
         Define("SLOW_TICKS", wide(slow_ticks)),
+        Define("GIVEN_COUNT", str(len(control.given)), "inputs of the law"),
+        Define("COMMAND_COUNT", str(len(control.told)), "its commands"),
+        Define("LIFE_START", f"{control.life_start}u", "life sign before the first telegram that is sent"),
     ]
 
 

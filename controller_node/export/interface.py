@@ -65,7 +65,7 @@ class InterfaceControl(Control):
     """See :class:`railhil.controller_node.export.control.Control`; the system has a part ``interface``."""
 
     folder = f"{SHARED}/interface"
-    sources = ("railhil_law.c",)
+    sources = ("railhil_telegrams.c",)
     headers = ("railhil_guard.h",)
 
     def __init__(self, scenario: AnyScenario, law: LawSpec) -> None:
@@ -81,8 +81,9 @@ class InterfaceControl(Control):
         self.given = tuple(Word(name, parameter, parameter) for name, parameter in given)
         self.told = tuple(Word(name, parameter, f"sent.{parameter}") for name, parameter in told)
         self.record = (*self.given, *self.told)
+        self.commands = tuple(f"out.commands[{i}]" for i in range(len(told)))
         self._leaves: dict[str, str] = {f"in[{i}]": reading.name for i, reading in enumerate(interface.readings)}
-        self._leaves |= {f"out.commands[{i}]": command.name for i, command in enumerate(interface.commands)}
+        self._leaves |= dict(zip(self.commands, (command.name for command in interface.commands), strict=True))
         self._leaves |= {f"out.notes[{i}]": note.name for i, note in enumerate(interface.notes)}
         self._units: dict[str, str] = {f"in[{i}]": reading.unit for i, reading in enumerate(interface.readings)}
 
@@ -169,12 +170,7 @@ class InterfaceControl(Control):
         return ports_of(self.contract, self._interface)
 
     def constants(self) -> list[Define]:
-        interface = self._interface
-        return [
-            Define("SOURCE_COUNT", str(len(sources_of(interface))), "ports with readings"),
-            Define("READING_COUNT", str(len(interface.readings))),
-            Define("COMMAND_COUNT", str(len(interface.commands))),
-        ]
+        return [Define("SOURCE_COUNT", str(len(sources_of(self._interface))), "ports with readings")]
 
     def tables(self) -> list[str]:
         """Largest ages of the readings, and the safe commands."""
@@ -240,7 +236,7 @@ class InterfaceControl(Control):
             else:
                 commands = enumerate(interface.commands)
                 lines += [
-                    "        command(law, clock, commands, counts);",
+                    "        railhil_law_command(law, clock, commands, counts);",
                     *_set(kind, {item.field: f"commands[{n}]" for n, item in commands if item.telegram is kind}),
                 ]
             lines += [
@@ -252,14 +248,7 @@ class InterfaceControl(Control):
         return lines
 
     def places(self, source: Source) -> dict[str, str]:
-        out = [column for column in source.columns if column.startswith("out.")]
-        return {
-            "GIVEN": ", ".join(f"law->guard.raws[{i}]" for i in range(len(self.given))),
-            "COMMANDS": ", ".join(f"law->{column}" for column in out[: len(self.told)]),
-            "SAFE": ", ".join(f"railhil_safe[{i}]" for i in range(len(self.told))),
-            "TAKEN": "\n".join(self._taken()),
-            "ANSWERS": "\n".join(self._answers(source)),
-        }
+        return {"TAKEN": "\n".join(self._taken()), "ANSWERS": "\n".join(self._answers(source))}
 
 
 def wires_of(interface: Interface, given: Iterable[str], told: Iterable[str]) -> dict[str, Wire]:

@@ -27,7 +27,7 @@ def memory_note(control: Control, source: Source) -> str:
     stack = max(source.stack_words.values())
     table_rows = [f"| table `{name}` | {words} |" for name, words in source.table_words.items()]
     period_ms = scenario.timing.control_period_ns / 1e6
-    own = ", ".join(f"`{file}`, `.h`" for file in control.sources)
+    own = ", ".join(f"`{file}`" for file in (*control.sources, *control.headers))
     return "\n".join(
         [
             f"# Control law `{programs.law}` in C99",
@@ -42,6 +42,7 @@ def memory_note(control: Control, source: Source) -> str:
             f"| `{name}_mailboxes.h` | the eCAN mailbox table, checked against the port table |",
             f"| `{name}_log.txt` | reference log: inputs, state and outputs computed by the bench's Python |",
             "| `railhil_control.c`, `railhil_clock.c`, `.h` | frames in, answers to polls out; simulation time |",
+            "| `railhil_law.c`, `.h` | control periods of the law |",
             f"| {own} | {control.comments(name).node} |",
             "| `railhil_mvb.h`, `railhil_ports.h` | telegrams on CAN frames; their members, from the port table |",
             f"| `{name}_node.h` | constants of bus and scenario |",

@@ -120,6 +120,7 @@ class SourceWriter:
             "\n".join([*self._preamble(), *self._constants(), *self._tables(), "", *functions, ""]),
             tuple(columns),
             tuple(self._macro_names),
+            tuple(self._out.members[leaf] for leaf in self._control.commands),
             tuple(constant for _, constant in self._data.constants.values()),
             tables,
             LONG_WORDS * len(self._data.constants),

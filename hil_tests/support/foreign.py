@@ -30,12 +30,13 @@ PORTABLE = (
     "railhil_position.c",
     "railhil_motion.c",
     "railhil_guard.c",
+    "railhil_telegrams.c",
     "railhil_law.c",
     "railhil_control.c",
 )
 PROGRAM = (*PORTABLE, "railhil_socket.c", "railhil_node.c")
 #: The same around a law of a system with an interface.
-PORTABLE_INTERFACE = ("railhil_clock.c", "railhil_law.c", "railhil_control.c")
+PORTABLE_INTERFACE = ("railhil_clock.c", "railhil_telegrams.c", "railhil_law.c", "railhil_control.c")
 PROGRAM_INTERFACE = (*PORTABLE_INTERFACE, "railhil_socket.c", "railhil_node.c")
 #: Undefined behaviour and memory errors end the program.
 SANITIZED = ("-std=c99", "-O1", "-g", "-Wall", "-Wextra", "-Werror", "-fsanitize=address,undefined",

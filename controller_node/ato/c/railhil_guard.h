@@ -36,6 +36,7 @@ typedef struct {
     int32_t grade_001permil;
     int32_t code;      /* last notch sent, 1/256 */
     int32_t told_code; /* the same, as known to the law */
+    uint32_t steps;    /* control periods computed up to then */
     int32_t emergency; /* flag of the last NOTCH_CMD, which NOTCH_SDT repeats */
     int32_t kept_code; /* braking to keep during TRACTION_CUT */
     unsigned recent;   /* last telegrams, newest in bit 0, 1: bad */
@@ -67,8 +68,6 @@ typedef struct {
     railhil_safe_t safe;
 #endif
 } railhil_guard_t;
-
-void railhil_guard_init(railhil_guard_t *guard);
 
 /* Take the process data of TRN_SPEED and TRK_INFO telegrams. counts: counters of refusals, by outcome. */
 void railhil_speed(railhil_guard_t *guard, int64_t now_ns, const unsigned char *process, uint32_t *counts);

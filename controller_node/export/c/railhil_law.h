@@ -1,5 +1,7 @@
-/* The law in the controller: its inputs from telegrams, its commands and status into telegrams, and the guard, which
- * decides what the law is given, and what is sent instead of its commands.
+/* The law in the controller. The law itself, a function of its state and inputs, is in @LAW@.h.
+ * The guard decides what the law is given, and what is sent instead of its commands. railhil_telegrams.c takes and
+ * answers telegrams. Guard and telegrams belong to the kind of control; railhil_law.c, which runs the law, is the same
+ * for all.
  */
 #ifndef RAILHIL_LAW_H
 #define RAILHIL_LAW_H
@@ -20,6 +22,23 @@ typedef struct {
 } railhil_law_t;
 
 void railhil_law_init(railhil_law_t *law);
+
+/* Runs the law if its next control period has begun. commands: those to send now, the law's or the guard's, which the
+ * law is then told. */
+void railhil_law_command(railhil_law_t *law, const railhil_clock_t *clock, int32_t *commands, uint32_t *counts);
+
+/* The guard at the start of a run. */
+void railhil_guard_init(railhil_guard_t *guard);
+
+/* given: inputs of the law in a control period, in the order of its C function; last: number of the period that was
+ * computed before, -1: none. Returns 0 if the law cannot be computed now. */
+int railhil_guard_inputs(railhil_guard_t *guard, const railhil_clock_t *clock, int64_t period, int64_t last,
+                         int32_t *given);
+
+/* Replaces the law's commands by those to send now; steps: control periods computed so far, 0: the law has no commands
+ * yet. Returns 1 if the law is to be told of them. */
+int railhil_guard_commands(railhil_guard_t *guard, const railhil_clock_t *clock, uint32_t steps, int32_t *commands,
+                           uint32_t *counts);
 
 /* Takes the process data of a telegram received on a port. counts: counters of refusals, by outcome. */
 void railhil_law_take(railhil_law_t *law, const railhil_clock_t *clock, int port, const unsigned char *process,

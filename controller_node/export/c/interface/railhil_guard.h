@@ -20,7 +20,7 @@ typedef struct {
     int lives[RAILHIL_SOURCE_COUNT];
     int known[RAILHIL_SOURCE_COUNT];
     int64_t taken_ns[RAILHIL_SOURCE_COUNT];
-    int32_t raws[RAILHIL_READING_COUNT]; /* readings of the last accepted telegrams */
+    int32_t raws[RAILHIL_GIVEN_COUNT]; /* readings of the last accepted telegrams */
 } railhil_guard_t;
 
 #endif

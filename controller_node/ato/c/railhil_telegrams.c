@@ -1,7 +1,6 @@
 /* Inputs, notch and status of the law: see railhil_law.h. */
 #include "railhil_law.h"
 
-
 static const char *const outcome_names[RAILHIL_COUNTS - RAILHIL_CLOCK_OUTCOMES] = {
     "position_duplicate",
     "position_out_of_order",
@@ -32,60 +31,60 @@ const char *railhil_law_outcome(unsigned index)
     return outcome_names[index - RAILHIL_CLOCK_OUTCOMES];
 }
 
-void railhil_law_init(railhil_law_t *law)
+/* The number of the period, speed and position, for a law with track inputs also the last balise. */
+int railhil_guard_inputs(railhil_guard_t *guard, const railhil_clock_t *clock, int64_t period, int64_t last,
+                         int32_t *given)
 {
-    memset(law, 0, sizeof *law);
-    railhil_guard_init(&law->guard);
-    law->period = -1;
-}
-
-/* Runs the law if a control period has begun since its last step; it needs the time of the run. */
-static void step(railhil_law_t *law, const railhil_clock_t *clock)
-{
-    const int64_t period = railhil_now_ns(clock) / @PREFIX@_PERIOD_NS;
-    const int32_t k = period < INT32_MAX ? (int32_t)period : INT32_MAX;
-    const int32_t speed_01mmps = law->guard.watch.speed_01mmps;
-    const int32_t *balise = law->guard.balise.last;
-    int32_t position_01mm;
-    int late;
-    (void)balise; /* not every law uses it */
-    if (!clock->is_set || period == law->period || !law->guard.watch.speed_known) {
-        return;
+    railhil_watch_t *watch = &guard->watch;
+    const int late = last >= 0 && period > last + 1;
+    if (!clock->is_set || !watch->speed_known) {
+        return 0;
     }
-    law->guard.watch.waits = 0;
-    late = law->period >= 0 && period > law->period + 1;
-    law->guard.watch.overruns += (uint32_t)late;
-    railhil_period(&law->guard, late);
-    position_01mm = railhil_position_01mm(&law->guard.odometer, railhil_own_ns(clock));
+    watch->waits = 0;
+    watch->overruns += (uint32_t)late;
+    railhil_period(guard, late);
+    given[0] = period < INT32_MAX ? (int32_t)period : INT32_MAX;
+    given[1] = watch->speed_01mmps;
+    given[2] = railhil_position_01mm(&guard->odometer, railhil_own_ns(clock));
 #if RAILHIL_TRACK
-    law->guard.watch.beyond = railhil_is_beyond(&law->guard.balise, position_01mm, RAILHIL_END_01MM);
+    watch->beyond = railhil_is_beyond(&guard->balise, given[2], RAILHIL_END_01MM);
+    memcpy(given + 3, guard->balise.last, sizeof guard->balise.last);
 #endif
-    @LAW@_inputs(k, speed_01mmps, position_01mm@BALISE@, &law->in, &law->events);
-    if (law->steps == 0) {
-        @LAW@_start(&law->in, &law->state);
-    }
-    @LAW@_step(&law->state, &law->in, &law->out, &law->events);
-    law->guard.watch.told_code = law->out.notch;
-    law->period = period;
-    law->steps++;
+    return 1;
 }
 
-static void answer_notch(railhil_law_t *law, const railhil_clock_t *clock, unsigned char *process)
+/* The notch of the watch. A train that moves before the law can run is braked. */
+int railhil_guard_commands(railhil_guard_t *guard, const railhil_clock_t *clock, uint32_t steps, int32_t *commands,
+                           uint32_t *counts)
+{
+    railhil_watch_t *watch = &guard->watch;
+    (void)counts;
+    if (steps == 0) {
+        watch->waits = watch->waits || (watch->speed_known && watch->speed_01mmps != 0);
+        commands[0] = 0;
+    }
+    if (steps != watch->steps) {
+        watch->steps = steps;
+        watch->told_code = commands[0];
+    }
+    if (steps != 0 || watch->waits) {
+        commands[0] = railhil_watched_notch(guard, railhil_own_ns(clock), commands[0]);
+    }
+    if (commands[0] == watch->told_code) {
+        return 0;
+    }
+    watch->told_code = commands[0];
+    return 1;
+}
+
+static void answer_notch(railhil_law_t *law, const railhil_clock_t *clock, unsigned char *process, uint32_t *counts)
 {
     const railhil_watch_t *watch = &law->guard.watch;
     railhil_notch_cmd_t telegram = railhil_new_notch_cmd();
-    step(law, clock);
-    if (law->steps == 0 && watch->speed_known && watch->speed_01mmps != 0) {
-        law->guard.watch.waits = 1;
-    }
+    int32_t commands[RAILHIL_COMMAND_COUNT];
+    railhil_law_command(law, clock, commands, counts);
     if (law->steps != 0 || watch->waits) {
-        const int32_t law_code = law->steps != 0 ? law->out.notch : 0;
-        const int32_t code = railhil_watched_notch(&law->guard, railhil_own_ns(clock), law_code);
-        if (law->steps != 0 && code != law->guard.watch.told_code) {
-            law->guard.watch.told_code = code;
-            @LAW@_sent(&law->state, code);
-        }
-        telegram.notch_256th = code;
+        telegram.notch_256th = commands[0];
         telegram.mode = RAILHIL_CTL_MODE_RUNNING + watch->level;
         telegram.cause = watch->cause;
         telegram.emergency =
@@ -131,9 +130,8 @@ static void answer_status(railhil_law_t *law, unsigned char *process)
 void railhil_law_answer(railhil_law_t *law, const railhil_clock_t *clock, int port, unsigned char *process,
                         uint32_t *counts)
 {
-    (void)counts;
     if (port == RAILHIL_NOTCH_CMD) {
-        answer_notch(law, clock, process);
+        answer_notch(law, clock, process, counts);
 #if RAILHIL_SAFE
     } else if (port == RAILHIL_NOTCH_SDT) {
         answer_safe_notch(law, clock, process);

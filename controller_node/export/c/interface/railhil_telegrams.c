@@ -1,4 +1,4 @@
-/* Readings, commands and status of the law: see railhil_law.h. */
+/* Readings, commands and status of the law, and the ages of the readings: see railhil_law.h. */
 #include "railhil_law.h"
 
 /* The telegram has no life sign. */
@@ -17,17 +17,12 @@ const char *railhil_law_outcome(unsigned index)
     return outcome_names[index - RAILHIL_CLOCK_OUTCOMES];
 }
 
-void railhil_law_init(railhil_law_t *law)
+void railhil_guard_init(railhil_guard_t *guard)
 {
     int i;
-    memset(law, 0, sizeof *law);
     for (i = 0; i < RAILHIL_SOURCE_COUNT; i++) {
-        law->guard.lives[i] = -1;
+        guard->lives[i] = -1;
     }
-    for (i = 0; i < RAILHIL_SENT_COUNT; i++) {
-        law->lives[i] = 0xFu;
-    }
-    law->period = -1;
 }
 
 /* Accepts the telegram of a port with readings if its life sign is new and all its check variables are correct, as far
@@ -67,42 +62,37 @@ void railhil_law_take(railhil_law_t *law, const railhil_clock_t *clock, int port
     }
 }
 
-/* Runs the law if a control period has begun since its last step; returns 1 if its commands may be sent. */
-static int step(railhil_law_t *law, const railhil_clock_t *clock)
+static int is_fresh(const railhil_guard_t *guard, const railhil_clock_t *clock)
 {
     const int64_t now_ns = railhil_own_ns(clock);
-    const int64_t period = railhil_now_ns(clock) / @PREFIX@_PERIOD_NS;
     int i;
     for (i = 0; i < RAILHIL_SOURCE_COUNT; i++) {
-        if (!law->guard.known[i] || now_ns - law->guard.taken_ns[i] > railhil_ages_ns[i]) {
+        if (!guard->known[i] || now_ns - guard->taken_ns[i] > railhil_ages_ns[i]) {
             return 0;
         }
     }
-    if (clock->running && period != law->period) {
-        @LAW@_inputs(@GIVEN@, &law->in, &law->events);
-        if (law->steps == 0) {
-            @LAW@_start(&law->in, &law->state);
-        }
-        @LAW@_step(&law->state, &law->in, &law->out, &law->events);
-        law->period = period;
-        law->steps++;
-    }
-    return law->steps != 0;
+    return 1;
 }
 
-/* The commands to send now: the law's, or the safe ones, which the law is then told. */
-static void command(railhil_law_t *law, const railhil_clock_t *clock, int32_t *commands, uint32_t *counts)
+int railhil_guard_inputs(railhil_guard_t *guard, const railhil_clock_t *clock, int64_t period, int64_t last,
+                         int32_t *given)
 {
-    if (step(law, clock)) {
-        const int32_t of_law[RAILHIL_COMMAND_COUNT] = {@COMMANDS@};
-        memcpy(commands, of_law, sizeof of_law);
-        return;
+    (void)period;
+    (void)last;
+    memcpy(given, guard->raws, sizeof guard->raws);
+    return clock->running && is_fresh(guard, clock);
+}
+
+/* The safe commands while a reading is missing or too old. */
+int railhil_guard_commands(railhil_guard_t *guard, const railhil_clock_t *clock, uint32_t steps, int32_t *commands,
+                           uint32_t *counts)
+{
+    if (steps != 0 && is_fresh(guard, clock)) {
+        return 0;
     }
     memcpy(commands, railhil_safe, sizeof railhil_safe);
-    if (law->steps != 0) {
-        counts[RAILHIL_STALE]++;
-        @LAW@_sent(&law->state, @SAFE@);
-    }
+    counts[RAILHIL_STALE] += steps != 0 ? 1u : 0u;
+    return 1;
 }
 
 /* The ages of the readings are looked at when commands are sent. */
