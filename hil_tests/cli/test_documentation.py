@@ -7,8 +7,6 @@ from argparse import SUPPRESS, ArgumentParser, _SubParsersAction
 from collections.abc import Iterator
 from functools import cache
 
-import pytest
-
 from hil_tests.support.paths import ROOT
 from hil_tests.support.venvs import project
 from railhil.cli import commands
@@ -69,26 +67,27 @@ def test_readme_has_whole_addresses():
     assert sum(target.startswith((_REPOSITORY, _RAW)) for target in targets) > 20
 
 
-@pytest.mark.parametrize("page", _PAGES)
-def test_links_lead_somewhere(page):
-    for target in map(_in_the_tree, _LINK.findall((ROOT / page).read_text(encoding="utf-8"))):
+def test_links_lead_somewhere():
+    links = [(page, link) for page in _PAGES for link in _LINK.findall((ROOT / page).read_text(encoding="utf-8"))]
+    for page, link in links:
+        target = _in_the_tree(link)
         if target.startswith(("http://", "https://")):
             continue
         name, _, anchor = target.partition("#")
         base = ROOT if name.startswith("/") else (ROOT / page).parent
         path = base / name.removeprefix("/") if name else ROOT / page
-        assert path.exists(), target
+        assert path.exists(), (page, target)
         if anchor:
             headings = re.findall(r"^#+ (.*)$", path.read_text(encoding="utf-8"), re.M)
-            assert anchor in map(_anchor, headings), target
+            assert anchor in map(_anchor, headings), (page, target)
 
 
-@pytest.mark.parametrize("page", _PAGES)
-def test_options_of_printed_commands_exist(page):
-    for command, rest in _command_lines((ROOT / page).read_text(encoding="utf-8")):
-        if command in _options():
-            unknown = [option for option in _OPTION.findall(rest) if option not in _options()[command]]
-            assert not unknown, f"railhil {command}{rest}"
+def test_options_of_printed_commands_exist():
+    for page in _PAGES:
+        for command, rest in _command_lines((ROOT / page).read_text(encoding="utf-8")):
+            if command in _options():
+                unknown = [option for option in _OPTION.findall(rest) if option not in _options()[command]]
+                assert not unknown, f"{page}: railhil {command}{rest}"
 
 
 def _leaves(parser: ArgumentParser, name: str = "railhil") -> Iterator[tuple[str, ArgumentParser]]:

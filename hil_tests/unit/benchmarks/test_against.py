@@ -12,7 +12,6 @@ import pytest
 from benchmarks import against, killed_campaign
 from benchmarks.figures import MeasurementError
 from benchmarks.memory import Peak
-from railhil.common.errors import InputError
 
 TOP = Path(__file__).resolve().parents[3]
 #: Stands for an older railhil: knows one of the wished options and writes what the comparison reads.
@@ -64,12 +63,6 @@ def test_a_version_that_cannot_score_its_own_run_is_no_measurement(tmp_path):
         against.run_once(version, "line", tmp_path / "a")
 
 
-def test_a_version_without_speed_is_no_measurement(tmp_path):
-    version = older(tmp_path, {"run": {}})
-    with pytest.raises(MeasurementError, match="no speed factor"):
-        against.run_once(version, "line", tmp_path / "a")
-
-
 def test_a_run_for_memory_gives_its_peak_and_no_speed(tmp_path):
     version = older(tmp_path, {"run": {"speed_factor": 50.0, "wall_time_s": 4.0}})
     against.weigh_once(version, "line", tmp_path / "a")
@@ -96,16 +89,6 @@ def test_memory_is_compared_with_that_of_this_version(tmp_path):
     assert [line for line in lines if "memory," in line] == [
         "  ratio      this version takes 0.60 times the memory, ratio of the medians"
     ]
-
-
-def test_what_is_no_version_is_one_line(tmp_path):
-    for what in ("no-such-commit", str(tmp_path)):
-        with pytest.raises(InputError, match="WHAT"):
-            against.version_of(what, tmp_path)
-
-
-def test_a_python_is_taken_as_it_is(tmp_path):
-    assert against.version_of(sys.executable, tmp_path).environment == {}
 
 
 @pytest.mark.long

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import os
 import signal
 import subprocess
@@ -10,18 +9,14 @@ from pathlib import Path
 
 import psutil
 import pytest
-from rich.console import Console
 
-from benchmarks import __main__ as table
 from benchmarks import native
-from benchmarks.buses import GATEWAY, KERNEL, SOCKET_PAIR, TCP_HUB, UNIX_HUB, Transport, transports
+from benchmarks.buses import SOCKET_PAIR, TCP_HUB, UNIX_HUB, Transport
 from benchmarks.figures import MeasurementError, Missing
-from benchmarks.machine import Machine
-from benchmarks.pairs import PYTHON, C, Pair, _runaway_limit_us, busy_cores, fifo, pinned
+from benchmarks.pairs import PYTHON, C, Pair, fifo, pinned
 from benchmarks.peer import Near, PeerError, echo, open_end
 from benchmarks.processes import end, hub
-from benchmarks.transports import open_pairs, to_c
-from railhil.bus.errors import BusLost
+from benchmarks.transports import open_pairs
 from railhil.bus.frame import Frame
 
 FIRST_ID = 0x110
@@ -93,15 +88,6 @@ def test_a_lost_answer_is_an_error() -> None:
         Near(Wire(lose=1), FIRST_ID).obey("trips 1")
 
 
-def test_echo_ends_with_its_bus() -> None:
-    class Gone(_FarSide):
-        def receive(self, timeout_s: float | None) -> list[Frame]:
-            raise BusLost("gone")
-
-    with pytest.raises(BusLost):
-        echo(Gone(Wire()), FIRST_ID)
-
-
 @pytest.mark.long_after(1)
 @pytest.mark.loop
 @pytest.mark.parametrize("transport", [SOCKET_PAIR, UNIX_HUB, TCP_HUB], ids=lambda transport: transport.short)
@@ -163,78 +149,3 @@ def test_fifo_is_given_and_taken_back(socket_folder: Path) -> None:
             pytest.skip("MISSING CAPABILITY SCHED_FIFO (root, or ulimit -r)")
         assert set(scheduling.values()) == {os.SCHED_FIFO}
         assert {os.sched_getscheduler(pid) for pid in scheduling} == {os.SCHED_OTHER}
-
-
-@pytest.mark.parametrize(
-    ("found_us", "soft_us"),
-    [((-1, -1), 5_000_000), ((500_000, 2_000_000), 2_000_000), ((-1, 9_000_000), 5_000_000)],
-)
-def test_the_limit_of_a_runaway_stays_within_the_hard_one(found_us, soft_us) -> None:
-    assert _runaway_limit_us(found_us) == (soft_us, found_us[1])
-
-
-@pytest.mark.loop
-def test_an_end_that_dies_under_fifo_leaves_nobody_there(loop: Path, socket_folder: Path) -> None:
-    """What has no process any more hides nothing, and the others get their scheduling back."""
-    with open_pairs(UNIX_HUB, loop, socket_folder) as (first, second):
-        living = [*first.hub_pids, *second.pids, *second.hub_pids]
-        try:
-            with fifo([first, second]):
-                os.kill(first.pids[0], signal.SIGKILL)
-                with pytest.raises(MeasurementError):
-                    first.answer()
-        except PermissionError:
-            pytest.skip("MISSING CAPABILITY SCHED_FIFO (root, or ulimit -r)")
-        assert {os.sched_getscheduler(pid) for pid in living} == {os.SCHED_OTHER}
-
-
-def test_load_is_on_every_core_and_goes() -> None:
-    before = set(psutil.Process().children())
-    with busy_cores(30.0):
-        spinners = set(psutil.Process().children()) - before
-        assert {tuple(spinner.cpu_affinity()) for spinner in spinners} == {(cpu,) for cpu in os.sched_getaffinity(0)}
-    assert not any(spinner.is_running() for spinner in spinners)
-
-
-def test_without_a_compiler_the_ratio_is_missing_and_said(monkeypatch, tmp_path, capsys) -> None:
-    monkeypatch.setenv("PATH", str(tmp_path))
-    missing = native.c_loop(tmp_path)
-    assert isinstance(missing, Missing)
-    assert "no C compiler" in missing.why
-    assert to_c({PYTHON: 2.0}, PYTHON) == (None, "")
-    assert to_c({PYTHON: 2.0, C: 1.0}, PYTHON) == (2.0, "Python to C")
-    result = {"title": "t", "method": "m", "taken_s": 0.0, "figures": [], "missing": [dataclasses.asdict(missing)]}
-    table._print(Console(width=200), result)
-    printed = capsys.readouterr().out
-    assert "MISSING" in printed
-    assert missing.why in printed
-
-
-def test_a_loop_that_does_not_compile_is_no_measurement(tmp_path) -> None:
-    broken = tmp_path / "loop.c"
-    broken.write_text("int main(void) { return nothing; }\n")
-    if native.compiler() is None:
-        pytest.skip("MISSING CAPABILITY C compiler")
-    with pytest.raises(MeasurementError, match=r"loop\.c does not compile: .*nothing"):
-        native.c_loop(tmp_path, broken)
-
-
-def test_a_hub_that_does_not_start_says_why(socket_folder) -> None:
-    with pytest.raises(MeasurementError, match=r"did not start: .*missing"), hub(str(socket_folder / "missing" / "h")):
-        pass
-
-
-def test_a_kernel_without_can_is_said() -> None:
-    ways, missing = transports(emulated=False, vcan=False)
-    assert KERNEL not in ways
-    assert [each.name for each in missing] == [KERNEL.name]
-    ways, missing = transports(emulated=True, vcan=True)
-    assert KERNEL in ways
-    assert {each.name for each in missing} == {TCP_HUB.name, GATEWAY.name}
-
-
-@pytest.mark.parametrize(("cpu", "emulated"), [("QEMU TCG CPU version 2.5+", True), ("UML", True), ("AMD EPYC", False)])
-def test_an_emulated_machine_is_said(cpu: str, emulated: bool) -> None:
-    machine = Machine(cpu, 2, 2.0, "Linux", "CPython", "PGO", "pure", {}, 0.1, 0.0, 20.0)
-    assert machine.emulated is emulated
-    assert ("EMULATED" in dict(machine.lines())) is emulated

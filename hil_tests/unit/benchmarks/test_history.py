@@ -6,11 +6,9 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-import psutil
 import pytest
 
 from benchmarks import history
-from benchmarks.counting import counting
 from railhil.common.build import python_build
 from railhil.common.errors import InputError
 
@@ -53,14 +51,6 @@ def test_what_has_become_worse_is_said(tmp_path: Path, factor: float, taken_s: f
         assert found == [told]
 
 
-def test_a_line_without_the_latency_is_compared_all_the_same() -> None:
-    """As histories were written before it was part of them."""
-    older = measured(100.0, 2.0)
-    del older["far_read_ns"]
-    (told,) = history.losses([older], measured(50.0, 2.0, far_read_ns=180.4))
-    assert told.endswith("(load 0.5 then, load 0.5, latency 180 ns now)")
-
-
 @pytest.mark.parametrize(
     "other", [{"cpu": "B"}, {"build": "no PGO, no LTO"}, {"railhil_build": "compiled"}, {"counting": 2}]
 )
@@ -94,17 +84,5 @@ def test_the_build_of_python_is_said() -> None:
     assert python_build("'--enable-optimizations' '--with-lto=full'") == "PGO, LTO"
     assert python_build("'--prefix=/usr'") == "no PGO, no LTO"
     assert python_build("'--enable-shared'", shared=True) == "no PGO, no LTO"
-
-
-def test_the_configuration_of_another_build_says_nothing() -> None:
-    """Debian's python3 is no program of the shared library whose configuration it tells."""
+    # Debian's python3 is no program of the shared library whose configuration it tells.
     assert python_build("'--enable-shared' '--prefix=/usr'", shared=False) == "PGO and LTO not told"
-    assert python_build().count("PGO") == 1
-
-
-def test_counting_processes_end_with_the_measurement() -> None:
-    before = set(psutil.Process().children())
-    with counting(2):
-        found = set(psutil.Process().children()) - before
-        assert len(found) == 2
-    assert not any(child.is_running() for child in found)

@@ -6,8 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from benchmarks.figures import MeasurementError
-from benchmarks.panel import Sample, cost_of, loss, scenario_toml
+from benchmarks.panel import Sample, cost_of, scenario_toml
 from railhil.scenarios.load import load
 
 
@@ -17,15 +16,6 @@ def test_the_share_is_of_the_time_between_first_and_last_sample() -> None:
     assert cost.seconds == 50.0
     assert cost.share == pytest.approx(0.02)
     assert (cost.rss_start_mb, cost.rss_half_mb, cost.rss_end_mb, cost.rss_most_mb) == (60.0, 63.0, 61.5, 63.0)
-
-
-def test_a_run_that_is_too_short_gives_no_figure() -> None:
-    with pytest.raises(MeasurementError, match="more --seconds"):
-        cost_of([Sample(1.0, 1.0, 1)])
-
-
-def test_the_loss_is_that_of_the_median_pair() -> None:
-    assert loss([(100.0, 98.0), (50.0, 25.0), (200.0, 202.0)]) == pytest.approx(0.02)
 
 
 @pytest.mark.parametrize("seconds", [20.0, 60.0, 1200.0, 1800.0])

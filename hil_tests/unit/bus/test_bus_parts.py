@@ -1,4 +1,4 @@
-"""Small parts of the bus: handshake, life sign, exit codes, computed load, the in-process bus."""
+"""Small parts of the bus: handshake, exit codes, computed load, the in-process bus."""
 
 from __future__ import annotations
 
@@ -24,7 +24,6 @@ from railhil.bus.ident import (
     law_code,
     make_ident,
 )
-from railhil.bus.lifesign import Life, LifeSign
 from railhil.bus.local import LocalBus
 from railhil.bus.schedule import bus_load, longest_frame_bits, telegram_bits
 from railhil.common.errors import InputError
@@ -135,32 +134,6 @@ def test_codes_fit_their_signals() -> None:
                 Role.CONTROLLER, "f" * 64, arithmetic=arithmetic, indexing=indexing, contract=wire_contract()
             )
             assert CtlIdent.decode(ident.encode()) == ident
-
-
-# -- life sign --------------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("last", range(16))
-@pytest.mark.parametrize("step", range(16))
-def test_life_sign_at_every_step(last: int, step: int) -> None:
-    sign = LifeSign()
-    assert sign.judge(last) is Life.FIRST
-    sign.accept(last)
-    expected = {0: Life.DUPLICATE, 1: Life.NEXT}.get(step, Life.GAP if step <= 7 else Life.OUT_OF_ORDER)
-    for _ in range(2):
-        # Judging remembers nothing.
-        assert sign.judge((last + step) % 16) is expected
-    assert expected.fresh == (1 <= step <= 7)
-
-
-@pytest.mark.parametrize("lost", range(64))
-def test_a_source_is_heard_again_after_any_loss(lost: int) -> None:
-    """However many telegrams were lost, one of the next ten is taken."""
-    sign = LifeSign()
-    sign.accept(0)
-    waited = next(count for count in range(20) if sign.judge((lost + 1 + count) % 16).fresh)
-    assert waited <= 9
-    assert (waited == 0) == (1 <= (lost + 1) % 16 <= 7)
 
 
 # -- exit codes -------------------------------------------------------------------------------------------------------

@@ -7,15 +7,12 @@ from dataclasses import replace
 import pytest
 
 from hil_tests.support.plant_faults import SCENARIO, commanded, fault, faulty, moving, shown
-from railhil.faults.model import Fault
-from railhil.plant_sim.ato.faults.train import FaultyTrain
 from railhil.plant_sim.ato.plant import Plant
 from railhil.systems.ato.scenario.model import Scenario
 from railhil.wire.ato import WatchCause, WatchLevel
 
 TRAIN = SCENARIO.train
 WEIGHT_N = TRAIN.mass_kg * TRAIN.gravity_mps2
-NOTCH_N = TRAIN.force_per_notch_n / 256
 
 
 def coasting(plant: Plant) -> None:
@@ -24,25 +21,6 @@ def coasting(plant: Plant) -> None:
     commanded(plant, 0, 1000)
     # What the actuator's lag has left is below 5 % of it.
     assert plant.traction_n < 10e3
-
-
-def braked(*faults: Fault, code: int, ticks: int) -> FaultyTrain:
-    plant = faulty(*faults)
-    coasting(plant)
-    commanded(plant, code, ticks)
-    return plant
-
-
-@pytest.mark.parametrize(("what", "values", "share"), [("weak", {"share": 0.3}, 0.3), ("off", {}, 0.0)])
-def test_a_weak_brake_has_a_share_of_its_force(what: str, values: dict[str, float], share: float) -> None:
-    for code in (-300, -900):
-        healthy, weak = (
-            braked(code=code, ticks=1000),
-            braked(fault("actuator.brake", what, 0.0, values), code=code, ticks=1000),
-        )
-        assert healthy.brake_n > 10e3
-        assert weak.brake_n == pytest.approx(share * healthy.brake_n, rel=0.02)
-        assert [hit[0] for hit in shown(weak)] == [1]
 
 
 def test_the_service_brake_of_the_watch_is_weak_too_the_emergency_brake_is_not() -> None:
@@ -59,19 +37,6 @@ def test_the_service_brake_of_the_watch_is_weak_too_the_emergency_brake_is_not()
             plant.advance()
         assert plant.watch_level is WatchLevel.EMERGENCY
         assert plant.brake_n == TRAIN.brake.force_max_n
-
-
-def test_a_brake_that_fails_while_it_brakes_loses_its_force_at_once_and_builds_up_anew() -> None:
-    plant = faulty(fault("actuator.brake", "off", 27.0, duration_s=1.0))
-    coasting(plant)
-    commanded(plant, -600, 200)
-    before_n = plant.brake_n
-    commanded(plant, -600, 2)
-    assert plant.brake_n == 0.0 < before_n
-    commanded(plant, -600, 100)
-    assert 0.0 < plant.brake_n < 0.1 * before_n
-    commanded(plant, -600, 300)
-    assert plant.brake_n > 0.5 * before_n
 
 
 def without_runaway_check(scenario: Scenario = SCENARIO) -> Scenario:
@@ -126,81 +91,6 @@ def test_the_train_s_own_watch_finds_a_brake_that_does_not_answer(what: str, val
         assert plant.watch_cause is WatchCause.BRAKE_NOT_ANSWERING
 
 
-def test_an_open_main_breaker_ends_a_runaway_drive() -> None:
-    plant = faulty(fault("actuator.traction", "full", 10.0), fault("train.main_breaker", "off", 20.0))
-    moving(plant, code=600, ticks=1990)
-    assert plant.traction_n > 100e3
-    commanded(plant, 600, 20)
-    assert plant.traction_n == 0.0
-
-
-def test_stuck_traction_keeps_its_force() -> None:
-    plant = faulty(fault("actuator.traction", "stuck", 20.0, duration_s=5.0))
-    moving(plant, code=500, ticks=2000)
-    held_n = plant.traction_n
-    commanded(plant, 100, 400)
-    assert plant.traction_n == pytest.approx(held_n)
-    # It builds up anew.
-    commanded(plant, 100, 110)
-    assert 0.0 < plant.traction_n < 0.1 * held_n
-
-
-def test_a_stuck_brake_drags() -> None:
-    """Its force stays when it should release, and traction works against it."""
-    plant = faulty(fault("actuator.brake", "stuck", 27.0))
-    coasting(plant)
-    commanded(plant, -200, 200)
-    held_n = plant.brake_n
-    assert held_n > 10e3
-    commanded(plant, 0, 300)
-    assert plant.brake_n == pytest.approx(held_n)
-    commanded(plant, -1700, 100)
-    assert plant.brake_n == pytest.approx(held_n)
-    commanded(plant, 300, 1500)
-    assert plant._applied_n == pytest.approx(300 * NOTCH_N - held_n, rel=0.01)
-
-
-def test_a_dragging_brake_holds_the_train_and_does_not_push_it() -> None:
-    plant = faulty(fault("actuator.brake", "full", 26.0))
-    coasting(plant)
-    commanded(plant, 1700, 6000)
-    assert plant.true_speed_01mmps == 0
-    before = plant.position_01mm
-    commanded(plant, 1000, 500)
-    assert plant.position_01mm == before
-
-
-def test_dead_time_delays_the_notch_of_its_side() -> None:
-    """By whole ticks: 30 of them, on top of the loop delay of 4."""
-    for name, code in (("traction", 800), ("brake", -800)):
-        plant = faulty(fault(f"actuator.{name}", "dead_time", 0.0, {"delay_s": 0.3}), scenario=without_runaway_check())
-        moving(plant, ticks=1000)
-        commanded(plant, 0, 200)
-        acting = []
-        for _ in range(50):
-            commanded(plant, code, 1)
-            acting.append(plant.notch_acting)
-        assert acting.index(code) - 3 == 30
-        other = []
-        for _ in range(50):
-            commanded(plant, -code, 1)
-            other.append(plant.notch_acting)
-        assert other[4] in (-code, 0)
-
-
-def test_a_slow_brake_builds_up_with_its_own_pole() -> None:
-    forces = []
-    for faults in ((), (fault("actuator.brake", "slow", 0.0, {"factor": 0.5}),)):
-        plant = faulty(*faults)
-        moving(plant, ticks=1500)
-        commanded(plant, 0, 3000)
-        commanded(plant, -300, 104)
-        forces.append(plant.brake_n)
-    # One second after the notch acts: 1 - exp(-p t) with half the pole.
-    share = [1 - 2.718281828 ** -(TRAIN.actuator_pole_per_s * factor) for factor in (1.0, 0.5)]
-    assert forces[1] / forces[0] == pytest.approx(share[1] / share[0], rel=0.05)
-
-
 # -- adhesion ---------------------------------------------------------------------------------------------------------
 
 
@@ -242,12 +132,3 @@ def test_wheels_lock_under_the_emergency_brake() -> None:
     assert plant.true_speed_01mmps == 0
     # The odometer has missed what the locked wheels slid.
     assert plant.odometer_mm / 1e3 < plant.position_01mm / 1e4 - 20
-
-
-def test_adhesion_that_is_enough_changes_nothing() -> None:
-    plants = [faulty(), faulty(fault("train.adhesion", "low", 0.0, {"coefficient": 0.3}))]
-    for plant in plants:
-        moving(plant)
-        commanded(plant, -900, 500)
-    assert plants[0]._motion == plants[1]._motion
-    assert shown(plants[1]) == []

@@ -33,12 +33,6 @@ def with_usual(place: str, word: Word, trigger: Trigger) -> Fault:
     return fault(place, word.name, trigger, values)
 
 
-def coasting_accel_mps2(plant: Plant) -> float:
-    moving(plant, ticks=1200)
-    commanded(plant, 0, 1000)
-    return plant.accel_mps2
-
-
 # -- without an active fault ------------------------------------------------------------------------------------------
 
 
@@ -130,25 +124,6 @@ def test_a_mismatch_from_the_start_is_a_changed_scenario() -> None:
         commanded(changed, code, 900)
         assert plant._motion == changed._motion
     assert [hit[:2] for hit in shown(plant)] == [(1, 0.0), (2, 0.0), (3, 0.0), (4, 0.0)]
-
-
-def test_mass_changes_during_the_run() -> None:
-    heavy = faulty(fault("train.mass", "scale", 12.0, {"factor": 1.25}, duration_s=1.0))
-    accel = []
-    for ticks in (1190, 15, 100):
-        commanded(heavy, 600, ticks)
-        accel.append(heavy.accel_mps2)
-    # Resistance and grade grow with the mass, the force does not.
-    assert accel[1] < accel[0] / 1.15
-    assert accel[2] == pytest.approx(accel[0], rel=0.05)
-
-
-def test_gradient_offset() -> None:
-    change = coasting_accel_mps2(faulty(fault("train.gradient", "offset", 12.0, {"permil": 10.0}))) - (
-        coasting_accel_mps2(faulty())
-    )
-    # On the inertial mass. The train is slower and behind, so its running resistance is a little smaller.
-    assert change == pytest.approx(-0.01 * WEIGHT_N / TRAIN.inertial_mass_kg, abs=0.004)
 
 
 # -- balises ----------------------------------------------------------------------------------------------------------

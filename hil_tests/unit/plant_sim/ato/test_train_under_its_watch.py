@@ -34,13 +34,6 @@ def running(code: int = 1500, ticks: int = 1500, line: Line | None = None) -> Pl
     return plant
 
 
-def test_nominal_polling_is_normal_all_the_time() -> None:
-    plant = Plant(SCENARIO, 0)
-    for _ in range(500):
-        commanded(plant, 800, 1)
-        assert plant.watch_level is WatchLevel.NORMAL
-
-
 def test_reactions_to_a_silent_controller_come_in_time() -> None:
     """Traction cut within 70 ms of the last command, service brake within 270 ms, emergency within 1.02 s."""
     plant = running()

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from itertools import product
 
+import pytest
+
 from railhil.plant_sim.ato import command_watch
 from railhil.plant_sim.ato.command_watch import (
     INITIAL,
@@ -19,6 +21,16 @@ from railhil.wire.ato import WatchCause, WatchLevel
 
 LIMITS = WatchTicks(2, 4, 7, 11)
 BOTH = (False, True)
+
+
+@pytest.mark.parametrize("moving", BOTH)
+def test_level_by_silence(moving: bool) -> None:
+    """20, 64, 256 and 1000 ms: traction cut within 70 ms, service brake within 270 ms, emergency within 1.02 s. A
+    standing train needs no emergency brake."""
+    limits, state = watch_ticks(WatchLimits(), 10_000_000), CommandWatchState(WatchLevel.NORMAL, 0, 10)
+    for silent_ticks in range(1, 200):
+        state = watch_step(limits, state, False, 0, moving, True, False)
+        assert state.level == sum(silent_ticks > limit for limit in (2, 6, 25)) + (silent_ticks > 100 and moving)
 
 
 def test_every_step_of_the_ladder() -> None:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from railhil.bus.codes import Event
-from railhil.bus.ident import Role, make_ident
+from railhil.bus.ident import PltIdent, Role, make_ident
 from railhil.bus.telegrams import RunEvent
 from railhil.dbc import Contract, wire_contract
 from railhil.faults.truth import HOLE_MAX_S
@@ -241,6 +241,13 @@ def test_a_rule_of_every_run_that_is_broken_fails_the_run() -> None:
     assert len(rules) == 1
     found = score(HOP, trace)
     assert (found.verdict, found.failures) == ("FAIL", tuple(rules))
+
+
+def test_a_rule_that_the_record_cannot_decide_is_invalid() -> None:
+    trace = record()
+    trace.add(PltIdent.PORT, 0, make_ident(Role.PLANT, HOP.sha256, contract=wire_contract()).encode())
+    unclear = "ended_complete: record: no TRN_WATCH, so the level of the train's watch is not known"
+    assert invalid(trace) == unclear
 
 
 def test_codes_that_no_event_has_are_left_out() -> None:
