@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
+from railhil.charts.figure import Chart, Figure
 from railhil.library import Outcome
-from railhil.reproduce.comparison import Finding, Line, Table
+from railhil.reproduce.comparison import Line, Statement, Table
 from railhil.reproduce.paper import Entry, Paper, Results, Text
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 
@@ -18,7 +19,7 @@ SETTINGS = (
     "plan.overtime_max_s=1",
 )
 #: Their names and records, for the command.
-PAPERS = {name: f"hil_tests.support.short_paper:{name.upper()}" for name in ("short", "late", "bare", "lost")}
+PAPERS = {name: f"hil_tests.support.short_paper:{name.upper()}" for name in ("short", "late", "lost")}
 
 
 TEXT = Text(
@@ -58,12 +59,15 @@ def compare(results: Results) -> list[Table]:
     return [TEXT.table("table_1", ("bench",), lines)]
 
 
-def check(results: Results) -> list[Finding]:
-    return [Finding("energy", "another energy.", [False]), Finding("quality", "nothing.", [])]
+def judge(results: Results) -> list[Statement]:
+    return [
+        TEXT.judge("energy", results, [], "another energy.", [False]),
+        TEXT.judge("quality", results, [], "nothing.", []),
+    ]
 
 
-def draw(results: Results) -> list[object]:
-    return []
+def draw(results: Results) -> list[Figure]:
+    return [Figure("figure_1", "Figure 1", "Nothing is drawn.", [Chart()])]
 
 
 SHORT = Paper(
@@ -72,7 +76,7 @@ SHORT = Paper(
     plan=plan,
     measure=measure,
     compare=compare,
-    check=check,
+    judge=judge,
     draw=draw,
     curves=curves,
 )
@@ -86,13 +90,7 @@ def lost(seeds: Sequence[int]) -> list[Entry]:
     return [replace(one, spec=replace(one.spec, scenario="not there")) for one in plan(seeds)]
 
 
-def no_library(results: Results) -> list[object]:
-    raise ModuleNotFoundError("No module named 'matplotlib'", name="matplotlib")
-
-
 #: Its run is INVALID: the fault never begins.
 LATE = replace(SHORT, name="late", plan=late)
-#: Its figures need a library that is not installed.
-BARE = replace(SHORT, name="bare", draw=no_library)
 #: There is no such scenario.
 LOST = replace(SHORT, name="lost", plan=lost)

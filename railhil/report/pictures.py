@@ -14,6 +14,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as Sheet
+from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator, ScalarFormatter
 
 from railhil.charts.figure import Area, Chart, Curve, Figure, Look, extent, looks
@@ -25,7 +26,7 @@ _WIDTH_IN = 8.5
 _PX_PER_IN = 107.0
 #: Height of the numbers and the label below a chart, of the legend above it, and of a title, in.
 _LABEL_IN, _LEGEND_IN, _TITLE_IN = 0.45, 0.25, 0.3
-_LEGEND_COLUMNS = 4
+_LEGEND_COLUMNS, _LEGEND_MARKER_PT = 4, 6
 _COLOURS = {
     "0": "#0072b2", "1": "#d55e00", "2": "#009e73", "3": "#cc79a7", "4": "#000000", "5": "#e69f00", "6": "#56b4e9",
     "target": "0.75", "dim": "0.3", "ink": "black", "fault": "firebrick",
@@ -62,10 +63,13 @@ def drawing(fonttype: str = "path") -> Iterator[None]:
 
 
 def legend(axes: Axes, columns: int = _LEGEND_COLUMNS) -> None:
-    """Legend of lines above the axes, where there are no curves."""
-    axes.legend(
+    """Legend above the axes, where there are no curves: lines without their markers, and markers that have no line."""
+    made = axes.legend(
         loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=columns, frameon=False, borderaxespad=0.2, markerscale=0
     )
+    for handle in made.legend_handles:
+        if isinstance(handle, Line2D) and handle.get_linestyle() == "None":
+            handle.set_markersize(_LEGEND_MARKER_PT)
 
 
 def sheet(figure: Figure, title: str = "") -> Sheet:

@@ -5,10 +5,10 @@
     paper.py        a paper as data: its text, the entries of its protocol, their measurements
     experiments.py  makes an entry: over the in-process bus, without a bus, as a set of sequences
     measurement.py  makes and measures the entries
-    comparison.py   tables, bands and statements, measured beside published
+    comparison.py   tables, bounds and statements, measured beside published
     document.py     the result as JSON, as a page, as CSV
     ipfc            one package per paper: ipfc, ngpc, ilc
 
-A package of a paper has ``paper.toml`` (its printed values and statements, and their readings), ``runs.py`` (protocol
-and measures) and ``findings.py`` (tables, statements, figures).
+A package of a paper has ``paper.toml`` (its printed values, statements, bounds and their readings, perhaps its sets of
+runs), ``runs.py`` (protocol and measures) and ``findings.py`` (tables, statements, perhaps figures).
 """

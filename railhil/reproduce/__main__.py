@@ -7,9 +7,10 @@ import os
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
+from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+from railhil.charts.figure import Figure
 from railhil.common.command_line import OneLineParser, run_command, seed_list
 from railhil.common.errors import InputError, Words, did_you_mean
 from railhil.common.exit_codes import INVALID, PASS, run_guarded
@@ -19,13 +20,10 @@ from railhil.common.streams import add_json_argument, print_json
 from railhil.common.user_files import check_writable
 from railhil.record.run_folder import refuse_unwritable
 from railhil.reproduce.comparison import FOLLOWS, FOLLOWS_NOT, IN_PART, Table
-from railhil.reproduce.document import PAGE, RUNS, describe_pictures, make_document, write_page
+from railhil.reproduce.document import PAGE, RUNS, make_document, write_page
 from railhil.reproduce.measurement import measure_paper
 from railhil.reproduce.paper import PAPERS, Paper, Results, find_paper
 from railhil.scenarios.options import add_option
-
-if TYPE_CHECKING:
-    from railhil.report.pictures import Picture
 
 _SEEDS_MAX = 1000
 _COLOURS = {FOLLOWS: "green", IN_PART: "yellow", FOLLOWS_NOT: "red"}
@@ -131,13 +129,12 @@ def _discard(folder: Path) -> None:
             empty.rmdir()
 
 
-def _pictures(paper: Paper, found: Results, console: Output) -> Sequence[Picture]:
+def _draw(paper: Paper, found: Results, console: Output) -> Sequence[Figure]:
     """The figures; without the extra none, and one line that says so."""
-    try:
-        return paper.draw(found)
-    except ImportError as error:
-        console.say(f"no figures: {error.name} is not installed ({install_command('report')})")
+    if find_spec("matplotlib") is None:
+        console.say(f"no figures: matplotlib is not installed ({install_command('report')})")
         return ()
+    return paper.draw(found)
 
 
 def main(words: Sequence[str] | None = None, papers: Mapping[str, str] = PAPERS) -> int:
@@ -182,13 +179,13 @@ def _reproduce(paper: Paper, namespace: argparse.Namespace) -> int:
             _discard(folder)
         raise
     console = Output(stderr=namespace.json)
-    pictures = () if folder is None else _pictures(paper, found, console)
+    figures = () if folder is None else _draw(paper, found, console)
     if namespace.json:
-        print_json(make_document(paper, found, describe_pictures(pictures)))
+        print_json(make_document(paper, found, figures))
     else:
         _show(console, paper, found)
     if folder is not None:
-        write_page(paper, found, pictures, folder)
+        write_page(paper, found, figures, folder)
         console.say(f"page {folder / PAGE}")
     return INVALID if any(run.verdict == "INVALID" for run in found.runs.values()) else PASS
 

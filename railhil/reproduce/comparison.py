@@ -1,13 +1,9 @@
-"""Tables, bands and statements, measured beside published."""
+"""Tables, bounds and statements, measured beside published."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from railhil.reproduce.paper import Results
 
 #: Verdict on a statement of a paper on this bench.
 FOLLOWS, IN_PART, FOLLOWS_NOT, OPEN = "follows", "follows in part", "does not follow", "cannot be checked"
@@ -42,7 +38,8 @@ def decimal(value: float | None, digits: int) -> str:
 class Line:
     """One figure: published, and measured by each column of its table; None: there is none.
 
-    ``remark``: a note for readers of this figure.
+    ``remark``: a note for readers of this figure. ``holds``: whether it is within its bounds; None: it has none, or was
+    not measured.
     """
 
     item: str
@@ -53,6 +50,7 @@ class Line:
     measured: tuple[float | None, ...]
     published_digits: int | None = None
     remark: str = ""
+    holds: bool | None = None
 
     @property
     def ratios(self) -> tuple[float | None, ...]:
@@ -123,96 +121,59 @@ class Statement:
     why: str = ""
 
 
-@dataclass(frozen=True, slots=True)
-class Finding:
-    """The measurement for a statement.
+def judge_parts(holds: Sequence[bool]) -> str:
+    """The verdict on a claim, each part of which holds or not; without parts it cannot be checked.
 
-    ``statement``: its name in the text of the paper. ``measured``: the figures, in a sentence. ``holds``: whether each
-    part of the claim holds; without parts it cannot be checked. ``needs``: the entries that the figures are from.
-    ``is_explained``: whether the text's reason applies.
+    The verdict on a paper's statement is computed, never written down.
     """
-
-    statement: str
-    measured: str
-    holds: Sequence[bool]
-    needs: Iterable[str] = ()
-    is_explained: bool = True
-
-    @property
-    def verdict(self) -> str:
-        """The verdict. The verdict on a paper's statement is computed, never written down."""
-        if not self.holds:
-            return OPEN
-        return FOLLOWS if all(self.holds) else IN_PART if any(self.holds) else FOLLOWS_NOT
+    if not holds:
+        return OPEN
+    return FOLLOWS if all(holds) else IN_PART if any(holds) else FOLLOWS_NOT
 
 
-@dataclass(frozen=True, slots=True)
-class Band:
-    """Least and greatest allowed value of a figure; None: there is none.
+def bounded_line(
+    item: str,
+    quantity: str,
+    unit: str,
+    digits: int,
+    bounds: tuple[float | None, float | None],
+    measured: tuple[float | None, ...],
+    *,
+    unmade: str = "",
+    remark: str = "",
+) -> Line:
+    """The line of a figure that must be within bounds; the first measured value is compared.
 
-    ``at``, ``what``: its place in the table. ``needs``: (results) -> the entries that the figure is from. ``measured``:
-    (results) -> the values in the table; the first of these is compared. ``unmade``: the verdict without an entry.
+    :param bounds: least and greatest allowed value; None: there is none.
+    :param unmade: the verdict if an entry of the figure was not made; empty: all were made.
+    :param remark: follows the verdict.
     """
-
-    at: str
-    what: str
-    unit: str
-    digits: int
-    least: float | None
-    most: float | None
-    needs: Callable[[Results], Sequence[str]]
-    measured: Callable[[Results], tuple[float | None, ...]]
-    unmade: str = "not made"
-
-    @property
-    def limits(self) -> str:
-        """The band in words."""
-        if self.least is None:
-            return f"allowed at most {self.most:g}"
-        return f"allowed at least {self.least:g}" if self.most is None else f"allowed {self.least:g} to {self.most:g}"
-
-    def value(self, results: Results) -> float | None:
-        """The figure."""
-        return self.measured(results)[0]
-
-    def is_measured(self, results: Results) -> bool:
-        """Whether the entries were made."""
-        return results.has(self.needs(results))
-
-    def holds(self, results: Results) -> bool:
-        """Whether the figure is in the band; False without a value."""
-        return self.verdict(results) == "holds"
-
-    def verdict(self, results: Results) -> str:
-        """In words, also the side on which a figure is outside."""
-        if not self.is_measured(results):
-            return self.unmade
-        if (found := self.value(results)) is None:
-            return "does not hold: no value"
-        if self.least is not None and found < self.least:
-            return "does not hold: below"
-        return "holds" if self.most is None or found <= self.most else "does not hold: above"
-
-    def line(self, results: Results, remark: str = "") -> Line:
-        """Its line in a table; the remark follows the verdict."""
-        remark = f"{self.verdict(results)}{remark}"
-        return Line(
-            f"{self.what}, {self.limits}", self.at, self.unit, self.digits, None, self.measured(results), remark=remark
-        )
+    low, high = bounds
+    allowed = (
+        f"{low:g} to {high:g}" if None not in bounds else f"at most {high:g}" if low is None else f"at least {low:g}"
+    )
+    value = measured[0]
+    if unmade:
+        verdict = unmade
+    elif value is None:
+        verdict = "does not hold: no value"
+    elif low is not None and value < low:
+        verdict = "does not hold: below"
+    else:
+        verdict = "holds" if high is None or value <= high else "does not hold: above"
+    holds = None if unmade else verdict == "holds"
+    text = f"{item}, allowed {allowed}"
+    return Line(text, quantity, unit, digits, None, measured, remark=f"{verdict}{remark}", holds=holds)
 
 
-def check_bands(statement: str, results: Results, bands: Sequence[Band], name: Callable[[Band], str]) -> Finding:
-    """The finding about some bands; it cannot be checked unless all were measured.
+def check_bounds(lines: Sequence[Line], name: Callable[[Line], str]) -> tuple[str, Sequence[bool]]:
+    """Figures in a sentence, and for each bound whether it holds; none unless all were measured.
 
-    :param name: (band) -> the band in words, in the list of those that do not hold.
+    :param name: (line) -> the bound in words, in the list of those that do not hold.
     """
-    made = [band for band in bands if band.is_measured(results)]
-    held = [band.holds(results) for band in made]
-    missed = [
-        f"{name(band)}: {decimal(band.value(results), band.digits)}"
-        for band, holds in zip(made, held, strict=True)
-        if not holds
-    ]
-    left = f" ({len(bands) - len(made)} not made)" if len(made) < len(bands) else ""
+    made = [line for line in lines if line.holds is not None]
+    missed = [f"{name(line)}: {decimal(line.measured[0], line.digits)}" for line in made if not line.holds]
+    left = f" ({len(lines) - len(made)} not made)" if len(made) < len(lines) else ""
     outside = f"; not: {'; '.join(missed)}" if missed else ""
-    return Finding(statement, f"{sum(held)} of {len(made)} hold{left}{outside}.", () if left else held)
+    said = f"{len(made) - len(missed)} of {len(made)} hold{left}{outside}."
+    return said, () if left else [bool(line.holds) for line in made]

@@ -1,6 +1,6 @@
-"""The result of ``railhil reproduce PAPER`` as one JSON document, as a page with its pictures, and its tables as CSV.
+"""The result of ``railhil reproduce PAPER`` as one JSON document, as a page with its figures, and its tables as CSV.
 
-``page.md`` and the tables are pure functions of the measured runs. The bytes of a picture also depend on the version of
+``page.md`` and the tables are pure functions of the measured runs. The bytes of a figure also depend on the version of
 matplotlib.
 """
 
@@ -10,18 +10,16 @@ import csv
 import io
 import json
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from railhil.charts.figure import Figure
 from railhil.common.user_files import whole_file
 from railhil.record.run_folder import refuse_unwritable
 from railhil.reproduce.comparison import Line, Table
 from railhil.reproduce.paper import Entry, Measurement, Paper, Results
-
-if TYPE_CHECKING:
-    from railhil.report.pictures import Picture
 
 PAGE, RESULTS, RUNS = "page.md", "results.json", "runs"
 #: Digits of a hash in a table; the document has all of them.
@@ -30,32 +28,22 @@ _DIGEST_DIGITS = 12
 _MANY_SEEDS = 10
 
 
-@dataclass(frozen=True, slots=True)
-class Caption:
-    """Title and caption of a picture beside the page, ``name``.svg."""
+def write_page(paper: Paper, results: Results, figures: Sequence[Figure], folder: Path) -> None:
+    """Write page, figures, tables and document into a folder; older ones of these names are replaced.
 
-    name: str
-    title: str
-    caption: str
-
-
-def describe_pictures(pictures: Sequence[Picture]) -> list[Caption]:
-    """Their captions."""
-    return [Caption(one.name, one.title, one.caption) for one in pictures]
-
-
-def write_page(paper: Paper, results: Results, pictures: Sequence[Picture], folder: Path) -> None:
-    """Write page, pictures, tables and document into a folder; older ones of these names are replaced.
+    :param figures: none where matplotlib is not installed.
 
     :raises InputError: the folder cannot be written.
     :raises RecordFailed: the disk is full.
     """
-    captions = describe_pictures(pictures)
-    texts = {PAGE: render_page(paper, results, captions)}
+    texts = {PAGE: render_page(paper, results, figures)}
     texts |= {f"{table.name}.csv": render_csv(table) for table in paper.compare(results)}
-    texts |= {f"{picture.name}.svg": picture.svg + "\n" for picture in pictures}
+    if figures:
+        from railhil.report.pictures import printed
+
+        texts |= {f"{picture.name}.svg": picture.svg + "\n" for picture in printed(figures)}
     texts |= render_parameters(paper, results)
-    texts[RESULTS] = json.dumps(make_document(paper, results, captions), indent=2, allow_nan=False) + "\n"
+    texts[RESULTS] = json.dumps(make_document(paper, results, figures), indent=2, allow_nan=False) + "\n"
     with refuse_unwritable("--out", folder, "folder"):
         for name, text in texts.items():
             (folder / name).parent.mkdir(exist_ok=True)
@@ -63,8 +51,8 @@ def write_page(paper: Paper, results: Results, pictures: Sequence[Picture], fold
                 draft.write_text(text, encoding="utf-8", newline="\n")
 
 
-def make_document(paper: Paper, results: Results, captions: Sequence[Caption] = ()) -> dict[str, Any]:
-    """Runs, tables and statements of a paper, and the pictures that stand beside the document."""
+def make_document(paper: Paper, results: Results, figures: Sequence[Figure] = ()) -> dict[str, Any]:
+    """Runs, tables and statements of a paper, and the figures that stand beside the document."""
     return {
         "paper": paper.name,
         "title": paper.text.title,
@@ -85,7 +73,7 @@ def make_document(paper: Paper, results: Results, captions: Sequence[Caption] = 
             for table in paper.compare(results)
         ],
         "statements": [asdict(statement) for statement in paper.judge(results)],
-        "figures": [asdict(caption) for caption in captions],
+        "figures": [{"name": one.name, "title": one.title, "caption": one.caption} for one in figures],
     }
 
 
@@ -112,13 +100,13 @@ def _line(table: Table, line: Line) -> dict[str, Any]:
     }
 
 
-def read_document(found: Mapping[str, Any]) -> tuple[Results, list[Caption]]:
-    """The measured runs of a document made by :func:`make_document`, without their curves, and its pictures."""
+def read_document(found: Mapping[str, Any]) -> tuple[Results, list[Figure]]:
+    """The measured runs of a document made by :func:`make_document`, and its figures, both without their curves."""
     runs = {
         run["run"]: Measurement(run["run"], run["verdict"], tuple(run["reasons"]), run["sha256"], run["measured"])
         for run in found["runs"]
     }
-    return Results(tuple(found["seeds"]), runs), [Caption(**one) for one in found["figures"]]
+    return Results(tuple(found["seeds"]), runs), [Figure(**one, charts=()) for one in found["figures"]]
 
 
 def render_parameters(paper: Paper, results: Results) -> dict[str, str]:
@@ -140,15 +128,15 @@ def render_csv(table: Table) -> str:
     return text.getvalue()
 
 
-def render_page(paper: Paper, results: Results, captions: Sequence[Caption] = ()) -> str:
+def render_page(paper: Paper, results: Results, figures: Sequence[Figure] = ()) -> str:
     """The page as Markdown.
 
-    :param captions: of the pictures that stand beside the page.
+    :param figures: those that stand beside the page.
     """
-    return "\n".join(_lines(paper, results, captions)).rstrip("\n") + "\n"
+    return "\n".join(_lines(paper, results, figures)).rstrip("\n") + "\n"
 
 
-def _lines(paper: Paper, results: Results, captions: Sequence[Caption]) -> Iterator[str]:
+def _lines(paper: Paper, results: Results, figures: Sequence[Figure]) -> Iterator[str]:
     text = paper.text
     yield from (f"# {text.title}", "", f"{text.source}.", "")
     seeds = "" if results.seeds == text.seeds else f" --seeds {format_seeds(results.seeds, ',', '-')}"
@@ -165,9 +153,9 @@ def _lines(paper: Paper, results: Results, captions: Sequence[Caption]) -> Itera
         yield from _markdown(table.headings, _grouped([table.cells(line) for line in table.lines]), numbers)
         if table.note:
             yield from (table.note, "")
-    if captions:
+    if figures:
         yield from ("## Figures", "")
-    for one in captions:
+    for one in figures:
         yield from (f"### {one.title}", "", f"![{one.title}]({one.name}.svg)", "", one.caption, "")
     yield from ("## What follows and what does not", "")
     for statement in paper.judge(results):

@@ -13,16 +13,13 @@ from dataclasses import dataclass, field
 from importlib import import_module
 from importlib.resources import files
 from statistics import fmean, median
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from railhil.charts.figure import Figure
 from railhil.report.deviations import Deviation
-from railhil.reproduce.comparison import OPEN, Finding, Line, Statement, Table
+from railhil.reproduce.comparison import OPEN, Line, Statement, Table, judge_parts
 from railhil.reproduce.experiments import Experiment, RecordedRun
 from railhil.scenarios.run_spec import RunSpec
-
-if TYPE_CHECKING:
-    # Needs the extra [report].
-    from railhil.report.pictures import Picture
 
 #: Name of each paper, in the order of the list, and its record, ``module:object``.
 PAPERS: Mapping[str, str] = {
@@ -115,8 +112,10 @@ class Text:
     """The text of a paper as data (``paper.toml`` of its package).
 
     ``protocol``: description of the runs, in sentences. ``seeds``: the seeds of the page. ``published``: printed
-    values. ``readings``: places that can be read in more than one way, and the bench's reading. ``tables``: title and
-    note of each table. ``statements``: place (``at``), text (``claim``), and the reason for the verdict here (``why``).
+    values. ``bounds``: least and greatest values that railhil's specification allows, by table. ``readings``: places
+    that can be read in more than one way, and the bench's reading. ``sets``: sets of runs. ``tables``: title and note
+    of each table, and perhaps its entries. ``statements``: place (``at``), text (``claim``), and the reason for the
+    verdict here (``why``).
     """
 
     title: str
@@ -124,14 +123,41 @@ class Text:
     seeds: tuple[int, ...]
     source: str = ""
     published: Mapping[str, Any] = field(default_factory=dict)
+    bounds: Mapping[str, Sequence[Mapping[str, Any]]] = field(default_factory=dict)
     readings: tuple[Deviation, ...] = ()
-    tables: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
+    sets: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    tables: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     statements: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
 
     def table(self, name: str, columns: Sequence[str], lines: Iterable[Line], *, with_ratio: bool = True) -> Table:
         """The table of this name, with title and note of the text."""
         text = self.tables[name]
         return Table(name, text["title"], tuple(columns), tuple(lines), text.get("note", ""), with_ratio)
+
+    def judge(
+        self,
+        name: str,
+        results: Results,
+        needs: Iterable[str],
+        measured: str,
+        holds: Sequence[bool],
+        *,
+        is_explained: bool = True,
+    ) -> Statement:
+        """The statement of this name with its verdict.
+
+        It cannot be checked unless all entries that it needs were made and can be trusted.
+
+        :param measured: the figures, in a sentence.
+        :param holds: whether each part of the claim holds; without parts it cannot be checked.
+        :param is_explained: whether the reason of the text applies.
+        """
+        text, runs = self.statements[name], results.runs
+        missing = [key for key in needs if key not in runs or runs[key].verdict == "INVALID"]
+        if missing:
+            return Statement(text["at"], text["claim"], f"not made: {', '.join(missing)}.", OPEN)
+        why = text.get("why", "") if is_explained else ""
+        return Statement(text["at"], text["claim"], measured, judge_parts(holds), why)
 
 
 def read_text(package: str) -> Text:
@@ -152,9 +178,9 @@ class Paper:
     """One paper.
 
     ``plan``: (seeds) -> the entries. ``measure``: (outcome of an entry, as its experiment makes it) -> its figures.
-    ``curves``: (outcome) -> what ``draw`` needs of an entry that is ``drawn``. ``compare``, ``check``, ``draw``:
-    (results) -> tables, findings, pictures. All of them are functions of a module, so that a run can be made in another
-    process.
+    ``curves``: (outcome) -> what ``draw`` needs of an entry that is ``drawn``. ``compare``, ``judge``, ``draw``:
+    (results) -> tables, statements in the order of the paper, figures. All of them are functions of a module, so that
+    a run can be made in another process.
     """
 
     name: str
@@ -162,22 +188,6 @@ class Paper:
     plan: Callable[[Sequence[int]], Sequence[Entry]]
     measure: Callable[[Any], Mapping[str, float | None]]
     compare: Callable[[Results], Sequence[Table]]
-    check: Callable[[Results], Iterable[Finding]]
-    draw: Callable[[Results], Sequence[Picture]]
+    judge: Callable[[Results], Sequence[Statement]]
+    draw: Callable[[Results], Sequence[Figure]]
     curves: Callable[[Any], Any] = keep_no_curves
-
-    def judge(self, results: Results) -> list[Statement]:
-        """All statements, in the order of the paper.
-
-        A statement cannot be checked unless all entries that it needs were made and can be trusted.
-        """
-        return [self._statement(results, finding) for finding in self.check(results)]
-
-    def _statement(self, results: Results, finding: Finding) -> Statement:
-        text = self.text.statements[finding.statement]
-        runs = results.runs
-        missing = [key for key in finding.needs if key not in runs or runs[key].verdict == "INVALID"]
-        if missing:
-            return Statement(text["at"], text["claim"], f"not made: {', '.join(missing)}.", OPEN)
-        why = text.get("why", "") if finding.is_explained else ""
-        return Statement(text["at"], text["claim"], finding.measured, finding.verdict, why)

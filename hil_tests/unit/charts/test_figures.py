@@ -70,6 +70,16 @@ def test_what_a_chart_shows_is_in_its_markup() -> None:
     assert keys == ["a <b> & 'c'", "wanted", "there"]
 
 
+@pytest.mark.slow
+def test_the_printed_legend_has_the_marker_of_a_point_without_a_line() -> None:
+    x = np.linspace(0.0, 100.0, 50)
+    points = [Point("there", 50.0, 5.0, Look("1", marker="s")), Point("line", 20.0, 3.0, Look("0", marker="o"))]
+    drawn = sheet(Figure("f", "Title", "", [Chart([Curve("line", x, x)], TIME, "place (m)", points=points)]))
+    handles = {one.get_label(): one for one in drawn.axes[0].get_legend().legend_handles}
+    assert handles["there"].get_markersize() > 0
+    assert handles["line"].get_markersize() == 0
+
+
 def test_a_logarithmic_chart_has_decades_and_drops_what_it_cannot_show() -> None:
     counts = np.array([1.0, 0.0, 100.0, 100.0])
     chart = Chart([Curve("c", np.array([0.1, 1.0, 10.0, 100.0]), counts, is_step=True, is_filled=True)], "ms", "n",

@@ -18,13 +18,16 @@ from railhil.reproduce.comparison import FOLLOWS, FOLLOWS_NOT, IN_PART, OPEN
 from railhil.reproduce.document import render_page, render_parameters
 from railhil.reproduce.experiments import SequenceSet
 from railhil.reproduce.ilc import PAPER, runs
-from railhil.reproduce.ilc.findings import ACCEPTANCE, BARS
 from railhil.reproduce.ilc.memory_faults import (
     DETECTED,
+    ERROR,
     FAULTS,
     RECOVERED,
+    RECOVERED_P90,
     SEEN,
     UNDETECTED,
+    WORST,
+    WORST_AT_ONCE,
     MemoryFaults,
     fault_figure,
 )
@@ -71,7 +74,7 @@ def made(**others: Values) -> Results:
             best, cycle = (0.2, "16ms") if key.endswith("16ms") else (0.4, "48ms")
             found[key] = of_each_run(lambda number, key=key, best=best: 0.2 if f"fixed-{best:g}-" in key else 0.4)
             assert key.endswith(cycle)
-        elif key in (runs.OURS_FIXED, runs.LOSS_FIXED):
+        elif key in ("reaim-observer-balises", "reaim-loss"):
             found[key] = of_each_run(lambda number: 0.04)
         elif key.startswith(("reaim", "open")):
             found[key] = learned(0.04, 0.02)
@@ -79,14 +82,15 @@ def made(**others: Values) -> Results:
             found[key] = {}
             for fault in FAULTS:
                 found[key][fault_figure(fault, SEEN)] = float(fault in DETECTED)
-                found[key][fault_figure(fault, RECOVERED)] = 4.0
+                for figure in (ERROR, WORST_AT_ONCE, WORST, RECOVERED, RECOVERED_P90):
+                    found[key][fault_figure(fault, figure)] = 4.0
         else:
             found[key] = learned(5.0, 0.11)
-    found[runs.filter_key(runs.NONE)] = of_each_run(lambda number: max(0.24, 5.0 * 0.65 ** (number - 1)))
-    found[runs.gamma_key(1.5)] = learned(2.0, 0.22)
-    found[runs.gamma_key(2.0)] = of_each_run(lambda number: float(number))
-    found[runs.scatter_key(0.01)] = of_each_run(lambda number: 1.75)
-    found[runs.WINDOW] = {runs.NOT_STOPPED: 0.25}
+    found[runs.NO_FILTER] = of_each_run(lambda number: max(0.24, 5.0 * 0.65 ** (number - 1)))
+    found["gamma-1.5"] = learned(2.0, 0.22)
+    found["gamma-2"] = of_each_run(lambda number: float(number))
+    found["scatter-0.01"] = of_each_run(lambda number: 1.75)
+    found["window-0.1"] = {runs.NOT_STOPPED: 0.25}
     found |= others
     return Results(SEEDS, {key: Measurement(key, "FAIL", (), "0" * 64, values) for key, values in found.items()})
 
@@ -109,9 +113,9 @@ def test_statements_follow_from_sets_as_paper_and_specification_have_them() -> N
 
 def test_statements_about_other_sets() -> None:
     quick = learned(0.4, 0.09)
-    found = PAPER.judge(made(**{runs.PAPER_CASE: quick, runs.WINDOW: {runs.NOT_STOPPED: 0.0}}))
+    found = PAPER.judge(made(**{runs.PAPER_CASE: quick, "window-0.1": {runs.NOT_STOPPED: 0.0}}))
     assert [found[place].verdict for place in (0, 5, 6)] == [FOLLOWS] * 3
-    found = PAPER.judge(made(**{runs.OURS: learned(0.05, 0.045)}))
+    found = PAPER.judge(made(**{"reaim-learned": learned(0.05, 0.045)}))
     assert (found[8].verdict, found[10].verdict) == (IN_PART, IN_PART)
     worse = learned(2.0, 0.5)
     found = PAPER.judge(made(**{runs.PAPER_CASE: worse}))
@@ -128,15 +132,28 @@ def test_sets_that_were_not_made_are_no_figures() -> None:
 
 
 def test_the_bands_say_on_which_side_a_figure_is_outside() -> None:
-    results = made(**{runs.OURS: learned(0.06, 0.03), runs.gamma_key(2.0): learned(2.0, 0.1)})
-    remarks = {band.what: band.verdict(results) for band in (*ACCEPTANCE, *BARS)}
-    assert remarks["observer, balises: rms"] == "does not hold: above"
-    assert remarks["gamma 2 must not converge: within 0.3 m"] == "does not hold: above"
-    assert remarks["packet, mean error"] == "holds"
-    quick = made(**{runs.PAPER_CASE: learned(5.0, 0.05)})
-    assert (
-        next(band for band in ACCEPTANCE if band.what == "packet, mean error").verdict(quick) == "does not hold: below"
-    )
+    results = made(**{"reaim-learned": learned(0.06, 0.03), "gamma-2": learned(2.0, 0.1)})
+    remarks = find_remarks(results)
+    assert remarks["without balises: rms, allowed at most 0.066"] == "holds"
+    assert remarks["observer, balises: rms, allowed at most 0.026"] == "does not hold: above"
+    assert remarks["gamma 2 must not converge: within 0.3 m, allowed at most 1"] == "does not hold: above"
+    assert remarks["packet, mean error, allowed 0.1 to 0.15"] == "holds"
+    quick = find_remarks(made(**{runs.PAPER_CASE: learned(5.0, 0.05)}))
+    assert quick["packet, mean error, allowed 0.1 to 0.15"] == "does not hold: below"
+
+
+def find_remarks(results: Results) -> dict[str, str]:
+    """Verdict of each bound."""
+    tables = [table for table in PAPER.compare(results) if table.name in ("acceptance", "bars")]
+    return {line.item: line.remark for table in tables for line in table.lines}
+
+
+def test_the_figures_show_what_was_made() -> None:
+    found = PAPER.draw(made())
+    assert [one.name for one in found] == ["figure_6", "table_2", "ours"]
+    mean_error = found[0].charts[0].curves[0].y
+    assert 10 ** mean_error[:2] == pytest.approx([5.0, 2.5])
+    assert found[1].charts[0].curves[2].y == pytest.approx([0.2, 0.4, 0.4, 0.4])
 
 
 @pytest.mark.slow
@@ -180,7 +197,7 @@ def short(key: str, first: int = 5) -> Any:
 @pytest.mark.long
 @pytest.mark.slow
 def test_a_set_has_the_runs_of_its_sequences(tmp_path: Path) -> None:
-    one = short(runs.filter_key(runs.NONE))
+    one = short(runs.NO_FILTER)
     found = one.experiment.make(one.spec, tmp_path)
     assert not list(tmp_path.iterdir())
     scenario = one.spec.load()
@@ -205,7 +222,7 @@ def test_the_command_beside_a_set_makes_the_same_runs(tmp_path: Path, monkeypatc
     from railhil.sequences.table import schema
     from railhil.study.table import read_table
 
-    one = short(runs.filter_key(runs.NONE))
+    one = short(runs.NO_FILTER)
     monkeypatch.chdir(tmp_path)
     for name, text in render_parameters(PAPER, Results(SEEDS, {})).items():
         Path(name).parent.mkdir(exist_ok=True)
@@ -257,8 +274,8 @@ def written() -> dict[str, Any]:
 @pytest.mark.slow
 def test_a_set_of_the_page_is_made_again(written: dict[str, Any], tmp_path: Path) -> None:
     """The one with the least runs."""
-    (one,) = (one for one in PAPER.plan(PAPER.text.seeds) if one.key == runs.WINDOW)
-    (there,) = (run for run in written["runs"] if run["run"] == runs.WINDOW)
+    (one,) = (one for one in PAPER.plan(PAPER.text.seeds) if one.key == "window-0.1")
+    (there,) = (run for run in written["runs"] if run["run"] == "window-0.1")
     found = one.experiment.make(one.spec, tmp_path)
     assert (found.verdict, list(found.reasons), found.sha256) == (there["verdict"], there["reasons"], there["sha256"])
     assert runs.measure(found.outcome) == there["measured"]

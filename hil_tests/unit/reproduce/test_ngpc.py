@@ -13,6 +13,7 @@ import pytest
 from railhil.common.errors import InputError
 from railhil.controller_node.laws import find
 from railhil.library import Outcome
+from railhil.report.pictures import printed
 from railhil.reproduce.comparison import FOLLOWS, FOLLOWS_NOT, IN_PART, OPEN
 from railhil.reproduce.experiments import CoupledRun
 from railhil.reproduce.measurement import measure_paper
@@ -28,12 +29,12 @@ from railhil.reproduce.ngpc.runs import (
     NORMAL,
     SITUATIONS,
     WINDOWS_S,
-    Drawable,
 )
 from railhil.reproduce.paper import Entry, Measurement, Results
 from railhil.scenarios.load import load_any
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.system import system_named
+from railhil.systems.high_speed.ride import Ride
 from railhil.wire.power_units import wire
 
 SEEDS = (1, 2)
@@ -131,9 +132,10 @@ def test_one_loop_must_have_less_coupler_force_with_every_seed() -> None:
 def test_each_situation_has_its_picture() -> None:
     found = made(as_published)
     place_m = np.linspace(209e3, 215e3, 50)
-    drawn = Drawable(place_m, np.full(50, 300.0), np.full(50, 299.0), np.full(50, -1.0))
-    with_curves = {name: replace(run, curves=drawn) for name, run in found.runs.items()}
-    pictures = PAPER.draw(Results(SEEDS, with_curves))
+    flat = np.full(50, 80.0)
+    ride = Ride(None, np.arange(50.0), place_m, flat, flat, flat, flat, flat, flat, None, None)
+    with_curves = {name: replace(run, curves=ride) for name, run in found.runs.items()}
+    pictures = printed(PAPER.draw(Results(SEEDS, with_curves)))
     assert [one.name for one in pictures] == ["figures_8_9", "figures_10_11", "figures_12_13"]
     for one in pictures:
         assert all(f">{law}<" in one.svg for law in runs.DRAWN)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import pickle
+import sys
 from pathlib import Path
 
 import pytest
@@ -110,13 +111,13 @@ def test_a_short_paper_is_run_printed_and_written(tmp_path: Path, capsys: pytest
     # In processes of their own, and as JSON: the same.
     assert main(["short", "--out", str(again), "--jobs", "2", "--seeds", "3,4", "--json"], PAPERS) == 0
     found = json.loads(capsys.readouterr().out)
-    names = ["page.md", "results.json", "table_1.csv"]
+    names = ["figure_1.svg", "page.md", "results.json", "table_1.csv"]
     assert sorted(path.name for path in again.iterdir()) == names
     for name in names:
         assert (first / name).read_bytes() == (again / name).read_bytes()
     assert found == json.loads((first / "results.json").read_text("utf-8"))
     text = (first / "page.md").read_text("utf-8")
-    assert render_page(SHORT, read_document(found)[0]) == text
+    assert render_page(SHORT, *read_document(found)) == text
     assert "`railhil reproduce short --seeds 3,4 --out DIR`" in text
     energies = [run["measured"]["energy_kj"] for run in found["runs"]]
     line = found["tables"][0]["lines"][0]
@@ -168,8 +169,11 @@ def test_an_invalid_run_is_named_and_decides_the_exit_code(capsys: pytest.Captur
     assert "INVALID: run-3: " in capsys.readouterr().out
 
 
-def test_without_the_extra_the_page_has_no_figures(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["bare", "--out", str(tmp_path)], PAPERS) == 0
+def test_without_the_extra_the_page_has_no_figures(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    assert main(["short", "--out", str(tmp_path)], PAPERS) == 0
     assert "no figures: matplotlib is not installed (" in capsys.readouterr().out
     text = (tmp_path / "page.md").read_text("utf-8")
     assert "## Table 1" in text

@@ -2,115 +2,90 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from dataclasses import replace
 
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+import numpy as np
 
-from railhil.report import pictures as panels
-from railhil.report.pictures import Picture, svg
-from railhil.report.styles import Style
-from railhil.reproduce.ilc import runs
-from railhil.reproduce.ilc.findings import PRINTED, READINGS, find_mean_errors
-from railhil.reproduce.ilc.runs import EPSILONS_M, MEAN, P95, PAPER_CASE, RMS, epsilon_key, filter_key, of_run
+from railhil.charts.figure import Area, Chart, Curve, Figure, FloatArray, Look, Point, extent
+from railhil.reproduce.ilc.findings import EPSILONS_M, PRINTED, READINGS, find_mean_errors, list_entries
+from railhil.reproduce.ilc.runs import MEAN, NO_FILTER, P95, PAPER_CASE, RMS, RUNS, of_run
 from railhil.reproduce.paper import Results
 
-_NUMBERS = range(1, runs.RUNS + 1)
-_MARKERS = "osD^v"
-_OURS = (
-    ("paper's law", runs.OPEN_LEARNED),
-    ("observer, no balises", runs.NO_BALISES),
-    ("15 % loss", runs.LOSS),
-    ("observer, balises", runs.OURS),
-)
+#: Curves of the figure of ours: title, entry.
+_DRAWN = {
+    "paper's law": "open-learned",
+    "observer, no balises": "reaim-no-balises-learned",
+    "15 % loss": "reaim-loss-learned",
+    "observer, balises": "reaim-learned",
+}
+_PUBLISHED, _HEIGHT_PX = Look("ink", marker="P", is_full=True), 300
+#: Values named at a logarithmic axis, m.
+_ROUND_M = (0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0)
 
 
-def draw(results: Results) -> list[Picture]:
-    """The figures for which entries were made."""
-    drawn = [
-        _figure_6(results) if results.has([PAPER_CASE, filter_key(runs.NONE)]) else None,
-        _table_2(results) if results.has([epsilon_key(EPSILONS_M[0], runs.CYCLES_MS[0], learned=True)]) else None,
-        _ours(results) if results.has([key for _, key in _OURS]) else None,
+def draw(results: Results) -> list[Figure]:
+    """Figure 6, table 2 as curves, and the learning of ours, as far as their entries were made."""
+    return [
+        *([_draw_figure_6(results)] if results.has([PAPER_CASE, NO_FILTER]) else []),
+        *([_draw_table_2(results)] if results.has(READINGS["learned, 16 ms"]) else []),
+        *([_draw_ours(results)] if results.has(_DRAWN.values()) else []),
     ]
-    return [one for one in drawn if one is not None]
 
 
-def _picture(name: str, title: str, caption: str, draw: Callable[[Axes], None]) -> Picture:
-    with panels.drawing("none"):
-        figure = Figure(figsize=(8.5, 3.6), layout="constrained")
-        axes = figure.subplots()
-        draw(axes)
-        axes.legend(frameon=False, loc="center left", bbox_to_anchor=(1.0, 0.5))
-        return Picture(name, title, caption, svg(figure, name, title))
-
-
-def _curve(
-    axes: Axes, x: Sequence[float], y: Sequence[float | None], number: int, label: str, dashed: bool = False
-) -> None:
-    known = [(a, b) for a, b in zip(x, y, strict=True) if b is not None]
-    axes.plot(
-        [a for a, _ in known],
-        [b for _, b in known],
-        color=Style(number).colour,
-        marker="" if dashed else _MARKERS[number],
-        linestyle="--" if dashed else "-",
-        markersize=3.5,
-        linewidth=0.9 if dashed else 1.2,
-        label=label,
-    )
-
-
-def _mark_printed(axes: Axes, x: float, error_m: float) -> None:
-    axes.plot([x], [error_m], "k*", markersize=8, linestyle="none", label="published")
-
-
-def _by_run(results: Results, key: str, figure: str) -> list[float | None]:
-    return [results.value(key, of_run(figure, number)) for number in _NUMBERS]
-
-
-def _figure_6(results: Results) -> Picture:
-    def errors(axes: Axes) -> None:
-        for number, (label, key) in enumerate((("packet", PAPER_CASE), ("no filter", filter_key(runs.NONE)))):
-            _curve(axes, _NUMBERS, _by_run(results, key, MEAN), number, label)
-            _curve(axes, _NUMBERS, _by_run(results, key, P95), number, f"{label}, 95 %", dashed=True)
-        _mark_printed(axes, PRINTED["iterations"], PRINTED["error_m"])
-        axes.axhline(PRINTED["limit_m"], color="0.7", linewidth=0.8)
-        axes.set(yscale="log", ylabel="error (m)", xlabel="number of the run")
-        _plain(axes)
-
+def _draw_figure_6(results: Results) -> Figure:
+    curves = []
+    for number, (label, key) in enumerate(list_entries("figure_6").items()):
+        curves.append(_draw_runs(results, key, MEAN, label, Look(f"{number}", 1.5)))
+        curves.append(_draw_runs(results, key, P95, f"{label}, 95 %", Look(f"{number}", 1.0, (5.0, 3.0))))
+    limit = float(np.log10(PRINTED["limit_m"]))
+    published = Point("published", PRINTED["iterations"], float(np.log10(PRINTED["error_m"])), _PUBLISHED)
     caption = (
         f"Mean error and 95 % of the errors over {len(results.seeds)} sequences. Grey: the limit of 0.3 m. The paper's "
         "figure is one sequence."
     )
-    return _picture("figure_6", "Figure 6: error by the number of the run", caption, errors)
+    chart = _make_log_chart(curves, "error (m)", [Area(None, (limit, limit))], [published])
+    return Figure("figure_6", "Figure 6: error by the number of the run", caption, [chart])
 
 
-def _table_2(results: Results) -> Picture:
-    def errors(axes: Axes) -> None:
-        for number, (learned, cycle_ms, label) in enumerate(READINGS):
-            _curve(axes, EPSILONS_M, [*find_mean_errors(results, learned, cycle_ms).values()], number, label)
-        for epsilon_m, (error_m, _) in PRINTED["table_2"].items():
-            _mark_printed(axes, float(epsilon_m), error_m)
-        axes.set(ylabel="mean error (m)", xlabel="eps (m)", ylim=(0, None))
-
+def _draw_table_2(results: Results) -> Figure:
+    tolerances = np.array(EPSILONS_M)
+    curves = [
+        Curve(reading, tolerances, _as_array(find_mean_errors(results, reading)), Look(f"{number}", 1.5))
+        for number, reading in enumerate(READINGS)
+    ]
+    published = [Point("published", float(at), pair[0], _PUBLISHED) for at, pair in PRINTED["table_2"].items()]
+    chart = Chart(curves, "eps (m)", "mean error (m)", y_bounds=(0.0, None), points=published, height_px=_HEIGHT_PX)
     caption = "Mean error over eps in four readings of table 2, of whose rows only one is known."
-    return _picture("table_2", "Table 2: tolerance eps", caption, errors)
+    return Figure("table_2", "Table 2: tolerance eps", caption, [chart])
 
 
-def _ours(results: Results) -> Picture:
-    def errors(axes: Axes) -> None:
-        for number, (label, key) in enumerate(_OURS):
-            _curve(axes, _NUMBERS, _by_run(results, key, RMS), number, label)
-        axes.set(yscale="log", ylabel="rms (m)", xlabel="number of the run")
-        _plain(axes)
-
+def _draw_ours(results: Results) -> Figure:
+    curves = [
+        _draw_runs(results, key, RMS, label, Look(f"{number}", 1.5))
+        for number, (label, key) in enumerate(_DRAWN.items())
+    ]
     caption = f"Rms of the stop error over {len(results.seeds)} sequences of trains with scatter, each law learning."
-    return _picture("ours", "Learning of the paper's law and of ours on trains with scatter", caption, errors)
+    title = "Learning of the paper's law and of ours on trains with scatter"
+    return Figure("ours", title, caption, [_make_log_chart(curves, "rms (m)")])
 
 
-def _plain(axes: Axes) -> None:
-    """Labels of a logarithmic axis as numbers: the usual ones are formulas, which the style leaves as they are."""
-    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, place: f"{value:g}"))
-    axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 3.0)))
-    axes.yaxis.set_minor_formatter(NullFormatter())
+def _draw_runs(results: Results, key: str, figure: str, label: str, look: Look) -> Curve:
+    """The decimal logarithm of a figure over the number of the run."""
+    numbers = range(1, RUNS + 1)
+    values = _as_array([results.value(key, of_run(figure, number)) for number in numbers])
+    return Curve(label, np.array(numbers, dtype=np.float64), np.log10(np.where(values > 0, values, np.nan)), look)
+
+
+def _as_array(values: Sequence[float | None]) -> FloatArray:
+    return np.array([np.nan if value is None else value for value in values], dtype=np.float64)
+
+
+def _make_log_chart(
+    curves: Sequence[Curve], label: str, areas: Sequence[Area] = (), points: Sequence[Point] = ()
+) -> Chart:
+    """Curves of logarithms over the number of the run, with round values at their axis."""
+    chart = Chart(curves, "number of the run", label, areas=areas, points=points, height_px=_HEIGHT_PX)
+    low, high = extent(chart, "y")
+    names = {float(np.log10(value)): f"{value:g}" for value in _ROUND_M}
+    return replace(chart, y_names={at: name for at, name in names.items() if low <= at <= high})

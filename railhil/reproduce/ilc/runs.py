@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -17,55 +17,12 @@ from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 
 TEXT = read_text(__package__)
-#: Runs of a sequence, and runs of one in which nothing is learned.
-RUNS, FEW = 15, 3
-#: Filters of table 3: the paper's, none, and others.
-PACKET, NONE = "packet", "none"
-FILTERS = (NONE, PACKET, "packet_8", "packet_newest", "packet_antireflect", "mean16", "fir65", "iir", "kalman")
-#: Learning gains; 0: the rule max(1/j, 0.3).
-GAMMA, GAMMAS = 0.5, (0.3, 0.5, 0.7, 1.0, 1.5, 2.0, 0.0)
-#: Tolerances of table 2 (m), and the cycles of the controller (ms).
-EPSILON_M, EPSILONS_M = 0.4, (0.2, 0.4, 0.6, 0.8)
-CYCLES_MS = (16, 48)
-#: Standard deviations of the brake's gain from run to run.
-SCATTERS = (0.001, 0.005, 0.01, 0.02)
-#: A tolerance with two sides, without a fallback.
-WINDOW = "window-0.1"
+#: Runs of a sequence in which something is learned.
+RUNS = 15
+#: The case of the paper's figure 6, and the same without a filter.
+PAPER_CASE, NO_FILTER = "filter-packet", "filter-none"
 #: Sets whose memories are damaged.
 MEMORY = "memory-faults"
-
-#: The paper's law, and ours, on the train with scatter.
-OPEN_FIXED, OPEN_LEARNED = "open-fixed", "open-learned"
-REAIM, REAIM_BALISES, REAIM_OBSERVER = "reaim", "reaim-balises", "reaim-observer"
-OURS_FIXED, OURS = "reaim-observer-balises", "reaim-learned"
-NO_BALISES, LOSS_FIXED, LOSS, SLIDE = "reaim-no-balises-learned", "reaim-loss", "reaim-loss-learned", "reaim-slide"
-
-
-def filter_key(name: str) -> str:
-    """A filter, with the paper's gain and tolerance."""
-    return f"filter-{name}"
-
-
-#: The case of the paper's figure 6.
-PAPER_CASE = filter_key(PACKET)
-
-
-def gamma_key(gamma: float) -> str:
-    """A learning gain."""
-    return PAPER_CASE if gamma == GAMMA else f"gamma-{gamma:g}" if gamma else "gamma-rule"
-
-
-def epsilon_key(epsilon_m: float, cycle_ms: int, *, learned: bool) -> str:
-    """A tolerance of table 2."""
-    if learned and epsilon_m == EPSILON_M and cycle_ms == CYCLES_MS[0]:
-        return PAPER_CASE
-    return f"eps-{'learned' if learned else 'fixed'}-{epsilon_m:g}-{cycle_ms}ms"
-
-
-def scatter_key(sigma: float, filtered: str = PACKET) -> str:
-    """A scatter of the brake's gain."""
-    return f"scatter-{sigma:g}{'' if filtered == PACKET else f'-{filtered}'}"
-
 
 #: Figures of some runs: title, unit, digits.
 MEAN, RMS, P95, WITHIN_10, WITHIN_30 = "mean_error", "rms", "p95", "within_0.1", "within_0.3"
@@ -100,15 +57,6 @@ def of_all(figure: str) -> str:
 #: The same without the runs in which the wheels slid.
 LAST_RMS_HELD = of_last("rms_without_slide")
 
-_OWN, _OURS, _ARITHMETIC = "ilc_stop", "reaim", "float64"
-_SCENARIO, _CLOSED = "yizhuang_stop", "yizhuang_stop_closed"
-#: The laws' model equals the train, and the line is level.
-_EXACT = ("task.true.delay_s=0.6", "task.true.lag_s=0.4", "task.true.gain=1", "task.grade=[[0, 0]]")
-#: Parameters: the law's own; nothing is learned.
-_USUAL: Mapping[str, Any] = {}
-_FIXED: Mapping[str, Any] = {"learning": "none"}
-#: Scatter of the delay in the entries with scatter.
-_DELAY_SCATTER = "task.true.delay_run_sigma_s=0.02"
 #: A sequence has converged at the first of so many runs in a row within the limit (m).
 _CONVERGED_M, _IN_A_ROW = 0.3, 3
 
@@ -119,62 +67,28 @@ def plan(seeds: Sequence[int]) -> list[Entry]:
     :raises InputError: the seeds do not follow each other.
     """
     check_consecutive(seeds)
-    return [*_paper(seeds), *_closed(seeds), _memories(seeds)]
+    first, count = seeds[0], len(seeds)
+    made = [
+        Entry(key, _make_spec(one), experiment=SequenceSet(first, count, one.get("runs", RUNS)))
+        for key, one in TEXT.sets["entries"].items()
+    ]
+    return [*made, Entry(MEMORY, _make_spec({}), experiment=MemoryFaults(first, count))]
 
 
-def _spec(scenario: str, law: str, settings: tuple[str, ...], values: Mapping[str, Any]) -> RunSpec:
+def is_learned(key: str) -> bool:
+    """Whether something is learned in a set; its figures are then those of the last runs."""
+    return "runs" not in TEXT.sets["entries"][key]
+
+
+def _make_spec(one: Mapping[str, Any]) -> RunSpec:
+    """Any run of a set."""
+    values, law = one.get("parameters", {}), one.get("law", "ilc_stop")
     name = "_".join(f"{key}_{value}".lower() for key, value in values.items())
     given = ParameterSet(law, values, Path("parameters", f"{name}.toml")) if values else None
-    return RunSpec(scenario, settings, LawSpec(law, _ARITHMETIC, parameters=given), perturbed=True, bus="local")
-
-
-def _set(seeds: Sequence[int], key: str, spec: RunSpec, runs: int = RUNS) -> Entry:
-    return Entry(key, spec, experiment=SequenceSet(seeds[0], len(seeds), runs))
-
-
-def _paper(seeds: Sequence[int]) -> Iterator[Entry]:
-    def one(key: str, *settings: str, runs: int = RUNS, values: Mapping[str, Any] = _USUAL) -> Entry:
-        return _set(seeds, key, _spec(_SCENARIO, _OWN, settings, values), runs)
-
-    for name in FILTERS:
-        yield one(filter_key(name), values={} if name == PACKET else {"filter": name})
-    for gamma in GAMMAS:
-        if gamma != GAMMA:
-            yield one(gamma_key(gamma), values={"gamma": gamma})
-    for cycle_ms in CYCLES_MS:
-        cycle = (f"timing.control_period_ms={cycle_ms}",) if cycle_ms != CYCLES_MS[0] else ()
-        for epsilon_m in EPSILONS_M:
-            given = {} if epsilon_m == EPSILON_M else {"epsilon_m": epsilon_m}
-            if (key := epsilon_key(epsilon_m, cycle_ms, learned=True)) != PAPER_CASE:
-                yield one(key, *cycle, values=given)
-            fixed = epsilon_key(epsilon_m, cycle_ms, learned=False)
-            yield one(fixed, *_EXACT, *cycle, runs=FEW, values={**given, **_FIXED})
-    yield one(WINDOW, *_EXACT, runs=1, values={"epsilon_m": 0.1, "trigger": "window", **_FIXED})
-    for sigma in SCATTERS:
-        yield one(scatter_key(sigma), f"task.true.gain_run_sigma={sigma:g}", _DELAY_SCATTER)
-    one_percent = "task.true.gain_run_sigma=0.01"
-    yield one(scatter_key(0.01, NONE), one_percent, _DELAY_SCATTER, values={"filter": NONE})
-
-
-def _closed(seeds: Sequence[int]) -> Iterator[Entry]:
-    def one(key: str, scenario: str = _CLOSED, law: str = _OURS, runs: int = RUNS, **values: Any) -> Entry:
-        return _set(seeds, key, _spec(scenario, law, (), values), runs)
-
-    yield one(OPEN_FIXED, law=_OWN, runs=FEW, learning="none")
-    yield one(OPEN_LEARNED, law=_OWN)
-    yield one(REAIM, runs=FEW, learning=False, observer=False, balises=False)
-    yield one(REAIM_BALISES, runs=FEW, learning=False, observer=False)
-    yield one(REAIM_OBSERVER, runs=FEW, learning=False, balises=False)
-    yield one(OURS_FIXED, runs=FEW, learning=False)
-    yield one(OURS)
-    yield one(NO_BALISES, "yizhuang_stop_no_balises")
-    yield one(LOSS_FIXED, "yizhuang_stop_low_speed_loss", runs=FEW, learning=False)
-    yield one(LOSS, "yizhuang_stop_low_speed_loss")
-    yield one(SLIDE, "yizhuang_stop_slide")
-
-
-def _memories(seeds: Sequence[int]) -> Entry:
-    return Entry(MEMORY, _spec(_SCENARIO, _OWN, (), {}), experiment=MemoryFaults(seeds[0], len(seeds)))
+    shared = [setting for name in one.get("shared", ()) for setting in TEXT.sets["settings"][name]]
+    settings = (*shared, *one.get("settings", ()))
+    how = LawSpec(law, "float64", parameters=given)
+    return RunSpec(one.get("scenario", "yizhuang_stop"), settings, how, perturbed=True, bus="local")
 
 
 def measure(outcome: Any) -> dict[str, float | None]:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
+from railhil.charts.figure import Figure
 from railhil.common.digits import percent
-from railhil.reproduce.comparison import Finding, Line, Table, decimal, least, order, quotient
+from railhil.reproduce.comparison import Line, Statement, Table, decimal, least, order, quotient
 from railhil.reproduce.ipfc.runs import (
     ADAPTED,
     ARITHMETICS,
@@ -17,18 +17,15 @@ from railhil.reproduce.ipfc.runs import (
     TEXT,
     USUAL,
     WIDEST_ERROR,
-    Drawable,
     find_median,
     key,
     list_laws,
     load_scenario,
 )
 from railhil.reproduce.paper import Results
+from railhil.systems.ato import panels
 from railhil.systems.ato.judge.criteria import CRITERIA, STOP_ERROR, TIME_ERROR
 from railhil.systems.ato.judge.measures import KMH
-
-if TYPE_CHECKING:
-    from railhil.report.pictures import Picture
 
 #: Percentage by which IPFC is better than each law in use, by score.
 _BETTER = PRINTED["better_percent"]
@@ -116,14 +113,24 @@ def _make_error_lines(results: Results) -> Iterator[Line]:
             yield Line(law, title, "km/h", 3, None, _find_medians(results, law, name))
 
 
-def check(results: Results) -> Iterator[Finding]:
-    """All findings, in the order of the paper."""
-    own = [key("ipfc", USUAL, seed) for seed in results.seeds]
-    every = [key(law, USUAL, seed) for law in list_laws() for seed in results.seeds]
-    yield replace(_check_adaptation(results), needs=own)
-    yield from (replace(one, needs=every) for one in (*_check_orders(results), _check_improvement(results)))
-    yield replace(_check_comfort(results), needs=own)
-    yield from (replace(one, needs=every) for one in (_check_limits(results), *_check_curves(results)))
+def judge(results: Results) -> list[Statement]:
+    """All statements, in the order of the paper."""
+    return [
+        _judge_adaptation(results),
+        *_judge_orders(results),
+        _judge_improvement(results),
+        _judge_comfort(results),
+        _judge_limits(results),
+        *_judge_curves(results),
+    ]
+
+
+def _own_runs(results: Results) -> list[str]:
+    return [key("ipfc", USUAL, seed) for seed in results.seeds]
+
+
+def _all_runs(results: Results) -> list[str]:
+    return [key(law, USUAL, seed) for law in list_laws() for seed in results.seeds]
 
 
 def _find_values(results: Results, name: str) -> dict[str, float | None]:
@@ -135,7 +142,7 @@ def _rank_laws(values: dict[str, float | None], shown: Callable[[float | None], 
     return ", ".join(f"{law} {shown(values[law])}" for law in order(values))
 
 
-def _check_orders(results: Results) -> Iterator[Finding]:
+def _judge_orders(results: Results) -> Iterator[Statement]:
     """Each column of Table 2 has the same order of the laws."""
     for criterion in CRITERIA:
         values = _find_values(results, criterion.key)
@@ -143,10 +150,11 @@ def _check_orders(results: Results) -> Iterator[Finding]:
         known = sum(value is not None for value in values.values()) >= len(values) - 1
         same = known and order(values) == order({law: find_printed(law, criterion.key) for law in list_laws()})
         name = f"order_{criterion.title.lower().replace(' ', '_')}"
-        yield Finding(name, f"{_rank_laws(values, criterion.shown)}.", [same], is_explained=not same)
+        said = f"{_rank_laws(values, criterion.shown)}."
+        yield TEXT.judge(name, results, _all_runs(results), said, [same], is_explained=not same)
 
 
-def _check_improvement(results: Results) -> Finding:
+def _judge_improvement(results: Results) -> Statement:
     """The sentence of the abstract on the laws in use."""
     better = {
         law: [c.title for c in CRITERIA if (compute_improvement(results, USUAL, c.key, law) or 0.0) > 0]
@@ -157,28 +165,32 @@ def _check_improvement(results: Results) -> Finding:
     )
     counts = [len(found) for found in better.values()]
     holds = [min(counts) == len(CRITERIA), any(counts)]
-    return Finding("improvement", f"better {text}; by how much: in the table above.", holds)
+    said = f"better {text}; by how much: in the table above."
+    return TEXT.judge("improvement", results, _all_runs(results), said, holds)
 
 
-def _check_adaptation(results: Results) -> Finding:
+def _judge_adaptation(results: Results) -> Statement:
     share = find_median(results, "ipfc", USUAL, ADAPTED) or 0.0
     text = f"the satisfaction is above 0 in {percent(share)} of the controller's reports."
-    return Finding("adaptation", text, () if share > 0 else [False], is_explained=share <= 0)
+    holds = [] if share > 0 else [False]
+    return TEXT.judge("adaptation", results, _own_runs(results), text, holds, is_explained=share <= 0)
 
 
-def _check_comfort(results: Results) -> Finding:
+def _judge_comfort(results: Results) -> Statement:
     comfort = next(criterion for criterion in CRITERIA if criterion.key == "comfort")
     printed, value = find_printed("ipfc", "comfort"), find_median(results, "ipfc", USUAL, "comfort")
     assert printed is not None
     reached = value is not None and value > printed / 2
     text = f"{comfort.shown(value)} {comfort.unit}{f', {printed / value:.1f} times less' if value else ''}."
-    return Finding("comfort", text, () if reached else [False], is_explained=not reached)
+    holds = [] if reached else [False]
+    return TEXT.judge("comfort", results, _own_runs(results), text, holds, is_explained=not reached)
 
 
-def _check_limits(results: Results) -> Finding:
+def _judge_limits(results: Results) -> Statement:
     missed = {law: ", ".join(_find_missed(results, law)) for law in list_laws()}
     late = [f"{law}: {text}" for law, text in missed.items() if text]
-    return Finding("limits", f"outside are {'; '.join(late)}." if late else "so does every law.", [not late])
+    said = f"outside are {'; '.join(late)}." if late else "so does every law."
+    return TEXT.judge("limits", results, _all_runs(results), said, [not late])
 
 
 def _find_missed(results: Results, law: str) -> Iterator[str]:
@@ -188,7 +200,7 @@ def _find_missed(results: Results, law: str) -> Iterator[str]:
             yield f"{criterion.title} {criterion.shown(value)} {criterion.unit}"
 
 
-def _check_curves(results: Results) -> Iterator[Finding]:
+def _judge_curves(results: Results) -> Iterator[Statement]:
     """Statements that the text reads from figures 7 to 9."""
 
     def show(value: float | None) -> str:
@@ -196,12 +208,13 @@ def _check_curves(results: Results) -> Iterator[Finding]:
 
     for name, figure, title in (("following", RMS_ERROR, "speed error, RMS"), ("chatter", CHATTER, "chatter")):
         values = _find_values(results, figure)
-        yield Finding(name, f"{title}: {_rank_laws(values, show)}.", [least(values) == "ipfc"])
+        said = f"{title}: {_rank_laws(values, show)}."
+        yield TEXT.judge(name, results, _all_runs(results), said, [least(values) == "ipfc"])
     distances = {law: _compute_distance(results, law) for law in list_laws()}
     stops = _find_values(results, STOP_ERROR.key)
     text = ", ".join(f"{law} {STOP_ERROR.shown(stops[law])} m" for law in order(distances))
     said = f"in the order of the distance in units of Table 1's limits: {text}."
-    yield Finding("stop", said, [least(distances) == "ipfc"])
+    yield TEXT.judge("stop", results, _all_runs(results), said, [least(distances) == "ipfc"])
 
 
 def _compute_distance(results: Results, law: str) -> float | None:
@@ -211,33 +224,22 @@ def _compute_distance(results: Results, law: str) -> float | None:
     return sum(share**2 for share in known) ** 0.5 if len(known) == len(shares) else None
 
 
-def draw(results: Results) -> Sequence[Picture]:
-    """Figures 6 to 9 in the style of the report, of the first seed.
-
-    :raises ImportError: the extra [report] is not installed.
-    """
-    from railhil.charts.figure import Figure
-    from railhil.report.pictures import printed
-    from railhil.report.styles import styles
-    from railhil.systems.ato import panels as ato_panels
-
-    drawn = []
-    for law, style in zip(list_laws(), styles(list_laws()), strict=True):
-        found = results.runs[key(law, USUAL, results.seeds[0])].curves
-        assert isinstance(found, Drawable)
-        drawn.append(ato_panels.Drawn(law, style, found.curves, found.score))
+def draw(results: Results) -> list[Figure]:
+    """Figures 6 to 9 in the style of the report, of the first seed; none if none of its runs was made."""
+    keys = results.made(key(law, USUAL, results.seeds[0]) for law in list_laws())
+    drawn = [results.runs[one].curves for one in keys if results.runs[one].curves is not None]
+    if not drawn:
+        return []
     # The curves of the paper's figure 6 cannot be read from its text.
-    charts = [ato_panels.speed_over_distance(load_scenario(), []), ato_panels.grade(load_scenario())]
+    charts = [panels.speed_over_distance(load_scenario(), []), panels.grade(load_scenario())]
     caption = "Grades and target curve are chosen: the paper has them only as a picture. The limit is that of Table 1."
     figures = {
         6: Figure("figure_6", "Grade and speed limit", caption, charts),
-        7: ato_panels.speed(load_scenario(), drawn),
-        8: ato_panels.error(load_scenario(), drawn),
-        9: ato_panels.stop(load_scenario(), drawn),
+        7: panels.speed(load_scenario(), drawn),
+        8: panels.error(load_scenario(), drawn),
+        9: panels.stop(load_scenario(), drawn),
     }
-    return printed(
-        [
-            replace(one, name=f"figure_{number}", title=f"Figure {number}: {one.title[:1].lower()}{one.title[1:]}")
-            for number, one in figures.items()
-        ]
-    )
+    return [
+        replace(one, name=f"figure_{number}", title=f"Figure {number}: {one.title[:1].lower()}{one.title[1:]}")
+        for number, one in figures.items()
+    ]

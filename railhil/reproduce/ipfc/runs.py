@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
 
-from railhil.judge.score import Score
 from railhil.library import Outcome
+from railhil.report.styles import styles
 from railhil.reproduce.paper import Entry, Results, read_text
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.systems.ato.judge.curves import Curves
 from railhil.systems.ato.judge.curves import curves as recorded_curves
 from railhil.systems.ato.judge.judging import deviations
-from railhil.systems.ato.judge.score import score
+from railhil.systems.ato.panels import Drawn
 from railhil.systems.ato.scenario.model import Scenario
 
 SCENARIO = "lvshun_tieshan"
@@ -70,17 +70,11 @@ def plan(seeds: Sequence[int]) -> list[Entry]:
     ]
 
 
-@dataclass(frozen=True, slots=True)
-class Drawable:
-    """Curves and score of a run that is drawn."""
-
-    curves: Curves
-    score: Score
-
-
-def curves(outcome: Outcome) -> Drawable:
-    """The curves of a run in the figures."""
-    return Drawable(_curves(outcome), score(load_scenario(), outcome.trace))
+def curves(outcome: Outcome) -> Drawn:
+    """The curves of a run in the figures, in the style of its law."""
+    law = str(outcome.certificate["controller"])
+    style = styles(list_laws())[list_laws().index(law)]
+    return Drawn(law, style, _curves(outcome), outcome.score)
 
 
 def _curves(outcome: Outcome) -> Curves:

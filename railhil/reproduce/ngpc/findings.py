@@ -2,14 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from functools import partial
+from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from statistics import fmean
-from typing import TYPE_CHECKING
 
+from railhil.charts.figure import FREE, TARGET, Chart, Curve, Figure
 from railhil.common.digits import count_of
-from railhil.reproduce.comparison import Band, Finding, Line, Table, check_bands, decimal, is_less, quotient
+from railhil.report.styles import styles
+from railhil.reproduce.comparison import (
+    Line,
+    Statement,
+    Table,
+    bounded_line,
+    check_bounds,
+    decimal,
+    is_less,
+    quotient,
+)
 from railhil.reproduce.ngpc.runs import (
     ADAPTIVE,
     BP,
@@ -17,18 +26,16 @@ from railhil.reproduce.ngpc.runs import (
     CALM,
     COUPLER_KN,
     CYCLES,
-    DELAY,
     DRAWN,
     ELM,
     EMERGENCY,
-    LATER,
     LAWS,
     MULTI_MODEL,
     MUTATION,
     NORMAL,
+    PERIOD_S,
     PERIODS_S,
     PID,
-    RESIDUAL,
     SITUATIONS,
     SPREAD,
     STOP_M,
@@ -38,7 +45,6 @@ from railhil.reproduce.ngpc.runs import (
     WHOLE,
     WIDEST,
     WINDOWS,
-    Drawable,
     effort_key,
     key,
     keys_of,
@@ -47,10 +53,7 @@ from railhil.reproduce.ngpc.runs import (
     units_key,
 )
 from railhil.reproduce.paper import Results
-
-if TYPE_CHECKING:
-    from railhil.charts.figure import Figure
-    from railhil.report.pictures import Picture
+from railhil.systems.high_speed.ride import Ride
 
 PRINTED = TEXT.published
 _OVER_SEEDS = ("mean", "least", "greatest")
@@ -79,41 +82,9 @@ def _list_keys(situation: str, law: str, results: Results) -> list[str]:
     return keys_of(situation, law, results.seeds)
 
 
-def _find_spread(keys: Callable[[Results], list[str]], name: str, results: Results) -> tuple[float | None, ...]:
-    return results.spread(keys(results), name)
-
-
 def _find_mean(results: Results, situation: str, law: str, name: str) -> float | None:
     """Mean of a figure over the seeds whose runs were made."""
     return results.spread(_list_keys(situation, law, results), name)[0]
-
-
-def _make_band(situation: str, law: str, least: float | None, most: float, name: str = "") -> Band:
-    """Bounds of the mean of a figure over the seeds, by default of the error from the target."""
-    name = name or SITUATIONS[situation].rmse
-    unit, digits = ("m", 1) if name == STOP_M else ("km/h", 4)
-    needs = partial(_list_keys, situation, law)
-    measured = partial(_find_spread, needs, name)
-    return Band(
-        f"{situation}, {_TITLES[name]}", law, unit, digits, least, most, needs, measured, unmade="not all runs made"
-    )
-
-
-#: Bands and bounds that railhil's own specification sets for its laws.
-BANDS = (
-    _make_band(NORMAL, RESIDUAL, 0.09, 0.12),
-    _make_band(NORMAL, ELM, 0.14, 0.21),
-    _make_band(NORMAL, PID, 0.17, 0.22),
-    _make_band(NORMAL, MULTI_MODEL, 0.11, 0.15),
-    _make_band(NORMAL, ADAPTIVE, 0.13, 0.20),
-    _make_band(EMERGENCY, ELM, 0.24, 0.33),
-    _make_band(EMERGENCY, MULTI_MODEL, 0.69, 0.79),
-    *(_make_band(EMERGENCY, law, 4380.0, 4420.0, STOP_M) for law in (ELM, MULTI_MODEL, ADAPTIVE, RESIDUAL, DELAY)),
-    _make_band(NORMAL, DELAY, None, 0.072),
-    _make_band(EMERGENCY, DELAY, None, 0.197),
-    _make_band(MUTATION, DELAY, None, 0.168),
-    _make_band(LATER, DELAY, None, 0.31),
-)
 
 
 def compare(results: Results) -> list[Table]:
@@ -123,7 +94,7 @@ def compare(results: Results) -> list[Table]:
         TEXT.table("modelling", periods, _make_modelling_lines(results)),
         TEXT.table("tracking", _OVER_SEEDS, _make_tracking_lines(results)),
         TEXT.table("stop", _OVER_SEEDS, _make_stop_lines(results)),
-        TEXT.table("bands", _OVER_SEEDS, _make_band_lines(results)),
+        TEXT.table("bands", _OVER_SEEDS, _make_bound_lines(results)),
         TEXT.table("units", _OVER_SEEDS, _make_unit_lines(results)),
         TEXT.table("effort", ("cycles",), _make_effort_lines(results)),
     ]
@@ -174,8 +145,18 @@ def _make_stop_lines(results: Results) -> Iterator[Line]:
         yield Line(law, "emergency stop", "m", 1, PRINTED["stop_m"] if law == ELM else None, found, 0)
 
 
-def _make_band_lines(results: Results) -> Iterator[Line]:
-    return (band.line(results, f" ({_count_runs(results, band.needs(results))})") for band in BANDS)
+def _make_bound_lines(results: Results) -> Iterator[Line]:
+    """Bounds of the mean of a figure over the seeds, by default of the error from the target."""
+    for one in TEXT.bounds["bands"]:
+        situation, law = one["situation"], one["law"]
+        name = one.get("figure", SITUATIONS[situation].rmse)
+        unit, digits = ("m", 1) if name == STOP_M else ("km/h", 4)
+        keys = _list_keys(situation, law, results)
+        yield bounded_line(
+            law, f"{situation}, {_TITLES[name]}", unit, digits, (one.get("least"), one["most"]),
+            results.spread(keys, name), unmade="" if results.has(keys) else "not all runs made",
+            remark=f" ({_count_runs(results, keys)})",
+        )  # fmt: skip
 
 
 def _make_unit_lines(results: Results) -> Iterator[Line]:
@@ -195,31 +176,34 @@ def _make_effort_lines(results: Results) -> Iterator[Line]:
         yield Line(law, "by that of ELM-NGPC", "", 2, minutes[law] / minutes[ELM], (_compute_effort(results, law),))
 
 
-def check(results: Results) -> Iterator[Finding]:
-    """All findings, in the order of the paper."""
-    yield _check_model(results)
-    yield from _check_laws(results)
-    yield _check_stop(results)
-    yield _check_effort(results)
-    yield _check_calm(results, (ELM, MULTI_MODEL, ADAPTIVE, PID))
-    yield check_bands("bands", results, BANDS, _name_band)
-    yield _check_units(results)
-    yield _check_coupler(results)
+def judge(results: Results) -> list[Statement]:
+    """All statements, in the order of the paper."""
+    return [
+        _judge_model(results),
+        *_judge_laws(results),
+        _judge_stop(results),
+        _judge_effort(results),
+        _judge_calm(results, (ELM, MULTI_MODEL, ADAPTIVE, PID)),
+        TEXT.judge("bands", results, [], *check_bounds(list(_make_bound_lines(results)), _name_bound)),
+        _judge_units(results),
+        _judge_coupler(results),
+    ]
 
 
-def _name_band(band: Band) -> str:
-    situation, _, _ = band.at.partition(", ")
-    return f"{band.what}, {situation}, {band.limits} {band.unit}"
+def _name_bound(line: Line) -> str:
+    law, _, allowed = line.item.partition(", ")
+    situation, _, _ = line.quantity.partition(", ")
+    return f"{law}, {situation}, {allowed} {line.unit}"
 
 
-def _check_model(results: Results) -> Finding:
+def _judge_model(results: Results) -> Statement:
     found = tuple(map(quotient, _find_model_errors(results, "linear"), _find_model_errors(results, "integrated")))
     said = ", ".join(f"{decimal(value, 2)} at {period:g} s" for value, period in zip(found, PERIODS_S, strict=True))
     holds = [is_less(1, value) for value in found]
-    return Finding("model", f"by a factor of {said}.", holds, [record_key(results.seeds[0])])
+    return TEXT.judge("model", results, [record_key(results.seeds[0])], f"by a factor of {said}.", holds)
 
 
-def _check_laws(results: Results) -> Iterator[Finding]:
+def _judge_laws(results: Results) -> Iterator[Statement]:
     for statement, situation, name, other in _COMPARED:
         count = min(len(_list_keys(situation, law, results)) for law in (ELM, other))
         both = [_list_keys(situation, law, results)[:count] for law in (ELM, other)]
@@ -227,28 +211,28 @@ def _check_laws(results: Results) -> Iterator[Finding]:
         unit = "m" if name == STOP_M else "km/h"
         held = own is not None and (theirs is None or own < theirs)
         said = f"{name}: {ELM} {decimal(own, 4)} {unit}, {other} {decimal(theirs, 4)} {unit} ({count} seeds)."
-        yield Finding(statement, said, [held], both[0] + both[1])
+        yield TEXT.judge(statement, results, both[0] + both[1], said, [held])
 
 
-def _check_stop(results: Results) -> Finding:
+def _judge_stop(results: Results) -> Statement:
     found = _find_mean(results, EMERGENCY, ELM, STOP_M)
     held = found is not None and found <= PRINTED["stop_max_m"]
-    return Finding("stop", f"{decimal(found, 1)} m.", [held], _list_keys(EMERGENCY, ELM, results))
+    return TEXT.judge("stop", results, _list_keys(EMERGENCY, ELM, results), f"{decimal(found, 1)} m.", [held])
 
 
-def _check_effort(results: Results) -> Finding:
+def _judge_effort(results: Results) -> Statement:
     found = {law: _compute_effort(results, law) for law in (BP, ADAPTIVE)}
     said = ", ".join(f"{law} {decimal(value, 2)} times the cycles of {ELM}" for law, value in found.items())
     holds = [is_less(1, value) for value in found.values()]
-    return Finding("effort", f"{said}.", holds, [effort_key(law) for law in (ELM, BP, ADAPTIVE)])
+    return TEXT.judge("effort", results, [effort_key(law) for law in (ELM, BP, ADAPTIVE)], f"{said}.", holds)
 
 
-def _check_calm(results: Results, laws: Sequence[str]) -> Finding:
+def _judge_calm(results: Results, laws: Sequence[str]) -> Statement:
     found = [_find_mean(results, CALM, law, WHOLE) for law in laws]
     holds = [is_less(*both) for both in pairwise(found)] if None not in found else [False]
     said = ", ".join(f"{law} {decimal(value, 4)}" for law, value in zip(laws, found, strict=True))
     needs = [one for law in laws for one in _list_keys(CALM, law, results)]
-    return Finding("calm", f"RMSE in km/h, {said}.", holds, needs)
+    return TEXT.judge("calm", results, needs, f"RMSE in km/h, {said}.", holds)
 
 
 def _list_unit_keys(results: Results, kind: str, law: str, loop: str) -> list[str]:
@@ -259,16 +243,16 @@ def _list_needed_units(results: Results, wanted: str) -> list[str]:
     return [one for kind, law, loop in UNITS if kind == wanted for one in _list_unit_keys(results, kind, law, loop)]
 
 
-def _check_units(results: Results) -> Finding:
+def _judge_units(results: Results) -> Statement:
     own, theirs = (results.spread(_list_unit_keys(results, "free", law, "unit"), UNITS_RMSE)[0] for law in (ELM, PID))
     said = (
         f"RMSE of all units without couplers, mean over {len(results.seeds)} seeds: {ELM} {decimal(own, 4)} km/h, "
         f"PID {decimal(theirs, 4)} km/h."
     )
-    return Finding("units", said, [is_less(own, theirs)], _list_needed_units(results, "free"))
+    return TEXT.judge("units", results, _list_needed_units(results, "free"), said, [is_less(own, theirs)])
 
 
-def _check_coupler(results: Results) -> Finding:
+def _judge_coupler(results: Results) -> Statement:
     said: list[str] = []
     ratios: list[float | None] = []
     for law in (PID, ELM):
@@ -282,38 +266,34 @@ def _check_coupler(results: Results) -> Finding:
         ratios += of_law
     text = f"means over {len(results.seeds)} seeds and the ratios of each: {'; '.join(said)}."
     holds = [ratio is not None and ratio >= 2 for ratio in ratios]
-    return Finding("coupler", text, holds, _list_needed_units(results, "coupled"))
+    return TEXT.judge("coupler", results, _list_needed_units(results, "coupled"), text, holds)
 
 
-def draw(results: Results) -> Sequence[Picture]:
-    """Figures 8 to 13: speed and its error over distance in each situation, of the first seed.
-
-    :raises ImportError: the extra [report] is not installed.
-    """
-    from railhil.report.pictures import printed
-
+def draw(results: Results) -> list[Figure]:
+    """Figures 8 to 13: speed and its error over distance in each situation, of the first seed."""
     drawn = {situation: _find_drawn(results, situation) for situation in _FIGURES}
-    return printed([_make_figure(situation, runs) for situation, runs in drawn.items() if runs])
+    return [_make_figure(situation, rides) for situation, rides in drawn.items() if rides]
 
 
-def _find_drawn(results: Results, situation: str) -> dict[str, Drawable]:
-    """Curves of each law whose run was drawn."""
+def _find_drawn(results: Results, situation: str) -> dict[str, Ride]:
+    """The ride of each law whose run was drawn."""
     keys = {law: key(situation, law, results.seeds[0]) for law in DRAWN}
     found = {law: results.runs[one].curves for law, one in keys.items() if one in results.runs}
-    return {law: curves for law, curves in found.items() if isinstance(curves, Drawable)}
+    return {law: ride for law, ride in found.items() if ride is not None}
 
 
-def _make_figure(situation: str, runs: dict[str, Drawable]) -> Figure:
-    from railhil.charts.figure import FREE, TARGET, Chart, Curve, Figure
-    from railhil.report.styles import styles
-
+def _make_figure(situation: str, rides: dict[str, Ride]) -> Figure:
     looks = {law: style.look for law, style in zip(DRAWN, styles(DRAWN), strict=True)}
     place = "position (km)"
     speeds: list[Curve] = []
-    if own := runs.get(DRAWN[0]):
-        speeds.append(Curve("target", own.position_m / 1e3, own.target_kmh, TARGET))
-    speeds += [Curve(law, one.position_m / 1e3, one.speed_kmh, looks[law]) for law, one in runs.items()]
-    errors = [Curve(law, one.position_m / 1e3, one.error_kmh, looks[law]) for law, one in runs.items()]
+    errors: list[Curve] = []
+    for law, ride in rides.items():
+        part = slice(None, None, max(1, round(PERIOD_S / (ride.time_s[1] - ride.time_s[0]))))
+        position_km = ride.position_m[part] / 1e3
+        if law == DRAWN[0]:
+            speeds.append(Curve("target", position_km, ride.target_mps[part] * 3.6, TARGET))
+        speeds.append(Curve(law, position_km, ride.speed_mps[part] * 3.6, looks[law]))
+        errors.append(Curve(law, position_km, ride.error_kmh[part], looks[law]))
     bounds = _EMERGENCY_KM if situation == EMERGENCY else FREE
     charts = [
         Chart(speeds, "", "speed (km/h)", bounds, (0.0, None), sync=place, height_px=210),

@@ -14,7 +14,6 @@ from railhil.judge.record import Record
 from railhil.learning.models import train_models
 from railhil.library import Outcome
 from railhil.record.telemetry import read_summary
-from railhil.record.trace import FloatArray
 from railhil.reproduce.experiments import CoupledRun
 from railhil.reproduce.paper import Entry, read_text
 from railhil.scenarios.parameters import ParameterSet
@@ -99,7 +98,7 @@ _ARITHMETIC = "float64"
 #: This law with a square wave of 0.05 m/s2 drives the runs whose records test models (reading D14).
 _DRIVER, _DITHER, _DITHER_MPS2 = PID, "dither_mps2", 0.05
 #: Sampling period of the laws, s; points of a drawn curve are one of these apart.
-_PERIOD_S = 1.0
+PERIOD_S = 1.0
 #: Ports of the plant that the scores are computed from.
 _PORTS, _UNITS_PORTS = (wire(1).truth.PORT,), (wire(3).truth.PORT,)
 
@@ -184,7 +183,7 @@ def measure(outcome: Outcome) -> dict[str, float | None]:
     if _DITHER in ((outcome.certificate.get("parameters") or {}).get("values") or {}):
         log = outcome.folder / "frames.log"
         record = Record(log, outcome.scenario, outcome.trace, "", dict(outcome.certificate))
-        for period_s, error in train_models(record, Recipe(), _PERIOD_S).errors.items():
+        for period_s, error in train_models(record, Recipe(), PERIOD_S).errors.items():
             found[model_error("linear", period_s)] = error.linear_kmh
             found[model_error("integrated", period_s)] = error.integrated_kmh
     if outcome.certificate["arithmetic"] == _COUNTED:
@@ -201,20 +200,6 @@ def compute_windows_rmse_kmh(ride: Ride) -> float | None:
     return float(np.sqrt(np.mean(errors * errors))) if len(errors) else None
 
 
-@dataclass(frozen=True, slots=True)
-class Drawable:
-    """The drawn curves of a run: arrays of shape (n,), about a second apart."""
-
-    position_m: FloatArray
-    target_kmh: FloatArray
-    speed_kmh: FloatArray
-    error_kmh: FloatArray
-
-
-def curves(outcome: Outcome) -> Drawable:
-    """Speed and error over distance."""
-    ride = Ride.of(outcome.scenario, outcome.trace)
-    step = max(1, round(_PERIOD_S / (ride.time_s[1] - ride.time_s[0])))
-    return Drawable(
-        ride.position_m[::step], ride.target_mps[::step] * 3.6, ride.speed_mps[::step] * 3.6, ride.error_kmh[::step]
-    )
+def curves(outcome: Outcome) -> Ride:
+    """The ride, of which speed and error are drawn over distance."""
+    return Ride.of(outcome.scenario, outcome.trace)
