@@ -5,7 +5,8 @@ module            content
 ================= ======================================================================================
 ``wire``          the packet format (SocketCAN frame structs in batches, JSON hello)
 ``address``       channel names, listening and connecting (AF_UNIX SEQPACKET, TCP on loopback)
-``connection``    the client's end of a connection: hello, whole packets, deadlines, exceptions
+``connection``    the client's end of a connection: whole packets, deadlines, exceptions
+``hello``         how a client joins: its settings, connecting, the hello
 ``batches``       :class:`~railhil.bus.hub.batches.HubClient`, a client
 ``client``        :class:`~railhil.bus.hub.client.HubBus`, the same as the python-can plugin ``railhil``
 ``ports``         the hub's end of a connection: never blocks, bounded queue

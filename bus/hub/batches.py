@@ -6,27 +6,15 @@ is the same client as an interface of python-can.
 
 from __future__ import annotations
 
-import os
-import socket
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
-from railhil.bus.errors import BusUnavailable
 from railhil.bus.frame import EXTENDED, Frame
 from railhil.bus.hub import wire
-from railhil.bus.hub.address import HUB_START_S, default_channel, parse_channel
-from railhil.bus.hub.connection import (
-    ANSWER_TIMEOUT_S,
-    PLAIN,
-    HubConnection,
-    QueueFull,
-    ReadinessFd,
-    SendTimeout,
-    connect_to_hub,
-    exchange_hello,
-)
+from railhil.bus.hub.connection import PLAIN, HubConnection, QueueFull, ReadinessFd, SendTimeout
 from railhil.bus.hub.disturbances import Notices, Order
+from railhil.bus.hub.hello import ClientSettings, join_hub
 
 
 class HubClient:
@@ -49,32 +37,11 @@ class HubClient:
     #: Filters of python-can; frames that pass none of them are left out.
     _filters: Any = None
 
-    def __init__(
-        self,
-        channel: str | None = None,
-        receive_own_messages: bool = False,
-        fd: bool = False,
-        connect_timeout: float = HUB_START_S,
-        name: str | None = None,
-        bitrate: int | None = None,
-        coalesce_frames: int = 0,
-        wake_on: Sequence[Frame] = (),
-        send_buffer_bytes: int | None = None,
-        while_connecting: Callable[[], object] | None = None,
-        role: str | None = None,
-        **_other_bus_settings: Any,
-    ) -> None:
-        """Connect to the hub on ``channel``: a socket path or ``tcp://127.0.0.1:PORT``.
+    def __init__(self, channel: str | None = None, fd: bool = False, **settings: Any) -> None:
+        """Join the hub on ``channel``: a socket path or ``tcp://127.0.0.1:PORT``.
 
         Without ``channel`` it is the user's default path, see :func:`~railhil.bus.hub.address.default_channel`.
-        ``connect_timeout``: seconds to wait for a hub that is still starting. ``while_connecting``: called between
-        two attempts; an exception from it ends the wait. ``role``: which node of a bench this client is (one of
-        :data:`~railhil.bus.hub.wire.ROLES`); the hub then reports which others are connected, see :meth:`has_left`.
-        ``name``: shown in the hub's messages. ``coalesce_frames``: receive frames in bulk, at most this many together,
-        and at once when one of the classic frames ``wake_on`` arrives (see :mod:`railhil.bus.hub.ports`).
-        ``send_buffer_bytes``: how much the kernel may buffer for a hub that does not read (SO_SNDBUF; a full packet
-        needs 4096). ``bitrate``: checked against the hub's bit rate model, ignored if it has none; other settings of
-        real interfaces (such as sample points) have no meaning here and are ignored.
+        ``settings``: arguments of ``can.Bus``, see :class:`~railhil.bus.hub.hello.ClientSettings`.
 
         Raises :class:`~railhil.bus.hub.connection.HubUnavailable`.
         """
@@ -90,39 +57,9 @@ class HubClient:
         #: Nodes of a bench: those that were connected at any time, and those connected now.
         self._seen: frozenset[str] = frozenset()
         self._here: frozenset[str] = frozenset()
-        try:
-            address = parse_channel(default_channel() if channel is None else str(channel))
-        except BusUnavailable as error:
-            raise self.failures.unavailable(str(error)) from None
-        deadline_s = time.monotonic() + float(connect_timeout)
-        link = connect_to_hub(address, deadline_s, while_connecting or (lambda: None), self.failures)
-        try:
-            if send_buffer_bytes is not None:
-                link.sock.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, send_buffer_bytes)
-            hello: dict[str, object] = {
-                "name": name or f"pid {os.getpid()}",
-                "receive_own": bool(receive_own_messages),
-            }
-            hello["hears_faults"] = True
-            if role is not None:
-                hello |= {"role": role, "hears_roles": True}
-            if coalesce_frames:
-                hello["coalesce_frames"] = int(coalesce_frames)
-                hello["wake_on"] = [wire.pack_frame(frame).hex() for frame in wake_on]
-            # A hub that starts slowly also answers slowly.
-            answer_s = max(deadline_s, time.monotonic() + ANSWER_TIMEOUT_S)
-            self.hub_properties = exchange_hello(link, hello, answer_s, self.failures)
-            hub_bitrate = self.hub_properties.get("bitrate_bps")
-            if bitrate is not None and hub_bitrate is not None and int(bitrate) != hub_bitrate:
-                found = f"bitrate: found {bitrate}, the hub models {hub_bitrate}"
-                raise self.failures.unavailable(f"hub at {address}: {found}")
-            self.notices = Notices() if self.hub_properties.get("faults") else None
-        except BaseException:
-            # The connection must be closed on Ctrl-C, too.
-            link.close()
-            raise
-        self._link = link
-        self.channel_info = f"railhil hub at {address}"
+        self._link, self.hub_properties = join_hub(channel, ClientSettings.of(settings), self.failures)
+        self.notices = Notices() if self.hub_properties.get("faults") else None
+        self.channel_info = f"railhil hub at {self._link.peer}"
 
     def fileno(self) -> int:
         """Descriptor that is readable while :meth:`recv_frames` would not block."""

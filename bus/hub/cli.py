@@ -9,7 +9,7 @@ import sys
 from railhil.bus.errors import BusUnavailable
 from railhil.bus.hub.address import default_channel
 from railhil.bus.hub.portspec import parse_ports
-from railhil.bus.hub.server import DEFAULT_BITRATE_BPS, DEFAULT_QUEUE_LIMIT_BYTES, serve
+from railhil.bus.hub.server import DEFAULT_BITRATE_BPS, DEFAULT_QUEUE_LIMIT_BYTES, HubSpec, serve
 from railhil.common.command_line import add_priority_argument, whole_number
 from railhil.common.scheduling import cycle
 from railhil.common.streams import escape_controls
@@ -102,21 +102,21 @@ def run(args: argparse.Namespace) -> int:
         channel = args.channel or default_channel()
         ports = parse_ports(args.port, channel)
         bitrate_bps = (args.bitrate or DEFAULT_BITRATE_BPS) if args.bitrate_model else None
+        hub = HubSpec(
+            once=args.once,
+            bitrate_bps=bitrate_bps,
+            data_bitrate_bps=args.data_bitrate,
+            arbitration=args.arbitration,
+            queue_limit_bytes=args.queue_limit,
+            ports=ports,
+            lossless=args.lossless,
+            faults=args.faults,
+            restart_ms=args.restart_ms or 0,
+        )
         # A hub that serves several runs keeps its garbage collector enabled.
         around = cycle("hub", args.realtime_priority) if args.realtime_priority else contextlib.nullcontext()
         with around:
-            serve(
-                channel,
-                once=args.once,
-                bitrate_bps=bitrate_bps,
-                data_bitrate_bps=args.data_bitrate,
-                arbitration=args.arbitration,
-                queue_limit_bytes=args.queue_limit,
-                ports=ports,
-                lossless=args.lossless,
-                faults=args.faults,
-                restart_ms=args.restart_ms or 0,
-            )
+            serve(channel, hub)
     except BusUnavailable as error:
         print(escape_controls(f"railhil bus hub: error: {error}"), file=sys.stderr)
         return 2

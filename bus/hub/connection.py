@@ -1,4 +1,4 @@
-"""The client's end of a connection to the hub: connecting, the hello, whole packets in and out, exceptions.
+"""The client's end of a connection to the hub: whole packets in and out, exceptions.
 
 :mod:`railhil.bus.hub.client` has the same exceptions as those of python-can. Deadlines are on the monotonic clock. The
 sockets stay in blocking mode, and every call that must not block uses ``MSG_DONTWAIT``, so one thread may wait for
@@ -8,21 +8,16 @@ packets while another sends (python-can's periodic tasks do that).
 from __future__ import annotations
 
 import contextlib
-import errno
 import os
 import select
 import socket
 import threading
 import time
 from abc import ABC, abstractmethod
-from collections.abc import Callable
 from dataclasses import dataclass
 from struct import Struct
-from typing import Any
 
 from railhil.bus.errors import BusError, BusLost, BusUnavailable
-from railhil.bus.hub import wire
-from railhil.bus.hub.address import Address, connect, describe, new_socket
 from railhil.bus.hub.wire import MAX_PACKET_SIZE, OWN_MARK
 
 
@@ -262,56 +257,3 @@ class ReadinessFd:
         """Close both descriptors."""
         self._epoll.close()
         os.close(self._event_fd)
-
-
-ANSWER_TIMEOUT_S = 5.0
-_RETRY_PERIOD_S = 0.01
-#: Errors on connecting that may also mean that the hub is still starting.
-_RETRY_ERRNOS = frozenset((errno.ECONNREFUSED, errno.ENOENT, errno.EAGAIN))
-
-
-def connect_to_hub(
-    address: Address, deadline_s: float, while_connecting: Callable[[], object], failures: Failures = PLAIN
-) -> HubConnection:
-    """Connect to a hub that may still be starting, until ``deadline_s`` (monotonic clock).
-
-    ``while_connecting`` is called between two attempts; ``failures``: the exceptions that this function and the
-    connection raise. Raises :class:`~railhil.bus.hub.connection.HubUnavailable`.
-    """
-    while True:
-        sock = new_socket(address)
-        try:
-            # Limited even if the hub is suspended and its backlog is full.
-            sock.settimeout(ANSWER_TIMEOUT_S)
-            connect(sock, address)
-        except OSError as error:
-            sock.close()
-            remaining_s = deadline_s - time.monotonic()
-            if error.errno in _RETRY_ERRNOS and remaining_s > 0:
-                while_connecting()
-                time.sleep(min(_RETRY_PERIOD_S, remaining_s))
-                continue
-            raise failures.unavailable(f"no hub at {address}: {describe(error)}") from None
-        sock.settimeout(None)
-        kind = PacketConnection if address.path is not None else StreamConnection
-        return kind(sock, str(address), failures)
-
-
-def exchange_hello(
-    link: HubConnection, hello: dict[str, object], deadline_s: float, failures: Failures = PLAIN
-) -> dict[str, Any]:
-    """Say hello; returns the properties of the hub. Raises :class:`~railhil.bus.hub.connection.HubUnavailable`."""
-    started_s = time.monotonic()
-    try:
-        link.send_packet(wire.encode_hello(**hello), deadline_s)
-        packet = link.receive_packet(deadline_s)
-        if packet is None:
-            raise failures.unavailable(f"hub at {link.peer}: no answer within {deadline_s - started_s:.0f} s")
-        properties = wire.decode_hello(packet)
-    except HubLost as error:
-        raise failures.unavailable(str(error)) from None
-    except ValueError as error:
-        raise failures.unavailable(f"hub at {link.peer}: {error}") from None
-    if "error" in properties:
-        raise failures.unavailable(f"hub at {link.peer}: {properties['error']}")
-    return properties

@@ -7,6 +7,7 @@ import signal
 import sys
 import threading
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Self
 
 from railhil.bus.hub.address import Address, file_identity, listen, parse_channel, remove_socket_file
@@ -27,28 +28,77 @@ DEFAULT_BITRATE_BPS = 500_000
 _STOP_AGAIN_S = 0.05
 
 
-def serve(
-    channel: str,
-    *,
-    once: bool = False,
-    bitrate_bps: int | None = None,
-    data_bitrate_bps: int | None = None,
-    arbitration: bool = False,
-    queue_limit_bytes: int = DEFAULT_QUEUE_LIMIT_BYTES,
-    ports: Sequence[PortSpec] = (),
-    lossless: bool = False,
-    faults: bool = False,
-    restart_ms: int = 0,
-) -> None:
-    """Run a hub on ``channel`` (a path, or ``tcp://127.0.0.1:PORT``) until SIGTERM, SIGINT or SIGHUP.
+@dataclass(frozen=True, slots=True)
+class HubSpec:
+    """What a hub models, and how it serves.
 
-    ``once``: end when the last client has left. ``bitrate_bps``: model the wire time of frames (None: no wire time),
-    CAN FD data phases at ``data_bitrate_bps`` (None: the same). ``arbitration``: frames that wait at the same time are
-    sent by priority of their identifiers. ``queue_limit_bytes``: how far a client may fall behind before it is
-    disconnected. ``ports``: other buses to which frames are forwarded in both directions; ``lossless``: frames for them
-    wait when they are full or down (lockstep) instead of being dropped. ``faults``: model the CAN controllers and the
-    two lines of the clients, and take orders that disturb them (:mod:`railhil.bus.hub.disturbances`); ``restart_ms``:
-    wall time after which a bus-off controller restarts by itself (0: only by order).
+    :param once: end when the last client has left.
+    :param bitrate_bps: model the wire time of frames; None: no wire time.
+    :param data_bitrate_bps: of the data phases of CAN FD frames; None: as ``bitrate_bps``.
+    :param arbitration: frames that wait at the same time are sent by priority of their identifiers.
+    :param queue_limit_bytes: how far a client may fall behind before it is disconnected.
+    :param ports: other buses to which frames are forwarded in both directions.
+    :param lossless: frames for ``ports`` wait when they are full or down (lockstep) instead of being dropped.
+    :param faults: model the CAN controllers and the two lines of the clients, and take orders that disturb them
+        (:mod:`railhil.bus.hub.disturbances`).
+    :param restart_ms: wall time after which a bus-off controller restarts by itself; 0: only by order.
+    """
+
+    once: bool = False
+    bitrate_bps: int | None = None
+    data_bitrate_bps: int | None = None
+    arbitration: bool = False
+    queue_limit_bytes: int = DEFAULT_QUEUE_LIMIT_BYTES
+    ports: Sequence[PortSpec] = ()
+    lossless: bool = False
+    faults: bool = False
+    restart_ms: int = 0
+
+    @property
+    def fd_data_bitrate_bps(self) -> int | None:
+        """Bit rate of the data phases of CAN FD frames; None: no wire time."""
+        return self.bitrate_bps if self.data_bitrate_bps is None else self.data_bitrate_bps
+
+    def properties(self) -> dict[str, object]:
+        """The hub's answer to the hello of a client."""
+        return {
+            "bitrate_model": self.bitrate_bps is not None,
+            "arbitration": self.arbitration,
+            "bitrate_bps": self.bitrate_bps,
+            "data_bitrate_bps": self.fd_data_bitrate_bps,
+            "queue_limit_bytes": self.queue_limit_bytes,
+            "faults": self.faults,
+            "restart_ms": self.restart_ms,
+            "ports": [spec.transport for spec in self.ports],
+        }
+
+    def make_model(self) -> WireModel | None:
+        """The wire; None: frames take no time and do not arbitrate."""
+        if self.bitrate_bps is None and not self.arbitration:
+            return None
+        return WireModel(self.bitrate_bps, self.fd_data_bitrate_bps, self.arbitration)
+
+    def make_disturbance(self) -> Disturbance | None:
+        """The CAN controllers and lines of the clients; None: they are not modelled."""
+        bit_ns = 1e9 / self.bitrate_bps if self.bitrate_bps else 0.0
+        return Disturbance(self.restart_ms, bit_ns) if self.faults else None
+
+    def ready_line(self, address: Address) -> str:
+        """The line that says that clients may connect, and what is modelled."""
+        time_model = "no bit rate"
+        if self.bitrate_bps is not None:
+            fd_data = f"FD data {self.fd_data_bitrate_bps} bit/s"
+            time_model = f"bit rate {self.bitrate_bps} bit/s ({fd_data}), exact stuff bits"
+        order_model = "arbitration by identifier" if self.arbitration else "no arbitration"
+        others = f"; gateway to {', '.join(spec.transport for spec in self.ports)}" if self.ports else ""
+        fault_model = (
+            "error counters, bus-off and two lines by order" if self.faults else "no error counters, no bus-off"
+        )
+        return f"railhil hub ready at {address}: {time_model}; {order_model}; {fault_model}{others}"
+
+
+def serve(channel: str, hub: HubSpec) -> None:
+    """Run a hub on ``channel`` (a path, or ``tcp://127.0.0.1:PORT``) until SIGTERM, SIGINT or SIGHUP.
 
     A stop first delivers, for at most a second, the packets that clients had already sent. At the start the hub waits
     for another hub behind a port; a stop ends that wait too.
@@ -57,41 +107,28 @@ def serve(
     for each bus that goes down or comes back, and at the end or on SIGUSR1 the statistics of each bus. Raises
     :class:`railhil.bus.errors.BusUnavailable` when the channel or a port cannot be opened.
     """
-    data_bitrate_bps = bitrate_bps if data_bitrate_bps is None else data_bitrate_bps
-    model = None
-    if bitrate_bps is not None or arbitration:
-        model = WireModel(bitrate_bps, data_bitrate_bps, arbitration)
     with _Signals() as signals:
         listener, address = listen(parse_channel(channel))
         identity = None if address.path is None else file_identity(address.path)
         bus_ports: list[BusPort] = []
         try:
             with signals.interrupting():
-                for spec in ports:
+                for spec in hub.ports:
                     from railhil.bus.hub.gateway import BusPort
 
-                    bus_ports.append(BusPort(spec, lossless=lossless, report=_report))
+                    bus_ports.append(BusPort(spec, lossless=hub.lossless, report=_report))
             switch = Switch(
                 listener,
-                queue_limit_bytes=queue_limit_bytes,
-                properties={
-                    "bitrate_model": bitrate_bps is not None,
-                    "arbitration": arbitration,
-                    "bitrate_bps": bitrate_bps,
-                    "data_bitrate_bps": data_bitrate_bps,
-                    "queue_limit_bytes": queue_limit_bytes,
-                    "faults": faults,
-                    "restart_ms": restart_ms,
-                    "ports": [spec.transport for spec in ports],
-                },
+                queue_limit_bytes=hub.queue_limit_bytes,
+                properties=hub.properties(),
                 report=_report,
-                model=model,
-                disturbance=Disturbance(restart_ms, 1e9 / bitrate_bps if bitrate_bps else 0.0) if faults else None,
-                once=once,
+                model=hub.make_model(),
+                disturbance=hub.make_disturbance(),
+                once=hub.once,
                 bus_ports=bus_ports,
             )
             with contextlib.closing(switch), signals.sent_to(switch):
-                print(_ready_line(address, bitrate_bps, data_bitrate_bps, arbitration, faults, ports), flush=True)
+                print(hub.ready_line(address), flush=True)
                 switch.run()
                 switch.report_statistics()
         except _StoppedAtStart:
@@ -104,23 +141,6 @@ def serve(
                 remove_socket_file(address.path, listener, identity)
             else:
                 listener.close()
-
-
-def _ready_line(
-    address: Address,
-    bitrate_bps: int | None,
-    data_bitrate_bps: int | None,
-    arbitration: bool,
-    faults: bool,
-    ports: Sequence[PortSpec],
-) -> str:
-    time_model = "no bit rate"
-    if bitrate_bps is not None:
-        time_model = f"bit rate {bitrate_bps} bit/s (FD data {data_bitrate_bps} bit/s), exact stuff bits"
-    order_model = "arbitration by identifier" if arbitration else "no arbitration"
-    others = f"; gateway to {', '.join(spec.transport for spec in ports)}" if ports else ""
-    fault_model = "error counters, bus-off and two lines by order" if faults else "no error counters, no bus-off"
-    return f"railhil hub ready at {address}: {time_model}; {order_model}; {fault_model}{others}"
 
 
 def _report(line: str) -> None:

@@ -24,7 +24,7 @@ from railhil.bus.hub import gateway, portspec
 from railhil.bus.hub.client import HubBus
 from railhil.bus.hub.gateway import SLOW_RETRY_NS, BusPort
 from railhil.bus.hub.portspec import open_port_again, parse_port
-from railhil.bus.hub.server import serve
+from railhil.bus.hub.server import HubSpec, serve
 from railhil.bus.hub.wire import CLASSIC_SIZE, pack_frame
 from railhil.bus.link import open_link
 from railhil.machines.adapter.terminal import Terminal
@@ -281,7 +281,7 @@ def test_a_driver_that_makes_an_error_of_a_stop_does_not_hold_it_back(
 
     monkeypatch.setattr(gateway, "BusPort", opened)
     with nullcontext() if stopped else pytest.raises(BusUnavailable, match="interrupted"):
-        serve(os.fspath(socket_folder / "gw.sock"), ports=[parse_port("railhil:late.sock")])
+        serve(os.fspath(socket_folder / "gw.sock"), HubSpec(ports=[parse_port("railhil:late.sock")]))
     assert not list(socket_folder.iterdir())
 
 
@@ -299,7 +299,7 @@ def test_a_driver_that_catches_a_stop_is_stopped_again(socket_folder: Path, monk
         raise BusUnavailable("not interrupted")
 
     monkeypatch.setattr(gateway, "BusPort", opened)
-    serve(os.fspath(socket_folder / "gw.sock"), ports=[parse_port("railhil:late.sock")])
+    serve(os.fspath(socket_folder / "gw.sock"), HubSpec(ports=[parse_port("railhil:late.sock")]))
     assert len(caught) == 2
     assert not list(socket_folder.iterdir())
 
@@ -329,7 +329,7 @@ def test_a_stop_that_the_interpreter_loses_is_raised_again(
 
     monkeypatch.setattr(gateway, "BusPort", opened)
     hook = sys.unraisablehook
-    serve(os.fspath(socket_folder / "gw.sock"), ports=[parse_port("railhil:late.sock")])
+    serve(os.fspath(socket_folder / "gw.sock"), HubSpec(ports=[parse_port("railhil:late.sock")]))
     assert lost == [True]
     assert capfd.readouterr() == ("", "")
     assert sys.unraisablehook is hook

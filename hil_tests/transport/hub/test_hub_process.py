@@ -18,7 +18,7 @@ import pytest
 from hil_tests.support.hub import PATIENCE_S, HubProcess, running_hub, socket_folder
 from railhil.bus.errors import BusLost, BusUnavailable
 from railhil.bus.frame import Frame
-from railhil.bus.hub import batches
+from railhil.bus.hub import hello
 from railhil.bus.hub.address import HUB_START_S
 from railhil.bus.hub.client import HubBus, HubUnavailable
 from railhil.bus.hub.connection import HubLost
@@ -190,7 +190,7 @@ def test_a_hub_that_is_only_just_starting_is_waited_for_unless_told_otherwise(mo
         waited_s.append(round(deadline_s - time.monotonic()))
         raise HubUnavailable(f"no hub at {address}")
 
-    monkeypatch.setattr(batches, "connect_to_hub", refuse)
+    monkeypatch.setattr(hello, "connect_to_hub", refuse)
     for settings in ({}, {"connect_timeout": "0"}):
         with pytest.raises(HubUnavailable):
             can.Bus(interface="railhil", channel="hub.sock", **settings)

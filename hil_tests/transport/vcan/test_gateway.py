@@ -17,7 +17,7 @@ from hil_tests.transport.vcan.bench import counters_of, run_on, socketcan
 from railhil.bus.frame import ERROR, Frame
 from railhil.bus.hub.client import HubBus
 from railhil.bus.hub.portspec import parse_ports
-from railhil.bus.hub.server import serve
+from railhil.bus.hub.server import HubSpec, serve
 from railhil.bus.link import Link, open_link
 from railhil.testing.result import disturbed
 
@@ -52,7 +52,8 @@ def gateway() -> Iterator[Gateway]:
 
         def run() -> None:
             sys.stderr = said.open("w")
-            serve(channel, ports=parse_ports(["socketcan:vcan0", "socketcan:vcan1"], channel), lossless=True)
+            ports = parse_ports(["socketcan:vcan0", "socketcan:vcan1"], channel)
+            serve(channel, HubSpec(ports=ports, lossless=True))
 
         process = multiprocessing.get_context("fork").Process(target=run)
         process.start()
