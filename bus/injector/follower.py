@@ -6,6 +6,8 @@ fault disturbs: at the plant from the port that opens the ticks, before any faul
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from railhil.bus.codes import Event, FaultOrder, ends_run
 from railhil.bus.frame import Frame
 from railhil.bus.schedule import Schedule
@@ -14,6 +16,7 @@ from railhil.bus.telegrams import RunEvent, SupCmd, TimeSync
 from railhil.dbc import Contract, Port, Signal
 from railhil.faults.capability import life_signal
 from railhil.faults.model import BRAKING_MPS2, Injection
+from railhil.faults.truth import Truth
 
 
 def raw_of(data: bytes, signal: Signal) -> int:
@@ -30,6 +33,54 @@ class _Value:
 
     def of(self, data: bytes) -> float:
         return 0.0 if self._signal is None else raw_of(data, self._signal) * self._signal.scale
+
+
+class TrueMotion:
+    """The train's true motion, from the telegrams of the truth, and the events that it makes."""
+
+    def __init__(self, truth: Truth, port: Port) -> None:
+        self.port = port.name
+        self._position, self._speed = _Value(port, truth.position), _Value(port, truth.speed)
+        self._acceleration, self._traction = _Value(port, truth.acceleration), _Value(port, truth.traction)
+        self._moved = self._brakes = self._drives = False
+
+    def read(self, data: bytes) -> tuple[float, float, list[str]]:
+        """Position in m, speed in m/s, and the events of the next telegram."""
+        position_m, speed_mps = self._position.of(data), self._speed.of(data)
+        events = []
+        moves = speed_mps != 0.0
+        if self._moved and not moves:
+            events.append("standstill")
+        brakes = self._acceleration.of(data) <= -BRAKING_MPS2
+        if brakes and not self._brakes:
+            events.append("braking")
+        drives = self._traction.of(data) > 0.0
+        if drives and not self._drives:
+            events.append("traction")
+        self._moved, self._brakes, self._drives = moves, brakes, drives
+        return position_m, speed_mps, events
+
+
+class Levels:
+    """Levels of the watches, and the events that their changes make.
+
+    :param signals: the level of each port.
+    """
+
+    def __init__(self, signals: Mapping[str, Signal]) -> None:
+        self._signals = signals
+        self._last: dict[str, int] = {}
+
+    def read(self, port: str, data: bytes) -> list[str]:
+        """The events of a telegram: the new level, in lower case; none if it is not new, or the port has none."""
+        signal = self._signals.get(port)
+        if signal is None:
+            return []
+        level = raw_of(data, signal)
+        if level == self._last.get(port, 0):
+            return []
+        self._last[port] = level
+        return [signal.values.get(level, "")]
 
 
 class Follower:
@@ -61,26 +112,14 @@ class Follower:
         self._life_signal = life_signal(clock)
         self._life = -1
         self._event_number = 0
-        self._moved = self._brakes = self._drives = False
-        ports = {
-            clock.name: clock,
-            RunEvent.PORT: contract.port(RunEvent.PORT),
-            SupCmd.PORT: contract.port(SupCmd.PORT),
-            TimeSync.PORT: contract.port(TimeSync.PORT),
-        }
-        self._levels: dict[str, Signal] = {}
-        self._level: dict[str, int] = {}
-        self._truth = ""
-        if truth is not None:
-            port = contract.port(truth.port)
-            self._truth, ports[truth.port] = truth.port, port
-            self._position, self._speed = _Value(port, truth.position), _Value(port, truth.speed)
-            self._acceleration, self._traction = _Value(port, truth.acceleration), _Value(port, truth.traction)
-            for name, signal in truth.levels.items():
-                ports[name] = contract.port(name)
-                self._levels[name] = next(one for one in ports[name].signals if one.name == signal)
-        self._store = TrafficStore(ports.values())
-        self._followed = {can_id for port in ports.values() for can_id in (*port.can_ids, port.fd_id)}
+        self._motion = None if truth is None else TrueMotion(truth, contract.port(truth.port))
+        levels = {} if truth is None else truth.levels
+        self._levels = Levels({port: contract.port(port).signal(level) for port, level in levels.items()})
+        followed = [clock.name, RunEvent.PORT, SupCmd.PORT, TimeSync.PORT, *levels]
+        followed += [] if truth is None else [truth.port]
+        ports = [contract.port(name) for name in dict.fromkeys(followed)]
+        self._store = TrafficStore(ports)
+        self._followed = {can_id for port in ports for can_id in (*port.can_ids, port.fd_id)}
 
     def wall_s(self, duration_s: float) -> float:
         """A simulated duration on the wall clock."""
@@ -95,8 +134,10 @@ class Follower:
             return False
         data = self._store.raw(name)
         new = name == self._clock and self._tick(data)
-        if name == self._truth:
-            self._move(data)
+        motion = self._motion
+        if motion is not None and name == motion.port:
+            self.position_m, self.speed_mps, events = motion.read(data)
+            self._events += events
         elif name == RunEvent.PORT:
             self._milestone(RunEvent.decode(data))
         elif name == TimeSync.PORT:
@@ -105,11 +146,7 @@ class Follower:
             order = SupCmd.decode(data)
             if order.fault_order != FaultOrder.NONE:
                 self._orders.append((order.fault_number, order.fault_order))
-        if name in self._levels:
-            level = raw_of(data, self._levels[name])
-            if level != self._level.get(name, 0):
-                self._level[name] = level
-                self._events.append(self._levels[name].values.get(level, ""))
+        self._events += self._levels.read(name, data)
         return new
 
     def take_events(self) -> list[str]:
@@ -132,19 +169,6 @@ class Follower:
             self._life = life
         self.now_ns = 0 if self.now_ns < 0 else self.now_ns + step * self._period_ns
         return step > 0
-
-    def _move(self, data: bytes) -> None:
-        self.position_m, self.speed_mps = self._position.of(data), self._speed.of(data)
-        moves = self.speed_mps != 0.0
-        if self._moved and not moves:
-            self._events.append("standstill")
-        brakes = self._acceleration.of(data) <= -BRAKING_MPS2
-        if brakes and not self._brakes:
-            self._events.append("braking")
-        drives = self._traction.of(data) > 0.0
-        if drives and not self._drives:
-            self._events.append("traction")
-        self._moved, self._brakes, self._drives = moves, brakes, drives
 
     def _milestone(self, event: RunEvent) -> None:
         if event.number == self._event_number:

@@ -24,7 +24,7 @@ from railhil.bus.mvb import master_tail
 from railhil.bus.own_frames import supervisor_polls
 from railhil.bus.responder import Responder
 from railhil.bus.telegrams import RunEvent
-from railhil.dbc import Contract
+from railhil.dbc import Contract, Port
 from railhil.record.framelog import LateLines
 from railhil.record.log_trace import are_whole
 from railhil.record.truth_clock import TimeBase
@@ -52,34 +52,14 @@ class Taken(NamedTuple):
     others: list[Frame]
 
 
-class Packets:
-    """Takes the frames of every tick.
+class FrameKinds:
+    """Kind of each frame, by its identifier and its data.
 
     :param seen_ids: identifiers of all frames that the recorder reads; other frames are only recorded.
-    :param waits: a packet that ends with the poll of SUP_CMD may be answered before it is looked at.
+    :param truth_ids: identifiers of the truth, if it keeps the time of the record.
     """
 
-    def __init__(
-        self,
-        responder: Responder,
-        contract: Contract,
-        seen_ids: Collection[int],
-        base: TimeBase,
-        late: LateLines,
-        *,
-        waits: bool,
-    ) -> None:
-        self._responder = responder
-        self._clock = responder.clock
-        self._truth = truth = base.truth
-        self.late = late
-        self._waits = waits
-        self._pace = 0 if base.pace is None else int.from_bytes(base.pace.data)
-        self._pace_ticks = base.pace_ticks
-        # Packets that are answered and not recorded yet, each with the answer; places of polls and answers.
-        self._backlog: list[bytes] = []
-        self._answered: list[int] = []
-        self._backlog_frames = 0
+    def __init__(self, contract: Contract, seen_ids: Collection[int], truth_ids: Collection[int]) -> None:
         # Polls that the supervisor answers, and polls of no port, need more.
         polled = (port for port in contract.ports if port.mode == "poll" and port.source != "supervisor")
         self._polls = [int.from_bytes(master_tail(port.f_code, port.address)) for port in polled]
@@ -88,10 +68,30 @@ class Packets:
         self._kinds[[*seen_ids, SFF_MASK + 1]] = _OTHER
         self._kinds[contract.poll_id] = _POLL
         self._kinds[contract.clock_port.address] = _CLOCK
-        self._clock_port = contract.clock_port
-        if truth is not None:
-            # Packed frames are classic. One with the identifier of an FD frame is foreign and is read by itself.
-            self._kinds[list(truth.truth_ids - {port.fd_id for port in contract.ports})] = _TRUTH
+        # Packed frames are classic. One with the identifier of an FD frame is foreign and is read by itself.
+        self._kinds[list({*truth_ids} - {port.fd_id for port in contract.ports})] = _TRUTH
+
+    def of(self, frames: Frames, numbers: Ints) -> npt.NDArray[np.uint8]:
+        """Kind of each frame.
+
+        :param numbers: the first three octets of its data.
+        """
+        lengths = frames["length"]
+        # Frames with flags have larger identifiers.
+        kinds: npt.NDArray[np.uint8] = self._kinds[np.minimum(frames["can_id"], SFF_MASK + 1)]
+        kinds[(kinds == _POLL) & ~((lengths == _POLL_BYTES) & np.isin(numbers, self._polls))] = _OTHER
+        kinds[((kinds == _CLOCK) | (kinds == _TRUTH)) & (lengths != _DATA_BYTES)] = _OTHER
+        return kinds
+
+
+class Backlog:
+    """Packets that are answered and not recorded yet, each with its answers.
+
+    :param waits: a packet that ends with the poll of SUP_CMD may be answered before it is looked at.
+    """
+
+    def __init__(self, contract: Contract, *, waits: bool) -> None:
+        self._waits = waits
         #: The poll of SUP_CMD.
         self.command_poll, ident_poll, status_poll = supervisor_polls(contract)
         self._command_poll = pack_frame(self.command_poll)
@@ -103,6 +103,10 @@ class Packets:
             pack_frame(status_poll),
             *(can_id.to_bytes(4, sys.byteorder) for can_id in ends),
         ]
+        self._packets: list[bytes] = []
+        # Places of polls and answers among the frames.
+        self._answered: list[int] = []
+        self._frames = 0
 
     def may_wait(self, packet: bytes) -> bool:
         """Whether a packet ends with the poll of SUP_CMD, and nothing before it needs or changes an answer."""
@@ -113,16 +117,42 @@ class Packets:
 
     def hold(self, packet: bytes, answers: Sequence[Frame]) -> None:
         """Keep a packet that has been answered, to be recorded later with its answers."""
-        self._backlog += (packet, *pack_frames(answers))
-        poll = self._backlog_frames + len(packet) // CLASSIC_SIZE - 1
-        self._backlog_frames = poll + 1 + len(answers)
-        self._answered += range(poll, self._backlog_frames)
+        self._packets += (packet, *pack_frames(answers))
+        poll = self._frames + len(packet) // CLASSIC_SIZE - 1
+        self._frames = poll + 1 + len(answers)
+        self._answered += range(poll, self._frames)
 
     def release(self) -> tuple[bytes, list[int]]:
         """The packets that are kept, as one, and the places of polls and answers in it; they are kept no longer."""
-        packet, answered = b"".join(self._backlog), self._answered
-        self._backlog, self._answered, self._backlog_frames = [], [], 0
+        packet, answered = b"".join(self._packets), self._answered
+        self._packets, self._answered, self._frames = [], [], 0
         return packet, answered
+
+
+class Packets:
+    """Takes the frames of every tick.
+
+    :param backlog: packets that wait.
+    """
+
+    def __init__(
+        self,
+        responder: Responder,
+        clock_port: Port,
+        kinds: FrameKinds,
+        base: TimeBase,
+        late: LateLines,
+        backlog: Backlog,
+    ) -> None:
+        self.backlog = backlog
+        self._responder = responder
+        self._clock = responder.clock
+        self._clock_port = clock_port
+        self._kinds = kinds
+        self._truth = base.truth
+        self._late = late
+        self._pace = 0 if base.pace is None else int.from_bytes(base.pace.data)
+        self._pace_ticks = base.pace_ticks
 
     def take(self, packet: bytes, known: Sequence[int] = ()) -> Iterator[Taken]:
         """Record the frames of a packet, up to each one that needs more. The caller records that frame before it asks
@@ -131,14 +161,11 @@ class Packets:
         :param known: places of frames that have been read already, and are only recorded.
         """
         frames = np.frombuffer(packet, PACKED)
-        lengths, data = frames["length"], frames["data"]
-        # Frames with flags have larger identifiers.
-        kinds = self._kinds[np.minimum(frames["can_id"], SFF_MASK + 1)]
+        data = frames["data"]
         numbers = data[:, 0].astype(np.int64) << 16 | data[:, 1].astype(np.int64) << 8 | data[:, 2]
-        kinds[(kinds == _POLL) & ~((lengths == _POLL_BYTES) & np.isin(numbers, self._polls))] = _OTHER
-        kinds[((kinds == _CLOCK) | (kinds == _TRUTH)) & (lengths != _DATA_BYTES)] = _OTHER
+        kinds = self._kinds.of(frames, numbers)
         kinds[list(known)] = _PLAIN
-        kinds[lengths > _DATA_BYTES] = _OTHER
+        kinds[frames["length"] > _DATA_BYTES] = _OTHER
         begin = 0
         for end in (*np.flatnonzero(kinds == _OTHER).tolist(), len(kinds)):
             ticks: list[int] = []
@@ -169,7 +196,7 @@ class Packets:
             or (polls[1:] <= polls[:-1]).any()
         ):
             return False
-        self.late.add(
+        self._late.add(
             part, (opened * clock.base_tick_ns).tolist(), np.diff(clocks, prepend=0, append=len(part)).tolist()
         )
         ticks += opened[1:].tolist()
@@ -206,4 +233,4 @@ class Packets:
                 ticks.append(clock.tick if truth is None else truth.tick)
         times_ns.append(time_ns)
         counts.append(len(part) - begin)
-        self.late.add(part, times_ns, counts)
+        self._late.add(part, times_ns, counts)

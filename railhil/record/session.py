@@ -23,7 +23,7 @@ from railhil.bus.telegrams import RunEvent, SupCmd, TimeSync
 from railhil.dbc import Contract
 from railhil.record.framelog import LateLines, log_line, log_stamp, plain_line
 from railhil.record.operator_commands import OperatorCommands
-from railhil.record.packets import Packets
+from railhil.record.packets import Backlog, FrameKinds, Packets
 from railhil.record.session_parts import Handshake, InspectedFrames, SupervisorCommands
 from railhil.record.truth_clock import TimeBase
 from railhil.scenarios.model import AnyScenario
@@ -177,17 +177,17 @@ class Session:
         Until then :attr:`sim_time_s` and :attr:`frames` keep their last values.
         """
         packets = self.packets
-        if packets is None or not self.recording or self.ending is not None or not packets.may_wait(packet):
+        if packets is None or not self.recording or self.ending is not None or not packets.backlog.may_wait(packet):
             self.settle()
             return self._record(packet, [])
-        answers = self._responder.handle(packets.command_poll)
-        packets.hold(packet, answers)
+        answers = self._responder.handle(packets.backlog.command_poll)
+        packets.backlog.hold(packet, answers)
         return answers
 
     def settle(self) -> None:
         """Record the packets that have been answered and not been read yet."""
         if self.packets is not None:
-            packet, answered = self.packets.release()
+            packet, answered = self.packets.backlog.release()
             if packet:
                 self._record(packet, answered)
 
@@ -296,12 +296,15 @@ def make_session(
     )
     responder.on(PltIdent, handshake.take)
     responder.on(CtlIdent, handshake.take)
-    inspected = InspectedFrames(contract, sinks, base.truth.truth_ids if base.truth is not None else ())
+    truth_ids = base.truth.truth_ids if base.truth is not None else ()
+    inspected = InspectedFrames(contract, sinks, truth_ids)
     packets = None
     if late is not None:
         keep = late.frame
         # If the poll of SUP_CMD advances a time, it is handled like any other frame.
         command_poll, *_ = supervisor_polls(contract)
         advances = base.pace == command_poll if base.pace else schedule.ticks(SupCmd.PORT) <= MAX_STEP
-        packets = Packets(responder, contract, inspected.flags, base, late, waits=operator is None and not advances)
+        backlog = Backlog(contract, waits=operator is None and not advances)
+        kinds = FrameKinds(contract, inspected.flags, truth_ids)
+        packets = Packets(responder, contract.clock_port, kinds, base, late, backlog)
     return Session(responder, base, handshake, commands, inspected, write, packets, keep)

@@ -308,4 +308,4 @@ def test_a_poll_that_moves_a_time_does_not_wait(name: str, faults: tuple[str, ..
     late = LateLines(lambda text: None)
     packets = make_session(load_any(name, (), faults), late.write, RunSpec(), late=late).packets
     assert packets is not None
-    assert packets.may_wait(pack_frame(packets.command_poll)) is waits
+    assert packets.backlog.may_wait(pack_frame(packets.backlog.command_poll)) is waits
