@@ -9,11 +9,12 @@ import numpy as np
 import pytest
 
 from hil_tests.support.stops import SHORT
+from railhil.batch.case import SequenceRun
 from railhil.scenarios.load import load_any
 from railhil.scenarios.memory import FAULTS, Memory, MemoryRecord, Stored
 from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.sequences.one import OneRun, runner_of, sequence, sequences, through_nodes
+from railhil.sequences.one import runner_of, sequence, sequences, through_nodes
 from railhil.sequences.plan import run_specs
 from railhil.wire.stop import BrakeCommand, IlcStatus
 
@@ -36,7 +37,7 @@ NEWER = replace(GOOD, runs=9, last_run=8)
 _TOO_FAR = {"version": 1, "records": [{**_VALUES["records"][0], "offset_m": 12.5}]}  # type: ignore[index, dict-item]
 
 
-def runs_from_9(memory: Memory, count: int) -> list[OneRun]:
+def runs_from_9(memory: Memory, count: int) -> list[SequenceRun]:
     base = RunSpec("yizhuang_stop", law=LawSpec("ilc_stop", "float64"), perturbed=True, bus="local")
     specs = run_specs(base, _SCENARIO, 3, 8 + count)[8:]
     return [*sequence(_SCENARIO, specs, runner_of(_SCENARIO), memory)]
@@ -46,13 +47,13 @@ def memory(*stored: Stored) -> Memory:
     return Memory("ilc_stop", stored, Path("store"))
 
 
-def status(run: OneRun) -> tuple[int, int]:
+def status(run: SequenceRun) -> tuple[int, int]:
     """Source and fault on the bus, at the end."""
     assert run.trace is not None
     return tuple(int(run.trace.raw(IlcStatus.PORT, name)[-1]) for name in ("MemorySource", "MemoryFault"))  # type: ignore[return-value]
 
 
-def error_m(run: OneRun) -> float:
+def error_m(run: SequenceRun) -> float:
     assert run.trace is not None
     assert np.isfinite(run.trace.values(BrakeCommand.PORT, "CmdAccel")).all()
     error = run.score.signed["stop_error_m"]

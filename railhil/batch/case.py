@@ -12,6 +12,10 @@ from numpy.typing import NDArray
 from railhil.judge.judging import judging_of
 from railhil.judge.result import COUNTS, Result
 from railhil.judge.score import Score
+from railhil.record.telemetry import Kept, kept_of
+from railhil.record.trace import Trace
+from railhil.run.memory import record_after
+from railhil.scenarios.memory import Memory, MemoryRecord
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 
@@ -37,6 +41,56 @@ class Case:
     def run(self, seed: int) -> RunSpec:
         """One of its runs, for benches that make runs one by one."""
         return RunSpec(self.scenario.name, law=self.law, seed=seed, perturbed=self.perturbed)
+
+
+@dataclass(frozen=True, slots=True)
+class SequenceRun:
+    """One run of a sequence: a row without telegrams, unless it was made by itself.
+
+    :param scenario, spec: of the run; the law of ``spec`` has the memory that it began with.
+    :param missed: the reason why it says nothing about the controller; empty: there is none.
+    :param digest: of its commands, or of its frames where the system has no digest.
+    :param kept: the values that the law keeps.
+    :param trace: its telegrams; None of a run that was made together with others.
+    """
+
+    scenario: AnyScenario
+    spec: RunSpec
+    score: Score
+    counts: dict[str, int]
+    missed: str
+    digest: str
+    kept: Kept | None
+    trace: Trace | None = field(default=None, repr=False, compare=False)
+
+    @classmethod
+    def of(cls, run: Result, digest: str, kept: Mapping[str, Any] | None) -> SequenceRun:
+        """A run that was made by itself.
+
+        :param kept: the memory that its law keeps, as :func:`railhil.controller_node.laws.memory.kept` makes it.
+        """
+        memory = None if kept is None else kept_of(kept)
+        return cls(run.scenario, run.spec, run.score, run.counts, run.missed, digest, memory, run.trace)
+
+    @property
+    def began(self) -> Memory:
+        """The memory that it began with."""
+        assert self.spec.law.memory is not None
+        return self.spec.law.memory
+
+    @property
+    def record(self) -> MemoryRecord | None:
+        """The record that it leaves; None if it cannot be trusted, or was learned from before."""
+        if self.kept is None or self.missed or self.score.verdict not in ("PASS", "FAIL"):
+            return None
+        return record_after(self.scenario, self.spec, self.kept)
+
+    @property
+    def left(self) -> Memory:
+        """The memory for the next run."""
+        if self.record is None or self.kept is None:
+            return self.began
+        return self.began.after(self.record, self.kept.used, self.kept.refused)
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,7 +158,7 @@ class Batch:
 
     @classmethod
     def of_results(
-        cls, scenario: AnyScenario, seeds: Sequence[int], runs: Sequence[Result], digests: Sequence[str]
+        cls, scenario: AnyScenario, seeds: Sequence[int], runs: Sequence[Result | SequenceRun], digests: Sequence[str]
     ) -> Batch:
         """Runs of a scenario that were made one by one; INVALID where a fault had no effect."""
         counted = [run.counts for run in runs]

@@ -12,12 +12,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from railhil.batch.case import Batch, Case
+from railhil.batch.case import Batch, Case, SequenceRun
 from railhil.batch.nodes import DIGITS
+from railhil.controller_node.arithmetic import make
+from railhil.controller_node.law_controller import maker_of
 from railhil.controller_node.vector.law import Interface
 from railhil.judge.result import Result
 from railhil.record.trace import Trace
 from railhil.scenarios.model import AnyScenario
+from railhil.scenarios.run_spec import RunSpec
 
 
 def run_coupled(case: Case, seeds: Sequence[int]) -> Batch:
@@ -46,3 +49,22 @@ def command_digest(scenario: AnyScenario, trace: Trace) -> str:
         periods = np.array(trace.times_ns(port), dtype=np.int64) // scenario.timing.control_period_ns
         columns.append(trace.raw(port, signal)[np.diff(periods, prepend=-1) > 0])
     return digest_of(np.stack(columns, axis=1))
+
+
+def digest_of_run(run: Result) -> str:
+    """Digest of a run: the system's own, or of its commands, or the first digits of that of its frames."""
+    system = run.scenario.installed_system
+    if system.digest is not None:
+        return str(system.part("digest")(run.scenario, run.trace))
+    if system.interface is not None:
+        return command_digest(run.scenario, run.trace)
+    return run.frames_sha256[:DIGITS]
+
+
+def direct_sequence_run(scenario: AnyScenario, spec: RunSpec) -> SequenceRun:
+    """One run of a sequence through the system's part ``direct``."""
+    system = scenario.installed_system
+    controller: Any = maker_of(system, scenario)(scenario, spec.law, make(spec.law.arithmetic))
+    run: Result = system.part("direct")(scenario, spec, controller=controller)
+    run.arithmetic = controller.counters
+    return SequenceRun.of(run, digest_of_run(run), controller.kept())

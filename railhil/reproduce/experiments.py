@@ -20,7 +20,7 @@ from railhil.scenarios.run_spec import RunSpec
 
 if TYPE_CHECKING:
     # Needs the extra [campaign].
-    from railhil.sequences.one import OneRun
+    from railhil.batch.case import SequenceRun
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,7 +90,7 @@ class SequenceRuns:
 
     scenario: AnyScenario
     spec: RunSpec
-    runs: Sequence[Sequence[OneRun]]
+    runs: Sequence[Sequence[SequenceRun]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,7 +122,7 @@ class SequenceSet:
         return summarize_sequences(runs, SequenceRuns(scenario, spec, runs))
 
 
-def summarize_sequences(runs: Sequence[Sequence[OneRun]], outcome: Any) -> EntryResult:
+def summarize_sequences(runs: Sequence[Sequence[SequenceRun]], outcome: Any) -> EntryResult:
     """The entry of some sequences: the worst verdict of their runs, and a hash over their commands and memories."""
     flat = [run for sequence in runs for run in sequence]
     verdicts = ["INVALID" if run.missed else run.score.verdict for run in flat]

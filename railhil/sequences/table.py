@@ -9,12 +9,10 @@ from typing import Any
 import numpy as np
 import pyarrow as pa
 
-from railhil.batch.case import Batch
+from railhil.batch.case import Batch, SequenceRun
 from railhil.campaign.rows import schema as campaign_schema
 from railhil.campaign.rows import table_of
 from railhil.judge.judging import Judging
-from railhil.judge.result import COUNTS
-from railhil.sequences.one import OneRun
 from railhil.sequences.plan import Chunk, Plan
 from railhil.study.table import NotThePart
 
@@ -36,14 +34,13 @@ def schema(judging: Judging) -> pa.Schema:
     return pa.schema([*_OWN, *campaign_schema(judging)])
 
 
-def row(seed: int, number: int, run: OneRun, judging: Judging) -> pa.Table:
+def row(seed: int, number: int, run: SequenceRun, judging: Judging) -> pa.Table:
     """One run as a table of one row.
 
     :param seed: of the sequence; ``number``: of the run in it, from 1.
     """
     record, kept = run.record, run.kept
-    counts = {name: np.array([run.counts[name]], dtype=np.int64) for name in COUNTS}
-    result = Batch.of(run.scenario, [run.spec.seed], [run.score], counts, [run.digest], [run.missed])
+    result = Batch.of_results(run.scenario, [run.spec.seed], [run], [run.digest])
     shared = table_of(run.spec.law.controller, result, [], judging)
     own = {
         "sequence": [seed],

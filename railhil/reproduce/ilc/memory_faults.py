@@ -16,7 +16,7 @@ from railhil.scenarios.run_spec import RunSpec
 
 if TYPE_CHECKING:
     # Needs the extra [campaign].
-    from railhil.sequences.one import OneRun
+    from railhil.batch.case import SequenceRun
 
 #: Number of runs before the fault, and from it on.
 BEFORE, AFTER = 8, 10
@@ -104,12 +104,12 @@ class MemoryFaults:
 
         scenario = spec.load()
         specs = [run_specs(spec, scenario, self.first + place, self.before + self.after) for place in range(self.count)]
-        last: dict[int, OneRun] = {
+        last: dict[int, SequenceRun] = {
             place: run for place, _, run in sequences(scenario, [one[: self.before] for one in specs])
         }
         memories = [last[place].left for place in range(self.count)]
         found: dict[str, float | None] = {}
-        every: list[list[OneRun]] = []
+        every: list[list[SequenceRun]] = []
         for fault, change in FAULTS.items():
             # The same random numbers for each fault.
             random = np.random.default_rng(self.first)
@@ -122,7 +122,7 @@ class MemoryFaults:
         return summarize_sequences(every, found)
 
 
-def _figures(rows: list[list[OneRun]]) -> dict[str, float | None]:
+def _figures(rows: list[list[SequenceRun]]) -> dict[str, float | None]:
     """Figures of the runs after a fault."""
     from railhil.batch.statistics import at_most
     from railhil.sequences.summary import runs_to_converge

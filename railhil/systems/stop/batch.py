@@ -1,21 +1,21 @@
 """Runs of the system ``stop``, many at once: the trains move in a compiled loop, the law steps on arrays.
 
-:func:`run_together` is the system's part ``together``, :func:`run_stops` its part ``batch``. A run in which the train's
-watch acts, or in which the train moves again after its stop, is repeated without arrays. All runs of a scenario with
-faults, or with other periods of the ports than in the port table, are made without arrays, too.
+:func:`run_together` is the system's part ``sequence_batch``, :func:`run_stops` its part ``batch``. A run in which the
+train's watch acts, or in which the train moves again after its stop, is repeated without arrays. All runs of a scenario
+with faults, or with other periods of the ports than in the port table, are made without arrays, too.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from railhil.batch.case import Batch, Case
+from railhil.batch.case import Batch, Case, SequenceRun
 from railhil.batch.columns import Columns
-from railhil.batch.coupled import command_digest, digest_of, run_coupled
+from railhil.batch.coupled import digest_of, direct_sequence_run, run_coupled
 from railhil.batch.stacked import StackedLaw
 from railhil.bus.codes import Event
 from railhil.bus.telegrams import RunEvent
@@ -25,11 +25,10 @@ from railhil.controller_node.arithmetic.base import DIVISION_BY_ZERO, SATURATION
 from railhil.controller_node.laws.failure import describe_failure
 from railhil.controller_node.vector.controller import VectorController, VectorLoop
 from railhil.judge.judging import judging_of
-from railhil.judge.score import Score
 from railhil.plant_sim.any_plant import PlantError
 from railhil.plant_sim.stop.plant import DOORS_NS, ODO_MAX, TICK_NS
 from railhil.plant_sim.timed_run import due_tick_of
-from railhil.run.coupled import direct_run
+from railhil.record.telemetry import kept_of
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 from railhil.systems.stop.kernel import DRIVE, POSITION, SPEED, advance_stops, made
@@ -45,15 +44,6 @@ _STATUS_NS = AtoState.port().period_ns
 _DOORS_TICKS = -(-DOORS_NS // TICK_NS)
 
 
-class Together(NamedTuple):
-    """Result of one run; ``counts``: events in the law's arithmetic, ``kept``: the memory that the law keeps."""
-
-    score: Score
-    counts: Mapping[str, int]
-    digest: str
-    kept: dict[str, Any] | None
-
-
 def run_stops(case: Case, seeds: Sequence[int]) -> Batch:
     """Run the first run of each seed's sequence.
 
@@ -63,9 +53,7 @@ def run_stops(case: Case, seeds: Sequence[int]) -> Batch:
     if one_by_one(case.scenario):
         return run_coupled(case, seeds)
     found = run_together(case.scenario, [case.run(int(seed)) for seed in seeds])
-    counts = {name: np.array([one.counts[name] for one in found], dtype=np.int64) for name in COUNTS}
-    scores, digests = [one.score for one in found], [one.digest for one in found]
-    return Batch.of(case.scenario, seeds, scores, counts, digests)
+    return Batch.of_results(case.scenario, seeds, found, [one.digest for one in found])
 
 
 def run_together(
@@ -74,7 +62,7 @@ def run_together(
     *,
     chunk: int = CHUNK,
     say: Callable[[str], None] | None = None,
-) -> list[Together]:
+) -> list[SequenceRun]:
     """Runs of one scenario and one law that differ in seed, number and memory, in their order.
 
     :param chunk: number of runs computed together; the results do not depend on it.
@@ -87,7 +75,7 @@ def run_together(
         return []
     # The law is refused here as on the bench.
     VectorController(scenario, specs[0].law)
-    found: list[Together] = []
+    found: list[SequenceRun] = []
     alone_all = bool(one_by_one(scenario))
     for first in range(0, len(specs), chunk):
         some = specs[first : first + chunk]
@@ -100,16 +88,8 @@ def run_together(
             )
         for train, spec in enumerate(some):
             alone = runs is None or not whole or runs.left[train]
-            found.append(_alone(scenario, spec) if alone or runs is None else runs.found(train))
+            found.append(direct_sequence_run(scenario, spec) if alone or runs is None else runs.found(train))
     return found
-
-
-def _alone(scenario: AnyScenario, spec: RunSpec) -> Together:
-    """One run without arrays."""
-    controller = VectorController(scenario, spec.law)
-    run = direct_run(scenario, spec, controller)
-    counts = {name: int(getattr(controller.counters, name)) for name in COUNTS}
-    return Together(run.score, counts, command_digest(scenario, run.trace), controller.kept())
 
 
 def one_by_one(scenario: AnyScenario) -> str:
@@ -239,13 +219,15 @@ class _Runs:
             self._commands[:, tick, column] = loop.arithmetic.raw(value, item.q)
         self._first_wrap[(self._counts[WRAP] > 0) & (self._first_wrap < 0)] = tick
 
-    def found(self, train: int) -> Together:
+    def found(self, train: int) -> SequenceRun:
         """Result of one run."""
         due = int(self._due[train])
         score = judging_of(self._scenario).score(self._scenario, self._trace(train, due))
         counts = {name: int(self._ended_counts[kind][train]) for name, kind in COUNTS.items()}
         digest = digest_of(self._commands[train, : due + 1 : self._every])
-        return Together(score, counts, digest, self._laws.own[train].kept())
+        kept = self._laws.own[train].kept()
+        memory = None if kept is None else kept_of(kept)
+        return SequenceRun(self._scenario, self._specs[train], score, counts, "", digest, memory)
 
     def _trace(self, train: int, due: int) -> Columns:
         """The data that the score needs of a run's record."""

@@ -10,20 +10,19 @@ import pytest
 
 from hil_tests.support.plug import plug_in
 from hil_tests.support.stops import SHORT, stop_scenario
-from railhil.batch.case import Case
+from railhil.batch.case import Case, SequenceRun
 from railhil.batch.coupled import command_digest
 from railhil.batch.nodes import kernel_of, one_by_one
 from railhil.bench import direct_run
 from railhil.controller_node.laws.memory import NOTHING, Remembered
 from railhil.controller_node.stop.laws.one_shot import OneShot
 from railhil.controller_node.vector.controller import VectorController
-from railhil.record.telemetry import kept_of
 from railhil.scenarios.load import load_any
-from railhil.scenarios.memory import Memory, MemoryRecord, Stored, next_record, no_memory
+from railhil.scenarios.memory import Memory, MemoryRecord, Stored, no_memory
 from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.systems.stop import batch
-from railhil.systems.stop.batch import Together, run_stops, run_together
+from railhil.systems.stop.batch import run_stops, run_together
 
 #: Everything that can be drawn or that the plant does is on.
 ROUGH = (
@@ -43,12 +42,12 @@ ROUGH = (
 )
 
 
-def alone(scenario: Any, spec: RunSpec) -> Together:
+def alone(scenario: Any, spec: RunSpec) -> SequenceRun:
     """The same run without arrays."""
     controller = VectorController(scenario, spec.law)
     run = direct_run(scenario, spec, controller)
-    counts = {name: getattr(controller.counters, name) for name in ("wraps", "saturations", "zero_divisions")}
-    return Together(run.score, counts, command_digest(scenario, run.trace), controller.kept())
+    run.arithmetic = controller.counters
+    return SequenceRun.of(run, command_digest(scenario, run.trace), controller.kept())
 
 
 def specs_of(law: LawSpec, count: int = 4) -> list[RunSpec]:
@@ -79,13 +78,13 @@ def test_each_train_has_its_own_memory() -> None:
         ]
         found = run_together(scenario, specs)
         assert found == [alone(scenario, spec) for spec in specs]
-        memories = [left(memory, one, number) for memory, one in zip(memories, found, strict=True)]
-    assert len({str((one.kept or {})["values"]) for one in found}) == 3
+        memories = [one.left for one in found]
+    assert len({str(one.kept.values) for one in found if one.kept}) == 3
     # A run that is made again is not learned again, as on the bench.
     again = [replace(spec, law=replace(law, memory=memory)) for spec, memory in zip(specs, memories, strict=True)]
     kept = [one.kept for one in run_together(scenario, again)]
     assert kept == [alone(scenario, spec).kept for spec in again]
-    assert [one["values"] for one in kept if one] == [one.kept["values"] for one in found if one.kept]
+    assert [one.values for one in kept if one] == [one.kept.values for one in found if one.kept]
 
 
 @pytest.mark.long
@@ -118,7 +117,7 @@ def test_a_train_with_a_stored_memory_runs_beside_one_without() -> None:
     ]
     found = run_together(scenario, specs, say=refuse)
     assert found == [alone(scenario, spec) for spec in specs]
-    records = [(one.kept or {})["values"]["records"] for one in found]
+    records = [one.kept.values["records"] for one in found if one.kept]
     assert [one[0]["runs"] for one in records] == [4, 1, 2]
 
 
@@ -174,15 +173,6 @@ def test_why_all_runs_of_a_scenario_are_made_one_by_one() -> None:
     )
     assert kernel_of(other) is None
     assert batch.one_by_one(load_any("yizhuang_stop", (), ("adhesion low 0.06 @10s",))) == "the scenario has faults"
-
-
-def left(memory: Memory, run: Together, number: int) -> Memory:
-    """The memory after a run."""
-    assert run.kept is not None
-    kept = kept_of(run.kept)
-    record = next_record(memory.law, kept.key, kept.values, memory.at(kept.used), number)
-    assert record is not None
-    return memory.after(record, kept.used, kept.refused)
 
 
 @pytest.mark.slow
