@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fcntl
 import gc
 import os
 import shutil
@@ -9,7 +10,7 @@ import signal
 import sys
 import tempfile
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -17,8 +18,10 @@ from hypothesis import settings
 
 from hil_tests.hashes import choose
 from hil_tests.support.browser import browser
+from hil_tests.support.recordings import recorded_folder
 from railhil.bench import Result, local_run
 from railhil.bus.select import vcan_available
+from railhil.judge.record import Record, checked_record
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import RunSpec
 from railhil.systems.ato.scenario.model import Scenario
@@ -137,6 +140,27 @@ def lvshun() -> Scenario:
 def nominal(lvshun: Scenario, tmp_path_factory: pytest.TempPathFactory) -> Result:
     """A run of the published scenario without sockets, seed 2; read-only."""
     return local_run(lvshun, tmp_path_factory.mktemp("nominal"), RunSpec(seed=2))
+
+
+@pytest.fixture(scope="session")
+def published_run(lvshun: Scenario, tmp_path_factory: pytest.TempPathFactory) -> Callable[[int, str], Record]:
+    """Recorded runs of the published scenario by seed and arithmetic, each made once for all workers; read-only."""
+    folder = tmp_path_factory.getbasetemp()
+    if "PYTEST_XDIST_WORKER" in os.environ:
+        folder = folder.parent
+    made: dict[tuple[int, str], Record] = {}
+
+    def record_of(seed: int, arithmetic: str) -> Record:
+        if (seed, arithmetic) not in made:
+            place = folder / f"published-{seed}-{arithmetic}"
+            with (folder / "published.lock").open("w") as lock:
+                fcntl.flock(lock, fcntl.LOCK_EX)
+                if not place.exists():
+                    recorded_folder(lvshun, place, seed=seed, arithmetic=arithmetic)
+            made[seed, arithmetic] = checked_record(str(place), None)
+        return made[seed, arithmetic]
+
+    return record_of
 
 
 @pytest.fixture

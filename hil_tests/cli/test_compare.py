@@ -163,18 +163,12 @@ def test_report_again_from_the_folders_gives_the_same_bytes(compared: Compared, 
 
 @pytest.mark.slow
 def test_a_controller_that_cannot_be_had_is_refused_before_the_first_run(place: Path) -> None:
-    """Also when it comes last; what is there says so in its own words, and the folder is free for the next attempt."""
-    (place / "wrong.toml").write_text('law = "twin"\n[parameters]\nsoftening_maxx = 0.8\n')
-    for arguments, words in (
-        (("--indexing", "distance"), "indexing: twin: found 'distance', allowed time with this law"),
-        (("--parameters", str(place / "wrong.toml")), "the unknown parameter softening_maxx"),
-        (("--perturbed", "--seed", "1"), "--seed: found 1, on which twin's own parameters were chosen (designed on"),
-    ):
-        done = compare(place, "refused", "--laws", "ipfc,twin", *arguments)
-        assert done.exit_code == 2
-        assert words in done.one_line()
-        assert done.out == ""
-        assert not (place / "refused").exists()
+    """Also when it comes last; the folder is free for the next attempt."""
+    done = compare(place, "refused", "--laws", "ipfc,twin", "--indexing", "distance")
+    assert done.exit_code == 2
+    assert "indexing: twin: found 'distance', allowed time with this law" in done.one_line()
+    assert done.out == ""
+    assert not (place / "refused").exists()
 
 
 @pytest.mark.long
@@ -251,20 +245,6 @@ def test_bad_command_lines_are_one_line_and_leave_nothing(place: Path, arguments
     assert done.exit_code == 2
     assert words in done.one_line()
     assert not (place / "bad").exists()
-
-
-@pytest.mark.long
-@pytest.mark.slow
-@pytest.mark.loop
-def test_ctrl_c_while_a_later_law_starts_says_what_is_there(place: Path) -> None:
-    folder = place / "early"
-    started = Started("compare", place / "short.toml", "--laws", "ipfc,twin", "--out", folder)
-    wait_for((folder / "twin").is_dir)
-    started.process.send_signal(signal.SIGINT)
-    done, _ = started.finish()
-    assert (done.exit_code, done.err) == (130, "railhil: stopped by Ctrl-C\n")
-    assert done.out.splitlines()[-1] == f"1 of 2 runs recorded in {folder}, no comparison written"
-    assert [path.name for path in folder.iterdir()] == ["ipfc"]
 
 
 @pytest.mark.long

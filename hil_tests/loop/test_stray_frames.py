@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 
-import numpy as np
 import pytest
 
 from benchmarks.figures import QUICK_TOML
@@ -18,11 +17,11 @@ from railhil.dbc import wire_contract
 from railhil.judge.score import Score
 from railhil.plant_sim.cycle import Milestones
 from railhil.record.framelog import read_log
-from railhil.record.trace import Trace, trace_of
+from railhil.record.trace import trace_of
 from railhil.scenarios.load import load
 from railhil.systems.ato.judge.score import score
 from railhil.systems.ato.scenario.model import Scenario
-from railhil.wire.ato import SimTruth, TrnSpeed
+from railhil.wire.ato import TrnSpeed
 
 pytestmark = pytest.mark.faults
 
@@ -173,90 +172,6 @@ def test_one_repetition_is_enough(short: Scenario, run: Result) -> None:
             gone = {*places} - {*places[kept * size : (kept + 1) * size]}
             found = same_or_invalid(short, run, [item for k, item in enumerate(record) if k not in gone])
             assert found.verdict == run.score.verdict
-
-
-# -- STOPPED and the truth --------------------------------------------------------------------------------------------
-
-
-def truth_of(run: Result, events: list[RunEvent]) -> Trace:
-    """The record's truth beside other milestones."""
-    trace = Trace(wire_contract())
-    for time_s, position, speed in zip(
-        run.trace.times_s(SimTruth.PORT),
-        run.trace.raw(SimTruth.PORT, "TruePos"),
-        run.trace.raw(SimTruth.PORT, "TrueSpeed"),
-        strict=True,
-    ):
-        trace.add(SimTruth.PORT, round(time_s * 1e9), SimTruth(int(position), int(speed)).encode())
-    for number, event in enumerate(events, start=1):
-        event.number = number
-        trace.add(RunEvent.PORT, event.instant_01ms * 100_000, event.encode())
-    return trace
-
-
-def stop_of(instant_01ms: int, position_01mm: int) -> RunEvent:
-    return RunEvent(Event.STOPPED, instant_01ms=instant_01ms, position_01mm=position_01mm)
-
-
-def test_a_stop_that_the_truth_does_not_show_is_no_stop(short: Scenario, passed: Result) -> None:
-    place = int(passed.trace.raw(RunEvent.PORT, "EventPos")[EVENT_COPIES])
-    instant = int(passed.trace.raw(RunEvent.PORT, "EventTime")[EVENT_COPIES])
-    end = RunEvent(Event.ENDED_COMPLETE, instant_01ms=instant, position_01mm=place)
-    for at, where, words in (
-        (40_000, place, "record: STOPPED at 3.46 m, but SIM_TRUTH shows the train at 1.7"),
-        (instant, 79_983, "record: STOPPED at 8.00 m, but SIM_TRUTH shows the train at"),
-        (instant, 20_000, "record: STOPPED at 2.00 m, but SIM_TRUTH shows the train at"),
-    ):
-        trace = truth_of(passed, [stop_of(at, where), end])
-        found = score(short, trace)
-        assert found.verdict == "INVALID"
-        assert found.failures[0].startswith(words)
-    trace = truth_of(passed, [stop_of(instant, place), end])
-    assert score(short, trace).verdict == "PASS"
-
-
-@pytest.mark.parametrize(("speed_mps", "verdict"), [(0.0, "FAIL"), (0.9, "FAIL"), (1.3, "INVALID"), (15.0, "INVALID")])
-def test_a_stop_in_full_motion_is_none(short: Scenario, speed_mps: float, verdict: str) -> None:
-    """A train that has just stopped may be under way again, but not so fast."""
-    trace = Trace(wire_contract())
-    for tick in range(0, 600, 2):
-        moving = tick > 402
-        position = 20_000 + (round(max(0, tick - 402) * speed_mps * 100) if moving else 0)
-        trace.add(SimTruth.PORT, tick * 10_000_000, SimTruth(position, round(speed_mps * 1e4) * moving).encode())
-    trace.add(RunEvent.PORT, 4_020_000_000, RunEvent(Event.STOPPED, 1, 40_160, 20_000).encode())
-    trace.add(RunEvent.PORT, 5_000_000_000, RunEvent(Event.ENDED_COMPLETE, 2, 50_000, 0).encode())
-    plan = replace(short.plan, stop_error_max_m=1.0)
-    found = score(replace(short, plan=plan), trace)
-    assert found.verdict == verdict, found.failures
-    if verdict == "INVALID":
-        words = f"record: STOPPED at 4.02 s, but SIM_TRUTH shows {speed_mps:.2f} m/s at 4.12 s"
-        assert found.failures == (words,)
-
-
-def test_a_standstill_without_a_stop_is_no_run(short: Scenario, passed: Result) -> None:
-    last = RunEvent(Event.ENDED_NOT_STOPPED, instant_01ms=90_000)
-    found = score(short, truth_of(passed, [last]))
-    stands_s = passed.trace.times_s(SimTruth.PORT)[np.flatnonzero(passed.trace.raw(SimTruth.PORT, "TrueSpeed") == 0)]
-    first_s = stands_s[stands_s > 4][0]
-    assert found.verdict == "INVALID"
-    assert found.failures == (f"record: no STOPPED, but SIM_TRUTH shows that the train stands from {first_s:.2f} s on",)
-
-
-def test_a_train_that_creeps_to_its_stand_has_stopped_there(short: Scenario) -> None:
-    """Slower than half a bit of the speed for two seconds, then at rest; and one that goes on from its stand."""
-
-    def verdict(stopped_s: float, goes_on: bool) -> str:
-        trace = Trace(wire_contract())
-        for tick in range(0, 1000, 2):
-            speed = 0 if 400 <= tick < 700 or (not goes_on and tick >= 700) else 3000
-            trace.add(SimTruth.PORT, tick * 10_000_000, SimTruth(min(20_000, 50 * tick), speed).encode())
-        trace.add(RunEvent.PORT, 0, RunEvent(Event.STOPPED, 1, round(stopped_s * 1e4), 20_000).encode())
-        trace.add(RunEvent.PORT, 0, RunEvent(Event.ENDED_COMPLETE, 2, 100_000, 0).encode())
-        return score(short, trace).verdict
-
-    assert verdict(4.0, False) == verdict(6.0, False) == verdict(6.9, True) == "PASS"
-    assert verdict(8.0, False) == "PASS"
-    assert verdict(9.0, True) == "INVALID"
 
 
 # -- how they are sent ------------------------------------------------------------------------------------------------

@@ -5,7 +5,6 @@ from __future__ import annotations
 import dataclasses
 import json
 import math
-import signal
 from pathlib import Path
 from typing import Any
 
@@ -155,11 +154,7 @@ def result_of(scenario: Scenario, run: Result, spec: RunSpec | None = None) -> R
 
 
 @pytest.mark.slow
-def test_the_wrap_stands_in_the_log_and_in_junit(wrapped: Result, nominal: Result, lvshun: Scenario) -> None:
-    assert wrapped.log is not None
-    done = railhil("score", wrapped.log, "--scenario", "lvshun_tieshan", "--json")
-    assert done.exit_code == FAIL
-    assert done.json["failures"] == list(wrapped.score.failures)
+def test_the_wrap_stands_in_junit(wrapped: Result, nominal: Result, lvshun: Scenario) -> None:
     for run, fails in ((wrapped, True), (nominal, False)):
         root = junit(result_of(lvshun, run)).getroot()
         case = next(case for case in root.iter("testcase") if case.get("name") == "no_wrap")
@@ -262,22 +257,6 @@ def test_whoever_starts_the_nodes_says_how_it_is_done_again() -> None:
         "--no-controller -i socketcan -c can0"
     )
     assert "board" in str(rerun_needs(foreign))
-
-
-@pytest.mark.slow
-@pytest.mark.loop
-def test_telemetry_survives_the_end_of_the_plant(tmp_path: Path) -> None:
-    folder = tmp_path / "run"
-    pace = ("--pace", "realtime", "--rate", "20")
-    run = Started("run", "--seed", "1", "--out", folder, "--quiet", "--no-report", *pace)
-    wait_for(lambda: (folder / "frames.log").stat().st_size > 400_000)
-    run.child("plant").send_signal(signal.SIGKILL)
-    done, _ = run.finish()
-    assert done.exit_code == 3
-    document = json.loads((folder / "telemetry.json").read_text(encoding="utf-8"))
-    assert 5 < document["steps"] < 380
-    score = json.loads((folder / "score.json").read_text(encoding="utf-8"))
-    assert score["telemetry"]["cycles"] == document["cycles"]["ram"]
 
 
 @pytest.mark.parametrize(

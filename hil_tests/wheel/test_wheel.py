@@ -72,7 +72,7 @@ def installed(built: Built, tmp_path_factory: pytest.TempPathFactory) -> Environ
 @pytest.fixture(scope="module")
 def run_folder(installed: Environment) -> Path:
     """The nominal run of the installed command."""
-    installed.run("railhil", "run", "--seed", "2", "--out", "nominal")
+    installed.run("railhil", "run", "--seed", "2", "--bus", "local", "--no-report", "--out", "nominal")
     return installed.folder / "nominal"
 
 

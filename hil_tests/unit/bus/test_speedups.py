@@ -12,7 +12,6 @@ from railhil.bus.frame import Frame, quick_frame
 from railhil.bus.layout import Telegram
 from railhil.bus.mvb import check_sequence, parse_master_frame
 from railhil.controller_node.ato.control_loop import POSITION_MAX_01MM, limited_01mm
-from railhil.controller_node.ato.speed_watch import Ladder, SpeedWatchState, command
 from railhil.plant_sim.ato import dynamics
 from railhil.plant_sim.ato.plant import Plant
 from railhil.plant_sim.ato.telegrams import TrainTelegrams
@@ -20,7 +19,6 @@ from railhil.record.framelog import log_line
 from railhil.scenarios.load import load
 from railhil.systems.ato.scenario.target import Target
 from railhil.wire import ato as telegrams
-from railhil.wire.ato import WatchLevel
 
 CLASSES = [
     kind
@@ -110,24 +108,6 @@ def test_forces_shown_are_those_of_this_instant() -> None:
         assert plant.traction_n - plant.brake_n == force_n
         shown.add(force_n)
     assert len(shown) > 100
-
-
-def test_the_watch_remembers_the_notch_it_sent() -> None:
-    ladder, source = Ladder.of(load("lvshun_tieshan")), random.Random(3)
-    for _ in range(500):
-        state = SpeedWatchState(
-            WatchLevel(source.randrange(5)),
-            code=source.randint(-9, 9),
-            kept_code=-3,
-            returning=source.random() < 0.5,
-        )
-        law_code, elapsed_ms = source.randint(-9, 9), source.choice((0, 1, 20))
-        after, code, emergency = command(ladder, state, law_code, elapsed_ms)
-        returning = state.returning or state.level >= WatchLevel.TRACTION_CUT
-        if state.level is WatchLevel.NORMAL:
-            returning = code < law_code
-        assert after == state._replace(code=code, returning=returning)
-        assert emergency == (state.level is WatchLevel.EMERGENCY)
 
 
 def test_positions_are_limited_on_both_sides() -> None:

@@ -6,6 +6,7 @@ import ast
 import ctypes
 import gc
 import itertools
+import json
 import os
 import re
 import resource
@@ -85,28 +86,36 @@ def test_a_cycle_without_a_priority_says_nothing_and_keeps_collector_and_slack_a
     assert capfd.readouterr().err == ""
 
 
-@pytest.mark.slow
-def test_what_is_granted_is_said_and_given_back(capfd) -> None:
-    with cycle("plant", NODE_PRIORITY) as scheduling:
-        granted = policy(), os.sched_getparam(0).sched_priority
-        soft_us, hard_us = resource.getrlimit(resource.RLIMIT_RTTIME)
-    assert granted == ((os.SCHED_FIFO, NODE_PRIORITY) if PERMITTED else (os.SCHED_OTHER, 0))
+#: In a process of its own: to lock the memory of all tests takes seconds.
+_SAID = f"""
+import json, os, resource
+from railhil.common.scheduling import cycle
+def policy():
+    return os.sched_getscheduler(0) & ~os.SCHED_RESET_ON_FORK
+with cycle("plant", {NODE_PRIORITY}) as scheduling:
+    granted = policy(), os.sched_getparam(0).sched_priority
+    limits_us = resource.getrlimit(resource.RLIMIT_RTTIME)
+print(json.dumps([granted, limits_us, policy(), scheduling.priority, scheduling.sentence]))
+"""
+
+
+def test_what_is_granted_is_said_and_given_back() -> None:
+    done = subprocess.run([sys.executable, "-c", _SAID], cwd=ROOT, capture_output=True, text=True, timeout=60)
+    granted, (soft_us, hard_us), after, priority, sentence = json.loads(done.stdout)
+    assert granted == ([os.SCHED_FIFO, NODE_PRIORITY] if PERMITTED else [os.SCHED_OTHER, 0])
     assert 0 < soft_us <= 500_000
     assert 0 < hard_us <= 2_000_000
-    assert policy() == os.SCHED_OTHER
-    assert scheduling.priority == 0
-    said = capfd.readouterr().err
-    assert said == f"plant: scheduling: {scheduling.sentence}\n"
-    assert said_in(f"plant: hub (given)\n{said}plant: later\n", "plant") == scheduling.sentence
+    assert (after, priority) == (os.SCHED_OTHER, 0)
+    assert done.stderr == f"plant: scheduling: {sentence}\n"
+    assert said_in(f"plant: hub (given)\n{done.stderr}plant: later\n", "plant") == sentence
     begin = rf"SCHED_FIFO {NODE_PRIORITY}, " if PERMITTED else r"not permitted \(.+\); normal scheduling, "
-    assert re.match(rf"{begin}memory (locked|not locked \(.+ KiB\))", scheduling.sentence)
+    assert re.match(rf"{begin}memory (locked|not locked \(.+ KiB\))", sentence)
 
 
 def test_a_node_that_was_not_asked_is_scheduled_normally() -> None:
     assert said_in("hub ready\nplant: scheduling: SCHED_FIFO 40, memory locked\n", "hub") == "normal scheduling"
 
 
-#: In a process of its own: to lock the memory of all tests takes seconds.
 _UNSAID = f"""
 from railhil.common.scheduling import cycle
 with cycle("supervisor", {RECORDER_PRIORITY}, aloud=False) as scheduling:

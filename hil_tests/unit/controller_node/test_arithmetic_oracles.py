@@ -26,7 +26,6 @@ def _digits() -> None:
     with_many_digits()
 
 
-@pytest.mark.parametrize("q", FORMATS)
 @pytest.mark.parametrize(
     ("operation", "quantization", "overflow"),
     [
@@ -35,16 +34,19 @@ def _digits() -> None:
         ("rsmpy", QuantizationMode.RND, OverflowMode.SAT),
     ],
 )
-def test_products_are_those_of_apytypes(
-    operation: str, quantization: QuantizationMode, overflow: OverflowMode, q: int
-) -> None:
-    ar = C28()
-    # The first pair overflows in every format.
-    for a, b in [(INT32_MAX, INT32_MAX), *zip(spread(q), spread(-q)[::-1], strict=True)]:
-        left, right = (APyFixed(x & 0xFFFFFFFF, int_bits=32 - q, frac_bits=q) for x in (a, b))
-        bits = (left * right).cast(int_bits=32 - q, frac_bits=q, quantization=quantization, overflow=overflow).to_bits()
-        assert getattr(ar, operation)(a, b, q) == (bits + 2**31) % 2**32 - 2**31
-    assert ar.counters.wraps + ar.counters.saturations > 0
+def test_products_are_those_of_apytypes(operation: str, quantization: QuantizationMode, overflow: OverflowMode) -> None:
+    for q in FORMATS:
+        ar = C28()
+        # The first pair overflows in every format.
+        for a, b in [(INT32_MAX, INT32_MAX), *zip(spread(q), spread(-q)[::-1], strict=True)]:
+            left, right = (APyFixed(x & 0xFFFFFFFF, int_bits=32 - q, frac_bits=q) for x in (a, b))
+            bits = (
+                (left * right)
+                .cast(int_bits=32 - q, frac_bits=q, quantization=quantization, overflow=overflow)
+                .to_bits()
+            )
+            assert getattr(ar, operation)(a, b, q) == (bits + 2**31) % 2**32 - 2**31
+        assert ar.counters.wraps + ar.counters.saturations > 0
 
 
 @settings(max_examples=300)
@@ -73,73 +75,73 @@ def is_root(root: int, square: Fraction) -> bool:
     return max(2 * root - 1, 0) ** 2 <= 4 * square <= (2 * root + 1) ** 2
 
 
-@pytest.mark.parametrize("q", FORMATS)
-def test_roots_lie_between_the_squares_of_their_neighbours(q: int) -> None:
-    ar, portable = C28(), Portable()
-    for a, b in zip(spread(q + 100), spread(q + 200)[::-1], strict=True):
-        mag = ar.mag(a, b, q)
-        assert mag == INT32_MAX or is_root(mag, Fraction(a * a + b * b))
-        assert abs(portable.mag(a, b, q) - mag) <= 2
-        if a <= 0:
-            assert [ar.sqrt(a, q), ar.isqrt(a, q), portable.sqrt(a, q), portable.isqrt(a, q)] == [0] * 4
-            continue
-        root = ar.sqrt(a, q)
-        assert is_root(root, Fraction(a << q))
-        assert abs(portable.sqrt(a, q) - root) <= 1
-        inverse, square = ar.isqrt(a, q), Fraction(1 << (3 * q), a)
-        assert inverse == INT32_MAX if square > INT32_MAX**2 else is_root(inverse, square)
-        # Two Newton steps up to Q23, three from Q24 on.
-        assert -(1 if q > 23 else 25) <= portable.isqrt(a, q) - inverse <= 1
-    assert ar.mag(INT32_MIN, INT32_MIN, q) == INT32_MAX
+def test_roots_lie_between_the_squares_of_their_neighbours() -> None:
+    for q in FORMATS:
+        ar, portable = C28(), Portable()
+        for a, b in zip(spread(q + 100), spread(q + 200)[::-1], strict=True):
+            mag = ar.mag(a, b, q)
+            assert mag == INT32_MAX or is_root(mag, Fraction(a * a + b * b))
+            assert abs(portable.mag(a, b, q) - mag) <= 2
+            if a <= 0:
+                assert [ar.sqrt(a, q), ar.isqrt(a, q), portable.sqrt(a, q), portable.isqrt(a, q)] == [0] * 4
+                continue
+            root = ar.sqrt(a, q)
+            assert is_root(root, Fraction(a << q))
+            assert abs(portable.sqrt(a, q) - root) <= 1
+            inverse, square = ar.isqrt(a, q), Fraction(1 << (3 * q), a)
+            assert inverse == INT32_MAX if square > INT32_MAX**2 else is_root(inverse, square)
+            # Two Newton steps up to Q23, three from Q24 on.
+            assert -(1 if q > 23 else 25) <= portable.isqrt(a, q) - inverse <= 1
+        assert ar.mag(INT32_MIN, INT32_MIN, q) == INT32_MAX
 
 
-@pytest.mark.parametrize("q", FORMATS)
-def test_exponential(q: int) -> None:
-    ar, portable = C28(), Portable()
-    smallest, largest = series.exp_range(q)
-    assert rounded((Decimal(largest) / 2**q).exp(), q) <= INT32_MAX
-    assert (Decimal(largest + 1) / 2**q).exp() * 2**q > INT32_MAX
-    assert (Decimal(smallest) / 2**q).exp() * 2**q >= 1
-    assert smallest == INT32_MIN or (Decimal(smallest - 1) / 2**q).exp() * 2**q < 1
-    near = spread(q, 12) + [largest, largest + 1, -q << q] + [int(x * largest / 8) for x in range(-8, 8)]
-    near += [smallest - 1, smallest, smallest + 1]
-    for a in map(limited, near):
-        value = rounded((Decimal(min(max(a, smallest), largest)) / 2**q).exp(), q)
-        assert ar.exp(a, q) == value
-        assert abs(portable.exp(a, q) - (value if a <= largest else INT32_MAX)) <= 3
-    assert ar.counters.saturations == sum(limited(a) > largest for a in near)
+def test_exponential() -> None:
+    for q in FORMATS:
+        ar, portable = C28(), Portable()
+        smallest, largest = series.exp_range(q)
+        assert rounded((Decimal(largest) / 2**q).exp(), q) <= INT32_MAX
+        assert (Decimal(largest + 1) / 2**q).exp() * 2**q > INT32_MAX
+        assert (Decimal(smallest) / 2**q).exp() * 2**q >= 1
+        assert smallest == INT32_MIN or (Decimal(smallest - 1) / 2**q).exp() * 2**q < 1
+        near = spread(q, 12) + [largest, largest + 1, -q << q] + [int(x * largest / 8) for x in range(-8, 8)]
+        near += [smallest - 1, smallest, smallest + 1]
+        for a in map(limited, near):
+            value = rounded((Decimal(min(max(a, smallest), largest)) / 2**q).exp(), q)
+            assert ar.exp(a, q) == value
+            assert abs(portable.exp(a, q) - (value if a <= largest else INT32_MAX)) <= 3
+        assert ar.counters.saturations == sum(limited(a) > largest for a in near)
 
 
-@pytest.mark.parametrize("q", FORMATS)
-def test_logarithm(q: int) -> None:
-    ar, portable = C28(), Portable()
-    assert ar.log(1 << q, q) == 0
-    for a in spread(q):
-        if a <= 0:
-            assert ar.log(a, q) == INT32_MIN
-            assert portable.log(a, q) == 0
-            continue
-        value = rounded((Decimal(a) / 2**q).ln(), q)
-        assert ar.log(a, q) == limited(value)
-        assert abs(portable.log(a, q) - limited(value)) <= (8 if q >= 29 else 3)
+def test_logarithm() -> None:
+    for q in FORMATS:
+        ar, portable = C28(), Portable()
+        assert ar.log(1 << q, q) == 0
+        for a in spread(q):
+            if a <= 0:
+                assert ar.log(a, q) == INT32_MIN
+                assert portable.log(a, q) == 0
+                continue
+            value = rounded((Decimal(a) / 2**q).ln(), q)
+            assert ar.log(a, q) == limited(value)
+            assert abs(portable.log(a, q) - limited(value)) <= (8 if q >= 29 else 3)
 
 
-@pytest.mark.parametrize("q", FORMATS)
-def test_sine_and_cosine(q: int) -> None:
-    ar, portable = C28(), Portable()
-    quarter = PI / 2
-    eighths = [k << q >> 3 for k in range(-9, 10) if abs(k << q >> 3) <= INT32_MAX]
-    for a in [*spread(q, 12), *eighths]:
-        angle = Decimal(a) / 2**q
-        turn = sine(2 * PI * angle), sine(2 * PI * angle + quarter)
-        assert (ar.sin_pu(a, q), ar.cos_pu(a, q)) == tuple(rounded(value, q) for value in turn)
-        assert abs(portable.sin_pu(a, q) - ar.sin_pu(a, q)) <= 4
-        assert abs(portable.cos_pu(a, q) - ar.cos_pu(a, q)) <= 4
-        if q < 30:
-            assert (ar.sin(a, q), ar.cos(a, q)) == (rounded(sine(angle), q), rounded(sine(angle + quarter), q))
-            assert abs(portable.sin(a, q) - ar.sin(a, q)) <= 2
-            assert abs(portable.cos(a, q) - ar.cos(a, q)) <= 2
-    assert (ar.sin_pu(0, q), ar.cos_pu(0, q)) == (0, 1 << q)
+def test_sine_and_cosine() -> None:
+    for q in FORMATS:
+        ar, portable = C28(), Portable()
+        quarter = PI / 2
+        eighths = [k << q >> 3 for k in range(-9, 10) if abs(k << q >> 3) <= INT32_MAX]
+        for a in [*spread(q, 12), *eighths]:
+            angle = Decimal(a) / 2**q
+            turn = sine(2 * PI * angle), sine(2 * PI * angle + quarter)
+            assert (ar.sin_pu(a, q), ar.cos_pu(a, q)) == tuple(rounded(value, q) for value in turn)
+            assert abs(portable.sin_pu(a, q) - ar.sin_pu(a, q)) <= 4
+            assert abs(portable.cos_pu(a, q) - ar.cos_pu(a, q)) <= 4
+            if q < 30:
+                assert (ar.sin(a, q), ar.cos(a, q)) == (rounded(sine(angle), q), rounded(sine(angle + quarter), q))
+                assert abs(portable.sin(a, q) - ar.sin(a, q)) <= 2
+                assert abs(portable.cos(a, q) - ar.cos(a, q)) <= 2
+        assert (ar.sin_pu(0, q), ar.cos_pu(0, q)) == (0, 1 << q)
 
 
 @settings(max_examples=200)
@@ -201,13 +203,13 @@ def test_macro_refuses_what_is_undefined_on_the_target(value: float) -> None:
         C28Batch().from_float(np.array([0.0, value]), 30)
 
 
-@pytest.mark.parametrize("q", FORMATS)
-def test_macro_takes_all_that_fits_and_no_more(q: int) -> None:
-    top, bottom = math.ldexp(INT32_MAX + 0.75, -q), math.ldexp(INT32_MIN - 0.75, -q)
-    assert (C28().from_float(top, q), C28().from_float(bottom, q)) == (INT32_MAX, INT32_MIN)
-    for value in (math.ldexp(INT32_MAX + 1, -q), math.ldexp(INT32_MIN - 1, -q)):
-        with pytest.raises(ValueError, match="outside int32"):
-            C28().from_float(value, q)
+def test_macro_takes_all_that_fits_and_no_more() -> None:
+    for q in FORMATS:
+        top, bottom = math.ldexp(INT32_MAX + 0.75, -q), math.ldexp(INT32_MIN - 0.75, -q)
+        assert (C28().from_float(top, q), C28().from_float(bottom, q)) == (INT32_MAX, INT32_MIN)
+        for value in (math.ldexp(INT32_MAX + 1, -q), math.ldexp(INT32_MIN - 1, -q)):
+            with pytest.raises(ValueError, match="outside int32"):
+                C28().from_float(value, q)
 
 
 @settings(max_examples=200)
@@ -227,21 +229,21 @@ def round_half_away(exact: Fraction) -> int:
     return size if exact >= 0 else -size
 
 
-@pytest.mark.parametrize("q", FORMATS)
-def test_texts_of_any_length(q: int) -> None:
+def test_texts_of_any_length() -> None:
     """More digits than Python makes a number of, and digits that decide a rounding late."""
-    for profile in (C28(), C28Batch(), Portable()):
-        assert profile.ato_iq("9" * 5000, q) == INT32_MAX
-        assert profile.ato_iq("-" + "9" * 5000 + "." + "9" * 5000, q) == INT32_MIN
-        assert profile.ato_iq("9" * 11 + ".0", q) == INT32_MAX
-        assert profile.counters.saturations == 3
-    half = f"{Decimal(1) / 2 ** (q + 1):f}"
-    ar = C28()
-    assert ar.ato_iq(half + "0" * 5000, q) == 1
-    assert ar.ato_iq(half[:-1] + "4" + "9" * 5000, q) == 0
-    assert ar.ato_iq("-" + "0" * 5000 + half, q) == -1
-    assert ar.ato_iq("0." + "9" * 5000, q) == 1 << q
-    assert ar.counters.saturations == 0
+    for q in FORMATS:
+        for profile in (C28(), C28Batch(), Portable()):
+            assert profile.ato_iq("9" * 5000, q) == INT32_MAX
+            assert profile.ato_iq("-" + "9" * 5000 + "." + "9" * 5000, q) == INT32_MIN
+            assert profile.ato_iq("9" * 11 + ".0", q) == INT32_MAX
+            assert profile.counters.saturations == 3
+        half = f"{Decimal(1) / 2 ** (q + 1):f}"
+        ar = C28()
+        assert ar.ato_iq(half + "0" * 5000, q) == 1
+        assert ar.ato_iq(half[:-1] + "4" + "9" * 5000, q) == 0
+        assert ar.ato_iq("-" + "0" * 5000 + half, q) == -1
+        assert ar.ato_iq("0." + "9" * 5000, q) == 1 << q
+        assert ar.counters.saturations == 0
 
 
 def test_texts_that_are_special() -> None:

@@ -46,11 +46,11 @@ def test_all_vectors_are_there() -> None:
 
 
 @pytest.mark.parametrize("profile", PROFILES)
-@pytest.mark.parametrize("function", FUNCTIONS)
-def test_every_vector_is_met(profile: str, function: str) -> None:
-    report = check(profile, function, shipped_rows()[function])
-    assert report.wrong == report.worst_lsb == 0
-    assert report.unjudged == UNJUDGED[profile].get(function, 0)
+def test_every_vector_is_met(profile: str) -> None:
+    for function in FUNCTIONS:
+        report = check(profile, function, shipped_rows()[function])
+        assert report.wrong == report.worst_lsb == 0
+        assert report.unjudged == UNJUDGED[profile].get(function, 0)
 
 
 @pytest.mark.parametrize("function", ["atan2", "atan2PU"])
@@ -68,13 +68,13 @@ def test_the_arctangent_in_turns_is_judged_in_0_to_1_on_the_c28x() -> None:
 
 
 @pytest.mark.parametrize("profile", PROFILES)
-@pytest.mark.parametrize("function", FUNCTIONS)
-def test_arrays_give_the_same_results_and_counts(profile: str, function: str) -> None:
-    one, many = (make() for make in PROFILES[profile])
-    results = as_arrays(many, function, shipped_rows()[function])
-    assert results == one_by_one(one, function, shipped_rows()[function])
-    assert judge(profile, function, shipped_rows()[function], results).wrong == 0
-    assert one.counters == many.counters
+def test_arrays_give_the_same_results_and_counts(profile: str) -> None:
+    for function in FUNCTIONS:
+        one, many = (make() for make in PROFILES[profile])
+        results = as_arrays(many, function, shipped_rows()[function])
+        assert results == one_by_one(one, function, shipped_rows()[function])
+        assert judge(profile, function, shipped_rows()[function], results).wrong == 0
+        assert one.counters == many.counters
 
 
 def test_the_profiles_differ_where_the_libraries_do() -> None:
@@ -131,17 +131,6 @@ def test_exp_is_judged_by_r_inside_its_range_only() -> None:
     assert expected(42, 3, "portable") == 7
 
 
-def test_exp_that_limits_its_result_is_reported() -> None:
-    def of(outside: Any) -> Any:
-        model = PROFILES["c28"][0]()
-        return type("Mutant", (), {"exp": lambda self, a, q: outside(a, q, *iq_vectors.exp_range(q), model.exp(a, q))})
-
-    no_lower = of(lambda a, q, smallest, largest, right: 0 if a < smallest else right)
-    no_upper = of(lambda a, q, smallest, largest, right: 2**31 - 1 if a > largest else right)
-    assert check("c28", "exp", shipped_rows()["exp"], no_lower()).wrong == 79
-    assert check("c28", "exp", shipped_rows()["exp"], no_upper()).wrong == 66
-
-
 def test_command_prints_and_fails_with_a_mismatch(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     shutil.copy(DATA / "div.jsonl.gz", tmp_path)
     for profile in PROFILES:
@@ -187,25 +176,11 @@ def test_a_damaged_folder_is_one_line(tmp_path: Path, capsys: pytest.CaptureFixt
         ("", "line 2: found '', allowed a row with f, q and i"),
         ("[" * 100_000, "line 2: found '[[["),
         ("7", "line 2: f: found 7, allowed a row with f, q and i"),
-        ('{"f":"a b","q":24,"i":[1]}', "line 2: f: found {"),
-        ('{"q":24,"i":[1]}', "line 2: f: found {"),
         ('{"f":"mpy","q":40,"i":[1,2],"o":0,"c":0}', "line 2: q: found 40, allowed 1 to 30 for mpy"),
-        ('{"f":"mpy","q":0,"i":[1,2],"o":0,"c":0}', "line 2: q: found 0, allowed 1 to 30 for mpy"),
-        ('{"f":"mpy","q":true,"i":[1,2],"o":0,"c":0}', "line 2: q: found True, allowed 1 to 30 for mpy"),
-        ('{"f":"tan","q":31,"i":[1],"o":0}', "line 2: q: found 31, allowed 1 to 30 for tan"),
         ('{"f":"asin","q":30,"i":[1],"o":0}', "line 2: q: found 30, allowed 1 to 29 for asin"),
-        ('{"f":"atan2","q":30,"i":[1,1],"o":0}', "line 2: q: found 30, allowed 1 to 29 for atan2"),
-        ('{"f":"sin","q":30,"i":[1],"o":0,"r":0}', "line 2: q: found 30, allowed 1 to 29 for sin"),
-        ('{"f":"cos","q":30,"i":[1],"o":0,"r":0}', "line 2: q: found 30, allowed 1 to 29 for cos"),
         ('{"f":"mpy","q":24,"i":[1],"o":0,"c":0}', "line 2: i: found [1], allowed 2 inputs of mpy"),
-        ('{"f":"abs","q":24,"i":[1,2],"o":0,"c":0}', "line 2: i: found [1, 2], allowed 1 inputs of abs"),
-        ('{"f":"abs","q":24,"o":0,"c":0}', "line 2: i: found None, allowed 1 inputs of abs"),
         ('{"f":"mpy","q":24,"i":[1,"2"],"o":0,"c":0}', "line 2: i[1]: found '2', allowed -2147483648 to 2147483647"),
-        ('{"f":"mpy","q":24,"i":[1.0,2],"o":0,"c":0}', "line 2: i[0]: found 1.0, allowed -2147483648 to 2147483647"),
-        ('{"f":"abs","q":24,"i":[2147483648],"o":0,"c":0}', "line 2: i[0]: found 2147483648, allowed -2147483648 to"),
-        ('{"f":"abs","q":24,"i":[-2147483649],"o":0,"c":0}', "line 2: i[0]: found -2147483649, allowed -2147483648"),
         ('{"f":"shl","q":24,"i":[1,32],"o":0,"c":0}', "line 2: i[1]: found 32, allowed 0 to 31"),
-        ('{"f":"mpyIQX","q":24,"i":[1,31,1,4],"o":0,"c":0}', "line 2: i[1]: found 31, allowed 1 to 30"),
         ('{"f":"atoIQ","q":24,"i":[1],"o":0,"c":0}', "line 2: i[0]: found 1, allowed a text"),
         (
             '{"f":"IQd","q":24,"i":[18446744073709551616],"o":0,"c":0}',
@@ -216,10 +191,7 @@ def test_a_damaged_folder_is_one_line(tmp_path: Path, capsys: pytest.CaptureFixt
             '{"f":"IQd","q":30,"i":[9218868437227405311],"o":0,"c":0}',
             "line 2: i[0]: found 1.7976931348623157e+308, all",
         ),
-        ('{"f":"IQf","q":24,"i":[2143289344],"o":0,"c":0}', "line 2: i[0]: found nan, allowed a value inside int32"),
         ('{"f":"mpy","q":24,"i":[1,2],"o":"0","c":0}', "line 2: o: found '0', allowed a whole number"),
-        ('{"f":"mpy","q":24,"i":[1,2],"o":0,"c":null}', "line 2: c: found None, allowed a whole number"),
-        ('{"f":"div","q":24,"i":[1,2],"o":0,"r":0.5}', "line 2: r: found 0.5, allowed a whole number"),
         ('{"f":"toa","q":24,"i":["%2.2f",2],"o":0}', "line 2: o: found 0, allowed [error, text]"),
     ],
 )

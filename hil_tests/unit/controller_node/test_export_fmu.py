@@ -124,6 +124,7 @@ def test_fmpy_finds_nothing_wrong_and_the_sources_are_there(export: Export, vers
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("export", [LAWS[0]], ids=["ipfc_plus_stop"], indirect=True)
 @pytest.mark.parametrize("version", VERSIONS)
 def test_a_step_longer_than_a_period_and_a_step_back_are_refused(export: Export, version: str, tmp_path: Path) -> None:
     loop = Loop(export.fmus[version], tmp_path)
@@ -170,6 +171,7 @@ def test_steps_repeated_from_a_kept_state_give_the_same_words(export: Export, ve
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("export", [LAWS[0]], ids=["ipfc_plus_stop"], indirect=True)
 def test_other_variables_than_those_of_the_description_are_refused(export: Export, tmp_path: Path) -> None:
     loop = Loop(export.fmus["3.0"], tmp_path)
     assert loop.slave.doStep(0.0, loop.period_s) == (False, False, False, loop.period_s)

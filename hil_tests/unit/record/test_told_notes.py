@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 
-from hil_tests.support.recordings import recorded_folder
 from railhil.dbc import wire_contract
 from railhil.judge.record import Record
 from railhil.judge.signals import signal_table
@@ -13,7 +14,6 @@ from railhil.record.notes import note_values
 from railhil.record.trace import Trace
 from railhil.report.page import page
 from railhil.systems.ato.judge.events import STATUS
-from railhil.systems.ato.scenario.model import Scenario
 from railhil.wire.ato import CtlStat
 
 TURN = {
@@ -29,8 +29,8 @@ TURN = {
 
 
 @pytest.fixture(scope="module")
-def run(lvshun: Scenario, tmp_path_factory: pytest.TempPathFactory) -> Record:
-    return recorded_folder(lvshun, tmp_path_factory.mktemp("notes") / "run")
+def run(published_run: Callable[[int, str], Record]) -> Record:
+    return published_run(5, "iq")
 
 
 @pytest.mark.slow

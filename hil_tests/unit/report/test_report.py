@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shutil
 import xml.etree.ElementTree as ET
 from collections.abc import Callable
 from dataclasses import replace
@@ -12,11 +13,11 @@ import numpy as np
 import pytest
 
 from hil_tests.support.html import Reader
-from hil_tests.support.recordings import recorded_folder, row_of
+from hil_tests.support.recordings import certified, row_of
 from hil_tests.support.scores import with_values
 from railhil.bus.transports import limits, limits_of
 from railhil.dbc import wire_contract
-from railhil.judge.record import Record
+from railhil.judge.record import Record, checked_record
 from railhil.record.trace import Trace
 from railhil.report.page import page
 from railhil.report.recorded import distinct_labels
@@ -32,18 +33,13 @@ from railhil.wire.ato import CtlStat, NotchCmd
 
 
 @pytest.fixture(scope="module")
-def folders(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return tmp_path_factory.mktemp("recorded")
+def run(published_run: Callable[[int, str], Record]) -> Record:
+    return published_run(5, "iq")
 
 
 @pytest.fixture(scope="module")
-def run(lvshun: Scenario, folders: Path) -> Record:
-    return recorded_folder(lvshun, folders / "one", seed=5)
-
-
-@pytest.fixture(scope="module")
-def other(lvshun: Scenario, folders: Path) -> Record:
-    return recorded_folder(lvshun, folders / "other", seed=4, arithmetic="float64")
+def other(published_run: Callable[[int, str], Record]) -> Record:
+    return published_run(4, "float64")
 
 
 @pytest.fixture(scope="module")
@@ -98,20 +94,16 @@ def test_page_is_well_formed_and_needs_nothing_else(which: str, request: pytest.
 
 
 @pytest.mark.slow
-def test_same_record_gives_the_same_bytes(lvshun: Scenario, run: Record, single: str, folders: Path) -> None:
+def test_same_record_gives_the_same_bytes(run: Record, single: str, tmp_path: Path) -> None:
     """Other folder, other wall time, other socket: the same page."""
-    again = recorded_folder(lvshun, folders / "again", seed=5)
+    folder = shutil.copytree(run.folder, tmp_path / "again")
+    certified(folder, transport=f"railhil:{folder}/hub.sock")
+    again = checked_record(str(folder), None)
     slower = {**again.score_document, "run": {**again.score_document["run"], "wall_time_s": 99.0}}
     assert page([again.copy_with(score_document=slower)]) == single
     assert again.certificate["transport"] != run.certificate["transport"]
-    assert str(folders) not in single
+    assert str(run.folder.parent) not in single
     assert "wall" not in words(single)
-
-
-@pytest.mark.slow
-def test_another_seed_gives_other_curves(other: Record, single: str) -> None:
-    theirs, ours = figures(page([other])), figures(single)
-    assert all(theirs[name] != ours[name] for name in ("speed", "error", "notch"))
 
 
 def test_realtime_run_states_its_jitter(run: Record) -> None:
@@ -212,11 +204,11 @@ def test_runs_of_one_law_are_told_apart(run: Record, other: Record) -> None:
     ],
 )
 def test_parameters_of_a_file_are_named_and_so_is_their_training_seed(
-    run: Record, folders: Path, training: dict[str, object] | None, trained: bool, label: str
+    run: Record, training: dict[str, object] | None, trained: bool, label: str
 ) -> None:
     given = {"law": "ipfc", "sha256": "ab" * 32, "values": {"softening_max": 0.8}, "training": training}
     certificate = {**run.certificate, "parameters": given, "perturbed": trained, "seed_was_trained": trained}
-    found = row_of(folders / "one", certificate, run.scenario, run.trace, run.score)
+    found = row_of(run.folder, certificate, run.scenario, run.trace, run.score)
     assert found.label == label
     text = words(page([found]))
     tuned = ", tuned on 2 runs of lvshun_tieshan" if training else ""
@@ -227,10 +219,10 @@ def test_parameters_of_a_file_are_named_and_so_is_their_training_seed(
 
 
 @pytest.mark.slow
-def test_own_parameters_say_where_they_come_from(run: Record, single: str, folders: Path) -> None:
+def test_own_parameters_say_where_they_come_from(run: Record, single: str) -> None:
     assert "the law's own (the paper's, and ours where it prints none)" in words(single)
     certificate = {**run.certificate, "seed_was_trained": True}
-    designed = row_of(folders / "one", certificate, run.scenario, run.trace, run.score)
+    designed = row_of(run.folder, certificate, run.scenario, run.trace, run.score)
     assert designed.label == "ipfc (on this seed)"
     assert "the parameters of ipfc were designed on this very run, seed 5" in words(page([designed]))
     unknown = run.copy_with(certificate={**run.certificate, "own_parameters": None})

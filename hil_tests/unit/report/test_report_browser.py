@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from hil_tests.support.browser import asked
-from hil_tests.support.recordings import recorded_folder
+from railhil.judge.record import Record
 from railhil.report.page import write_report
-from railhil.systems.ato.scenario.model import Scenario
 
 #: What the page is asked; lists name the offending texts.
 _QUESTION = """
@@ -44,12 +44,9 @@ _QUESTION = """
 
 
 @pytest.fixture(scope="module")
-def reports(lvshun: Scenario, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+def reports(published_run: Callable[[int, str], Record], tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     folder = tmp_path_factory.mktemp("reports")
-    runs = [
-        recorded_folder(lvshun, folder / str(seed), seed=seed, arithmetic=arithmetic)
-        for seed, arithmetic in ((1, "iq"), (2, "float64"))
-    ]
+    runs = [published_run(5, "iq"), published_run(4, "float64")]
     # Every law with its own and with tuned parameters, names as long as they get.
     laws = ("ipfc", "tpfc2", "tpfc1", "tdmc", "fuzzy_pid", "ipfc_plus", "ipfc_plus_stop")
     labels = [(law, law + tail) for law in laws for tail in ("", "+1a2b3c4d tuned (on this seed)")]
