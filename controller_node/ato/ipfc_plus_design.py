@@ -13,9 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from railhil.controller_node.ato.pfc_model import Matrix, morlet
+from railhil.scenarios.profiles import MeanGrade
 from railhil.systems.ato.scenario.effort import force_limit_n, resistance_n
 from railhil.systems.ato.scenario.model import Scenario
-from railhil.systems.ato.scenario.profiles import MeanGrade
 from railhil.systems.ato.scenario.target import Target
 
 #: Scale and shift (s) of the wavelets of IPFC.

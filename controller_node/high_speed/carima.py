@@ -17,8 +17,8 @@ from pydantic import Field
 from railhil.controller_node.arithmetic.base import T
 from railhil.controller_node.high_speed.law import LawParameters, Sample
 from railhil.controller_node.high_speed.predictor import first_row, predictions
-from railhil.controller_node.high_speed.reals import Reals
 from railhil.controller_node.high_speed.stability import Train, feedback_radius
+from railhil.controller_node.vector.reals import Reals
 
 
 @dataclass(frozen=True)

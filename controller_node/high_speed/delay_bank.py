@@ -19,7 +19,7 @@ from pydantic import Field
 from railhil.controller_node.arithmetic.base import T
 from railhil.controller_node.high_speed.delay_line import DelayLines
 from railhil.controller_node.high_speed.law import Unit
-from railhil.controller_node.high_speed.reals import Reals
+from railhil.controller_node.vector.reals import Reals
 
 #: Periods after which a filter has settled at the latest, and the change of a gain that ends the count.
 _SETTLED, _STEADY = 20_000, 1e-9

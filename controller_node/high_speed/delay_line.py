@@ -14,7 +14,7 @@ from typing import Generic, NamedTuple, TypeVar
 from railhil.controller_node.arithmetic.base import T
 from railhil.controller_node.high_speed.law import Unit
 from railhil.controller_node.high_speed.model import hold_input, make_lag
-from railhil.controller_node.high_speed.reals import Reals
+from railhil.controller_node.vector.reals import Reals
 
 #: A number, or one for each of several units.
 Accel = TypeVar("Accel")

@@ -13,7 +13,7 @@ from typing import Any, Generic, Literal, NamedTuple, TypeVar
 
 from railhil.controller_node.arithmetic.base import T
 from railhil.controller_node.high_speed.model import Sampled
-from railhil.controller_node.high_speed.reals import Reals
+from railhil.controller_node.vector.reals import Reals
 
 Memory = TypeVar("Memory")
 

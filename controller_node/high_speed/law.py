@@ -16,7 +16,7 @@ from railhil.controller_node.high_speed.base import (
     LoopInputs,
     LoopNotes,
 )
-from railhil.controller_node.high_speed.reals import Reals
+from railhil.controller_node.vector.reals import Reals
 from railhil.wire.power_units import ACCEL_PER_MPS2, PREVIEW, PREVIEW_STEP_S
 
 State = TypeVar("State")

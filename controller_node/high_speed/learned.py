@@ -20,7 +20,7 @@ from railhil.controller_node.high_speed.identification import Estimate, Estimato
 from railhil.controller_node.high_speed.law import JOURNEYS, Unit
 from railhil.controller_node.high_speed.network import Forward, Network
 from railhil.controller_node.high_speed.ngpc import GpcParameters, NgpcLaw
-from railhil.controller_node.high_speed.reals import Reals
+from railhil.controller_node.vector.reals import Reals
 from railhil.scenarios.parameters import load_parameters
 from railhil.scenarios.validation import dotted, sentence
 

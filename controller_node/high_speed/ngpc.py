@@ -27,8 +27,8 @@ from railhil.controller_node.high_speed.identification import (
 from railhil.controller_node.high_speed.law import LawParameters, LoopController, LoopControllerLaw, Move, Sample, Unit
 from railhil.controller_node.high_speed.model import Sampled, bilinear_without_direct, pade_zoh
 from railhil.controller_node.high_speed.predictor import Weights, first_row, predictions, weights
-from railhil.controller_node.high_speed.reals import Reals
 from railhil.controller_node.high_speed.stability import Train, refuse_short_horizon, refuse_unstable, spectral_radius
+from railhil.controller_node.vector.reals import Reals
 
 _DISCRETISATIONS = {"zoh": pade_zoh, "bilinear": bilinear_without_direct}
 

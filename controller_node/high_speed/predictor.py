@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from typing import Generic, NamedTuple
 
 from railhil.controller_node.arithmetic.base import T
-from railhil.controller_node.high_speed.reals import Reals
+from railhil.controller_node.vector.reals import Reals
 
 
 class Predictions(NamedTuple, Generic[T]):

@@ -13,8 +13,8 @@ from collections.abc import Mapping
 from typing import Any, Generic, NamedTuple
 
 from railhil.controller_node.arithmetic.base import Arithmetic, T
-from railhil.controller_node.high_speed.reals import Reals
 from railhil.controller_node.stop.learning import SHARE_MAX
+from railhil.controller_node.vector.reals import Reals
 
 #: Standard deviations before the first run: s, 1, 1; and of a stop (m); and by how much the first ones may change from
 #: run to run.

@@ -25,7 +25,7 @@ from typing import Final, NamedTuple
 
 from railhil.common.compilable import compilable_functions
 from railhil.common.floats import larger, smaller
-from railhil.plant_sim.forces import GradeTable, TrainConstants, effort_limit_n, mean_grade_permil, resistance_n
+from railhil.plant_sim.ato.forces import GradeTable, TrainConstants, effort_limit_n, mean_grade_permil, resistance_n
 
 
 class Lag(NamedTuple):

@@ -6,10 +6,10 @@ from dataclasses import fields
 
 from railhil.common.errors import InputError, Words
 from railhil.plant_sim.ato.dynamics import Lag, Motion, Step, Window
+from railhil.plant_sim.ato.forces import GradeTable, TrainConstants, mean_grade_permil
 from railhil.plant_sim.ato.train import TrainOnBus
 from railhil.plant_sim.fmu.model import Fmu
 from railhil.plant_sim.fmu.names import Input, Quantities
-from railhil.plant_sim.forces import GradeTable, TrainConstants, mean_grade_permil
 from railhil.scenarios.plant_fmu import PlantFmu
 from railhil.systems.ato.scenario.model import Scenario, Train
 

@@ -11,8 +11,7 @@ from typing import Final
 from railhil.common.compilable import compilable_functions
 from railhil.common.floats import rounded
 from railhil.common.mypyc import mypyc_attr
-from railhil.plant_sim import forces
-from railhil.plant_sim.ato import dynamics
+from railhil.plant_sim.ato import dynamics, forces
 from railhil.plant_sim.ato.command_watch import CommandWatchState
 from railhil.plant_sim.ato.dynamics import Motion, Window
 from railhil.scenarios import streams

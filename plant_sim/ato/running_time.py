@@ -2,8 +2,9 @@
 
 The train accelerates at its traction limit until it reaches the speed ceiling, follows the ceiling within its force
 limit, and brakes at its service deceleration so that every lower limit and the stop are met. Braking is kinematic (the
-deceleration is given, the force results from it), resistance and traction are those of :mod:`railhil.plant_sim.forces`.
-There is no actuator lag: the result is a lower bound, to be compared with published running times.
+deceleration is given, the force results from it), resistance and traction are those of
+:mod:`railhil.plant_sim.ato.forces`. There is no actuator lag: the result is a lower bound, to be compared with
+published running times.
 
 Integration over distance: ``d(v^2)/dx = 2 a(v, x)``, midpoint rule; cells end at every change of limit and at every
 point where braking from one limit to another begins, and are finer after the departure, where speed changes fastest.
@@ -16,10 +17,10 @@ from itertools import pairwise
 from math import sqrt
 from typing import NamedTuple
 
-from railhil.plant_sim.force_tables import grade_table, train_constants
-from railhil.plant_sim.forces import GradeTable, TrainConstants, effort_limit_n, mean_grade_permil, resistance_n
-from railhil.systems.ato.scenario.model import Line, Profile, Train
-from railhil.systems.ato.scenario.profiles import front_speed_limit
+from railhil.plant_sim.ato.force_tables import grade_table, train_constants
+from railhil.plant_sim.ato.forces import GradeTable, TrainConstants, effort_limit_n, mean_grade_permil, resistance_n
+from railhil.scenarios.profiles import Profile, lowest_under
+from railhil.systems.ato.scenario.model import Line, Train
 
 #: Length of an integration cell; halving it moves the railtoolkit times by less than 0.002 %.
 CELL_M = 2.0
@@ -51,7 +52,7 @@ def flat_out_run(train: Train, line: Line, distance_m: float, cell_m: float = CE
         raise ValueError(f"distance {distance_m} m and cell {cell_m} m must be above 0")
     constants = train_constants(train)
     grades = grade_table(line.grade_permil, train.length_m)
-    limit = front_speed_limit(line, train)
+    limit = lowest_under(line.speed_limit_mps, train.length_m, train.speed_limit_mps)
     drops = _drops(limit, distance_m)
     edges = _edges(limit, drops, distance_m, train.service_braking_mps2, cell_m)
     points = [RunPoint(0.0, 0.0, 0.0)]

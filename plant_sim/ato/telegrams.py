@@ -16,7 +16,8 @@ from railhil.bus.sdt import SAFE_DATA_VERSION, SafeSource, safe_tick_fields, sou
 from railhil.bus.telegrams import TimeSync
 from railhil.common.floats import rounded
 from railhil.plant_sim.ato.plant import Plant
-from railhil.systems.ato.scenario.model import Profile, Scenario, profile_value
+from railhil.scenarios.profiles import Profile, profile_value
+from railhil.systems.ato.scenario.model import Scenario
 from railhil.systems.ato.scenario.target import Target
 from railhil.wire.ato import BalisePassed, PltStat, SimTruth, SpeedSdt, TrkInfo, TrnPos, TrnSpeed, TrnWatch
 

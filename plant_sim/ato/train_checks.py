@@ -27,7 +27,7 @@ from railhil.common.compilable import compilable_functions
 from railhil.common.floats import larger, smaller
 from railhil.common.mypyc import mypyc_attr
 from railhil.plant_sim.ato.dynamics import Motion
-from railhil.plant_sim.forces import TrainConstants, effort_limit_n
+from railhil.plant_sim.ato.forces import TrainConstants, effort_limit_n
 from railhil.systems.ato.scenario.model import Scenario
 from railhil.wire.ato import WatchCause
 

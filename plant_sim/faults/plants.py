@@ -17,7 +17,6 @@ from railhil.scenarios.run_spec import RunSpec
 if TYPE_CHECKING:
     from railhil.faults.model import Fault
     from railhil.plant_sim.faults.injections import Injections
-    from railhil.plant_sim.faults.mismatch import Mismatch
 
 #: Levels of the faults inside the plant.
 LEVELS = ("train", "sensor", "actuator")
@@ -86,19 +85,3 @@ def needs_nodes(scenario: AnyScenario) -> bool:
     from railhil.faults.language import parse
 
     return any(why_not(parse(text), "batch", "lockstep") for text in scenario.faults)
-
-
-def constant_mismatches(scenario: AnyScenario, seeds: Sequence[int]) -> list[Mismatch]:
-    """The faults of runs without nodes, as a mismatch of train and line for each seed.
-
-    :raises InputError: one of them needs the nodes.
-    """
-    if needs_nodes(scenario):
-        allowed = "mass, gradient or resistance from the start to the end: other faults need the nodes of the bench"
-        raise InputError(scenario.name, "fault", Words("; ".join(scenario.faults)), allowed)
-    from railhil.faults.language import parse
-    from railhil.plant_sim.faults.mismatch import Mismatch
-    from railhil.scenarios.fault_list import draw_values
-
-    faults = [(number, parse(text)) for number, text in enumerate(scenario.faults, 1)]
-    return [Mismatch.of(draw_values(fault, number, seed) for number, fault in faults) for seed in seeds]

@@ -20,7 +20,6 @@ from railhil.faults.activity import Activity
 from railhil.faults.model import Fault
 from railhil.faults.sensors import SENSOR_KINDS, Quantity, Reading
 from railhil.plant_sim.faults.injections import Injections
-from railhil.systems.ato.scenario.model import Balise
 
 
 def quantity_of(telegram: type[Telegram], field: str, per_unit: float) -> Quantity:
@@ -81,20 +80,24 @@ def _text(reading: Reading) -> str:
 
 
 @dataclass(frozen=True, slots=True)
-class UnreadBalise(Balise):
-    """A balise of which the reader has only the number: its telegram's check variable is erroneous."""
+class BaliseReport:
+    """The reader's report of a balise: its number and the position in its telegram; not ``valid``: only the number."""
+
+    number: int
+    position_m: float
+    valid: bool = True
 
 
-def _unread(reports: list[Balise]) -> list[Balise]:
-    return [UnreadBalise(each.number, 0.0, each.true_m) for each in reports]
+def _unread(reports: list[BaliseReport]) -> list[BaliseReport]:
+    return [BaliseReport(each.number, 0.0, valid=False) for each in reports]
 
 
-def _misplaced(reports: list[Balise], error_m: float) -> list[Balise]:
-    return [replace(each, surveyed_m=each.surveyed_m + error_m) for each in reports]
+def _misplaced(reports: list[BaliseReport], error_m: float) -> list[BaliseReport]:
+    return [replace(each, position_m=each.position_m + error_m) for each in reports]
 
 
 #: Word of a fault of the reader -> the reports that remain.
-_BALISE_WORDS: Mapping[str, Callable[[list[Balise], Fault, np.random.Generator], list[Balise]]] = {
+_BALISE_WORDS: Mapping[str, Callable[[list[BaliseReport], Fault, np.random.Generator], list[BaliseReport]]] = {
     "missed": lambda reports, fault, source: [],
     "doubled": lambda reports, fault, source: [each for each in reports for _ in range(2)],
     "wrong": lambda reports, fault, source: _misplaced(reports, fault.parameter("error_m")),
@@ -112,9 +115,9 @@ class FaultyReader:
         self._injections = injections
         self._faults = [(one, injections.samples(one)) for one in injections.at("sensor", "balise")]
 
-    def reported(self, balise: Balise) -> list[Balise]:
+    def reported(self, healthy: BaliseReport) -> list[BaliseReport]:
         """The reports for one passing: none, one or several."""
-        found = [balise]
+        found = [healthy]
         for one, source in self._faults:
             if not one.active:
                 continue
@@ -125,9 +128,7 @@ class FaultyReader:
         return found
 
 
-def _reports_text(reports: list[Balise]) -> str:
+def _reports_text(reports: list[BaliseReport]) -> str:
     if not reports:
         return "none"
-    return " ".join(
-        "invalid" if isinstance(each, UnreadBalise) else f"{each.number}:{each.surveyed_m:g}" for each in reports
-    )
+    return " ".join(f"{each.number}:{each.position_m:g}" if each.valid else "invalid" for each in reports)

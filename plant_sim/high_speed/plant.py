@@ -10,9 +10,10 @@ from typing import Any
 from railhil.bus.codes import Event
 from railhil.bus.layout import CHECK_CORRECT, CHECK_ERRONEOUS, Telegram
 from railhil.plant_sim.any_plant import PlantError
+from railhil.plant_sim.brake_watch import STALE_PERIODS
 from railhil.plant_sim.high_speed.dynamics import available_of
 from railhil.plant_sim.high_speed.train import SPEED_RAW_MAX, HighSpeedTrain, Wayside
-from railhil.plant_sim.high_speed.watch import STALE_PERIODS, UnitWatch
+from railhil.plant_sim.high_speed.watch import UnitWatch
 from railhil.plant_sim.timed_run import TimedEnd, TimedPlant
 from railhil.wire.high_speed import UnitLevel
 from railhil.wire.power_units import ACCEL_PER_MPS2, TRUE_PER_UNIT, wire

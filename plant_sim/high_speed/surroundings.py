@@ -7,29 +7,12 @@ from math import exp, sqrt
 
 import numpy as np
 
-from railhil.plant_sim.force_tables import grade_rows
 from railhil.plant_sim.high_speed.dynamics import Grades
 from railhil.scenarios import streams
+from railhil.scenarios.profiles import grade_rows
 
-#: Random numbers are drawn in blocks, which gives the same numbers faster.
-_BLOCK = 4096
 #: The grades continue behind the stopping point for a train that overruns it.
 _BEYOND_M = 10_000.0
-
-
-class Normals:
-    """Numbers of the standard normal distribution from one source, one after the other."""
-
-    def __init__(self, source: np.random.Generator) -> None:
-        self._source = source
-        self._block: list[float] = []
-        self._next = 0
-
-    def __call__(self) -> float:
-        if self._next == len(self._block):
-            self._block, self._next = self._source.standard_normal(_BLOCK).tolist(), 0
-        self._next += 1
-        return self._block[self._next - 1]
 
 
 class Wind:
@@ -39,7 +22,7 @@ class Wind:
     """
 
     def __init__(self, seed: int, sigma_mps2: float, time_s: float, step_s: float) -> None:
-        self._normals = Normals(streams.generator(seed, streams.WIND))
+        self._normals = streams.NormalSequence(streams.generator(seed, streams.WIND))
         self.keep = exp(-step_s / time_s)
         self.add = sigma_mps2 * sqrt(1.0 - self.keep * self.keep)
         #: The present value.

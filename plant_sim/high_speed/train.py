@@ -19,7 +19,7 @@ from railhil.plant_sim.high_speed.dynamics import (
     moved,
     resistance_of,
 )
-from railhil.plant_sim.high_speed.surroundings import Normals, Wind, drawn_grades
+from railhil.plant_sim.high_speed.surroundings import Wind, drawn_grades
 from railhil.scenarios import streams
 from railhil.systems.high_speed.target import GRID_S, SpeedCurve, emergency_curve, journey_curve
 from railhil.systems.high_speed.task import HighSpeedTask, UnitTable
@@ -104,7 +104,7 @@ class HighSpeedTrain:
             seed, task.gradient_permil, task.gradient_piece_m, task.curve.distance_km * 1000.0, task.length_m
         )
         self.wind = Wind(seed, task.wind_sigma_mps2, task.wind_time_s, tick_s)
-        self._noise = Normals(streams.generator(seed, streams.SPEED_NOISE))
+        self._noise = streams.NormalSequence(streams.generator(seed, streams.SPEED_NOISE))
         self.noise_sigma_mps = task.noise_sigma_mps
         a, b, c = (value / 1000.0 for value in task.davis_n_per_t)
         self.limits = UnitLimits(

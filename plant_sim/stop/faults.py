@@ -23,12 +23,11 @@ from railhil.faults.activity import Activity
 from railhil.faults.model import Fault
 from railhil.plant_sim.faults.acceleration_side import AccelerationSide
 from railhil.plant_sim.faults.injections import Injections, MotionEvents, SafetyLoop
-from railhil.plant_sim.faults.readings import FaultyReader, FaultySensor, UnreadBalise, quantity_of
+from railhil.plant_sim.faults.readings import BaliseReport, FaultyReader, FaultySensor, quantity_of
 from railhil.plant_sim.stop.brake import GRAVITY_MPS2
 from railhil.plant_sim.stop.draws import RunDraw, TrainDraw
 from railhil.plant_sim.stop.plant import StopPlant
 from railhil.plant_sim.stop.train import Passed, StopTrain
-from railhil.systems.ato.scenario.model import Balise
 from railhil.wire.stop import BrakeCause, BrakeLevel, Odo, SpeedRaw
 from railhil.wire.stop_counts import MM, SAMPLE_S
 
@@ -93,10 +92,9 @@ class FaultyStopTrain(StopTrain):
         return does
 
     def read_balise(self, passed: Passed) -> None:
-        read = self._reader.reported(Balise(passed.balise, passed.odometer_m, passed.odometer_m))
-        for report in read:
-            if not isinstance(report, UnreadBalise):
-                super().read_balise(Passed(report.number, max(0.0, report.surveyed_m)))
+        for report in self._reader.reported(BaliseReport(passed.balise, passed.odometer_m)):
+            if report.valid:
+                super().read_balise(Passed(report.number, max(0.0, report.position_m)))
 
 
 class FaultyStopPlant(StopPlant):

@@ -6,7 +6,6 @@ from collections import deque
 from math import exp, sqrt
 from typing import Any, NamedTuple
 
-from railhil.plant_sim.high_speed.surroundings import Normals
 from railhil.plant_sim.stop.brake import GRAVITY_MPS2, Course, Going, Motion, achieved, gone_on
 from railhil.plant_sim.stop.draws import RunDraw, TrainDraw
 from railhil.scenarios import streams
@@ -80,11 +79,11 @@ class StopTrain:
         self._emergency_mps2: float = -task.emergency_braking_mps2
         self._start_m: float = task.start_m
         self._noise_mps: float = task.sensors.speed_noise_mps
-        self._balises = Normals(streams.run_generator(seed, streams.RUN_BALISES, run_number))
+        self._balises = streams.NormalSequence(streams.run_generator(seed, streams.RUN_BALISES, run_number))
         # Balises before the start of the run are not read.
         self._left_m = [at_m for before_m in task.balises_m if (at_m := task.stop_m - before_m) > task.start_m]
-        self._noise = Normals(streams.run_generator(seed, streams.RUN_SPEED_NOISE, run_number))
-        self._wander = Normals(streams.run_generator(seed, streams.RUN_WANDER, run_number))
+        self._noise = streams.NormalSequence(streams.run_generator(seed, streams.RUN_SPEED_NOISE, run_number))
+        self._wander = streams.NormalSequence(streams.run_generator(seed, streams.RUN_WANDER, run_number))
         self._keep, self._add = wander_of(task)
         self._wander_mps: float = task.wander_sigma_mps * self._wander()
         #: The last five samples of the speed, mm/s.

@@ -12,7 +12,7 @@ braking told, less than 0.4 of it done for 2 s   emergency brake to the end of t
 
 from __future__ import annotations
 
-from railhil.plant_sim.high_speed.watch import STALE_PERIODS, answer_ticks, brake_looked_at, share_of
+from railhil.plant_sim.brake_watch import STALE_PERIODS, answer_ticks, brake_looked_at, share_of
 from railhil.wire.stop import BrakeCause, BrakeLevel
 
 #: Commands below this are braking.

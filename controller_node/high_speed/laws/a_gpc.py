@@ -29,8 +29,8 @@ from railhil.controller_node.high_speed.carima import (
 from railhil.controller_node.high_speed.identification import coefficients, theta_of
 from railhil.controller_node.high_speed.law import JOURNEYS, LoopController, LoopControllerLaw, Move, Sample, Unit
 from railhil.controller_node.high_speed.model import pade_zoh
-from railhil.controller_node.high_speed.reals import Reals
 from railhil.controller_node.high_speed.stability import Train, refuse_short_horizon, refuse_unstable
+from railhil.controller_node.vector.reals import Reals
 
 _PARAMETERS = 5
 

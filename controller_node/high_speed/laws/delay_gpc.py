@@ -33,7 +33,6 @@ from railhil.controller_node.high_speed.law import (
     Unit,
 )
 from railhil.controller_node.high_speed.model import Matrix
-from railhil.controller_node.high_speed.reals import Reals
 from railhil.controller_node.high_speed.stability import (
     Train,
     magnitude,
@@ -41,6 +40,7 @@ from railhil.controller_node.high_speed.stability import (
     refuse_unstable,
     transition,
 )
+from railhil.controller_node.vector.reals import Reals
 
 _SIDES = ("traction", "braking")
 

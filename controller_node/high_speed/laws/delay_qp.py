@@ -29,8 +29,8 @@ from railhil.controller_node.high_speed.delay_bank import Bank, BankParameters, 
 from railhil.controller_node.high_speed.delay_line import TrainLines
 from railhil.controller_node.high_speed.law import JOURNEYS, Unit, weigh_preview
 from railhil.controller_node.high_speed.qp_problem import Limits, Qp, QpParameters, Situation, daqp_solver
-from railhil.controller_node.high_speed.reals import Reals
 from railhil.controller_node.high_speed.train_model import CouplerModel, Prediction, TrainModel, UnitModel
+from railhil.controller_node.vector.reals import Reals
 from railhil.wire.power_units import ACCEL_PER_MPS2, PREVIEW, PREVIEW_STEP_S
 
 

@@ -8,7 +8,7 @@ from railhil.controller_node.arithmetic.base import T
 from railhil.controller_node.high_speed.identification import Estimator, NoEstimate
 from railhil.controller_node.high_speed.law import Unit
 from railhil.controller_node.high_speed.ngpc import NgpcLaw
-from railhil.controller_node.high_speed.reals import Reals
+from railhil.controller_node.vector.reals import Reals
 
 
 class Gpc(NgpcLaw[T]):

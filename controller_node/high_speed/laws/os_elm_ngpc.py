@@ -23,7 +23,7 @@ from railhil.controller_node.arithmetic.base import Arithmetic, Constant, T
 from railhil.controller_node.high_speed.identification import Estimate, Estimator, Past
 from railhil.controller_node.high_speed.learned import LearnedLaw, LearnedParameters
 from railhil.controller_node.high_speed.network import Forward
-from railhil.controller_node.high_speed.reals import Reals
+from railhil.controller_node.vector.reals import Reals
 
 #: Format stated where the arithmetics ask for one; the laws with networks need an arithmetic without formats.
 _Q = 16

@@ -11,7 +11,7 @@ from railhil.controller_node.arithmetic.base import T
 from railhil.controller_node.high_speed.identification import Estimator, LowPass
 from railhil.controller_node.high_speed.law import Unit
 from railhil.controller_node.high_speed.ngpc import GpcParameters, NgpcLaw
-from railhil.controller_node.high_speed.reals import Reals
+from railhil.controller_node.vector.reals import Reals
 
 
 @dataclass(frozen=True)

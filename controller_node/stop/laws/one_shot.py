@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from railhil.controller_node.arithmetic.base import Arithmetic, Constant, T
-from railhil.controller_node.high_speed.reals import Reals
 from railhil.controller_node.vector.law import Answer, VectorLaw
+from railhil.controller_node.vector.reals import Reals
 from railhil.wire.stop import Stage
 from railhil.wire.stop_counts import MM, SAMPLES
 

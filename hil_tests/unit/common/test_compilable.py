@@ -12,8 +12,7 @@ import numpy as np
 import pytest
 
 from railhil.common.compilable import compilable, compilable_aside, field_types, larger, result_type, smaller
-from railhil.plant_sim import forces
-from railhil.plant_sim.ato import dynamics, plant_readings
+from railhil.plant_sim.ato import dynamics, forces, plant_readings
 
 numba = pytest.importorskip("numba", reason="MISSING CAPABILITY numba (extra campaign)")
 #: Equal numbers of both signs, ties, and what lies beside them.

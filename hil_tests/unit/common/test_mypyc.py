@@ -13,8 +13,7 @@ import pytest
 from hil_tests.support.paths import ROOT
 from railhil.common import compilable
 from railhil.common.held_code import place_of
-from railhil.plant_sim import forces
-from railhil.plant_sim.ato import dynamics
+from railhil.plant_sim.ato import dynamics, forces
 
 _SETUP = (ROOT / "setup.py").read_text(encoding="utf-8")
 MODULES = re.findall(r'"(railhil/[\w/]+\.py)"', _SETUP)

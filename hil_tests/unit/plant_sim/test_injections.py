@@ -10,13 +10,10 @@ from hil_tests.support.plant_faults import SCENARIO, TICK_NS, fault, made, said
 from hil_tests.support.plug import with_system
 from railhil.bus.injector.activities import Hit
 from railhil.common.errors import InputError
-from railhil.faults.language import parse
 from railhil.faults.model import Trigger
 from railhil.plant_sim.ato.faults.train import FaultyTrain
 from railhil.plant_sim.faults.injections import Injections, MotionEvents
-from railhil.plant_sim.faults.mismatch import Mismatch
-from railhil.plant_sim.faults.plants import FMU_PART, constant_mismatches, in_plant, make_plant, needs_nodes
-from railhil.scenarios.fault_list import draw_values
+from railhil.plant_sim.faults.plants import FMU_PART, in_plant, make_plant, needs_nodes
 from railhil.scenarios.load import load_any
 from railhil.scenarios.plant_fmu import PlantFmu
 from railhil.scenarios.run_spec import RunSpec
@@ -193,16 +190,7 @@ def test_an_fmu_is_a_plant_of_systems_that_say_how(monkeypatch: pytest.MonkeyPat
 
 
 def test_faults_without_nodes() -> None:
-    heavy, up = "train.mass scale 1.1 @0s", "train.gradient offset uniform(1,5) @0s"
+    heavy = "train.mass scale 1.1 @0s"
     assert [needs_nodes(replace(SCENARIO, faults=faults)) for faults in ((), (heavy,), (heavy, "bus off @0s"))] == [
         False, False, True,
     ]  # fmt: skip
-    first, second = constant_mismatches(replace(SCENARIO, faults=(heavy, up)), (3, 4))
-    assert (first.mass, second.mass) == (1.1, 1.1)
-    assert 1.0 <= first.grade_permil <= 5.0
-    assert first.grade_permil != second.grade_permil
-    # Drawn as the second fault of its run.
-    assert first == Mismatch.of([parse(heavy), draw_values(parse(up), 2, 3)])
-    with pytest.raises(InputError, match="mass, gradient or resistance from the start to the end") as raised:
-        constant_mismatches(replace(SCENARIO, faults=(heavy, "bus off @0s")), (3,))
-    assert f"{heavy}; bus off @0s" in str(raised.value)

@@ -21,11 +21,11 @@ from railhil.scenarios.json_schema import scenario_json_schema
 from railhil.scenarios.keys import MEANING
 from railhil.scenarios.layers import DATA, Layers
 from railhil.scenarios.load import RUNS, load, load_any, names
+from railhil.scenarios.profiles import MeanGrade, lowest_under, profile_value
 from railhil.scenarios.reference import PAGE, file_type, keys, page
 from railhil.systems.ato.scenario.canonical import canonical_json, scenario_sha256
-from railhil.systems.ato.scenario.model import Line, Perturbations, Scenario, Uniform, profile_value
+from railhil.systems.ato.scenario.model import Line, Perturbations, Scenario, Uniform
 from railhil.systems.ato.scenario.perturb import perturbed
-from railhil.systems.ato.scenario.profiles import MeanGrade, front_speed_limit
 
 YIZHUANG_DATA = DATA / "sources" / "yizhuang_line"
 
@@ -282,9 +282,9 @@ def test_streams_of_one_seed_are_independent_and_repeatable() -> None:
 # --- profiles under a train ----------------------------------------------------------------------------------
 
 
-def test_the_limit_under_the_train_falls_at_the_front_and_rises_at_the_rear(lvshun: Scenario) -> None:
-    line = Line("l", ((0.0, 0.0),), ((0.0, 20.0), (500.0, 10.0), (520.0, 15.0), (900.0, 20.0)))
-    assert front_speed_limit(line, lvshun.train) == ((0.0, 20.0), (500.0, 10.0), (600.0, 15.0), (980.0, 20.0))
+def test_the_limit_under_the_train_falls_at_the_front_and_rises_at_the_rear() -> None:
+    limits = ((0.0, 20.0), (500.0, 10.0), (520.0, 15.0), (900.0, 30.0))
+    assert lowest_under(limits, 80.0, 25.0) == ((0.0, 20.0), (500.0, 10.0), (600.0, 15.0), (980.0, 25.0))
 
 
 def test_grade_is_averaged_over_the_train() -> None:

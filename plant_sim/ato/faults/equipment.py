@@ -16,9 +16,9 @@ from math import prod
 
 from railhil.faults.activity import Activity
 from railhil.faults.actuators import FaultySide
+from railhil.plant_sim.ato.forces import EffortLimit
 from railhil.plant_sim.ato.plant_readings import TrainStatus
 from railhil.plant_sim.faults.injections import Injections
-from railhil.plant_sim.forces import EffortLimit
 
 #: Place -> field of the status that is False while a fault ``off`` is active there.
 INTERLOCKS = {

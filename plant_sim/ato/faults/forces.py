@@ -25,10 +25,10 @@ from typing import NamedTuple
 from railhil.plant_sim.ato import dynamics
 from railhil.plant_sim.ato.dynamics import Lag, Motion, Window
 from railhil.plant_sim.ato.faults.equipment import Side, cap_limit, share_limit
+from railhil.plant_sim.ato.forces import TrainConstants, effort_limit_n
 from railhil.plant_sim.ato.plant import NOTCH_LSB_PER_NOTCH
 from railhil.plant_sim.ato.train_checks import OwnChecks
 from railhil.plant_sim.faults.injections import Injections
-from railhil.plant_sim.forces import TrainConstants, effort_limit_n
 from railhil.systems.ato.scenario.model import Scenario, Train
 from railhil.wire.ato import WatchCause
 

@@ -9,21 +9,25 @@ from typing import Any
 from railhil.bus.layout import CHECK_ERRONEOUS, Telegram
 from railhil.faults.capability import MISMATCHES
 from railhil.faults.model import Fault
-from railhil.plant_sim import force_tables
+from railhil.plant_sim.ato import force_tables
 from railhil.plant_sim.ato.faults.equipment import FaultyEquipment
 from railhil.plant_sim.ato.faults.forces import Demand, FaultyForces, FeltChecks
+from railhil.plant_sim.ato.faults.mismatch import Mismatch
 from railhil.plant_sim.ato.plant import EventKind
 from railhil.plant_sim.ato.plant_readings import LINE_VOLTAGE_MIN_PERCENT
 from railhil.plant_sim.ato.train import TrainOnBus
 from railhil.plant_sim.faults.injections import Injections, MotionEvents
-from railhil.plant_sim.faults.mismatch import Mismatch
-from railhil.plant_sim.faults.readings import FaultyReader, FaultySensor, UnreadBalise, quantity_of
+from railhil.plant_sim.faults.readings import BaliseReport, FaultyReader, FaultySensor, quantity_of
 from railhil.systems.ato.scenario.model import Balise, Scenario
 from railhil.systems.ato.scenario.perturb import perturbed
 from railhil.wire.ato import BalisePassed, CtlMode, NotchCmd, SpeedSdt, TrnPos, TrnSpeed, WatchLevel
 
 #: Modes of the controller as events.
 _MODES = {int(mode): mode.name.lower() for mode in CtlMode}
+
+
+class _UnreadBalise(Balise):
+    """A balise of which the reader has only the number: its telegram's check variable is erroneous."""
 
 
 class FaultyTrain(TrainOnBus):
@@ -180,8 +184,11 @@ class FaultyTrain(TrainOnBus):
         odometer_mm = (
             self._sensors.odometer_between_mm(balise.true_m + self._forces.axle.slip_m) + self._position_sensor.error
         )
-        for reported in self._reader.reported(balise):
-            self._event("balise", after_s, reported.true_m, reported, odometer_mm)
+        for report in self._reader.reported(BaliseReport(balise.number, balise.surveyed_m)):
+            read = Balise if report.valid else _UnreadBalise
+            self._event(
+                "balise", after_s, balise.true_m, read(report.number, report.position_m, balise.true_m), odometer_mm
+            )
 
     # -- commands and events ------------------------------------------------------------------------------------------
 
@@ -202,7 +209,7 @@ class FaultyTrain(TrainOnBus):
     def telegram_of(self, event: Any) -> Telegram | None:
         """The telegram of an event. A balise telegram without a valid value is marked as erroneous."""
         telegram = super().telegram_of(event)
-        if isinstance(telegram, BalisePassed) and isinstance(event.balise, UnreadBalise):
+        if isinstance(telegram, BalisePassed) and isinstance(event.balise, _UnreadBalise):
             telegram.check = CHECK_ERRONEOUS
         return telegram
 

@@ -11,10 +11,10 @@ from railhil.common.errors import InputError, Words
 from railhil.controller_node.ato.control_loop import NO_BALISE, limited_01mm
 from railhil.controller_node.laws.base import BaliseReading
 from railhil.dbc import Port, wire_contract
+from railhil.plant_sim.ato.faults.mismatch import constant_mismatches
 from railhil.plant_sim.ato.plant import Plant
 from railhil.plant_sim.ato.telegrams import TrainTelegrams
 from railhil.plant_sim.ato.train import RunEnd
-from railhil.plant_sim.faults.plants import constant_mismatches
 from railhil.run.coupled import Coupling
 from railhil.scenarios.run_spec import RunSpec
 from railhil.systems.ato.scenario.model import Scenario

@@ -13,11 +13,12 @@ from numpy.typing import NDArray
 
 from railhil.batch import compiled
 from railhil.common.compilable import larger, smaller
-from railhil.plant_sim.high_speed import dynamics, watch
+from railhil.plant_sim import brake_watch
+from railhil.plant_sim.brake_watch import answer_ticks, brake_looked_at, share_of
+from railhil.plant_sim.high_speed import dynamics
 from railhil.plant_sim.high_speed import train as train_module
 from railhil.plant_sim.high_speed.dynamics import Coupler, Drive, Grades, UnitMotion, coupler_n, joined, moved
 from railhil.plant_sim.high_speed.train import REMEMBERED, STEP_S, HighSpeedTrain, Wayside
-from railhil.plant_sim.high_speed.watch import answer_ticks, brake_looked_at, share_of
 from railhil.scenarios import streams
 from railhil.systems.high_speed.task import HighSpeedTask
 from railhil.wire import power_units
@@ -27,7 +28,7 @@ from railhil.wire.power_units import TRUE_PER_UNIT
 SPEED, DRIVE, STANDS, UNITS = range(4)
 COUPLER_MAX = 0x7FFF
 #: Sources of the machine code.
-_SOURCES = (__file__, dynamics, train_module, watch, power_units)
+_SOURCES = (__file__, dynamics, train_module, brake_watch, power_units)
 
 
 class Common(NamedTuple):

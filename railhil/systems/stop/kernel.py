@@ -12,8 +12,8 @@ import numpy as np
 
 from railhil.batch import compiled
 from railhil.common.compilable import larger, smaller
-from railhil.plant_sim.high_speed import watch
-from railhil.plant_sim.high_speed.watch import answer_ticks, brake_looked_at, share_of
+from railhil.plant_sim import brake_watch
+from railhil.plant_sim.brake_watch import answer_ticks, brake_looked_at, share_of
 from railhil.plant_sim.stop import brake
 from railhil.plant_sim.stop import train as train_module
 from railhil.plant_sim.stop.brake import Course, Going, Motion, achieved, gone_on
@@ -25,7 +25,7 @@ from railhil.wire import stop_counts
 from railhil.wire.stop_counts import MM, SAMPLE_S, SAMPLES
 
 #: Sources of the machine code.
-_SOURCES = (__file__, brake, train_module, watch, stop_counts, str(stop_counts.TABLE))
+_SOURCES = (__file__, brake, train_module, brake_watch, stop_counts, str(stop_counts.TABLE))
 #: Columns of the record.
 POSITION, SPEED, DRIVE = range(3)
 

@@ -17,8 +17,8 @@ from railhil.controller_node.high_speed.laws.os_elm_ngpc import SequentialEstima
 from railhil.controller_node.high_speed.learned import LearnedParameters, NetworkEstimator, shipped_networks
 from railhil.controller_node.high_speed.model import pade_zoh
 from railhil.controller_node.high_speed.network import Forward
-from railhil.controller_node.high_speed.reals import Reals
 from railhil.controller_node.high_speed.training import HELD_OUT, Recipe, rows_of, select_held_out, train_and_judge
+from railhil.controller_node.vector.reals import Reals
 
 MODEL = pade_zoh(0.5, 0.4, 1.0)
 UNIT = Unit(0.5, 1.0, 0.4, 1.0)

@@ -14,8 +14,8 @@ from railhil.controller_node.high_speed.model import (
     pade_zoh,
 )
 from railhil.controller_node.high_speed.predictor import first_row, predictions, weights
-from railhil.controller_node.high_speed.reals import Reals
 from railhil.controller_node.high_speed.stability import Train, spectral_radius
+from railhil.controller_node.vector.reals import Reals
 
 RE = Reals(make("float64"))
 LAG_S = 0.4

@@ -24,8 +24,8 @@ from railhil.controller_node.high_speed.law import weigh_preview
 from railhil.controller_node.high_speed.laws.a_gpc import Rls, rls_step, triangle
 from railhil.controller_node.high_speed.laws.delay_gpc import error_weights
 from railhil.controller_node.high_speed.model import pade_zoh
-from railhil.controller_node.high_speed.reals import Reals
 from railhil.controller_node.high_speed.stability import Train, transition
+from railhil.controller_node.vector.reals import Reals
 
 RE = Reals(make("float64"))
 MODEL = pade_zoh(0.5, 0.4, 1.0)

@@ -13,8 +13,8 @@ from railhil.controller_node.high_speed.delay_bank import steady_gains
 from railhil.controller_node.high_speed.law import Sample, Unit
 from railhil.controller_node.high_speed.laws.delay_gpc import DelayController, DelayGpcParameters, loop_radius, radii
 from railhil.controller_node.high_speed.model import pade_zoh
-from railhil.controller_node.high_speed.reals import Reals
 from railhil.controller_node.high_speed.stability import Train, transition
+from railhil.controller_node.vector.reals import Reals
 
 RE = Reals(make("float64"))
 LAG_S, PERIOD_S = 0.4, 1.0

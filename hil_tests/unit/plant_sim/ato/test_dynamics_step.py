@@ -12,11 +12,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from railhil.plant_sim import force_tables, forces
-from railhil.plant_sim.ato import dynamics
+from railhil.plant_sim.ato import dynamics, force_tables, forces
 from railhil.plant_sim.ato.dynamics import FREE, Motion, Step, Window
-from railhil.plant_sim.forces import EffortLimit, GradeTable, TrainConstants
+from railhil.plant_sim.ato.forces import EffortLimit, GradeTable, TrainConstants
 from railhil.scenarios.load import load
+from railhil.scenarios.profiles import grade_rows
 from railhil.systems.ato.scenario.model import Effort
 
 LEVEL = GradeTable((0.0,), (0.0,), (0.0,))
@@ -72,7 +72,7 @@ def test_constants_of_a_train() -> None:
 def test_grade_tables_of_many_runs() -> None:
     """The arrays of two runs are those of each."""
     both = (0.0, np.array([1.0, 2.0])), (100.0, np.array([-3.0, 4.0]))
-    from_m, permil, slope = force_tables.grade_rows(both, 40.0)
+    from_m, permil, slope = grade_rows(both, 40.0)
     for run in (0, 1):
         table = force_tables.grade_table(tuple((at, float(values[run])) for at, values in both), 40.0)
         assert (tuple(from_m), tuple(permil[run]), tuple(slope[run])) == tuple(table)

@@ -13,8 +13,8 @@ from railhil.plant_sim.ato import dynamics
 from railhil.plant_sim.ato.dynamics import Motion, Window
 from railhil.plant_sim.ato.faults.equipment import cap_limit, share_limit
 from railhil.plant_sim.ato.faults.forces import Allowed, Demand, FaultyForces, FeltChecks
+from railhil.plant_sim.ato.force_tables import train_constants
 from railhil.plant_sim.faults.injections import Injections
-from railhil.plant_sim.force_tables import train_constants
 from railhil.systems.ato.scenario.model import Effort
 from railhil.wire.ato import WatchCause
 

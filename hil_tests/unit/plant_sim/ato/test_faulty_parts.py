@@ -10,14 +10,17 @@ import numpy as np
 import pytest
 
 from hil_tests.support.plant_faults import SCENARIO, fault, made, said
+from railhil.common.errors import InputError
 from railhil.faults.activity import Activity
 from railhil.faults.actuators import SideState
+from railhil.faults.language import parse
 from railhil.faults.model import Fault, Trigger
 from railhil.plant_sim.ato.faults.equipment import FaultyEquipment, Side, cap_limit, share_limit
 from railhil.plant_sim.ato.faults.forces import AxleSlip
+from railhil.plant_sim.ato.faults.mismatch import Mismatch, constant_mismatches
+from railhil.plant_sim.ato.forces import EffortLimit
 from railhil.plant_sim.ato.plant_readings import TrainStatus
-from railhil.plant_sim.faults.mismatch import Mismatch
-from railhil.plant_sim.forces import EffortLimit
+from railhil.scenarios.fault_list import draw_values
 
 MANUAL = Trigger("manual")
 
@@ -149,6 +152,19 @@ def test_a_mismatch_of_train_and_line() -> None:
     assert train.davis_b_n_per_kn_kmh == 3.0 * nominal.davis_b_n_per_kn_kmh
     assert train.davis_c_n_per_kn_kmh2 == 3.0 * nominal.davis_c_n_per_kn_kmh2
     assert Mismatch().applied(scenario) == scenario
+
+
+def test_faults_of_runs_without_nodes_are_mismatches() -> None:
+    heavy, up = "train.mass scale 1.1 @0s", "train.gradient offset uniform(1,5) @0s"
+    first, second = constant_mismatches(replace(SCENARIO, faults=(heavy, up)), (3, 4))
+    assert (first.mass, second.mass) == (1.1, 1.1)
+    assert 1.0 <= first.grade_permil <= 5.0
+    assert first.grade_permil != second.grade_permil
+    # Drawn as the second fault of its run.
+    assert first == Mismatch.of([parse(heavy), draw_values(parse(up), 2, 3)])
+    with pytest.raises(InputError, match="mass, gradient or resistance from the start to the end") as raised:
+        constant_mismatches(replace(SCENARIO, faults=(heavy, "bus off @0s")), (3,))
+    assert f"{heavy}; bus off @0s" in str(raised.value)
 
 
 # -- actuators ---------------------------------------------------------------------------------------------------------

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from math import exp
 from typing import Any
 
@@ -11,8 +10,7 @@ from hil_tests.support.scripted import Scripted
 from railhil.faults.model import Fault
 from railhil.faults.sensors import Quantity, Reading
 from railhil.plant_sim.faults.injections import Injections
-from railhil.plant_sim.faults.readings import FaultyReader, FaultySensor, UnreadBalise, quantity_of
-from railhil.systems.ato.scenario.model import Balise
+from railhil.plant_sim.faults.readings import BaliseReport, FaultyReader, FaultySensor, quantity_of
 from railhil.wire.ato import TrnSpeed
 
 QUANTITY = Quantity(100.0, -1000, 999)
@@ -121,9 +119,9 @@ def test_a_change_counts_when_it_is_sent() -> None:
 
 
 def test_reports_of_a_balise() -> None:
-    balise = Balise(7, 100.5, 100.0)
+    balise = BaliseReport(7, 100.5)
 
-    def reported(*faults: Fault) -> tuple[list[Balise], list[tuple[int, str, str]]]:
+    def reported(*faults: Fault) -> tuple[list[BaliseReport], list[tuple[int, str, str]]]:
         injections = made(*faults)
         injections.look(0, 0.0, 0.0)
         return FaultyReader(injections).reported(balise), said(injections)
@@ -134,9 +132,9 @@ def test_reports_of_a_balise() -> None:
     assert reported(fault(at, "missed")) == ([], [(4, "7:100.5", "none")])
     assert reported(fault(at, "doubled")) == ([balise] * 2, [(4, "7:100.5", "7:100.5 7:100.5")])
     assert reported(fault(at, "wrong", 0.0, {"error_m": -2.0})) == (
-        [replace(balise, surveyed_m=98.5)], [(4, "7:100.5", "7:98.5")],
+        [BaliseReport(7, 98.5)], [(4, "7:100.5", "7:98.5")],
     )  # fmt: skip
-    unread = UnreadBalise(7, 0.0, 100.0)
+    unread = BaliseReport(7, 0.0, valid=False)
     assert reported(fault(at, "off")) == ([unread], [(4, "7:100.5", "invalid")])
     assert reported(fault(at, "intermittent", 0.0, {"share": 1.0}))[0] == [unread]
     assert reported(fault(at, "intermittent", 0.0, {"share": 0.0})) == ([balise], [])
@@ -152,5 +150,4 @@ def test_a_share_of_the_balises_is_not_read() -> None:
     injections.look(0, 0.0, 0.0)
     reader = FaultyReader(injections)
     reader._faults = [(injections.activities[0], Scripted((0.3, 0.2999)))]  # type: ignore[list-item]
-    kinds = [type(reader.reported(Balise(1, 2.0, 3.0))[0]) for _ in range(2)]
-    assert kinds == [Balise, UnreadBalise]
+    assert [reader.reported(BaliseReport(1, 2.0))[0].valid for _ in range(2)] == [True, False]

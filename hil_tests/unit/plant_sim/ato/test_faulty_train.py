@@ -12,8 +12,8 @@ from railhil.common.errors import InputError
 from railhil.faults.model import Draw, Fault, Trigger, Word
 from railhil.faults.words import CLEAR, words_at
 from railhil.plant_sim.any_plant import PlantError
+from railhil.plant_sim.ato.faults.mismatch import Mismatch
 from railhil.plant_sim.ato.plant import Plant
-from railhil.plant_sim.faults.mismatch import Mismatch
 from railhil.scenarios.load import load_any
 from railhil.systems.ato import ATO
 from railhil.systems.ato.scenario.model import Balise

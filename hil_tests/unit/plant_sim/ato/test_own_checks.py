@@ -10,6 +10,7 @@ import pytest
 
 from railhil.plant_sim.ato import train_checks as checks_of_train
 from railhil.plant_sim.ato.dynamics import Motion
+from railhil.plant_sim.ato.force_tables import train_constants
 from railhil.plant_sim.ato.train_checks import (
     FREE_FORCES,
     ForceState,
@@ -22,7 +23,6 @@ from railhil.plant_sim.ato.train_checks import (
     slow_decay,
     train_checks,
 )
-from railhil.plant_sim.force_tables import train_constants
 from railhil.scenarios.load import load
 from railhil.systems.ato.scenario.model import Effort
 from railhil.wire.ato import WatchCause

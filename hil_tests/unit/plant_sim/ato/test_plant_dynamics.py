@@ -11,11 +11,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from railhil.plant_sim import force_tables, forces
-from railhil.plant_sim.ato import dynamics
+from railhil.plant_sim.ato import dynamics, force_tables, forces
 from railhil.plant_sim.ato.dynamics import FREE, Motion, Window
 from railhil.scenarios.load import load
-from railhil.systems.ato.scenario.model import Effort, Profile, Train
+from railhil.scenarios.profiles import Profile
+from railhil.systems.ato.scenario.model import Effort, Train
 
 TICK_S = 0.01
 TRAIN = load("lvshun_tieshan").train

@@ -9,9 +9,9 @@ import pytest
 
 from railhil.plant_sim.ato.plant import Plant, PlantEvent
 from railhil.scenarios.load import load
+from railhil.scenarios.profiles import MeanGrade
 from railhil.systems.ato.scenario.model import Scenario
 from railhil.systems.ato.scenario.perturb import perturbed
-from railhil.systems.ato.scenario.profiles import MeanGrade
 from railhil.systems.ato.scenario.target import Target
 
 NS_PER_S = 1_000_000_000

@@ -15,11 +15,11 @@ from hil_tests.support.paths import TEST_DATA
 from railhil.common.errors import InputError
 from railhil.scenarios.layers import DATA
 from railhil.scenarios.load import load
+from railhil.scenarios.profiles import MeanGrade, lowest_under, profile_value
 from railhil.systems.ato.scenario.effort import force_limit_n, resistance_n
 from railhil.systems.ato.scenario.importers import railtoolkit, ttobench
 from railhil.systems.ato.scenario.importers.section import Stop, StopLine
-from railhil.systems.ato.scenario.model import Balise, Line, Train, profile_value
-from railhil.systems.ato.scenario.profiles import MeanGrade, front_speed_limit
+from railhil.systems.ato.scenario.model import Balise, Line, Train
 from railhil.systems.ato.scenario.target import Target
 
 RAILTOOLKIT = TEST_DATA / "railtoolkit"
@@ -37,7 +37,12 @@ def flat_out_s(unit: Train, line: Line, distance_m: float, step_m: float = 2.0) 
     count = round(distance_m / step_m)
     middle = (np.arange(count) + 0.5) * step_m
     grade = MeanGrade(line.grade_permil, unit.length_m)(middle)
-    limit = np.array([profile_value(front_speed_limit(line, unit), x) for x in middle.tolist()])
+    limit = np.array(
+        [
+            profile_value(lowest_under(line.speed_limit_mps, unit.length_m, unit.speed_limit_mps), x)
+            for x in middle.tolist()
+        ]
+    )
     ceiling = np.zeros(count + 1)
     for i in reversed(range(count)):
         ceiling[i] = min(limit[i], (ceiling[i + 1] ** 2 + 2 * unit.service_braking_mps2 * step_m) ** 0.5)

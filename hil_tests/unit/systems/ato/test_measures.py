@@ -14,9 +14,10 @@ from hypothesis import strategies as st
 
 from railhil.judge.stops import PlannedStop, ScoredStop
 from railhil.scenarios.load import load
+from railhil.scenarios.profiles import Profile
 from railhil.systems.ato.judge import journey, measures
 from railhil.systems.ato.judge.journey import ErrorGrid, Journey, stop_of
-from railhil.systems.ato.scenario.model import Energy, Profile, TargetCurve
+from railhil.systems.ato.scenario.model import Energy, TargetCurve
 from railhil.systems.ato.scenario.target import Target
 
 LVSHUN = load("lvshun_tieshan")

@@ -14,13 +14,13 @@ from hypothesis import strategies as st
 
 from hil_tests.support import shipped
 from railhil.scenarios.load import load, names
+from railhil.scenarios.profiles import MeanGrade, profile_value
 from railhil.systems.ato.scenario import regenerate
 from railhil.systems.ato.scenario.effort import force_limit_n, resistance_n
 from railhil.systems.ato.scenario.envelope import CurveError
 from railhil.systems.ato.scenario.generate import CurveLimits, fastest_time_s, generate
-from railhil.systems.ato.scenario.model import Effort, Line, TargetCurve, Train, profile_value
+from railhil.systems.ato.scenario.model import Effort, Line, TargetCurve, Train
 from railhil.systems.ato.scenario.perturb import perturbed
-from railhil.systems.ato.scenario.profiles import MeanGrade
 from railhil.systems.ato.scenario.target import Target
 
 YIZHUANG = [name for name in names() if re.match(r"yizhuang_\d", name)]

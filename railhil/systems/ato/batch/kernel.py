@@ -15,8 +15,7 @@ from typing import Any
 from railhil.batch import compiled
 from railhil.common.compilable import larger, smaller
 from railhil.common.held_code import place_of
-from railhil.plant_sim import forces
-from railhil.plant_sim.ato import command_watch, dynamics, plant, plant_readings, train_checks
+from railhil.plant_sim.ato import command_watch, dynamics, forces, plant, plant_readings, train_checks
 from railhil.plant_sim.ato.command_watch import (
     GOOD_AFTER_SERVICE_BRAKE,
     CommandWatchState,

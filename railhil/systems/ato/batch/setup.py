@@ -12,22 +12,21 @@ from numpy.typing import NDArray
 
 from railhil.bus.schedule import Schedule
 from railhil.controller_node.ato.control_loop import POSITION_MAX_01MM, limited_01mm
-from railhil.plant_sim import force_tables
+from railhil.plant_sim.ato import force_tables
 from railhil.plant_sim.ato.command_watch import INITIAL, watch_ticks
 from railhil.plant_sim.ato.dynamics import lag
+from railhil.plant_sim.ato.faults.mismatch import Mismatch, constant_mismatches
+from railhil.plant_sim.ato.forces import EffortLimit
 from railhil.plant_sim.ato.plant import NOTCH_LSB_PER_NOTCH
 from railhil.plant_sim.ato.train import RunEnd
 from railhil.plant_sim.ato.train_checks import slow_decay, train_checks
-from railhil.plant_sim.faults.mismatch import Mismatch
-from railhil.plant_sim.faults.plants import constant_mismatches
-from railhil.plant_sim.forces import EffortLimit
+from railhil.scenarios.profiles import grade_rows, lowest_under
 from railhil.systems.ato.batch import lanes as at
 from railhil.systems.ato.batch.layout import Common, PerTrain
 from railhil.systems.ato.coupled import coupled_schedule
 from railhil.systems.ato.judge.journey import ErrorGrid
 from railhil.systems.ato.scenario.model import Effort, Scenario
 from railhil.systems.ato.scenario.perturb import unit_draws, with_draws
-from railhil.systems.ato.scenario.profiles import front_speed_limit
 from railhil.systems.ato.scenario.target import Target
 from railhil.wire.ato import CtlStat, NotchCmd, SimTruth, TrnPos
 
@@ -101,7 +100,7 @@ def common(scenario: Scenario, by_distance: bool, times: Times) -> Common:
     train, timing = scenario.train, scenario.timing
     grid = ErrorGrid.of(scenario)
     target = Target(scenario.target)
-    limit = front_speed_limit(scenario.line, train)
+    limit = lowest_under(scenario.line.speed_limit_mps, train.length_m, train.speed_limit_mps)
     cycle = np.full(grid.time_s.size + 1, -1, dtype=np.int64)
     cycle[1:] = grid.cycle
     return Common(
@@ -116,7 +115,7 @@ def common(scenario: Scenario, by_distance: bool, times: Times) -> Common:
         brake=_effort(train.brake),
         limits=watch_ticks(scenario.watch, timing.base_tick_ns),
         checks=train_checks(scenario),
-        grade_from_m=force_tables.grade_rows(scenario.line.grade_permil, train.length_m)[0],
+        grade_from_m=grade_rows(scenario.line.grade_permil, train.length_m)[0],
         front_limit_from_m=np.array([row[0] for row in limit]),
         front_limit_mps=np.array([row[1] for row in limit]),
         overspeed_margin_mps=scenario.watch.overspeed_margin_mps,
@@ -210,7 +209,7 @@ def trains(scenario: Scenario, seeds: Sequence[int], drawn: bool, times: Times, 
         at.STOP_TICK: -1,
         at.EMERGENCY_01MS: -1,
     }
-    _, permil, permil_per_m = force_tables.grade_rows(actual.line.grade_permil, train.length_m)
+    _, permil, permil_per_m = grade_rows(actual.line.grade_permil, train.length_m)
     # A notch is delayed by at most the loop delay, and there is one new notch per control period.
     slots = ceil(delay_ticks.max() * timing.base_tick_ns / timing.control_period_ns) + 2
     balises = _balises(actual, wheel_factor)

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 from railhil.batch import compiled
 from railhil.plant_sim.ato import dynamics, train_checks
 from railhil.plant_sim.ato.dynamics import FREE, Lag
-from railhil.plant_sim.forces import EffortLimit, GradeTable
+from railhil.plant_sim.ato.forces import EffortLimit, GradeTable
 from railhil.systems.ato.batch import lanes as at
 from railhil.systems.ato.batch.lanes import LANES
 from railhil.systems.ato.batch.train import constants_of, forces_of, motion_of, truth_of

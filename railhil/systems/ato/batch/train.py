@@ -20,10 +20,10 @@ from railhil.plant_sim.ato.command_watch import (
     watch_step,
 )
 from railhil.plant_sim.ato.dynamics import Lag, Motion, Window, acceleration_mps2, applied_n, lag, step
+from railhil.plant_sim.ato.forces import GradeTable, TrainConstants
 from railhil.plant_sim.ato.plant import NOTCH_LSB_PER_NOTCH, SLIVER_TICKS
 from railhil.plant_sim.ato.plant_readings import odometer_reading_mm, speed_reading_01mmps
 from railhil.plant_sim.ato.train_checks import ForceState, forces_step, is_beyond_authority, is_running, is_weak
-from railhil.plant_sim.forces import GradeTable, TrainConstants
 from railhil.systems.ato.batch import curve
 from railhil.systems.ato.batch import lanes as at
 from railhil.systems.ato.batch.layout import READ_BALISES, READ_ODOMETER, READ_SPEED

@@ -13,7 +13,8 @@ import numpy as np
 from numpy import inf, minimum
 
 from railhil.common.compilable import chosen, compilable
-from railhil.systems.ato.scenario.model import Energy, Profile
+from railhil.scenarios.profiles import Profile
+from railhil.systems.ato.scenario.model import Energy
 
 KMH = 3.6
 

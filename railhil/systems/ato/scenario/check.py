@@ -12,11 +12,11 @@ from railhil.dbc import Contract
 from railhil.faults.truth import HOLE_MAX_S
 from railhil.scenarios.carried import SIGMAS, Reach
 from railhil.scenarios.model import Timing
+from railhil.scenarios.profiles import lowest_under
 from railhil.scenarios.validation import Refuse
 from railhil.systems.ato.scenario import model
 from railhil.systems.ato.scenario.effort import force_limit_n, resistance_n
 from railhil.systems.ato.scenario.model import Effort, Scenario, Uniform
-from railhil.systems.ato.scenario.profiles import front_speed_limit
 from railhil.systems.ato.scenario.target import Target
 
 _SAMPLE_S = 0.1
@@ -43,7 +43,7 @@ def train_reaches(scenario: Scenario, target: Target) -> Iterator[Reach]:
         at_m = balise.surveyed_m
         yield Reach("BALISE.BalisePos", at_m, at_m, ("line", "balises", row, "surveyed_m"), at_m)
 
-    fastest_mps = max(limit for _, limit in front_speed_limit(line, train))
+    fastest_mps = max(limit for _, limit in lowest_under(line.speed_limit_mps, train.length_m, train.speed_limit_mps))
     noise_mps = max(sensors.speed_noise_sigma_mps, _most(drawn.speed_noise_sigma_mps, 0.0))
     read_mps = fastest_mps * wheel_max + SIGMAS * noise_mps + sensors.speed_lsb_mps
     noise_section = "sensors" if noise_mps == sensors.speed_noise_sigma_mps else "perturbations"
@@ -272,7 +272,7 @@ def check_run(scenario: model.Scenario, target: Target, refuse: Refuse) -> None:
         raise refuse((section, "wheel_factor"), scenario.wheel_factor_max, allowed)
     time_s = np.arange(0.0, target.stop_time_s, _SAMPLE_S)
     speed, position = target.speed_mps(time_s), target.position_m(time_s)
-    limit = front_speed_limit(scenario.line, scenario.train)
+    limit = lowest_under(scenario.line.speed_limit_mps, scenario.train.length_m, scenario.train.speed_limit_mps)
     row = np.clip(np.searchsorted([step[0] for step in limit], position, side="right") - 1, 0, None)
     above = speed - np.array([step[1] for step in limit])[row]
     worst = int(np.argmax(above))

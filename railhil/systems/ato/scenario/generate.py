@@ -16,6 +16,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from railhil.scenarios.profiles import Floats, MeanGrade, lowest_under
 from railhil.systems.ato.scenario.effort import force_limit_n, resistance_n
 from railhil.systems.ato.scenario.envelope import (
     CurveError,
@@ -28,7 +29,6 @@ from railhil.systems.ato.scenario.envelope import (
     speed_knots,
 )
 from railhil.systems.ato.scenario.model import Line, TargetCurve, Train
-from railhil.systems.ato.scenario.profiles import Floats, MeanGrade, front_speed_limit
 
 #: Acceleration reserve required at the speed of a zone, so that the train can also reach that speed.
 _SPARE_MPS2 = 0.05
@@ -100,7 +100,7 @@ class _Builder:
         # Averaging x over the window moves the stop by a tau^2 / 24 (a parabola compared with its moving average).
         self._raw_m = distance_m + limits.end_braking_mps2 * self._tau_s**2 / 24
         self._grade = MeanGrade(line.grade_permil, train.length_m)
-        front = front_speed_limit(line, train)
+        front = lowest_under(line.speed_limit_mps, train.length_m, train.speed_limit_mps)
         self.top_mps = max(limit for _, limit in front) - limits.speed_margin_mps
         if min(limit for _, limit in front) <= limits.speed_margin_mps:
             raise CurveError("a speed limit is not above the speed margin")

@@ -7,27 +7,17 @@ permil (up positive), speeds are m/s unless the name says otherwise.
 
 from __future__ import annotations
 
-from bisect import bisect_right
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 
 from railhil.scenarios.model import PublishedScore, Timing
+from railhil.scenarios.profiles import Profile
 from railhil.scenarios.system import OfSystem
 
 #: Longest run, by the train's own odometer.
 DISTANCE_MAX_M = 400_000.0
 #: Longest time without a position.
 POSITION_AGE_MAX_MS = 1000
-
-#: A step profile: rows ``(from_m, value)``, each valid until the next row; the first value also applies before the
-#: first row.
-Profile = tuple[tuple[float, float], ...]
-
-
-def profile_value(profile: Profile, position_m: float) -> float:
-    """Value of a step profile at ``position_m`` (a row that starts exactly there already applies)."""
-    index = bisect_right(profile, position_m, key=lambda row: row[0]) - 1
-    return profile[max(index, 0)][1]
 
 
 @dataclass(frozen=True, slots=True)

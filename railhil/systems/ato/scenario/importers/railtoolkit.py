@@ -28,10 +28,10 @@ from pydantic import BaseModel, ConfigDict, Field, Strict
 from railhil.common.errors import InputError, Words
 from railhil.common.extras import missing_library
 from railhil.common.user_files import given_text
+from railhil.scenarios.profiles import merged
 from railhil.scenarios.validation import Keys, validated
 from railhil.systems.ato.scenario.importers.section import Stop, StopLine
 from railhil.systems.ato.scenario.model import Effort, Line, Train
-from railhil.systems.ato.scenario.profiles import merged
 
 VERSION = "2022.05"
 GRAVITY_MPS2 = 9.80665

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from railhil.systems.ato.scenario import profiles
+from railhil.scenarios import profiles
 from railhil.systems.ato.scenario.model import Balise, Line
 
 #: Balises of stop ``i`` are numbered ``10 i + 1, 10 i + 2, ...`` in running order; stops 25 apart share numbers,

@@ -14,9 +14,10 @@ from pydantic import BaseModel, ConfigDict, Field, Strict
 
 from railhil.common.errors import InputError
 from railhil.common.user_files import given_json
+from railhil.scenarios.profiles import Profile
 from railhil.scenarios.validation import validated
 from railhil.systems.ato.scenario.importers.section import Stop, StopLine
-from railhil.systems.ato.scenario.model import Line, Profile
+from railhil.systems.ato.scenario.model import Line
 
 VERSIONS = ("TTOBench v1.1", "TTOBench v1.2")
 

@@ -8,8 +8,12 @@ from typing import Any
 
 import numpy as np
 
+from railhil.common.errors import InputError, Words
 from railhil.faults.capability import MISMATCHES
+from railhil.faults.language import parse
 from railhil.faults.model import Fault
+from railhil.plant_sim.faults.plants import needs_nodes
+from railhil.scenarios.fault_list import draw_values
 from railhil.systems.ato.scenario.model import Line, Scenario, Train
 
 
@@ -63,3 +67,15 @@ class Mismatch:
         grades = tuple((from_m, permil * self.grade + self.grade_permil) for from_m, permil in rows)
         line: Line = replace(scenario.line, grade_permil=grades)
         return replace(scenario, train=train, line=line)
+
+
+def constant_mismatches(scenario: Scenario, seeds: Sequence[int]) -> list[Mismatch]:
+    """The faults of runs without nodes, as a mismatch of train and line for each seed.
+
+    :raises InputError: one of them needs the nodes.
+    """
+    if needs_nodes(scenario):
+        allowed = "mass, gradient or resistance from the start to the end: other faults need the nodes of the bench"
+        raise InputError(scenario.name, "fault", Words("; ".join(scenario.faults)), allowed)
+    faults = [(number, parse(text)) for number, text in enumerate(scenario.faults, 1)]
+    return [Mismatch.of(draw_values(fault, number, seed) for number, fault in faults) for seed in seeds]

@@ -1,7 +1,8 @@
-"""Line profiles as they act on a train of finite length: limit over its length, mean grade."""
+"""Step profiles of a line, and how they act on a train of finite length: limit over its length, mean grade."""
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from itertools import pairwise
 from typing import TypeAlias
 
@@ -9,32 +10,43 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from railhil.common.arrays import distinct
-from railhil.systems.ato.scenario.model import Line, Profile, Train
 
 Floats: TypeAlias = NDArray[np.float64]
 
 
-def front_speed_limit(line: Line, train: Train) -> Profile:
-    """Speed limit in m/s by position of the train's **front**, as a step profile without repeated values.
+#: A step profile: rows ``(from_m, value)``, each valid until the next row; the first value also applies before the
+#: first row.
+Profile = tuple[tuple[float, float], ...]
 
-    A lower limit applies when the front reaches it; a higher one only when the rear has left the lower one (one train
-    length later). The train's own limit is included. The first value also applies before the first row.
+
+def profile_value(profile: Profile, position_m: float) -> float:
+    """Value of a step profile at ``position_m`` (a row that starts exactly there already applies)."""
+    index = bisect_right(profile, position_m, key=lambda row: row[0]) - 1
+    return profile[max(index, 0)][1]
+
+
+def lowest_under(profile: Profile, length_m: float, most: float) -> Profile:
+    """Lowest value under a train, by position of its **front**, as a step profile without repeated values.
+
+    A lower value applies when the front reaches it; a higher one only when the rear has left the lower one (one train
+    length later). The first value also applies before the first row.
+
+    :param most: largest value, for example the train's own speed limit.
     """
-    rows = line.speed_limit_mps
-    ends = [row[0] + train.length_m for row in rows[1:]]
-    starts = [row[0] for row in rows]
+    ends = [row[0] + length_m for row in profile[1:]]
+    starts = [row[0] for row in profile]
     edges = sorted({*starts, *ends})
-    profile: list[tuple[float, float]] = []
+    found: list[tuple[float, float]] = []
     for edge in edges:
         felt = [
-            rows[i][1]
-            for i in range(len(rows))
-            if (starts[i] <= edge or i == 0) and (i == len(rows) - 1 or ends[i] > edge)
+            profile[i][1]
+            for i in range(len(profile))
+            if (starts[i] <= edge or i == 0) and (i == len(profile) - 1 or ends[i] > edge)
         ]
-        value = min([*felt, train.speed_limit_mps])
-        if not profile or profile[-1][1] != value:
-            profile.append((edge, value))
-    return tuple(profile)
+        value = min([*felt, most])
+        if not found or found[-1][1] != value:
+            found.append((edge, value))
+    return tuple(found)
 
 
 class MeanGrade:
@@ -66,6 +78,19 @@ class MeanGrade:
         inside = self.breakpoints_m[(self.breakpoints_m > from_m) & (self.breakpoints_m < to_m)]
         values = self(np.concatenate(([from_m], inside, [to_m])))
         return float(values.min()), float(values.max())
+
+
+def grade_rows(grade_permil: Profile, length_m: float) -> tuple[Floats, Floats, Floats]:
+    """Breakpoints of ``(height(x) - height(x - length)) / length``, where height is the integral of the grade.
+
+    :returns: position of each row, value there and slope, as arrays of shape (rows,); the last two of shape (N, rows)
+        when the grades of the profile are arrays over N runs.
+    """
+    mean = MeanGrade(grade_permil, length_m)
+    from_m = mean.breakpoints_m
+    permil = mean(from_m)
+    slope = np.diff(permil) / np.diff(from_m)
+    return from_m, permil, np.concatenate((slope, np.zeros((*slope.shape[:-1], 1))), axis=-1)
 
 
 def cut(profile: Profile, from_m: float, to_m: float) -> Profile:

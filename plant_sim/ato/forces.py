@@ -1,7 +1,7 @@
 """Forces on a train from tables: effort limits, Davis resistance, grade under the train.
 
 The batch compiles all functions here (:mod:`railhil.common.compilable` lists the permitted language); the tables are
-made in :mod:`railhil.plant_sim.force_tables`.
+made in :mod:`railhil.plant_sim.ato.force_tables`.
 """
 
 from __future__ import annotations

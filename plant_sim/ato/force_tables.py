@@ -1,18 +1,16 @@
 """Tables of the forces on a train, made from its scenario.
 
 Masses, coefficients and grades may be arrays over N runs, made by the batch. Therefore mypyc does not compile this
-module, while it compiles :mod:`railhil.plant_sim.forces`.
+module, while it compiles :mod:`railhil.plant_sim.ato.forces`.
 """
 
 from __future__ import annotations
 
 from math import inf
 
-import numpy as np
-
-from railhil.plant_sim.forces import EffortLimit, GradeTable, TrainConstants
-from railhil.systems.ato.scenario.model import Effort, Profile, Train
-from railhil.systems.ato.scenario.profiles import Floats, MeanGrade
+from railhil.plant_sim.ato.forces import EffortLimit, GradeTable, TrainConstants
+from railhil.scenarios.profiles import Profile, grade_rows
+from railhil.systems.ato.scenario.model import Effort, Train
 
 _KMH = 3.6
 
@@ -41,19 +39,6 @@ def train_constants(train: Train) -> TrainConstants:
         effort_table(train.traction),
         effort_table(train.brake),
     )
-
-
-def grade_rows(grade_permil: Profile, length_m: float) -> tuple[Floats, Floats, Floats]:
-    """Breakpoints of ``(height(x) - height(x - length)) / length``, where height is the integral of the grade.
-
-    :returns: the fields of a :class:`GradeTable` as arrays of shape (rows,); all except the first of shape (N, rows)
-        when the grades of the profile are arrays over N runs.
-    """
-    mean = MeanGrade(grade_permil, length_m)
-    from_m = mean.breakpoints_m
-    permil = mean(from_m)
-    slope = np.diff(permil) / np.diff(from_m)
-    return from_m, permil, np.concatenate((slope, np.zeros((*slope.shape[:-1], 1))), axis=-1)
 
 
 def grade_table(grade_permil: Profile, length_m: float) -> GradeTable:
