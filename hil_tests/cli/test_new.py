@@ -22,6 +22,7 @@ from railhil import cli
 from railhil.dbc import house_contract, system_contract
 from railhil.scenarios.keys import USUAL
 from railhil.scenarios.load import load
+from railhil.scenarios.parameters import load_parameters
 from railhil.scenarios.reference import file_type, keys
 
 #: The longest name that is allowed.
@@ -264,6 +265,19 @@ def test_what_is_written_is_typed(made: Path, tmp_path: Path) -> None:
 def test_their_tests_pass(made: Path, law_site: Path, system_site: Path) -> None:
     run("pytest", "-q", "-p", "no:cacheprovider", cwd=made / "mylaw", site=law_site)
     run("pytest", "-q", "-p", "no:cacheprovider", cwd=made / "mysystem", site=system_site)
+
+
+@pytest.mark.slow
+def test_the_law_of_the_system_is_tuned(made: Path, system_site: Path, tmp_path: Path) -> None:
+    scenario, file = made / "mysystem" / "mysystem.toml", tmp_path / "hold.toml"
+    words = ("--budget", "10", "--seeds", "0", "--runs", "2", "--out", file)
+    done = railhil(system_site, "tune", "hold", scenario, *words, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "end error" in done.stdout
+    assert set(load_parameters(file).values) == {"stiffness_n_per_m", "damping_n_per_mps"}
+    refused = railhil(system_site, "tune", "ipfc", scenario, cwd=tmp_path)
+    assert (refused.returncode, refused.stdout) == (2, "")
+    assert refused.stderr == "railhil tune: controller: name: found 'ipfc', allowed one of hold\n"
 
 
 _NO_TRUTH = """

@@ -116,6 +116,14 @@ def test_run_leaves_a_folder_that_says_all_of_the_system(recorded: Path) -> None
     ]
 
 
+def test_a_law_that_declares_nothing_to_tune_is_refused_in_one_line(site: Path, tmp_path: Path) -> None:
+    done = railhil(site, "tune", "apart", SCENARIO, cwd=tmp_path)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr == (
+        "railhil tune: command line: LAW: found 'apart', allowed a law that declares tunable parameters\n"
+    )
+
+
 def test_score_gives_the_same_numbers_from_the_folder_alone(site: Path, recorded: Path) -> None:
     done = railhil(site, "score", str(recorded), "--json")
     assert done.returncode == 0, done.stderr
@@ -207,21 +215,6 @@ def test_campaign_goes_through_the_nodes_and_says_so(site: Path, tmp_path: Path)
     again = railhil(site, "campaign", "--verify", str(folder), "--runs", "1")
     assert again.returncode == 0, again.stderr
     assert "1 of 1 runs are the same on the bench" in again.stdout
-
-
-@pytest.mark.parametrize(
-    "words",
-    [
-        ("tune", "apart", str(SCENARIO)),
-    ],
-    ids=lambda words: words[0],
-)
-def test_what_knows_only_railhils_own_train_says_so(site: Path, words: tuple[str, ...], tmp_path: Path) -> None:
-    done = railhil(site, *words, cwd=tmp_path)
-    assert done.returncode == 2
-    assert "system: found 'two_carts', allowed ato" in done.stderr
-    assert len(done.stderr.splitlines()) == 1
-    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.long

@@ -93,9 +93,8 @@ class System:
     #: Makes runs of one scenario and law at once that differ in seed, number and memory
     #: (:func:`railhil.systems.stop.batch.run_together`); without it sequences make them one after the other.
     sequence_batch: str | None = None
-    #: Makes the runs of a case with many sets of parameters of its law at once
-    #: (:func:`railhil.systems.ato.batch.stacked.run_parameter_sets`); ``railhil tune`` needs it.
-    parameter_batch: str | None = None
+    #: How its laws are tuned (:class:`railhil.tuning.trials.Tuning`); without it the default law is the reference.
+    tuning: str | None = None
     #: Its own examination in the audit (:data:`railhil.audit.bars.OwnLook`).
     audit: str | None = None
     #: Largest errors against float64 of quantities that its laws note, by name.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from railhil.common.command_line import SEED_MAX, OneLineParser, seed_list, whole_number
+from railhil.common.command_line import SEED_MAX, USUAL_SCENARIO, OneLineParser, seed_list, whole_number
 from railhil.common.errors import InputError
 from railhil.common.streams import add_json_argument
 from railhil.controller_node.laws import names as laws
@@ -14,7 +14,7 @@ from railhil.scenarios.options import add_option
 _BUDGET_MIN, _BUDGET_MAX = 10, 1_000_000
 _RUNS_MAX = 1_000_000
 _SEEDS_MAX = 10_000
-DEFAULT_SCENARIO = "lvshun_tieshan"
+DEFAULT_SCENARIO = USUAL_SCENARIO
 _EXIT_CODES = """\
 exit codes:
   0    the search or the evaluation was made, whatever it found
@@ -35,7 +35,8 @@ def arguments() -> argparse.ArgumentParser:
         description="Tune the parameters of a law on training runs, then compare them with its own on other runs.",
         epilog=_EXIT_CODES,
     )
-    parser.add_argument("law", nargs="?", metavar="LAW", help=f"control law: {', '.join(laws())}")
+    known = f"control law of the scenario's system (of {DEFAULT_SCENARIO}: {', '.join(laws())})"
+    parser.add_argument("law", nargs="?", metavar="LAW", help=known)
     parser.add_argument(
         "scenario", nargs="?", metavar="SCENARIO", help=f"shipped name or TOML file (default {DEFAULT_SCENARIO})"
     )

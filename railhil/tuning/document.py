@@ -6,12 +6,14 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+from railhil.judge.criteria import limit_key
 from railhil.judge.folder import code_sha256, made_by
 from railhil.judge.rerun import code_changes
 from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.tomlfile import toml_table
 from railhil.tuning import objective
-from railhil.tuning.search import Box, Found, Protocol
+from railhil.tuning.search import Found, Protocol
+from railhil.tuning.trials import Tuning
 
 _HEAD = "# Written by railhil tune. Parameters of the law that are not named here keep their defaults.\n"
 _DIGITS = 6
@@ -36,7 +38,6 @@ def changes(given: ParameterSet, system: str) -> list[str]:
 def notes(protocol: Protocol, found: Found) -> dict[str, Any]:
     """Notes of the search about itself; without date or paths, so that the same search writes the same bytes."""
     own = _made_by(protocol.scenario.system, protocol.law.controller)
-    reference = protocol.scenario.installed_system.law
     return {
         "scenario_sha256": protocol.scenario.sha256,
         # TOML has no value for None.
@@ -49,13 +50,13 @@ def notes(protocol: Protocol, found: Found) -> dict[str, Any]:
         "generations": protocol.generations,
         "evaluations": found.evaluations,
         "infeasible": found.infeasible,
-        "at_bounds": Box.of(protocol.law.controller).at_bounds(found.values),
+        "at_bounds": protocol.box.at_bounds(found.values),
         "complete": found.complete,
         **({"laid_aside": found.laid_aside} if found.laid_aside else {}),
         "objective_version": objective.VERSION,
         "objective_default": _rounded(found.objective_default),
         "objective_tuned": _rounded(found.objective),
-        "scale_of": f"limits of the plan; medians of {reference} with its published parameters",
+        "scale_of": Tuning.of(protocol.scenario.installed_system).scale_of,
     }
 
 
@@ -63,7 +64,8 @@ def document(protocol: Protocol, found: Found) -> str:
     """The file."""
     law, scenario, seeds = protocol.law.controller, protocol.scenario.name, frozenset(protocol.seeds)
     made = ParameterSet(law, found.values, Path(), scenario, seeds)
-    scale = {key: _rounded(value) for key, value in {**found.scale.limits, **found.scale.medians}.items()}
+    terms = [*found.scale.limits, *found.scale.medians]
+    scale = {limit_key(term.criterion): _rounded(term.divisor) for term in terms}
     return (
         _HEAD
         + made.text

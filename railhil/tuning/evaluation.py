@@ -12,7 +12,7 @@ from railhil.batch import Batch, Case
 from railhil.batch.statistics import quantile
 from railhil.common.output import Output, table
 from railhil.judge.criteria import DID_NOT_STOP, Criterion, limited
-from railhil.judge.judging import Judging, judging_of
+from railhil.judge.judging import judging_of
 from railhil.scenarios.model import watch_sentence
 from railhil.scenarios.parameters import ParameterSet
 from railhil.study.perturbed_runs import check_unseen, run_seeds, training_seeds
@@ -57,6 +57,12 @@ def quantiles(result: Batch, criterion: Criterion) -> list[float]:
     return [float(value) for value in found]
 
 
+def _criteria(found: Evaluation) -> list[Criterion]:
+    """The criteria that runs of the scenario have."""
+    scenario = found.case.scenario
+    return [criterion for criterion in judging_of(scenario).criteria if criterion.applies(scenario)]
+
+
 def _digits(criterion: Criterion) -> int:
     return criterion.digits if criterion.tuning_digits is None else criterion.tuning_digits
 
@@ -76,7 +82,7 @@ def worse(found: Evaluation, scale: Scale) -> list[str]:
     said = [f"objective {before:.3f} -> {after:.3f}"] if after > before else []
     passes = [int(result.passed.sum()) for result in (found.default, found.tuned)]
     said += [f"PASS {passes[0]} -> {passes[1]}"] if passes[1] < passes[0] else []
-    for criterion in limited(scale.judging.criteria):
+    for criterion in (term.criterion for term in scale.limits):
         own, tuned = (np.array(quantiles(result, criterion)[:1]) for result in (found.default, found.tuned))
         grown = criterion.badness(tuned) > criterion.badness(own)
         if (grown & ~criterion.inside(found.case.scenario, tuned)).any():
@@ -104,29 +110,36 @@ def _cells(found: Evaluation) -> Table:
     for who in ("default", "tuned"):
         for name, _ in _QUANTILES:
             made.add_column(f"{who}\n{name}", justify="right", no_wrap=True)
-    for criterion in judging_of(found.case.scenario).criteria:
+    for criterion in _criteria(found):
         values = [*quantiles(found.default, criterion), *quantiles(found.tuned, criterion)]
-        cells = (criterion.shown(value, _digits(criterion)) if np.isfinite(value) else "no stop" for value in values)
+        none = "no stop" if criterion.without == DID_NOT_STOP else criterion.without
+        cells = (criterion.shown(value, _digits(criterion)) if np.isfinite(value) else none for value in values)
         made.add_row(criterion.title, criterion.unit, *cells)
     return made
 
 
-def _stopped(result: Batch, judging: Judging) -> int:
-    """Number of runs with a value of each criterion of a stop."""
-    stops = [result.values[one.key] for one in limited(judging.criteria) if one.without == DID_NOT_STOP]
-    return int(np.logical_and.reduce([np.isfinite(values) for values in stops]).sum())
+def _counts(found: Evaluation, result: Batch) -> dict[str, tuple[str, int]]:
+    """Numbers of runs: by their keys in documents, the words for a line and the number."""
+    counts = {"passed": ("PASS", int(result.passed.sum()))}
+    stops = [
+        np.isfinite(result.values[criterion.key])
+        for criterion in limited(judging_of(found.case.scenario).criteria, found.case.scenario)
+        if criterion.without == DID_NOT_STOP
+    ]
+    if stops:
+        counts["stopped"] = ("stopped", int(np.logical_and.reduce(stops).sum()))
+    for extra in judging_of(found.case.scenario).extras:
+        counts[extra.counted] = (extra.name, int((result.extras[extra.key] > 0).sum()))
+    return counts
 
 
-def _shares(result: Batch, judging: Judging) -> str:
-    extras = (f", {extra.name} {int((result.extras[extra.key] > 0).sum())}" for extra in judging.extras)
-    passed = f"PASS {int(result.passed.sum())} of {len(result.seed)}"
-    return f"{passed}, stopped {_stopped(result, judging)}{''.join(extras)}"
+def _counts_said(found: Evaluation, result: Batch) -> str:
+    (_, passed), *others = _counts(found, result).values()
+    return ", ".join([f"PASS {passed} of {len(result.seed)}", *(f"{words} {count}" for words, count in others)])
 
 
 def document(found: Evaluation) -> dict[str, Any]:
     """The comparison as JSON; a quantile of runs that did not stop is the text ``inf``."""
-
-    judging = judging_of(found.case.scenario)
 
     def of(result: Batch) -> dict[str, Any]:
         scores = {
@@ -134,14 +147,9 @@ def document(found: Evaluation) -> dict[str, Any]:
                 key: value if np.isfinite(value) else str(value)
                 for (key, _), value in zip(_QUANTILES, quantiles(result, criterion), strict=True)
             }
-            for criterion in judging.criteria
+            for criterion in _criteria(found)
         }
-        return {
-            "scores": scores,
-            "passed": int(result.passed.sum()),
-            "stopped": _stopped(result, judging),
-            **{extra.counted: int((result.extras[extra.key] > 0).sum()) for extra in judging.extras},
-        }
+        return {"scores": scores, **{key: count for key, (_, count) in _counts(found, result).items()}}
 
     case, seeds = found.case, found.tuned.seed
     return {
@@ -165,6 +173,5 @@ def show(console: Output, found: Evaluation) -> None:
     console.print(_cells(found))
     if sentence := watch_sentence(found.case.scenario):
         console.say(sentence, style="bold yellow")
-    judging = judging_of(found.case.scenario)
-    console.say(f"default: {_shares(found.default, judging)}")
-    console.say(f"tuned:   {_shares(found.tuned, judging)}")
+    console.say(f"default: {_counts_said(found, found.default)}")
+    console.say(f"tuned:   {_counts_said(found, found.tuned)}")

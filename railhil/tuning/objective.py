@@ -1,86 +1,105 @@
 """The objective that the search minimises: one number from the scores of the training runs, the same formula for every
-law.
+law of a system.
 
-For each run::
+For each run it is a sum over the criteria of the system::
 
-    stop error / its limit  +  time error / its limit  +  ITAE / I  +  energy / E  +  comfort / C
+    value / limit        of each criterion with a limit of the scenario, at most ``TERM_MAX``
+    value / median       of every other criterion
 
-(each criterion of the system), with the limits of the scenario's plan. I, E and C are the medians of IPFC with its
-published parameters on the same runs: a fixed scale on which every score of a good law is about 1. A train that does
-not stop has the maximum stop and time terms (``TERM_MAX`` each); overspeed adds ``EXTRA`` plus its amount in km/h. The
-objective is the mean over the runs, so that every run matters.
+The medians are those of a reference law on the same runs (:class:`railhil.tuning.trials.Tuning`): a fixed scale on
+which every score of a good law is about 1. A criterion whose median is not positive has no such scale and is left out.
+A run without a value, such as that of a train that does not stop, costs ``TERM_MAX``. An extra that is not 0 adds
+``EXTRA`` plus its weighted amount. The objective is the mean over the runs, so that every run matters.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from statistics import fmean, median
 
-from railhil.judge.criteria import Criterion, limit_key, limited
-from railhil.judge.judging import Judging, judging_of
+from railhil.common.errors import InputError, Words
+from railhil.judge.criteria import Criterion, Extra, limited
+from railhil.judge.judging import judging_of
 from railhil.judge.score import Score
 from railhil.scenarios.model import AnyScenario
 
 #: Increased with every change of the formula; recorded in the files.
 VERSION = 1
-#: Maximum term of a stop or time error, also used for a train that never stops.
+#: Largest term of a criterion with a limit, and the term of a run that has no value.
 TERM_MAX = 100.0
 #: Added for an extra that is not 0 (overspeed), in addition to its weighted amount.
 EXTRA = 10.0
 
 
 @dataclass(frozen=True, slots=True)
+class Term:
+    """One criterion of the sum, and its divisor in the unit of the criterion."""
+
+    criterion: Criterion
+    divisor: float
+
+    def cost(self, value: float | None) -> float:
+        """About 1 for a run that is as good as the divisor, less for a better one."""
+        if value is None:
+            return TERM_MAX
+        if self.criterion.better == "low":
+            cost = value / self.divisor
+        else:
+            cost = self.divisor / value if value > 0 else TERM_MAX
+        return cost if self.criterion.limit is None else min(cost, TERM_MAX)
+
+
+@dataclass(frozen=True, slots=True)
 class Scale:
-    """The divisors of the scores, in their units.
+    """The terms of the sum, in its order, and the extras; ``left_out``: the criteria without a scale."""
 
-    ``limits``: of the scenario, by the key of the limit; ``medians``: of the reference's runs, by criterion.
-    ``judging``: of the system, with its criteria and extras.
-    """
-
-    limits: Mapping[str, float]
-    medians: Mapping[str, float]
-    judging: Judging
+    terms: tuple[Term, ...]
+    extras: tuple[Extra, ...]
+    left_out: tuple[Criterion, ...] = ()
 
     @classmethod
     def of(cls, scenario: AnyScenario, reference: Sequence[Score]) -> Scale:
-        """Limits of the scenario, and medians of the reference law's runs."""
+        """Limits of the scenario, and medians of the reference law's runs.
+
+        :raises InputError: no criterion of the system has a scale.
+        """
         judging = judging_of(scenario)
-        limits = {limit_key(one): one.limit.of(scenario) for one in limited(judging.criteria) if one.limit}
-        medians = {
-            criterion.key: median(float(score.values[criterion.key] or 0.0) for score in reference)
-            for criterion in _unlimited(judging)
-        }
-        return cls(limits, medians, judging)
+        compared = [one for one in judging.criteria if one.limit is None and one.applies(scenario)]
+        scaled = [(criterion, _median(criterion, reference)) for criterion in compared]
+        scaled += [
+            (criterion, criterion.limit_in(scenario) or 0.0) for criterion in limited(judging.criteria, scenario)
+        ]
+        terms = tuple(Term(criterion, divisor) for criterion, divisor in scaled if divisor > 0)
+        if not terms:
+            keys = ", ".join(criterion.key for criterion in judging.criteria) or "no criterion"
+            allowed = "a criterion with a positive limit, or a positive median over the runs of the reference law"
+            raise InputError("tune", scenario.name, Words(keys), allowed)
+        return cls(terms, judging.extras, tuple(criterion for criterion, divisor in scaled if not divisor > 0))
+
+    @property
+    def limits(self) -> list[Term]:
+        """The terms whose divisors are limits of the scenario."""
+        return [term for term in self.terms if term.criterion.limit is not None]
+
+    @property
+    def medians(self) -> list[Term]:
+        """The terms whose divisors are medians of the reference law."""
+        return [term for term in self.terms if term.criterion.limit is None]
 
 
-def _unlimited(judging: Judging) -> list[Criterion]:
-    """Criteria without a limit: they are compared with the reference."""
-    return [criterion for criterion in judging.criteria if criterion.limit is None]
-
-
-def _share(criterion: Criterion, value: float, scale: float) -> float:
-    """About 1 for a run that is as good as the scale, less for a better one."""
-    if criterion.better == "low":
-        return value / scale
-    return scale / value if value > 0 else TERM_MAX
+def _median(criterion: Criterion, scores: Sequence[Score]) -> float:
+    """Median over the runs that have a value; 0 if none has."""
+    values = [value for score in scores if (value := score.values[criterion.key]) is not None]
+    return median(values) if values else 0.0
 
 
 def run_cost(scale: Scale, score: Score) -> float:
-    """The sum above for one run. Raises ``ValueError`` for an incomplete run."""
+    """The sum above for one run."""
     cost = 0.0
-    for criterion in _unlimited(scale.judging):
-        value = score.values[criterion.key]
-        if value is None:
-            raise ValueError(f"a run without scores: {', '.join(score.failures)}")
-        cost += _share(criterion, value, scale.medians[criterion.key])
-    values = [(criterion, score.values[criterion.key]) for criterion in limited(scale.judging.criteria)]
-    if any(value is None for _, value in values):
-        cost += len(values) * TERM_MAX
-    else:
-        for criterion, value in values:
-            cost += min(_share(criterion, value or 0.0, scale.limits[limit_key(criterion)]), TERM_MAX)
-    for extra in scale.judging.extras:
+    for term in scale.terms:
+        cost += term.cost(score.values[term.criterion.key])
+    for extra in scale.extras:
         if (amount := score.extras[extra.key]) > 0:
             cost += EXTRA + amount * extra.tuning_weight
     return cost

@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 from scipy.optimize import differential_evolution
 
 from railhil.common.errors import InputError, Words
-from railhil.controller_node.laws import load as load_law
+from railhil.controller_node.laws import find
+from railhil.controller_node.laws.base import ControlLaw
 from railhil.scenarios import streams
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec
@@ -41,6 +42,23 @@ class Protocol:
     seeds: tuple[int, ...] = tuple(range(8))
     budget: int = 800
     search_seed: int = 0
+
+    @property
+    def law_class(self) -> type[ControlLaw[Any, Any]]:
+        """The law's class.
+
+        :raises InputError: the scenario's system has no such law.
+        """
+        kind: type[ControlLaw[Any, Any]] = find(self.law.controller, self.scenario.installed_system.laws, ControlLaw)
+        return kind
+
+    @property
+    def box(self) -> Box:
+        """The box of the search.
+
+        :raises InputError: as :attr:`law_class`, or the law declares no usable bounds.
+        """
+        return Box.of(self.law.controller, self.law_class)
 
     @property
     def population(self) -> int:
@@ -81,15 +99,19 @@ class Box:
     default: tuple[float, ...]
 
     @classmethod
-    def of(cls, law: str) -> Box:
+    def of(cls, law: str, kind: type[ControlLaw[Any, Any]]) -> Box:
         """Box of a law.
 
-        :raises InputError: an unknown law, or one without tunable parameters.
+        :param law: name by which it was requested; ``kind``: its class.
+        :raises InputError: it declares no tunable parameters, or bounds that no search can use.
         """
-        kind = load_law(law)
         if not kind.tunable:
             raise InputError("command line", "LAW", law, "a law that declares tunable parameters")
         defaults = kind.parameters_type()
+        for name, bounds in kind.tunable.items():
+            if not _are_bounds(bounds) or not _is_number(getattr(defaults, name, None)):
+                allowed = "a number among the law's parameters, with two finite bounds, the lower one first"
+                raise InputError("controller", f"{law}.tunable.{name}", bounds, allowed)
         low, high = zip(*kind.tunable.values(), strict=True)
         return cls(tuple(kind.tunable), low, high, tuple(getattr(defaults, name) for name in kind.tunable))
 
@@ -107,6 +129,14 @@ class Box:
         """Names of the parameters that a search has moved to a bound: a wider bound might give a better result."""
         point = self.point([values[name] for name in self.names])
         return [name for name, x in zip(self.names, point, strict=True) if not _EDGE <= x <= 1 - _EDGE]
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+
+
+def _are_bounds(given: Any) -> bool:
+    return isinstance(given, tuple | list) and len(given) == 2 and all(map(_is_number, given)) and given[0] < given[1]
 
 
 def _wide(low: float, high: float) -> bool:
@@ -161,10 +191,10 @@ def _spoken(name: str) -> str:
     return name.rpartition("_")[0].replace("_", " ") or name
 
 
-def _hopeless(law: str, best: _Best) -> InputError:
+def _hopeless(protocol: Protocol, best: _Best) -> InputError:
     """The error if no candidate gave a valid law: the reason, and the parameters that cause it but are not searched."""
     (reason, _), *_ = best.trials.refusals.most_common(1)
-    kind = load_law(law)
+    law, kind = protocol.law.controller, protocol.law_class
     fixed = [field.name for field in fields(kind.parameters_type) if field.name not in kind.tunable]
     words = reason.replace("_", " ")
     # A reason names a parameter literally, or in words and without its unit.
@@ -183,7 +213,7 @@ def search(protocol: Protocol, progress: Callable[[int, float], None] = lambda e
     :raises InputError: the law is unknown, has no tunable parameters, or does not support the scenario or the indexing
         with any candidate.
     """
-    box = Box.of(protocol.law.controller)
+    box = protocol.box
     best = _Best(box, Trials(protocol.scenario, protocol.law, protocol.seeds), progress)
     random = streams.generator(protocol.search_seed, streams.TUNING)
     settings: dict[str, Any] = {
@@ -207,7 +237,7 @@ def search(protocol: Protocol, progress: Callable[[int, float], None] = lambda e
     except KeyboardInterrupt:
         complete = False
     if math.isinf(best.objective):
-        raise _hopeless(protocol.law.controller, best)
+        raise _hopeless(protocol, best)
     return Found(
         best.values,
         best.objective,

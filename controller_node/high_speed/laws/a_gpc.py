@@ -141,6 +141,11 @@ class AGpc(LoopControllerLaw[T]):
     #: Its figures on these seeds were known while its parameters were chosen.
     design_seeds: ClassVar[Mapping[str, range]] = dict.fromkeys(JOURNEYS, range(201, 206))
     parameters_origin = "ours, near those of mm_gpc; the papers print none"
+    tunable: ClassVar[Mapping[str, tuple[float, float]]] = {
+        "control_weight": (0.5, 100.0),
+        "forgetting": (0.95, 1.0),
+        "covariance": (0.005, 1.0),
+    }
 
     def make_controller(self, re: Reals[T], unit: Unit, parameters: Any) -> AController[T]:
         delays = {"traction": unit.traction_delay_s, "braking": unit.braking_delay_s}

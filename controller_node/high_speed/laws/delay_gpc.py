@@ -214,6 +214,12 @@ class DelayGpc(LoopControllerLaw[T]):
     parameters_type = DelayGpcParameters
     parameters_origin = "ours"
     design_seeds: ClassVar[Mapping[str, range]] = dict.fromkeys(JOURNEYS, range(1, 204))
+    tunable: ClassVar[Mapping[str, tuple[float, float]]] = {
+        "control_weight": (0.5, 50.0),
+        "disturbance_walk_mps2": (0.0005, 0.05),
+        "speed_walk_mps": (0.0005, 0.05),
+        "gain_walk": (0.002, 0.2),
+    }
 
     def make_controller(self, re: Reals[T], unit: Unit, parameters: Any) -> DelayController[T]:
         refuse_short_horizon(self.name, parameters, max(unit.traction_delay_s, unit.braking_delay_s))

@@ -116,6 +116,7 @@ class MmGpc(LoopControllerLaw[T]):
     parameters_type = MmGpcParameters
     parameters_origin = "railhil.systems.high_speed.tuning; the papers print none"
     design_seeds: ClassVar[Mapping[str, range]] = DESIGN_SEEDS
+    tunable: ClassVar[Mapping[str, tuple[float, float]]] = {"control_weight": (0.5, 100.0), "forgetting": (0.05, 0.99)}
 
     def make_controller(self, re: Reals[T], unit: Unit, parameters: Any) -> MmController[T]:
         refuse_short_horizon(self.name, parameters, max(unit.traction_delay_s, unit.braking_delay_s))

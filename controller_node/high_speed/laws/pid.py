@@ -58,6 +58,11 @@ class Pid(HighSpeedLaw[T, PidState]):
     parameters_type: ClassVar[type[Any]] = PidParameters
     parameters_origin = "railhil.systems.high_speed.tuning; the papers print none"
     design_seeds: ClassVar[Mapping[str, range]] = {"jinan_xuzhou": range(100, 101)}
+    tunable: ClassVar[Mapping[str, tuple[float, float]]] = {
+        "kp_per_s": (0.05, 5.0),
+        "ki_per_s2": (0.005, 2.0),
+        "kd": (0.0, 2.0),
+    }
 
     def __init__(self, arithmetic: Arithmetic[T], scenario: Any, parameters: PidParameters | None = None) -> None:
         super().__init__(arithmetic, scenario, parameters)

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated, Any, Generic, Literal, NamedTuple
+from typing import Annotated, Any, ClassVar, Generic, Literal, NamedTuple
 
 from pydantic import Field
 
@@ -62,6 +62,11 @@ class IlcStop(StopLaw[T]):
 
     name = "ilc_stop"
     parameters_type = IlcStopParameters
+    tunable: ClassVar[Mapping[str, tuple[float, float]]] = {
+        "epsilon_m": (0.05, 2.0),
+        "first_offset_m": (-8.0, 8.0),
+        "hold_per_s": (0.05, 1.0),
+    }
 
     def __init__(
         self, arithmetic: Any, scenario: Any, parameters: IlcStopParameters | None = None, memory: Remembered = NOTHING

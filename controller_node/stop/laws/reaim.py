@@ -12,8 +12,9 @@ beside the brake model and the grade map; balises correct the odometer. Learning
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated, Any, Generic, NamedTuple
+from typing import Annotated, Any, ClassVar, Generic, NamedTuple
 
 from pydantic import Field
 
@@ -73,6 +74,12 @@ class Reaim(StopLaw[T]):
 
     name = "reaim"
     parameters_type = ReaimParameters
+    tunable: ClassVar[Mapping[str, tuple[float, float]]] = {
+        "noise_mps": (0.002, 0.1),
+        "disturbance_walk": (0.002, 0.2),
+        "jerk_mps3": (0.2, 2.0),
+        "freeze_mps": (0.1, 1.5),
+    }
     warm_up = _SETTLED_SAMPLES
 
     def __init__(

@@ -22,7 +22,7 @@ from railhil.controller_node.laws.parameters import law_parameters
 from railhil.scenarios.load import load
 from railhil.scenarios.parameters import ParameterSet, load_parameters
 from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.tuning.shipped import shipped
+from railhil.tuning.__main__ import shipped
 
 SCENARIO = load("lvshun_tieshan")
 TUNED = """

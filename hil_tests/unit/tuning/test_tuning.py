@@ -33,7 +33,7 @@ from railhil.systems.ato.batch.stacked import StackedLoop
 from railhil.systems.ato.judge.judging import JUDGING
 from railhil.systems.ato.scenario.model import Scenario
 from railhil.tuning.document import document
-from railhil.tuning.objective import EXTRA, TERM_MAX, Scale, objective, run_cost
+from railhil.tuning.objective import EXTRA, TERM_MAX, Scale, Term, objective, run_cost
 from railhil.tuning.search import Box, Found, Protocol, search
 from railhil.tuning.trials import Trials
 
@@ -67,9 +67,14 @@ def given(found: tuple[Protocol, Found], tmp_path_factory: pytest.TempPathFactor
     return load_parameters(path)
 
 
+def box_of(law: str) -> Box:
+    """Box of a law of ato."""
+    return Box.of(law, laws.load(law))
+
+
 def points(law: str, count: int) -> list[dict[str, float]]:
     """Candidates anywhere in the box of a law."""
-    box, random = Box.of(law), np.random.default_rng(7)
+    box, random = box_of(law), np.random.default_rng(7)
     return [box.candidate(point) for point in random.random((count, len(box.names))).tolist()]
 
 
@@ -134,7 +139,7 @@ def test_constants_of_each_train() -> None:
 def test_box_of_every_law(law: str) -> None:
     """Defaults inside; corners give a law in both arithmetics, or one line why it cannot be."""
     kind = laws.load(law)
-    box = Box.of(law)
+    box = box_of(law)
     assert 4 <= len(box.names) <= 10
     for name, low, high, default in zip(box.names, box.low, box.high, box.default, strict=True):
         assert low < high
@@ -177,7 +182,7 @@ def test_search_is_deterministic_and_never_worse(found: tuple[Protocol, Found]) 
 def test_search_that_finds_nothing_better_keeps_the_defaults(short: Scenario, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Trials, "of", lambda self, candidates: [None, *[1e9] * (len(candidates) - 1)])
     result = search(Protocol(short, LawSpec("ipfc", "float64"), seeds=(0,), budget=10))
-    box = Box.of("ipfc")
+    box = box_of("ipfc")
     assert dict(result.values) == dict(zip(box.names, box.default, strict=True))
     assert result.objective == result.objective_default
     assert (result.evaluations, result.infeasible) == (10, 2)
@@ -217,9 +222,8 @@ def test_budget_is_the_same_for_every_law() -> None:
         assert protocol.generations >= 2
 
 
-SCALE = Scale(
-    {"stop_error_m": 0.2, "time_error_s": 0.3}, {"itae": 2000.0, "energy_kj": 75000.0, "comfort": 2.0}, JUDGING
-)
+DIVISORS = {"itae": 2000.0, "energy_kj": 75000.0, "punctuality_s": 0.3, "stop_error_m": 0.2, "comfort": 2.0}
+SCALE = Scale(tuple(Term(criterion, DIVISORS[criterion.key]) for criterion in JUDGING.criteria), JUDGING.extras)
 GOOD = made_score("PASS", 2000.0, 75000.0, 0.3, -0.2, 2.0)
 
 
@@ -233,8 +237,16 @@ def test_objective() -> None:
     assert run_cost(SCALE, replace(GOOD, extras={"overspeed_mps": 1 / 3.6})) == pytest.approx(5.0 + EXTRA + 1.0)
     # Every run counts: one that never stops cannot hide behind a median.
     assert objective(SCALE, [GOOD] * 7 + [never]) == pytest.approx(5.0 + (2 * TERM_MAX - 2) / 8)
-    with pytest.raises(ValueError, match="without scores"):
-        run_cost(SCALE, with_values(GOOD, itae=None))
+    # An incomplete record costs the same in every term.
+    assert run_cost(SCALE, with_values(GOOD, itae=None)) == pytest.approx(4.0 + TERM_MAX)
+
+
+def test_a_criterion_without_a_scale_is_left_out(short: Scenario) -> None:
+    """The reference runs have 0, or no value at all."""
+    scale = Scale.of(short, [with_values(GOOD, itae=0.0, comfort=None), with_values(GOOD, itae=0.0, comfort=None)])
+    assert [criterion.key for criterion in scale.left_out] == ["itae", "comfort"]
+    assert [term.criterion.key for term in scale.terms] == ["energy_kj", "stop_error_m", "punctuality_s"]
+    assert run_cost(scale, with_values(GOOD, itae=5.0)) == run_cost(scale, GOOD)
 
 
 @pytest.mark.slow

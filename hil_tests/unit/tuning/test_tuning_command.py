@@ -25,11 +25,11 @@ from railhil.systems.ato.batch import run_batch
 from railhil.systems.ato.judge.criteria import CRITERIA, STOP_ERROR
 from railhil.systems.ato.scenario.model import Scenario
 from railhil.tuning import __main__ as tool
+from railhil.tuning.__main__ import shipped
 from railhil.tuning.command import arguments
 from railhil.tuning.evaluation import Evaluation, better, evaluate, quantiles, worse
 from railhil.tuning.objective import Scale
 from railhil.tuning.search import Box, Protocol, search
-from railhil.tuning.shipped import shipped
 from railhil.tuning.trials import Trials
 
 
@@ -75,7 +75,7 @@ def test_a_set_that_is_worse_on_other_runs_is_laid_aside(
     last = capsys.readouterr().out.splitlines()[-1]
     assert last.startswith("WORSE than the law's own parameters on the 4 runs of the evaluation (objective ")
     assert last.endswith(f"{file} holds the law's own")
-    box = Box.of("fuzzy_pid")
+    box = Box.of("fuzzy_pid", laws.load("fuzzy_pid"))
     assert dict(load_parameters(file).values) == dict(zip(box.names, box.default, strict=True))
     notes = tomllib.loads(file.read_text(encoding="utf-8"))["training"]["notes"]
     assert notes["laid_aside"] in last
@@ -228,6 +228,9 @@ def test_ctrl_c_writes_the_best_so_far(
         (["--evaluate", "none.toml", "--runs", "0"], "at least 1 beside --evaluate"),
         (["--evaluate", "none.toml", "--list"], "--evaluate"),
         (["ipfc", "--list"], "no law beside it"),
+        (["pid"], "SCENARIO: found None, allowed a scenario of system emu3 or hst1"),
+        (["pid", "yizhuang_stop"], "found 'pid', allowed one of ilc_stop"),
+        (["one_shot", "yizhuang_stop"], "found 'one_shot', allowed a law that declares tunable parameters"),
     ],
 )
 def test_bad_input_is_one_line(

@@ -183,7 +183,8 @@ class StackedLoop:
 def run_parameter_sets(
     case: Case, sets: Sequence[ParameterSet | None], seeds: Sequence[int]
 ) -> list[list[Score] | str]:
-    """Runs of a case with each set of parameters of its law, all with the same seeds: the part ``parameter_batch``.
+    """Runs of a case with each set of parameters of its law, all with the same seeds
+    (:attr:`railhil.tuning.trials.Tuning.run_sets`).
 
     :param case: its arithmetic is ``float64``; the parameters of its law are ignored.
     :param sets: None: the law's own parameters.
