@@ -18,15 +18,15 @@ from railhil.campaign.study import CAMPAIGN
 from railhil.study.engines import running
 from railhil.study.parts import opened
 from railhil.study.table import file_bytes
-from railhil.study.work import task_of
+from railhil.study.work import run_task, task_of
 from railhil.systems.ato.batch import run_batch
 
 TITLE = "campaign"
 METHOD = (
     "Law ipfc in float64, perturbed runs in chunks of 500. Rate of an engine: runs per wall second of all chunks, "
-    "after the same chunks once before, so that the start of workers and of the compiled plant is left out; parts are "
-    "made, handed to the parent and not written. Frame: CPU time besides the runs themselves. Memory: peak resident "
-    "set of a whole command. MB = 10^6 bytes."
+    "after the same chunks once before, which load the plant and dask's workers; parts are made, handed to the parent "
+    "and not written. Frame: CPU time besides the runs themselves. Memory: peak resident set of a whole command. "
+    "MB = 10^6 bytes."
 )
 _WORKERS = 2
 
@@ -38,12 +38,14 @@ def _rate(plan: Plan, engine: str, workers: int, scheduler: str | None = None) -
     """
     tasks = [task_of(CAMPAIGN, plan, one) for one in plan.chunks()]
     runs = {chunk.name: chunk.runs for chunk in plan.chunks()}
-    with running(engine, workers, scheduler, lambda sentence: None) as start:
-        # Each worker's first chunk includes its start.
-        for _ in start(tasks):
-            pass
+    with running(engine, lambda sentence: None, workers, scheduler) as start:
+        # Workers of dask start here, and the plant is compiled.
+        with start(run_task, tasks) as made:
+            for _ in made:
+                pass
         start_s = time.perf_counter()
-        left_out = set(runs) - {name for name, _ in start(tasks)}
+        with start(run_task, tasks) as made:
+            left_out = set(runs) - {name for _, (name, _) in made}
         taken_s = time.perf_counter() - start_s
     if left_out:
         raise MeasurementError(f"campaign: {engine} has left {len(left_out)} chunks out")
@@ -96,8 +98,8 @@ def measure(setting: Setting) -> list[Figure]:
     plan = make_plan(Request(scenario=setting.scenario_name, runs=chunks * chunk, chunk=chunk))
     alone = _rate(plan, "batch", 1)
     figures = [Figure("batch: one process", alone, "runs/s")]
-    cores = _rate(plan, "joblib", _WORKERS)
-    figures.append(Figure(f"joblib: {_WORKERS} processes", cores, "runs/s", cores / alone, "to one process"))
+    cores = _rate(plan, "processes", _WORKERS)
+    figures.append(Figure(f"processes: {_WORKERS}", cores, "runs/s", cores / alone, "to one process"))
     with loopback_cluster(_WORKERS) as cluster:
         machines = _rate(plan, "dask", _WORKERS, cluster.scheduler_address)
     figures.append(Figure(f"dask: {_WORKERS} workers", machines, "runs/s", machines / alone, "to one process"))

@@ -41,7 +41,7 @@ class Killed:
 
 def _campaign(words: Sequence[str]) -> subprocess.Popen[bytes]:
     command = [sys.executable, "-m", "railhil.cli", "campaign", *words]
-    # A group of its own: the workers of joblib are killed with it.
+    # A group of its own: its workers are killed with it.
     return subprocess.Popen(
         command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, start_new_session=True
     )

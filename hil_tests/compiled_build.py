@@ -99,7 +99,7 @@ def _tells(environment: _Environment, folder: Path) -> bool:
 
 def _is_one_campaign(environment: _Environment, folder: Path) -> bool:
     """Whether a campaign gives the same in the batch and in two processes."""
-    options = ("--out", "batch"), ("--out", "joblib", "--engine", "joblib", "--jobs", "2")
+    options = ("--out", "batch"), ("--out", "processes", "--engine", "processes", "--jobs", "2")
     laws = [
         json.loads(environment.said(["-c", _RAILHIL, *_CAMPAIGN_WORDS, *words], folder))["laws"] for words in options
     ]

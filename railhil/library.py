@@ -174,6 +174,7 @@ def campaign(
     from railhil.common.extras import need
 
     need("pyarrow", "campaign")
+    from railhil.batch import say_compiling
     from railhil.batch.nodes import kernel_of
     from railhil.campaign.plan import Request, make_plan
     from railhil.campaign.study import CAMPAIGN
@@ -199,7 +200,9 @@ def campaign(
     def say(sentence: str) -> None:
         print(sentence, file=sys.stderr)
 
-    kernel = kernel_of(plan.scenario)
-    with running("batch" if jobs == 1 else "joblib", jobs, None, say, kernel=kernel) as engine:
+    if (kernel := kernel_of(plan.scenario)) is not None:
+        need("numba", "campaign")
+        say_compiling(say, kernel)
+    with running("processes", say, None if jobs == -1 else jobs) as engine:
         made = execute(CAMPAIGN, plan, None if out is None else str(out), Console(quiet=True), engine, say)
     return CampaignOutcome(made.folder, made.summary, plan.judging)

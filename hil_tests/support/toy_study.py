@@ -5,10 +5,11 @@ from __future__ import annotations
 import io
 import sys
 import time
-from collections.abc import Callable, Generator, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import pyarrow as pa
@@ -21,8 +22,9 @@ from railhil.study.finished import Verified, differences
 from railhil.study.manifest import machine_and_list
 from railhil.study.plan import Shard, Study
 from railhil.study.table import NotThePart, row
-from railhil.study.work import Task, run_task
 
+T = TypeVar("T")
+R = TypeVar("R")
 SCHEMA = pa.schema([pa.field("seed", pa.int64()), pa.field("square", pa.float64())])
 
 
@@ -124,10 +126,14 @@ def make(
     :param before_part: is called before each part with the number of those that this call has made.
     """
 
-    def engine(tasks: Sequence[Task]) -> Generator[tuple[str, bytes], None, None]:
-        for count, task in enumerate(tasks):
-            before_part(count)
-            yield run_task(task)
+    @contextmanager
+    def engine(work: Callable[[T], R], items: Sequence[T], /) -> Iterator[Iterator[tuple[int, R]]]:
+        def results() -> Iterator[tuple[int, R]]:
+            for place, item in enumerate(items):
+                before_part(place)
+                yield place, work(item)
+
+        yield results()
 
     said: list[str] = []
     console = Console(file=io.StringIO())

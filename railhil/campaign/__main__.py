@@ -12,14 +12,20 @@ from railhil.common.exit_codes import run_guarded
 from railhil.controller_node.laws import names as laws
 from railhil.scenarios.options import add_option, add_options
 from railhil.study.command import Command, add_folder_arguments, exit_codes
+from railhil.study.engines import ENGINES
 from railhil.study.perturbed_runs import how_made
 
-_ENGINES = ("batch", "joblib", "dask")
+#: Names of engines in earlier versions.
+_FORMER_ENGINES = {"joblib": "processes"}
 _VERIFIED_RUNS = 3
 
 
 def _law_list(text: str) -> tuple[str, ...]:
     return tuple(name.strip() for name in text.split(","))
+
+
+def _engine(text: str) -> str:
+    return _FORMER_ENGINES.get(text, text)
 
 
 def arguments() -> argparse.ArgumentParser:
@@ -53,8 +59,10 @@ def arguments() -> argparse.ArgumentParser:
     add_option(parser, "--both")
     said = "also seeds on which parameters were tuned or chosen; every table then says so"
     add_option(parser, "--allow-training-seeds", help=said)
-    parser.add_argument("--engine", choices=_ENGINES, default="batch", help="this process, cores, machines")
-    add_option(parser, "--jobs", help="joblib: processes (default: one per core)")
+    parser.add_argument(
+        "--engine", type=_engine, choices=ENGINES, default="batch", help="this process, cores, machines"
+    )
+    add_option(parser, "--jobs", help="processes: how many (default: one per core)")
     parser.add_argument(
         "--chunk", type=whole_number(1, CHUNK_MAX), metavar="N", help=f"runs per part (default {usual.chunk})"
     )
@@ -63,8 +71,8 @@ def arguments() -> argparse.ArgumentParser:
 
 
 def _check_engine(namespace: argparse.Namespace) -> None:
-    if namespace.jobs is not None and namespace.engine != "joblib":
-        raise InputError("command line", "--jobs", namespace.jobs, Sentence("used only with --engine joblib"))
+    if namespace.jobs is not None and namespace.engine != "processes":
+        raise InputError("command line", "--jobs", namespace.jobs, Sentence("used only with --engine processes"))
     if namespace.scheduler is not None and namespace.engine != "dask":
         raise InputError("command line", "--scheduler", namespace.scheduler, Sentence("used only with --engine dask"))
 
@@ -77,7 +85,7 @@ COMMAND: Command[Plan] = Command(
     verified=("runs", _VERIFIED_RUNS),
     only_run=("json",),
     check=_check_engine,
-    engine=lambda namespace: (namespace.engine, namespace.jobs or -1),
+    engine=lambda namespace: (namespace.engine, namespace.jobs),
     how=lambda plan: how_made(plan.scenario),
 )
 

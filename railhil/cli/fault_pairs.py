@@ -15,7 +15,7 @@ from typing import Any
 from railhil.common.digits import count_of
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import FAIL, INVALID, PASS
-from railhil.common.output import Output
+from railhil.common.output import Output, show_progress
 from railhil.common.streams import print_json
 from railhil.faults.capability import why_not
 from railhil.faults.language import parse
@@ -27,7 +27,7 @@ from railhil.run.make import NeverBegan, run_into
 from railhil.scenarios.fault_list import disturbed_signals, fault_texts
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import System
-from railhil.study.pool import each, until_stopped
+from railhil.study.engines import in_order, processes, until_stopped
 
 #: Verdicts with which a run may end.
 _ENDS = ("PASS", "FAIL", "INVALID", "TOOL ERROR")
@@ -130,8 +130,12 @@ def pairs(
     broken: list[PairVerdict] = []
     with until_stopped() as stop, TemporaryDirectory(prefix="railhil-faults-") as out:
         calm = faultless_run(base, Path(out))
-        with each(partial(pair_run, base, system, calm, Path(out)), numbers, jobs) as runs:
-            for run in runs:
+        run_pair = partial(pair_run, base, system, calm, Path(out))
+        with (
+            processes(jobs, Output(stderr=True).say)(run_pair, numbers) as results,
+            show_progress(console, "pairs", len(numbers)) as shown,
+        ):
+            for run in in_order(results):
                 counts[run.verdict] += 1
                 if run.failures:
                     broken.append(run)
@@ -139,6 +143,7 @@ def pairs(
                     law = f" --controller {controller}" if controller else ""
                     console.say(f"  railhil run {base.scenario} --seed {run.number}{law} {run.words}")
                     console.file.flush()
+                shown(counts.total(), "pairs")
     if as_json:
         print_json({"verdicts": counts, "broken": [run.as_json() for run in broken]})
     found = ", ".join(f"{count} {verdict}" for verdict, count in sorted(counts.items())) or "none made"

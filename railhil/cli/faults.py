@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import os
 import shutil
 from collections.abc import Sequence
 from contextlib import ExitStack
@@ -20,7 +19,7 @@ from railhil.common.command_line import whole_number
 from railhil.common.digits import count_of
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import FAIL, INVALID, PASS
-from railhil.common.output import Output, table
+from railhil.common.output import Output, show_progress, table
 from railhil.common.streams import add_json_argument, print_json
 from railhil.common.user_files import whole_file
 from railhil.faults.capability import why_not
@@ -32,13 +31,13 @@ from railhil.judge.reactions.catalogue import Entry, catalogue_of
 from railhil.judge.reactions.evaluate import Row, evaluated, seen_in
 from railhil.record.documents import FAULT_TABLE
 from railhil.record.hash_list import HASH_LIST, HASH_LIST_KEY, write_hash_list
-from railhil.record.run_folder import RecordFailed, json_text
+from railhil.record.run_folder import RecordFailed, json_text, remove_torn_run
 from railhil.record.signature import add_sign_argument, check_key, sign_list
 from railhil.run.make import NeverBegan, run_into
 from railhil.scenarios.options import add_option
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import System
-from railhil.study.pool import each, until_stopped
+from railhil.study.engines import processes, processors, until_stopped
 
 _PAIRS_MAX = 1_000_000
 _COLUMNS = ("id", "fault", "begun s", "effective s", "detected by", "ms", "reaction", "ms", "bound", "margin", "")
@@ -60,7 +59,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         "--pairs", type=whole_number(1, _PAIRS_MAX), metavar="N", help="N random pairs of faults instead"
     )
     said = "runs at a time with --bus local (default: one for each processor)"
-    add_option(parser, "--jobs", default=len(os.sched_getaffinity(0)), help=said)
+    add_option(parser, "--jobs", default=processors(), help=said)
     parser.add_argument("--out", type=Path, metavar="DIR", help="keep the run folders there, one for each entry")
     add_sign_argument(parser)
     add_json_argument(parser)
@@ -96,6 +95,8 @@ def needs_hub(base: RunSpec, entry: Entry) -> bool:
 def entry_run(base: RunSpec, out: Path, keep: bool, entry: Entry) -> Row:
     """One entry as a run, with its folder in ``out``. Without a run there is no folder.
 
+    A folder that is there has been left by a worker that died, and is removed.
+
     :param keep: whether the folder is to be complete.
     """
     if entry.seen_in:
@@ -107,6 +108,7 @@ def entry_run(base: RunSpec, out: Path, keep: bool, entry: Entry) -> Row:
         # real time.
         pace = "lockstep" if _can_be(entry, "hub", "lockstep") else "realtime"
         spec = replace(spec, bus="auto", pace=pace, can={**spec.can, "interface": HUB_INTERFACE})
+    remove_torn_run(out / entry.id)
     try:
         result = run_into(out / entry.id, spec, keep=keep)
     except InputError as error:
@@ -212,9 +214,12 @@ def work(namespace: argparse.Namespace) -> int:
         # Entries with processes of their own come last, one at a time.
         alone = [entry for entry in entries if entry.faults and needs_hub(base, entry)]
         beside = [entry for entry in entries if entry not in alone]
+        shown = held.enter_context(show_progress(console, "runs", len(entries)))
         for some, at_once in ((beside, jobs), (alone, 1)):
-            if some:
-                rows.extend(held.enter_context(each(run, some, at_once)))
+            with processes(at_once, Output(stderr=True).say)(run, some) as results:
+                for _, row in results:
+                    rows.append(row)
+                    shown(len(rows), "runs")
         rows.sort(key=lambda row: entries.index(row.entry))
     if namespace.out is not None and rows:
         _write_table(namespace.out, base, system, rows, namespace.sign)

@@ -6,6 +6,7 @@ import os
 import re
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from time import monotonic
 from typing import Any
 
 from rich.box import SIMPLE_HEAD
@@ -107,7 +108,16 @@ def show_progress(console: Console, title: str, total: int, done: int = 0) -> It
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
     columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
-    is_hidden = not console.is_terminal
-    with Progress(*columns, console=console, transient=True, disable=is_hidden, refresh_per_second=_REFRESH_HZ) as bar:
+    is_hidden, shown_s = not console.is_terminal, 0.0
+    # No thread refreshes it: processes can be forked beside it.
+    with Progress(*columns, console=console, transient=True, disable=is_hidden, auto_refresh=False) as bar:
         task = bar.add_task(title, total=total, completed=done)
-        yield lambda completed, said: bar.update(task, completed=completed, description=said)
+
+        def show(completed: int, said: str) -> None:
+            nonlocal shown_s
+            bar.update(task, completed=completed, description=said)
+            if monotonic() - shown_s > 1 / _REFRESH_HZ:
+                shown_s = monotonic()
+                bar.refresh()
+
+        yield show

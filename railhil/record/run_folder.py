@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import errno
 import json
+import shutil
 import tempfile
 import time
 from collections.abc import Iterator
@@ -125,6 +126,15 @@ def discard_folder(folder: Path, made: bool) -> None:
         path.unlink()
     if made:
         folder.rmdir()
+
+
+def remove_torn_run(folder: Path) -> None:
+    """Remove what a process that died in the middle of a run has left in its folder.
+
+    :param folder: known to have been empty, or not to exist, when the runs began.
+    """
+    if folder.is_dir() and any(folder.iterdir()):
+        shutil.rmtree(folder)
 
 
 #: Parameters of the law, if they are not the law's own.

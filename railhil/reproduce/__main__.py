@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import os
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
@@ -24,6 +23,7 @@ from railhil.reproduce.document import PAGE, RUNS, make_document, write_page
 from railhil.reproduce.measurement import measure_paper
 from railhil.reproduce.paper import PAPERS, Paper, Results, find_paper
 from railhil.scenarios.options import add_option
+from railhil.study.engines import processors
 
 _SEEDS_MAX = 1000
 _COLOURS = {FOLLOWS: "green", IN_PART: "yellow", FOLLOWS_NOT: "red"}
@@ -75,8 +75,7 @@ def arguments(papers: Mapping[str, str] = PAPERS) -> argparse.ArgumentParser:
     parser.add_argument(
         "--seeds", type=_seeds, metavar="N,N-N,...", help="seeds of the runs (default: those of the paper's page)"
     )
-    usual = len(os.sched_getaffinity(0))
-    add_option(parser, "--jobs", default=usual, help="runs at a time (default: one for each processor)")
+    add_option(parser, "--jobs", default=processors(), help="runs at a time (default: one for each processor)")
     parser.add_argument(
         "--out", type=Path, metavar="DIR", help=f"write {PAGE}, figures (SVG), tables (CSV), results.json"
     )

@@ -15,8 +15,9 @@ from typing import Any
 from railhil.common.errors import InputError
 from railhil.common.held_code import OURS, held_sha256
 from railhil.common.user_files import given_json, whole_file
+from railhil.record.run_folder import remove_torn_run
 from railhil.reproduce.paper import Entry, Measurement, Paper, Results
-from railhil.study.pool import each, until_stopped
+from railhil.study.engines import in_order, processes, until_stopped
 
 
 def measure_paper(
@@ -33,7 +34,8 @@ def measure_paper(
     """Make all runs of a paper.
 
     :param jobs: processes at a time; the result does not depend on it.
-    :param kept: folder in which the run folders stay, each under the key of its run; None: they are removed.
+    :param kept: folder in which the run folders stay, each under the key of its run; what is there of such a
+        run, as from a worker that died, is removed. None: none stays.
     :param measured: folder of the figures of each run; runs whose figures are there are not made again, except those
         that are drawn. None: all are made.
     :param only: pattern (:mod:`fnmatch`) of the names of the runs to make; of the other runs, the result has only those
@@ -49,8 +51,8 @@ def measure_paper(
     # Made here: a process that is ended removes no folder.
     with TemporaryDirectory(prefix="railhil-reproduce-") as private:
         work = _Work(paper, kept, Path(private), measured, drawn, only)
-        with until_stopped() as stop, each(work.measure, entries, jobs) as made:
-            for one in made:
+        with until_stopped() as stop, processes(jobs, say)(work.measure, entries) as made:
+            for one in in_order(made):
                 found[one.key] = one
                 say(f"{len(found)} of {len(entries)}: {one.key} {one.verdict}")
         if stop.error is not None:
@@ -77,6 +79,7 @@ class _Work:
             return _read(file, entry)
         with ExitStack() as held:
             place = self.kept or Path(held.enter_context(TemporaryDirectory(dir=self.private)))
+            remove_torn_run(place / entry.key)
             made = entry.experiment.make(entry.spec, place / entry.key)
             found = Measurement(
                 key=entry.key,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import os
 import sys
 
 from railhil.batch.nodes import kernel_of, one_by_one
@@ -58,9 +57,8 @@ def _check_engine(namespace: argparse.Namespace) -> None:
         raise InputError("command line", "--scheduler", namespace.scheduler, "one of --jobs and --scheduler")
 
 
-def _engine(namespace: argparse.Namespace) -> tuple[str, int]:
-    jobs = namespace.jobs or os.cpu_count() or 1
-    return "dask" if namespace.scheduler is not None else "batch" if jobs == 1 else "joblib", jobs
+def _engine(namespace: argparse.Namespace) -> tuple[str, int | None]:
+    return "processes" if namespace.scheduler is None else "dask", namespace.jobs
 
 
 def _how(plan: Plan) -> tuple[str, str | None]:

@@ -19,6 +19,7 @@ from railhil.common.streams import add_json_argument, print_json
 from railhil.record.signature import add_sign_argument, check_key, sign_list
 from railhil.scenarios.load import stable_name
 from railhil.scenarios.options import add_option
+from railhil.study.engines import running
 from railhil.study.plan import P, Shard, Study
 
 # Modules that make runs are imported where they are used: help and completion do not need the extra libraries.
@@ -118,8 +119,8 @@ class Command(Generic[P]):
     ``study``: ``module:object`` of its record, which needs the libraries of the extra. ``verified``: the option that
     says how many items ``--verify`` makes again, and their usual number. ``only_run``: further options that do not go
     with ``--verify``. ``check``: (command line) refuses other options that do not go together. ``engine``: (command
-    line) -> name and processes. ``how``: (plan) -> remark on the making of the runs (empty: none), and the module with
-    compiled loops (None: nothing is compiled).
+    line) -> name and number of processes (None: one per core). ``how``: (plan) -> remark on the making of the runs
+    (empty: none), and the module with compiled loops (None: nothing is compiled).
     """
 
     name: str
@@ -129,7 +130,7 @@ class Command(Generic[P]):
     verified: tuple[str, int]
     only_run: Sequence[str]
     check: Callable[[argparse.Namespace], None]
-    engine: Callable[[argparse.Namespace], tuple[str, int]]
+    engine: Callable[[argparse.Namespace], tuple[str, int | None]]
     how: Callable[[P], tuple[str, str | None]]
 
     def main(self, words: Sequence[str] | None = None) -> int:
@@ -176,7 +177,7 @@ class Command(Generic[P]):
     def _run(self, namespace: argparse.Namespace) -> int:
         from rich.console import Console
 
-        from railhil.study.engines import running
+        from railhil.batch import say_compiling
         from railhil.study.execute import execute
         from railhil.study.manifest import read_manifest
 
@@ -193,7 +194,11 @@ class Command(Generic[P]):
         if remark:
             say(remark)
         name, jobs = self.engine(namespace)
-        with running(name, jobs, namespace.scheduler, say, kernel=kernel) as engine:
+        if name != "dask" and kernel is not None:
+            # If the work is done on this machine, report missing libraries before the folder is made.
+            need("numba", "campaign", self.name)
+            say_compiling(say, kernel)
+        with running(name, say, jobs, namespace.scheduler) as engine:
             made = execute(study, plan, resumed or namespace.out, console, engine, say, namespace.shard)
         if not made.is_whole:
             joins = f"the last shard, or {study.command} --resume {made.folder}, joins all"

@@ -1,4 +1,4 @@
-"""The dask engine: chunks go to the workers of a scheduler, which may be on other machines without a shared disk."""
+"""The dask engine: items go to the workers of a scheduler, which may be on other machines without a shared disk."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ import math
 import re
 import time
 from collections.abc import Callable, Generator, Iterator, Sequence
-from contextlib import contextmanager
-from typing import Any
+from contextlib import AbstractContextManager, closing, contextmanager
+from typing import Any, TypeVar
 
 from distributed import Client, as_completed
 from distributed.comm.core import CommClosedError, connect
@@ -19,8 +19,9 @@ from distributed.security import Security
 from railhil.common.digits import count_of
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import INVALID
-from railhil.study.work import run_task
 
+T = TypeVar("T")
+R = TypeVar("R")
 #: Address forms that reach other machines; IPv6 in brackets.
 _ADDRESS = re.compile(r"(tcp|tls)://([\w.-]+|\[[0-9a-fA-F:.]+\]):(?P<port>\d{1,5})")
 _PORT_MAX = 65535
@@ -29,7 +30,7 @@ _CONNECT_S = 10.0
 _WORKER_S = 60.0
 _ASK_S = 1.0
 _LOOK_S = 0.02
-#: Chunks handed out per worker core: enough to keep all workers busy, few enough not to overload the scheduler.
+#: Items handed out per worker core: enough to keep all workers busy, few enough not to overload the scheduler.
 _AHEAD = 4
 
 
@@ -40,16 +41,9 @@ class ClusterLost(Exception):
 
 
 @contextmanager
-def connected(
-    address: str,
-    say: Callable[[str], None],
-    *,
-    work: Callable[[Any], tuple[str, bytes]] = run_task,
-    connect_s: float = _CONNECT_S,
-) -> Iterator[DaskEngine]:
+def connected(address: str, say: Callable[[str], None], *, connect_s: float = _CONNECT_S) -> Iterator[DaskEngine]:
     """The engine at a scheduler.
 
-    :param work: the function that a worker applies to a task.
     :param connect_s: time limit for an answer from the address.
     :raises scenarios.errors.InputError: it is not an address, or there is no answer.
     """
@@ -67,7 +61,7 @@ def connected(
     except (OSError, ValueError, TypeError, RuntimeError) as error:
         raise InputError("command line", "--scheduler", address, allowed, str(error)) from error
     try:
-        yield DaskEngine(client, address, say, work)
+        yield DaskEngine(client, address, say)
     finally:
         client.close(timeout=connect_s)
 
@@ -83,44 +77,46 @@ async def _knock(address: str, connect_s: float) -> None:
 
 
 class DaskEngine:
-    """Called with tasks, it yields their parts as they arrive.
+    """An :class:`~railhil.study.engines.Engine`.
 
-    A chunk whose worker dies goes to another worker, as often as the scheduler allows (its setting
+    An item whose worker dies goes to another worker, as often as the scheduler allows (its setting
     ``distributed.scheduler.allowed-failures``, 3 by default).
     """
 
-    def __init__(
-        self,
-        client: Client,
-        address: str,
-        say: Callable[[str], None],
-        work: Callable[[Any], tuple[str, bytes]],
-    ) -> None:
-        self._work = work
+    def __init__(self, client: Client, address: str, say: Callable[[str], None]) -> None:
         self._client, self._address, self._say = client, address, say
         self._workers: set[str] = set()
         self._cores = 0
         self._asked_s = -math.inf
         self._seen_s = time.monotonic()
 
-    def __call__(self, tasks: Sequence[Any]) -> Generator[tuple[str, bytes], None, None]:
-        """Parts of the tasks. Raises :class:`ClusterLost`, and any exception of a task."""
-        waiting = list(reversed(tasks))
+    def __call__(
+        self, work: Callable[[T], R], items: Sequence[T], /
+    ) -> AbstractContextManager[Iterator[tuple[int, R]]]:
+        """Results as they arrive. Iterating raises :class:`ClusterLost`, and any exception of the function."""
+        return closing(self._results(work, items))
+
+    def _results(self, work: Callable[[T], R], items: Sequence[T]) -> Generator[tuple[int, R], None, None]:
+        waiting = list(reversed(range(len(items))))
+        places: dict[Any, int] = {}
         ready: Any = as_completed(loop=self._client.loop, with_results=True, raise_errors=False)
         while waiting or not ready.is_empty():
             self._ask()
             while waiting and ready.count() < _AHEAD * max(1, self._cores):
+                place = waiting.pop()
                 # Keys not derived from content: futures of another study with the same task must not be reused.
-                ready.add(self._client.submit(self._work, waiting.pop(), pure=False))
+                future = self._client.submit(work, items[place], pure=False)
+                places[future.key] = place
+                ready.add(future)
             if ready.has_ready():
-                yield self._part(*next(ready))
+                future, result = next(ready)
+                yield places.pop(future.key), self._result(future, result)
             else:
                 time.sleep(_LOOK_S)
 
-    def _part(self, future: Any, result: Any) -> tuple[str, bytes]:
+    def _result(self, future: Any, result: Any) -> Any:
         if future.status == "finished":
-            name, content = result
-            return name, content
+            return result
         if future.status != "error":
             raise self._lost()
         error = result[1]

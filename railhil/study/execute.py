@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Iterator, Sequence
-from contextlib import closing, contextmanager
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from time import monotonic, process_time
@@ -20,7 +20,7 @@ from railhil.study.engines import Engine
 from railhil.study.parts import InUse, PartsFolder, opened
 from railhil.study.plan import C, P, Shard, Study
 from railhil.study.table import NotThePart
-from railhil.study.work import Task, task_of
+from railhil.study.work import run_task, task_of
 
 #: Time for which a shard waits for the folder: others that begin or end lock it for a moment.
 _OTHERS_S = 10.0
@@ -134,24 +134,13 @@ def _make_parts(
     if kept:
         say(f"{folder.path}: {kept:,} of {total:,} runs are there already")
     tasks = [task_of(study, plan, chunk) for chunk in left]
-    runs = {chunk.name: chunk.runs for chunk in left}
-    # Close it at once after an exception, so that workers do not continue.
-    with show_progress(console, "runs", total, kept) as shown, closing(_written(folder, tasks, engine)) as names:
-        began_s, used_s, new = monotonic(), process_time(), 0
-        for name in names:
-            new += runs[name]
+    began_s, used_s, new = monotonic(), process_time(), 0
+    with engine(run_task, tasks) as made, show_progress(console, "runs", total, kept) as shown:
+        for place, (name, content) in made:
+            folder.write_part(name, content)
+            new += left[place].runs
             shown(kept + new, f"runs, {new / (monotonic() - began_s):,.0f}/s")
     if new:
         wall_s, cpu_s = monotonic() - began_s, process_time() - used_s
         said = count_of(new, "run", spec=",")
         say(f"{said} in {wall_s:.1f} s; this process used {cpu_s:.1f} s of processor time for them")
-
-
-def _written(folder: PartsFolder[P, C], tasks: Sequence[Task], engine: Engine) -> Generator[str, None, None]:
-    """Make the parts; yields the name of each as soon as it is safely written."""
-    if not tasks:
-        return
-    with closing(engine(tasks)) as parts:
-        for name, content in parts:
-            folder.write_part(name, content)
-            yield name

@@ -35,7 +35,7 @@ EXPECTED = {
     "controller_step": "float32: step of 1000 trains, per train, median",
     "plant": "direct run with iq, per core",
     "batch": "float64: runs of one core",
-    "campaign": "joblib: 2 processes",
+    "campaign": "processes: 2",
     "codec": "SIM_TRUTH (3 frames): receive, all checks and decode",
     "predictive_peer": "do-mpc: step, median",
     "training": "BP",

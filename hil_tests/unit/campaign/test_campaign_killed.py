@@ -8,10 +8,10 @@ import signal
 import subprocess
 import sys
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import closing, contextmanager
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
+from typing import TypeVar
 
 import psutil
 import pytest
@@ -26,10 +26,12 @@ from railhil.study import engines
 from railhil.study.execute import execute
 from railhil.study.manifest import read_manifest
 from railhil.study.parts import opened
-from railhil.study.work import OtherCode, Task, task_of
+from railhil.study.work import OtherCode, run_task, task_of
 
 pytestmark = [pytest.mark.loop, pytest.mark.slow]
 
+T = TypeVar("T")
+R = TypeVar("R")
 #: Enough chunks that something can happen between two of them.
 RUNS = 60
 FIRST_SEED = 7
@@ -55,23 +57,27 @@ def made(
     :param after_a_part: is called with the number of the parts so far.
     """
     said: list[str] = []
-    with engines.running(engine, 2, scheduler, said.append) as start:
+    with engines.running(engine, said.append, 2, scheduler) as start:
 
-        def watched(tasks: Sequence[Task]) -> engines.Parts:
-            with closing(start(tasks)) as parts:
-                for count, part in enumerate(parts, 1):
-                    yield part
+        @contextmanager
+        def watched(work: Callable[[T], R], items: Sequence[T], /) -> Iterator[Iterator[tuple[int, R]]]:
+            def results() -> Iterator[tuple[int, R]]:
+                for count, result in enumerate(made, 1):
+                    yield result
                     after_a_part(count)
+
+            with start(work, items) as made:
+                yield results()
 
         execute(CAMPAIGN, plan, str(folder), Console(file=io.StringIO()), watched, said.append)
     return said
 
 
 def workers_of(process: int) -> list[psutil.Process]:
-    """joblib's worker processes; one that has ended and was not waited for yet has no command line any more."""
+    """The worker processes that have not ended."""
     children = psutil.Process(process).children()
     living = [child for child in children if child.status() != psutil.STATUS_ZOMBIE]
-    return [child for child in living if "--process-name" in child.cmdline()]
+    return [child for child in living if "resource_tracker" not in " ".join(child.cmdline())]
 
 
 def in_parts_of_one(short: Path) -> Plan:
@@ -134,7 +140,7 @@ def resumed(campaign: Campaign, kept: dict[str, int], wanted: bytes) -> None:
 
 
 def test_a_killed_campaign_goes_on(short, tmp_path, wanted):
-    campaign = Campaign(short, tmp_path / "mine", "--engine", "joblib", "--jobs", "2")
+    campaign = Campaign(short, tmp_path / "mine", "--engine", "processes", "--jobs", "2")
     campaign.wait_for_parts(4)
     with campaign.held():
         # Somebody else at the same time is refused.
@@ -158,7 +164,7 @@ def test_a_killed_campaign_goes_on(short, tmp_path, wanted):
 @pytest.mark.long
 @pytest.mark.parametrize(
     ("number", "exit_code", "engine"),
-    [(signal.SIGINT, 130, ("--engine", "joblib", "--jobs", "2")), (signal.SIGTERM, 143, ())],
+    [(signal.SIGINT, 130, ("--engine", "processes", "--jobs", "2")), (signal.SIGTERM, 143, ())],
 )
 def test_a_stopped_campaign_says_how_it_goes_on(short, tmp_path, wanted, number, exit_code, engine):
     campaign = Campaign(short, tmp_path / "mine", *engine)
@@ -186,7 +192,7 @@ def test_a_killed_worker_loses_nothing(short, tmp_path, wanted):
             kept.update({path: path.stat().st_mtime_ns for path in tmp_path.glob("mine/parts/*.parquet")})
             workers_of(os.getpid())[0].kill()
 
-    said, spent = made(in_parts_of_one(short), tmp_path / "mine", "joblib", after_a_part=kill)
+    said, spent = made(in_parts_of_one(short), tmp_path / "mine", "processes", after_a_part=kill)
     assert said.startswith("a worker process died: what it had is run again, ")
     assert " of processor time " in spent
     assert len(kept) == 4
@@ -194,19 +200,19 @@ def test_a_killed_worker_loses_nothing(short, tmp_path, wanted):
     assert (tmp_path / "mine" / "results.parquet").read_bytes() == wanted
 
 
-def deadly() -> Callable[[object], None]:
-    """What kills the worker that works on it; a function of its own travels by value, without this module."""
-    return lambda task: os.kill(os.getpid(), signal.SIGKILL)
+def die(item: object) -> None:
+    """Kill the worker that works on it."""
+    os.kill(os.getpid(), signal.SIGKILL)
 
 
 @pytest.mark.long
 def test_a_chunk_that_kills_every_worker_ends_the_campaign():
     said: list[str] = []
     with (
-        engines.running("joblib", 2, None, said.append, work=deadly()) as engine,
         pytest.raises(engines.WorkersLost, match="died 3 times in a row") as caught,
+        engines.processes(2, said.append)(die, range(4)) as results,
     ):
-        list(engine([SimpleNamespace(name=f"ipfc-{i}") for i in range(4)]))
+        list(results)
     assert caught.value.exit_code == 3
     assert len(said) == 2
 
@@ -214,11 +220,8 @@ def test_a_chunk_that_kills_every_worker_ends_the_campaign():
 def test_a_worker_with_other_code_is_refused():
     plan = make_plan(Request(runs=1))
     (task,) = [task_of(CAMPAIGN, plan, chunk) for chunk in plan.chunks()]
-    with (
-        engines.running("batch", 1, None, print) as engine,
-        pytest.raises(OtherCode, match="has other code than this study"),
-    ):
-        list(engine([replace(task, code=("0", *task.code[1:]))]))
+    with pytest.raises(OtherCode, match="has other code than this study"):
+        run_task(replace(task, code=("0", *task.code[1:])))
 
 
 # -- dask -------------------------------------------------------------------------------------------------------------
@@ -248,10 +251,12 @@ def test_dask_that_gives_up_a_chunk_says_so(cluster):
     from railhil.study.dask_engine import ClusterLost
 
     with (
-        engines.running("dask", 1, cluster.scheduler_address, print, work=deadly()) as engine,
+        engines.running("dask", print, scheduler=cluster.scheduler_address) as engine,
         pytest.raises(ClusterLost, match="its workers died 4 times"),
+        # By value: the workers of dask do not know this module.
+        engine(lambda item: os.kill(os.getpid(), signal.SIGKILL), [None]) as results,
     ):
-        list(engine([SimpleNamespace()]))
+        list(results)
 
 
 def test_nobody_at_the_address_is_one_line():

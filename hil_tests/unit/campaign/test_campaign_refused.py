@@ -114,7 +114,7 @@ def test_the_request_comes_back_from_the_manifest(tmp_path):
         (["--first-seed", "4294967290"], "found last seed 4294968289, allowed at most 4294967295"),
         (["--arithmetic", "nix"], "--arithmetic"),
         (["--engine", "nix"], "--engine"),
-        (["--jobs", "2"], "--jobs: used only with --engine joblib"),
+        (["--jobs", "2"], "--jobs: used only with --engine processes"),
         (["--engine", "dask"], "--scheduler: found nothing, allowed tcp://HOST:PORT"),
         (["--scheduler", "tcp://127.0.0.1:9"], "--scheduler: used only with --engine dask"),
         (["--parameters", "none.toml"], "none.toml: found No such file"),
@@ -145,10 +145,10 @@ def test_a_folder_with_something_else_is_refused(campaign, short):
     )
 
 
-@pytest.mark.parametrize("module", ["pyarrow", "numba", "joblib"])
+@pytest.mark.parametrize("module", ["pyarrow", "numba"])
 def test_a_missing_library_is_one_line(campaign, short, tmp_path, monkeypatch, module):
     monkeypatch.setitem(sys.modules, module, None)
-    done = campaign(short, "--engine", "joblib", "--out", "mine")
+    done = campaign(short, "--engine", "processes", "--out", "mine")
     assert done.exit_code == 2
     assert f"module {module}: not installed" in done.one_line()
     assert install_command("campaign") in done.one_line()

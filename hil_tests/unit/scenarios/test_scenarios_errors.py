@@ -249,9 +249,9 @@ def test_input_error_is_one_line_whatever_it_holds() -> None:
 
 
 def test_a_sentence_replaces_found_and_allowed_in_the_line_only() -> None:
-    error = InputError("f", "--jobs", 2, Sentence("used only\nwith --engine joblib"), "d")
-    assert str(error) == "f: --jobs: used only with --engine joblib (d)"
-    assert (error.found, "--engine joblib" in error.allowed) == (2, True)
+    error = InputError("f", "--jobs", 2, Sentence("used only\nwith --engine processes"), "d")
+    assert str(error) == "f: --jobs: used only with --engine processes (d)"
+    assert (error.found, "--engine processes" in error.allowed) == (2, True)
     assert str(pickle.loads(pickle.dumps(error))) == str(error)
 
 

@@ -8,13 +8,11 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pyarrow.parquet as pq
 import pytest
-from joblib.externals.loky import get_reusable_executor
 
 from hil_tests.support.dask_cluster import loopback_cluster
 from hil_tests.support.remembering import Learning
@@ -27,14 +25,6 @@ from railhil.sequences.one import runner_of, sequence, sequence_batch_of, sequen
 from railhil.sequences.plan import Request, make_plan, run_specs
 
 pytestmark = pytest.mark.slow
-
-
-@pytest.fixture(autouse=True, scope="module")
-def own_workers() -> Iterator[None]:
-    """joblib keeps its workers: those of other tests do not know the law of these."""
-    get_reusable_executor().shutdown(wait=True)
-    yield
-    get_reusable_executor().shutdown(wait=True)
 
 
 _RUNS, _SEQUENCES = 4, 3
