@@ -349,3 +349,25 @@ def test_a_clock_that_is_set_back_makes_no_notch_beyond_the_greatest() -> None:
     for elapsed_ms in (-1000, -10, 0, 10):
         _, code, _ = command(LADDER, back, 0, ramp(elapsed_ms))
         assert code == -LADDER.full_code + max(0, LADDER.ramp_code_per_s * elapsed_ms // 1000)
+
+
+def test_a_run_goes_on_at_the_very_limit_of_hold() -> None:
+    cut = after(SpeedWatchState(), Seen(65))
+    assert after(cut, *goods(4), Seen(20), *goods(1)).level is WatchLevel.NORMAL
+    assert after(cut, *goods(4), Seen(21), *goods(1)).level is WatchLevel.TRACTION_CUT
+
+
+def test_after_a_traction_cut_the_notch_returns_on_the_ramp_though_it_was_zero_all_the_time() -> None:
+    state, code, _ = command(LADDER, after(SpeedWatchState(), Seen(65)), 0, ramp(20))
+    assert code == 0
+    assert run_commands(after(state, *goods(5)), 900, 1)[1] == [ramp(20)]
+
+
+def test_braking_that_a_traction_cut_found_is_the_least_in_it() -> None:
+    state, codes = run_commands(after(SpeedWatchState(code=-500), Seen(65)), -900, 1)
+    assert (codes, run_commands(after(state, Seen(66)), 200, 1)[1]) == ([-900], [-500])
+
+
+def test_a_refused_speed_is_named_by_why_it_was_refused() -> None:
+    assert after(SpeedWatchState(), Seen(10, BAD)).cause is CtlCause.BAD_TELEGRAMS
+    assert after(SpeedWatchState(), Seen(10, IMPLAUSIBLE)).cause is CtlCause.SPEED_IMPLAUSIBLE
