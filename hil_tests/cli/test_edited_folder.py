@@ -12,8 +12,7 @@ from pathlib import Path
 import can
 import pytest
 
-from hil_tests.cli.conftest import Railhil
-from hil_tests.support.cli import complaint
+from hil_tests.support.cli import Railhil, complaint
 from hil_tests.support.short_runs import RUN_2M_TOML
 from railhil import library
 from railhil.common.errors import InputError

@@ -12,8 +12,7 @@ import numpy.typing as npt
 import pytest
 
 import railhil
-from hil_tests.cli.conftest import Railhil
-from hil_tests.support.cli import Done
+from hil_tests.support.cli import Done, Railhil
 from railhil.bus.frame import from_message
 from railhil.bus.ros2 import ros_name
 from railhil.dbc import wire_contract

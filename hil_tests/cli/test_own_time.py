@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from hil_tests.cli.conftest import Railhil
+from hil_tests.support.cli import Railhil
 from hil_tests.support.short_runs import RUN_2M_TOML
 from railhil import library
 from railhil.bus.mvb import F_DEVICE_STATUS, master_frame

@@ -10,9 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from hil_tests.cli.conftest import Railhil
 from hil_tests.support import fmus
-from hil_tests.support.cli import Done, railhil_process
+from hil_tests.support.cli import Done, Railhil, railhil_process
 from hil_tests.support.short_runs import RUN_72M_TOML
 from railhil.plant_sim.ato.fmu import FmuTrain
 from railhil.plant_sim.ato.train import TrainOnBus

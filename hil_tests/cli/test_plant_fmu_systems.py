@@ -9,8 +9,8 @@ from typing import Any
 
 import pytest
 
-from hil_tests.cli.conftest import Railhil
 from hil_tests.support import fmus
+from hil_tests.support.cli import Railhil
 from hil_tests.support.short_runs import RUN_2M_TOML
 from railhil.common.errors import InputError
 from railhil.plant_sim.faults.plants import make_plant

@@ -7,8 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from hil_tests.cli.conftest import Railhil
-from hil_tests.support.cli import complaint, railhil
+from hil_tests.support.cli import Railhil, complaint, railhil
 from hil_tests.support.recordings import certified, tampered
 from hil_tests.support.short_runs import RUN_2M_TOML
 from railhil import library

@@ -9,8 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from hil_tests.cli.conftest import Railhil
-from hil_tests.support.cli import complaint
+from hil_tests.support.cli import Railhil, complaint
 from hil_tests.support.short_runs import RUN_2M_TOML
 from railhil.record.hash_list import HASH_LIST, SIGNATURE, write_hash_list
 from railhil.record.signature import sign_list

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from hil_tests.support.cli import complaint, railhil
+from hil_tests.support.cli import Railhil, complaint, railhil
 from hil_tests.support.hub import running_hub
 from hil_tests.support.short_runs import RUN_2M_TOML, RUN_72M_TOML
 
@@ -69,11 +69,11 @@ def test_over_the_hub_a_run_with_faults_has_the_bytes_of_the_one_in_process(tmp_
     assert "'NOTCH_CMD delay 60ms jitter 20ms @6s for 1s'" in second["command"]
 
 
-def test_a_fault_that_never_began_makes_the_run_invalid(tmp_path: Path) -> None:
+def test_a_fault_that_never_began_makes_the_run_invalid(here: Railhil, tmp_path: Path) -> None:
     path = tmp_path / "short.toml"
     path.write_text(RUN_2M_TOML, encoding="utf-8")
     words = ["run", path, "--bus", "local", "--out", tmp_path / "run", "--quiet", "--no-report"]
-    done = railhil(*words, "--fault", "TRN_SPEED loss @v>100km/h")
+    done = here(*words, "--fault", "TRN_SPEED loss @v>100km/h")
     assert done.exit_code == 3
     assert "INVALID: fault 1 never began: TRN_SPEED loss @v>100km/h" in done.out
     certificate, score = documents(tmp_path / "run")
@@ -91,14 +91,14 @@ def test_a_fault_that_never_began_makes_the_run_invalid(tmp_path: Path) -> None:
         (("--fault", "TRN_SPEED loss @1s unit 2"), "found 'unit 2', allowed units 1 to 1"),
     ],
 )
-def test_a_bad_fault_is_refused_in_one_line(tmp_path: Path, words: tuple[str, ...], said: str) -> None:
-    done = railhil("run", "--bus", "local", "--out", tmp_path / "run", "--quiet", "--no-report", *words)
+def test_a_bad_fault_is_refused_in_one_line(here: Railhil, tmp_path: Path, words: tuple[str, ...], said: str) -> None:
+    done = here("run", "--bus", "local", "--out", tmp_path / "run", "--quiet", "--no-report", *words)
     assert said in complaint(done)
     assert not (tmp_path / "run").exists()
 
 
 @pytest.mark.slow
-def test_a_bad_table_names_its_file(tmp_path: Path) -> None:
+def test_a_bad_table_names_its_file(here: Railhil, tmp_path: Path) -> None:
     path = tmp_path / "short.toml"
     for bad, said in (
         ('where = "TRN_SPEED"\nwhat = "los"\nwhen = "3 s"', "fault[0]: found 'los'"),
@@ -107,16 +107,16 @@ def test_a_bad_table_names_its_file(tmp_path: Path) -> None:
         ('where = "TRN_SPEED"\nwhat = "loss"\nwhen = "3 m/s"', "found '3 m/s', allowed 60s, 1200m"),
     ):
         path.write_text(f"{RUN_2M_TOML}\n[[fault]]\n{bad}\n", encoding="utf-8")
-        line = complaint(railhil("scenarios", path))
+        line = complaint(here("scenarios", path))
         assert said in line, line
         assert str(path) in line
 
 
-def test_the_words_are_listed() -> None:
-    done = railhil("faults", "--list")
+def test_the_words_are_listed(here: Railhil) -> None:
+    done = here("faults", "--list")
     assert done.exit_code == 0
     assert "  loss: telegrams are lost" in done.out
-    words = railhil("faults", "--list", "--json").json["words"]
+    words = here("faults", "--list", "--json").json["words"]
     assert {"telegram", "node", "bus", "sensor"} <= {word["level"] for word in words}
 
 

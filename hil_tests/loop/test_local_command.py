@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 
 from benchmarks.figures import QUICK_TOML
-from hil_tests.support.cli import Started, railhil, wait_for
+from hil_tests.support.cli import Railhil, Started, railhil, wait_for
 from hil_tests.support.paths import ROOT
 from hil_tests.support.plug import Wrapping, plug_in
 from hil_tests.support.published import PUBLISHED_SHA256, PUBLISHED_WIRE_5_SHA256, WIRE_5_HASH
@@ -98,9 +98,9 @@ def test_a_run_from_a_file_is_made_again_from_its_certificate(short: Path, tmp_p
     assert documents(tmp_path / "other")[0]["frames_sha256"] != said["frames_sha256"]
 
 
-def test_a_spec_that_is_none_leaves_no_folder(tmp_path: Path) -> None:
+def test_a_spec_that_is_none_leaves_no_folder(here: Railhil, tmp_path: Path) -> None:
     (tmp_path / "run.toml").write_text("sede = 1\n")
-    done = railhil("run", "--spec", tmp_path / "run.toml", "--out", tmp_path / "out")
+    done = here("run", "--spec", tmp_path / "run.toml", "--out", tmp_path / "out")
     assert done.exit_code == USAGE
     assert done.err.startswith(
         f"railhil: {tmp_path}/run.toml: sede: found the unknown key sede, allowed only arithmetic"
@@ -131,8 +131,8 @@ def test_laws_are_compared_without_a_bus(short: Path, tmp_path: Path) -> None:
         ("--no-controller",),
     ],
 )
-def test_what_needs_a_bus_is_refused(short: Path, tmp_path: Path, words: tuple[str, ...]) -> None:
-    done = railhil("run", short, "--bus", "local", *words, "--out", tmp_path / "run")
+def test_what_needs_a_bus_is_refused(here: Railhil, short: Path, tmp_path: Path, words: tuple[str, ...]) -> None:
+    done = here("run", short, "--bus", "local", *words, "--out", tmp_path / "run")
     assert done.exit_code == USAGE
     assert "--bus local" in done.one_line()
     assert not (tmp_path / "run").exists()

@@ -18,6 +18,8 @@ from hil_tests.support.warm import run_module
 from railhil.cli.programs import PROGRAMS
 from railhil.live.processes import process_name
 
+#: The command in this process: the fixture ``here``.
+Railhil = Callable[..., "Done"]
 #: Enough for start-up and a run at a tenth of the usual speed.
 TIMEOUT_S = 110
 
