@@ -19,7 +19,7 @@ from railhil.charts.figure import Figure
 from railhil.common.user_files import whole_file
 from railhil.record.run_folder import refuse_unwritable
 from railhil.reproduce.comparison import Line, Table
-from railhil.reproduce.paper import Entry, Measurement, Paper, Results
+from railhil.reproduce.paper import Measurement, Paper, Results
 
 PAGE, RESULTS, RUNS = "page.md", "results.json", "runs"
 #: Digits of a hash in a table; the document has all of them.
@@ -61,7 +61,9 @@ def make_document(paper: Paper, results: Results, figures: Sequence[Figure] = ()
         "protocol": list(paper.text.protocol),
         "seeds": list(results.seeds),
         "runs": [
-            _run(entry, results.runs[entry.key]) for entry in paper.plan(results.seeds) if entry.key in results.runs
+            {"run": entry.key, "again": entry.command, **results.runs[entry.key].as_json()}
+            for entry in paper.plan(results.seeds)
+            if entry.key in results.runs
         ],
         "tables": [
             {
@@ -74,17 +76,6 @@ def make_document(paper: Paper, results: Results, figures: Sequence[Figure] = ()
         ],
         "statements": [asdict(statement) for statement in paper.judge(results)],
         "figures": [{"name": one.name, "title": one.title, "caption": one.caption} for one in figures],
-    }
-
-
-def _run(entry: Entry, found: Measurement) -> dict[str, Any]:
-    return {
-        "run": found.key,
-        "again": entry.command,
-        "verdict": found.verdict,
-        "reasons": list(found.reasons),
-        "sha256": found.sha256,
-        "measured": dict(found.values),
     }
 
 
@@ -102,10 +93,7 @@ def _line(table: Table, line: Line) -> dict[str, Any]:
 
 def read_document(found: Mapping[str, Any]) -> tuple[Results, list[Figure]]:
     """The measured runs of a document made by :func:`make_document`, and its figures, both without their curves."""
-    runs = {
-        run["run"]: Measurement(run["run"], run["verdict"], tuple(run["reasons"]), run["sha256"], run["measured"])
-        for run in found["runs"]
-    }
+    runs = {run["run"]: Measurement.from_json(run["run"], run) for run in found["runs"]}
     return Results(tuple(found["seeds"]), runs), [Figure(**one, charts=()) for one in found["figures"]]
 
 

@@ -4,10 +4,11 @@ sequences of a law that learns."""
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from railhil import library
 from railhil.common.digits import count_of
@@ -23,28 +24,14 @@ if TYPE_CHECKING:
     from railhil.batch.case import SequenceRun
 
 
-@dataclass(frozen=True, slots=True)
-class EntryResult:
-    """An entry that was made.
-
-    ``reasons``: the reasons why the verdict is not PASS. ``sha256``: of its log; empty if it has none. ``outcome``: the
-    argument of ``measure`` and ``curves`` of the paper.
-    """
-
-    verdict: str
-    reasons: tuple[str, ...]
-    sha256: str
-    outcome: Any
-
-
 class Experiment(Protocol):
     """The way in which an entry is made from its run."""
 
     def words(self, spec: RunSpec) -> list[str]:
         """Words of the command line, after ``railhil``, that make it alone; none: there is no such command."""
 
-    def make(self, spec: RunSpec, folder: Path) -> EntryResult:
-        """Make it.
+    def make(self, spec: RunSpec, folder: Path) -> Record | SequenceRuns:
+        """Make it; the result is the argument of ``measure`` and ``curves`` of the paper.
 
         :param folder: for its record, if it has one; there is no such folder yet.
         :raises InputError: it cannot be made.
@@ -53,44 +40,63 @@ class Experiment(Protocol):
 
 
 @dataclass(frozen=True, slots=True)
-class RecordedRun:
-    """One run over the in-process bus, with a run folder."""
+class SingleRun:
+    """One run over the in-process bus, with a run folder.
 
-    def words(self, spec: RunSpec) -> list[str]:
-        return ["run", *spec.words]
-
-    def make(self, spec: RunSpec, folder: Path) -> EntryResult:
-        found = library.run(spec, out=folder)
-        return EntryResult(found.verdict, found.reasons, found.frames_sha256, found)
-
-
-@dataclass(frozen=True, slots=True)
-class CoupledRun:
-    """One run without a bus (:mod:`railhil.run.coupled`); it has neither folder nor certificate.
-
-    ``ports``: published by the plant beside the readings of the law.
+    ``ports``: if given, the run is made without a bus (:mod:`railhil.run.coupled`), and has neither folder nor log; the
+    plant publishes these ports beside the readings of the law.
     """
 
-    ports: tuple[str, ...]
+    ports: tuple[str, ...] = ()
 
     def words(self, spec: RunSpec) -> list[str]:
         return ["run", *spec.words]
 
-    def make(self, spec: RunSpec, folder: Path) -> EntryResult:
+    def make(self, spec: RunSpec, folder: Path) -> Record:
+        if not self.ports:
+            return library.run(spec, out=folder)
         scenario = spec.load()
         run = direct_run(scenario, spec, ports=self.ports)
         record = Record(Path(), scenario, run.trace, certificate=spec.as_json())
-        outcome = record.copy_with(score=run.score, events=())
-        return EntryResult(outcome.verdict, outcome.reasons, "", outcome)
+        return record.copy_with(score=run.score, events=())
 
 
 @dataclass(frozen=True)
 class SequenceRuns:
-    """``runs`` of each sequence in order, with scenario and a run of the protocol."""
+    """``runs`` of each sequence in order, with scenario and a run of the protocol.
+
+    ``figures``: those that the experiment itself has measured; None: there are none.
+    """
 
     scenario: AnyScenario
     spec: RunSpec
     runs: Sequence[Sequence[SequenceRun]]
+    figures: Mapping[str, float | None] | None = None
+
+    @property
+    def _verdicts(self) -> list[str]:
+        return ["INVALID" if run.missed else run.score.verdict for sequence in self.runs for run in sequence]
+
+    @property
+    def verdict(self) -> str:
+        """The worst verdict of a run."""
+        return next((verdict for verdict in ("INVALID", "FAIL") if verdict in self._verdicts), "PASS")
+
+    @property
+    def reasons(self) -> tuple[str, ...]:
+        """How many runs are INVALID or FAIL."""
+        counts = Counter(self._verdicts)
+        of_all = count_of(counts.total(), "run")
+        return tuple(f"{counts[verdict]} of {of_all} {verdict}" for verdict in ("INVALID", "FAIL") if counts[verdict])
+
+    @property
+    def frames_sha256(self) -> str:
+        """In place of frames: a hash over the commands of the runs, and the memories that they leave."""
+        digest = hashlib.sha256()
+        for run in (run for sequence in self.runs for run in sequence):
+            left = "-" if run.record is None else run.record.sha256
+            digest.update(f"{run.spec.seed} {run.spec.run_number} {run.digest} {left}\n".encode())
+        return digest.hexdigest()
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,7 +115,7 @@ class SequenceSet:
         words = ["learn", *spec.scenario_words, *spec.law.words, *([] if spec.perturbed else ["--nominal"])]
         return [*words, "--runs", f"{self.runs}", "--sequences", f"{self.count}", "--seed", f"{self.first}"]
 
-    def make(self, spec: RunSpec, folder: Path) -> EntryResult:
+    def make(self, spec: RunSpec, folder: Path) -> SequenceRuns:
         need("pyarrow", "campaign")
         from railhil.sequences.one import sequences
         from railhil.sequences.plan import run_specs, sequence_seeds
@@ -119,20 +125,7 @@ class SequenceSet:
         wanted = [run_specs(spec, scenario, seed, self.runs) for seed in seeds]
         made = {(place, number): run for place, number, run in sequences(scenario, wanted)}
         runs = [[made[place, number + 1] for number in range(self.runs)] for place in range(len(wanted))]
-        return summarize_sequences(runs, SequenceRuns(scenario, spec, runs))
-
-
-def summarize_sequences(runs: Sequence[Sequence[SequenceRun]], outcome: Any) -> EntryResult:
-    """The entry of some sequences: the worst verdict of their runs, and a hash over their commands and memories."""
-    flat = [run for sequence in runs for run in sequence]
-    verdicts = ["INVALID" if run.missed else run.score.verdict for run in flat]
-    counts = {verdict: verdicts.count(verdict) for verdict in ("INVALID", "FAIL") if verdict in verdicts}
-    reasons = tuple(f"{count} of {count_of(len(flat), 'run')} {verdict}" for verdict, count in counts.items())
-    digest = hashlib.sha256()
-    for run in flat:
-        left = "-" if run.record is None else run.record.sha256
-        digest.update(f"{run.spec.seed} {run.spec.run_number} {run.digest} {left}\n".encode())
-    return EntryResult(next(iter(counts), "PASS"), reasons, digest.hexdigest(), outcome)
+        return SequenceRuns(scenario, spec, runs)
 
 
 def check_consecutive(seeds: Sequence[int]) -> None:

@@ -85,28 +85,18 @@ class _Work:
                 key=entry.key,
                 verdict=made.verdict,
                 reasons=made.reasons,
-                sha256=made.sha256,
-                values=dict(self.paper.measure(made.outcome)),
-                curves=self.paper.curves(made.outcome) if is_drawn else None,
+                sha256=made.frames_sha256,
+                values=dict(self.paper.measure(made)),
+                curves=self.paper.curves(made) if is_drawn and self.paper.curves is not None else None,
             )
         if file is not None:
             with whole_file(file) as draft:
-                draft.write_text(json.dumps(_stored(found, entry)) + "\n", encoding="utf-8", newline="\n")
+                draft.write_text(json.dumps(_identity(entry) | found.as_json()) + "\n", encoding="utf-8", newline="\n")
         return found
 
 
 def _identity(entry: Entry) -> dict[str, Any]:
     return {"entry": entry.identity, "railhil": version("railhil"), "code_sha256": held_sha256(OURS)}
-
-
-def _stored(found: Measurement, entry: Entry) -> dict[str, Any]:
-    return {
-        **_identity(entry),
-        "verdict": found.verdict,
-        "reasons": found.reasons,
-        "sha256": found.sha256,
-        "measured": dict(found.values),
-    }
 
 
 def _read(file: Path, entry: Entry) -> Measurement:
@@ -118,4 +108,4 @@ def _read(file: Path, entry: Entry) -> Measurement:
     for key, allowed in _identity(entry).items():
         if found.get(key) != allowed:
             raise InputError(file, key, str(found.get(key)), f"{allowed}, or no such file: the run is then made")
-    return Measurement(entry.key, found["verdict"], tuple(found["reasons"]), found["sha256"], found["measured"])
+    return Measurement.from_json(entry.key, found)

@@ -18,7 +18,7 @@ from typing import Any
 from railhil.charts.figure import Figure
 from railhil.report.deviations import Deviation
 from railhil.reproduce.comparison import OPEN, Line, Statement, Table, judge_parts
-from railhil.reproduce.experiments import Experiment, RecordedRun
+from railhil.reproduce.experiments import Experiment, SingleRun
 from railhil.scenarios.run_spec import RunSpec
 
 #: Name of each paper, in the order of the list, and its record, ``module:object``.
@@ -46,7 +46,7 @@ class Entry:
     key: str
     spec: RunSpec
     drawn: bool = False
-    experiment: Experiment = field(default_factory=RecordedRun)
+    experiment: Experiment = field(default_factory=SingleRun)
 
     @property
     def command(self) -> str:
@@ -74,6 +74,20 @@ class Measurement:
     sha256: str
     values: Mapping[str, float | None]
     curves: Any = None
+
+    @classmethod
+    def from_json(cls, key: str, found: Mapping[str, Any]) -> Measurement:
+        """What :meth:`as_json` has made, without curves."""
+        return cls(key, found["verdict"], tuple(found["reasons"]), found["sha256"], found["measured"])
+
+    def as_json(self) -> dict[str, Any]:
+        """Verdict and figures, as files have them."""
+        return {
+            "verdict": self.verdict,
+            "reasons": list(self.reasons),
+            "sha256": self.sha256,
+            "measured": dict(self.values),
+        }
 
 
 @dataclass(frozen=True)
@@ -169,18 +183,14 @@ def read_text(package: str) -> Text:
     return Text(protocol=protocol, seeds=tuple(range(first, last + 1)), readings=readings, **found)
 
 
-def keep_no_curves(outcome: Any) -> None:
-    """For a paper whose figures are drawn from the measured values."""
-
-
 @dataclass(frozen=True)
 class Paper:
     """One paper.
 
     ``plan``: (seeds) -> the entries. ``measure``: (outcome of an entry, as its experiment makes it) -> its figures.
-    ``curves``: (outcome) -> what ``draw`` needs of an entry that is ``drawn``. ``compare``, ``judge``, ``draw``:
-    (results) -> tables, statements in the order of the paper, figures. All of them are functions of a module, so that
-    a run can be made in another process.
+    ``curves``: (outcome) -> what ``draw`` needs of an entry that is ``drawn``; None: the figures suffice. ``compare``,
+    ``judge``, ``draw``: (results) -> tables, statements in the order of the paper, figures. All of them are functions
+    of a module, so that a run can be made in another process.
     """
 
     name: str
@@ -190,4 +200,4 @@ class Paper:
     compare: Callable[[Results], Sequence[Table]]
     judge: Callable[[Results], Sequence[Statement]]
     draw: Callable[[Results], Sequence[Figure]]
-    curves: Callable[[Any], Any] = keep_no_curves
+    curves: Callable[[Any], Any] | None = None

@@ -201,12 +201,12 @@ def test_a_set_has_the_runs_of_its_sequences(tmp_path: Path) -> None:
     found = one.experiment.make(one.spec, tmp_path)
     assert not list(tmp_path.iterdir())
     scenario = one.spec.load()
-    for row, seed in zip(found.outcome.runs, (5, 6), strict=True):
+    for row, seed in zip(found.runs, (5, 6), strict=True):
         specs = run_specs(one.spec, scenario, seed, 2)
         alone = [*sequence(scenario, specs, runner_of(scenario))]
         assert [(run.digest, run.left.sha256) for run in row] == [(run.digest, run.left.sha256) for run in alone]
-    values = runs.measure(found.outcome)
-    errors = runs.find_errors(found.outcome.runs)
+    values = runs.measure(found)
+    errors = runs.find_errors(found.runs)
     assert values[runs.of_run(runs.MEAN, 2)] == pytest.approx(float(abs(errors[:, 1]).mean()))
     assert values[runs.NOT_STOPPED] == 0.0
     assert values[runs.CONVERGED] is None
@@ -232,7 +232,7 @@ def test_the_command_beside_a_set_makes_the_same_runs(tmp_path: Path, monkeypatc
     assert "parameters/filter_none.toml" in words
     assert COMMAND.main([*words[1:], "--jobs", "1", "--no-report", "--out", "set"]) == 0
     table = read_table(Path("set", "results.parquet"), schema(judging_of(one.spec.load())))
-    made_here = one.experiment.make(one.spec, tmp_path).outcome.runs
+    made_here = one.experiment.make(one.spec, tmp_path).runs
     assert table["notch_digest"].to_pylist() == [run.digest for row in made_here for run in row]
 
 
@@ -241,7 +241,8 @@ def test_the_command_beside_a_set_makes_the_same_runs(tmp_path: Path, monkeypatc
 def test_damaged_memories(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     spec = short(runs.PAPER_CASE).spec
     found = MemoryFaults(5, 1, before=2, after=1).make(spec, tmp_path)
-    values = found.outcome
+    values = found.figures
+    assert values is not None
     assert {fault: values[fault_figure(fault, SEEN)] for fault in FAULTS} == {
         fault: float(fault in DETECTED) for fault in FAULTS
     }
@@ -277,5 +278,9 @@ def test_a_set_of_the_page_is_made_again(written: dict[str, Any], tmp_path: Path
     (one,) = (one for one in PAPER.plan(PAPER.text.seeds) if one.key == "window-0.1")
     (there,) = (run for run in written["runs"] if run["run"] == "window-0.1")
     found = one.experiment.make(one.spec, tmp_path)
-    assert (found.verdict, list(found.reasons), found.sha256) == (there["verdict"], there["reasons"], there["sha256"])
-    assert runs.measure(found.outcome) == there["measured"]
+    assert (found.verdict, list(found.reasons), found.frames_sha256) == (
+        there["verdict"],
+        there["reasons"],
+        there["sha256"],
+    )
+    assert runs.measure(found) == there["measured"]

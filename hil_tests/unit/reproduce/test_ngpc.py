@@ -15,7 +15,7 @@ from railhil.controller_node.laws import find
 from railhil.library import Outcome
 from railhil.report.pictures import printed
 from railhil.reproduce.comparison import FOLLOWS, FOLLOWS_NOT, IN_PART, OPEN
-from railhil.reproduce.experiments import CoupledRun
+from railhil.reproduce.experiments import SingleRun
 from railhil.reproduce.measurement import measure_paper
 from railhil.reproduce.ngpc import PAPER, runs
 from railhil.reproduce.ngpc.runs import (
@@ -56,8 +56,8 @@ def made(figure: Callable[[str, str, int], Figures], **beside: Figures) -> Resul
     """Runs with the figures of (situation, law, seed); of each record, models four times as good with the network."""
     found = {
         key: figure(situation, law, seed)
-        for situation, one in SITUATIONS.items()
-        for law in one.laws
+        for situation in SITUATIONS
+        for law in runs.list_laws(situation)
         for key, seed in zip(runs.keys_of(situation, law, SEEDS), SEEDS, strict=False)
     }
     for kind, law, loop in runs.UNITS:
@@ -82,7 +82,7 @@ def made(figure: Callable[[str, str, int], Figures], **beside: Figures) -> Resul
 def as_published(situation: str, law: str, seed: int) -> Figures:
     error = 0.1 + 0.1 * RANK[law] + 0.01 * seed
     stop_m = 4390.0 + 10 * RANK[law] if situation == EMERGENCY else None
-    found = dict.fromkeys((*(one.rmse for one in SITUATIONS.values()), runs.WIDEST), error)
+    found = dict.fromkeys((*(one["rmse"] for one in SITUATIONS.values()), runs.WIDEST), error)
     return {**found, runs.STOP_M: stop_m}
 
 
@@ -199,7 +199,7 @@ def test_runs_that_were_not_made_are_no_figures() -> None:
 
 
 def test_windows_of_the_mutation_are_those_of_its_scenario() -> None:
-    faults = load_any(SITUATIONS[MUTATION].scenario).faults
+    faults = load_any(SITUATIONS[MUTATION]["scenario"]).faults
     assert {text.split(" @")[1] for text in faults} == {f"{at}s for {long}s" for at, long in WINDOWS_S}
 
 
@@ -211,14 +211,14 @@ def test_a_run_without_a_bus_has_the_scores_of_the_nodes() -> None:
             system, ("task.duration_s=20", "task.rmse_max_kmh=9"), LawSpec("pid", "float64"), seed=3, bus="local"
         )
         one = Entry("one", spec)
-        found = [made_alone(way) for way in (one, replace(one, experiment=CoupledRun(ports)))]
+        found = [made_alone(way) for way in (one, replace(one, experiment=SingleRun(ports)))]
         assert found[0].values == found[1].values
         assert [bool(run.sha256) for run in found] == [True, False]
 
 
 def test_stored_figures_are_read_again_and_only_those_of_the_same_run(tmp_path: Path) -> None:
     spec = RunSpec("hst_short", ("task.duration_s=8", "task.rmse_max_kmh=9"), LawSpec("pid", "float64"), bus="local")
-    planned = [Entry(name, spec, experiment=CoupledRun(("TRUTH",))) for name in ("first", "second")]
+    planned = [Entry(name, spec, experiment=SingleRun(("TRUTH",))) for name in ("first", "second")]
     paper = replace(PAPER, plan=lambda seeds: planned, measure=scores)
     first = measure_paper(paper, (1,), measured=tmp_path, only="first")
     assert list(first.runs) == ["first"]

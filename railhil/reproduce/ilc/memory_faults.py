@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from railhil.common.extras import need
-from railhil.reproduce.experiments import EntryResult, summarize_sequences
+from railhil.reproduce.experiments import SequenceRuns
 from railhil.scenarios.memory import Memory, MemoryRecord, Stored, in_order
 from railhil.scenarios.run_spec import RunSpec
 
@@ -97,7 +97,7 @@ class MemoryFaults:
     def words(self, spec: RunSpec) -> list[str]:
         return []
 
-    def make(self, spec: RunSpec, folder: Path) -> EntryResult:
+    def make(self, spec: RunSpec, folder: Path) -> SequenceRuns:
         need("pyarrow", "campaign")
         from railhil.sequences.one import sequences
         from railhil.sequences.plan import run_specs
@@ -119,7 +119,7 @@ class MemoryFaults:
                 rows[place].append(run)
             every += rows
             found |= {fault_figure(fault, name): value for name, value in _figures(rows).items()}
-        return summarize_sequences(every, found)
+        return SequenceRuns(scenario, spec, every, found)
 
 
 def _figures(rows: list[list[SequenceRun]]) -> dict[str, float | None]:

@@ -48,6 +48,7 @@ from railhil.reproduce.ngpc.runs import (
     effort_key,
     key,
     keys_of,
+    list_laws,
     model_error,
     record_key,
     units_key,
@@ -128,11 +129,11 @@ def _make_modelling_lines(results: Results) -> Iterator[Line]:
 
 def _make_tracking_lines(results: Results) -> Iterator[Line]:
     for situation, one in SITUATIONS.items():
-        in_windows = one.rmse == WINDOWS
-        titled = [("RMSE in the windows" if in_windows else "RMSE", one.rmse), ("largest error", WIDEST)]
+        in_windows = one["rmse"] == WINDOWS
+        titled = [("RMSE in the windows" if in_windows else "RMSE", one["rmse"]), ("largest error", WIDEST)]
         titled += [("RMSE over the run", WHOLE)] if in_windows else []
         for title, name in titled:
-            for law in one.laws:
+            for law in list_laws(situation):
                 keys = _list_keys(situation, law, results)
                 if results.made(keys):
                     found, remark = results.spread(keys, name), _count_runs(results, keys)
@@ -149,7 +150,7 @@ def _make_bound_lines(results: Results) -> Iterator[Line]:
     """Bounds of the mean of a figure over the seeds, by default of the error from the target."""
     for one in TEXT.bounds["bands"]:
         situation, law = one["situation"], one["law"]
-        name = one.get("figure", SITUATIONS[situation].rmse)
+        name = one.get("figure", SITUATIONS[situation]["rmse"])
         unit, digits = ("m", 1) if name == STOP_M else ("km/h", 4)
         keys = _list_keys(situation, law, results)
         yield bounded_line(

@@ -4,7 +4,6 @@ three power units, and short runs that count operations; the figures of a run.""
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +13,7 @@ from railhil.judge.record import Record
 from railhil.learning.models import train_models
 from railhil.library import Outcome
 from railhil.record.telemetry import read_summary
-from railhil.reproduce.experiments import CoupledRun
+from railhil.reproduce.experiments import SingleRun
 from railhil.reproduce.paper import Entry, read_text
 from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.run_spec import LawSpec, RunSpec
@@ -31,11 +30,8 @@ PID, RESIDUAL, DELAY = "pid", "res_ngpc", "delay_gpc"
 MAIN = (ELM, MULTI_MODEL, ADAPTIVE, PID, RESIDUAL, DELAY)
 #: Laws that the figures show.
 DRAWN = (ELM, MULTI_MODEL, ADAPTIVE)
-#: Situations: of the paper with one unit; with the delay 0.5 s or 1 s longer, or the gain 1.4, instead of its mutation;
-#: without gradient and wind; the emergency without identification of the model.
-NORMAL, EMERGENCY, MUTATION = "normal", "emergency", "mutation"
-LATE, LATER, STRONGER, CALM = "delay+0.5s", "delay+1s", "gain1.4", "calm"
-FIXED_MODEL = "emergency-fixed"
+#: Situations that findings name: of the paper with one unit; without gradient and wind.
+NORMAL, EMERGENCY, MUTATION, CALM = "normal", "emergency", "mutation", "calm"
 #: RMSE over the run, in emergency braking, and inside the windows of a mutation; largest error, emergency stop.
 WHOLE, BRAKING, WINDOWS = "rmse_kmh", "emergency_rmse_kmh", "windows_rmse_kmh"
 WIDEST, STOP_M = "max_error_kmh", "emergency_stop_m"
@@ -49,38 +45,8 @@ PERIODS_S = (0.5, 1.0, 2.0, 4.0)
 WINDOWS_S = ((1030, 80), (2800, 90), (3590, 85))
 
 
-@dataclass(frozen=True, slots=True)
-class Situation:
-    """Journeys of one kind.
-
-    ``rmse``: the figure of the error from the target. ``fault``: in the windows of the mutation. ``parameters``: of the
-    laws, where not their own; ``file``: for them.
-    """
-
-    scenario: str
-    rmse: str
-    laws: tuple[str, ...] = LAWS
-    fault: str = ""
-    settings: tuple[str, ...] = ()
-    parameters: Mapping[str, str] = field(default_factory=dict)
-    file: str = ""
-
-
-_LINE = "jinan_xuzhou"
-_DELAYED = (ELM, PID, RESIDUAL, DELAY)
-_LEVEL = ("task.gradient_permil=0", "task.wind_sigma_mps2=0")
-SITUATIONS: Mapping[str, Situation] = {
-    NORMAL: Situation(_LINE, WHOLE),
-    EMERGENCY: Situation("jinan_xuzhou_emergency", BRAKING),
-    MUTATION: Situation("jinan_xuzhou_mutation", WINDOWS),
-    FIXED_MODEL: Situation(
-        "jinan_xuzhou_emergency", BRAKING, (ELM, BP), parameters={"ident": "off"}, file="ident_off_{law}.toml"
-    ),
-    LATE: Situation(_LINE, WINDOWS, _DELAYED, "train.delay longer 500ms"),
-    LATER: Situation(_LINE, WINDOWS, _DELAYED, "train.delay longer 1000ms"),
-    STRONGER: Situation(_LINE, WINDOWS, (ELM, PID, DELAY), "train.gain scale 1.4"),
-    CALM: Situation(_LINE, WHOLE, (ELM, MULTI_MODEL, ADAPTIVE, PID), settings=_LEVEL),
-}
+#: Journeys by situation.
+SITUATIONS = TEXT.sets
 #: Three power units: free or coupled, law, one loop for each unit or one for all.
 UNITS = (
     ("free", PID, "unit"),
@@ -106,6 +72,12 @@ _PORTS, _UNITS_PORTS = (wire(1).truth.PORT,), (wire(3).truth.PORT,)
 def key(situation: str, law: str, seed: int) -> str:
     """Name of a run."""
     return f"{situation}-{law}-{seed}"
+
+
+def list_laws(situation: str) -> Sequence[str]:
+    """Laws that make the journeys of a situation."""
+    found: Sequence[str] = SITUATIONS[situation].get("laws", LAWS)
+    return found
 
 
 def keys_of(situation: str, law: str, seeds: Sequence[int]) -> list[str]:
@@ -141,15 +113,16 @@ def plan(seeds: Sequence[int]) -> list[Entry]:
 
 def _tracking(seeds: Sequence[int]) -> Iterator[Entry]:
     for name, one in SITUATIONS.items():
-        faults = tuple(f"{one.fault} @{at}s for {s}s" for at, s in WINDOWS_S) if one.fault else ()
-        for law in one.laws:
-            given = ParameterSet(law, one.parameters, Path(one.file.format(law=law))) if one.parameters else None
-            made = keys_of(name, law, seeds)
-            for entry, seed in zip(made, seeds, strict=False):
-                how = LawSpec(law, _ARITHMETIC, parameters=given)
-                spec = RunSpec(one.scenario, one.settings, how, seed, bus="local", faults=faults)
+        faults = tuple(f"{one['fault']} @{at}s for {s}s" for at, s in WINDOWS_S) if "fault" in one else ()
+        for law in list_laws(name):
+            file = Path(one.get("file", "").format(law=law))
+            given = ParameterSet(law, one["parameters"], file) if "parameters" in one else None
+            how = LawSpec(law, _ARITHMETIC, parameters=given)
+            for entry, seed in zip(keys_of(name, law, seeds), seeds, strict=False):
+                settings = tuple(one.get("settings", ()))
+                spec = RunSpec(one["scenario"], settings, how, seed, bus="local", faults=faults)
                 is_drawn = law in DRAWN and name in (NORMAL, EMERGENCY, MUTATION) and seed == seeds[0]
-                yield Entry(entry, spec, is_drawn, CoupledRun(_PORTS))
+                yield Entry(entry, spec, is_drawn, SingleRun(_PORTS))
 
 
 def _records(seeds: Sequence[int]) -> Iterator[Entry]:
@@ -157,7 +130,7 @@ def _records(seeds: Sequence[int]) -> Iterator[Entry]:
     for seed in seeds:
         law = LawSpec(_DRIVER, _ARITHMETIC, parameters=given)
         # Over the in-process bus: a network is trained on a log.
-        yield Entry(record_key(seed), RunSpec(_LINE, law=law, seed=seed, bus="local"))
+        yield Entry(record_key(seed), RunSpec(SITUATIONS[NORMAL]["scenario"], law=law, seed=seed, bus="local"))
 
 
 def _units(seeds: Sequence[int]) -> Iterator[Entry]:
@@ -166,7 +139,7 @@ def _units(seeds: Sequence[int]) -> Iterator[Entry]:
         how = LawSpec(law, _ARITHMETIC, parameters=given)
         for seed in seeds:
             spec = RunSpec(_UNITS_SCENARIO[kind], law=how, seed=seed, bus="local")
-            yield Entry(units_key(kind, law, loop, seed), spec, experiment=CoupledRun(_UNITS_PORTS))
+            yield Entry(units_key(kind, law, loop, seed), spec, experiment=SingleRun(_UNITS_PORTS))
 
 
 def _efforts() -> Iterator[Entry]:
