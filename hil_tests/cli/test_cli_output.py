@@ -84,20 +84,6 @@ def test_a_weakened_watch_stands_in_console_report_and_certificate(tmp_path):
     assert railhil("score", tmp_path / "run", "--json").json["watch_weakened"] == words
 
 
-@pytest.mark.long
-@pytest.mark.slow
-@pytest.mark.loop
-def test_a_weakened_watch_stands_in_a_comparison(tmp_path):
-    path, out = tmp_path / "weak.toml", tmp_path / "compared"
-    path.write_text(QUICK_TOML + "[watch]\nemergency_ms = 100000\n")
-    done = railhil("compare", path, "--laws", "ipfc", "--bus", "local", "--quiet", "--out", out)
-    assert done.exit_code in (0, 1), done.err
-    words = "emergency_ms 100000 (usual 1000)"
-    assert [line for line in done.out.splitlines() if line.startswith("watch")] == [f"watch weakened: {words}"]
-    assert strict_json(out / "compare.json")["watch_weakened"] == words
-    assert f"Watch weakened: {words}." in (out / "report.html").read_text(encoding="utf-8")
-
-
 @pytest.mark.slow
 @pytest.mark.loop
 def test_score_of_a_run_that_was_invalid_for_its_timing(json_run, short, tmp_path):

@@ -14,7 +14,6 @@ import pytest
 from railhil.bench import Result, local_run
 from railhil.bus.codes import Event
 from railhil.bus.frame import ERROR, EXTENDED, FD, REMOTE, Frame
-from railhil.bus.mvb import TelegramSource
 from railhil.bus.store import CAUSES
 from railhil.dbc import wire_contract
 from railhil.systems.ato.scenario.model import Scenario
@@ -24,7 +23,6 @@ SPEED_ID = TrnSpeed.port().address
 #: When the losses begin; from tick LOSS_TICK + 16 on, the tick of a TIME_SYNC is lost first.
 LOSS_S = 60
 LOSS_TICK = LOSS_S * 100
-Wire = Callable[[Frame], list[Frame]]
 
 
 @pytest.fixture(scope="module")
@@ -126,62 +124,7 @@ def test_permanent_loss_of_speed_stops_the_train_on_the_ladder(
     assert run.trace.raw(SimTruth.PORT, "TrueSpeed")[-1] == 0
 
 
-@pytest.mark.slow
-@pytest.mark.faults
-def test_stuck_sender_is_like_loss(lvshun: Scenario, tmp_path: Path, train: list[tuple[WatchLevel, float]]) -> None:
-    """The last telegram again and again: nothing of it refreshes anything."""
-    held: list[Frame] = []
-
-    def stuck(since: int, frame: Frame) -> list[Frame]:
-        held.append(frame)
-        return [held[0]]
-
-    wire = SpeedFault(stuck)
-    run = local_run(lvshun, tmp_path, wire=wire)
-    times_s, modes, _ = notch_table(run)
-    # The first held telegram is good.
-    last_good_s = LOSS_S
-    for mode, bound_s in ((CtlMode.TRACTION_CUT, 0.08), (CtlMode.SERVICE_BRAKE, 0.28), (CtlMode.EMERGENCY, 1.03)):
-        assert times_s[modes >= mode][0] - last_good_s <= bound_s + 1e-9
-    assert run.counters["controller"]["duplicate"] == wire.sent - LOSS_TICK - 1
-    assert_no_traction_when_cut(run, train)
-
-
 # -- frames that are repeated, exchanged, damaged or not ours ---------------------------------------------------------
-
-
-@pytest.mark.long
-@pytest.mark.slow
-@pytest.mark.faults
-def test_duplicates_change_nothing(short: Scenario, clean: Result, tmp_path: Path) -> None:
-    wire = SpeedFault(lambda since, frame: [frame] * (1 + since % 3), first=0)
-    run = local_run(short, tmp_path, wire=wire)
-    assert run.frames_sha256 == clean.frames_sha256
-    assert run.refused == {"controller.duplicate": wire.passed - wire.sent}
-
-
-@pytest.mark.long
-@pytest.mark.slow
-@pytest.mark.faults
-def test_exchanged_neighbours_are_counted_and_the_old_one_is_not_used(
-    short: Scenario, clean: Result, tmp_path: Path
-) -> None:
-    """Every fiftieth telegram comes after its successor: one gap and one old telegram each."""
-    held: list[Frame] = []
-
-    def exchange(since: int, frame: Frame) -> list[Frame]:
-        if since % 50 == 10:
-            held.append(frame)
-            return []
-        return [frame, held.pop()] if held else [frame]
-
-    wire = SpeedFault(exchange, first=0)
-    run = local_run(short, tmp_path, wire=wire)
-    exchanged = (wire.sent - 10 + 48) // 50
-    assert run.refused == {"controller.gap": exchanged, "controller.out_of_order": exchanged}
-    assert run.ended is Event.ENDED_COMPLETE
-    assert set(notch_table(run)[1]) == {CtlMode.RUNNING}
-    assert run.score.values["stop_error_m"] == pytest.approx(clean.score.values["stop_error_m"], abs=0.05)
 
 
 @pytest.mark.long
@@ -216,26 +159,6 @@ def test_flipped_bits_are_refused_and_the_run_stays_healthy(short: Scenario, cle
     assert run.ended is Event.ENDED_COMPLETE
     assert set(notch_table(run)[1]) <= {CtlMode.RUNNING, CtlMode.HOLD}
     assert run.score.values["stop_error_m"] == pytest.approx(clean.score.values["stop_error_m"], abs=0.05)
-
-
-@pytest.mark.long
-@pytest.mark.slow
-@pytest.mark.faults
-def test_a_right_telegram_under_a_wrong_identifier_is_not_used(short: Scenario, clean: Result, tmp_path: Path) -> None:
-    """NOTCH_CMD telegrams, right to the last bit, beside each TRN_SPEED under its identifier, and beyond the range."""
-    source = TelegramSource(NotchCmd.port())
-    life = 0
-
-    def masquerade(since: int, frame: Frame) -> list[Frame]:
-        nonlocal life
-        life += 5
-        (foreign,) = source.frames(NotchCmd(32_767, life=life & 15).encode())
-        return [foreign._replace(can_id=SPEED_ID), frame]
-
-    wire = SpeedFault(masquerade, first=0)
-    run = local_run(short, tmp_path, wire=wire)
-    assert run.frames_sha256 == clean.frames_sha256
-    assert run.refused == {"controller.wrong_master_word": wire.sent}
 
 
 def random_frame(draw: random.Random, ids: list[int]) -> Frame:

@@ -78,26 +78,6 @@ def test_the_folder_is_that_of_a_run_over_the_hub(short: Path, tmp_path: Path) -
     assert railhil("score", tmp_path / "local").exit_code == codes[0]
 
 
-@pytest.mark.long
-@pytest.mark.slow
-def test_a_run_from_a_file_is_made_again_from_its_certificate(short: Path, tmp_path: Path) -> None:
-    (tmp_path / "law.toml").write_text('law = "ipfc"\n[parameters]\nsoftening_max = 0.83\n')
-    spec = tmp_path / "run.toml"
-    spec.write_text(f'scenario = "{short.name}"\nparameters = "law.toml"\nseed = 5\nperturbed = true\nbus = "local"\n')
-    first = railhil("run", "--spec", spec, "--out", tmp_path / "first", "--quiet", "--no-report")
-    assert first.exit_code in (PASS, FAIL), first.err
-    said = documents(tmp_path / "first")[0]
-    assert (said["seed"], said["perturbed"], said["scenario"], said["bus"]) == (5, True, str(short), "local")
-    path = tmp_path / "first" / "certificate.json"
-    again = railhil("run", "--spec", path, "--out", tmp_path / "again", "--quiet", "--no-report")
-    assert again.exit_code == first.exit_code, again.err
-    assert f"frames.log has the same bytes as in {path}" in " ".join(again.out.split())
-    assert documents(tmp_path / "again")[0]["frames_sha256"] == said["frames_sha256"]
-    other = railhil("run", "--spec", path, "--seed", "6", "--out", tmp_path / "other", "--quiet", "--no-report")
-    assert "frames.log has" not in other.out
-    assert documents(tmp_path / "other")[0]["frames_sha256"] != said["frames_sha256"]
-
-
 def test_a_spec_that_is_none_leaves_no_folder(here: Railhil, tmp_path: Path) -> None:
     (tmp_path / "run.toml").write_text("sede = 1\n")
     done = here("run", "--spec", tmp_path / "run.toml", "--out", tmp_path / "out")
@@ -106,19 +86,6 @@ def test_a_spec_that_is_none_leaves_no_folder(here: Railhil, tmp_path: Path) -> 
         f"railhil: {tmp_path}/run.toml: sede: found the unknown key sede, allowed only arithmetic"
     )
     assert not (tmp_path / "out").exists()
-
-
-@pytest.mark.long
-@pytest.mark.slow
-def test_laws_are_compared_without_a_bus(short: Path, tmp_path: Path) -> None:
-    words = ("--laws", "ipfc,tdmc", "--bus", "local", "--quiet", "--no-report")
-    done = railhil("compare", short, *words, "--out", tmp_path / "compared")
-    assert done.exit_code in (PASS, FAIL), done.err
-    document = json.loads((tmp_path / "compared/compare.json").read_text())
-    assert document["bus"] == "local"
-    alone = railhil("run", short, "--controller", "tdmc", "--bus", "local", "--out", tmp_path / "alone", "--no-report")
-    assert alone.exit_code in (PASS, FAIL)
-    assert document["runs"][1]["frames_sha256"] == documents(tmp_path / "alone")[0]["frames_sha256"]
 
 
 @pytest.mark.parametrize(

@@ -127,20 +127,10 @@ def test_silent_position_is_reckoned_for_a_second_and_then_braked(
 
 @pytest.mark.slow
 @pytest.mark.faults
-@pytest.mark.parametrize(
-    ("begin_s", "fault", "cause"),
-    [
-        (60, {"off_mm": None, "check": 3}, "position_check"),
-        (80, {"off_mm": -20_000}, "position_jump"),
-        pytest.param(80, {"off_mm": 20_000}, "position_jump", marks=pytest.mark.long),
-    ],
-)
-def test_a_position_that_is_wrong_is_as_good_as_none(
-    tmp_path: Path, begin_s: float, fault: dict[str, Any], cause: str
-) -> None:
-    run = run_with(tmp_path, TrnPos, changed(begin_s, **fault))
-    assert_braked(run, begin_s)
-    assert set(run.refused) == {f"controller.{cause}"}
+def test_a_position_that_is_wrong_is_as_good_as_none(tmp_path: Path) -> None:
+    run = run_with(tmp_path, TrnPos, changed(80, off_mm=-20_000))
+    assert_braked(run, 80)
+    assert set(run.refused) == {"controller.position_jump"}
 
 
 @pytest.mark.long_after(1)
@@ -253,24 +243,6 @@ def test_a_law_with_a_wrong_position_brakes_at_the_end_of_its_authority(tmp_path
     assert 0.0 < began_s - run.trace.times_s(SimTruth.PORT)[passed][0] < 1.0
     assert run.score.signed["stop_error_m"] is not None
     assert run.score.signed["stop_error_m"] > 5.0
-
-
-@pytest.mark.long_after(1)
-@pytest.mark.slow
-@pytest.mark.faults
-@pytest.mark.parametrize("wrong", [{"balise_id": 0}, {"check": 3}])
-def test_balise_telegrams_that_say_nothing_are_not_used(tmp_path: Path, wrong: dict[str, int]) -> None:
-    """Those of the last balises, with a place that would send the train 5 m on."""
-
-    def fault(telegram: BalisePassed, now_s: float) -> list[BalisePassed]:
-        if telegram.balise_id < 53:
-            return [telegram]
-        return [replace(telegram, surveyed_mm=telegram.surveyed_mm - 5000, **wrong)]
-
-    run = run_with(tmp_path, BalisePassed, fault)
-    assert set(run.refused) == {"controller.balise_check" if "check" in wrong else "controller.balise_number"}
-    assert run.score.values["stop_error_m"] is not None
-    assert run.score.values["stop_error_m"] < 0.1
 
 
 def test_a_scenario_numbers_its_balises_from_1(tmp_path: Path) -> None:

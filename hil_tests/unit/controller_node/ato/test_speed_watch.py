@@ -369,5 +369,6 @@ def test_braking_that_a_traction_cut_found_is_the_least_in_it() -> None:
 
 
 def test_a_refused_speed_is_named_by_why_it_was_refused() -> None:
-    assert after(SpeedWatchState(), Seen(10, BAD)).cause is CtlCause.BAD_TELEGRAMS
+    assert after(SpeedWatchState(), Seen(20, BAD)).cause is CtlCause.BAD_TELEGRAMS
+    assert after(SpeedWatchState(), Seen(21, BAD)).cause is CtlCause.SPEED_AGE
     assert after(SpeedWatchState(), Seen(10, IMPLAUSIBLE)).cause is CtlCause.SPEED_IMPLAUSIBLE
