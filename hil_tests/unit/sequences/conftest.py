@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -13,12 +14,13 @@ from hil_tests.support.plug import plug_in
 from hil_tests.support.remembering import Learning
 
 
-@pytest.fixture
-def short(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+@pytest.fixture(scope="module")
+def short(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     """The scenario; the law is called ``learning``."""
-    plug_in(tmp_path, monkeypatch, learning=Learning)
-    # The law is in a module of the tests, which other processes do not find by themselves.
-    monkeypatch.setenv("PYTHONPATH", os.pathsep.join((str(tmp_path / "plug"), str(ROOT))))
-    path = tmp_path / "short.toml"
+    path = tmp_path_factory.mktemp("learning") / "short.toml"
     path.write_text(QUICK_TOML)
-    return path
+    with pytest.MonkeyPatch.context() as patch:
+        plug_in(path.parent, patch, learning=Learning)
+        # The law is in a module of the tests, which other processes do not find by themselves.
+        patch.setenv("PYTHONPATH", os.pathsep.join((str(path.parent / "plug"), str(ROOT))))
+        yield path

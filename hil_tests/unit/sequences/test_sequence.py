@@ -26,11 +26,17 @@ def words(short: Path, out: Path, *more: str, runs: int = 3) -> list[str]:
     return ["run", str(short), "--controller", "learning", "--runs", str(runs), "--out", str(out), "--no-report", *more]
 
 
-@pytest.fixture
-def sequence(short: Path, tmp_path: Path) -> Path:
+@pytest.fixture(scope="module")
+def made(short: Path) -> Path:
     """Three runs in one process."""
-    assert main(words(short, tmp_path / "three", "--bus", "local")) == PASS
-    return tmp_path / "three"
+    assert main(words(short, short.with_name("three"), "--bus", "local")) == PASS
+    return short.with_name("three")
+
+
+@pytest.fixture
+def sequence(made: Path, tmp_path: Path) -> Path:
+    """A copy of their folder that a test may change."""
+    return Path(shutil.copytree(made, tmp_path / "three"))
 
 
 def test_the_hash_is_that_of_the_lines() -> None:
@@ -146,11 +152,18 @@ def test_a_second_process_in_the_same_folder_is_refused(sequence: Path, short: P
     assert main(words(short, sequence, "--bus", "local")) == PASS
 
 
-def test_a_sequence_is_not_gone_on_with_by_other_code(sequence: Path, short: Path, tmp_path: Path) -> None:
+def test_a_sequence_is_not_gone_on_with_by_other_code(sequence: Path, short: Path) -> None:
     """A module more in the distribution of the law."""
-    (tmp_path / "plug" / "beside_the_law.py").write_text("x = 1\n")
-    (tmp_path / "plug" / "laws_of_a_test-1.dist-info" / "top_level.txt").write_text("beside_the_law\n")
+    site = short.with_name("plug")
+    added = (site / "beside_the_law.py", site / "laws_of_a_test-1.dist-info" / "top_level.txt")
+    for path, text in zip(added, ("x = 1\n", "beside_the_law\n"), strict=True):
+        path.write_text(text)
     importlib.invalidate_caches()
     held_sha256.cache_clear()
-    with pytest.raises(InputError, match="found runs of other code: the distribution of the law has changed"):
-        main(words(short, sequence, "--bus", "local"))
+    try:
+        with pytest.raises(InputError, match="found runs of other code: the distribution of the law has changed"):
+            main(words(short, sequence, "--bus", "local"))
+    finally:
+        for path in added:
+            path.unlink()
+        held_sha256.cache_clear()
