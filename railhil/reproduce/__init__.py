@@ -7,8 +7,6 @@
     measurement.py  makes and measures the entries
     comparison.py   tables, bounds and statements, measured beside published
     document.py     the result as JSON, as a page, as CSV
-    ipfc            one package per paper: ipfc, ngpc, ilc
-
-A package of a paper has ``paper.toml`` (its printed values, statements, bounds and their readings, perhaps its sets of
-runs), ``runs.py`` (protocol and measures) and ``findings.py`` (tables, statements, perhaps figures).
+    papers/         printed values, statements, bounds and readings of each paper, perhaps its sets of runs
+    ipfc, ngpc, ilc the papers: protocol and measures (``runs``), tables, statements and figures (``findings``)
 """

@@ -123,7 +123,7 @@ class Results:
 
 @dataclass(frozen=True)
 class Text:
-    """The text of a paper as data (``paper.toml`` of its package).
+    """The text of a paper as data (``papers/NAME.toml``).
 
     ``protocol``: description of the runs, in sentences. ``seeds``: the seeds of the page. ``published``: printed
     values. ``bounds``: least and greatest values that railhil's specification allows, by table. ``readings``: places
@@ -174,9 +174,9 @@ class Text:
         return Statement(text["at"], text["claim"], measured, judge_parts(holds), why)
 
 
-def read_text(package: str) -> Text:
-    """The text of the paper whose package this is."""
-    found = tomllib.loads(files(package).joinpath("paper.toml").read_text(encoding="utf-8"))
+def read_text(name: str) -> Text:
+    """The text of a paper."""
+    found = tomllib.loads(files(__package__).joinpath("papers", f"{name}.toml").read_text(encoding="utf-8"))
     first, last = found.pop("seeds")
     readings = tuple(Deviation(**{"other": ""} | one) for one in found.pop("readings", ()))
     protocol = tuple(found.pop("protocol"))

@@ -128,7 +128,6 @@ def test_sets_that_were_not_made_are_no_figures() -> None:
     nothing = Results(SEEDS, {})
     assert {one.verdict for one in PAPER.judge(nothing)} == {OPEN}
     assert "packet" in render_page(PAPER, nothing)
-    assert PAPER.draw(nothing) == []
 
 
 def test_the_bands_say_on_which_side_a_figure_is_outside() -> None:

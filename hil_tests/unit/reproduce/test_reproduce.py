@@ -23,7 +23,7 @@ from railhil.reproduce.document import (
     render_page,
     render_parameters,
 )
-from railhil.reproduce.ipfc.runs import ADAPTED, CHATTER, RMS_ERROR
+from railhil.reproduce.ipfc import ADAPTED, CHATTER, RMS_ERROR
 from railhil.reproduce.paper import PAPERS as SHIPPED
 from railhil.reproduce.paper import Measurement, Results, find_paper
 from railhil.run.make import NeverBegan
@@ -213,8 +213,9 @@ def test_the_documents_have_what_the_command_writes(name: str) -> None:
 
 @pytest.mark.parametrize("name", list(SHIPPED))
 def test_what_was_not_measured_proves_nothing(name: str) -> None:
-    paper = find_paper(name)
-    said = paper.judge(Results(paper.text.seeds, {}))
+    paper, nothing = find_paper(name), Results(find_paper(name).text.seeds, {})
+    assert list(paper.draw(nothing)) == []
+    said = paper.judge(nothing)
     assert {one.verdict for one in said} == {OPEN}
     assert all("not made" in one.measured and not one.why for one in said)
 

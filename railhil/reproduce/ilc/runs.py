@@ -16,7 +16,7 @@ from railhil.reproduce.paper import Entry, read_text
 from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 
-TEXT = read_text(__package__)
+TEXT = read_text("ilc")
 #: Runs of a sequence in which something is learned.
 RUNS = 15
 #: The case of the paper's figure 6, and the same without a filter.

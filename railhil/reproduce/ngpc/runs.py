@@ -20,7 +20,7 @@ from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.systems.high_speed.ride import Ride
 from railhil.wire.power_units import wire
 
-TEXT = read_text(__package__)
+TEXT = read_text("ngpc")
 #: The law of the paper with one unit, its comparators, the baselines for a law with a network, and the best of
 #: railhil's own.
 ELM, BP, MULTI_MODEL, ADAPTIVE = "elm_ngpc", "bp_ngpc", "mm_gpc", "a_gpc"
