@@ -37,8 +37,8 @@ from railhil.bus.clock import Pacer
 from railhil.bus.errors import BusError, BusLost, BusUnavailable
 from railhil.bus.frame import Frame
 from railhil.bus.hub.address import TCP_SCHEME
-from railhil.bus.hub.wire import MAX_PACKET_SIZE, pack_frames, unpack_frames
 from railhil.bus.link import Link, open_link
+from railhil.bus.packing import MAX_PACKET_SIZE, pack_frames, unpack_frames
 
 BATCH_FRAMES = 8
 WINDOW_BATCHES = 16

@@ -14,7 +14,6 @@ from typing import Final
 from railhil.bus.clock import Pacer
 from railhil.bus.errors import BusOccupied, PeerSilent
 from railhil.bus.frame import ERROR, Frame
-from railhil.bus.hub.wire import pack_frame
 from railhil.bus.ident import Role
 from railhil.bus.layout import Telegram
 from railhil.bus.link import Endpoint
@@ -27,6 +26,7 @@ from railhil.bus.mvb import (
     parse_device_status,
 )
 from railhil.bus.own_frames import OwnFrames
+from railhil.bus.packing import pack_frame
 from railhil.bus.store import TrafficStore
 from railhil.common.patience import PATIENCE_S
 from railhil.dbc import Contract, Port

@@ -17,6 +17,10 @@ _FILES = ("~/can.conf", "/etc/can.conf", "~/.can", "~/.canrc")
 _VARIABLES = ("CAN_INTERFACE", "CAN_CHANNEL", "CAN_BITRATE", "CAN_CONFIG")
 #: Name of the hub's python-can interface.
 HUB_INTERFACE = "railhil"
+#: Channel of this interface between the nodes of one run: pipes, no hub.
+PIPES = "pipes"
+#: Used instead of an interface: all nodes run in one process, nothing is opened.
+LOCAL = "local"
 
 
 def has_settings(environment: Mapping[str, str] | None = None) -> bool:

@@ -30,7 +30,7 @@ from struct import Struct
 from typing import Final
 
 from railhil.bus.frame import FD, Frame, quick_frame
-from railhil.bus.hub.wire import pack_frame
+from railhil.bus.packing import pack_frame
 from railhil.dbc import Port, house_contract
 
 #: Generator without its x^7 term.
@@ -173,7 +173,7 @@ class TelegramSource:
         self._heads = [pack_frame(Frame(can_id, bytes(8)))[:-8] for can_id in port.can_ids]
 
     def packed(self, data: bytes) -> bytes:
-        """The frames of :meth:`frames`, the classic ones, as they are packed (:mod:`railhil.bus.hub.wire`)."""
+        """The frames of :meth:`frames`, the classic ones, as they are packed (:mod:`railhil.bus.packing`)."""
         if len(data) != self._size:
             raise ValueError(f"{self._port.name}: found {len(data)} data bytes, allowed {self._size}")
         heads = self._heads

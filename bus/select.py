@@ -12,15 +12,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from railhil.bus.can_settings import HUB_INTERFACE, has_settings
+from railhil.bus.can_settings import HUB_INTERFACE, LOCAL, PIPES, has_settings
 from railhil.bus.hub.address import OWN_HUB_START_S, default_channel
 from railhil.common.errors import InputError, Sentence, Words
 
 _DEFAULT_VCAN = "vcan0"
-#: Channel of this interface between the nodes of one run: pipes, no hub.
-PIPES = "pipes"
-#: Used instead of an interface: all nodes run in one process, nothing is opened.
-LOCAL = "local"
 
 
 @dataclass(frozen=True, slots=True)

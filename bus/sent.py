@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from railhil.bus.frame import Frame
-from railhil.bus.hub.wire import CLASSIC_SIZE
+from railhil.bus.packing import CLASSIC_SIZE
 from railhil.common.exit_codes import ignore_ending_signals
 from railhil.common.user_files import whole_file
 
@@ -27,7 +27,7 @@ class SentFrames:
 
     The reader sorts the file (:mod:`railhil.record.senders`), since all processes wait for the end of a node. It has a
     line of JSON with the numbers of frames and the telegrams received, then the packed frames
-    (:mod:`railhil.bus.hub.wire`), then of the other frames the identifiers (32 bits each, in the byte order of this
+    (:mod:`railhil.bus.packing`), then of the other frames the identifiers (32 bits each, in the byte order of this
     machine), lengths of the data, flags (8 bits each), and the data. A node notes all its frames in one of the two
     ways.
 

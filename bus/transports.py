@@ -9,10 +9,9 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from railhil.bus.can_settings import HUB_INTERFACE
-from railhil.bus.select import LOCAL, PIPES
+from railhil.bus.can_settings import HUB_INTERFACE, LOCAL, PIPES
 
 if TYPE_CHECKING:
     import can
@@ -20,13 +19,6 @@ if TYPE_CHECKING:
     from railhil.bus.link.base import Timeouts
 
 _SINGLE = "railhil.bus.link.single:SingleLink"
-
-
-def _of_the_hub() -> str:
-    # Only tables of transports need it.
-    from railhil.bus.hub.model_limits import sentence
-
-    return sentence()
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,19 +59,94 @@ class Transport:
 
     name: str
     interfaces: tuple[str, ...]
-    unmodelled: str | Callable[[], str]
+    unmodelled: str
     channel: str = ".*"
     link: str = _SINGLE
-
-    @property
-    def limit(self) -> str:
-        """The properties that it does not model, as a sentence."""
-        return self.unmodelled if isinstance(self.unmodelled, str) else self.unmodelled()
 
     def serves(self, interface: str, channel: str) -> bool:
         """Whether it serves this bus."""
         named = not self.interfaces or interface in self.interfaces
         return named and re.fullmatch(self.channel, channel, re.DOTALL) is not None
+
+
+class Modelled(NamedTuple):
+    """One property of a CAN bus, and what the hub does with it.
+
+    ``option``: of ``railhil bus hub``; empty: always. ``by``: the hub's behaviour, empty: not modelled at all.
+    ``without``: the part that is missing even then.
+    """
+
+    subject: str
+    option: str
+    by: str
+    without: str
+
+
+HUB_MODEL = (
+    Modelled(
+        "order",
+        "",
+        "every frame reaches every client, in one order for all",
+        "sampling, propagation delay, receive overflow (a client 64 MiB behind, `--queue-limit`, is disconnected)",
+    ),
+    Modelled("acknowledgement", "", "", "a frame counts as sent when nobody hears it"),
+    Modelled(
+        "bit rate",
+        "--bitrate-model",
+        "a frame takes its exact length, stuff bits counted",
+        "time of error frames and of repeated frames",
+    ),
+    Modelled(
+        "arbitration",
+        "--arbitration",
+        "frames that wait at the same time leave by identifier",
+        "the error of two senders of one identifier",
+    ),
+    Modelled(
+        "bit errors",
+        "--faults",
+        "by order: TEC and REC of ISO 11898-1, error-passive, repetition, SocketCAN error frames",
+        "their cause (bit, stuff, form, CRC), errors at one receiver only, the REC + 8 after an error flag",
+    ),
+    Modelled(
+        "bus-off",
+        "--faults",
+        "TEC above 255 or by order; restart by order or --restart-ms, after 128 x 11 bits of the bit rate",
+        "recovery delayed by traffic; without a bit rate it takes no time",
+    ),
+    Modelled(
+        "two lines",
+        "--faults",
+        "by order dead at a client; switch-over at once and counted, guard of 16 frames",
+        "a break in the middle, a frame lost at the switch-over, the master's order to switch",
+    ),
+    Modelled(
+        "transmit queue",
+        "--faults",
+        "full by order: ENOBUFS; in real time retried for 20 ms, then dropped, in lockstep dropped at once",
+        "its length: frames waiting in it are never sent later",
+    ),
+)
+
+
+def hub_limit() -> str:
+    """The limits of a hub without options, for a table of transports."""
+    never = [row.subject for row in HUB_MODEL if not row.by]
+    options: dict[str, list[str]] = {}
+    for row in HUB_MODEL:
+        if row.option:
+            options.setdefault(row.option, []).append(row.subject)
+    asked = "; ".join(f"{', '.join(subjects)} only with {option}" for option, subjects in options.items())
+    return f"no {' and no '.join(never)}; {asked} (docs/hub.md)"
+
+
+def hub_table() -> str:
+    """The list as a table of docs/hub.md."""
+    lines = ["| property | option | what the hub does | what is not modelled |", "|---|---|---|---|"]
+    for row in HUB_MODEL:
+        option = f"`{row.option}`" if row.option else "always" if row.by else "none"
+        lines.append(f"| {row.subject} | {option} | {row.by or 'nothing'} | {row.without} |")
+    return "\n".join(lines) + "\n"
 
 
 #: The first entry that serves a bus is its transport.
@@ -96,7 +163,7 @@ TRANSPORTS = (
         channel=f"{PIPES}(:.*)?",
         link="railhil.bus.link.pipes:PipeLink",
     ),
-    Transport("railhil", (HUB_INTERFACE,), _of_the_hub, link="railhil.bus.link.batch:BatchLink"),
+    Transport("railhil", (HUB_INTERFACE,), hub_limit(), link="railhil.bus.hub.link:BatchLink"),
     Transport(
         "socketcan vcan",
         ("socketcan",),
@@ -140,9 +207,9 @@ def transport_of(interface: str, channel: str) -> Transport:
 def limits_of(transport: str) -> str:
     """The properties that the transport ``interface:channel`` does not model."""
     interface, _, channel = transport.partition(":")
-    return transport_of(interface, channel).limit
+    return transport_of(interface, channel).unmodelled
 
 
 def limits() -> dict[str, str]:
     """The listed transports, and the properties that each of them does not model."""
-    return {one.name: one.limit for one in TRANSPORTS if one.name}
+    return {one.name: one.unmodelled for one in TRANSPORTS if one.name}

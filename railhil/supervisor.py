@@ -9,7 +9,7 @@ import sys
 MOVED = {
     "criteria": "railhil.judge.criteria",
     "events": "railhil.judge.events",
-    "events.declared": "railhil.judge.events.declared",
+    "events.declared": "railhil.judge.declared",
     "judging": "railhil.judge.judging",
     "report": "railhil.report",
     "report.figures": "railhil.report.pictures",

@@ -3,11 +3,10 @@
 ================= ======================================================================================
 module            content
 ================= ======================================================================================
-``wire``          the packet format (SocketCAN frame structs in batches, JSON hello)
 ``address``       channel names, listening and connecting (AF_UNIX SEQPACKET, TCP on loopback)
 ``connection``    the client's end of a connection: whole packets, deadlines, exceptions
 ``hello``         how a client joins: its settings, connecting, the hello
-``batches``       :class:`~railhil.bus.hub.batches.HubClient`, a client
+``batches``       :class:`~railhil.bus.hub.batches.HubClient`, a client; ``link`` a node's connection over it
 ``client``        :class:`~railhil.bus.hub.client.HubBus`, the same as the python-can plugin ``railhil``
 ``ports``         the hub's end of a connection: never blocks, bounded queue
 ``gateway``       another python-can bus as a port; ``portspec`` its name, ``gateway_queues`` its queues
@@ -17,7 +16,6 @@ module            content
 ``disturbances``  optional disturbances and the notices about them, for clients and hub
 ``disturbed_bus`` their effect on the traffic; ``cancontroller`` the model of a client for it
 ``server``        the hub process; ``cli`` its command line
-``model_limits``  what is modelled and what is not, for tables
 ================= ======================================================================================
 
 The hub is reliable and gives every client the same total order. Bit rate, arbitration, error counters, bus-off and

@@ -10,8 +10,8 @@ import time
 from collections.abc import Sequence
 from typing import Any
 
+from railhil.bus import packing
 from railhil.bus.frame import EXTENDED, Frame
-from railhil.bus.hub import wire
 from railhil.bus.hub.connection import PLAIN, HubConnection, QueueFull, ReadinessFd, SendTimeout
 from railhil.bus.hub.disturbances import Notices, Order
 from railhil.bus.hub.hello import ClientSettings, join_hub
@@ -106,7 +106,7 @@ class HubClient:
                 self._send(packet, 0.0)
             except (SendTimeout, QueueFull):
                 break
-            taken += 1 if len(packet) == wire.FD_SIZE else len(packet) // wire.CLASSIC_SIZE
+            taken += 1 if len(packet) == packing.FD_SIZE else len(packet) // packing.CLASSIC_SIZE
         return taken
 
     def recv_frames(self, timeout_s: float | None) -> list[Frame]:
@@ -117,7 +117,7 @@ class HubClient:
         """
         deadline_s = None if timeout_s is None else time.monotonic() + timeout_s
         while self._packet or self._next_packet(deadline_s):
-            frames = wire.unpack_frames(self._packet, self._offset)
+            frames = packing.unpack_frames(self._packet, self._offset)
             self._packet, self._offset = b"", 0
             if self._readiness is not None:
                 self._update_readiness()
@@ -142,7 +142,7 @@ class HubClient:
         """
         if self.notices is None:
             raise self.failures.refused(f"{self.channel_info}: takes no orders, it must be started with --faults")
-        self._open_link().send_packet(wire.encode_notice(order=order.encoded()), None)
+        self._open_link().send_packet(packing.encode_notice(order=order.encoded()), None)
 
     # --- inside -------------------------------------------------------------------------------------------
 
@@ -152,8 +152,8 @@ class HubClient:
         return self._link
 
     def _packets(self, frames: Sequence[Frame]) -> list[bytes]:
-        packets = wire.pack_frames(frames)
-        if not self._fd_enabled and wire.FD_SIZE in map(len, packets):
+        packets = packing.pack_frames(frames)
+        if not self._fd_enabled and packing.FD_SIZE in map(len, packets):
             raise self.failures.refused("CAN FD frame on a bus opened without fd=True")
         return packets
 
@@ -172,9 +172,9 @@ class HubClient:
             packet = self._open_link().receive_packet(deadline_s)
             if packet is None:
                 return False
-            if not len(packet) & wire.NOTICE_LENGTH_BIT:
+            if not len(packet) & packing.NOTICE_LENGTH_BIT:
                 break
-            notice = wire.decode_notice(packet)
+            notice = packing.decode_notice(packet)
             if "roles" in notice:
                 self._here = frozenset(notice["roles"])
                 self._seen |= self._here
@@ -183,8 +183,8 @@ class HubClient:
                 # On TCP the next packet may be here already, where the socket does not show it.
                 self._update_readiness()
                 return False
-        self._packet_is_own = bool(len(packet) & wire.OWN_LENGTH_BIT)
-        self._packet = packet[: -len(wire.OWN_MARK)] if self._packet_is_own else packet
+        self._packet_is_own = bool(len(packet) & packing.OWN_LENGTH_BIT)
+        self._packet = packet[: -len(packing.OWN_MARK)] if self._packet_is_own else packet
         self._offset = 0
         self._timestamp_s = time.time()
         return True

@@ -13,8 +13,8 @@ from typing import Any
 
 import can
 
+from railhil.bus import packing
 from railhil.bus.hub import connection as plain
-from railhil.bus.hub import wire
 from railhil.bus.hub.batches import HubClient
 from railhil.bus.hub.cancontroller import ERROR_PASSIVE
 from railhil.bus.hub.disturbances import Host
@@ -73,15 +73,15 @@ class HubBus(HubClient, can.BusABC):
         """
         if msg.is_fd and not self._fd_enabled:
             raise Refused("CAN FD frame on a bus opened without fd=True")
-        self._send(wire.pack_message(msg), None if timeout is None else time.monotonic() + timeout)
+        self._send(packing.pack_message(msg), None if timeout is None else time.monotonic() + timeout)
 
     def _recv_internal(self, timeout: float | None) -> tuple[can.Message | None, bool]:
         if not self._packet and not self._next_packet(None if timeout is None else time.monotonic() + timeout):
             return None, False
         packet, offset = self._packet, self._offset
-        message = wire.unpack_message(packet, offset, self._timestamp_s, CHANNEL_NAME, self._packet_is_own)
-        offset += wire.CLASSIC_SIZE
-        if offset >= len(packet) or len(packet) == wire.FD_SIZE:
+        message = packing.unpack_message(packet, offset, self._timestamp_s, CHANNEL_NAME, self._packet_is_own)
+        offset += packing.CLASSIC_SIZE
+        if offset >= len(packet) or len(packet) == packing.FD_SIZE:
             self._packet, self._offset = b"", 0
         else:
             self._offset = offset

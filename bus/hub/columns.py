@@ -1,4 +1,4 @@
-"""Packed classic frames (:mod:`railhil.bus.hub.wire`) as columns. This is a module of its own so that the hub does not
+"""Packed classic frames (:mod:`railhil.bus.packing`) as columns. This is a module of its own so that the hub does not
 load numpy."""
 
 from __future__ import annotations

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from struct import Struct
 
 from railhil.bus.errors import BusError, BusLost, BusUnavailable
-from railhil.bus.hub.wire import MAX_PACKET_SIZE, OWN_MARK
+from railhil.bus.packing import MAX_PACKET_SIZE, OWN_MARK
 
 
 class HubLost(BusLost):

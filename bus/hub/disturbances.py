@@ -15,7 +15,7 @@ order       effect on each client ``who``
 ``full``    its transmit queue is full (``on``), or has room again; it does not send meanwhile
 =========== =================================================================================================
 
-The wire format is described in :mod:`..wire`.
+The wire format is described in :mod:`railhil.bus.packing`.
 """
 
 from __future__ import annotations

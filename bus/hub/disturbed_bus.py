@@ -14,7 +14,7 @@ from railhil.bus.frame import Frame
 from railhil.bus.hub.cancontroller import RECOVERY_BITS, CanController
 from railhil.bus.hub.disturbances import Host, Lines, Order
 from railhil.bus.hub.ports import SwitchPort
-from railhil.bus.hub.wire import CLASSIC_SIZE, FD_SIZE, encode_notice, pack_frame
+from railhil.bus.packing import CLASSIC_SIZE, FD_SIZE, encode_notice, pack_frame
 from railhil.common.patience import WallClock
 
 #: A packet for a port; None: the packet that is being carried.

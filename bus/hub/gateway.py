@@ -28,10 +28,10 @@ from collections.abc import Callable
 from railhil.bus.errors import BusLost
 from railhil.bus.frame import ERROR, FD, Frame
 from railhil.bus.hub.gateway_queues import Arrivals, Backlog
+from railhil.bus.hub.link import BatchLink
 from railhil.bus.hub.ports import SwitchPort
 from railhil.bus.hub.portspec import PortSpec, descriptor_of, open_port, open_port_again, takes_fd
-from railhil.bus.hub.wire import pack_frames, unpack_frames
-from railhil.bus.link.batch import BatchLink
+from railhil.bus.packing import pack_frames, unpack_frames
 from railhil.common.digits import count_of
 
 #: A full bus is tried again after this time (a frame takes 0.25 ms at 500 kbit/s), then after twice that, and so on.

@@ -10,9 +10,9 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from typing import Any
 
+from railhil.bus import packing
 from railhil.bus.errors import BusUnavailable
 from railhil.bus.frame import Frame
-from railhil.bus.hub import wire
 from railhil.bus.hub.address import (
     HUB_START_S,
     Address,
@@ -43,7 +43,7 @@ class ClientSettings:
     :param connect_timeout: seconds to wait for a hub that is still starting.
     :param while_connecting: called between two attempts; an exception from it ends the wait.
     :param name: shown in the hub's messages; None: the number of the process.
-    :param role: which node of a bench this client is (one of :data:`~railhil.bus.hub.wire.ROLES`); the hub then reports
+    :param role: which node of a bench this client is (one of :data:`~railhil.bus.packing.ROLES`); the hub then reports
         which others are connected.
     :param coalesce_frames: receive frames in bulk, at most this many together, and at once when one of the classic
         frames ``wake_on`` arrives (see :mod:`railhil.bus.hub.ports`). 0: each packet as it comes.
@@ -80,7 +80,7 @@ class ClientSettings:
             hello |= {"role": self.role, "hears_roles": True}
         if self.coalesce_frames:
             hello["coalesce_frames"] = int(self.coalesce_frames)
-            hello["wake_on"] = [wire.pack_frame(frame).hex() for frame in self.wake_on]
+            hello["wake_on"] = [packing.pack_frame(frame).hex() for frame in self.wake_on]
         return hello
 
 
@@ -148,11 +148,11 @@ def _exchange_hello(
     """Say hello; returns the properties of the hub. Raises :class:`~railhil.bus.hub.connection.HubUnavailable`."""
     started_s = time.monotonic()
     try:
-        link.send_packet(wire.encode_hello(**hello), deadline_s)
+        link.send_packet(packing.encode_hello(**hello), deadline_s)
         packet = link.receive_packet(deadline_s)
         if packet is None:
             raise failures.unavailable(f"hub at {link.peer}: no answer within {deadline_s - started_s:.0f} s")
-        properties = wire.decode_hello(packet)
+        properties = packing.decode_hello(packet)
     except HubLost as error:
         raise failures.unavailable(str(error)) from None
     except ValueError as error:

@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 from railhil.bus.hub.address import describe
 from railhil.bus.hub.disturbed_bus import Disturbance
 from railhil.bus.hub.ports import SocketPort, StreamPort, SwitchPort, coalescer_of
-from railhil.bus.hub.wire import decode_hello, encode_hello, encode_roles, role_of
+from railhil.bus.packing import decode_hello, encode_hello, encode_roles, role_of
 from railhil.common.patience import WallClock
 
 MAX_CLIENTS = 256

@@ -16,7 +16,7 @@ import time
 from abc import ABC, abstractmethod
 from collections import deque
 
-from railhil.bus.hub.wire import CLASSIC_SIZE, MAX_PACKET_SIZE
+from railhil.bus.packing import CLASSIC_SIZE, MAX_PACKET_SIZE
 from railhil.common.mypyc import mypyc_attr
 from railhil.common.patience import WallClock
 

@@ -17,8 +17,8 @@ from railhil.bus.hub.disturbances import order_of
 from railhil.bus.hub.disturbed_bus import Disturbance
 from railhil.bus.hub.membership import HELLO_S, READ, WRITE, Membership
 from railhil.bus.hub.ports import HOLD_S, PortClosed, PortFault, SwitchPort
-from railhil.bus.hub.wire import NOTICE_LENGTH_BIT, OWN_MARK, decode_notice, fault_of
 from railhil.bus.hub.wire_model import WireModel
+from railhil.bus.packing import NOTICE_LENGTH_BIT, OWN_MARK, decode_notice, fault_of
 from railhil.common.digits import count_of
 from railhil.common.exit_codes import ending_signals
 

@@ -34,7 +34,7 @@ from typing import NamedTuple
 
 from railhil.bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame
 from railhil.bus.hub.ports import SwitchPort
-from railhil.bus.hub.wire import CLASSIC_SIZE, FD_SIZE, unpack_frames
+from railhil.bus.packing import CLASSIC_SIZE, FD_SIZE, unpack_frames
 
 #: CRC delimiter, acknowledge slot, acknowledge delimiter, end of frame, interframe space.
 _TAIL_BITS = 1 + 1 + 1 + 7 + 3

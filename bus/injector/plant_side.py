@@ -7,10 +7,10 @@ from collections.abc import Callable, Sequence
 
 from railhil.bus.frame import Frame
 from railhil.bus.hub.disturbances import Disturber
-from railhil.bus.hub.wire import pack_frames
 from railhil.bus.injector.bus_faults import BusFaults, Flood
 from railhil.bus.injector.node_faults import NodeFaults
 from railhil.bus.link.base import Endpoint, PackedEnd
+from railhil.bus.packing import pack_frames
 from railhil.common.python_process import kill_this_process, stop_this_process
 from railhil.dbc import Contract
 

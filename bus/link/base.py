@@ -122,7 +122,7 @@ class Endpoint(Protocol):
 
 
 class PackedEnd(Protocol):
-    """Interface of a link for packed classic frames (:mod:`railhil.bus.hub.wire`)."""
+    """Interface of a link for packed classic frames (:mod:`railhil.bus.packing`)."""
 
     def send_packed(self, packet: bytes) -> None:
         """:meth:`Link.send`."""

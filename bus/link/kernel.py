@@ -17,9 +17,9 @@ from typing import Any
 import can
 
 from railhil.bus.frame import Frame
-from railhil.bus.hub.wire import FD_SIZE, pack_frame, unpack_frames
 from railhil.bus.link.base import TIMEOUTS, Timeouts
 from railhil.bus.link.single import SingleLink
+from railhil.bus.packing import FD_SIZE, pack_frame, unpack_frames
 
 _SO_RXQ_OVFL = 40
 _SO_TIMESTAMPNS = 35

@@ -11,8 +11,8 @@ from typing import Any
 
 from railhil.bus.can_settings import HUB_INTERFACE, has_settings
 from railhil.bus.errors import BusUnavailable
-from railhil.bus.hub.wire import ROLES
 from railhil.bus.link.base import TIMEOUTS, Link, Timeouts
+from railhil.bus.packing import ROLES
 from railhil.bus.transports import Opening, transport_of
 from railhil.common.streams import escape_controls
 

@@ -29,13 +29,13 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Final, NamedTuple, cast
 
+from railhil.bus.can_settings import PIPES
 from railhil.bus.errors import BusLost, BusUnavailable
 from railhil.bus.frame import Frame
-from railhil.bus.hub.wire import CLASSIC_SIZE, ROLES, pack_frame, pack_frames, unpack_frames
 from railhil.bus.link.base import Link, PackedEnd
 from railhil.bus.link.spin_wait import ASLEEP, AWAKE, SpinWait
 from railhil.bus.own_frames import supervisor_polls
-from railhil.bus.select import PIPES
+from railhil.bus.packing import CLASSIC_SIZE, ROLES, pack_frame, pack_frames, unpack_frames
 from railhil.bus.transports import Opening
 from railhil.common.mypyc import mypyc_attr
 from railhil.common.patience import PATIENCE_S
@@ -156,7 +156,7 @@ class _NoBus:
 class PipeLink(Link):
     """:class:`~railhil.bus.link.base.Link` of one node on the pipes of its run; classic frames, lockstep only.
 
-    :param role: the node's name, one of :data:`~railhil.bus.hub.wire.ROLES`.
+    :param role: the node's name, one of :data:`~railhil.bus.packing.ROLES`.
     """
 
     @classmethod

@@ -13,9 +13,9 @@ from unittest.mock import patch
 from hil_tests.support.cli import Done, Started, railhil, wait_for
 from hil_tests.support.exported import STRICT
 from railhil.bus.frame import ERROR, EXTENDED, FD, REMOTE, Frame
-from railhil.bus.hub.wire import EFF_FLAG, ERR_FLAG, RTR_FLAG
 from railhil.bus.ident import CtlIdent
 from railhil.bus.local import LocalBus
+from railhil.bus.packing import EFF_FLAG, ERR_FLAG, RTR_FLAG
 from railhil.controller_node.ato.node import ControllerNode
 from railhil.controller_node.export import make_bundle, write_bundle
 from railhil.plant_sim.node import make_plant_node

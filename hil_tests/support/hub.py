@@ -16,7 +16,7 @@ from railhil.bus.frame import Frame
 from railhil.bus.hub.client import HubBus
 from railhil.bus.hub.gateway import BusPort
 from railhil.bus.hub.portspec import parse_port
-from railhil.bus.hub.wire import unpack_frames
+from railhil.bus.packing import unpack_frames
 
 #: Long enough for any machine: reaching it is a failure, not a measurement.
 PATIENCE_S = 20.0

@@ -18,10 +18,9 @@ import can
 from railhil.bus.can_settings import add_bus_arguments, named_bus
 from railhil.bus.configured import configured
 from railhil.bus.errors import BusLost, BusUnavailable
-from railhil.bus.hub.model_limits import HUB
 from railhil.bus.link import open_link
 from railhil.bus.select import BusChoice, choose_bus, own_pipes
-from railhil.bus.transports import limits
+from railhil.bus.transports import HUB_MODEL, limits
 from railhil.common.build import python_build, railhil_build
 from railhil.common.command_line import USUAL_SCENARIO
 from railhil.common.digits import count_of
@@ -144,7 +143,7 @@ def work(namespace: argparse.Namespace) -> int:
     found = findings(namespace.quick) + ([asked] if asked else [])
     code = USAGE if asked and asked.advice else PASS
     if namespace.json:
-        hub = [row._asdict() for row in HUB]
+        hub = [row._asdict() for row in HUB_MODEL]
         print_json(
             {**facts(given, choice), "findings": [asdict(item) for item in found], "limits": limits(), "hub": hub}
         )
@@ -167,7 +166,7 @@ def work(namespace: argparse.Namespace) -> int:
     models.add_column("option", no_wrap=True)
     models.add_column("what it does")
     models.add_column("what it does not model")
-    for row in HUB:
+    for row in HUB_MODEL:
         models.add_row(row.subject, row.option, row.by or "nothing", row.without)
     console.print(models)
     return code

@@ -8,8 +8,7 @@ import tempfile
 from dataclasses import replace
 from pathlib import Path
 
-from railhil.bus.can_settings import add_bus_arguments, named_bus
-from railhil.bus.select import LOCAL
+from railhil.bus.can_settings import LOCAL, add_bus_arguments, named_bus
 from railhil.common.digits import count_of
 from railhil.common.exit_codes import FAIL, PASS
 from railhil.common.output import Output

@@ -5,7 +5,7 @@ what is known                                        what is done
 ==================================================== =================================================================
 ``railhil run`` has started both                     a node that has ended is given up at once (:class:`Lifelines`)
 the hub, or the own interface, is gone               the link says so (:class:`railhil.bus.errors.BusLost`)
-the hub has reported that the other has left it      it is given up at once (:mod:`railhil.bus.hub.wire`)
+the hub has reported that the other has left it      it is given up at once (:mod:`railhil.bus.packing`)
 nothing: the other is a board, on another machine,   it is given a limited time (``--patience``)
 or was started by hand
 ==================================================== =================================================================

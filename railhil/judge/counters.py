@@ -21,7 +21,7 @@ from railhil.bus.codes import ends_run
 from railhil.bus.telegrams import RunEvent
 from railhil.common.digits import count_of
 from railhil.faults import parse_faults
-from railhil.judge.events.declared import Received
+from railhil.judge.declared import Received
 from railhil.judge.events.telegrams import Stretch, bad_content, judged
 from railhil.judge.judging import judging_of
 from railhil.judge.record_checks import UNCLEAR, Unseen

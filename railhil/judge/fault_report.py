@@ -12,8 +12,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from railhil.bus.can_settings import HUB_INTERFACE
-from railhil.bus.select import LOCAL, BusChoice
+from railhil.bus.can_settings import HUB_INTERFACE, LOCAL
+from railhil.bus.select import BusChoice
 from railhil.common.errors import InputError, Words
 from railhil.common.user_files import whole_file
 from railhil.scenarios.model import AnyScenario

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from railhil.judge.criteria import Criterion, Extra, limited
-from railhil.judge.events.declared import Interlocks, Received, Watch, in_words, interface_received
+from railhil.judge.declared import Interlocks, Received, Watch, in_words, interface_received
 from railhil.judge.score import Score
 from railhil.record.notes import Status, interface_status
 from railhil.record.trace import FloatArray, Trace
@@ -85,7 +85,7 @@ class Judging:
     ``learned``: measures over sequences of runs; empty: each limit
     (:func:`railhil.judge.judging.sequence_measures`).
 
-    For the events (:mod:`railhil.judge.events.declared`): ``watches``: the reaction ladders on the bus.
+    For the events (:mod:`railhil.judge.declared`): ``watches``: the reaction ladders on the bus.
     ``interlocks``: states of the train, reported when they differ from the usual ones. ``received``: (scenario) -> the
     telegrams that a receiver judges by their content; by default the telegrams of the system's part ``interface``, if
     it has one.

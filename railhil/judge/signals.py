@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from railhil.judge.events.declared import Watch, ranks, reports
+from railhil.judge.declared import Watch, ranks, reports
 from railhil.judge.judging import Judging, judging_of
 from railhil.record.notes import note_values
 from railhil.record.sampling import Sampler, gap_after, holding_s, silences

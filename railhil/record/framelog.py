@@ -20,8 +20,8 @@ import numpy.typing as npt
 
 from railhil.bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame, quick_frame
 from railhil.bus.hub.columns import PACKED
-from railhil.bus.hub.wire import SFF_MASK
 from railhil.bus.own_frames import OwnFrames
+from railhil.bus.packing import SFF_MASK
 from railhil.common.errors import InputError
 from railhil.dbc import Contract
 from railhil.record.log_columns import ClassicColumns, classic_columns, plain_lines

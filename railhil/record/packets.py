@@ -18,10 +18,10 @@ import numpy.typing as npt
 
 from railhil.bus.frame import Frame, quick_frame
 from railhil.bus.hub.columns import PACKED
-from railhil.bus.hub.wire import CLASSIC_SIZE, SFF_MASK, pack_frame, pack_frames, unpack_frames
 from railhil.bus.ident import CtlIdent
 from railhil.bus.mvb import master_tail
 from railhil.bus.own_frames import supervisor_polls
+from railhil.bus.packing import CLASSIC_SIZE, SFF_MASK, pack_frame, pack_frames, unpack_frames
 from railhil.bus.responder import Responder
 from railhil.bus.telegrams import RunEvent
 from railhil.dbc import Contract, Port

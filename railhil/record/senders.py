@@ -21,9 +21,9 @@ import numpy.typing as npt
 
 from railhil.bus.frame import Frame
 from railhil.bus.hub.columns import PACKED
-from railhil.bus.hub.wire import SFF_MASK
 from railhil.bus.mvb import F_DEVICE_STATUS, master_frame
 from railhil.bus.own_frames import NO_TELEGRAM, OwnFrames
+from railhil.bus.packing import SFF_MASK
 from railhil.common.arrays import distinct
 from railhil.common.digits import count_of
 from railhil.dbc import Contract, Port

@@ -12,11 +12,11 @@ from collections.abc import Callable, Sequence
 
 from railhil.bus.codes import Event, ends_run
 from railhil.bus.frame import BRS, Frame
-from railhil.bus.hub.wire import unpack_frames
 from railhil.bus.ident import CtlIdent, PltIdent, Role, SupIdent, make_ident
 from railhil.bus.lifesign import MAX_STEP
 from railhil.bus.mvb import F_DEVICE_STATUS
 from railhil.bus.own_frames import supervisor_polls
+from railhil.bus.packing import unpack_frames
 from railhil.bus.responder import Reading, Responder
 from railhil.bus.schedule import Schedule
 from railhil.bus.telegrams import RunEvent, SupCmd, TimeSync
@@ -171,7 +171,7 @@ class Session:
         return answers
 
     def take_packed(self, packet: bytes) -> list[Frame]:
-        """:meth:`take` for classic frames as they are packed on pipes (:mod:`railhil.bus.hub.wire`).
+        """:meth:`take` for classic frames as they are packed on pipes (:mod:`railhil.bus.packing`).
 
         A packet that can wait is answered at once and recorded with :meth:`settle` or the next packet that cannot wait.
         Until then :attr:`sim_time_s` and :attr:`frames` keep their last values.

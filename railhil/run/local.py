@@ -10,11 +10,12 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from railhil.bus.can_settings import LOCAL
 from railhil.bus.errors import BusError, PeerSilent
 from railhil.bus.frame import Frame
 from railhil.bus.local import LocalBus
 from railhil.bus.reception import received_by
-from railhil.bus.select import LOCAL, no_bus
+from railhil.bus.select import no_bus
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import INVALID, PASS, TOOL_ERROR, USAGE
 from railhil.controller_node.controller import AnyController, make_controller_node, was_killed, write_fault_log

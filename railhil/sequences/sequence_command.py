@@ -12,8 +12,7 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from pathlib import Path
 
-from railhil.bus.can_settings import add_bus_arguments, named_bus
-from railhil.bus.select import LOCAL
+from railhil.bus.can_settings import LOCAL, add_bus_arguments, named_bus
 from railhil.cli.panel import add_page_argument, panel_process, require_websockets
 from railhil.cli.run import add_arguments, run_spec, run_system
 from railhil.common.command_line import OneLineParser, run_command, whole_number

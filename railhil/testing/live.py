@@ -9,10 +9,10 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
+from railhil.bus.can_settings import LOCAL
 from railhil.bus.codes import Event
 from railhil.bus.errors import BusError
 from railhil.bus.frame import Frame
-from railhil.bus.select import LOCAL
 from railhil.bus.store import TrafficStore
 from railhil.common.errors import InputError, did_you_mean
 from railhil.common.exit_codes import INVALID, PASS

@@ -10,7 +10,7 @@ from dataclasses import replace
 
 from hypothesis import strategies as st
 
-from railhil.bus.select import LOCAL
+from railhil.bus.can_settings import LOCAL
 from railhil.common.command_line import USUAL_SCENARIO
 from railhil.faults.capability import life_signal, why_not
 from railhil.faults.language import fault_text

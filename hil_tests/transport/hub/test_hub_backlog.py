@@ -6,7 +6,7 @@ from hil_tests.support.clock import SetClock
 from railhil.bus.frame import FD, Frame
 from railhil.bus.hub import gateway_queues
 from railhil.bus.hub.gateway_queues import Backlog
-from railhil.bus.hub.wire import pack_frames, unpack_frames
+from railhil.bus.packing import pack_frames, unpack_frames
 
 PLAIN = Frame(0x123, b"plain")
 

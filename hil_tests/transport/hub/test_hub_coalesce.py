@@ -16,8 +16,8 @@ from hil_tests.support.clock import SetClock
 from railhil.bus.frame import FD, Frame
 from railhil.bus.hub.client import HubBus
 from railhil.bus.hub.ports import HOLD_S, Coalescer, coalescer_of
-from railhil.bus.hub.wire import CLASSIC_SIZE, FD_SIZE, MAX_PACKET_SIZE, pack_frame
 from railhil.bus.mvb import master_frame
+from railhil.bus.packing import CLASSIC_SIZE, FD_SIZE, MAX_PACKET_SIZE, pack_frame
 
 POLL = master_frame(2, 0x108)
 

@@ -18,7 +18,7 @@ from railhil.bus.hub.client import HubBus, HubUnavailable
 from railhil.bus.hub.connection import HubLost
 from railhil.bus.hub.membership import MAX_CLIENTS
 from railhil.bus.hub.switch import Switch
-from railhil.bus.hub.wire import encode_hello, pack_frame
+from railhil.bus.packing import encode_hello, pack_frame
 
 
 def _raw_client(channel: str, *packets: bytes) -> socket.socket:

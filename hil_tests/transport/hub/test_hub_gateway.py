@@ -27,7 +27,7 @@ from railhil.bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame
 from railhil.bus.hub import gateway_queues
 from railhil.bus.hub.client import HubBus
 from railhil.bus.hub.portspec import parse_port, parse_ports
-from railhil.bus.hub.wire import pack_frame
+from railhil.bus.packing import pack_frame
 from railhil.machines.adapter.terminal import Terminal
 
 # -- the command line ---------------------------------------------------------------------------------------------

@@ -25,8 +25,8 @@ from railhil.bus.hub.client import HubBus
 from railhil.bus.hub.gateway import SLOW_RETRY_NS, BusPort
 from railhil.bus.hub.portspec import open_port_again, parse_port
 from railhil.bus.hub.server import HubSpec, serve
-from railhil.bus.hub.wire import CLASSIC_SIZE, pack_frame
 from railhil.bus.link import open_link
+from railhil.bus.packing import CLASSIC_SIZE, pack_frame
 from railhil.machines.adapter.terminal import Terminal
 
 PACKET = pack_frame(PLAIN)

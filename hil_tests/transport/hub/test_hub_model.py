@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 
 from railhil.bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame
 from railhil.bus.hub.ports import SwitchPort
-from railhil.bus.hub.wire import pack_frame, unpack_frames
 from railhil.bus.hub.wire_model import (
     PENDING_LIMIT_FRAMES,
     WireModel,
@@ -19,6 +18,7 @@ from railhil.bus.hub.wire_model import (
     frame_bits,
     stuff_bit_positions,
 )
+from railhil.bus.packing import pack_frame, unpack_frames
 
 
 def _stuffed(bits: str) -> str:

@@ -16,9 +16,9 @@ from railhil.bus.hub.cancontroller import BUS_OFF, ERROR_ACTIVE, ERROR_PASSIVE
 from railhil.bus.hub.cli import add_arguments, run
 from railhil.bus.hub.client import HubBus
 from railhil.bus.hub.disturbances import GUARD_FRAMES, Host, Notices, Order
-from railhil.bus.hub.wire import encode_notice
 from railhil.bus.link.errorframe import describe
 from railhil.bus.local import LocalBus
+from railhil.bus.packing import encode_notice
 
 ONE, TWO, LAST = Frame(0x101, b"1"), Frame(0x102, b"2"), Frame(0x7FF, b"last")
 

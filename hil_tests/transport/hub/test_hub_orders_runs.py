@@ -19,8 +19,8 @@ from railhil.bus.codes import Event
 from railhil.bus.errors import PeerSilent
 from railhil.bus.hub.client import HubBus
 from railhil.bus.hub.disturbances import Order
+from railhil.bus.hub.link import BatchLink
 from railhil.bus.link import Link
-from railhil.bus.link.batch import BatchLink
 from railhil.controller_node.ato.node import ControllerNode
 from railhil.controller_node.process_loop import serve
 from railhil.dbc import wire_contract

@@ -13,8 +13,8 @@ import pytest
 
 from hil_tests.support.cli import TIMEOUT_S, Done, command, wait_for
 from hil_tests.support.hub import PATIENCE_S, node, running_hub
+from railhil.bus import packing
 from railhil.bus.frame import Frame
-from railhil.bus.hub import wire
 from railhil.bus.hub.client import HubUnavailable
 from railhil.bus.ident import Role
 from railhil.bus.link import open_link
@@ -27,16 +27,16 @@ _ENDLESS = ("--patience", "600")
 
 
 def test_the_roles_are_those_of_the_bench() -> None:
-    assert set(wire.ROLES) == {role.name.lower() for role in Role}
+    assert set(packing.ROLES) == {role.name.lower() for role in Role}
 
 
 @pytest.mark.parametrize("roles", [[], ["plant"], ["plant", "controller"], ["plant", "plant", "supervisor"]])
 def test_a_packet_of_roles_is_no_packet_of_frames(roles: list[str]) -> None:
-    packet = wire.encode_roles(roles)
-    assert wire.decode_notice(packet) == {"roles": sorted(set(roles))}
-    assert len(packet) & wire.NOTICE_LENGTH_BIT
-    for length in (wire.CLASSIC_SIZE, wire.FD_SIZE, len(wire.OWN_MARK)):
-        assert not length & wire.NOTICE_LENGTH_BIT
+    packet = packing.encode_roles(roles)
+    assert packing.decode_notice(packet) == {"roles": sorted(set(roles))}
+    assert len(packet) & packing.NOTICE_LENGTH_BIT
+    for length in (packing.CLASSIC_SIZE, packing.FD_SIZE, len(packing.OWN_MARK)):
+        assert not length & packing.NOTICE_LENGTH_BIT
 
 
 @pytest.mark.parametrize("coalesce_frames", [0, 64])
@@ -69,10 +69,10 @@ def test_who_has_no_role_is_told_nothing() -> None:
         node = hub.bus(role="plant")
         node.send_frames([Frame(0x100, b"")])
         node.shutdown()
-        assert tool._open_link().receive_packet(None) == wire.pack_frame(Frame(0x100, b""))
+        assert tool._open_link().receive_packet(None) == packing.pack_frame(Frame(0x100, b""))
         with hub.bus() as other:
             other.send_frames([Frame(0x101, b"")])
-            assert tool._open_link().receive_packet(None) == wire.pack_frame(Frame(0x101, b""))
+            assert tool._open_link().receive_packet(None) == packing.pack_frame(Frame(0x101, b""))
 
 
 def test_an_unknown_role_is_refused() -> None:

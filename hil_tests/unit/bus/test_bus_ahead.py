@@ -9,9 +9,9 @@ import pytest
 from railhil.bus.administrator import Administrator, SendQueue
 from railhil.bus.clock import Pacer
 from railhil.bus.frame import Frame
-from railhil.bus.hub.wire import unpack_frames
 from railhil.bus.layout import Telegram
 from railhil.bus.mvb import TelegramSource, master_frame
+from railhil.bus.packing import unpack_frames
 from railhil.bus.store import TrafficStore
 from railhil.dbc import wire_contract
 from railhil.wire.ato import NotchCmd, TrnPos, TrnSpeed

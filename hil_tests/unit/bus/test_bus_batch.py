@@ -11,9 +11,9 @@ from railhil.bus.hub.batches import HubClient
 from railhil.bus.hub.cancontroller import BUS_OFF, ERROR_PASSIVE
 from railhil.bus.hub.connection import Refused
 from railhil.bus.hub.disturbances import Host, Notices, Order
+from railhil.bus.hub.link import BatchLink
 from railhil.bus.link import errorframe
 from railhil.bus.link.base import Timeouts
-from railhil.bus.link.batch import BatchLink
 
 
 class FakeHub:

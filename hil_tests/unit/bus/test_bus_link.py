@@ -15,8 +15,8 @@ from hil_tests.support.clock import SetClock
 from hil_tests.support.frames import frames
 from railhil.bus.errors import BusLost, BusUnavailable
 from railhil.bus.frame import ERROR, EXTENDED, REMOTE, Frame, from_message, to_message
+from railhil.bus.hub.link import BatchLink
 from railhil.bus.link import Link, open_link
-from railhil.bus.link.batch import BatchLink
 from railhil.bus.link.single import SingleLink
 from railhil.bus.mvb import TelegramSource
 from railhil.wire.ato import TrkInfo, TrnSpeed

@@ -12,11 +12,11 @@ import pytest
 
 from railhil.bus.errors import BusLost
 from railhil.bus.frame import Frame
-from railhil.bus.hub.wire import CLASSIC_SIZE, ROLES, pack_frame, pack_frames
 from railhil.bus.ident import Role
 from railhil.bus.link import pipes as module
 from railhil.bus.link.pipes import Ends, PipeLink, Pipes
 from railhil.bus.mvb import F_DEVICE_STATUS, master_frame
+from railhil.bus.packing import CLASSIC_SIZE, ROLES, pack_frame, pack_frames
 from railhil.bus.sent import SentFrames
 
 POLL = master_frame(1, 0x110)

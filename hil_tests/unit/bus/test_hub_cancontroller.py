@@ -11,9 +11,9 @@ from railhil.bus.frame import ERROR, Frame
 from railhil.bus.hub.cancontroller import BUS_OFF, ERROR_ACTIVE, ERROR_PASSIVE, CanController
 from railhil.bus.hub.cli import add_arguments
 from railhil.bus.hub.disturbances import GUARD_FRAMES, Lines, Notices, Order, order_of
-from railhil.bus.hub.model_limits import HUB, markdown, sentence
 from railhil.bus.link import errorframe
 from railhil.bus.link.errorframe import describe
+from railhil.bus.transports import HUB_MODEL, hub_limit, hub_table
 
 
 def after(fails: int = 0, others_fail: int = 0) -> CanController:
@@ -182,11 +182,11 @@ def test_an_old_packet_that_was_not_heard_says_nothing_about_the_newest() -> Non
 
 
 def test_the_page_has_the_list_of_what_is_modelled_and_each_option_exists() -> None:
-    assert markdown() in (ROOT / "docs" / "hub.md").read_text(encoding="utf-8")
+    assert hub_table() in (ROOT / "docs" / "hub.md").read_text(encoding="utf-8")
     parser = argparse.ArgumentParser()
     add_arguments(parser)
-    assert {row.option for row in HUB} - {""} <= set(parser._option_string_actions)
-    for row in HUB:
-        assert (row.subject in sentence()) is bool(row.option or not row.by)
-    assert sentence().startswith("no acknowledgement; bit rate only with --bitrate-model")
-    assert str(GUARD_FRAMES) in next(row.by for row in HUB if row.subject == "two lines")
+    assert {row.option for row in HUB_MODEL} - {""} <= set(parser._option_string_actions)
+    for row in HUB_MODEL:
+        assert (row.subject in hub_limit()) is bool(row.option or not row.by)
+    assert hub_limit().startswith("no acknowledgement; bit rate only with --bitrate-model")
+    assert str(GUARD_FRAMES) in next(row.by for row in HUB_MODEL if row.subject == "two lines")

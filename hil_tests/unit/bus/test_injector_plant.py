@@ -9,11 +9,11 @@ import numpy as np
 
 from railhil.bus.frame import Frame
 from railhil.bus.hub.disturbances import Host, Order
-from railhil.bus.hub.wire import unpack_frames
 from railhil.bus.injector.node_faults import NodeFaults
 from railhil.bus.injector.plant_side import FaultyEndpoint
 from railhil.bus.link import errorframe
 from railhil.bus.mvb import TelegramSource
+from railhil.bus.packing import unpack_frames
 from railhil.bus.schedule import Schedule
 from railhil.bus.telegrams import SupCmd, TimeSync
 from railhil.dbc import wire_contract

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from hil_tests.support.paths import TEST_DATA
 from railhil.bus import mvb
-from railhil.bus.hub.wire import unpack_frames
+from railhil.bus.packing import unpack_frames
 from railhil.dbc import Port, wire_contract
 
 VECTORS = [json.loads(line) for line in (TEST_DATA / "mvb" / "vectors.jsonl").read_text(encoding="utf-8").splitlines()]

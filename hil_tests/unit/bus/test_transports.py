@@ -20,7 +20,7 @@ class Mine(SingleLink):
 def test_every_row_names_a_link_that_can_be_opened_and_says_what_is_not_modelled(transport: Transport) -> None:
     module, _, name = transport.link.partition(":")
     assert callable(getattr(import_module(module), name).opened)
-    assert len(transport.limit) > 10
+    assert len(transport.unmodelled) > 10
 
 
 @pytest.mark.parametrize(

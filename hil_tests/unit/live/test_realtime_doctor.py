@@ -12,8 +12,7 @@ import pytest
 from hil_tests.support.cli import railhil
 from railhil.bus import select
 from railhil.bus.can_settings import named_bus
-from railhil.bus.hub.model_limits import HUB
-from railhil.bus.transports import limits
+from railhil.bus.transports import HUB_MODEL, limits
 from railhil.cli.commands import parser
 from railhil.cli.doctor import facts
 from railhil.common.scheduling import NODE_PRIORITY
@@ -286,7 +285,7 @@ def test_every_finding_stands_in_text_and_json() -> None:
     done = railhil("doctor", "--quick", "--json")
     assert done.exit_code == 0
     assert done.json["limits"] == limits()
-    assert done.json["hub"] == [row._asdict() for row in HUB]
+    assert done.json["hub"] == [row._asdict() for row in HUB_MODEL]
     subjects = [item["subject"] for item in done.json["findings"]]
     assert {"kernel CAN", "SCHED_FIFO", "locked memory", "throttle", "preemption", "clock", "processors"} <= set(
         subjects
@@ -295,7 +294,7 @@ def test_every_finding_stands_in_text_and_json() -> None:
     assert "10 ms loop" not in subjects
     text = railhil("doctor", "--quick").out
     words = " ".join(text.split())
-    for row in HUB:
+    for row in HUB_MODEL:
         assert f"{row.subject} " in words
         assert row.without.split()[0] in words
     for item in done.json["findings"]:

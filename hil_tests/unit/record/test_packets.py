@@ -16,8 +16,8 @@ from hypothesis import strategies as st
 from hil_tests.support.changed_records import Recorded, changed_records, recorded, short_scenario
 from railhil.bus.codes import Event
 from railhil.bus.frame import ERROR, EXTENDED, REMOTE, Frame
-from railhil.bus.hub.wire import CLASSIC_SIZE, pack_frame, unpack_frames
 from railhil.bus.mvb import TelegramSource, master_frame
+from railhil.bus.packing import CLASSIC_SIZE, pack_frame, unpack_frames
 from railhil.bus.telegrams import RunEvent
 from railhil.dbc import wire_contract
 from railhil.record.framelog import FrameLog, LateLines, log_line

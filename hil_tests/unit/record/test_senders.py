@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 from railhil.bus.frame import EXTENDED, FD, REMOTE, Frame
-from railhil.bus.hub.wire import pack_frames
 from railhil.bus.layout import Telegram
 from railhil.bus.mvb import F_DEVICE_STATUS, TelegramSource, master_frame
+from railhil.bus.packing import pack_frames
 from railhil.bus.sent import SentFrames
 from railhil.dbc import wire_contract
 from railhil.record.framelog import CHANNEL, log_line

@@ -1,5 +1,5 @@
 """Events of a run with their causes, derived from the record alone.
 
-``declared``: the reports of a system's reactions; ``derive``: the events of a record; ``summary``: the events in a line
-and in ``score.json``.
+``telegrams``: the events of a record; ``summary``: the events in a line and in ``score.json``. The declarations of a
+system from which they are found are in :mod:`railhil.judge.declared`.
 """

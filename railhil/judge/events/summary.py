@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from railhil.common.errors import InputError
-from railhil.judge.events.declared import Watch
+from railhil.judge.declared import Watch
 from railhil.judge.events.event import FAULT, LEVEL, LOST, MISSED_POLL, REFUSED, RecordedEvent
 from railhil.judge.judging import judging_of
 from railhil.scenarios.model import AnyScenario

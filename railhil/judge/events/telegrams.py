@@ -20,9 +20,18 @@ from railhil.bus.lifesign import LifeSign
 from railhil.bus.schedule import Schedule
 from railhil.bus.telegrams import RunEvent
 from railhil.dbc import Port
-from railhil.judge.events import telegrams
-from railhil.judge.events.declared import Interlocks, Received, watch_events
-from railhil.judge.events.event import INTERLOCK, LOST, MILESTONE, MISSED_POLL, REFUSED, RecordedEvent, in_order
+from railhil.judge.declared import Interlocks, Received, Watch, reports
+from railhil.judge.events.event import (
+    INTERLOCK,
+    LEVEL,
+    LOST,
+    MILESTONE,
+    MISSED_POLL,
+    REFUSED,
+    START,
+    RecordedEvent,
+    in_order,
+)
 from railhil.judge.judging import judging_of
 from railhil.record.trace import Noted, Trace
 from railhil.scenarios.model import AnyScenario
@@ -32,6 +41,8 @@ Times: TypeAlias = npt.NDArray[np.int64]
 #: Refusals of one port with one cause that are no further apart are one event; longer than any port's period.
 BURST_NS = 2_000_000_000
 _LIFE_VALUES = 16
+#: Word for no cause.
+_NO_CAUSE = "none"
 
 
 def refused(trace: Trace, received: Iterable[Received]) -> Iterator[RecordedEvent]:
@@ -224,9 +235,9 @@ def events_of(scenario: AnyScenario, trace: Trace, beside: Iterable[RecordedEven
     return in_order(
         beside,
         milestones(trace, scenario.installed_system.events),
-        telegrams.lost(trace, schedule),
-        telegrams.missed_polls(trace),
-        telegrams.refused(trace, judging.received(scenario)),
+        lost(trace, schedule),
+        missed_polls(trace),
+        refused(trace, judging.received(scenario)),
         (event for item in judging.interlocks for event in interlocks(trace, item, end_s)),
         (event for watch in judging.watches for event in watch_events(scenario, trace, watch, end_s)),
     )
@@ -261,3 +272,36 @@ def interlocks(trace: Trace, item: Interlocks, end_s: float) -> Iterator[Recorde
                 until_s = float(time_s[after]) if after < len(raw) else end_s
                 detail = f"{name} {trace.word(item.port, name, int(raw[first]))}"
                 yield RecordedEvent(float(time_s[first]), item.port, INTERLOCK, name, until_s=until_s, detail=detail)
+
+
+def watch_events(scenario: AnyScenario, trace: Trace, watch: Watch, end_s: float) -> Iterator[RecordedEvent]:
+    """Each time for which the watch reported one level above normal, or another state, with one cause.
+
+    :param end_s: end of the record, until which the last one lasts.
+    """
+    if not reports(trace, watch):
+        return
+    time_s = trace.times_s(watch.port)
+    levels = trace.raw(watch.port, watch.level)
+    has_cause = trace.has(watch.port, watch.cause)
+    causes = trace.raw(watch.port, watch.cause) if has_cause else np.zeros_like(levels)
+    changed = (np.diff(levels, prepend=-1) != 0) | (np.diff(causes, prepend=-1) != 0)
+    firsts = np.flatnonzero(changed).tolist()
+    for first, after in pairwise([*firsts, len(levels)]):
+        level, begun_s = int(levels[first]), float(time_s[first])
+        until_s = float(time_s[after]) if after < len(levels) else end_s
+        if level == watch.ladder[0]:
+            continue
+        word = trace.word(watch.port, watch.level, level)
+        cause = trace.word(watch.port, watch.cause, int(causes[first])) if has_cause else ""
+        # A level that was taken without a cause of the watch, as by an open safety loop.
+        cause = "" if cause == _NO_CAUSE else cause
+        if level not in watch.ladder:
+            yield RecordedEvent(begun_s, watch.name, START, word, until_s=until_s)
+        elif first == 0 and cause in watch.start and after < len(levels):
+            detail = watch.said(scenario, word, cause)
+            yield RecordedEvent(begun_s, watch.name, START, cause, word, until_s=until_s, detail=detail)
+        else:
+            detail = watch.said(scenario, word, cause) if cause else ""
+            rank = watch.ladder.index(level)
+            yield RecordedEvent(begun_s, watch.name, LEVEL, cause, word, until_s=until_s, detail=detail, rank=rank)

@@ -10,7 +10,7 @@ import numpy as np
 from railhil.bus.codes import Event
 from railhil.bus.telegrams import RunEvent
 from railhil.judge.criteria import DID_NOT_STOP, STOP_ERROR_KEY, Criterion, Limit, scores, unscored
-from railhil.judge.events.declared import Watch
+from railhil.judge.declared import Watch
 from railhil.judge.judging import Judging, SequenceMeasure
 from railhil.judge.record_checks import incomplete
 from railhil.judge.score import Score

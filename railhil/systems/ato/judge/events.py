@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from railhil.bus.layout import FLAG_TRUE
-from railhil.judge.events.declared import Interlocks, Received, Watch
+from railhil.judge.declared import Interlocks, Received, Watch
 from railhil.record.notes import ReportedNote, Status
 from railhil.systems.ato.scenario.model import Scenario
 from railhil.wire.ato import CtlMode, CtlStat, NotchCmd, PltStat, TrnPos, TrnSpeed, TrnWatch

@@ -25,7 +25,7 @@ from railhil.bus.ident import PACES, PltIdent
 from railhil.common.digits import count_of
 from railhil.faults import parse_faults
 from railhil.judge.counters import unreconciled
-from railhil.judge.events.declared import Received
+from railhil.judge.declared import Received
 from railhil.judge.events.telegrams import judged
 from railhil.judge.record_checks import UNCLEAR, Unseen
 from railhil.record.trace import FloatArray, Trace

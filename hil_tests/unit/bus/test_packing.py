@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from railhil.bus import packing
 from railhil.bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame
-from railhil.bus.hub import wire
 
 _NATIVE_ID = struct.Struct("=I")
 
@@ -32,10 +32,10 @@ def _wire_bytes(wire_id: int, rest: str) -> bytes:
     ],
 )
 def test_frames_have_the_layout_of_linux_can_h(frame: Frame, expected: bytes) -> None:
-    packed = wire.pack_frame(frame)
+    packed = packing.pack_frame(frame)
     assert packed == expected
-    assert wire.fault_of(packed) is None
-    assert wire.unpack_frames(packed) == [frame]
+    assert packing.fault_of(packed) is None
+    assert packing.unpack_frames(packed) == [frame]
 
 
 @st.composite
@@ -45,7 +45,7 @@ def messages(draw: st.DrawFn) -> can.Message:
     is_fd = draw(st.booleans())
     remote = not is_fd and draw(st.booleans())
     error = not is_fd and not remote and draw(st.booleans())
-    length = draw(st.sampled_from(sorted(wire.FD_LENGTHS))) if is_fd else draw(st.integers(0, 8))
+    length = draw(st.sampled_from(sorted(packing.FD_LENGTHS))) if is_fd else draw(st.integers(0, 8))
     return can.Message(
         arbitration_id=draw(st.integers(0, 0x1FFFFFFF if extended else 0x7FF)),
         is_extended_id=extended,
@@ -62,21 +62,21 @@ def messages(draw: st.DrawFn) -> can.Message:
 
 @given(messages())
 def test_messages_round_trip(message: can.Message) -> None:
-    packed = wire.pack_message(message)
-    assert wire.fault_of(packed) is None
-    back = wire.unpack_message(packed, 0, 0.0, "x", own=False)
+    packed = packing.pack_message(message)
+    assert packing.fault_of(packed) is None
+    back = packing.unpack_message(packed, 0, 0.0, "x", own=False)
     assert back.equals(message, check_channel=True, timestamp_delta=None), f"{back!r} {message!r}"
 
 
 @pytest.mark.slow
 @given(st.lists(messages().filter(lambda message: not message.is_fd), min_size=1, max_size=20))
 def test_a_batch_is_its_frames_in_order(batch: list[can.Message]) -> None:
-    packet = b"".join(map(wire.pack_message, batch))
-    assert wire.fault_of(packet) is None
-    for index, frame in enumerate(wire.unpack_frames(packet)):
-        assert wire.pack_frame(frame) == packet[16 * index : 16 * index + 16]
-        assert wire.unpack_frames(packet, 16 * index)[0] == frame
-        assert wire.unpack_message(packet, 16 * index, 0.0, "x", own=True).arbitration_id == frame.can_id
+    packet = b"".join(map(packing.pack_message, batch))
+    assert packing.fault_of(packet) is None
+    for index, frame in enumerate(packing.unpack_frames(packet)):
+        assert packing.pack_frame(frame) == packet[16 * index : 16 * index + 16]
+        assert packing.unpack_frames(packet, 16 * index)[0] == frame
+        assert packing.unpack_message(packet, 16 * index, 0.0, "x", own=True).arbitration_id == frame.can_id
 
 
 @pytest.mark.parametrize(
@@ -94,7 +94,7 @@ def test_a_batch_is_its_frames_in_order(batch: list[can.Message]) -> None:
 )
 def test_what_no_can_frame_can_hold_is_refused(frame: Frame, words: str) -> None:
     with pytest.raises(ValueError, match=words.replace("(", r"\(")) as caught:
-        wire.pack_frame(frame)
+        packing.pack_frame(frame)
     assert "\n" not in str(caught.value)
 
 
@@ -102,32 +102,32 @@ def test_a_message_whose_dlc_contradicts_its_data_is_refused() -> None:
     message = can.Message(arbitration_id=0x100, is_extended_id=False, data=b"abc")
     message.data = bytearray(b"abcd")
     with pytest.raises(ValueError, match="dlc 3 with 4 data bytes"):
-        wire.pack_message(message)
+        packing.pack_message(message)
 
 
-_GOOD = wire.pack_frame(Frame(0x100, b"12345678"))
+_GOOD = packing.pack_frame(Frame(0x100, b"12345678"))
 
 
 @pytest.mark.parametrize("size", [0, 1, 15, 17, 71, 73, 76, 4097, 4112])
 def test_a_packet_of_wrong_size_is_malformed(size: int) -> None:
-    assert wire.fault_of((_GOOD * 300)[:size]) is not None
+    assert packing.fault_of((_GOOD * 300)[:size]) is not None
 
 
 def test_every_allowed_packet_size_is_accepted_and_one_bad_length_field_anywhere_is_not() -> None:
     for count in range(1, 257):
         packet = bytearray(_GOOD * count)
-        assert wire.fault_of(bytes(packet)) is None
+        assert packing.fault_of(bytes(packet)) is None
         packet[16 * (count - 1) + 4] = 9
-        assert "payload length 9" in str(wire.fault_of(bytes(packet)))
-    fd_packet = bytearray(wire.pack_frame(Frame(0x100, bytes(64), FD)))
+        assert "payload length 9" in str(packing.fault_of(bytes(packet)))
+    fd_packet = bytearray(packing.pack_frame(Frame(0x100, bytes(64), FD)))
     fd_packet[4] = 63
-    assert "payload length 63" in str(wire.fault_of(bytes(fd_packet)))
+    assert "payload length 63" in str(packing.fault_of(bytes(fd_packet)))
 
 
 def test_the_own_mark_shows_in_the_packet_length_of_every_packet() -> None:
     for size in (*range(16, 4097, 16), 72):
-        assert not size & wire.OWN_LENGTH_BIT
-        assert size + len(wire.OWN_MARK) & wire.OWN_LENGTH_BIT
+        assert not size & packing.OWN_LENGTH_BIT
+        assert size + len(packing.OWN_MARK) & packing.OWN_LENGTH_BIT
 
 
 @pytest.mark.parametrize(
@@ -135,5 +135,5 @@ def test_the_own_mark_shows_in_the_packet_length_of_every_packet() -> None:
 )
 def test_what_is_no_hello_gives_one_line(packet: bytes) -> None:
     with pytest.raises(ValueError, match="hello") as caught:
-        wire.decode_hello(packet)
+        packing.decode_hello(packet)
     assert "\n" not in str(caught.value)

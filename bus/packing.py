@@ -1,4 +1,4 @@
-"""Packets exchanged between a client and the hub.
+"""Packets of frames: exchanged between a client and the hub, on the pipes of a run, kept in lists of frames.
 
 Every packet is one of the following (a packet is one AF_UNIX SEQPACKET record; on TCP it is a big-endian u16 length
 followed by that many bytes):
