@@ -23,6 +23,8 @@ from railhil.dbc import Contract, Port
 
 #: Bits of the life sign of a port that counts time for the clock, see :func:`slow_port`.
 _LIFE_BITS: Final = 4
+#: Period and master word of :func:`pace_of` where there is none.
+_NO_PACE: Final = (0, -1)
 #: Device status word: class 2/3 device, nothing to report (IEC 61375-3-1, type nibble 1).
 _STATUS_READY: Final = 0x1000
 
@@ -61,6 +63,17 @@ def slow_port(received: Iterable[Port], clock_port: Port, schedule: Schedule) ->
         )
 
     return max(filter(counts, received), key=lambda port: schedule.ticks(port.name), default=None)
+
+
+def pace_of(own: Iterable[Port], schedule: Schedule) -> tuple[int, int]:
+    """The fastest port of which a node is the source: its polls are the second time base of its clock.
+
+    A port slower than the life sign can bridge is not used: its extra polls would be taken for lost time.
+
+    :returns: its period in ticks, and the master word that polls it; (0, -1): there is none.
+    """
+    fast = (port for port in own if port.period_ns and schedule.ticks(port.name) <= MAX_STEP)
+    return min(((schedule.ticks(port.name), port.f_code << 12 | port.address) for port in fast), default=_NO_PACE)
 
 
 def _last_octet(data: bytes) -> int:
@@ -133,13 +146,7 @@ class Responder:
             )
             for name, make in answers.items()
         }
-        # The polls of the fastest own port are the clock's second time base: period in ticks, and master word. A port
-        # slower than the life sign can bridge is not used: its extra polls would be taken for lost time.
-        own = [port for port in map(contract.port, answers) if port.period_ns] if paced else []
-        fast = [port for port in own if schedule.ticks(port.name) <= MAX_STEP]
-        self._pace = min(
-            ((schedule.ticks(port.name), port.f_code << 12 | port.address) for port in fast), default=(0, -1)
-        )
+        self._pace = pace_of(map(contract.port, answers), schedule) if paced else _NO_PACE
 
     def on(self, telegram: type[T], handler: Callable[[Reading[T]], None], port: str = "") -> None:
         """Call ``handler`` with each telegram that is accepted on a port, decoded as ``telegram``; it is called after

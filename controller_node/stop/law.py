@@ -16,7 +16,7 @@ from pydantic import Field
 from railhil.controller_node.arithmetic.base import Arithmetic, Constant, T
 from railhil.controller_node.laws.memory import NOTHING, Remembered
 from railhil.controller_node.stop.interface import COUNT_MAX, Gap, Inputs, Measured, Outputs
-from railhil.controller_node.stop.learning import Learned, Learning, Report, stored_records
+from railhil.controller_node.stop.learning import Learned, Learning, LearningRule, OffsetMemory, Report, stored_records
 from railhil.controller_node.stop.model import Grades, StoppingDistance
 from railhil.controller_node.stop.numbers import ACCEL_Q, DISTANCE_Q, SPEED_Q, TIME_Q, Numbers
 from railhil.controller_node.stop.stages import Approach, Stages
@@ -86,15 +86,9 @@ class StopLaw(VectorLaw[T, StopState[T]]):
         self.inputs = Inputs(numbers)
         self.distance = StoppingDistance(numbers, task.brake.delay_s, task.brake.lag_s)
         self.grades = Grades(numbers, task.grade, task.start_m, task.stop_m)
-        self.learning = Learning(
-            numbers,
-            memory.values,
-            gamma=given.gamma,
-            sigmas=given.innovation_sigmas,
-            report_sigma_m=given.report_sigma_m,
-            active=self.learns,
-            first_offset_m=given.first_offset_m,
-        )
+        self.offsets = OffsetMemory(numbers, memory.values, given.first_offset_m)
+        rule = LearningRule(given.gamma, given.innovation_sigmas, given.report_sigma_m, self.learns)
+        self.learning = Learning(numbers, self.offsets, rule)
         self._way = hold("way", task.stop_m - task.start_m, DISTANCE_Q, origin)
         self._plans = [
             hold("planned_dry", task.brake.braking_mps2, ACCEL_Q, origin),
@@ -259,7 +253,7 @@ class StopLaw(VectorLaw[T, StopState[T]]):
         stored_records(values)
 
     def memory(self, state: Any) -> Mapping[str, Any]:
-        return self.learning.memory(state.learned)
+        return self.offsets.after(state.learned)
 
     def hold_speed(self, measured: Measured[T]) -> T:
         """The command with which a train that runs keeps its speed, m/s2; 0 for one that stands."""

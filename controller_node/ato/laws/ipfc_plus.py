@@ -38,6 +38,24 @@ _SPEED_BY_UNIT_TO_ACCEL = SPEED_Q + UNIT_Q - ACCEL_Q
 _SPEED_BY_UNIT_TO_UNIT = SPEED_Q
 _GAP_TO_ACCEL = GAP_Q + POSITION_GAIN_Q - ACCEL_Q
 _SPEED_TO_GAP = SPEED_Q + ADVANCE_Q - GAP_Q
+#: Tables of :class:`IpfcPlusConstants` over the number of the control period.
+_OVER_TIME = (
+    "target_position",
+    "target_speed",
+    "feed_forward",
+    "planned_force",
+    "force_rate",
+    "notch_upper",
+    "notch_lower",
+    "drag_over_period",
+    "drag_over_delay",
+    "observe_speed",
+    "observe_disturbance",
+    "observe_gain",
+    "observe_lag",
+    "by_position",
+    "by_speed",
+)
 
 
 class ObserverState(NamedTuple, Generic[T]):
@@ -79,27 +97,7 @@ class IpfcPlusCore(Law[T, State]):
         self._constants = t = table
         self._odometer = BaliseOdometer(ar, t, scenario.plan.distance_m)
         self._last_k = len(t.target_speed) - 1
-        over_time = {
-            name: getattr(t, name)
-            for name in (
-                "target_position",
-                "target_speed",
-                "feed_forward",
-                "planned_force",
-                "force_rate",
-                "notch_upper",
-                "notch_lower",
-                "drag_over_period",
-                "drag_over_delay",
-                "observe_speed",
-                "observe_disturbance",
-                "observe_gain",
-                "observe_lag",
-                "by_position",
-                "by_speed",
-            )
-        }
-        self._tables = {name: ar.table(name, row) for name, row in over_time.items()}
+        self._tables = {name: ar.table(name, getattr(t, name)) for name in _OVER_TIME}
         self._by_force = ar.const(t.by_force)
         self._lagged, self._integral = ar.load(t.lagged), ar.load(t.integral)
         self._delay_lagged, self._delay_integral = ar.load(t.delay_lagged), ar.load(t.delay_integral)

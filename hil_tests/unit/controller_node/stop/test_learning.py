@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from railhil.controller_node.arithmetic import make
-from railhil.controller_node.stop.learning import Learning, Report, stored_records
+from railhil.controller_node.stop.learning import Learning, LearningRule, OffsetMemory, Report, stored_records
 from railhil.controller_node.stop.numbers import Numbers
 
 
@@ -29,13 +29,15 @@ def ran(
 
     :param run: of the report. :param own: number of the run; None: the same.
     """
-    learning = Learning(Numbers(make("float64")), values, gamma=gamma, **options)
+    numbers = Numbers(make("float64"))
+    offsets = OffsetMemory(numbers, values)
+    learning = Learning(numbers, offsets, LearningRule(gamma, **options))
     learned = learning.start(load, wet)
     number = float(run if own is None else own)
     learned = learning.step(learned, 0.0, spoiled, number, Report(0.0, 0.0), 190.0)
     for _ in range(3):
         learned = learning.step(learned, ready, 0.0, number, Report(float(run), error_m), 190.0)
-    return json.loads(json.dumps(learning.memory(learned)))
+    return json.loads(json.dumps(offsets.after(learned)))
 
 
 def record(values: dict[str, Any]) -> dict[str, Any]:
@@ -168,5 +170,7 @@ def test_where_only_scatter_is_left_little_is_learned():
 
 def test_a_gain_that_cannot_converge_can_be_tried():
     assert record(ran(error_m=1.0, gamma=2.0))["offset_m"] == 2.0
-    learning = Learning(Numbers(make("iq")), None, gamma=3.0)
-    assert learning.memory(learning.start(0, 0)) == {"version": 1, "records": []}
+    numbers = Numbers(make("iq"))
+    offsets = OffsetMemory(numbers, None)
+    learning = Learning(numbers, offsets, LearningRule(gamma=3.0))
+    assert offsets.after(learning.start(0, 0)) == {"version": 1, "records": []}
