@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any, ClassVar
 
 from railhil.bus.codes import Event, ends_run
-from railhil.bus.ident import Ident, Role, make_ident
-from railhil.bus.responder import Reading, Responder
+from railhil.bus.ident import CtlIdent, Ident, Role, make_ident
+from railhil.bus.layout import Telegram
+from railhil.bus.responder import CanModule, Reading, Responder
+from railhil.bus.schedule import Schedule
 from railhil.bus.telegrams import RunEvent
 from railhil.common.mypyc import mypyc_attr
+from railhil.dbc import Port
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec
 
@@ -31,20 +35,42 @@ class LawNode:
         self.law = law
         self.law_type: Any = law_type
         self.ended: Event | None = None
-        contract = scenario.installed_system.contract
+        self._contract = contract = scenario.installed_system.contract
+        self._schedule = Schedule.from_contract(scenario.timing.base_tick_ns, scenario.timing.port_period_ns, contract)
         self._ident = make_ident(Role.CONTROLLER, scenario.sha256, **law.identity, contract=contract)
         self._control_ns = scenario.timing.control_period_ns
         # Control period of the law's last step, and number of its steps.
         self._last_k = -1
         self._steps = 0
 
-    def attach(self, responder: Responder) -> None:
-        """Take frames and the time from a responder, and the end of the run."""
-        self.responder = responder
+    def attach(
+        self,
+        received: Iterable[Port],
+        answers: Mapping[str, Callable[[], Telegram]],
+        *,
+        fd: bool,
+        module: CanModule | None = None,
+    ) -> Responder:
+        """Take frames, the time and the end of the run from a responder, which is returned.
+
+        :param received: ports with a mailbox.
+        :param answers: for each port of which this node is the source, besides CTL_IDENT, what makes its telegram.
+        :param module: the CAN module; None: each frame is read at once.
+        """
+        self.responder = responder = Responder(
+            Role.CONTROLLER,
+            self._schedule,
+            received,
+            {**answers, CtlIdent.PORT: self._own_ident},
+            fd=fd,
+            module=module,
+            contract=self._contract,
+        )
         self._clock = responder.clock
         #: Takes one frame in bus order; returns the answer to a poll of the controller.
         self.handle = responder.handle
         responder.on(RunEvent, self._event)
+        return responder
 
     @property
     def lockstep(self) -> bool:

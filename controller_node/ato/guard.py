@@ -48,6 +48,28 @@ _NO_TELEGRAM: Final = Reception.NONE
 _GOOD: Final = Reception.GOOD
 
 
+class Findings:
+    """Present findings of the checks besides the age of the speed.
+
+    :ivar by_check: the findings. :ivar strongest: the one that counts; None: there is none.
+    """
+
+    def __init__(self) -> None:
+        self.by_check: dict[str, Finding] = {}
+        self.strongest: Finding | None = None
+
+    def note(self, check: str, cause: CtlCause, is_emergency: bool = False) -> None:
+        """Note the present finding of a check, NONE if it has none."""
+        if cause is CtlCause.NONE:
+            if check not in self.by_check:
+                return
+            del self.by_check[check]
+        else:
+            level = WatchLevel.EMERGENCY if is_emergency else LEVELS[cause].level
+            self.by_check[check] = Finding(level, cause)
+        self.strongest = stronger(*self.by_check.values())
+
+
 class Guard:
     """Feeds the watch with every TRN_SPEED telegram and asks it for the notch to send.
 
@@ -100,9 +122,7 @@ class Guard:
         self._late = 0
         #: Whether the train moves while the time of the run is still unknown.
         self.waits = False
-        # The present findings by check, and the strongest of them.
-        self._findings: dict[str, Finding] = {}
-        self._finding: Finding | None = None
+        self._findings = Findings()
 
     @property
     def level(self) -> WatchLevel:
@@ -123,18 +143,18 @@ class Guard:
         if not is_late and not self._late:
             return
         self._late = self._late + 1 if is_late else 0
-        self._find("overruns", CtlCause.OVERRUNS if self._late > self._overruns_max else CtlCause.NONE)
+        self._findings.note("overruns", CtlCause.OVERRUNS if self._late > self._overruns_max else CtlCause.NONE)
 
     def wait(self, waits: bool) -> None:
         """The law cannot run yet, although the train moves: it brakes until the time of the run is known."""
         if waits is not self.waits:
             self.waits = waits
-            self._find("time", CtlCause.CLOCK if waits else CtlCause.NONE)
+            self._findings.note("time", CtlCause.CLOCK if waits else CtlCause.NONE)
 
     def overrun(self, is_beyond: bool) -> None:
         """The train is beyond its end of authority by the balises, so the law's position is wrong: it brakes."""
-        if is_beyond or self._findings:
-            self._find("overrun", CtlCause.POSITION_IMPLAUSIBLE if is_beyond else CtlCause.NONE)
+        if is_beyond or self._findings.by_check:
+            self._findings.note("overrun", CtlCause.POSITION_IMPLAUSIBLE if is_beyond else CtlCause.NONE)
 
     def speed(self, telegram: TrnSpeed, now_ns: int, stamp: int | None = None) -> None:
         """Take a TRN_SPEED telegram that passed the traffic store.
@@ -198,19 +218,8 @@ class Guard:
         place = position + speed * age_ms // 1000 if 0 <= age_ms <= POSITION_AGE_MAX_MS else None
         motion = self._motion
         motion.sample(now_ns, speed, self._state.code, self._track.grade_001permil(now_ns), self._changed_ns, place)
-        if motion.is_suspicious or self._findings:
-            self._find("motion", *found(motion))
-
-    def _find(self, check: str, cause: CtlCause, is_emergency: bool = False) -> None:
-        """Note the present finding of a check."""
-        if cause is CtlCause.NONE:
-            if check not in self._findings:
-                return
-            del self._findings[check]
-        else:
-            level = WatchLevel.EMERGENCY if is_emergency else LEVELS[cause].level
-            self._findings[check] = Finding(level, cause)
-        self._finding = stronger(*self._findings.values())
+        if motion.is_suspicious or self._findings.by_check:
+            self._findings.note("motion", *found(motion))
 
     def _observe(
         self, telegram: Reception, now_ns: int, age_ns: int | None = None, finding: Finding | None = None
@@ -222,8 +231,9 @@ class Guard:
         unconfirmed_ns = 0 if self.safe is None else self.safe.age_ns(now_ns)
         overspeed = speed is not None and limit is not None and self._ladder.is_overspeed(speed, limit)
         lost = self._odometer.lost(now_ns)
-        if lost or finding or self._finding or track:
-            finding = stronger(finding, self._finding, LEVELS[lost] if lost else None, track)
+        other = self._findings.strongest
+        if lost or finding or other or track:
+            finding = stronger(finding, other, LEVELS[lost] if lost else None, track)
         is_confirmed = unconfirmed_ns <= age_ns
         age_ms = (age_ns if is_confirmed else unconfirmed_ns) // _NS_PER_MS
         state = observe(self._ladder, self._state, age_ms, telegram, speed == 0, overspeed, finding)
@@ -238,8 +248,8 @@ class Guard:
     def notch(self, law_code: int, now_ns: int) -> tuple[int, bool]:
         """Notch code (1/256) and emergency flag to send instead of the law's, at a poll at ``now_ns``."""
         is_stale = self._latency.polled()
-        if is_stale or self._findings:
-            self._find("latency", CtlCause.SPEED_LATENCY if is_stale else CtlCause.NONE)
+        if is_stale or self._findings.by_check:
+            self._findings.note("latency", CtlCause.SPEED_LATENCY if is_stale else CtlCause.NONE)
         # The overspeed is also checked in the tick of a good telegram: the speed limit may have arrived after it.
         self.look(now_ns)
         ramp = self._ladder.ramp_codes(self._sent_ns, now_ns)

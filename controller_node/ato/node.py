@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, ClassVar, Final
 
 from railhil.bus.codes import ControllerFlag
-from railhil.bus.ident import CtlIdent, Role
+from railhil.bus.ident import CtlIdent
 from railhil.bus.layout import FLAG_FALSE, FLAG_TRUE, Telegram, flag
 from railhil.bus.reception import Document, reception
-from railhil.bus.responder import Reading, Responder
-from railhil.bus.schedule import Schedule
+from railhil.bus.responder import Reading
 from railhil.bus.sdt import SAFE_DATA_VERSION, SafeSource, safe_tick_fields, source_identity
 from railhil.bus.telegrams import RunEvent, TimeSync
 from railhil.common.errors import InputError
@@ -18,10 +17,10 @@ from railhil.controller_node.ato.balises import Balises
 from railhil.controller_node.ato.controller import Controller, ControlOutput
 from railhil.controller_node.ato.guard import Guard
 from railhil.controller_node.ato.odometer import Odometer
+from railhil.controller_node.ato.status import StatusReports
 from railhil.controller_node.ato.track_info import TrackInfo
 from railhil.controller_node.ecan import BitCounter, Ecan, Mailbox, Receiver, mailbox_table
 from railhil.controller_node.laws import load
-from railhil.controller_node.laws.note import slots
 from railhil.controller_node.node import LawNode
 from railhil.dbc import wire_contract
 from railhil.scenarios.run_spec import LawSpec
@@ -34,8 +33,6 @@ from railhil.wire.ato import (
     NotchSdt,
     PltStat,
     SpeedSdt,
-    TelemetryHeadroom,
-    TelemetryIndex,
     TrkInfo,
     TrnPos,
     TrnSpeed,
@@ -70,6 +67,22 @@ def end_of_authority_01mm(scenario: Scenario) -> int:
     return round((scenario.plan.distance_m + scenario.watch.end_of_authority_margin_m) * 1e4)
 
 
+def _supported_bit_rate(law: LawSpec, bit_rate: int | None, *, safe: bool, fd: bool) -> int:
+    """Bit rate of the bus in bit/s.
+
+    :param bit_rate: None: the port table's.
+    :raises InputError: it is not above 0, or the chip cannot read its mailboxes by a task.
+    """
+    bit_rate = wire_contract().bit_rate if bit_rate is None else bit_rate
+    if bit_rate <= 0:
+        raise InputError("command line", "--bitrate", bit_rate, "above 0")
+    if fd and law.task_period_ms:
+        raise InputError("command line", "--task-period-ms", law.task_period_ms, "0 with CAN FD")
+    if safe and law.task_period_ms:
+        raise InputError("command line", "--task-period-ms", law.task_period_ms, "0 with safety.sdt")
+    return bit_rate
+
+
 class ControllerNode(LawNode):
     """A law behind a guard: mailboxes of the CAN module, checks of their telegrams, and a watch that limits the notch.
 
@@ -91,53 +104,29 @@ class ControllerNode(LawNode):
         fd: bool = False,
         bit_rate: int | None = None,
     ) -> None:
-        contract = wire_contract()
         super().__init__(scenario, law, load(law.controller), controller)
-        bit_rate = contract.bit_rate if bit_rate is None else bit_rate
-        if bit_rate <= 0:
-            raise InputError("command line", "--bitrate", bit_rate, "above 0")
-        if fd and law.task_period_ms:
-            raise InputError("command line", "--task-period-ms", law.task_period_ms, "0 with CAN FD")
-        safe = scenario.safety.sdt
-        if safe and law.task_period_ms:
-            raise InputError("command line", "--task-period-ms", law.task_period_ms, "0 with safety.sdt")
-        counter = BitCounter(bit_rate)
+        safe, task_ns = scenario.safety.sdt, law.task_period_ms * _NS_PER_MS
+        counter = BitCounter(_supported_bit_rate(law, bit_rate, safe=safe, fd=fd))
         needed = self.law_type.track or law.over_distance
-        self._odometer = Odometer(scenario, law.task_period_ms * _NS_PER_MS, needed=needed)
+        self._odometer = Odometer(scenario, task_ns, needed=needed)
         self.guard = Guard(scenario, counter, self._odometer, TrackInfo(scenario))
         self._balises = Balises()
         # Balises can contradict the position only of a law that gets them.
         self._end_01mm = end_of_authority_01mm(scenario) if self.law_type.track else None
-        self._note_slots = slots(self.controller.notes)
+        self._reports = StatusReports(self.controller)
         self._output: ControlOutput | None = None
         self._overruns = 0
         self._notch_life = 0
-        self._stat_life = 0
-        # Twice the index of the quantity reported by the next CTL_STAT, plus one if its maximum is reported.
-        self._shown = 0
         # The last answer to NOTCH_CMD, and the object that repeats it as a safe telegram.
         self._notch_cmd = NotchCmd()
         self._safe = SafeSource(source_identity(NotchSdt.port().address), SAFE_DATA_VERSION)
-        mailboxes_read = None
+        module = None if fd else Receiver(mailboxes(safe), counter, task_ns)
         #: The CAN module with its mailboxes; None with CAN FD, which the chip does not support.
-        self.ecan: Ecan | None = None
-        if not fd:
-            mailboxes_read = Receiver(mailboxes(safe), counter, law.task_period_ms * _NS_PER_MS)
-            self.ecan = mailboxes_read.ecan
-        responder = Responder(
-            Role.CONTROLLER,
-            Schedule.from_contract(scenario.timing.base_tick_ns, scenario.timing.port_period_ns, wire_contract()),
-            [contract.port(telegram.PORT) for telegram in (SAFE_MAILBOXES if safe else MAILBOXES)],
-            {
-                NotchCmd.PORT: self._notch,
-                CtlStat.PORT: self._status,
-                CtlIdent.PORT: self._own_ident,
-                **({NotchSdt.PORT: self._safe_notch} if safe else {}),
-            },
-            fd=fd,
-            module=mailboxes_read,
-            contract=wire_contract(),
-        )
+        self.ecan: Ecan | None = None if module is None else module.ecan
+        answers: dict[str, Callable[[], Telegram]] = {NotchCmd.PORT: self._notch, CtlStat.PORT: self._status}
+        answers |= {NotchSdt.PORT: self._safe_notch} if safe else {}
+        received = [telegram.port() for telegram in (SAFE_MAILBOXES if safe else MAILBOXES)]
+        responder = self.attach(received, answers, fd=fd, module=module)
         responder.on(TrnSpeed, self._speed)
         if safe:
             responder.on(SpeedSdt, self._safe_speed)
@@ -147,7 +136,6 @@ class ControllerNode(LawNode):
         # More time may have passed than the telegrams since the last poll tell, and the watch must see it.
         for kind in (TimeSync, PltStat):
             responder.on(kind, self._look)
-        self.attach(responder)
 
     @property
     def lost_messages(self) -> int:
@@ -266,36 +254,5 @@ class ControllerNode(LawNode):
         return NotchSdt.decode(self._safe.secured(telegram.encode()))
 
     def _status(self) -> Telegram:
-        self._stat_life = (self._stat_life + 1) & 0xF
-        output = self._output
-        if output is None:
-            return CtlStat(overflow_flags=self._lost_flag(), ready=flag(False), life=self._stat_life)
-        telemetry = self.controller.telemetry
-        index, maximum = divmod(self._shown, 2)
-        self._shown = (self._shown + 1) % (2 * min(len(telemetry.quantities), TelemetryIndex.NONE))
-        quantity = telemetry.row(index)
-        headroom_bits = TelemetryHeadroom.UNUSED if quantity.headroom_bits is None else quantity.headroom_bits
-        extreme_raw = (quantity.maximum_raw if maximum else quantity.minimum_raw) or 0
-        told = self._note_slots
-        return CtlStat(
-            note1=output.notes[told["Note1"]] if "Note1" in told else 0,
-            ladder_level=self.guard.level,
-            overflow_flags=output.overflow_flags | self._lost_flag(),
-            note2=output.notes[told["Note2"]] if "Note2" in told else 0,
-            note3=output.notes[told["Note3"]] if "Note3" in told else 0,
-            step_count=self._steps & 0xFFFF,
-            step_cycles=min(output.cycles, _UINT16_MAX),
-            # After a left shift by the headroom, the larger extreme fills an int32.
-            telemetry_extreme=(extreme_raw << headroom_bits) >> 16,
-            telemetry_index=index,
-            telemetry_maximum=maximum,
-            telemetry_headroom_bits=headroom_bits,
-            telemetry_wrapped=int(quantity.wraps > 0),
-            telemetry_saturated=int(quantity.saturations > 0),
-            telemetry_zero_division=int(quantity.zero_divisions > 0),
-            overruns=min(self._overruns, 255),
-            life=self._stat_life,
-        )
-
-    def _lost_flag(self) -> int:
-        return ControllerFlag.MESSAGE_LOST if self.lost_messages else 0
+        lost_flag = ControllerFlag.MESSAGE_LOST if self.lost_messages else 0
+        return self._reports.make(self._output, self.guard.level, lost_flag, self._steps, self._overruns)

@@ -8,10 +8,9 @@ from functools import partial
 from typing import Any, ClassVar
 
 from railhil.bus.acceptance import Acceptance
-from railhil.bus.ident import CtlIdent, Role
+from railhil.bus.ident import CtlIdent
 from railhil.bus.layout import Telegram
 from railhil.bus.responder import Reading, Responder
-from railhil.bus.schedule import Schedule
 from railhil.bus.telegrams import RunEvent, TimeSync
 from railhil.common.errors import InputError
 from railhil.controller_node.laws import find
@@ -154,16 +153,7 @@ class VectorNode(LawNode):
         answers: dict[str, Any] = {kind.PORT: partial(self._command, kind) for kind in sent}
         answers |= {kind.PORT: partial(self._status, kind) for kind in self._interface.statuses}
         received, _ = ports_of(contract, self._interface)
-        responder = Responder(
-            Role.CONTROLLER,
-            Schedule.from_contract(scenario.timing.base_tick_ns, scenario.timing.port_period_ns, contract),
-            received,
-            {**answers, CtlIdent.PORT: self._own_ident},
-            fd=fd,
-            contract=contract,
-        )
-        self.attach(responder)
-        self._readings = Readings(self._interface, responder)
+        self._readings = Readings(self._interface, self.attach(received, answers, fd=fd))
 
     @property
     def counters(self) -> dict[str, int]:

@@ -17,7 +17,7 @@ from railhil.bus.mvb import TelegramSource, master_frame
 from railhil.bus.responder import Responder
 from railhil.bus.telegrams import RunEvent, TimeSync
 from railhil.common.errors import InputError
-from railhil.controller_node.ato import node as node_module
+from railhil.controller_node import node as node_module
 from railhil.controller_node.ato.node import ControllerNode
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec, RunSpec

@@ -128,7 +128,7 @@ def test_extremes_of_every_size_and_the_first_127_quantities(lvshun: Scenario, n
     for noted in zip(*pairs, strict=True):
         number.noted = list(noted)
         telemetry.take(number)
-    node.controller.telemetry, node._shown = telemetry, 0
+    node.controller.telemetry, node._reports._shown = telemetry, 0
     for _ in range(2):
         for index, pair in enumerate(pairs[:127]):
             used_bits = min(max(map(abs, pair)).bit_length(), 31)

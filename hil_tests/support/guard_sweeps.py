@@ -196,7 +196,7 @@ def sweep_guard_findings(module: ModuleType) -> None:
     fresh = module.Guard(SCENARIO)
     for _ in range(most):
         fresh.period(True)
-    assert fresh._finding is None
+    assert fresh._findings.strongest is None
     for late in [False, *[True] * most, False, *[True] * most]:
         subject.period(late)
         ride(subject, range(100, 116))
