@@ -7,7 +7,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from railhil.common.errors import InputError
+from railhil.common.errors import InputError, describe_os_error
 
 #: A figure counts as lost when it is worse than the last one by more than this share.
 LOSS_SHARE = 0.1
@@ -84,5 +84,5 @@ def append(path: Path, line: dict[str, Any]) -> None:
         with path.open("a", encoding="utf-8") as stream:
             stream.write(json.dumps(line) + "\n")
     except OSError as error:
-        reason = (error.strerror or str(error)).lower()
+        reason = describe_os_error(error)
         raise InputError("command line", "--history", str(path), "a file that can be written", reason) from None

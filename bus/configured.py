@@ -16,6 +16,7 @@ from typing import Any
 
 from railhil.bus.can_settings import HUB_INTERFACE
 from railhil.common.errors import InputError, Words, did_you_mean
+from railhil.common.user_files import refuse_unreadable
 
 _SECTION = "default"
 #: Key -> its variable in :func:`can.util.load_environment_config`; ``CAN_CONFIG`` holds further ones.
@@ -106,9 +107,8 @@ def _of_file(path: Path) -> Mapping[str, str]:
         # There is no such file, or this user may not look into the home: python-can finds none there either.
         return {}
     try:
-        path.open("rb").close()
-        return can.util.load_file_config(str(path), _SECTION)
-    except OSError as error:
-        raise InputError(path, "", Words((error.strerror or str(error)).lower()), allowed) from None
-    except (configparser.Error, UnicodeDecodeError) as error:
-        raise InputError(path, "", Words(str(error)), allowed) from None
+        with refuse_unreadable(path, allowed):
+            path.open("rb").close()
+            return can.util.load_file_config(str(path), _SECTION)
+    except configparser.Error as error:
+        raise InputError(path, "", Words("cannot be read"), allowed, str(error)) from None

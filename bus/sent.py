@@ -15,6 +15,7 @@ from typing import Any, Final
 
 from railhil.bus.frame import Frame
 from railhil.bus.packing import CLASSIC_SIZE
+from railhil.common.errors import describe_os_error
 from railhil.common.exit_codes import ignore_ending_signals
 from railhil.common.user_files import whole_file
 
@@ -83,6 +84,4 @@ class SentFrames:
                 for column in (self._packed, self._ids, self._lengths, self._flags, self._data):
                     file.write(column)
         except OSError as error:
-            print(
-                f"{self._node}: list of sent frames is lost: {(error.strerror or str(error)).lower()}", file=sys.stderr
-            )
+            print(f"{self._node}: list of sent frames is lost: {describe_os_error(error)}", file=sys.stderr)

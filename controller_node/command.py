@@ -16,10 +16,11 @@ from railhil.common.command_line import OneLineParser, add_priority_argument, pa
 from railhil.common.exit_codes import ignore_ending_signals
 from railhil.common.python_process import kill_this_process, stop_this_process
 from railhil.common.scheduling import cycle
+from railhil.common.user_files import check_writable, refuse_unwritable
 from railhil.controller_node.controller import make_controller_node, write_fault_log
 from railhil.controller_node.laws import find
 from railhil.controller_node.process_loop import FIRST_FRAME_S, run_controller
-from railhil.controller_node.telemetry_file import check_writable, law_document, write_telemetry
+from railhil.controller_node.telemetry_file import law_document, write_telemetry
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.options import add_law_options, add_option, add_options, law_spec, patience_help
 from railhil.scenarios.run_spec import LawSpec, RunSpec
@@ -84,7 +85,8 @@ def main(words: Sequence[str] | None = None) -> int:
         system.part("controller")(scenario, law)
         return 0
     if namespace.telemetry is not None:
-        check_writable(namespace.telemetry)
+        with refuse_unwritable("--telemetry", namespace.telemetry, "file"):
+            check_writable(namespace.telemetry)
     choice = choose_bus(named_bus(namespace))
     print(f"controller: {choice.transport} ({choice.reason})", file=sys.stderr)
     node = make_controller_node(

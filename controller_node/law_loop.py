@@ -59,7 +59,7 @@ class LawLoop(ABC, Generic[T]):
         self._memory = law.memory
         if kind.solver and not arithmetic.solves:
             allowed = "float64: this law is computed by a solver, which has no fixed point, single precision or C"
-            raise InputError("controller", f"{name}, arithmetic", Words(arithmetic.name), allowed)
+            raise InputError("controller", f"{name}, arithmetic", arithmetic.name, allowed)
         if kind.floating and not arithmetic.wide:
             allowed = "float64 or float32: this law has no fixed-point formats"
             raise InputError("controller", f"{name}, arithmetic", Words("fixed point"), allowed)

@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Any
 
 from railhil.bus.ident import PROFILES
-from railhil.common import user_files
-from railhil.common.errors import InputError
+from railhil.common.errors import InputError, describe_os_error
+from railhil.common.user_files import whole_file
 from railhil.controller_node.controller import AnyController
 from railhil.controller_node.cost import CPU_MHZ, FLASH_FACTOR
 from railhil.controller_node.laws import find
@@ -102,18 +102,6 @@ def _memory(controller: Any) -> dict[str, Any]:
     return {} if found is None else {"memory": found}
 
 
-def check_writable(path: Path) -> None:
-    """Check before the run whether the file can be written.
-
-    :raises InputError: the file cannot be created there.
-    """
-    try:
-        user_files.check_writable(path)
-    except OSError as error:
-        why = (error.strerror or str(error)).lower()
-        raise InputError("command line", "--telemetry", str(path), f"a file that can be written ({why})") from None
-
-
 def write_telemetry(node: AnyController, path: Path) -> None:
     """Write the complete document or none.
 
@@ -121,7 +109,7 @@ def write_telemetry(node: AnyController, path: Path) -> None:
     """
     text = json.dumps(telemetry_document(node), indent=2, allow_nan=False) + "\n"
     try:
-        with user_files.whole_file(path) as draft:
+        with whole_file(path) as draft:
             draft.write_text(text, encoding="utf-8")
     except OSError as error:
-        print(f"controller: telemetry {path} is lost: {(error.strerror or str(error)).lower()}", file=sys.stderr)
+        print(f"controller: telemetry {path} is lost: {describe_os_error(error)}", file=sys.stderr)

@@ -76,7 +76,7 @@ def system_contract(path: Path) -> Contract:
     for port in house.ports:
         if port.name not in names:
             allowed = "a table with all ports of the house, or without any"
-            raise ContractError(f"{file}: {port.name}: found no such port, allowed {allowed}")
+            raise ContractError(f"{file}: {port.name}: no such port, expected {allowed}")
         _check_same(file, ports[port.name], port)
         ports[port.name] = _name_as_house(ports[port.name], port)
     if not any(port.source == "plant" and port.mode == "publish" and port.period_ns for port in contract.ports):

@@ -168,7 +168,7 @@ def parsed_contract(file: str, text: str) -> Contract:
     try:
         return _made(file, table)
     except KeyError as error:
-        raise ContractError(f"{file}: key {error}: found nothing, allowed a value: the key is required") from None
+        raise ContractError(f"{file}: key {error}: missing, expected a value: the key is required") from None
     except (TypeError, ValueError, AttributeError) as error:
         raise ContractError(f"{file}: {error}; allowed a port table like that of railhil") from error
 

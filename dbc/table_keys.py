@@ -113,4 +113,4 @@ def _check_keys(where: str, entry: Any, keys: tuple[Mapping[str, str], Mapping[s
             raise ContractError(f"{where}{key}: found {value!r}, allowed {kinds[key]}")
     for key in required:
         if key not in entry:
-            raise ContractError(f"{where}{key}: found nothing, allowed {kinds[key]}: the key is required")
+            raise ContractError(f"{where}{key}: missing, expected {kinds[key]}: the key is required")

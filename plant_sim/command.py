@@ -18,7 +18,7 @@ from railhil.common.errors import InputError, Sentence
 from railhil.common.exit_codes import ignore_ending_signals
 from railhil.common.patience import Lifelines
 from railhil.common.scheduling import NODE_PRIORITY, cycle
-from railhil.common.user_files import check_writable
+from railhil.common.user_files import check_writable, refuse_unwritable
 from railhil.plant_sim.node import PlantNode, make_plant_node
 from railhil.scenarios.options import add_fmu_options, add_options, add_run_options, named_fmu, run_spec
 from railhil.scenarios.run_spec import LawSpec
@@ -43,11 +43,8 @@ def arguments() -> argparse.ArgumentParser:
 def _check_timing_file(path: Path, pace: str) -> None:
     if pace != "realtime":
         raise InputError("command line", "--timing-file", str(path), Sentence("used only with --pace realtime"))
-    try:
+    with refuse_unwritable("--timing-file", path, "file"):
         check_writable(path)
-    except OSError as error:
-        reason = (error.strerror or str(error)).lower()
-        raise InputError("command line", "--timing-file", str(path), "a file that can be written", reason) from None
 
 
 def _need_orders(faults: Sequence[str]) -> bool:

@@ -17,6 +17,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from railhil.bus.errors import BusUnavailable
+from railhil.common.errors import describe_os_error
 from railhil.common.user_files import lock_within
 
 TCP_SCHEME = "tcp://"
@@ -123,7 +124,7 @@ def listen(address: Address) -> tuple[socket.socket, Address]:
             sock.close()
         if error.errno == errno.EADDRINUSE:
             raise BusUnavailable(f"hub channel {address}: is in use by a running hub or another program") from None
-        raise BusUnavailable(f"hub channel {address}: {describe(error)}") from None
+        raise BusUnavailable(f"hub channel {address}: {describe_os_error(error)}") from None
     except BusUnavailable:
         if sock is not None:
             sock.close()
@@ -143,11 +144,6 @@ def file_identity(path: str) -> tuple[int, int]:
     """Device and inode number of a path (links not followed)."""
     status = os.lstat(path)
     return status.st_dev, status.st_ino
-
-
-def describe(error: OSError) -> str:
-    """Text of an operating system error."""
-    return (error.strerror or str(error)).lower()
 
 
 @contextlib.contextmanager
@@ -189,7 +185,7 @@ def _refuse_if_alive(path: str) -> None:
             reason = "is in use by a running hub"
         except OSError as error:
             # A socket of another type (EPROTOTYPE) belongs to another program and must not be removed.
-            reason = f"the socket belongs to another program ({describe(error)})"
+            reason = f"the socket belongs to another program ({describe_os_error(error)})"
         else:
             reason = "is in use by a running hub"
     raise BusUnavailable(f"hub channel {path}: {reason}")

@@ -18,7 +18,6 @@ from railhil.bus.hub.address import (
     Address,
     connect,
     default_channel,
-    describe,
     new_socket,
     parse_channel,
 )
@@ -29,6 +28,7 @@ from railhil.bus.hub.connection import (
     PacketConnection,
     StreamConnection,
 )
+from railhil.common.errors import describe_os_error
 
 _ANSWER_TIMEOUT_S = 5.0
 _RETRY_PERIOD_S = 0.01
@@ -136,7 +136,7 @@ def connect_to_hub(
                     while_connecting()
                 time.sleep(min(_RETRY_PERIOD_S, remaining_s))
                 continue
-            raise failures.unavailable(f"no hub at {address}: {describe(error)}") from None
+            raise failures.unavailable(f"no hub at {address}: {describe_os_error(error)}") from None
         sock.settimeout(None)
         kind = PacketConnection if address.path is not None else StreamConnection
         return kind(sock, str(address), failures)

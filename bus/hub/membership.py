@@ -7,10 +7,10 @@ import socket
 import time
 from collections.abc import Callable, Sequence
 
-from railhil.bus.hub.address import describe
 from railhil.bus.hub.disturbed_bus import Disturbance
 from railhil.bus.hub.ports import SocketPort, StreamPort, SwitchPort, coalescer_of
 from railhil.bus.packing import decode_hello, encode_hello, encode_roles, role_of
+from railhil.common.errors import describe_os_error
 from railhil.common.patience import WallClock
 
 MAX_CLIENTS = 256
@@ -110,7 +110,7 @@ class Membership:
             return
         except OSError as error:
             # Probably out of descriptors: stop listening until a client leaves, instead of failing in a busy loop.
-            self._report(f"no more clients are accepted until one leaves: {describe(error)}")
+            self._report(f"no more clients are accepted until one leaves: {describe_os_error(error)}")
             self._epoll.unregister(self._listener.fileno())
             self._is_accepting = False
             return

@@ -37,6 +37,7 @@ from railhil.bus.link.spin_wait import ASLEEP, AWAKE, SpinWait
 from railhil.bus.own_frames import supervisor_polls
 from railhil.bus.packing import CLASSIC_SIZE, ROLES, pack_frame, pack_frames, unpack_frames
 from railhil.bus.transports import Opening
+from railhil.common.errors import describe_os_error
 from railhil.common.mypyc import mypyc_attr
 from railhil.common.patience import PATIENCE_S
 from railhil.dbc import house_contract
@@ -101,7 +102,7 @@ class Pipes:
             record, heard, answers, orders = (self._made() for _ in range(4))
         except OSError as error:
             self.close()
-            raise BusUnavailable(f"pipes between the nodes: {(error.strerror or str(error)).lower()}") from None
+            raise BusUnavailable(f"pipes between the nodes: {describe_os_error(error)}") from None
         with contextlib.suppress(OSError):
             # The limit of a user's pipes may be reached; the default size is enough.
             fcntl.fcntl(record[1], fcntl.F_SETPIPE_SZ, _RECORD_BYTES)

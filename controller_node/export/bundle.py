@@ -8,7 +8,7 @@ import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
-from railhil.common.errors import InputError, Words
+from railhil.common.errors import InputError, Words, describe_os_error
 from railhil.controller_node.ecan import mailbox_table
 from railhil.controller_node.export.body import NAMED_Q
 from railhil.controller_node.export.control import Control, Play, Source, Word
@@ -149,7 +149,7 @@ def write_bundle(bundle: Bundle, folder: Path, *, force: bool = False) -> None:
     try:
         folder.mkdir(parents=True, exist_ok=True)
         if not force and any(folder.iterdir()):
-            found = Words("a folder that is not empty")
+            found = Words("is not empty")
             raise InputError(folder, "", found, "an empty or new folder", "--force writes into it")
         staging = Path(tempfile.mkdtemp(prefix=".railhil-", dir=folder))
         try:
@@ -160,5 +160,5 @@ def write_bundle(bundle: Bundle, folder: Path, *, force: bool = False) -> None:
         finally:
             shutil.rmtree(staging, ignore_errors=True)
     except OSError as error:
-        why = Words(error.strerror or str(error))
+        why = Words(f"cannot be written: {describe_os_error(error)}")
         raise InputError(folder, "", why, "a folder that can be written") from error

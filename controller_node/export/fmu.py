@@ -13,7 +13,7 @@ from importlib.metadata import version
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
-from railhil.common.errors import InputError, Words
+from railhil.common.errors import InputError, Words, describe_os_error
 from railhil.common.extras import missing_library
 from railhil.controller_node.export.bundle import Bundle
 from railhil.controller_node.export.fmu_law import FmuLaw, Variable, law_in_fixed_point, law_in_single_precision
@@ -77,7 +77,8 @@ def write_fmu(bundle: Bundle, scenario: AnyScenario, law: LawSpec, path: Path, f
             for entry, content in entries.items():
                 archive.writestr(zipfile.ZipInfo(entry, _NO_TIME), content, zipfile.ZIP_DEFLATED)
     except OSError as error:
-        raise InputError(path, "", Words(error.strerror or str(error)), "a file that can be written") from error
+        why = Words(f"cannot be written: {describe_os_error(error)}")
+        raise InputError(path, "", why, "a file that can be written") from error
 
 
 def _compiled(name: str, sources: Mapping[str, str], compiled: tuple[str, ...]) -> bytes:
@@ -93,7 +94,7 @@ def _compiled(name: str, sources: Mapping[str, str], compiled: tuple[str, ...]) 
         try:
             done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
         except OSError as error:
-            raise InputError("environment", "CC", compiler, f"a C compiler ({error.strerror})") from None
+            raise InputError("environment", "CC", compiler, f"a C compiler ({describe_os_error(error)})") from None
         if done.returncode:
             said = Words(done.stderr.strip().partition("\n")[0] or f"exit code {done.returncode}")
             raise InputError("railhil export-c --fmu", compiler, said, "a C99 compiler that accepts the export")

@@ -24,6 +24,7 @@ from pathlib import Path
 from typing import Any, Generic, TypeVar
 
 from railhil.common.errors import InputError, Words
+from railhil.common.user_files import refuse_unreadable
 from railhil.controller_node.arithmetic.base import Constant
 
 FOLDER = Path(__file__).parents[1] / "ato" / "tables"
@@ -89,7 +90,7 @@ def rebuild(kind: type[Table], constants: Sequence[Constant]) -> Table:
                 raise ValueError(expected, leaf.name)
     for name in declared:
         if name not in found:
-            raise ValueError(name, "nothing")
+            raise ValueError(name, "missing")
     return kind(**found)
 
 
@@ -177,10 +178,8 @@ class LawTable(Generic[Table]):
 
     def load(self) -> Table:
         """The table from its file; see :meth:`make`."""
-        try:
+        with refuse_unreadable(self.path, f"the table of the law ({_HINT})"):
             content = self.path.read_text(encoding="utf-8")
-        except (OSError, UnicodeDecodeError) as error:
-            raise InputError(self.path, "", Words(str(error)), "the table of the law", _HINT) from error
         lines = content.splitlines(keepends=True)
         comments = [line for line in lines if line.startswith("#")]
         body = "".join(lines[len(comments) :])

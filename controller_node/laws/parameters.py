@@ -31,9 +31,8 @@ def law_parameters(name: str, kind: type[Any], given: ParameterSet | None) -> An
     known = [item.name for item in fields(kind.parameters_type)]
     for key in given.values:
         if key not in known:
-            found = Words(f"the unknown parameter {key}")
-            hint = did_you_mean(key, known)
-            raise InputError(given.source, "parameters", found, f"only {', '.join(known)}", hint)
+            allowed, hint = f"one of {', '.join(known)}", did_you_mean(key, known)
+            raise InputError(given.source, f"parameters.{key}", Words("unknown key"), allowed, hint)
     try:
         # As JSON: strict about types, except that an array is accepted as a tuple and an integer as a float.
         return TypeAdapter(kind.parameters_type).validate_json(json.dumps(dict(given.values), default=str), strict=True)

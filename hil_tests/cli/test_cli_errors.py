@@ -59,7 +59,7 @@ USAGE = {
     "unknown option": (["run", "--sede", "3"], "railhil run: unrecognized arguments: --sede, did you mean --seed? "),
     "unknown option of a kind": (["bus", "hub", "--prot", "a:b"], "bus hub: unrecognized arguments: --prot a:b, did"),
     "unknown scenario": (["run", "lvshun_tieshn"], "did you mean lvshun_tieshan?"),
-    "no such file": (["run", "there.toml"], "there.toml: found no such file"),
+    "no such file": (["run", "there.toml"], "there.toml: does not exist"),
     "unknown controller": (
         ["run", "--controller", "nix"],
         "--controller: found 'nix', allowed ipfc, tpfc2, tpfc1, ",
@@ -79,7 +79,7 @@ USAGE = {
     "empty out": (["run", "--out", ""], "--out: found ''"),
     "interface": (["run", "-i", "nix"], "--interface: "),
     "one process only": (["run", "-i", "virtual"], "--interface: found 'virtual', allowed an interface that other"),
-    "channel alone": (["run", "-c", "vcan0"], "--interface: found only -c vcan0, allowed -i INTERFACE"),
+    "channel alone": (["run", "-c", "vcan0"], "--interface: only -c vcan0, expected -i INTERFACE"),
     "keyword": (["run", "-i", "railhil", "--bus-kwargs", "x"], "--bus-kwargs: "),
     "port": (["ports", "nix"], "port: found 'nix', allowed TIME_SYNC, "),
     "bit rate 0": (["ports", "-b", "0"], "--bitrate: found 0, allowed bit/s above 0"),
@@ -98,9 +98,9 @@ def test_usage(here, tmp_path, case):
 PARAMETERS = {
     "digits": (
         f"softening_max = {'9' * 5000}",
-        "found a whole number of thousands of digits, allowed a parameter file",
+        "thousands of digits",
     ),
-    "depth": (f"{'a.' * 4000}a = 1", "found tables or arrays more than 32 deep, allowed a parameter file"),
+    "depth": (f"{'a.' * 4000}a = 1", "more than 32 deep"),
 }
 
 
@@ -113,8 +113,8 @@ def test_parameter_file(here, case):
 
 SCENARIOS = {
     "no TOML": ("= 3", "TOML 1.0"),
-    "unknown key": ("[plan]\ndistanze_m = 3", "plan.distanze_m: found the unknown key distanze_m, allowed "),
-    "other unit": ("[train]\nmass_kg = 3", "train.mass_kg: found the unknown key mass_kg, allowed "),
+    "unknown key": ("[plan]\ndistanze_m = 3", "plan.distanze_m: unknown key"),
+    "other unit": ("[train]\nmass_kg = 3", "train.mass_kg: unknown key"),
 }
 
 
@@ -136,13 +136,13 @@ def test_out_that_cannot_be_used(here, tmp_path):
     Path("occupied").mkdir()
     Path("occupied/file").touch()
     for out, words in (
-        ("occupied", "allowed an empty or new folder"),
+        ("occupied", "an empty or new folder"),
         ("occupied/file", "file exists"),
         ("occupied/file/below", "not a directory"),
         ("/proc/nothing/here", "no such file or directory"),
     ):
-        assert f"--out: found '{out}'" in (line := complaint(here("run", "--out", out)))
-        assert words in line
+        line = complaint(here("run", "--out", out))
+        assert (" --out: " in line, out in line, words in line) == (True, True, True), line
     assert [path.name for path in tmp_path.rglob("*")] == ["occupied", "file"]
 
 
@@ -158,7 +158,7 @@ def test_out_without_permission(tmp_path):
     if user == 0:
         os.seteuid(65534)
     try:
-        with pytest.raises(Exception, match=r"--out: found .*can be written \(permission denied\)") as caught:
+        with pytest.raises(Exception, match=r"--out: .*permission denied") as caught:
             run_folder(str(folder), "s", "c")
         assert caught.value.exit_code == 2
     finally:
@@ -297,16 +297,16 @@ def test_logs_that_are_none(here, tmp_path):
         (whole[:-9], "my.log: line 3: found '(0.000000) mvb0 "),
         (whole + "garbage line\n", "my.log: line 4: found 'garbage line', allowed candump lines"),
         (whole + "(1.000000) mvb0 118#ZZ R\n", "my.log: line 4: found '(1.000000) mvb0 118#ZZ R'"),
-        ("", "my.log: file: found '', allowed a candump log with at least one frame"),
+        ("", "my.log: is empty, expected a candump log with at least one frame"),
         ("LOGG\x90\xff", "my.log: after line 0: found b'LOGG\\x90\\xff', allowed a candump log (text)"),
-        (two_lines, "my.log: PLT_IDENT: found no such telegram"),
+        (two_lines, "my.log: PLT_IDENT: no such telegram"),
         *((whole + f"({stamp}) mvb0 118#00 R\n", f"my.log: line 4: found '({stamp[:9]}") for stamp in HUGE_STAMPS),
     ):
         Path("my.log").write_bytes(text.encode("latin-1"))
         for command in ("score", "plot"):
             assert words in complaint(here(command, "my.log", "--scenario", "lvshun_tieshan"))
     Path("empty").mkdir()
-    for name, words in (("nix.log", "no such file"), ("/dev/null", "no regular file"), ("empty", "empty/frames.log")):
+    for name, words in (("nix.log", "does not exist"), ("/dev/null", "no regular file"), ("empty", "empty/frames.log")):
         assert words in complaint(here("score", name))
 
 
@@ -325,14 +325,14 @@ def test_certificates_that_do_not_help(here, tmp_path):
     log_of(tmp_path, ident_frames())
     path = tmp_path / "certificate.json"
     for text, words in (
-        (None, "file: found no such file"),
-        ('{"scenario": "lvs', "file: found no JSON document"),
-        ("\xff", "file: found no JSON document"),
-        ("[]", "found no JSON object, allowed a certificate"),
-        ("{}", "scenario: found no such key"),
+        (None, "does not exist"),
+        ('{"scenario": "lvs', "cannot be read"),
+        ("\xff", "is not UTF-8"),
+        ("[]", "has no JSON object"),
+        ("{}", "scenario: missing"),
         ('{"scenario": 3}', "scenario: found 3, allowed a text"),
         ('{"scenario": "lvshun_tieshan", "seed": "7"}', "certificate.json: seed: found '7', allowed a whole number"),
-        ('{"scenario": "gone.toml"}', "gone.toml: found no such file"),
+        ('{"scenario": "gone.toml"}', "gone.toml: does not exist"),
         ('{"scenario": "lvshun_tieshan", "frames_sha256": "00"}', "allowed 00 (certificate.json beside it)"),
     ):
         if text is not None:

@@ -289,7 +289,7 @@ def test_errors_in_files_never_steer_the_terminal(tmp_path):
     path.write_text('extends = "lvshun_tieshan"\n[plan]\n"\\u001b[2J\\u202e" = 3\n', encoding="utf-8")
     done = railhil("scenarios", path)
     assert done.exit_code == 2
-    assert r"found the unknown key \x1b[2J\u202e, allowed" in done.one_line()
+    assert "plan.?[2J?: unknown key" in done.one_line()
 
 
 @pytest.mark.slow

@@ -202,7 +202,7 @@ def test_all_laws_are_those_that_have_the_arithmetic() -> None:
     plan, notes = _checked(given, wanted[0].load(), wanted)
     assert plan == wanted[:1]
     assert len(notes) == 1
-    assert re.match("Left out. .*delay_qp, arithmetic: found float32, allowed float64", notes[0])
+    assert re.match("Left out. .*delay_qp, arithmetic: found 'float32', allowed float64", notes[0])
     for laws, some in (("all", wanted[1:]), ("pid,delay_qp", wanted)):
         with pytest.raises(NeverBegan, match="allowed float64"):
             _checked(Namespace(**{**vars(given), "laws": laws}), wanted[0].load(), some)
@@ -230,12 +230,12 @@ def test_an_interrupted_comparison_keeps_what_was_recorded(place: Path) -> None:
         (("--laws", "ipfc,pid"), "--laws: found 'pid', allowed "),
         (("--laws", "ipfc,ipfc"), "allowed each law once"),
         (("--laws", "twin", "--parameters", "tuned.toml"), "law: found 'ipfc', allowed a law that is compared: twin"),
-        (("--both",), "--both: found no parameter file"),
+        (("--both",), "--both: no parameter file"),
         (("--parameters", "tuned.toml", "--parameters", "tuned.toml"), "allowed one parameter file per law"),
         (("--parameters", "gone.toml"), "gone.toml"),
         (
             ("--parameters", "tuned.toml", "--perturbed", "--seed", "1"),
-            "training.seeds: found seed 1, on which these parameters were tuned, allowed other seeds",
+            "training.seeds: seed 1, on which these parameters were tuned, expected other seeds",
         ),
     ],
 )
@@ -299,7 +299,7 @@ def test_report_of_runs_that_do_not_belong_together(compared: Compared, place: P
     assert railhil("report", tmp_path / "other").exit_code == 0
     assert (tmp_path / "other" / "report.html").is_file()
     (tmp_path / "compare.json").write_text("[]")
-    assert "compare.json: file: found no JSON object" in railhil("report", tmp_path).one_line()
+    assert "compare.json: has no JSON object" in railhil("report", tmp_path).one_line()
 
 
 @pytest.mark.slow

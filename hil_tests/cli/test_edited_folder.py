@@ -111,7 +111,7 @@ def test_a_list_or_certificate_that_is_gone_is_missed(copy: Path, name: str) -> 
 def test_a_listed_file_that_is_gone_is_missed(copy: Path, name: str) -> None:
     (copy / name).unlink()
     for read in _READERS.values():
-        with pytest.raises(InputError, match=f"{name}: sha256: found no such file"):
+        with pytest.raises(InputError, match=f"{name}: sha256: no such file"):
             read(copy)
 
 
@@ -128,14 +128,14 @@ def test_a_certificate_removed_with_its_line_is_missed(here: Railhil, copy: Path
     found = here("verify", copy)
     assert found.exit_code == 1
     assert "SHA256SUMS: no line of certificate.json" in found.out
-    assert "certificate.json: file: found no such file" in complaint(here("score", copy))
+    assert "certificate.json: does not exist" in complaint(here("score", copy))
 
 
 def test_a_document_that_denies_its_list_is_refused(copy: Path) -> None:
     _edit(copy / "certificate.json", lambda document: document.pop("hash_list"))
     write_hash_list(copy, only=[name for name in listed_files(copy) if name != "certificate.json"])
     for read in _READERS.values():
-        with pytest.raises(InputError, match=r"SHA256SUMS: file: found no line of certificate.json"):
+        with pytest.raises(InputError, match=r"SHA256SUMS: has no line of certificate.json"):
             read(copy)
 
 
@@ -174,9 +174,7 @@ def test_a_certificate_is_compared_with_what_lies_beside_it(
         checked_record(str(earlier), None)
     (earlier / "junit.xml").unlink()
     if keys.keys() & {"seed", "controller", "arithmetic"}:
-        with pytest.raises(
-            InputError, match=r"certificate.json: handshake: found .*PLT_IDENT, CTL_IDENT and SUP_IDENT"
-        ):
+        with pytest.raises(InputError, match=r"certificate.json: handshake: .*PLT_IDENT, CTL_IDENT and SUP_IDENT"):
             checked_record(str(earlier), None)
 
 
@@ -281,7 +279,7 @@ def test_a_new_report_is_listed_and_a_signed_one_kept(here: Railhil, copy: Path,
     _sign(copy, tmp_path)
     done = here("report", copy)
     assert done.exit_code == 2
-    assert "report.html: file: found a file of a signed folder" in done.err
+    assert "report.html: belongs to a signed folder" in done.err
     assert here("report", copy, "--out", copy.parent / "elsewhere.html").exit_code == 0
 
 

@@ -234,8 +234,8 @@ def test_one_format_can_be_given_its_file(here: Railhil, one: railhil.Outcome) -
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        ((), "command line: format: found none, allowed --mf4, --mcap, --parquet, --csv, --blf"),
-        (("--blf",), "--blf: found no --start"),
+        ((), "command line: format: missing, expected --mf4, --mcap, --parquet, --csv, --blf"),
+        (("--blf",), "--blf: no --start"),
         (
             ("--csv", "--start", "2026-11-22T18:42:55"),
             "--start: found '2026-11-22T18:42:55', allowed date and time with",
@@ -243,7 +243,7 @@ def test_one_format_can_be_given_its_file(here: Railhil, one: railhil.Outcome) -
         (("--csv", "--start", "yesterday"), "--start: found 'yesterday', allowed date and time with its zone"),
         (("--csv", "--start", "1970-01-01T00:00:00Z"), "--start: found '1970-01-01T00:00:00Z', allowed date and time"),
         (("--csv", "--out", " "), "--out: found ' ', allowed name of a folder or file"),
-        (("--csv", "--out", "/proc/1"), "--out: found '/proc/1/run.csv', allowed a file that can be written"),
+        (("--csv", "--out", "/proc/1"), "--out: the file /proc/1/run.csv cannot be written"),
     ],
 )
 def test_what_is_refused(here: Railhil, one: railhil.Outcome, words: tuple[str, ...], message: str) -> None:
@@ -258,7 +258,7 @@ def test_a_log_without_its_certificate_is_refused(here: Railhil, one: railhil.Ou
         (tmp_path / name).write_bytes((one.folder / name).read_bytes())
     done = here("export", tmp_path, "--csv")
     assert done.exit_code == 2
-    assert "certificate.json: file: found no such file" in done.err
+    assert "certificate.json: does not exist" in done.err
 
 
 def test_frames_of_every_kind_come_back_from_mf4(one: railhil.Outcome, tmp_path: Path) -> None:

@@ -23,12 +23,12 @@ def test_dbc_files(here):
     for change in (moved, unit):
         assert change[0] in right
     for text, words in (
-        ("no dbc", "file: found no DBC that can be read"),
-        ("", "file: found no DBC that can be read"),
-        ('VERSION ""\nBS_:\nBU_: A\nBO_ 256 Foo: 8 A\n SG_ x : 0|8@1+ (1,0) [0|0] "" A\n', "found no such message"),
+        ("no dbc", "cannot be read"),
+        ("", "cannot be read"),
+        ('VERSION ""\nBS_:\nBU_: A\nBO_ 256 Foo: 8 A\n SG_ x : 0|8@1+ (1,0) [0|0] "" A\n', "missing"),
         (right.replace(*moved), "message TRN_SPEED (0x118): signal SpeedLife: start bit: found 26, allowed 27"),
         (right.replace(*unit), "signal TrainSpeed: unit: found 'km/h', allowed 'm/s'"),
-        (right.replace("SpeedLife", "Speedlife"), "signal SpeedLife: found no such signal"),
+        (right.replace("SpeedLife", "Speedlife"), "signal SpeedLife: missing"),
     ):
         Path("my.dbc").write_text(text)
         for command in ("ports", "run"):

@@ -49,7 +49,7 @@ def test_verify_says_by_its_exit_code_whether_all_is_well(store: Path, capsys: p
     capsys.readouterr()
     assert work(["memory", "verify", str(store)]) == FAIL
     said = capsys.readouterr().out
-    assert "B cannot be used (json): found no JSON document" in said
+    assert "B cannot be used (json): cannot be read" in said
     assert "a run would begin with A" in said
     (store / "a.json").unlink()
     assert work(["memory", "verify", str(store), "--json"]) == FAIL
@@ -66,7 +66,7 @@ def test_verify_asks_the_law_about_key_and_values(
     assert "B cannot be used (key): found " in capsys.readouterr().out
     (store / "b.json").write_text(replace(SECOND, values={"runs": 2, "offset": 99.0}).text)
     assert work([*words, "lvshun_tieshan"]) == FAIL
-    assert "B cannot be used (values): found ValueError: offset 99.0" in capsys.readouterr().out
+    assert "B cannot be used (values): ValueError: offset 99.0" in capsys.readouterr().out
 
 
 def test_export_writes_what_a_store_takes_as_its_default(
@@ -85,11 +85,11 @@ def test_export_writes_what_a_store_takes_as_its_default(
 @pytest.mark.parametrize(
     ("words", "line"),
     [
-        (("show", "{}/none"), "none: found No such file or directory"),
-        (("show", "{}"), "found no record, allowed a folder with a.json, b.json, default.json"),
-        (("verify", "{}/bad.json"), r"bad\.json: found no JSON document"),
-        (("export", "{}/memory", "--slot", "default", "--out", "{}/x"), "found no record in default"),
-        (("export", "{}/memory", "--out", "{}/no/x"), "--out: found "),
+        (("show", "{}/none"), "none: does not exist"),
+        (("show", "{}"), "has no record, expected a folder with a.json, b.json, default.json"),
+        (("verify", "{}/bad.json"), r"bad\.json: cannot be read"),
+        (("export", "{}/memory", "--slot", "default", "--out", "{}/x"), "no record in default"),
+        (("export", "{}/memory", "--out", "{}/no/x"), "--out: the file "),
         (("verify", "{}/memory", "--scenario", "nowhere"), "found 'nowhere'"),
         (("verify", "{}/memory", "--scenario", "lvshun_tieshan"), "law: found 'learning', allowed "),
     ],

@@ -100,13 +100,13 @@ def test_no_file_that_is_there_is_touched(here, tmp_path):
     (tmp_path / "mylaw").mkdir()
     (tmp_path / "mylaw" / "README.md").write_text("mine")
     said = complaint(here("new", "law", "mylaw"))
-    assert said == ("railhil: mylaw/README.md: found a file that exists already, allowed a new one (--out says where)")
+    assert said == ("railhil: mylaw/README.md: exists already, expected a new one (--out says where)")
     assert [path.name for path in (tmp_path / "mylaw").iterdir()] == ["README.md"]
     assert (tmp_path / "mylaw" / "README.md").read_text() == "mine"
     (tmp_path / "mylaw" / "README.md").rename(tmp_path / "mylaw" / "NOTES.md")
     assert here("new", "law", "mylaw").exit_code == 0
     (tmp_path / "myrun.toml").symlink_to("nowhere.toml")
-    assert "myrun.toml: found a file that exists already" in complaint(here("new", "scenario", "myrun"))
+    assert "myrun.toml: exists already" in complaint(here("new", "scenario", "myrun"))
     assert not (tmp_path / "nowhere.toml").exists()
 
 
@@ -151,9 +151,9 @@ def test_names_of_distributions(here, tmp_path, kind, name, allowed):
         (("scenario", "yizhuang_05"), "NAME: found 'yizhuang_05', allowed a name that no shipped scenario has"),
         (("scenario", "mine", "--out", "mine"), "--out: found 'mine', allowed a file that ends in .toml"),
         (("scenario", "mine", "--extends", "lvshun_tieshn"), "did you mean lvshun_tieshan?"),
-        (("scenario", "mine", "--extends", "no.toml"), "no.toml: found no such file"),
+        (("scenario", "mine", "--extends", "no.toml"), "no.toml: does not exist"),
         (("scenario", "mine", "--extends", "broken.toml"), "broken.toml: plan.distance_m: found -1"),
-        (("law", "mine", "--out", "broken.toml"), "broken.toml: found a file, allowed a folder for the new files"),
+        (("law", "mine", "--out", "broken.toml"), "broken.toml: is a file, expected a folder for the new files"),
     ],
 )
 def test_what_cannot_be_written_is_one_line(here, tmp_path, words, said):
@@ -175,7 +175,7 @@ def test_a_failed_write_leaves_no_file(here, tmp_path, monkeypatch):
     monkeypatch.setattr(Path, "open", full)
     said = complaint(here("new", "system", "mysystem"))
     where = "mysystem/src/mysystem/__init__.py"
-    assert f"{where}: found no space left on device, allowed a file that can be written" in said
+    assert f"{where}: cannot be written: no space left on device" in said
     assert not [path for path in tmp_path.rglob("*") if path.is_file()]
 
 

@@ -88,7 +88,7 @@ def test_fmus_that_cannot_be_these_trains_are_refused(unit: Path, library: Path,
     still = fmus.MAP_OF_A_UNIT.replace('start_speed = "start_speed_mps"\n', "")
     assert "v: start: found 0.0, allowed" in refused("jinan_xuzhou_emergency", still)
     uncoupled = fmus.MAP_OF_A_UNIT.replace('outside_mps2 = "outside"\n', "")
-    assert "inputs.outside_mps2: found no such key" in refused("emu3_short", uncoupled)
+    assert "inputs.outside_mps2: missing" in refused("emu3_short", uncoupled)
     _plant("hst_short", _packed(tmp_path / "one.fmu", library, uncoupled))
     assert "canHandleVariableCommunicationStepSize is false" in refused(
         "yizhuang_stop", fmus.MAP_OF_A_STOP, variable_step=False
@@ -122,7 +122,7 @@ def test_a_run_is_made_again_and_replayed_with_the_fmu_on_the_command_line(
 
     other = _packed(tmp_path / "other.fmu", library, fmus.MAP_OF_A_UNIT, variable_step=False)
     for words, message in (
-        (("rerun", "run"), "found " + str(unit) + ", allowed --plant-fmu on the command line: an FMU is native code"),
+        (("rerun", "run"), f"found '{unit}', allowed --plant-fmu on the command line: an FMU is native code"),
         (("replay", "run", "--node", "plant"), "allowed --plant-fmu on the command line"),
         (("rerun", "run", "--plant-fmu", other), "as in run/certificate.json"),
         (("replay", "run", "--node", "controller", "--plant-fmu", unit), "only with --node plant"),

@@ -100,7 +100,7 @@ def test_another_version_and_a_changed_scenario_are_said_first(here: Railhil, co
     changed.unlink()
     assert "scenario.json is used" in here("rerun", copy).out
     (copy / "scenario.json").unlink()
-    assert "scenario.json: sha256: found no such file" in complaint(here("rerun", copy))
+    assert "scenario.json: sha256: no such file" in complaint(here("rerun", copy))
     alone = shutil.copy(copy / "certificate.json", tmp_path / "alone.json")
     assert "short.toml" in complaint(here("rerun", alone))
 
@@ -119,8 +119,8 @@ def test_without_the_log_only_the_hash_is_compared(here: Railhil, copy: Path, tm
     ("keys", "line"),
     [
         ({"pace": "realtime"}, "pace: found 'realtime', allowed lockstep"),
-        ({"foreign": True}, "foreign: found a controller of somebody else"),
-        ({"frames_sha256": ""}, "frames_sha256: found no such key"),
+        ({"foreign": True}, "foreign: a controller of somebody else"),
+        ({"frames_sha256": ""}, "frames_sha256: missing"),
         ({"frames_sha256": "0" * 64}, "a log that nobody changed"),
         ({"seed": -1}, "seed: found -1"),
     ],
@@ -137,4 +137,4 @@ def test_a_bus_is_asked_for_by_its_options(here: Railhil, short: Path, tmp_path:
     assert "--bus local" in said
     assert "-i socketcan" in said
     assert "virtual" in complaint(here("rerun", short, "-i", "virtual"))
-    assert "no such file" in complaint(here("rerun", tmp_path / "nothing"))
+    assert "does not exist" in complaint(here("rerun", tmp_path / "nothing"))

@@ -107,7 +107,7 @@ def test_the_events_are_derived_from_the_log_again_and_telemetry_is_not(
 def test_of_a_folder_without_a_list_it_is_said_what_is_checked(here: Railhil, short: Path, tmp_path: Path) -> None:
     run = _run(here, short, tmp_path / "run")
     (run / HASH_LIST).unlink()
-    assert "SHA256SUMS: file: found no such file" in here("verify", run).out
+    assert "SHA256SUMS: does not exist" in here("verify", run).out
     certificate = json.loads((run / "certificate.json").read_text())
     del certificate["hash_list"]
     (run / "certificate.json").write_text(json.dumps(certificate))

@@ -160,7 +160,7 @@ def test_a_memory_of_something_else_is_refused(short: Path, tmp_path: Path, word
     assert "key: found 'another line', allowed " in done.err
     done = run(short, tmp_path / "second", "--memory", path, *words)
     assert (done.exit_code, path.read_bytes()) == (USAGE, before)
-    assert "memory.json: found a file, allowed a folder in which railhil keeps the memory of a law" in done.err
+    assert "memory.json: is a file, expected a folder in which railhil keeps the memory of a law" in done.err
     put(tmp_path / "memory", "A", replace(own, law="ipfc"))
     done = run(short, tmp_path / "second", "--memory", tmp_path / "memory", *words)
     assert done.exit_code == USAGE
@@ -222,7 +222,7 @@ def test_a_law_without_memory_is_not_given_one(short: Path, tmp_path: Path) -> N
             ("--memory-from", "m.json", "--memory", "n.json"),
             "--memory-from: cannot be given with --memory",
         ),
-        (("--memory", "/proc/folder"), "--memory: found "),
+        (("--memory", "/proc/folder"), "--memory: the folder "),
     ],
 )
 def test_what_cannot_be_together_is_refused(short: Path, tmp_path: Path, words: tuple[str, ...], line: str) -> None:
@@ -273,7 +273,7 @@ def test_a_law_that_fails_to_say_its_memory_keeps_the_old_one(short: Path, tmp_p
     done = railhil("run", short, *words, "--quiet", "--no-report")
     assert done.exit_code in (PASS, FAIL)
     assert "controller: memory is lost: " in done.err
-    assert "law forgetful, memory: found values that cannot be kept, allowed a dict that JSON can hold" in done.err
+    assert "law forgetful, memory: values that cannot be kept, expected a dict that JSON can hold" in done.err
     assert "nothing kept: the law supplied no memory" in done.out
     assert not path.exists()
 

@@ -139,9 +139,9 @@ def test_a_certificate_of_version_0_1_0_is_a_run_description(name: str) -> None:
         ({"bus": "vcan0"}, "bus: found 'vcan0'"),
         ({"pace": "realtime"}, "--bus local: used only with --pace lockstep, not with --pace realtime"),
         ({"settings": {"plan.nonsense": 1}}, "plan.nonsense"),
-        ({"parameters": {"nonsense": 1}}, "railhil.run: parameters: found the unknown parameter nonsense"),
+        ({"parameters": {"nonsense": 1}}, "railhil.run: parameters.nonsense: unknown key"),
         ({"parameters": {"softening_max": 7}}, "railhil.run: parameters.softening_max: found 7"),
-        ({"parameters": "none.toml"}, "no such file"),
+        ({"parameters": "none.toml"}, "none.toml: does not exist"),
         ({"controller": "ipcf"}, "did you mean ipfc"),
     ],
 )

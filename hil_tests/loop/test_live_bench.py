@@ -117,7 +117,7 @@ def test_a_run_that_never_began_leaves_none(bench: Bench) -> None:
 
 
 def test_what_the_bench_refuses(bench: Bench, tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="bench: law: found no such argument, allowed seed, "):
+    with pytest.raises(InputError, match="bench: law: no such argument, expected seed, "):
         bench.run(law="ipfc")
     with pytest.raises(InputError, match="controller: found 'pfc'"):
         bench.start(controller="pfc")

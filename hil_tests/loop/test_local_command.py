@@ -82,9 +82,7 @@ def test_a_spec_that_is_none_leaves_no_folder(here: Railhil, tmp_path: Path) -> 
     (tmp_path / "run.toml").write_text("sede = 1\n")
     done = here("run", "--spec", tmp_path / "run.toml", "--out", tmp_path / "out")
     assert done.exit_code == USAGE
-    assert done.err.startswith(
-        f"railhil: {tmp_path}/run.toml: sede: found the unknown key sede, allowed only arithmetic"
-    )
+    assert done.err.startswith(f"railhil: {tmp_path}/run.toml: sede: unknown key")
     assert not (tmp_path / "out").exists()
 
 

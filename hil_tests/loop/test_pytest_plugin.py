@@ -163,7 +163,7 @@ def test_the_same_suite_over_a_hub(suite: pytest.Pytester) -> None:
     )
     done = run_suite(suite.path, "--railhil-bus", "hub")
     done.assert_outcomes(passed=1, failed=1)
-    done.stdout.fnmatch_lines(["*bench.start: bus: found bus hub, allowed local*"])
+    done.stdout.fnmatch_lines(["*bench.start: bus: found 'hub', allowed local*"])
 
 
 @pytest.mark.slow

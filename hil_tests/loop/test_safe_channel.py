@@ -261,7 +261,7 @@ def test_a_controller_that_restarts_in_motion_brakes_and_is_believed(tmp_path: P
 
 
 def test_what_has_no_safe_channel_says_so(safe: Scenario) -> None:
-    with pytest.raises(InputError, match=r"safety\.sdt: found true, allowed false, or the run over a bus"):
+    with pytest.raises(InputError, match=r"safety\.sdt: found True, allowed false, or the run over a bus"):
         direct_run(safe)
     with pytest.raises(InputError, match=r"--task-period-ms: found 50, allowed 0 with safety\.sdt"):
         ControllerNode(safe, LawSpec(task_period_ms=50))

@@ -313,4 +313,4 @@ def test_a_full_disk_costs_the_file_and_nothing_else(
 def test_a_file_that_cannot_be_written_is_refused_before_the_run(tmp_path: Path, place: str, why: str) -> None:
     done = railhil("node", "controller", "--telemetry", tmp_path / place, cwd=tmp_path)
     assert done.exit_code == 2
-    assert f"a file that can be written ({why})" in done.one_line()
+    assert f"cannot be written: {why}" in done.one_line()

@@ -85,7 +85,7 @@ class Fmu:
             with open_given(self.file, FMU_BYTES_MAX) as stream, ZipFile(stream) as archive:
                 unpacked = sum(member.file_size for member in archive.infolist())
         except BadZipFile as error:
-            raise InputError(self.file, "archive", Words("no zip archive"), "an FMU", str(error)) from None
+            raise InputError(self.file, "archive", Words("is no zip archive"), "an FMU", str(error)) from None
         if unpacked > _UNPACKED_MAX:
             found, allowed = (f"{size / 1e9:.3g} GB" for size in (unpacked, _UNPACKED_MAX))
             raise InputError(self.file, "archive", Words(f"{found} when unpacked"), f"an FMU of at most {allowed}")
@@ -95,11 +95,11 @@ class Fmu:
         if description.fmiVersion not in _VERSIONS:
             raise InputError(self.file, "fmiVersion", description.fmiVersion, ", ".join(_VERSIONS))
         if description.coSimulation is None:
-            raise InputError(self.file, "CoSimulation", Words("no such element"), "an FMU for co-simulation")
+            raise InputError(self.file, "CoSimulation", Words(), "an FMU for co-simulation")
         wanted = fmpy.platform if description.fmiVersion == "2.0" else fmpy.platform_tuple
         found = fmpy.supported_platforms(str(self.file))
         if fmpy.platform not in found and wanted not in found:
-            here = Words(f"binaries for {', '.join(found) or 'no platform'}")
+            here = Words(f"only for {', '.join(found) or 'no platform'}")
             raise InputError(self.file, "binaries", here, f"one for {wanted}")
 
     def _check_variables(self) -> None:

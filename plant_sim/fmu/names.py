@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from railhil.common.errors import InputError, Words, did_you_mean
-from railhil.common.user_files import given_text
+from railhil.common.user_files import given_text, refuse_unreadable
 from railhil.scenarios.tomlfile import parsed_toml
 
 #: Unit -> its SI unit here, and the factor to it.
@@ -72,12 +72,8 @@ def read_names(path: Path, quantities: Quantities) -> Names:
 
     :raises InputError: it cannot be read, or a key or value is not allowed.
     """
-    try:
+    with refuse_unreadable(path, "a TOML file"):
         table = parsed_toml(given_text(path))
-    except OSError as error:
-        raise InputError(path, "file", Words((error.strerror or str(error)).lower()), "a TOML file") from None
-    except ValueError as error:
-        raise InputError(path, "file", Words("no TOML"), "a TOML file", str(error)) from None
     _known(path, "", table, ("inputs", "outputs", "parameters"))
     found = {
         key: {
@@ -90,7 +86,7 @@ def read_names(path: Path, quantities: Quantities) -> Names:
     for name in quantities.needed:
         key = "outputs" if name in quantities.outputs else "inputs"
         if name not in found[key]:
-            raise InputError(path, f"{key}.{name}", Words("no such key"), "the name of the FMU's variable")
+            raise InputError(path, f"{key}.{name}", Words(), "the name of the FMU's variable")
     parameters = _section(path, table, "parameters", None)
     for name, value in parameters.items():
         if isinstance(value, bool) or not isinstance(value, (int, float, str)):
@@ -110,7 +106,7 @@ def _section(path: Path, table: Mapping[str, Any], key: str, known: Mapping[str,
 def _known(path: Path, prefix: str, table: Mapping[str, Any], known: Any) -> None:
     for key in table:
         if key not in known:
-            raise InputError(path, f"{prefix}{key}", Words("no such key"), ", ".join(known), did_you_mean(key, known))
+            raise InputError(path, f"{prefix}{key}", Words("unknown key"), ", ".join(known), did_you_mean(key, known))
 
 
 def _named(path: Path, key: str, entry: Any, ours: str) -> Named:

@@ -11,9 +11,8 @@ from typing import NamedTuple
 from railhil.common.errors import InputError, Words
 from railhil.common.extras import allow_asammdf, missing_library
 from railhil.common.output import Output
-from railhil.common.user_files import whole_file
+from railhil.common.user_files import refuse_unwritable, whole_file
 from railhil.judge.record import checked_record
-from railhil.record.run_folder import refuse_unwritable
 from railhil.report.files.content import Content, parsed_start
 
 _ROOM = "railhil.report.files"
@@ -57,7 +56,7 @@ def work(namespace: argparse.Namespace) -> int:
     """Write the files and print their paths."""
     wanted = [name for name in _FORMATS if getattr(namespace, name)]
     if not wanted:
-        raise InputError("command line", "format", Words("none"), ", ".join(f"--{name}" for name in _FORMATS))
+        raise InputError("command line", "format", Words(), ", ".join(f"--{name}" for name in _FORMATS))
     start = None if namespace.start is None else parsed_start(namespace.start)
     if "blf" in wanted and start is None:
         raise InputError("command line", "--blf", Words("no --start"), "--start TIME; without it use frames.blf")

@@ -17,11 +17,11 @@ from railhil.cli.fault_pairs import pairs
 from railhil.cli.run import add_arguments, law_names, run_spec, run_system
 from railhil.common.command_line import whole_number
 from railhil.common.digits import count_of
-from railhil.common.errors import InputError
+from railhil.common.errors import InputError, describe_os_error
 from railhil.common.exit_codes import FAIL, INVALID, PASS
 from railhil.common.output import Output, show_progress, table
 from railhil.common.streams import add_json_argument, print_json
-from railhil.common.user_files import whole_file
+from railhil.common.user_files import RecordFailed, whole_file
 from railhil.faults.capability import why_not
 from railhil.faults.language import parse
 from railhil.faults.page import lines
@@ -31,7 +31,7 @@ from railhil.judge.reactions.catalogue import Entry, catalogue_of
 from railhil.judge.reactions.evaluate import Row, evaluated, seen_in
 from railhil.record.documents import FAULT_TABLE
 from railhil.record.hash_list import HASH_LIST, HASH_LIST_KEY, write_hash_list
-from railhil.record.run_folder import RecordFailed, json_text, remove_torn_run
+from railhil.record.run_folder import json_text, remove_torn_run
 from railhil.record.signature import add_sign_argument, check_key, sign_list
 from railhil.run.make import NeverBegan, run_into
 from railhil.scenarios.options import add_option
@@ -144,7 +144,7 @@ def _write_table(out: Path, base: RunSpec, system: System, rows: Sequence[Row], 
             draft.write_text(json_text(document), encoding="utf-8")
             write_hash_list(out, {FAULT_TABLE: draft})
     except OSError as error:
-        raise RecordFailed(f"{path} cannot be written: {(error.strerror or str(error)).lower()}") from error
+        raise RecordFailed(f"{path} cannot be written: {describe_os_error(error)}") from error
     sign_list(out, key)
 
 

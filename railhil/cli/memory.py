@@ -13,8 +13,7 @@ from railhil.common.errors import InputError, Words
 from railhil.common.exit_codes import FAIL, PASS
 from railhil.common.output import Output, table
 from railhil.common.streams import add_json_argument, print_json
-from railhil.common.user_files import write_synced
-from railhil.record.run_folder import refuse_unwritable
+from railhil.common.user_files import refuse_unwritable, write_synced
 from railhil.scenarios.load import load_any
 from railhil.scenarios.memory import Memory, MemoryRecord, Stored
 from railhil.scenarios.memory_store import SLOT_FILES, MemoryStore, memory_at
@@ -71,7 +70,7 @@ def _read(path: Path) -> Memory:
         return memory_at(path)
     found = MemoryStore(path).read()
     if not found.stored:
-        raise InputError(path, "", Words("no record"), f"a folder with {', '.join(SLOT_FILES.values())}")
+        raise InputError(path, "", Words("has no record"), f"a folder with {', '.join(SLOT_FILES.values())}")
     return found
 
 
@@ -124,7 +123,7 @@ def _export(namespace: argparse.Namespace) -> int:
     memory = _read(namespace.memory)
     record: MemoryRecord | None = memory.newest if namespace.slot is None else memory.at(namespace.slot)
     if record is None:
-        found = Words(f"no record in {namespace.slot}" if namespace.slot else "no record that can be used")
+        found = Words(f"has no record in {namespace.slot}" if namespace.slot else "has no record that can be used")
         raise InputError(namespace.memory, "", found, "a place with one (railhil memory show)")
     out: Path = namespace.out
     with refuse_unwritable("--out", out, "file"):

@@ -16,7 +16,7 @@ from typing import Any
 
 from pydantic import TypeAdapter, ValidationError
 
-from railhil.common.errors import InputError, Words
+from railhil.common.errors import InputError, Words, describe_os_error
 from railhil.common.output import Output
 from railhil.common.streams import add_json_argument, print_json
 from railhil.scenarios.layers import Layers
@@ -156,10 +156,10 @@ def _write(files: Mapping[Path, str]) -> None:
     try:
         for path in files:
             if path.is_symlink() or path.exists():
-                raise InputError(path, "", Words("a file that exists already"), "a new one (--out says where)")
+                raise InputError(path, "", Words("exists already"), "a new one (--out says where)")
             above = next(folder for folder in path.parents if folder.exists())
             if not above.is_dir():
-                raise InputError(above, "", Words("a file"), "a folder for the new files")
+                raise InputError(above, "", Words("is a file"), "a folder for the new files")
         for path, text in files.items():
             path.parent.mkdir(parents=True, exist_ok=True)
             with path.open("x", encoding="utf-8", newline="\n") as file:
@@ -168,7 +168,7 @@ def _write(files: Mapping[Path, str]) -> None:
     except OSError as error:
         for written in made:
             written.unlink()
-        why = Words((error.strerror or str(error)).lower())
+        why = Words(f"cannot be written: {describe_os_error(error)}")
         raise InputError(path, "", why, "a file that can be written") from None
 
 

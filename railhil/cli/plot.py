@@ -8,9 +8,8 @@ from pathlib import Path
 from railhil.common.errors import InputError
 from railhil.common.extras import missing_library
 from railhil.common.output import Output
-from railhil.common.user_files import whole_file
+from railhil.common.user_files import refuse_unwritable, whole_file
 from railhil.judge.record import checked_record
-from railhil.record.run_folder import refuse_unwritable
 from railhil.record.sampling import drawn_trace
 
 _SUFFIXES = (".svg", ".png", ".pdf")

@@ -10,7 +10,7 @@ from railhil.bus.schedule import bus_load
 from railhil.common.errors import InputError, Words
 from railhil.common.output import Output, table
 from railhil.common.streams import add_json_argument, print_json
-from railhil.common.user_files import given_text
+from railhil.common.user_files import given_text, refuse_unreadable
 from railhil.dbc import Contract, Port
 from railhil.dbc.text import dbc_text
 from railhil.scenarios.system import DEFAULT, system_named
@@ -154,16 +154,14 @@ def _load(path: Path) -> Any:
     # Imported here, because no other command needs it, and it takes a sixth of a second.
     import cantools
 
-    try:
+    with refuse_unreadable(path, "a DBC file"):
         text = given_text(path, "cp1252", "replace")
-    except OSError as error:
-        raise InputError(path, "file", Words((error.strerror or str(error)).lower()), "a readable DBC file") from None
     try:
         return cantools.database.load_string(text, database_format="dbc")
     except Exception as error:
         # The file may contain anything; with any exception of the parser it is not a usable DBC.
         reason = " ".join(str(error).split()).removeprefix('DBC: "').removesuffix('"') or type(error).__name__
-        raise InputError(path, "file", Words("no DBC that can be read"), "a DBC file", reason[:200]) from None
+        raise InputError(path, "", Words("cannot be read"), "a DBC file", reason[:200]) from None
 
 
 def _layout(message: Any) -> dict[str, dict[str, Any]]:
@@ -195,13 +193,13 @@ def check_foreign_dbc(file: str, contract: Contract) -> None:
         other = theirs.get((message.frame_id, message.is_extended_frame))
         key = f"message {message.name} ({message.frame_id:#05x})"
         if other is None:
-            raise InputError(path, key, Words("no such message"), "the telegrams of `railhil ports`")
+            raise InputError(path, key, Words(), "the telegrams of `railhil ports`")
         if other.length != message.length:
             raise InputError(path, f"{key}: length", other.length, f"{message.length} bytes")
         wanted, found = _layout(message), _layout(other)
         for name in sorted(wanted.keys() | found.keys()):
             if name not in found or name not in wanted:
-                present = Words("no such signal" if name in wanted else "a signal more")
+                present = Words("missing" if name in wanted else "one signal more")
                 raise InputError(path, f"{key}: signal {name}", present, "the layout of `railhil ports`")
             for item, value in wanted[name].items():
                 if found[name][item] != value:

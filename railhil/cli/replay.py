@@ -119,5 +119,5 @@ def _ports(log: Path, asked: list[str], there: list[str]) -> list[str]:
         if name not in there:
             raise InputError("command line", "--port", name, ", ".join(there), did_you_mean(name, there))
     if not there:
-        raise InputError(log, "file", Words("no frame of the node"), "a record of a run with its answers")
+        raise InputError(log, "", Words("has no frame of the node"), "a record of a run with its answers")
     return asked or there

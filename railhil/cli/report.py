@@ -9,10 +9,10 @@ from pathlib import Path
 from railhil.common.errors import InputError, Words
 from railhil.common.extras import missing_library
 from railhil.common.output import Output
+from railhil.common.user_files import refuse_unwritable
 from railhil.judge.record import checked_record
 from railhil.record.documents import COMPARISON, read_comparison
 from railhil.record.hash_list import REPORT, check_hash_list
-from railhil.record.run_folder import refuse_unwritable
 from railhil.scenarios.stored import any_judged_sha256
 
 #: The file by which the folder of a campaign is known.

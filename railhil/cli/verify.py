@@ -56,8 +56,8 @@ def work(namespace: argparse.Namespace) -> int:
     """Check and print."""
     folder: Path = namespace.folder
     if not folder.is_dir() or not any((folder / name).is_file() for name in (HASH_LIST, *DOCUMENTS)):
-        found = Words("no such folder" if not folder.is_dir() else "nothing to verify")
-        raise InputError(folder, "folder", found, f"a folder with {HASH_LIST}, or with one of {', '.join(DOCUMENTS)}")
+        found = Words("does not exist" if not folder.exists() else "has nothing to verify")
+        raise InputError(folder, "", found, f"a folder with {HASH_LIST}, or with one of {', '.join(DOCUMENTS)}")
     seen = _Found()
     _look(folder, "", seen)
     signature = signed(folder, namespace.key) if (folder / HASH_LIST).is_file() else None

@@ -67,6 +67,11 @@ def near_file(path: Path) -> str | None:
     return f"did you mean {path.parent / nearest}?" if nearest else None
 
 
+def describe_os_error(error: OSError) -> str:
+    """The operating system's reason, such as "permission denied"."""
+    return (error.strerror or str(error)).lower()
+
+
 class Sentence(str):
     """What is wrong and what is allowed, as a sentence whose subject is the key, e.g. "used only with --fmu"."""
 
@@ -76,9 +81,9 @@ class Sentence(str):
 class InputError(Exception):
     """Bad input from outside (scenario, line or train file, DBC, log, command line).
 
-    ``str()`` is one line: ``FILE: KEY: found X, allowed Y (HINT)``. ``found`` is shown as its ``repr``, shortened;
-    :class:`Words` describes what has no value to show. ``allowed`` is shown in full. If ``allowed`` is a
-    :class:`Sentence`, the line is ``FILE: KEY: SENTENCE (HINT)``.
+    ``str()`` is one line: ``FILE: KEY: found X, allowed Y (HINT)``. ``found`` is shown as its ``repr``, shortened,
+    and ``allowed`` in full. If ``found`` is no value but a finding in :class:`Words`, the line is
+    ``FILE: KEY: WORDS, expected Y (HINT)``; if ``allowed`` is a :class:`Sentence`, ``FILE: KEY: SENTENCE (HINT)``.
     """
 
     exit_code = 2
@@ -98,12 +103,13 @@ class InputError(Exception):
 
     @property
     def difference(self) -> str:
-        """``found X, allowed Y``, or the sentence."""
+        """``found X, allowed Y``, the words and what was expected, or the sentence."""
         allowed = " ".join(self.allowed.split())
         if isinstance(self.allowed, Sentence):
             return allowed
-        shown = self.found if isinstance(self.found, Words) else repr(self.found)
-        return f"found {_one_line(str(shown))}, allowed {allowed}"
+        if isinstance(self.found, Words):
+            return f"{_one_line(str(self.found))}, expected {allowed}"
+        return f"found {_one_line(repr(self.found))}, allowed {allowed}"
 
 
 class InputErrors(InputError):
@@ -144,9 +150,10 @@ def _flat(text: str) -> str:
 
 
 class Words:
-    """A finding in words: a missing value, or a state that is not a value."""
+    """A finding in words whose subject is the file or the key, such as "does not exist": a missing value, or a state
+    that is not a value."""
 
-    def __init__(self, words: str = "nothing") -> None:
+    def __init__(self, words: str = "missing") -> None:
         self.words = words
 
     def __str__(self) -> str:

@@ -28,6 +28,8 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
+from railhil.common.errors import describe_os_error
+
 #: SCHED_FIFO priorities: the hub carries a frame before a node continues, and no node waits for the recorder. All are
 #: below 50, the priority of interrupt threads in a PREEMPT_RT kernel, including the CAN adapter's.
 HUB_PRIORITY, NODE_PRIORITY, RECORDER_PRIORITY = 45, 40, 30
@@ -160,7 +162,7 @@ def _ask(priority: int) -> tuple[int, str]:
             if wanted <= limit:
                 reason = "the control group has no realtime budget, cpu.rt_runtime_us"
         except OSError as error:
-            reason = (error.strerror or str(error)).lower()
+            reason = describe_os_error(error)
         else:
             return wanted, ""
     return 0, reason

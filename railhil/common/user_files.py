@@ -19,8 +19,10 @@ from io import BufferedReader
 from pathlib import Path
 from typing import Any
 
-from railhil.common.errors import InputError, Words
+from railhil.common.errors import InputError, Sentence, Words, describe_os_error, near_file
 
+#: Errors of the operating system when the disk is full.
+NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
 #: Largest file with settings, tables or results; the largest that railhil writes itself have some MB.
 BYTES_MAX = 64_000_000
 _ALLOWED = "a regular file"
@@ -38,10 +40,10 @@ def open_given(path: Path, bytes_max: int = BYTES_MAX) -> BufferedReader:
         if stat.S_ISDIR(found.st_mode):
             raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
         if not stat.S_ISREG(found.st_mode):
-            kind = "a pipe" if stat.S_ISFIFO(found.st_mode) else "a device or socket"
+            kind = "is a pipe" if stat.S_ISFIFO(found.st_mode) else "is a device or socket"
             raise InputError(path, "", Words(kind), _ALLOWED)
         if found.st_size > bytes_max:
-            raise InputError(path, "", Words(f"{found.st_size} bytes"), f"{_ALLOWED} of at most {bytes_max} bytes")
+            raise InputError(path, "", Words(f"has {found.st_size} bytes"), f"at most {bytes_max} bytes")
     except BaseException:
         stream.close()
         raise
@@ -63,21 +65,76 @@ def given_text(path: Path, encoding: str = "utf-8", errors: str = "strict") -> s
     return text.replace("\r\n", "\n").replace("\r", "\n")
 
 
-def given_json(path: Path, allowed: str, key: str = "") -> dict[str, Any]:
-    """The JSON object in a file, as :func:`open_given`.
+@contextmanager
+def refuse_unreadable(path: Path, expected: str) -> Iterator[None]:
+    """Reading and parsing a user's file, inside ``with``.
 
-    :param allowed: what should be there; ``key``: of the error.
-    :raises InputError: the file cannot be read (its cause is the OSError), or has something else.
+    :param expected: the kind of file that belongs there.
+    :raises InputError: the block could not read the file (the cause is the OSError), or its text is not UTF-8 or not
+        in the format of the parser (ValueError).
     """
     try:
-        document = json.loads(given_text(path))
+        yield
     except OSError as error:
-        raise InputError(path, key, Words((error.strerror or str(error)).lower()), allowed) from error
+        hint = None
+        if isinstance(error, FileNotFoundError):
+            words, hint = "does not exist", near_file(path)
+        elif isinstance(error, IsADirectoryError):
+            words = "is a directory"
+        else:
+            words = f"cannot be read: {describe_os_error(error)}"
+        raise InputError(path, "", Words(words), expected, hint) from error
+    except UnicodeDecodeError as error:
+        raise InputError(path, "", Words(f"is not UTF-8 text (byte {error.start})"), expected) from None
     except (ValueError, RecursionError) as error:
-        raise InputError(path, key, Words("no JSON document"), allowed, str(error)) from None
+        raise InputError(path, "", Words("cannot be read"), expected, str(error)) from None
+
+
+def given_json(path: Path, expected: str) -> dict[str, Any]:
+    """The JSON object in a file, as :func:`open_given`.
+
+    :param expected: what should be there.
+    :raises InputError: the file cannot be read (its cause is the OSError), or has something else.
+    """
+    with refuse_unreadable(path, expected):
+        content = given_bytes(path)
+    return json_object(path, content, expected)
+
+
+def json_object(path: Path, content: bytes, expected: str) -> dict[str, Any]:
+    """The JSON object that a file contains; arguments and errors as :func:`given_json`."""
+    with refuse_unreadable(path, expected):
+        document = json.loads(content.decode("utf-8"))
     if not isinstance(document, dict):
-        raise InputError(path, key, Words("no JSON object"), allowed)
+        raise InputError(path, "", Words("has no JSON object"), expected)
     return document
+
+
+class RecordFailed(Exception):
+    """Results cannot be written (disk full); the frames already in the log are kept."""
+
+    exit_code = 4
+
+
+def not_written(key: str, path: Path, kind: str, error: OSError) -> InputError | RecordFailed:
+    """The error for a user's file or folder that cannot be written: bad input, unless the disk is full.
+
+    :param key: option that named it.
+    :param kind: ``file`` or ``folder``.
+    """
+    reason = describe_os_error(error)
+    if error.errno in NO_ROOM:
+        return RecordFailed(f"{path} cannot be written: {reason}")
+    return InputError("command line", key, str(path), Sentence(f"the {kind} {path} cannot be written: {reason}"))
+
+
+@contextmanager
+def refuse_unwritable(key: str, path: Path, kind: str) -> Iterator[None]:
+    """Writing a user's file or folder, inside ``with``; arguments and errors as :func:`not_written`."""
+    try:
+        yield
+    except OSError as error:
+        raise not_written(key, path, kind, error) from None
 
 
 _NEW_FILE_MODE = 0o666

@@ -14,6 +14,7 @@ from typing import Any, Final
 
 from railhil.bus.ident import CtlIdent, Ident, PltIdent, Role, SupIdent, make_ident
 from railhil.common.errors import InputError, Words
+from railhil.common.user_files import refuse_unreadable
 from railhil.dbc import PORTS, recorded_contract
 from railhil.judge.fault_report import logged_outcomes
 from railhil.judge.folder import code_sha256
@@ -79,10 +80,12 @@ def _junit(folder: Path, document: Mapping[str, Any]) -> Iterator[tuple[str, str
     path = folder / JUNIT
     if not path.is_file():
         return
+    expected = "what railhil run has written"
     try:
-        tree = ET.parse(path)
-    except (ET.ParseError, OSError) as error:
-        raise InputError(path, "file", Words(str(error)), "what railhil run has written") from None
+        with refuse_unreadable(path, expected):
+            tree = ET.parse(path)
+    except ET.ParseError as error:
+        raise InputError(path, "", Words("cannot be read"), expected, str(error)) from None
     properties = {entry.get("name"): entry.get("value") for entry in tree.iter("property")}
     _check_cases(path, tree.getroot(), properties.get("verdict"))
     for key in _OF_JUNIT:

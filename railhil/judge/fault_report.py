@@ -14,8 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from railhil.bus.can_settings import HUB_INTERFACE, LOCAL
 from railhil.bus.select import BusChoice
-from railhil.common.errors import InputError, Words
-from railhil.common.user_files import whole_file
+from railhil.common.user_files import refuse_unreadable, whole_file
 from railhil.scenarios.model import AnyScenario
 
 if TYPE_CHECKING:
@@ -112,10 +111,8 @@ def logged_outcomes(folder: Path, scenario: AnyScenario, seed: int) -> list[Faul
 
     :raises InputError: a log cannot be read.
     """
-    try:
+    with refuse_unreadable(folder / LOGS, "what the nodes have written"):
         rows = _logged(folder)
-    except (OSError, ValueError) as error:
-        raise InputError(folder / LOGS, "file", Words(str(error)), "what the nodes have written") from None
     return _outcomes(scenario, seed, rows)[0] if rows else []
 
 

@@ -13,9 +13,10 @@ from typing import Any
 
 from railhil.bus.ident import PROFILES
 from railhil.common.build import machine
+from railhil.common.errors import describe_os_error
 from railhil.common.held_code import place_of
 from railhil.common.streams import escape_controls
-from railhil.common.user_files import whole_file, write_synced
+from railhil.common.user_files import RecordFailed, whole_file, write_synced
 from railhil.judge.criteria import limited
 from railhil.judge.events.event import EVENTS, FAULT, LOST, MISSED_POLL, REFUSED, write_events
 from railhil.judge.events.summary import counts_said, explained, reactions, summary, why
@@ -25,7 +26,7 @@ from railhil.judge.training_seeds import seed_was_trained
 from railhil.record.blf_writer import write_blf
 from railhil.record.documents import CERTIFICATE, SCORE
 from railhil.record.hash_list import HASH_LIST, HASH_LIST_KEY, write_hash_list
-from railhil.record.run_folder import RecordFailed, json_text, write_json
+from railhil.record.run_folder import json_text, write_json
 from railhil.record.telemetry import NOTHING_LEARNED
 from railhil.scenarios.memory import MEMORY_AFTER
 from railhil.scenarios.run_spec import RunSpec, StartUp
@@ -287,5 +288,5 @@ def _discard_results(folder: Path) -> None:
 def record_failed(folder: Path, error: OSError) -> RecordFailed:
     """The error for a folder that cannot be written; files that look like results are removed."""
     _discard_results(folder)
-    reason = (error.strerror or str(error)).lower()
+    reason = describe_os_error(error)
     return RecordFailed(f"run folder {folder} cannot be written: {reason}; frames.log is kept as far as it got")

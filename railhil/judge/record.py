@@ -210,7 +210,7 @@ class Record:
         """
         path = self.folder / CERTIFICATE
         if not self.certificate:
-            raise InputError(path, "file", Words("no certificate of this log"), "a run that came to its end")
+            raise InputError(path, "", Words("is missing or of another log"), "that of a run that came to its end")
         return RunSpec.from_json(self.certificate, path)
 
     @cached_property
@@ -245,8 +245,8 @@ def log_path(text: str) -> Path:
     path = Path(text)
     log = path / "frames.log" if path.is_dir() else path
     if not log.is_file():
-        found = Words("no such file" if not log.exists() else "no regular file")
-        raise InputError(log, "file", found, "a candump log, a BLF of one, or a run folder with frames.log")
+        found = Words("does not exist" if not log.exists() else "is no regular file")
+        raise InputError(log, "", found, "a candump log, a BLF of one, or a run folder with frames.log")
     return log
 
 
@@ -264,10 +264,10 @@ def _recorded_scenario(log: Path, name: str | None) -> AnyScenario:
     path = log.parent / CERTIFICATE
     document = read_certificate(log.parent, _BESIDE)
     if document is None:
-        raise InputError(path, "file", Words("no such file (the run did not come to its end)"), _BESIDE)
+        raise InputError(path, "", Words("does not exist: the run did not come to its end"), _BESIDE)
     scenario = document.get("scenario")
     if scenario is None:
-        raise InputError(path, "scenario", Words("no such key"), _BESIDE)
+        raise InputError(path, "scenario", Words(), _BESIDE)
     earlier = earlier_scenario(str(document.get("scenario_sha256")))
     if earlier is not None:
         return earlier
@@ -301,7 +301,7 @@ def checked_record(text: str, name: str | None) -> Record:
         trace, notes, timed = trace_of(own.frames, contract), own.notes, own.frames
     if own is not None and wanted != own.sha256:
         if name is None and wanted is None:
-            key, missing = ("frames_sha256", "no such key") if document else ("file", "no such file")
+            key, missing = ("frames_sha256", "missing") if document else ("", "does not exist")
             raise InputError(log.parent / CERTIFICATE, key, Words(missing), _BESIDE)
         if name is None:
             raise InputError(log, "sha256", found, f"{wanted} ({CERTIFICATE} beside it): a log that nobody changed")

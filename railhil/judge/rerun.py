@@ -65,10 +65,10 @@ def certified_run(text: str, fmu: PlantFmu | None = None) -> CertifiedRun:
     path = given / CERTIFICATE if given.is_dir() else given
     document = read_certificate(path, _CERTIFICATE)
     if document is None:
-        raise InputError(path, "file", Words("no such file"), _CERTIFICATE)
+        raise InputError(path, "", Words("does not exist"), _CERTIFICATE)
     wanted = document.get("frames_sha256")
     if not wanted:
-        raise InputError(path, "frames_sha256", Words("no such key"), _CERTIFICATE)
+        raise InputError(path, "frames_sha256", Words(), _CERTIFICATE)
     log = next((log for log in _logs(path.parent) if log.is_file()), None)
     if log is not None:
         checked_record(str(log), None)

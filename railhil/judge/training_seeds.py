@@ -69,5 +69,5 @@ def check_unseen(scenario: AnyScenario, run: RunSpec, origin: LawOrigin | None =
     if run.law.parameters is not None:
         run.law.parameters.check_unseen([run.seed])
     chosen = "" if origin is None else f" ({origin.text})"
-    found = Words(f"{run.seed}, on which {run.law.controller}'s own parameters were chosen{chosen}")
+    found = Words(f"seed {run.seed}, on which {run.law.controller}'s own parameters were chosen{chosen}")
     raise InputError("command line", "--seed", found, OTHER_SEEDS)

@@ -13,12 +13,11 @@ from railhil.common.errors import InputError, Words
 from railhil.common.exit_codes import PASS, run_guarded
 from railhil.common.output import Output
 from railhil.common.streams import add_json_argument, print_json
-from railhil.common.user_files import check_writable, whole_file
+from railhil.common.user_files import check_writable, refuse_unwritable, whole_file
 from railhil.controller_node.high_speed.network import HIDDEN_MAX
 from railhil.controller_node.high_speed.training import Recipe
 from railhil.judge.record import checked_record
 from railhil.learning.models import describe_training, render_file, train_models
-from railhil.record.run_folder import refuse_unwritable
 
 #: Kind on the command line -> law that uses the networks.
 _LAWS = {"elm": "elm_ngpc", "bp": "bp_ngpc", "os_elm": "os_elm_ngpc"}
@@ -96,7 +95,7 @@ def _work(namespace: argparse.Namespace) -> int:
     if record.invalid:
         raise InputError(record.log, "verdict", Words(f"INVALID: {record.invalid}"), "a run that can be trusted")
     if not record.certificate:
-        raise InputError(record.log, "certificate.json", Words("no such file"), "a run that came to its end")
+        raise InputError(record.log, "certificate.json", Words("does not exist"), "a run that came to its end")
     law = _LAWS[namespace.kind]
     file = Path(namespace.out or f"{law}_{record.scenario.name}.toml")
     # Check before the work, not after it.

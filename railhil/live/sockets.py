@@ -21,7 +21,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
-from railhil.common.errors import InputError
+from railhil.common.errors import InputError, describe_os_error
 
 _PREFIX = "railhil-run-"
 _LOCK = "lock"
@@ -102,7 +102,7 @@ class PanelSocket:
             self._socket.bind(str(path))
         except OSError as error:
             self._socket.close()
-            allowed = f"a socket that can be made ({(error.strerror or str(error)).lower()})"
+            allowed = f"a socket that can be made ({describe_os_error(error)})"
             raise InputError("command line", "--operator", str(path), allowed) from None
         finally:
             os.umask(before)

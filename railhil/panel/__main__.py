@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 
+from railhil.common.errors import describe_os_error
 from railhil.common.exit_codes import run_guarded
 
 
@@ -33,7 +34,7 @@ def main(words: Sequence[str] | None = None) -> int:
         if error.filename is not None:
             # An error of a file, not of the port.
             raise
-        reason = (error.strerror or str(error)).lower()
+        reason = describe_os_error(error)
         raise InputError("command line", "--port", namespace.port, f"a free port ({reason})") from None
     finally:
         flush_output()

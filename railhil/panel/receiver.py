@@ -15,6 +15,7 @@ from railhil.bus.errors import BusLost, BusUnavailable
 from railhil.bus.frame import Frame
 from railhil.bus.link import open_link
 from railhil.bus.link.opening import listen_only
+from railhil.common.errors import describe_os_error
 from railhil.record.framelog import LOG_NAME, frames_of
 
 #: Largest number of frames taken at one reading; of more frames the oldest are dropped. A real-time run at 1x sends
@@ -166,7 +167,7 @@ class LogFollower:
         except FileNotFoundError:
             raise BusUnavailable(f"run {folder} has not begun") from None
         except OSError as error:
-            raise BusUnavailable(f"{path}: {(error.strerror or str(error)).lower()}") from None
+            raise BusUnavailable(f"{path}: {describe_os_error(error)}") from None
         self.counters: Counter[str] = Counter()
         #: Beginning of a line whose end is not written yet.
         self._begun = b""

@@ -51,7 +51,7 @@ def find_run_folders(texts: Sequence[str]) -> tuple[list[str], list[str]]:
         # A run that was interrupted has no certificate yet.
         runs = sorted(str(one) for one in folder.glob(_RUNS) if read_certificate(one) is not None)
         if not runs:
-            raise InputError(folder, "", Words("a sequence without a finished run"), "one finished run or more")
+            raise InputError(folder, "", Words("is a sequence without a finished run"), "one finished run or more")
         shown += dict.fromkeys((runs[0], runs[-1]))
         every += runs
     return shown, every

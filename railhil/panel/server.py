@@ -256,7 +256,7 @@ def serve_panel(namespace: argparse.Namespace) -> int:
         runs = RecordedRuns(namespace.what)
         return asyncio.run(_serve(PanelServer(runs, "", namespace.port), Output(stderr=True)))
     if len(namespace.what) > 1:
-        raise InputError("command line", "SCENARIO", Words(" ".join(namespace.what)), "one scenario, or run folders")
+        raise InputError("command line", "SCENARIO", " ".join(namespace.what), "one scenario, or run folders")
     named = named_scenario(next(iter(namespace.what), None), namespace.set, namespace.fault)
     operator = Operator(namespace.operator) if namespace.operator else None
     receiver = _make_receiver(named_bus(namespace), namespace.follow)

@@ -13,6 +13,7 @@ from can.io.blf import BLFParseError
 from railhil.bus.frame import Frame, from_message
 from railhil.common.digits import count_of
 from railhil.common.errors import InputError, Words
+from railhil.common.user_files import refuse_unreadable
 
 _NS_PER_US = 1000
 #: Exceptions of python-can's reader for data that are not BLF, or end too early.
@@ -29,20 +30,21 @@ def read_blf(path: Path) -> Iterator[tuple[int, Frame]]:
     allowed = "a BLF file with at least one frame"
     count = 0
     first: object = None
-    try:
-        with BLFReader(path) as reader:
-            for message in reader:
-                count += 1
-                first = message.channel if first is None else first
-                if message.channel != first:
-                    one = f"{first}, as in the first frame: the log of one bus"
-                    raise InputError(path, f"frame {count}: channel", message.channel, one)
-                yield round(message.timestamp * 1e6) * _NS_PER_US, from_message(message)
-            announced = reader.object_count
-    except OSError as error:
-        raise InputError(path, "file", error.strerror or str(error), allowed) from error
-    except _NO_BLF as error:
-        where = f"after frame {count}" if count else "file"
-        raise InputError(path, where, Words(str(error) or type(error).__name__), "a BLF file") from error
+    with refuse_unreadable(path, allowed):
+        try:
+            with BLFReader(path) as reader:
+                for message in reader:
+                    count += 1
+                    first = message.channel if first is None else first
+                    if message.channel != first:
+                        one = f"{first}, as in the first frame: the log of one bus"
+                        raise InputError(path, f"frame {count}: channel", message.channel, one)
+                    yield round(message.timestamp * 1e6) * _NS_PER_US, from_message(message)
+                announced = reader.object_count
+        except _NO_BLF as error:
+            where = f"after frame {count}" if count else ""
+            raise InputError(
+                path, where, Words("cannot be read"), allowed, str(error) or type(error).__name__
+            ) from error
     if count == 0 or count < announced:
-        raise InputError(path, "file", Words(f"{count} of {count_of(announced, 'frame')}"), f"{allowed}, whole")
+        raise InputError(path, "", Words(f"has {count} of {count_of(announced, 'frame')}"), f"{allowed}, whole")

@@ -277,7 +277,7 @@ class _Comparison(_Part):
 
 def _read(path: Path, model: type[_Part], allowed: str) -> dict[str, Any] | None:
     try:
-        document = given_json(path, allowed, "file")
+        document = given_json(path, allowed)
     except InputError as error:
         if isinstance(error.__cause__, FileNotFoundError):
             return None

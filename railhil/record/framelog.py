@@ -22,7 +22,8 @@ from railhil.bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame, quick_fra
 from railhil.bus.hub.columns import PACKED
 from railhil.bus.own_frames import OwnFrames
 from railhil.bus.packing import SFF_MASK
-from railhil.common.errors import InputError
+from railhil.common.errors import InputError, Words
+from railhil.common.user_files import refuse_unreadable
 from railhil.dbc import Contract
 from railhil.record.log_columns import ClassicColumns, classic_columns, plain_lines
 
@@ -272,10 +273,9 @@ def log_parts(path: Path) -> Iterator[ClassicColumns | Iterator[tuple[int, Frame
 
     :raises InputError: as :func:`read_log`, also while such a part is read.
     """
-    try:
+    allowed = "a candump log with at least one frame"
+    with refuse_unreadable(path, allowed):
         stream = path.open("rb")
-    except OSError as error:
-        raise InputError(path, "file", error.strerror or str(error), "a readable candump log") from error
     with stream:
         number = 0
         channels = _Channels(path)
@@ -289,7 +289,7 @@ def log_parts(path: Path) -> Iterator[ClassicColumns | Iterator[tuple[int, Frame
                 yield columns
             number += part.count(b"\n")
         if number == 0:
-            raise InputError(path, "file", "", "a candump log with at least one frame")
+            raise InputError(path, "", Words("is empty"), allowed)
 
 
 def _read_candump(path: Path) -> Iterator[tuple[int, Frame]]:

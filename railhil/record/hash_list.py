@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any, Final, NamedTuple
 
 from railhil.common.errors import InputError, Words
-from railhil.common.user_files import DRAFTS, whole_file, write_synced
+from railhil.common.user_files import DRAFTS, refuse_unreadable, whole_file, write_synced
 from railhil.record.framelog import sha256_of
 from railhil.record.signature import HASH_LIST as HASH_LIST
 from railhil.record.signature import SIGNATURE as SIGNATURE
@@ -91,7 +91,7 @@ def listed_file(path: Path) -> Iterator[Path]:
     hashes = read_hash_list(path.parent) if any((path.parent / name).is_file() for name in DOCUMENTS) else None
     is_signed = (path.parent / SIGNATURE).is_file()
     if hashes is not None and is_signed and path.name in hashes:
-        raise InputError(path, "file", Words(f"a file of a signed folder ({SIGNATURE})"), "--out FILE elsewhere")
+        raise InputError(path, "", Words(f"belongs to a signed folder ({SIGNATURE})"), "--out FILE elsewhere")
     with whole_file(path) as draft:
         yield draft
     if hashes is not None and not is_signed:
@@ -120,13 +120,11 @@ def read_hash_list(folder: Path) -> dict[str, str] | None:
     :raises InputError: it is damaged.
     """
     path = folder / HASH_LIST
-    try:
+    expected = "lines as sha256sum writes them"
+    with refuse_unreadable(path, expected):
+        if not path.exists():
+            return None
         text = path.read_text(encoding="utf-8")
-    except FileNotFoundError:
-        return None
-    except (OSError, ValueError) as error:
-        why = error.strerror if isinstance(error, OSError) else None
-        raise InputError(path, "file", Words(why or "no text"), "lines as sha256sum writes them") from None
     found: dict[str, str] = {}
     for number, line in enumerate(text.splitlines(keepends=True), 1):
         match = _LINE.fullmatch(line)
@@ -134,7 +132,7 @@ def read_hash_list(folder: Path) -> dict[str, str] | None:
             raise InputError(path, f"line {number}", line.rstrip("\n"), "SHA-256, two spaces, a file of the folder")
         found[match[2]] = match[1]
     if not found:
-        raise InputError(path, "file", Words("no line"), "lines as sha256sum writes them")
+        raise InputError(path, "", Words("is empty"), expected)
     return found
 
 
@@ -150,10 +148,8 @@ def changed_files(folder: Path, hashes: Mapping[str, str]) -> Iterator[Changed]:
     """
     for name, listed in hashes.items():
         path = folder / name
-        try:
+        with refuse_unreadable(path, "a readable file"):
             found = sha256_of(path) if path.is_file() else _MISSING
-        except OSError as error:
-            raise InputError(path, "file", Words((error.strerror or str(error)).lower()), "a readable file") from None
         if found != listed:
             yield Changed(name, found, listed)
 
@@ -171,11 +167,11 @@ def check_document(folder: Path, name: str, document: Mapping[str, Any] | None) 
     if hashes is not None:
         check_signature(folder)
     elif (folder / SIGNATURE).is_file():
-        raise InputError(folder / HASH_LIST, "file", Words(_MISSING), f"the list that {SIGNATURE} beside it is of")
+        raise InputError(folder / HASH_LIST, "", Words("does not exist"), f"the list that {SIGNATURE} beside it is of")
     if hashes is None or name not in hashes:
         if document is not None and (hashes is not None or document.get(HASH_LIST_KEY)):
-            found = Words(_MISSING if hashes is None else f"no line of {name}")
-            raise InputError(folder / HASH_LIST, "file", found, f"the list of the folder's files, with {name}")
+            found = Words("does not exist" if hashes is None else f"has no line of {name}")
+            raise InputError(folder / HASH_LIST, "", found, f"the list of the folder's files, with {name}")
         return {}
     for changed in changed_files(folder, {name: hashes[name]}):
         raise changed.error(folder)

@@ -1,57 +1,21 @@
-"""The folder of a run: made at the start, removed if the run never began; its inputs, its JSON documents, and
-the errors when something cannot be written.
-"""
+"""The folder of a run: made at the start, removed if the run never began; its inputs and its JSON documents."""
 
 from __future__ import annotations
 
-import errno
 import json
 import shutil
 import tempfile
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 from railhil.common.errors import InputError
-from railhil.common.exit_codes import TOOL_ERROR
-from railhil.common.user_files import whole_file
+from railhil.common.user_files import not_written, whole_file
 from railhil.dbc import DBC, PORTS
 from railhil.dbc.text import dbc_text, table_text
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.stored import SCENARIO, any_document
-
-#: Errors of the operating system when the disk is full.
-NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
-
-
-class RecordFailed(Exception):
-    """Results cannot be written (disk full); the frames already in the log are kept."""
-
-    exit_code = TOOL_ERROR
-
-
-def not_written(key: str, path: Path, kind: str, error: OSError) -> InputError | RecordFailed:
-    """The error for a user's file or folder that cannot be written: bad input, unless the disk is full.
-
-    :param key: option that named it.
-    :param kind: ``file`` or ``folder``.
-    """
-    reason = (error.strerror or str(error)).lower()
-    if error.errno in NO_ROOM:
-        return RecordFailed(f"{path} cannot be written: {reason}")
-    return InputError("command line", key, str(path), f"a {kind} that can be written ({reason})")
-
-
-@contextmanager
-def refuse_unwritable(key: str, path: Path, kind: str) -> Iterator[None]:
-    """Writing a user's file or folder, inside ``with``; arguments and errors as :func:`not_written`."""
-    try:
-        yield
-    except OSError as error:
-        raise not_written(key, path, kind, error) from None
 
 
 def json_text(document: dict[str, Any]) -> str:

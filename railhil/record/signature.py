@@ -13,6 +13,7 @@ from typing import Final, NamedTuple
 
 from railhil.common.errors import InputError, Words
 from railhil.common.streams import say
+from railhil.common.user_files import refuse_unreadable
 
 #: Names in a folder: the list, and its signature, named by OpenSSH.
 HASH_LIST, SIGNATURE = "SHA256SUMS", "SHA256SUMS.sig"
@@ -111,7 +112,7 @@ def check_signature(folder: Path) -> None:
     if found is None or found.by:
         return
     if found.is_checked:
-        raise InputError(folder / SIGNATURE, "file", Words(found.said), f"a signature of {HASH_LIST} beside it")
+        raise InputError(folder / SIGNATURE, "", Words(found.said), f"a signature of {HASH_LIST} beside it")
     _say_once(f"{folder / SIGNATURE} is not checked: {found.said}")
 
 
@@ -126,15 +127,13 @@ def _allowed_signers(key: Path) -> str:
     :raises InputError: it is neither.
     """
     allowed = "a public key (id_ed25519.pub) or a file of allowed signers"
-    try:
+    with refuse_unreadable(key, allowed):
         text = key.read_text(encoding="utf-8")
-    except (OSError, ValueError) as error:
-        raise InputError("command line", f"{KEY} {key}", Words(str(error)), allowed) from None
     if "PRIVATE KEY" in text:
-        raise InputError("command line", f"{KEY} {key}", Words("a private key"), allowed)
+        raise InputError("command line", f"{KEY} {key}", Words("is a private key"), allowed)
     lines = [line for line in text.splitlines() if line.strip() and not line.startswith("#")]
     if not lines:
-        raise InputError("command line", f"{KEY} {key}", Words("no key"), allowed)
+        raise InputError("command line", f"{KEY} {key}", Words("has no key"), allowed)
     is_key = re.match(r"(ssh-|ecdsa-|sk-)\S+ \S+", lines[0]) is not None
     return f'{_SIGNER} namespaces="{NAMESPACE}" {lines[0]}\n' if is_key and len(lines) == 1 else text
 

@@ -7,11 +7,12 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from railhil.common.user_files import whole_file
+from railhil.common.errors import describe_os_error
+from railhil.common.user_files import RecordFailed, whole_file
 from railhil.judge.record import Record
 from railhil.record.documents import COMPARISON
 from railhil.record.hash_list import HASH_LIST, HASH_LIST_KEY, write_hash_list
-from railhil.record.run_folder import RecordFailed, json_text
+from railhil.record.run_folder import json_text
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 
@@ -86,6 +87,6 @@ def write_comparison(
     except OSError as error:
         for name in (_TABLE, HASH_LIST):
             (folder / name).unlink(missing_ok=True)
-        reason = (error.strerror or str(error)).lower()
-        raise RecordFailed(f"comparison {folder} cannot be written: {reason}; the runs in it are kept") from error
+        reason = f"{describe_os_error(error)}; the runs in it are kept"
+        raise RecordFailed(f"comparison {folder} cannot be written: {reason}") from error
     return document

@@ -16,8 +16,7 @@ from railhil.common.exit_codes import INVALID, PASS, run_guarded
 from railhil.common.extras import install_command
 from railhil.common.output import Output, table
 from railhil.common.streams import add_json_argument, print_json
-from railhil.common.user_files import check_writable
-from railhil.record.run_folder import refuse_unwritable
+from railhil.common.user_files import check_writable, refuse_unwritable
 from railhil.reproduce.comparison import FOLLOWS, FOLLOWS_NOT, IN_PART, Table
 from railhil.reproduce.document import PAGE, RUNS, make_document, write_page
 from railhil.reproduce.measurement import measure_paper

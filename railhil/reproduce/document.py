@@ -16,8 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from railhil.charts.figure import Figure
-from railhil.common.user_files import whole_file
-from railhil.record.run_folder import refuse_unwritable
+from railhil.common.user_files import refuse_unwritable, whole_file
 from railhil.reproduce.comparison import Line, Table
 from railhil.reproduce.paper import Measurement, Paper, Results
 

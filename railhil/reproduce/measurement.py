@@ -104,7 +104,7 @@ def _read(file: Path, entry: Entry) -> Measurement:
 
     :raises InputError: they are from another run, or from other code.
     """
-    found = given_json(file, "figures of a run, as --measured writes them", "file")
+    found = given_json(file, "figures of a run, as --measured writes them")
     for key, allowed in _identity(entry).items():
         if found.get(key) != allowed:
             raise InputError(file, key, str(found.get(key)), f"{allowed}, or no such file: the run is then made")

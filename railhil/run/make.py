@@ -11,9 +11,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from railhil.common.exit_codes import FAIL, INVALID, USAGE
+from railhil.common.user_files import NO_ROOM
 from railhil.judge.fault_report import check_faults, transports_of
 from railhil.live.processes import process_start_ns
-from railhil.record.run_folder import NO_ROOM, PARAMETERS, discard_folder, run_folder, write_inputs
+from railhil.record.run_folder import PARAMETERS, discard_folder, run_folder, write_inputs
 from railhil.run.bus_run import BusRun
 from railhil.run.memory import keep_memory, learned, with_memory
 from railhil.run.node_commands import chosen_bus

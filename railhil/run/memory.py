@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from railhil.common.digits import count_of
-from railhil.common.errors import InputError
-from railhil.record.run_folder import RecordFailed, refuse_unwritable
+from railhil.common.errors import InputError, describe_os_error
+from railhil.common.user_files import RecordFailed, refuse_unwritable
 from railhil.record.telemetry import Kept, Learned
 from railhil.scenarios.memory import MEMORY_AFTER, MEMORY_BEFORE, MemoryRecord, next_record, write_memory
 from railhil.scenarios.memory_store import MemoryStore, StoreChanged
@@ -80,7 +80,7 @@ def keep_memory(result: Result) -> None:
     except (StoreChanged, InputError):
         raise RecordFailed(f"memory {store.path} was changed during the run and is kept; {new} is new") from None
     except OSError as error:
-        reason = (error.strerror or str(error)).lower()
+        reason = describe_os_error(error)
         raise RecordFailed(f"memory {store.path} cannot be written: {reason}; {new} holds it") from None
 
 

@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from railhil.common.errors import describe_os_error
 from railhil.common.extras import install_command
 
 if TYPE_CHECKING:
@@ -48,5 +49,5 @@ def say_report(folder: Path, write: Callable[[Path], None]) -> str:
     except ImportError as error:
         return f"no report: {error.name} is not installed ({install_command('report')})"
     except OSError as error:
-        return f"no report: {path} cannot be written ({(error.strerror or str(error)).lower()})"
+        return f"no report: {path} cannot be written ({describe_os_error(error)})"
     return f"report {path}"

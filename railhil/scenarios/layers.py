@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from railhil.common.errors import InputError, Words, did_you_mean
-from railhil.common.user_files import given_text
+from railhil.common.user_files import given_text, refuse_unreadable
 from railhil.faults import FAULT
 from railhil.scenarios.settings import SET, layer
 from railhil.scenarios.tomlfile import parsed_toml
@@ -149,7 +149,7 @@ class Layers:
             if base is None:
                 return
             path = self._reference(path, "extends", base, DATA / "runs")
-        raise InputError(path, "extends", Words("a longer chain"), f"at most {_CHAIN_MAX} files in a chain")
+        raise InputError(path, "extends", Words("makes the chain longer"), f"at most {_CHAIN_MAX} files in a chain")
 
     def _left(self, path: Path, table: Table) -> Table:
         """The content of a scenario file without the key that is left out."""
@@ -238,16 +238,8 @@ def short_name(name: str, names: Sequence[str]) -> str:
 
 def read_toml(path: Path) -> Table:
     """A TOML file as a table. Raises :class:`InputError` when it cannot be read or is not TOML."""
-    try:
-        text = given_text(path)
-    except OSError as error:
-        raise InputError(path, "", Words(error.strerror or "no readable file"), "a readable TOML file") from None
-    except UnicodeDecodeError as error:
-        raise InputError(path, "", Words(f"byte {error.start} that is not UTF-8"), "UTF-8 text") from None
-    try:
-        return parsed_toml(text)
-    except ValueError as error:
-        raise InputError(path, "", Words(str(error)), "TOML 1.0") from None
+    with refuse_unreadable(path, "TOML 1.0 in UTF-8"):
+        return parsed_toml(given_text(path))
 
 
 def _absolute_foreign(path: Path, section: str, table: Table) -> None:

@@ -78,7 +78,8 @@ def find(name_or_path: str | Path) -> Path:
     if text.endswith(".toml"):
         path = Path(text)
         if not path.is_file():
-            raise InputError(path, "", Words("no such file"), "an existing .toml file", near_file(path))
+            found = Words("is no regular file" if path.exists() else "does not exist")
+            raise InputError(path, "", found, "an existing .toml file", near_file(path))
         return path
     name = shipped_name(text, RUNS)
     if name is None:

@@ -25,8 +25,8 @@ from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from railhil.common.errors import InputError, Words, near_file
-from railhil.common.user_files import given_bytes, write_synced
+from railhil.common.errors import InputError, Words
+from railhil.common.user_files import given_bytes, json_object, refuse_unreadable, write_synced
 from railhil.scenarios.validation import validated
 
 VERSION = 1
@@ -261,18 +261,14 @@ def _document(path: Path) -> dict[str, Any]:
     :raises BadRecord: there is none.
     """
     try:
-        document = json.loads(given_bytes(path, _BYTES_MAX).decode("utf-8"))
+        with refuse_unreadable(path, _ALLOWED):
+            content = given_bytes(path, _BYTES_MAX)
     except InputError as error:
         raise BadRecord("unreadable", error) from None
-    except OSError as error:
-        found = InputError(path, "", Words(error.strerror or str(error)), _ALLOWED, near_file(path))
-        raise BadRecord("unreadable", found) from None
-    except (ValueError, RecursionError) as error:
-        raise BadRecord("json", InputError(path, "", Words(f"no JSON document ({error})"), _ALLOWED)) from None
-    if not isinstance(document, dict):
-        found = InputError(path, "", Words("no JSON object"), _ALLOWED)
-        raise BadRecord("json", found)
-    return document
+    try:
+        return json_object(path, content, _ALLOWED)
+    except InputError as error:
+        raise BadRecord("json", error) from None
 
 
 def _record(document: Mapping[str, Any], source: Path) -> MemoryRecord:

@@ -72,10 +72,10 @@ class MemoryStore:
         try:
             is_file = self.path.exists() and not self.path.is_dir()
         except PermissionError:
-            raise InputError(self.path, "", Words("permission denied"), _ALLOWED) from None
+            raise InputError(self.path, "", Words("cannot be read: permission denied"), _ALLOWED) from None
         if is_file:
             hint = f"copy it to FOLDER/{SLOT_FILES[LINE_DEFAULT]} to go on from it"
-            raise InputError(self.path, "", Words("a file"), _ALLOWED, hint)
+            raise InputError(self.path, "", Words("is a file"), _ALLOWED, hint)
         found = [self._stored(slot) for slot in SLOT_FILES]
         there = [one for one in found if one is not None]
         for one in there:
@@ -159,5 +159,5 @@ def memory_at(path: Path) -> Memory:
     found = MemoryStore(path).read()
     if found.newest is None:
         bad = [f"slot {one.slot} cannot be used: {one.detail}" for one in found.stored]
-        raise InputError(path, "", Words("; ".join(bad) or "no record"), _ALLOWED)
+        raise InputError(path, "", Words("; ".join(bad) or "has no record"), _ALLOWED)
     return found

@@ -24,8 +24,8 @@ from typing import Any
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from railhil.common.errors import InputError, Words, near_file
-from railhil.common.user_files import given_text
+from railhil.common.errors import InputError, Words
+from railhil.common.user_files import given_text, refuse_unreadable
 from railhil.scenarios.tomlfile import parsed_toml, toml_table, toml_value
 from railhil.scenarios.validation import validated
 
@@ -175,16 +175,10 @@ def load_parameters(path: Path) -> ParameterSet:
 
     :raises InputError: it cannot be read, or does not have the format described at the top of this module.
     """
-    try:
+    with refuse_unreadable(path, "a parameter file (TOML)"):
         text = given_text(path)
         if path.suffix == ".json":
             return _stored(path, text)
         content = parsed_toml(text)
-    except OSError as error:
-        found = Words(error.strerror or str(error))
-        raise InputError(path, "", found, "a parameter file (TOML)", near_file(path)) from error
-    except ValueError as error:
-        # Not text, or not usable TOML.
-        raise InputError(path, "", Words(str(error)), "a parameter file (TOML)") from error
     file = validated(_File, content, lambda keys: path)
     return _finite(_parameter_set(file.law, file.parameters, path, file.training))

@@ -8,8 +8,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from railhil.common.errors import InputError, Words
-from railhil.common.user_files import open_given
+from railhil.common.errors import InputError
+from railhil.common.user_files import open_given, refuse_unreadable
 
 OPTION, MAP_OPTION = "--plant-fmu", "--fmu-map"
 #: Largest archive of an FMU.
@@ -65,7 +65,7 @@ def fmu_again(document: Mapping[str, Any], file: str | Path, given: PlantFmu | N
         if given is not None:
             raise InputError("command line", OPTION, given.file, f"nothing: the run of {file} had no FMU")
         return None
-    found = Words(str(recorded.get("file", "an FMU") if isinstance(recorded, Mapping) else recorded))
+    found = str(recorded.get("file", "an FMU") if isinstance(recorded, Mapping) else recorded)
     if given is None:
         allowed = f"{OPTION} on the command line: an FMU is native code, which no file can load"
         raise InputError(file, KEY, found, allowed)
@@ -80,9 +80,7 @@ def fmu_again(document: Mapping[str, Any], file: str | Path, given: PlantFmu | N
 
 
 def _sha256(name: str) -> str:
-    try:
-        with open_given(Path(name), FMU_BYTES_MAX) as stream:
-            return hashlib.file_digest(stream, "sha256").hexdigest()
-    except OSError as error:
-        reason = Words((error.strerror or str(error)).lower())
-        raise InputError(name, "file", reason, "an FMU, and a TOML file with the names of its variables") from None
+    path = Path(name)
+    expected = "an FMU, and a TOML file with the names of its variables"
+    with refuse_unreadable(path, expected), open_given(path, FMU_BYTES_MAX) as stream:
+        return hashlib.file_digest(stream, "sha256").hexdigest()

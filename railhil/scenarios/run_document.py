@@ -28,9 +28,9 @@ from railhil.common.command_line import (
     USUAL_LAW,
     USUAL_SCENARIO,
 )
-from railhil.common.errors import Faults, InputError, Sentence, Words, did_you_mean, near_file
+from railhil.common.errors import Faults, InputError, Sentence, Words, did_you_mean
 from railhil.common.patience import PATIENCE_S
-from railhil.common.user_files import given_text
+from railhil.common.user_files import given_text, refuse_unreadable
 from railhil.faults import FAULT
 from railhil.scenarios.load import load_any, stable_name
 from railhil.scenarios.memory import Memory, memory_from_json
@@ -297,13 +297,9 @@ def _table(path: Path, stored: bool) -> dict[str, Any]:
 
     :raises InputError: it cannot be read, or is not a table.
     """
-    try:
+    with refuse_unreadable(path, _ALLOWED):
         text = given_text(path)
         document = json.loads(text) if stored else parsed_toml(text)
-    except OSError as error:
-        raise InputError(path, "", Words(error.strerror or str(error)), _ALLOWED, near_file(path)) from None
-    except (ValueError, RecursionError) as error:
-        raise InputError(path, "", Words(str(error)), _ALLOWED) from None
     if not isinstance(document, dict) or (stored and "scenario" not in document):
-        raise InputError(path, "", Words("no JSON object that names a scenario"), _ALLOWED)
+        raise InputError(path, "", Words("has no JSON object that names a scenario"), _ALLOWED)
     return document

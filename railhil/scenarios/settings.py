@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from railhil.common.errors import InputError, Words
+from railhil.common.errors import InputError
 from railhil.faults import FAULT
 from railhil.scenarios.tomlfile import parsed_toml
 
@@ -85,7 +85,7 @@ def _parsed(text: str) -> tuple[str, Any]:
     if not equals or not _KEY.fullmatch(key):
         raise InputError(SET, "", text, "KEY=VALUE, such as plan.stop_error_max_m=0.3")
     if key in _FIXED:
-        raise InputError(SET, key, Words(value.strip() or "nothing"), "a key that does not say which scenario it is")
+        raise InputError(SET, key, value.strip(), "a key that does not say which scenario it is")
     return key, _value(value.strip())
 
 

@@ -49,7 +49,7 @@ def read_scenario(path: Path) -> AnyScenario:
 
     :raises InputError: it cannot be read, is not a scenario, or does not match its own hash.
     """
-    fields = given_json(path, _ALLOWED, "file")
+    fields = given_json(path, _ALLOWED)
     system = system_named(str(fields.get("system", DEFAULT)), path)
     scenario = system.scenario_kind.stored(fields, path)
     if fields.get("sha256") != scenario.sha256:

@@ -164,7 +164,7 @@ class TaskScenarios:
         for port, period_ns in {"": timing.control_period_ns, **timing.port_period_ns}.items():
             keys = ("timing", "port_period_ms", port) if port else ("timing", "control_period_ms")
             if port and port not in ports:
-                raise refuse(keys, Words(f"the unknown port {port}"), f"only {', '.join(ports)}")
+                raise refuse(keys, Words("no such port"), f"one of {', '.join(ports)}")
             if period_ns <= 0 or timing.base_tick_ns <= 0 or period_ns % timing.base_tick_ns:
                 raise refuse(keys, period_ns / 1e6, f"a whole multiple of base_tick_ms = {timing.base_tick_ns / 1e6:g}")
         check_carried(self._system.contract, file.task.reaches(), refuse)

@@ -109,8 +109,8 @@ def _translated(
     if kind == "extra_forbidden":
         choices = _fields_at(table_type, tagged[:-1])
         hint = did_you_mean(str(keys[-1]), choices)
-        allowed = f"only {', '.join(sorted(choices))}"
-        found = Words(f"the unknown key {keys[-1]}")
+        allowed = f"one of {', '.join(sorted(choices))}"
+        found = Words("unknown key")
     return InputError(origin(keys), dotted(keys), found, allowed or sentence(one), hint)
 
 

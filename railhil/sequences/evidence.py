@@ -23,7 +23,7 @@ from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from railhil.common.errors import InputError, Words
+from railhil.common.errors import InputError, Words, describe_os_error
 from railhil.common.user_files import given_json, write_synced
 from railhil.dbc import ContractError
 from railhil.judge.cross_check import check_folder
@@ -175,7 +175,7 @@ def left(folder: Path, began: Memory) -> tuple[Memory, MemoryRecord | None]:
     path = folder / MEMORY_AFTER
     certificate = read_certificate(folder)
     if certificate is None:
-        raise InputError(folder / CERTIFICATE, "", Words("no certificate"), "that of a complete run")
+        raise InputError(folder / CERTIFICATE, "", Words("does not exist"), "that of a complete run")
     if not path.exists():
         return began, None
     try:
@@ -218,4 +218,4 @@ def differences(folder: Path, evidence: Evidence) -> Iterator[str]:
         except InputError as error:
             yield str(error)
         except OSError as error:
-            yield f"{place}: {(error.strerror or str(error)).lower()}"
+            yield f"{place}: {describe_os_error(error)}"

@@ -10,9 +10,10 @@ from pathlib import Path
 
 from railhil.common.errors import InputError, Words
 from railhil.common.exit_codes import INVALID
+from railhil.common.user_files import refuse_unwritable
 from railhil.judge.rerun import certified_run, changes
 from railhil.judge.result import Result
-from railhil.record.run_folder import refuse_unwritable, run_folder
+from railhil.record.run_folder import run_folder
 from railhil.run.make import record_run
 from railhil.scenarios.memory import Memory
 from railhil.scenarios.model import AnyScenario
@@ -67,11 +68,12 @@ def begin(first: RunSpec, scenario: AnyScenario, runs: int, out: str | None) -> 
 def _check_same(evidence: Evidence, first: RunSpec, runs: int, folder: Path) -> None:
     """Refuse to resume with another request. Raises InputError."""
     if (evidence.first.as_json(), evidence.runs) != (first.as_json(), runs):
-        raise InputError(folder / SEQUENCE, "", Words("another sequence"), "the same one to go on, or another --out")
+        allowed = "the same one to go on, or another --out"
+        raise InputError(folder / SEQUENCE, "", Words("is of another sequence"), allowed)
     for difference in differences(folder, evidence):
-        raise InputError(folder / SEQUENCE, "made", Words("changed runs"), f"them as they were made: {difference}")
+        raise InputError(folder / SEQUENCE, "made", Words("has changed runs"), f"them as they were made: {difference}")
     if evidence.made and (changed := changes(certified_run(str(folder / run_name(len(evidence.made)))))):
-        found = Words(f"runs of other code: {'; '.join(changed)}")
+        found = Words(f"has runs of other code: {'; '.join(changed)}")
         raise InputError(folder / SEQUENCE, "", found, "that code to go on, or another --out")
 
 

@@ -14,7 +14,7 @@ import pyarrow as pa
 from railhil.common.errors import InputError, Words
 from railhil.common.user_files import given_json
 from railhil.record.hash_list import check_hash_list
-from railhil.study.manifest import read_manifest
+from railhil.study.manifest import differing_values, read_manifest, shown_value
 from railhil.study.parts import SUMMARY
 from railhil.study.plan import C, P, Study
 from railhil.study.table import RESULTS, NotThePart, read_table
@@ -43,19 +43,13 @@ def repeated_plan(study: Study[P, C], folder: Path) -> tuple[P, bool]:
     check_hash_list(folder, study.manifest, None)
     plan = study.make_plan(begun.request)
     ours = json.loads(json.dumps(plan.identity))
-    for key in ours:
-        found, wanted = (_without_code(identity.get(key)) for identity in (begun.identity, ours))
-        if key not in _CODE and found != wanted:
-            allowed = f"{json.dumps(wanted)}, what this installation would run"
-            raise InputError(folder / study.manifest, f"{study.kind}.{key}", Words(json.dumps(found)), allowed)
-    return plan, any(begun.identity.get(key) != value for key, value in ours.items())
-
-
-def _without_code(value: Any) -> Any:
-    """Tables in an identity without the hashes of code."""
-    if not isinstance(value, list):
-        return value
-    return [{key: one[key] for key in one if key not in _CODE} if isinstance(one, dict) else one for one in value]
+    begun_same = {key: begun.identity.get(key) for key in ours}
+    differing = list(differing_values(begun_same, ours, study.kind))
+    for key, found, wanted in differing:
+        if key.rpartition(".")[2] not in _CODE:
+            allowed = f"{shown_value(wanted)}, what this installation would run"
+            raise InputError(folder / study.manifest, key, found, allowed)
+    return plan, bool(differing)
 
 
 def finished_rows(study: Study[P, C], plan: P, folder: Path) -> pa.Table:
@@ -81,7 +75,7 @@ def finished_summary(study: Study[P, C], folder: Path) -> dict[str, Any]:
 
 
 def _unfinished(study: Study[P, C], folder: Path, name: str) -> InputError:
-    return InputError(folder, "", Words(f"no {name}"), f"a finished {study.kind} (--resume finishes it)")
+    return InputError(folder, "", Words(f"has no {name}"), f"a finished {study.kind} (--resume finishes it)")
 
 
 def differences(ours: Mapping[str, Any], bench: Mapping[str, Any]) -> dict[str, tuple[Any, Any]]:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
 from importlib.metadata import version
+from itertools import zip_longest
 from pathlib import Path
 from typing import Any, get_args, get_origin, get_type_hints
 
@@ -62,7 +63,7 @@ def read_manifest(folder: Path, study: Study[P, C]) -> Manifest:
     document = given_json(path, f"a file of {study.command}")
     if document.get("format") != _FORMAT:
         allowed = f"{_FORMAT}, of {study.command} of this railhil"
-        raise InputError(path, "format", Words("something else"), allowed)
+        raise InputError(path, "format", document.get("format", Words()), allowed)
     fields: dict[str, Any] = {study.kind: (dict[str, Any], ...), "request": (_model_of(study.request), ...)}
     # The part that is read back; the rest is information for people.
     model = create_model("_File", __config__=ConfigDict(extra="ignore", strict=True), **fields)
@@ -110,9 +111,28 @@ def check_same(study: Study[P, C], folder: Path, recorded: dict[str, Any], ours:
     :param ours: identity of the requested study.
     :raises InputError: naming the first difference.
     """
-    ours = json.loads(json.dumps(ours))
-    for key in sorted(ours | recorded):
-        if ours.get(key) != recorded.get(key):
-            found, now = (json.dumps(side.get(key)) for side in (recorded, ours))
-            allowed = f"{now} to go on with it; another --out begins a new {study.kind}"
-            raise InputError(folder / study.manifest, f"{study.kind}.{key}", Words(found), allowed)
+    for key, found, now in differing_values(recorded, json.loads(json.dumps(ours)), study.kind):
+        allowed = f"{shown_value(now)} to go on with it; another --out begins a new {study.kind}"
+        raise InputError(folder / study.manifest, key, found, allowed)
+
+
+def differing_values(found: Any, wanted: Any, key: str) -> Iterator[tuple[str, Any, Any]]:
+    """The innermost keys at which two JSON values differ, with the two values there.
+
+    :param key: of the two values; those inside are below it, as ``campaign.laws[0].law_sha256``. A value that one side
+        lacks is ``Words()``.
+    """
+    if isinstance(found, dict) and isinstance(wanted, dict):
+        for name in sorted(found | wanted):
+            yield from differing_values(found.get(name, Words()), wanted.get(name, Words()), f"{key}.{name}")
+    elif isinstance(found, list) and isinstance(wanted, list):
+        pairs = zip_longest(found, wanted, fillvalue=Words())
+        for index, (one, other) in enumerate(pairs):
+            yield from differing_values(one, other, f"{key}[{index}]")
+    elif found != wanted:
+        yield key, found, wanted
+
+
+def shown_value(value: Any) -> str:
+    """A value of :func:`differing_values` that is wanted."""
+    return "no such key" if isinstance(value, Words) else repr(value)

@@ -22,11 +22,11 @@ from typing import IO, Any, Generic
 import pyarrow as pa
 
 from railhil.common.digits import count_of
-from railhil.common.errors import InputError, Words
-from railhil.common.user_files import DRAFTS, lock_within, sync_folder, write_synced
+from railhil.common.errors import InputError, Sentence, describe_os_error
+from railhil.common.user_files import DRAFTS, RecordFailed, lock_within, refuse_unwritable, sync_folder, write_synced
 from railhil.record.framelog import sha256_of
 from railhil.record.hash_list import HASH_LIST, enter, read_hash_list, write_hash_list, write_hashes
-from railhil.record.run_folder import RecordFailed, refuse_unwritable, run_folder
+from railhil.record.run_folder import run_folder
 from railhil.study.manifest import check_same, manifest_of, read_manifest
 from railhil.study.plan import C, P, Shard, Study, sha256_of_json
 from railhil.study.table import RESULTS, NotThePart, file_bytes, read_part
@@ -53,7 +53,7 @@ class ShardLists:
             # The first line is torn: the shard has made no part.
             if first.endswith("\n") and first != head:
                 allowed = f"{head.strip()}: shards of one plan, made by one code"
-                raise InputError(file, "line 1", Words(first.strip()), allowed)
+                raise InputError(file, "line 1", first.strip(), allowed)
             for match in filter(None, map(_LINE.fullmatch, lines)):
                 self._hashes.setdefault(match[2], set()).add(match[1])
 
@@ -179,7 +179,7 @@ class PartsFolder(Generic[P, C]):
             yield
         except OSError as error:
             # The reason does not matter: the folder was writable before.
-            why = (error.strerror or str(error)).lower()
+            why = describe_os_error(error)
             raise RecordFailed(f"{path} cannot be written: {why}") from error
 
 
@@ -205,7 +205,7 @@ def _claim(descriptor: int, path: Path, kind: str, mode: int = fcntl.LOCK_EX, wa
     with refuse_unwritable(_OPTIONS, path, "folder"):
         is_locked = lock_within(descriptor, wait_s, mode)
     if not is_locked:
-        raise InUse(path, "", Words(f"a {kind} that is running there"), "one process at a time")
+        raise InUse(path, "", kind, Sentence(f"is in use by a {kind} that is running"))
 
 
 @contextmanager

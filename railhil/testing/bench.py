@@ -71,7 +71,7 @@ class Bench:
         :raises InputError: an argument is not allowed, or the session has a bus whose clock the test cannot hold.
         """
         if self.settings.bus != "local":
-            found = Words(f"bus {self.settings.bus}")
+            found = self.settings.bus
             raise InputError("bench.start", "bus", found, "local: on a bus the test does not hold the clock")
         given = self._given(seed, perturbed, spec)
         made, scenario = checked_spec(spec_of(given.pop("scenario"), bus="local", **given))

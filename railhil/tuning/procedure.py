@@ -17,8 +17,7 @@ from railhil.common.errors import InputError, Words
 from railhil.common.exit_codes import PASS
 from railhil.common.output import Output, show_progress
 from railhil.common.streams import print_json
-from railhil.common.user_files import check_writable, whole_file
-from railhil.record.run_folder import refuse_unwritable
+from railhil.common.user_files import check_writable, refuse_unwritable, whole_file
 from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario, require_perturbations
 from railhil.scenarios.parameters import ParameterSet, load_parameters

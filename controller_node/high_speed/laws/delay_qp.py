@@ -187,7 +187,7 @@ class DelayQp(HighSpeedLaw[T, Any]):
             return [Group((unit,), (1.0,), None) for unit in units]
         between_units = task.between_units
         if between_units is None:
-            found = Words("loop train on units that nothing connects")
+            found = Words("train on units that nothing connects")
             raise InputError("parameters", "loop", found, 'couplers ([task.coupler]), or "unit"')
         masses_t = tuple(unit.mass_t * (1.0 + task.rotating_mass_share) for unit in task.unit)
         coupler = CouplerModel(between_units.stiffness_kn_per_m, between_units.damping_kn_per_mps)

@@ -52,7 +52,7 @@ def test_every_step_of_the_life_sign_with_every_check() -> None:
 def test_a_life_sign_has_four_bits(raw_range: tuple[int, int]) -> None:
     signal = SimpleNamespace(raw_range=raw_range, check=None)
     kind: Any = SimpleNamespace(PORT="X", signals=lambda: [("life", signal)])
-    words = rf"^ports: X\.life: found {raw_range[0]} to {raw_range[1]}, allowed a life sign of 4 bits, 0 to 15$"
+    words = rf"^ports: X\.life: {raw_range[0]} to {raw_range[1]}, expected a life sign of 4 bits, 0 to 15$"
     with pytest.raises(InputError, match=words):
         life_of(kind)
 

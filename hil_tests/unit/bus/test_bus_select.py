@@ -85,7 +85,7 @@ def test_a_configured_interface_without_channel_has_no_channel_called_none(monke
         ({"CAN_INTERFACE": "socketcan_native", "CAN_CHANNEL": "can0"}, "CAN_INTERFACE: found 'socketcan_native'"),
         ({"CAN_INTERFACE": "SocketCAN"}, "(did you mean socketcan?)"),
         ({"CAN_INTERFACE": "sockecan"}, "(did you mean socketcan?)"),
-        ({"CAN_CHANNEL": "can0"}, "CAN_CHANNEL: found channel can0 without an interface"),
+        ({"CAN_CHANNEL": "can0"}, "CAN_CHANNEL: channel can0 without an interface"),
         ({"CAN_INTERFACE": "virtual", "CAN_BITRATE": "fast"}, "CAN_BITRATE: found 'fast'"),
         ({"CAN_CONFIG": "{"}, "CAN_CONFIG: found '{'"),
         ({"CAN_CONFIG": "[1]"}, "CAN_CONFIG: found '[1]'"),
@@ -141,7 +141,7 @@ def test_what_the_command_line_overrides_need_not_be_right(monkeypatch: pytest.M
 
 @pytest.mark.parametrize("arguments", [("-c", "can0"), ("-b", "500000")])
 def test_a_channel_without_any_interface_is_refused(arguments: tuple[str, ...]) -> None:
-    with pytest.raises(InputError, match="--interface: found only -"):
+    with pytest.raises(InputError, match="--interface: only -"):
         chosen(*arguments)
 
 

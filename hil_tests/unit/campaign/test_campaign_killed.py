@@ -145,7 +145,7 @@ def test_a_killed_campaign_goes_on(short, tmp_path, wanted):
     with campaign.held():
         # Somebody else at the same time is refused.
         with (
-            pytest.raises(InputError, match="found a campaign that is running there, allowed one process at a time"),
+            pytest.raises(InputError, match="is in use by a campaign"),
             opened(CAMPAIGN, begun(campaign), str(campaign.folder)),
         ):
             pass

@@ -25,7 +25,7 @@ def test_seeds_on_which_a_law_was_designed_are_refused(campaign, short):
     same = ("--runs", "3", "--first-seed", "198", "--laws", "ipfc,ipfc_plus", "--out", "mine")
     refused = campaign(*same)
     assert refused.exit_code == 2
-    assert "--first-seed: found seed 198, on which ipfc_plus's own parameters were chosen" in refused.one_line()
+    assert "--first-seed: seed 198, on which ipfc_plus's own parameters were chosen" in refused.one_line()
     assert "--allow-training-seeds, which every table then says" in refused.one_line()
     assert not Path("mine").exists()
     request = Request(first_seed=198, runs=3, laws=("ipfc", "ipfc_plus"))
@@ -37,7 +37,7 @@ def test_seeds_on_which_a_law_was_designed_are_refused(campaign, short):
     )
     # The same runs under another name are the same runs.
     Path("copy.toml").write_text('schema_version = 1\nextends = "lvshun_tieshan"\nname = "copy"\ntitle = "Copy"\n')
-    with pytest.raises(InputError, match="found seed 0, on which ipfc_plus's own parameters were chosen"):
+    with pytest.raises(InputError, match="seed 0, on which ipfc_plus's own parameters were chosen"):
         make_plan(Request("copy.toml", first_seed=0, runs=5, laws=("ipfc_plus",)))
     # On another scenario it was not designed, and from 200 on it has seen nothing.
     assert make_plan(replace(request, scenario=str(short)))
@@ -61,7 +61,7 @@ def test_all_laws_stand_in_the_order_of_every_table():
         ("both", 1, "request.both: found 1, allowed true or false"),
         ("arithmetic", "nix", "request.arithmetic: found 'nix', allowed one of "),
         ("indexing", "nix", "request.indexing: found 'nix', allowed one of time, distance"),
-        ("run", 1, "request.run: found the unknown key run, allowed only "),
+        ("run", 1, "request.run: unknown key"),
     ],
 )
 def test_a_damaged_manifest_names_file_and_key(campaign, short, key, value, words):
@@ -78,9 +78,9 @@ def test_a_damaged_manifest_names_file_and_key(campaign, short, key, value, word
 @pytest.mark.parametrize(
     ("content", "words"),
     [
-        (b"\xff\xfe", "campaign.json: found no JSON"),
+        (b"\xff\xfe", "campaign.json: is not UTF-8"),
         (b'{"format": 1, "campaign": [], "request": {}}', "campaign.json: campaign: found [], allowed a table"),
-        (b'{"format": 1, "campaign": {}}', "campaign.json: request: found nothing, allowed a value"),
+        (b'{"format": 1, "campaign": {}}', "campaign.json: request: missing, expected a value"),
         (
             b'{"format": 1, "campaign": {}, "request": {}}',
             "campaign.json: request.scenario, request.runs, request.first_seed, ",
@@ -109,21 +109,21 @@ def test_the_request_comes_back_from_the_manifest(tmp_path):
     [
         (["nowhere"], "nowhere"),
         (["--laws", "ipfc,ipcf"], "--laws: found 'ipcf', allowed all, or some of "),
-        (["--laws", "ipfc,ipfc"], "found ipfc twice"),
+        (["--laws", "ipfc,ipfc"], "ipfc twice"),
         (["--runs", "0"], "found 0, allowed 1..10000000"),
-        (["--first-seed", "4294967290"], "found last seed 4294968289, allowed at most 4294967295"),
+        (["--first-seed", "4294967290"], "last seed 4294968289, expected at most 4294967295"),
         (["--arithmetic", "nix"], "--arithmetic"),
         (["--engine", "nix"], "--engine"),
         (["--jobs", "2"], "--jobs: used only with --engine processes"),
-        (["--engine", "dask"], "--scheduler: found nothing, allowed tcp://HOST:PORT"),
+        (["--engine", "dask"], "--scheduler: missing, expected tcp://HOST:PORT"),
         (["--scheduler", "tcp://127.0.0.1:9"], "--scheduler: used only with --engine dask"),
-        (["--parameters", "none.toml"], "none.toml: found No such file"),
-        (["--resume", "nowhere"], "nowhere/campaign.json: found no such file or directory"),
+        (["--parameters", "none.toml"], "none.toml: does not exist"),
+        (["--resume", "nowhere"], "nowhere/campaign.json: does not exist"),
         (["--resume", "a", "--out", "b"], "--out: found 'b', allowed one of --out and --resume"),
-        (["--verify", "nowhere"], "nowhere/campaign.json: found no such file or directory"),
+        (["--verify", "nowhere"], "nowhere/campaign.json: does not exist"),
         (["--verify", "x", "--out", "y"], "--verify: cannot be given with --out, only with --runs and --draw"),
         (["--verify", "x", "--json"], "--verify: cannot be given with --json, only with --runs and --draw"),
-        (["--out", "/proc/nothing"], "--out: found '/proc/nothing'"),
+        (["--out", "/proc/nothing"], "--out: the folder /proc/nothing cannot be written"),
     ],
 )
 def test_bad_input_is_one_line(campaign, tmp_path, arguments, words):
@@ -140,7 +140,7 @@ def test_a_folder_with_something_else_is_refused(campaign, short):
     assert "--out: found 'mine', allowed an empty or new folder" in campaign(short, "--out", "mine").one_line()
     Path("mine/campaign.json").write_text("[]")
     assert (
-        "campaign.json: found no JSON object, allowed a file of railhil campaign"
+        "campaign.json: has no JSON object, expected a file of railhil campaign"
         in campaign("--resume", "mine").one_line()
     )
 

@@ -161,7 +161,7 @@ def test_a_weakened_watch_is_said_in_every_table(tmp_path, capsys):
 
 
 def test_training_seeds_are_refused(tuned):
-    with pytest.raises(Exception, match=r"tuned\.toml: training\.seeds: found seed 1003, on which .* tuned, allowed"):
+    with pytest.raises(Exception, match=r"tuned\.toml: training\.seeds: seed 1003, on which .* tuned, expected"):
         make_plan(Request(runs=20, parameters=(str(tuned),)))
     assert make_plan(Request(runs=3, parameters=(str(tuned),))).entries[0].label.startswith("ipfc+")
 

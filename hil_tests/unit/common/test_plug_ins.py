@@ -32,7 +32,7 @@ def test_a_signal_is_none() -> None:
         (
             "import sys\nfrom railhil.controller_node.ato.laws.ipfc import Ipfc\n"
             "class Law(Ipfc):\n    def __init__(self, *given):\n        sys.exit(0)\n",
-            "found a law that fails at its start, allowed .*EndsInterpreter: it ends the interpreter",
+            "a law that fails at its start, expected .*EndsInterpreter: it ends the interpreter",
         ),
     ],
 )

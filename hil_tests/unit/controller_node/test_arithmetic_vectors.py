@@ -153,7 +153,7 @@ def one_line(folder: Path, capsys: pytest.CaptureFixture[str], *options: str) ->
 
 
 def test_a_damaged_folder_is_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert one_line(tmp_path, capsys).startswith(": folder: found no rows")
+    assert one_line(tmp_path, capsys).startswith(": folder: no rows")
     assert "no rows" in one_line(tmp_path / "missing", capsys)
     with gzip.open(tmp_path / "x.jsonl.gz", "wt") as lines:
         lines.write(json.dumps({"f": "mpy", "q": 24, "i": [1, 2], "o": 0}) + '\n{"f":"mpy","q":"24"}\n')
@@ -161,13 +161,13 @@ def test_a_damaged_folder_is_one_line(tmp_path: Path, capsys: pytest.CaptureFixt
     whole = (tmp_path / "x.jsonl.gz").read_bytes()
     for damaged in (b'{"f":"mpy","q":24,"i":[1,2],"o":0}', whole[:-9], whole[:12] + b"\xff" * 20):
         (tmp_path / "x.jsonl.gz").write_bytes(damaged)
-        assert one_line(tmp_path, capsys).startswith("/x.jsonl.gz: file: found ")
+        assert one_line(tmp_path, capsys).startswith("/x.jsonl.gz: file: ")
     (tmp_path / "x.jsonl.gz").unlink()
     (tmp_path / "y.jsonl").write_bytes(b"\xff\xfe")
-    assert one_line(tmp_path, capsys).startswith("/y.jsonl: file: found ")
+    assert one_line(tmp_path, capsys).startswith("/y.jsonl: file: ")
     (tmp_path / "y.jsonl").unlink()
     (tmp_path / "y.jsonl").mkdir()
-    assert one_line(tmp_path, capsys).startswith("/y.jsonl: file: found ")
+    assert one_line(tmp_path, capsys).startswith("/y.jsonl: file: ")
 
 
 @pytest.mark.parametrize(
@@ -209,7 +209,7 @@ def test_a_row_without_the_portable_result_is_for_the_c28_only(
     (tmp_path / "x.jsonl").write_text('{"f":"mpy","q":24,"i":[3,5],"c":0}\n')
     assert iq_vectors.main([str(tmp_path), "--profile", "c28"]) == 0
     message = one_line(tmp_path, capsys, "--profile", "portable")
-    assert message == "/x.jsonl: line 1: o: found nothing, allowed the portable library's result"
+    assert message == "/x.jsonl: line 1: o: missing, expected the portable library's result"
 
 
 @pytest.mark.parametrize(
@@ -225,5 +225,5 @@ def test_a_folder_that_says_nothing_about_a_profile_does_not_pass(
     profile: str, row: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (tmp_path / "x.jsonl").write_text(row + "\n")
-    words = f": folder: found no row that the profile {profile} is judged by"
+    words = f": folder: no row that the profile {profile} is judged by"
     assert one_line(tmp_path, capsys, "--profile", profile).startswith(words)

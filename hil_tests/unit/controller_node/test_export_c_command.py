@@ -67,7 +67,7 @@ def test_bad_input_is_one_line_and_exit_code_2(tmp_path: Path) -> None:
         (("ipfcc", "--out", tmp_path / "new"), "did you mean ipfc?"),
         (("ipfc", "nowhere", "--out", tmp_path / "new"), "scenario: name: found 'nowhere'"),
         (("ipfc",), "--out"),
-        (("ipfc", "--out", full), "full: found a folder that is not empty, allowed an empty or new folder (--force"),
+        (("ipfc", "--out", full), "full: is not empty, expected an empty or new folder (--force"),
     )
     for arguments, words in refusals:
         done = railhil("export-c", *arguments)
@@ -81,12 +81,12 @@ def test_folder_that_cannot_be_written_is_refused(tmp_path: Path) -> None:
     """A file in its place, a file above it, and files that cannot be put in place: nothing half-written stays."""
     bundle = make_bundle(load("lvshun_tieshan"), LawSpec())
     (tmp_path / "file").write_text("mine")
-    for folder, words in ((tmp_path / "file", "File exists"), (tmp_path / "file" / "below", "Not a directory")):
-        with pytest.raises(InputError, match=f"{folder}: found {words}, allowed a folder that can be written"):
+    for folder, words in ((tmp_path / "file", "file exists"), (tmp_path / "file" / "below", "not a directory")):
+        with pytest.raises(InputError, match=f"{folder}: cannot be written: {words}"):
             write_bundle(bundle, folder)
     blocked = tmp_path / "blocked"
     (blocked / "ipfc.c" / "in the way").mkdir(parents=True)
-    with pytest.raises(InputError, match="found Is a directory, allowed"):
+    with pytest.raises(InputError, match="blocked: cannot be written: is a directory"):
         write_bundle(bundle, blocked, force=True)
     assert [path.name for path in blocked.iterdir()] == ["ipfc.c"]
 

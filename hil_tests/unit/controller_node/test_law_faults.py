@@ -111,9 +111,9 @@ late = plugged_laws:Late
 late_on_arrays = plugged_laws:LateOnArrays
 """
 LINES = {
-    "fussy": "controller: fussy: found a law that fails at its start, allowed a law that can be made for 0.5 s and 7 "
+    "fussy": "controller: fussy: a law that fails at its start, expected a law that can be made for 0.5 s and 7 "
     "notches (ValueError: no good parameters, at {plugged_laws.py}:7)",
-    "endless": "controller: endless: found a law that fails at its start, allowed a law that can be made for 0.5 s and "
+    "endless": "controller: endless: a law that fails at its start, expected a law that can be made for 0.5 s and "
     "7 notches (",
     "refusing": "pid.toml: gain: found -1, allowed above 0",
     "missing": "controller: missing: found 'no_such_module_of_ours:Law', allowed an entry point that can be imported "
@@ -183,7 +183,7 @@ def test_a_law_that_fails_is_told_where_and_what_to_use(plugged: Path, law: str,
     with pytest.raises(InputError) as caught:
         Controller(load("lvshun_tieshan"), LawSpec(law, arithmetic))
     at = f"{plugged / 'plug' / 'plugged_laws.py'}:{line_of(text)}: "
-    assert str(caught.value).startswith(f"{at}law {law}, step, after quantity mine: found an operation that fails, ")
+    assert str(caught.value).startswith(f"{at}law {law}, step, after quantity mine: an operation that fails, ")
     assert said in str(caught.value)
 
 
@@ -209,7 +209,7 @@ def test_a_run_whose_law_fails_keeps_its_record_and_ends_with_exit_code_2(plugge
     done = railhil("run", "short.toml", "--controller", "late", "--quiet", "--no-report", "--out", "run", cwd=plugged)
     last = done.out.splitlines()[-1]
     assert done.exit_code == 2, done.out
-    assert f"plugged_laws.py:{line_of('1 / (5')}: law late, step, after quantity mine: found an operation " in last
+    assert f"plugged_laws.py:{line_of('1 / (5')}: law late, step, after quantity mine: an operation " in last
     assert (plugged / "run" / "frames.log").stat().st_size > 0
     assert (plugged / "run" / "certificate.json").is_file()
 
@@ -219,7 +219,7 @@ def test_a_law_that_fails_in_a_later_step_of_a_campaign_is_told_where(plugged: P
     words = ("--laws", "late_on_arrays", "--runs", "3", "--out", "mine")
     done = railhil("campaign", "short.toml", *words, cwd=plugged)
     assert done.exit_code == 2
-    at = f"plugged_laws.py:{line_of('2 / (5')}: law late_on_arrays, step: found an operation that fails"
+    at = f"plugged_laws.py:{line_of('2 / (5')}: law late_on_arrays, step: an operation that fails"
     assert at in done.err.splitlines()[-1]
     assert "(ZeroDivisionError: division by zero)" in done.err
 

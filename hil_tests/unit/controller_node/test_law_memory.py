@@ -68,7 +68,7 @@ def test_what_is_wrong_is_said() -> None:
     assert found.used == "B"
     (refused,) = found.refused
     assert (refused["slot"], refused["fault"]) == ("A", "values")
-    assert refused["detail"].startswith("found ValueError: offset 99.0, allowed +-")
+    assert refused["detail"].startswith("ValueError: offset 99.0, allowed +-")
     # A slot that was not needed is looked at all the same.
     found = choice("learning", Learning, _SCENARIO, memory(Stored("A", record(0.1)), Stored("B", record(0.1, "x"))))
     assert (found.used, found.remembered.fault) == ("A", 7)
@@ -77,7 +77,7 @@ def test_what_is_wrong_is_said() -> None:
 @pytest.mark.parametrize(
     ("given", "line"),
     [
-        (record(99.0), r"store: values: found ValueError: offset 99\.0.*allowed values that learning can begin with"),
+        (record(99.0), r"store: values: ValueError: offset 99\.0.*expected values that learning can begin with"),
         (record(0.1, "x"), "store: key: found 'x', allowed .*, what learning keeps on this scenario"),
     ],
 )

@@ -106,7 +106,7 @@ class Shifted(Ipfc[Any]):
 @pytest.mark.parametrize(
     ("law", "words"),
     [
-        (TooMany, "controller: wrong.notes: found 2 notes, allowed at most one note with named bits and two others"),
+        (TooMany, "controller: wrong.notes: 2 notes, expected at most one note with named bits and two others"),
         (Silent, "step answers 3 notes, the law declares 1"),
         (Shifted, "note satisfaction is Q24, declared Q20"),
     ],

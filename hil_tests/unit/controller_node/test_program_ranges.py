@@ -154,7 +154,7 @@ def test_a_notch_range_beyond_the_formats_is_found() -> None:
 )
 def test_no_law_starts_in_fixed_point_that_may_wrap(name: str, notch_max: float, period_s: float, found: str) -> None:
     scenario = at_period(replace(SCENARIO, train=replace(SCENARIO.train, notch_max=notch_max)), period_s)
-    allowed = f"allowed a law whose fixed point cannot wrap at {period_s:g} s and {notch_max:g} notches"
+    allowed = f"expected a law whose fixed point cannot wrap at {period_s:g} s and {notch_max:g} notches"
     starts: list[Callable[[], Any]] = [
         lambda: Controller(scenario, LawSpec(name)),
         lambda: BatchController(scenario, 2, LawSpec(name)),
@@ -162,7 +162,7 @@ def test_no_law_starts_in_fixed_point_that_may_wrap(name: str, notch_max: float,
     for start in starts:
         with pytest.raises(InputError) as caught:
             start()
-        assert f"controller: {name}: found {found}" in str(caught.value)
+        assert f"controller: {name}: {found}" in str(caught.value)
         assert allowed in str(caught.value)
     Controller(scenario, LawSpec(name, "float64"))
     Controller(scenario, LawSpec(name, "float32"))

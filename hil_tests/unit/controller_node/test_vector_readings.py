@@ -137,5 +137,5 @@ class _Wide(Telegram):
 
 
 def test_a_life_sign_of_another_width_is_refused() -> None:
-    with pytest.raises(InputError, match=r"TRN_SPEED.life: found -8388608 to 8388607, allowed a life sign of 4 bits"):
+    with pytest.raises(InputError, match=r"TRN_SPEED.life: -8388608 to 8388607, expected a life sign of 4 bits"):
         Node((_Wide.bound(TrnSpeed.port()), "speed_life"))

@@ -52,7 +52,7 @@ def test_the_table_is_good(tmp_path: Path) -> None:
         ("comment =", "coment =", "CART_STAT.coment: found an unknown key"),
         ("address = 0x110", 'address = "x"', "CART_STAT.address: found 'x', allowed a whole number"),
         ("address = 0x110", "address = 0x108", "CART_STAT.address: found that of SUP_CMD"),
-        ("f_code = 1\n", "", "CART_STAT.f_code: found nothing"),
+        ("f_code = 1\n", "", "CART_STAT.f_code: missing"),
         ('"CartLife"', '"CartLive"', "CART_STAT: found F1 with no life sign"),
     ],
 )

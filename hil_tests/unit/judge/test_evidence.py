@@ -144,10 +144,10 @@ def test_a_run_changed_in_the_folder_is_noticed(mine: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("", "no JSON document"),
-        ("[]", "no JSON object"),
-        ("{}", "name: found Field required"),
-        ('{"a": ' * 5000, "no JSON document"),
+        ("", "cannot be read"),
+        ("[]", "has no JSON object"),
+        ("{}", "name: Field required"),
+        ('{"a": ' * 5000, "cannot be read"),
     ],
 )
 def test_a_damaged_scenario_gives_one_line(mine: Path, text: str, words: str) -> None:
@@ -160,7 +160,7 @@ def test_a_damaged_scenario_gives_one_line(mine: Path, text: str, words: str) ->
 def test_an_unknown_key_is_refused(lvshun: Scenario, tmp_path: Path) -> None:
     fields = json.loads(json.dumps(document(lvshun)))
     fields["train"]["colour"] = "red"
-    with pytest.raises(InputError, match=r"train.colour: found a key that no scenario has"):
+    with pytest.raises(InputError, match=r"train.colour: a key that no scenario has"):
         scenario_of(fields, tmp_path / "scenario.json")
 
 

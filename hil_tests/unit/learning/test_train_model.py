@@ -105,7 +105,7 @@ def test_the_emergency_is_followed_within_the_figures_of_the_specification() -> 
 def test_a_record_that_is_too_short_is_one_line() -> None:
     run = direct_run(load_any("hst_short"), RunSpec(law=LawSpec("pid", "float64")))
     record = Record(Path("frames.log"), load_any("hst_short"), run.trace)
-    with pytest.raises(InputError, match=r"frames.log: length: found \d+ samples of 1 s, allowed at least 600"):
+    with pytest.raises(InputError, match=r"frames.log: length: \d+ samples of 1 s, expected at least 600"):
         train_models(record, Recipe(), 1.0)
 
 
@@ -119,7 +119,7 @@ def test_a_record_of_another_system_is_one_line() -> None:
 @pytest.mark.parametrize(
     ("words", "line"),
     [
-        (("nowhere",), "nowhere: file: found no such file"),
+        (("nowhere",), "nowhere: does not exist"),
         (("nowhere", "--ridge", "0"), "--ridge: found 0, allowed a number above 0"),
         (("nowhere", "--hidden", "0"), "--hidden: found 0, allowed 1..100"),
         (("nowhere", "--kind", "rbf"), "--kind: invalid choice"),

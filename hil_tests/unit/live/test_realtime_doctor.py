@@ -321,5 +321,5 @@ def test_a_bus_that_cannot_be_opened_is_exit_code_2(tmp_path: Path) -> None:
 @pytest.mark.parametrize("given", ["-c x", "-b 5"])
 def test_a_channel_without_an_interface_is_one_line(given: str) -> None:
     done = railhil("doctor", "--quick", *given.split())
-    line = f"railhil: command line: --interface: found only {given}, allowed -i INTERFACE beside it, or can.rc\n"
+    line = f"railhil: command line: --interface: only {given}, expected -i INTERFACE beside it, or can.rc\n"
     assert (done.exit_code, done.out, done.err) == (2, "", line)

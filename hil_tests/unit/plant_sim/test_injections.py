@@ -178,13 +178,13 @@ def test_an_fmu_is_a_plant_of_systems_that_say_how(monkeypatch: pytest.MonkeyPat
     with pytest.raises(InputError) as refused:
         make_plant(replace(scenario_of_fmu, faults=("sensor.speed garbage @0s",)), spec)
     assert str(refused.value) == (
-        "command line: --plant-fmu: found faults in the plant, allowed faults of telegrams, nodes and the bus: "
+        "command line: --plant-fmu: faults in the plant, expected faults of telegrams, nodes and the bus: "
         "an FMU has no others"
     )
     with pytest.raises(InputError) as refused:
         make_plant(with_system(SCENARIO, replace(taking, fmu_plant=None)), spec)
     assert str(refused.value) == (
-        "command line: --plant-fmu: found system ato, allowed a system with a part fmu_plant: it says what an FMU "
+        "command line: --plant-fmu: system ato, expected a system with a part fmu_plant: it says what an FMU "
         "exchanges with the plant (docs/fmi.md)"
     )
 

@@ -74,8 +74,8 @@ def test_what_is_no_whole_blf_is_one_line(tmp_path: Path) -> None:
     content = blf.read_bytes()
     for size in (0, 3, 100, 144, 200, len(content) // 2, len(content) - 50):
         blf.write_bytes(content[:size])
-        with pytest.raises(InputError, match=r"frames\.blf: .*allowed a BLF file"):
+        with pytest.raises(InputError, match=r"frames\.blf: .*expected a BLF file"):
             list(read_log(blf))
     blf.write_bytes(b"(0.0) can0 100#00\n" * 20)
-    with pytest.raises(InputError, match=r"frames\.blf: .*allowed a BLF file"):
+    with pytest.raises(InputError, match=r"frames\.blf: .*expected a BLF file"):
         list(read_log(blf))

@@ -29,8 +29,8 @@ _WHOLE = {
         ("score.json", "telemetry", 3, "score.json: telemetry: found 3, allowed a table"),
         ("score.json", "run", {"sim_time_s": 1e999, "wall_time_s": 3},
          "score.json: run.sim_time_s: found inf, allowed a finite number"),
-        ("score.json", None, "{", "score.json: file: found no JSON document"),
-        ("score.json", None, "[]", "score.json: file: found no JSON object, allowed"),
+        ("score.json", None, "{", "score.json: cannot be read"),
+        ("score.json", None, "[]", "score.json: has no JSON object, expected"),
     ],
 )  # fmt: skip
 def test_damaged_documents_are_one_line(

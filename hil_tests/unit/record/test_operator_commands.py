@@ -192,7 +192,7 @@ def test_a_pace_holds_the_answer_back(clock):
         ),
         ({"do": "fault", "text": "TRN_SPEED loss uniform(1%,2%)"}, "numbers only"),
         ({"do": "fault", "text": "TRN_SPEED loss 5% for 0s"}, "a duration above 0"),
-        ({"do": "fault"}, "found nothing"),
+        ({"do": "fault"}, "missing"),
         ({"do": "pace", "pace": 0.01}, "allowed 0"),
         ({"do": "pace", "pace": "fast"}, "allowed 0"),
         ({"do": "explode"}, "no such command"),

@@ -83,15 +83,15 @@ def test_seeds_may_be_ranges() -> None:
 
 
 def test_options_without_what_they_need(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"--out: found no paper, allowed one of ipfc beside it"):
+    with pytest.raises(InputError, match=r"--out: no paper, expected one of ipfc beside it"):
         main(["--out", str(tmp_path)], IPFC)
-    with pytest.raises(InputError, match=r"--keep-runs: found no folder, allowed --out DIR beside it"):
+    with pytest.raises(InputError, match=r"--keep-runs: no folder, expected --out DIR beside it"):
         main(["ipfc", "--keep-runs"])
     (tmp_path / "runs").mkdir()
     with pytest.raises(InputError, match=r"--keep-runs: found .*runs', allowed a folder without runs"):
         main(["ipfc", "--keep-runs", "--out", str(tmp_path)])
     (tmp_path / "file").touch()
-    with pytest.raises(InputError, match=r"--out: found .*file', allowed a folder that can be written"):
+    with pytest.raises(InputError, match=r"--out: the folder .*file cannot be written"):
         main(["ipfc", "--out", str(tmp_path / "file")])
 
 

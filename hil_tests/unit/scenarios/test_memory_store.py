@@ -140,8 +140,8 @@ def test_a_slot_that_is_a_pipe_or_a_device_is_not_read(tmp_path: Path) -> None:
     found = store.read("mylaw")
     assert places(found) == [("A", 1, ""), ("B", 0, "unreadable"), ("default", 0, "unreadable")]
     assert [one.detail for one in found.stored[1:]] == [
-        "found a pipe, allowed a regular file",
-        "found a device or socket, allowed a regular file",
+        "is a pipe, expected a regular file",
+        "is a device or socket, expected a regular file",
     ]
     assert store.write(record(2), found, "A", {}) == "B"
     assert (tmp_path / "refused" / "b-unreadable.json").is_fifo()
@@ -183,7 +183,7 @@ def test_a_store_of_another_law_and_a_file_are_one_line(tmp_path: Path) -> None:
     after(tmp_path / "store", 1)
     with pytest.raises(InputError, match=r"a\.json: law: found 'mylaw', allowed other, the law of this store"):
         MemoryStore(tmp_path / "store").read("other")
-    with pytest.raises(InputError, match=r"a\.json: found a file, allowed a folder .*copy it to FOLDER/default\.json"):
+    with pytest.raises(InputError, match=r"a\.json: is a file, expected a folder .*copy it to FOLDER/default\.json"):
         MemoryStore(tmp_path / "store" / "a.json").read("mylaw")
 
 
@@ -191,10 +191,10 @@ def test_a_memory_is_named_by_its_store_or_a_file(tmp_path: Path) -> None:
     store = after(tmp_path / "store", 2)
     assert memory_at(store.path) == store.read()
     assert places(memory_at(store.path / "a.json")) == [("file", 1, "")]
-    with pytest.raises(InputError, match="found no record, allowed a folder in which railhil keeps"):
+    with pytest.raises(InputError, match="has no record, expected a folder in which railhil keeps"):
         memory_at(tmp_path)
     (tmp_path / "a.json").write_text("torn")
-    with pytest.raises(InputError, match="found slot A cannot be used: found no JSON document"):
+    with pytest.raises(InputError, match="slot A cannot be used: cannot be read"):
         memory_at(tmp_path)
 
 

@@ -131,19 +131,19 @@ def test_a_certificate_makes_its_run_again(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "line"),
     [
-        ("sed = 1", "run.toml: sed: found the unknown key sed, allowed only .* (did you mean seed?)"),
+        ("sed = 1", "run.toml: sed: unknown key.* (did you mean seed?)"),
         ("seed = -1", "run.toml: seed: found -1, allowed at least 0"),
         ('seed = "1"', "run.toml: seed: found '1', allowed a whole number"),
         ("[parameters]\na = 1", "run.toml: parameters: found {'a': 1}, allowed a text"),
         ('scenario = "nowhere"', "run.toml: scenario: found 'nowhere', allowed a path"),
         ('scenario = "nowhere.toml"', "run.toml: scenario: found 'nowhere.toml', allowed an existing .toml file"),
         ('controller = "ipcf"', "run.toml: controller: found 'ipcf', allowed ipfc, .*did you mean ipfc"),
-        ('parameters = "none.toml"', "none.toml: found No such file or directory, allowed a parameter file"),
+        ('parameters = "none.toml"', "none.toml: does not exist, expected a parameter file"),
         ("rate = 2.0", "run.toml: rate: used only in a run with pace realtime"),
-        ("seed = ", "run.toml: found .*, allowed a run in TOML"),
+        ("seed = ", "run.toml: cannot be read, expected a run in TOML"),
         (
             'sed = 1\narithmetic = "iq9"\ncontroller = "ipcf"',
-            "arithmetic: found 'iq9', .*; .*run.toml: sed: found .*; .*run.toml: controller: found 'ipcf'",
+            "arithmetic: found 'iq9', .*; .*run.toml: sed: .*; .*run.toml: controller: found 'ipcf'",
         ),
     ],
 )
@@ -158,13 +158,13 @@ def test_what_no_run_is_names_file_key_found_and_allowed(text: str, line: str, t
 @pytest.mark.parametrize("text", ["[]", "{}", "{", '{"seed": 1}', "[" * 100_000])
 def test_a_file_that_is_no_certificate_is_one_line(text: str, tmp_path: Path) -> None:
     path = written(tmp_path / "certificate.json", text)
-    with pytest.raises(InputError, match=r"certificate\.json: found .*allowed a run in TOML, or certificate\.json"):
+    with pytest.raises(InputError, match=r"certificate\.json: .*expected a run in TOML, or certificate\.json"):
         RunSpec.from_file(path)
 
 
 def test_a_file_that_is_not_there_says_which_is_near(tmp_path: Path) -> None:
     written(tmp_path / "run.toml", "")
-    with pytest.raises(InputError, match=r"rum\.toml: found No such file .*did you mean .*run\.toml"):
+    with pytest.raises(InputError, match=r"rum\.toml: does not exist.*did you mean .*run\.toml"):
         RunSpec.from_file(tmp_path / "rum.toml")
 
 

@@ -79,8 +79,8 @@ def test_an_unknown_system_in_a_scenario_file(tmp_path: Path) -> None:
     ("system", "part", "said"),
     [
         (replace(ATO, plant="railhil.plant_sim.ato.train:Nobody"), "plant", "a part that can be imported"),
-        (ATO, "interface", "found no such part"),
-        (ATO, "events", "found no such part"),
+        (ATO, "interface", "no such part"),
+        (ATO, "events", "no such part"),
     ],
 )
 def test_a_part_that_is_not_there(system: System, part: str, said: str) -> None:

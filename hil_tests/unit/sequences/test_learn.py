@@ -112,7 +112,7 @@ def test_other_work_is_not_mixed_in(short: Path, tmp_path: Path) -> None:
 def test_seeds_that_the_law_was_made_on_are_refused(short: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Learning, "design_seeds", {"benchmark_quick": range(9, 12)})
     words = [str(short), "--controller", "learning", "--seed", "7", "--runs", "2", "--sequences"]
-    with pytest.raises(InputError, match=r"--seed: found seed 9, on which learning's own.* allowed another --seed"):
+    with pytest.raises(InputError, match=r"--seed: seed 9, on which learning's own.* expected another --seed"):
         COMMAND.main([*words, "2"])
     make_plan(Request(str(short), controller="learning", seed=7, runs=2, sequences=1))
     make_plan(Request(str(short), controller="learning", seed=7, runs=2, sequences=2, nominal=True))
@@ -123,13 +123,13 @@ def test_seeds_that_the_law_was_made_on_are_refused(short: Path, monkeypatch: py
     [
         (("--controller", "ipfc"), "--controller: found 'ipfc', allowed a law that keeps a memory from run to run"),
         (("--controller", "nobody"), "--controller: found 'nobody'"),
-        (("--seed", "4294967295"), "--seed: found last seed"),
+        (("--seed", "4294967295"), "--seed: last seed"),
         (
             ("--jobs", "2", "--scheduler", "tcp://127.0.0.1:1"),
             "--scheduler: found 'tcp://127.0.0.1:1', allowed one of --jobs",
         ),
         (("--verify", "x", "--runs", "2"), "--verify: cannot be given with --runs, only with --sequences and --draw"),
-        (("--resume", "nowhere"), r"learn\.json: found no such file or directory, allowed a file of railhil learn"),
+        (("--resume", "nowhere"), r"learn\.json: does not exist, expected a file of railhil learn"),
     ],
 )
 def test_bad_input_is_one_line(words: tuple[str, ...], line: str, short: Path) -> None:

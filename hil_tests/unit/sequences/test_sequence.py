@@ -129,8 +129,8 @@ def test_a_changed_sequence_is_not_gone_on_with(sequence: Path, short: Path) -> 
     ("given", "line"),
     [
         (("run", "{}", "--controller", "ipfc"), "--controller: found 'ipfc', allowed a law that keeps a memory"),
-        (("verify", "nowhere"), r"sequence\.json: found no such file or directory, allowed a file of railhil sequence"),
-        (("rerun", "nowhere"), r"sequence\.json: found no such file or directory"),
+        (("verify", "nowhere"), r"sequence\.json: does not exist, expected a file of railhil sequence"),
+        (("rerun", "nowhere"), r"sequence\.json: does not exist"),
     ],
 )
 def test_bad_input_is_one_line(given: tuple[str, ...], line: str, short: Path) -> None:
@@ -140,7 +140,7 @@ def test_bad_input_is_one_line(given: tuple[str, ...], line: str, short: Path) -
 
 
 def test_another_sequence_is_not_mixed_in(sequence: Path, short: Path) -> None:
-    with pytest.raises(InputError, match=r"sequence\.json: found another sequence, allowed the same one to go on"):
+    with pytest.raises(InputError, match=r"sequence\.json: is of another sequence, expected the same one to go on"):
         main(words(short, sequence, "--bus", "local", runs=4))
 
 
@@ -148,7 +148,7 @@ def test_a_second_process_in_the_same_folder_is_refused(sequence: Path, short: P
     with claimed(sequence, "sequence"):
         done = railhil("sequence", *words(short, sequence, "--bus", "local"))
     assert done.exit_code == 2
-    assert f"{sequence}: found a sequence that is running there, allowed one process at a time" in done.err
+    assert f"{sequence}: is in use by a sequence" in done.err
     assert main(words(short, sequence, "--bus", "local")) == PASS
 
 
@@ -161,7 +161,7 @@ def test_a_sequence_is_not_gone_on_with_by_other_code(sequence: Path, short: Pat
     importlib.invalidate_caches()
     held_sha256.cache_clear()
     try:
-        with pytest.raises(InputError, match="found runs of other code: the distribution of the law has changed"):
+        with pytest.raises(InputError, match="has runs of other code: the distribution of the law has changed"):
             main(words(short, sequence, "--bus", "local"))
     finally:
         for path in added:

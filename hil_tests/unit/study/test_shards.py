@@ -146,7 +146,7 @@ def test_shards_of_another_plan_or_of_other_code_are_refused(tmp_path: Path) -> 
     make(Request(runs=RUNS, code="other"), other, "2/2")
     shutil.copy(other / "parts" / "shard-2-of-2.sha256", mine / "parts")
     for shard in (None, "2/2"):
-        with pytest.raises(InputError, match=r"shard-2-of-2\.sha256: line 1: found # toy .* shards of one plan"):
+        with pytest.raises(InputError, match=r"shard-2-of-2\.sha256: line 1: found '# toy .* shards of one plan"):
             make(REQUEST, mine, shard)
 
 
@@ -154,14 +154,14 @@ def test_one_process_alone_or_shards_each_once(tmp_path: Path) -> None:
     plan, folder = Plan(REQUEST), str(tmp_path / "toy")
     with opened(TOY, plan, folder, Shard(1, 2)), opened(TOY, plan, folder, Shard(2, 2)):
         for shard, words in (
-            (None, "a toy that is running there"),
+            (None, "is in use by a toy"),
             (Shard(1, 2), "a toy of shard 1/2 that is running"),
         ):
             with pytest.raises(InputError, match=words), opened(TOY, plan, folder, shard):
                 pass
     with (
         opened(TOY, plan, folder),
-        pytest.raises(InputError, match="a toy that is running there"),
+        pytest.raises(InputError, match="is in use by a toy"),
         opened(TOY, plan, folder, Shard(1, 2)),
     ):
         pass

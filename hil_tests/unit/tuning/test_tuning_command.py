@@ -51,7 +51,7 @@ def short(quick: Path) -> Scenario:
 def test_evaluation_refuses_training_seeds(short: Scenario) -> None:
     case = Case(short, LawSpec("ipfc", "float64"))
     given = ParameterSet("ipfc", {"model_gain_mps": 0.08}, Path("tuned.toml"), short.name, frozenset({0, 1}))
-    with pytest.raises(InputError, match="found seed 1, on which these parameters were tuned"):
+    with pytest.raises(InputError, match="seed 1, on which these parameters were tuned"):
         evaluate(case, given, range(1, 5))
     allowed = evaluate(case, given, range(1, 4), allow_training_seeds=True)
     assert allowed.seen == (1,)
@@ -219,11 +219,11 @@ def test_ctrl_c_writes_the_best_so_far(
         (["ipfc", "nowhere"], "nowhere"),
         (["ipfc", "--budget", "9"], "found 9, allowed 10..1000000"),
         (["ipfc", "--seeds", "7-0"], "found 7-0, allowed seeds and ranges"),
-        (["ipfc", "--first-seed", "5"], "found seed 5, which is a training seed"),
+        (["ipfc", "--first-seed", "5"], "seed 5, which is a training seed"),
         (["ipfc", "--first-seed", "4294967295"], "a last seed of at most 4294967295"),
-        (["ipfc", "--out", "."], "--out: found '.', allowed a file that can be written (is a directory)"),
+        (["ipfc", "--out", "."], "--out: the file . cannot be written: is a directory"),
         (["ipfc", "--indexing", "sideways"], "--indexing"),
-        (["--evaluate", "none.toml"], "No such file"),
+        (["--evaluate", "none.toml"], "none.toml: does not exist"),
         (["--evaluate", "none.toml", "--out", "x"], "no file to write beside --evaluate"),
         (["--evaluate", "none.toml", "--runs", "0"], "at least 1 beside --evaluate"),
         (["--evaluate", "none.toml", "--list"], "--evaluate"),

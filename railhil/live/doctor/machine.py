@@ -15,6 +15,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from railhil.common.errors import describe_os_error
+
 #: Longest time to wait for a tool.
 TOOL_TIMEOUT_S = 5.0
 
@@ -259,7 +261,7 @@ def _refusal() -> str:
     try:
         socket.socket(socket.AF_CAN, socket.SOCK_RAW, socket.CAN_RAW).close()
     except OSError as error:
-        return (error.strerror or str(error)).lower()
+        return describe_os_error(error)
     return ""
 
 

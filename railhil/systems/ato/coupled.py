@@ -50,7 +50,7 @@ def coupled_schedule(scenario: Scenario) -> Schedule:
         telegrams to begin, which only the nodes exchange.
     """
     if scenario.safety.sdt:
-        raise InputError(scenario.name, "safety.sdt", Words("true"), "false, or the run over a bus (railhil run)")
+        raise InputError(scenario.name, "safety.sdt", True, "false, or the run over a bus (railhil run)")
     schedule = Schedule.from_contract(scenario.timing.base_tick_ns, scenario.timing.port_period_ns, wire_contract())
     speed, notch = schedule.ticks(TrnSpeed.PORT), schedule.ticks(NotchCmd.PORT)
     if speed > notch:

@@ -49,7 +49,7 @@ def commands(run: Any) -> Any:
 
 @pytest.mark.parametrize("arithmetic", ["iq", "float32"])
 def test_an_arithmetic_that_solves_nothing_is_refused_in_one_line(arithmetic: str) -> None:
-    with pytest.raises(InputError, match=f"found {arithmetic}, allowed float64: this law is computed by a solver"):
+    with pytest.raises(InputError, match=f"found '{arithmetic}', allowed float64: this law is computed by a solver"):
         VectorController(load_any("hst_short"), spec(arithmetic=arithmetic))
 
 
@@ -60,14 +60,14 @@ def test_without_the_solver_the_extra_is_named(monkeypatch: pytest.MonkeyPatch) 
 
 
 def test_one_loop_for_a_train_needs_couplers_and_a_law_that_has_it() -> None:
-    with pytest.raises(InputError, match="loop train on units that nothing connects, allowed couplers"):
+    with pytest.raises(InputError, match="loop: train on units that nothing connects, expected couplers"):
         VectorController(load_any("jinan_xuzhou_emu3"), spec(loop="train"))
     with pytest.raises(InputError, match="loop: found 'train', allowed one of unit, mean with pid"):
         VectorController(load_any("emu3_short"), spec("pid", loop="train"))
 
 
 def test_a_horizon_within_the_delay_is_refused() -> None:
-    with pytest.raises(InputError, match=r"horizon 5 \* sample_period_s 0.2 = 1 s, allowed more than the longest"):
+    with pytest.raises(InputError, match=r"horizon 5 \* sample_period_s 0.2 = 1 s, expected more than the longest"):
         VectorController(load_any("hst_short"), spec(horizon=5, control_horizon=2))
 
 

@@ -33,26 +33,26 @@ def loop(law, arithmetic="float64", scenario=SHORT, **values):
 @pytest.mark.parametrize("law", ["gpc", "res_ngpc", "mm_gpc", "a_gpc"])
 def test_a_horizon_within_the_delay_is_refused_with_its_figure(law):
     with pytest.raises(
-        InputError, match=r"horizon 3 \* sample_period_s 0.2 = 0.6 s, allowed more than the longest delay"
+        InputError, match=r"horizon 3 \* sample_period_s 0.2 = 0.6 s, expected more than the longest delay"
     ):
         loop(law, sample_period_s=0.2)
 
 
 def test_three_samples_of_about_a_tenth_of_a_second_are_refused():
     scenario = load_any("hst_short", ["timing.control_period_ms=120", "timing.base_tick_ms=40"])
-    with pytest.raises(InputError, match=r"= 0.36 s, allowed more than the longest delay, 1 s"):
+    with pytest.raises(InputError, match=r"= 0.36 s, expected more than the longest delay, 1 s"):
         loop("res_ngpc", scenario=scenario, sample_period_s=0.12)
     loop("res_ngpc", scenario=scenario, sample_period_s=0.12, override=True)
 
 
 def test_an_unstable_loop_is_refused_with_its_spectral_radius():
-    with pytest.raises(InputError, match=r"spectral radius 1\.\d+ in \w+, allowed a spectral radius below 1"):
+    with pytest.raises(InputError, match=r"spectral radius 1\.\d+ in \w+, expected a spectral radius below 1"):
         loop("res_ngpc", sample_period_s=0.4, control_weight=0.01)
 
 
 @pytest.mark.parametrize(("law", "weight"), [("mm_gpc", 0.01), ("a_gpc", 0.3)])
 def test_an_unstable_loop_of_a_comparator_is_refused_too(law, weight):
-    message = r"spectral radius 1\.\d+ in braking( with gain 1)?, allowed a spectral radius below 1"
+    message = r"spectral radius 1\.\d+ in braking( with gain 1)?, expected a spectral radius below 1"
     with pytest.raises(InputError, match=message):
         loop(law, control_weight=weight)
     loop(law, control_weight=weight, override=True)

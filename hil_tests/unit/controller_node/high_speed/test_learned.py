@@ -75,7 +75,7 @@ def test_a_law_takes_the_network_of_its_linear_model(law: ElmNgpc[float]) -> Non
     law._networks = tuple(networks)
     assert law.network(UNIT, LearnedParameters()) is networks[0]
     assert law.network(UNIT, LearnedParameters(model_delay_s=0.7)) is networks[1]
-    with pytest.raises(InputError, match="elm_ngpc, networks: found no such network, allowed one trained for T0 = 2 s"):
+    with pytest.raises(InputError, match="elm_ngpc, networks: no such network, expected one trained for T0 = 2 s"):
         law.network(Unit(0.5, 1.0, 0.4, 2.0), LearnedParameters())
     law._networks = (train_and_judge(rows, Recipe("bp", hidden=2), 1.0, 0.5, 0.4)[0],)
     with pytest.raises(InputError, match="found 'bp', allowed elm"):

@@ -122,7 +122,7 @@ def changed(tmp_path: Path, source: Path, old: str, new: str) -> Path:
     ("old", "new", "words"),
     [
         ('schema_version: "2022.05"', 'schema_version: "2024.01"', "schema_version: found '2024.01', allowed only"),
-        ("schema: https", "skema: https", "schema: found nothing"),
+        ("schema: https", "skema: https", "schema: missing"),
         ("length: 41.7", "length: -1", "vehicles[0].length: found -1"),
         ("formation: [DB_BR_642]", "formation: [X]", "found 'X', allowed one of DB_BR_642"),
         ("      - [1.0, 94400]", "      - [0.0, 94400]", "increasing speeds"),
@@ -295,7 +295,7 @@ def test_distance_and_stops_must_agree(tmp_path: Path) -> None:
         ("from_stop = 2\nto_stop = 3", "distance_m = 2000", "plan.distance_m: found 2000.0, allowed 2366 m"),
         ("from_stop = 3\nto_stop = 2", "distance_m = 2366", "line.to_stop: found 2, allowed a stop behind"),
         ("from_stop = 3\nto_stop = 20", "distance_m = 2366", "line.to_stop: found 20, allowed one of stop 0"),
-        ("from_stop = 3", "distance_m = 2366", "line.to_stop: found nothing"),
+        ("from_stop = 3", "distance_m = 2366", "line.to_stop: missing"),
     ):
         path = user_scenario(
             tmp_path, 'file = "lvshun_2m2t"', f'ttobench = "track.json"\n{line}', plan + "\nrunning_time_s = 320"

@@ -149,9 +149,7 @@ def check_timing(timing: Timing, perturbations: model.Perturbations, contract: C
     known = [port.name for port in contract.ports if port.period_ns]
     for port in timing.port_period_ns:
         if port not in known:
-            raise refuse(
-                ("timing", "port_period_ms", port), Words(f"the unknown port {port}"), f"only {', '.join(known)}"
-            )
+            raise refuse(("timing", "port_period_ms", port), Words("no such port"), f"one of {', '.join(known)}")
     periods = {("timing", "control_period_ms"): timing.control_period_ns} | {
         ("timing", "port_period_ms", port): period_ns for port, period_ns in timing.port_period_ns.items()
     }
@@ -246,7 +244,7 @@ def checked_target(curve: model.TargetCurve, refuse: Refuse) -> Target:
     try:
         return Target(curve)
     except ValueError as error:
-        raise refuse(key, Words("these nodes"), f"a curve that stops: {error}") from None
+        raise refuse(key, Words(str(error)), "a curve that stops") from None
 
 
 def check_run(scenario: model.Scenario, target: Target, refuse: Refuse) -> None:

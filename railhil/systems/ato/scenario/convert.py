@@ -115,7 +115,7 @@ def _whole_line(table: schema.LineTable, refuse: Refuse) -> StopLine:
         found = ttobench.load_line(table.ttobench)
     else:
         if table.grade_permil is None or table.speed_limit_kmh is None or table.name is None:
-            raise refuse(("line",), Words("one of them only"), "name, grade_permil and speed_limit_kmh together")
+            raise refuse(("line",), Words("not all of them"), "name, grade_permil and speed_limit_kmh together")
         limits = tuple((from_m, limit_kmh / 3.6) for from_m, limit_kmh in table.speed_limit_kmh)
         found = StopLine(model.Line(table.name, tuple(table.grade_permil), limits), ())
     lines = found.line

@@ -47,7 +47,7 @@ def main(arguments: list[str] | None = None) -> int:
             parts = read_parts(path)
             text = target_file_text(parts, generated_target(parts)[0])
             if options.write and path.parent != RUNS:
-                raise InputError(path, "--write", Words("a file of your own"), "shipped names; redirect the output")
+                raise InputError(path, "--write", Words("is a file of your own"), "shipped names; redirect the output")
             if options.write:
                 there: Path = DATA / "targets" / f"{parts.file.name}.toml"
                 there.write_text(text, encoding="utf-8")

@@ -27,7 +27,7 @@ from pydantic import BaseModel, ConfigDict, Field, Strict
 
 from railhil.common.errors import InputError, Words
 from railhil.common.extras import missing_library
-from railhil.common.user_files import given_text
+from railhil.common.user_files import given_text, refuse_unreadable
 from railhil.scenarios.profiles import merged
 from railhil.scenarios.validation import Keys, validated
 from railhil.systems.ato.scenario.importers.section import Stop, StopLine
@@ -222,14 +222,14 @@ def _read(file: str | Path, kind: str) -> dict[str, Any]:
         import yaml
     except ImportError as error:
         raise missing_library(str(file), error, "railtoolkit") from None
+    expected = f"a {kind} document in YAML"
     try:
-        data = yaml.safe_load(given_text(Path(file)))
-    except OSError as error:
-        raise InputError(file, "", Words(error.strerror or "no readable file"), "a readable YAML file") from None
-    except (yaml.YAMLError, ValueError, RecursionError) as error:
-        raise InputError(file, "", Words(str(error)), "YAML in UTF-8") from None
+        with refuse_unreadable(Path(file), expected):
+            data = yaml.safe_load(given_text(Path(file)))
+    except yaml.YAMLError as error:
+        raise InputError(file, "", Words("cannot be read"), expected, str(error)) from None
     if not isinstance(data, dict):
-        raise InputError(file, "", Words(f"a {type(data).__name__}"), f"a {kind} document")
+        raise InputError(file, "", Words(f"is a {type(data).__name__}"), expected)
     schema = f"https://railtoolkit.org/schema/{kind}.json"
     if data.get("schema") != schema:
         raise InputError(file, "schema", data.get("schema", Words()), schema)
