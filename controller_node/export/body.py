@@ -1,66 +1,32 @@
 """Writes the body of a C function from a recorded program: one line of C for each operation.
 
-In fixed point, operations that the IQmath library has (N = 1..30) are calls of its functions, all others of the
-``iq_*`` functions in ``railhil_iq.h``. Every value is a local constant, so a debugger shows each of them. A function
-whose values would not fit the stack has variables instead, each used again once its value is no longer needed
-(:class:`Slots`).
+Every value is a local constant, so a debugger shows each of them. A function whose values would not fit the stack has
+variables instead, each used again once its value is no longer needed (:class:`Slots`). What depends on the arithmetic
+is in the subclasses of :class:`Body`, :mod:`.fixed` and :mod:`.single`.
 """
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import ClassVar
 
 from railhil.controller_node.arithmetic.base import Constant
-from railhil.controller_node.export.text import Names, comment, identifier, literal
+from railhil.controller_node.export.text import Names, comment, identifier
 from railhil.controller_node.program.model import Kind, Operation, Program, Quantity, Table, Value
-
-#: The IQmath library provides its functions for 1 to 30 fraction bits.
-NAMED_Q = range(1, 31)
-
-_PLAIN = {"add": "iq_add", "sub": "iq_sub", "neg": "iq_neg", "minimum": "iq_min", "maximum": "iq_max"}
-_CURVE_BITS = 8
-#: Largest shifts of a 64-bit product and of a 32-bit number.
-_PRODUCT_SHIFT_MAX = 62
-_SHIFT_MAX = 31
-#: railhil's own functions, for formats that the library lacks. There are none for quotients and roots, which would need
-#: more than 64 bits there.
-_OWN = {"mpy": "iq_mpy", "rmpy": "iq_rmpy", "rsmpy": "iq_rsmpy"}
-
-
-def _library_call(name: str, q: int, *arguments: str) -> str:
-    """A call of the library function for this format if there is one, else of railhil's own function.
-
-    :raises ValueError: there is neither.
-    """
-    if q in NAMED_Q:
-        return f"_IQ{q}{name}({', '.join(arguments)})"
-    if name not in _OWN or not 0 <= q <= _PRODUCT_SHIFT_MAX:
-        raise ValueError(f"{name} with {q} fraction bits")
-    return f"{_OWN[name]}({', '.join(arguments)}, {q})"
-
-
-def _shift(argument: str, q_from: int, q_to: int) -> str:
-    """Conversion to another format.
-
-    :raises ValueError: all bits of the number would be shifted out.
-    """
-    if q_to - q_from > _SHIFT_MAX:
-        raise ValueError(f"convert from Q{q_from} to Q{q_to}")
-    if q_to > q_from:
-        return f"iq_shl({argument}, {q_to - q_from})"
-    # A shift by 31 leaves only the sign; larger shifts give the same result.
-    return f"iq_shr({argument}, {min(q_from - q_to, _SHIFT_MAX)})"
 
 
 @dataclass(slots=True)
 class Data:
-    """Constants and tables of the C file, collected while its functions are written."""
+    """Constants and tables of the C file, collected while its functions are written.
+
+    ``literal``: of a constant in C.
+    """
 
     law: str
-    constants: dict[tuple[str, int, int], tuple[str, Constant]] = field(default_factory=dict)
+    literal: Callable[[Constant], str]
+    constants: dict[tuple[str, str, int], tuple[str, Constant]] = field(default_factory=dict)
     tables: dict[str, tuple[str, Table]] = field(default_factory=dict)
     _names: Names = field(init=False)
 
@@ -69,7 +35,7 @@ class Data:
 
     def constant(self, constant: Constant) -> str:
         """Name of a constant in C."""
-        key = (constant.name, constant.raw, constant.q)
+        key = (constant.name, self.literal(constant), constant.q)
         if key not in self.constants:
             name = self._names.new(f"{self.law}_{identifier(constant.name)}".upper())
             self.constants[key] = (name, constant)
@@ -94,80 +60,24 @@ class Body(ABC):
     ``locals``: number of its local variables, for the estimate of the stack.
 
     :param places: C expression of each input of the program, by its name; an input without one is not read.
-    :param names: of the function's variables.
-    """
-
-    #: C type of its numbers.
-    number: ClassVar[str]
-
-    def __init__(self, program: Program, places: Mapping[str, str], names: Names) -> None:
-        self.lines: list[str] = []
-        self.locals = 0
-        self._program = program
-        self._names = names
-        self._quantities: dict[int, Quantity] = {}
-        for quantity in program.quantities:
-            self._quantities.setdefault(quantity.value.number, quantity)
-        self._expressions = {value.number: places[name] for name, value in program.inputs if name in places}
-
-    def expression(self, value: Value) -> str:
-        """C expression that reads a value."""
-        return self._expressions[value.number] if value.constant is None else self._constant(value.constant)
-
-    @abstractmethod
-    def _constant(self, constant: Constant) -> str:
-        """C expression of a constant."""
-
-    def _named(self, value: Value) -> str:
-        """A new name for a value: that of its quantity, if it has one."""
-        quantity = self._quantities.get(value.number)
-        return self._names.new(quantity.name if quantity else f"v{value.number}")
-
-    def assignments(self, targets: Mapping[str, str]) -> list[str]:
-        """Statements that write outputs of the program.
-
-        A member that is assigned to another one is copied first, at the end of ``lines``, before either is written.
-
-        :param targets: C expression of each output's member, by its leaf; other outputs are not written.
-        """
-        sources = {leaf: self.expression(value) for leaf, value in self._program.outputs if leaf in targets}
-        moved = [source for leaf, source in sources.items() if source in targets.values() and source != targets[leaf]]
-        kept = {source: self._keep(source) for source in dict.fromkeys(moved)}
-        return [
-            f"{targets[leaf]} = {kept.get(source, source)};"
-            for leaf, source in sources.items()
-            if source != targets[leaf]
-        ]
-
-    def _keep(self, place: str) -> str:
-        """Add a local copy of ``place``, which is about to be overwritten; returns its name."""
-        name = self._names.new(f"before_{place.rpartition('>')[2]}")
-        self.lines.append(f"const {self.number} {name} = {place};")
-        self.locals += 1
-        return name
-
-    def _right(self, operation: Operation, arguments: list[str]) -> str:
-        """The operation as a C expression."""
-        match operation.op:
-            case "gt":
-                return f"{arguments[0]} > {arguments[1]}"
-            case "where":
-                return f"{arguments[0]} ? {arguments[1]} : {arguments[2]}"
-        return self._call(operation, arguments)
-
-    @abstractmethod
-    def _call(self, operation: Operation, arguments: list[str]) -> str:
-        """The same for operations that are calls of functions."""
-
-
-class FixedBody(Body):
-    """The body of a function in fixed point.
-
     :param parameters: names of the function's parameters.
     :param shared: values share variables.
+    :raises ValueError: an operation that the arithmetic does not have in C.
     """
 
-    number = "int32_t"
+    #: C type of its numbers, and the header of the arithmetic.
+    number: ClassVar[str]
+    header: ClassVar[str]
+    #: Whether numbers have formats, and words about them for the comments of the C.
+    has_formats: ClassVar[bool]
+    code_words: ClassVar[tuple[str, ...]]
+    value_words: ClassVar[str]
+    constant_words: ClassVar[str]
+    #: Options that the C needs of a compiler, and its libraries.
+    flags: ClassVar[str]
+    libraries: ClassVar[str]
+    #: C function of a sum.
+    add: ClassVar[str]
 
     def __init__(
         self,
@@ -178,98 +88,127 @@ class FixedBody(Body):
         *,
         shared: bool = False,
     ) -> None:
-        super().__init__(program, places, Names(taken=parameters))
+        self.lines: list[str] = []
+        self.locals = 0
+        self._program = program
         self._data = data
+        self._names = Names(taken=parameters)
+        self._quantities: dict[int, Quantity] = {}
+        for quantity in program.quantities:
+            self._quantities.setdefault(quantity.value.number, quantity)
+        self._expressions = {value.number: places[name] for name, value in program.inputs if name in places}
         used = {value.number for _, value in program.outputs}
         used.update(argument.number for operation in program.operations for argument in operation.arguments)
-        self._slots = Slots(program, self._names) if shared else None
+        self._slots = Slots(program, self._names, self.number) if shared else None
         for operation in program.operations:
             self._write(operation, operation.result.number in used)
         if self._slots is not None:
             self.lines[:0] = self._slots.declarations
             self.locals = self._slots.count
 
-    def _constant(self, constant: Constant) -> str:
-        return self._data.constant(constant)
+    @staticmethod
+    @abstractmethod
+    def literal(constant: Constant) -> str:
+        """A constant in C."""
+
+    @staticmethod
+    @abstractmethod
+    def from_raw(expression: str, q: int) -> str:
+        """The number of an integer in Q ``q``, as C expressions."""
+
+    @staticmethod
+    @abstractmethod
+    def raw(expression: str, q: int) -> str:
+        """The integer in Q ``q`` of a number, as C expressions."""
+
+    @staticmethod
+    @abstractmethod
+    def note(expression: str, shift: int, low: int, high: int) -> str:
+        """An integer without its last ``shift`` bits, limited to ``low`` and ``high``, as C expressions."""
+
+    def expression(self, value: Value) -> str:
+        """C expression that reads a value."""
+        return self._expressions[value.number] if value.constant is None else self._data.constant(value.constant)
+
+    def assignments(self, targets: Mapping[str, str], formats: Mapping[str, int]) -> list[str]:
+        """Statements that write outputs of the program.
+
+        A member that is assigned to another one is copied first, at the end of ``lines``, before either is written.
+
+        :param targets: C expression of each output's member, by its leaf; other outputs are not written.
+        :param formats: Q of the outputs that are written as integers.
+        """
+        sources = {leaf: self.expression(value) for leaf, value in self._program.outputs if leaf in targets}
+        moved = [source for leaf, source in sources.items() if source in targets.values() and source != targets[leaf]]
+        kept = {source: self._keep(source) for source in dict.fromkeys(moved)}
+        written = {leaf: kept.get(source, source) for leaf, source in sources.items() if source != targets[leaf]}
+        written |= {leaf: self.raw(written[leaf], formats[leaf]) for leaf in written if leaf in formats}
+        return [f"{targets[leaf]} = {source};" for leaf, source in written.items()]
+
+    def _keep(self, place: str) -> str:
+        """Add a local copy of ``place``, which is about to be overwritten; returns its name."""
+        name = self._names.new(f"before_{place.rpartition('>')[2]}")
+        self.lines.append(f"const {self.number} {name} = {place};")
+        self.locals += 1
+        return name
 
     def _write(self, operation: Operation, used: bool) -> None:
         result = operation.result
         quantity = self._quantities.get(result.number)
+        q, unit = result.q if self.has_formats else None, quantity.unit if quantity else ""
         arguments = [self.expression(value) for value in operation.arguments]
         if self._slots is None:
-            name = self._named(result)
-            words = remark(result.q, quantity.unit if quantity else "")
+            name = self._names.new(quantity.name if quantity else f"v{result.number}")
+            words = remark(q, unit)
             kind = "int " if result.kind is Kind.CONDITION else f"{self.number} "
             constant = "const "
         else:
             name, kind, constant = self._slots.taken(operation), "", ""
-            words = remark(result.q, quantity.unit if quantity else "", quantity.name if quantity else "")
+            words = remark(q, unit, quantity.name if quantity else "")
         self.locals += 1
         if operation.op == "dot":
             self._write_dot(f"{kind}{name}", arguments, operation.parameters[0], words)
         else:
-            self._note(operation, arguments)
-            self.lines.append(f"{constant}{kind}{name} = {self._right(operation, arguments)};{words}")
+            self.lines += self._counts(operation, arguments)
+            right = self._right(operation, arguments)
+            # A conversion that changes nothing may have the variable of its argument.
+            if right != name:
+                self.lines.append(f"{constant}{kind}{name} = {right};{words}")
         if not used:
             self.lines.append(f"(void){name};")
         self._expressions[result.number] = name
 
     def _write_dot(self, declared: str, arguments: list[str], q: int, words: str) -> None:
         half, name = len(arguments) // 2, declared.rpartition(" ")[2]
-        terms = [_library_call("rmpy", q, *pair) for pair in zip(arguments[:half], arguments[half:], strict=True)]
+        terms = [self._product(*pair, q) for pair in zip(arguments[:half], arguments[half:], strict=True)]
         self.lines.append(f"{declared} = {terms[0]};{words}")
-        self.lines += [f"{name} = iq_add({name}, {term});" for term in terms[1:]]
+        self.lines += [f"{name} = {self.add}({name}, {term});" for term in terms[1:]]
 
-    def _note(self, operation: Operation, arguments: list[str]) -> None:
-        """Add a call that counts the events of an operation whose C function does not count them."""
-        what = {"div": "division", "rsmpy": "product"}.get(operation.op)
-        if what is not None:
-            self.lines.append(f"iq_note_{what}({', '.join(arguments)}, {operation.parameters[0]}, events);")
-
-    def _call(self, operation: Operation, arguments: list[str]) -> str:
-        parameters = operation.parameters
-        listed = ", ".join(arguments)
+    def _right(self, operation: Operation, arguments: list[str]) -> str:
+        """The operation as a C expression."""
         match operation.op:
-            case "add" | "sub" | "neg" | "minimum" | "maximum":
-                return f"{_PLAIN[operation.op]}({listed})"
-            case "mpy" | "rmpy" | "rsmpy" | "div" | "sqrt":
-                return _library_call(operation.op, parameters[0], *arguments)
-            case "mpy_iqx":
-                q_a, q_b, q = parameters
-                if q in NAMED_Q and q_a in NAMED_Q and q_b in NAMED_Q:
-                    return f"_IQ{q}mpyIQX({arguments[0]}, {q_a}, {arguments[1]}, {q_b})"
-                if abs(q_a + q_b - q) > _PRODUCT_SHIFT_MAX:
-                    raise ValueError(f"mpy_iqx from Q{q_a} and Q{q_b} to Q{q}")
-                return f"iq_mpy_iqx({arguments[0]}, {q_a}, {arguments[1]}, {q_b}, {q})"
-            case "abs":
-                q_of = operation.result.q
-                return f"_IQ{q_of}abs({listed})" if q_of in NAMED_Q else f"iq_abs({listed})"
-            case "quantise":
-                return _library_call("rmpy", parameters[0] - parameters[1], listed, literal(1))
-            case "convert":
-                return _shift(listed, *parameters)
-            case "sat":
-                return f"iq_limit({listed}, events)"
-            case "clip":
-                return f"_IQsat({listed})"
-        return self._look_up(operation, listed)
+            case "gt":
+                return f"{arguments[0]} > {arguments[1]}"
+            case "where":
+                return f"{arguments[0]} ? {arguments[1]} : {arguments[2]}"
+        return self._call(operation, arguments)
 
-    def _look_up(self, operation: Operation, argument: str) -> str:
-        """Operations on tables."""
-        if operation.op == "index":
-            return f"iq_index({argument}, {literal(operation.parameters[0])})"
-        if operation.op == "curve":
-            assert operation.curve is not None
-            table = self._data.table(Table(operation.curve.name, operation.curve.samples))
-            return f"iq_curve({table}, {argument}, {operation.curve.q_in - _CURVE_BITS})"
-        assert operation.table is not None
-        table = self._data.table(operation.table)
-        if operation.op == "locate":
-            return f"iq_locate({table}, {literal(len(operation.table.constants))}, {argument})"
-        if operation.op == "at":
-            offset = operation.parameters[0]
-            return f"{table}[{argument} + {literal(offset)}]" if offset else f"{table}[{argument}]"
-        raise KeyError(operation.op)
+    def _curve(self, operation: Operation) -> str:
+        """The table of a curve."""
+        assert operation.curve is not None
+        return self._data.table(Table(operation.curve.name, operation.curve.samples))
+
+    @abstractmethod
+    def _counts(self, operation: Operation, arguments: list[str]) -> list[str]:
+        """Statements that count the events of an operation whose C function does not count them."""
+
+    @abstractmethod
+    def _product(self, a: str, b: str, q: int) -> str:
+        """One term of a sum of products."""
+
+    @abstractmethod
+    def _call(self, operation: Operation, arguments: list[str]) -> str:
+        """The operation as a C expression, for operations that are calls of functions."""
 
 
 def remark(q: int | None, unit: str, name: str = "") -> str:
@@ -279,8 +218,6 @@ def remark(q: int | None, unit: str, name: str = "") -> str:
 
 
 _PER_LINE = 10
-#: Type and first letter of the variables of conditions, and of all other values.
-_CONDITION, _NUMBER = ("int", "c"), ("int32_t", "w")
 
 
 class Slots:
@@ -289,10 +226,13 @@ class Slots:
     Outputs are read after all operations.
 
     :param names: of the function.
+    :param number: C type of numbers.
     """
 
-    def __init__(self, program: Program, names: Names) -> None:
+    def __init__(self, program: Program, names: Names, number: str) -> None:
         self._names = names
+        #: Type and first letter of the variables of conditions, and of all other values.
+        self._kinds = (("int", "c"), (number, "w"))
         #: Last operation that reads a value, by the value's number.
         self._last: dict[int, int] = {}
         for place, operation in enumerate(program.operations):
@@ -300,8 +240,8 @@ class Slots:
         self._last |= {value.number: len(program.operations) for _, value in program.outputs}
         self._place = 0
         self._held: dict[int, tuple[tuple[str, str], str]] = {}
-        self._free: dict[tuple[str, str], list[str]] = {_NUMBER: [], _CONDITION: []}
-        self._made: dict[tuple[str, str], list[str]] = {_NUMBER: [], _CONDITION: []}
+        self._free: dict[tuple[str, str], list[str]] = {kind: [] for kind in reversed(self._kinds)}
+        self._made: dict[tuple[str, str], list[str]] = {kind: [] for kind in reversed(self._kinds)}
 
     @property
     def count(self) -> int:
@@ -326,7 +266,7 @@ class Slots:
         in_steps = operation.op == "dot"
         if not in_steps:
             self._release(over)
-        kind = _CONDITION if operation.result.kind is Kind.CONDITION else _NUMBER
+        kind = self._kinds[operation.result.kind is not Kind.CONDITION]
         free = self._free[kind]
         if not free:
             self._made[kind].append(self._names.new(f"{kind[1]}{len(self._made[kind])}"))

@@ -10,15 +10,14 @@ from pathlib import Path
 
 from railhil.common.errors import InputError, Words, describe_os_error
 from railhil.controller_node.ecan import mailbox_table
-from railhil.controller_node.export.body import NAMED_Q
 from railhil.controller_node.export.control import Control, Play, Source, Word
+from railhil.controller_node.export.fixed import names_of_iqmath
 from railhil.controller_node.export.headers import mailbox_header, node_header
 from railhil.controller_node.export.interface import InterfaceControl
 from railhil.controller_node.export.note import memory_note
 from railhil.controller_node.export.ports import ports_header
 from railhil.controller_node.export.reference import reference_log
-from railhil.controller_node.export.single import single_files
-from railhil.controller_node.export.source import SourceWriter
+from railhil.controller_node.export.source import BODIES, SourceWriter
 from railhil.controller_node.export.text import template
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec
@@ -41,10 +40,14 @@ _PROGRAM = ("railhil_socket.h", "railhil_socket.c", "railhil_node.c")
 def control_of(scenario: AnyScenario, law: LawSpec) -> Control:
     """The :class:`Control` that exports a law: the part ``export`` of its system, else one for its ``interface``.
 
-    :raises InputError: the system has neither; or like :class:`~railhil.controller_node.export.control.Control`.
+    :raises InputError: the system has neither, or does not export laws in this arithmetic; or like
+        :class:`~railhil.controller_node.export.control.Control`.
     """
     system = scenario.installed_system
     kind: type[Control] = system.optional_part("export") or InterfaceControl
+    if law.arithmetic not in kind.arithmetics:
+        allowed = f"{' or '.join(kind.arithmetics)} for a law of system {system.name}"
+        raise InputError("command line", "--arithmetic", law.arithmetic, allowed)
     return kind(scenario, law)
 
 
@@ -84,48 +87,30 @@ def _node_files(name: str, control: Control, source: Source) -> dict[str, str]:
     }
 
 
-def _names_of_iqmath() -> str:
-    """Macros with the library's names for railhil's functions, for every format of the library."""
-    lines = []
-    for q in NAMED_Q:
-        lines += [
-            f"#define _IQ{q}mpy(a, b) iq_mpy((a), (b), {q})",
-            f"#define _IQ{q}rmpy(a, b) iq_rmpy((a), (b), {q})",
-            f"#define _IQ{q}rsmpy(a, b) iq_rsmpy((a), (b), {q})",
-            f"#define _IQ{q}mpyIQX(a, q_a, b, q_b) iq_mpy_iqx((a), (q_a), (b), (q_b), {q})",
-            f"#define _IQ{q}div(a, b) iq_div((a), (b), {q})",
-            f"#define _IQ{q}sqrt(a) iq_sqrt((a), {q})",
-            f"#define _IQ{q}abs(a) iq_abs(a)",
-        ]
-    return "\n".join(lines)
-
-
 def make_bundle(scenario: AnyScenario, law: LawSpec, play: Play | None = None) -> Bundle:
     """The files for a law on a scenario; the same bytes for the same law, parameters and scenario.
 
-    :param law: in fixed point, ``iq``, or in ``float32``: then without the controller around the law.
+    :param law: in fixed point, ``iq``, or in ``float32``.
     :param play: runs the bench with the controller passed to it, for a log that contains such a run.
     :raises InputError: unknown law or indexing, parameters of another law, or a law that cannot be written in C.
     """
-    is_single = law.arithmetic == "float32"
     try:
-        if is_single:
-            return Bundle(*single_files(scenario, law))
         control = control_of(scenario, law)
         source = SourceWriter(control).write()
         return Bundle(source, _files(control, source, play))
     except ValueError as error:
         of_single = "operations of the arithmetic that single precision has"
-        allowed = of_single if is_single else "operations of the arithmetic, formats that agree, no branch on data"
+        of_fixed = "operations of the arithmetic, formats that agree, no branch on data"
+        allowed = of_single if law.arithmetic == "float32" else of_fixed
         raise InputError("controller", law.controller, Words(str(error)), allowed) from error
 
 
 def _files(control: Control, source: Source, play: Play | None) -> dict[str, str]:
-    name = source.name
+    name, body = source.name, BODIES[control.law.arithmetic]
     return {
         f"{name}.c": source.source,
         f"{name}.h": source.header,
-        "railhil_iq.h": template("railhil_iq.h", name, NAMES=_names_of_iqmath()),
+        body.header: template(body.header, name, NAMES=names_of_iqmath()),
         f"{name}_mailboxes.h": mailbox_header(name, mailbox_table(control.contract, *control.ports())),
         **_node_files(name, control, source),
         f"{name}_log.txt": reference_log(control, source.columns, play),
@@ -133,6 +118,9 @@ def _files(control: Control, source: Source, play: Play | None) -> dict[str, str
         "Makefile": template(
             "Makefile",
             name,
+            ARITHMETIC=body.header,
+            FLAGS=body.flags,
+            LIBRARIES=body.libraries,
             NODE_C=" ".join((*control.sources, *_SOURCES)),
             NODE_H=" ".join((*control.headers, *_HEADERS)),
         ),

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, ClassVar, NamedTuple, Protocol
 
 from railhil.bus.layout import Telegram
@@ -90,24 +90,24 @@ class Define(NamedTuple):
 class Source:
     """A law in C.
 
-    ``header`` and ``source``: text of the two files. ``columns``: names of the result words in a log, in order; in
-    single precision those of the state only, and what follows is empty. ``macros``: names of the macros for its notes.
-    ``commands``: members of ``out`` that are the law's commands. ``constants``: the single constants. Sizes are in
-    16-bit words: ``table_words`` of the tables, ``constant_words`` of the single constants, ``ram_words`` of state,
-    inputs, outputs and event counters, ``stack_words`` the stack estimated for each function by its name.
+    ``header`` and ``source``: text of the two files. ``columns``: names of the result words in a log, in order.
+    ``macros``: names of the macros for its notes. ``commands``: members of ``out`` that are the law's commands.
+    ``constants``: the single constants. Sizes are in 16-bit words: ``table_words`` of the tables, ``constant_words`` of
+    the single constants, ``ram_words`` of state, inputs, outputs and event counters, ``stack_words`` the stack
+    estimated for each function by its name.
     """
 
     name: str
     header: str
     source: str
     columns: tuple[str, ...]
-    macros: tuple[str, ...] = ()
-    commands: tuple[str, ...] = ()
-    constants: tuple[Constant, ...] = ()
-    table_words: Mapping[str, int] = field(default_factory=dict)
-    constant_words: int = 0
-    ram_words: int = 0
-    stack_words: Mapping[str, int] = field(default_factory=dict)
+    macros: tuple[str, ...]
+    commands: tuple[str, ...]
+    constants: tuple[Constant, ...]
+    table_words: Mapping[str, int]
+    constant_words: int
+    ram_words: int
+    stack_words: Mapping[str, int]
 
 
 @dataclass(frozen=True, slots=True)
@@ -156,11 +156,13 @@ class Control(ABC):
 
     ``programs``: the recorded law. ``given``, ``told``: the parameters of the C functions ``inputs`` and ``sent``, in
     their order; ``record``: all of them in the order of the log; ``commands``: the leaves of the law's outputs for the
-    words of ``told``.
+    words of ``told``; ``formats``: Q of the outputs by their leaves, where the law's numbers have none.
 
     :raises InputError: like :func:`railhil.controller_node.program.tracer.record`.
     """
 
+    #: Arithmetics in which it can be exported.
+    arithmetics: ClassVar[tuple[str, ...]] = ("iq",)
     #: Column of the word that is the number of the control period; empty: there is none.
     period_word: ClassVar[str] = ""
     #: Life sign before that of the first telegram on each port that it sends.
@@ -170,10 +172,12 @@ class Control(ABC):
     told: tuple[Word, ...]
     record: tuple[Word, ...]
     commands: tuple[str, ...]
+    formats: Mapping[str, int]
 
     def __init__(self, scenario: Any, law: LawSpec) -> None:
         self.scenario: AnyScenario = scenario
         self.law = law
+        self.formats = {}
 
     @abstractmethod
     def comments(self, name: str) -> Comments:
@@ -195,8 +199,11 @@ class Control(ABC):
         """Macros that convert the law's notes to their signals."""
 
     @abstractmethod
-    def loop(self, number: Arithmetic[int]) -> Loop:
-        """The law itself, at the start of a run."""
+    def loop(self, number: Arithmetic[Any]) -> Loop:
+        """The law itself, at the start of a run.
+
+        :param number: a fresh arithmetic, that of :attr:`law`.
+        """
 
     @abstractmethod
     def runs(self, play: Play | None) -> Iterator[Iterable[Period]]:

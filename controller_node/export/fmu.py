@@ -16,7 +16,7 @@ from xml.etree import ElementTree as ET
 from railhil.common.errors import InputError, Words, describe_os_error
 from railhil.common.extras import missing_library
 from railhil.controller_node.export.bundle import Bundle
-from railhil.controller_node.export.fmu_law import FmuLaw, Variable, law_in_fixed_point, law_in_single_precision
+from railhil.controller_node.export.fmu_law import FmuLaw, Variable, law_of
 from railhil.controller_node.export.text import template
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec
@@ -49,10 +49,7 @@ def write_fmu(bundle: Bundle, scenario: AnyScenario, law: LawSpec, path: Path, f
         raise missing_library("railhil export-c --fmu", error, "fmi") from None
     digest = hashlib.sha256("".join((fmi, *bundle.files.values())).encode())
     token = "{" + digest.hexdigest()[:32] + "}"
-    if law.arithmetic == "float32":
-        inside = law_in_single_precision(bundle, scenario, token)
-    else:
-        inside = law_in_fixed_point(bundle, scenario, law, token)
+    inside = law_of(bundle, scenario, law, token)
     name = inside.name
     frame = f"railhil_fmi{fmi[0]}.c"
     headers = Path(fmpy.__file__).parent / "c-code"

@@ -1,4 +1,4 @@
-"""The parts of an exported law for an FMU: its C, its inputs and its outputs, in fixed point or in single precision."""
+"""The parts of an exported law for an FMU: its C, its inputs and its outputs."""
 
 from __future__ import annotations
 
@@ -9,9 +9,8 @@ from typing import NamedTuple
 from railhil.controller_node.arithmetic.base import INT32_MAX, INT32_MIN
 from railhil.controller_node.export.bundle import Bundle, control_of
 from railhil.controller_node.export.control import Wire
-from railhil.controller_node.export.interface import wires_of
-from railhil.controller_node.export.text import Names, template
-from railhil.controller_node.vector.law import Interface
+from railhil.controller_node.export.source import BODIES
+from railhil.controller_node.export.text import template
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec
 
@@ -21,7 +20,7 @@ _OTHER_SENT_WORDS = "1: the commands sent in the last control period were not th
 _COUNTERS = {"events.saturations": "saturations since the start", "events.zero_divisions": "divisions by zero"}
 _NO_WIRE = Wire("")
 #: C files of the FMU that do not depend on the version of FMI.
-_SHARED = ("railhil_fmu.h", "railhil_fmu.c")
+_SHARED = ("railhil_fmu_law.h", "railhil_fmu.h", "railhil_fmu.c")
 
 
 class Variable(NamedTuple):
@@ -55,77 +54,27 @@ class FmuLaw:
     token: str
 
 
-def law_in_fixed_point(bundle: Bundle, scenario: AnyScenario, law: LawSpec, token: str) -> FmuLaw:
-    """The law of an export in fixed point; the number of the control period comes from the time."""
-    control = control_of(scenario, law)
+def law_of(bundle: Bundle, scenario: AnyScenario, law: LawSpec, token: str) -> FmuLaw:
+    """The law of an export; the number of the control period comes from the time."""
+    control, name = control_of(scenario, law), bundle.source.name
     columns = [word.column for word in control.record if word.column != control.period_word]
     places = {column: f"input[{at}]" for at, column in enumerate(columns)} | {control.period_word: "k"}
-    inside = template(
-        "railhil_fmu_iq.h",
-        bundle.source.name,
-        GIVEN=", ".join(places[word.column] for word in control.given),
-        TOLD=", ".join(places[word.column] for word in control.told),
-    )
     wires = {column: Wire(words) for column, words in _COUNTERS.items()} | dict(control.wires())
-    told = tuple(
+    outputs = tuple(
         Variable(column, at, wires.get(column, _NO_WIRE))
         for at, column in enumerate(bundle.source.columns)
         if column.startswith(("out.", "events."))
     )
-    files = {**bundle.files, "railhil_fmu_law.h": inside}
-    return _law(bundle.source.name, files, "railhil_iq.h", columns, told, wires, scenario, token)
-
-
-def law_in_single_precision(bundle: Bundle, scenario: AnyScenario, token: str) -> FmuLaw:
-    """The law of an export in single precision; all of its integers are raw values of their signals."""
-    interface: Interface = scenario.installed_system.part("interface")
-    readings, commands = Names(), Names()
-    given = [readings.new(item.name) for item in interface.readings]
-    told = [commands.new(item.name) for item in interface.commands]
-    wires = wires_of(interface, given, told)
-    answers = [f"out.{name}" for name in told]
-    for note in interface.notes:
-        answers.append(f"out.{commands.new(note.name)}")
-        status = interface.status_of(note)
-        # This integer is not limited to the range of its signal.
-        wires[answers[-1]] = _NO_WIRE if status is None else Wire(Wire.of(status, note.field).words)
-    inside = template(
-        "railhil_fmu_f32.h",
-        bundle.source.name,
-        SENT=str(len(given)),
-        COMMANDS=str(len(told)),
-        WORDS=str(len(answers)),
-    )
-    outputs = tuple(Variable(column, at, wires[column]) for at, column in enumerate(answers))
-    columns = [*given, *(f"sent.{name}" for name in told)]
-    files = {**bundle.files, "railhil_fmu_law.h": inside}
-    return _law(bundle.source.name, files, "railhil_f32.h", columns, outputs, wires, scenario, token)
-
-
-def _law(
-    name: str,
-    files: Mapping[str, str],
-    arithmetic: str,
-    columns: list[str],
-    outputs: tuple[Variable, ...],
-    wires: Mapping[str, Wire],
-    scenario: AnyScenario,
-    token: str,
-) -> FmuLaw:
     inputs = [Variable(column, at, wires.get(column, _NO_WIRE)) for at, column in enumerate(columns)]
     inputs.append(Variable(OTHER_SENT, len(inputs), Wire(_OTHER_SENT_WORDS)))
-    places = {
+    words = {
+        "GIVEN": ", ".join(places[word.column] for word in control.given),
+        "TOLD": ", ".join(places[word.column] for word in control.told),
         "INPUTS": str(len(inputs)),
         "OTHER_SENT": str(len(inputs) - 1),
         "TOKEN": token,
         "PERIOD_NS": str(scenario.timing.control_period_ns),
     }
-    own = (f"{name}.c", f"{name}.h", arithmetic, "railhil_fmu_law.h")
-    return FmuLaw(
-        name,
-        {file: files[file] for file in own} | {file: template(file, name, **places) for file in _SHARED},
-        tuple(inputs),
-        outputs,
-        scenario.timing.control_period_ns,
-        token,
-    )
+    own = (f"{name}.c", f"{name}.h", BODIES[law.arithmetic].header)
+    files = {file: bundle.files[file] for file in own} | {file: template(file, name, **words) for file in _SHARED}
+    return FmuLaw(name, files, tuple(inputs), outputs, scenario.timing.control_period_ns, token)

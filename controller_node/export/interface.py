@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from typing import Any
 
@@ -29,7 +30,7 @@ from railhil.controller_node.export.ports import CTelegram
 from railhil.controller_node.export.text import SHARED, Names, identifier, literal, wide
 from railhil.controller_node.program.model import Value
 from railhil.controller_node.program.tracer import record_loop
-from railhil.controller_node.vector.controller import VectorController, VectorLoop
+from railhil.controller_node.vector.controller import VectorController, VectorLoop, refuse_wide_readings
 from railhil.controller_node.vector.law import Interface, raw_range
 from railhil.controller_node.vector.node import ports_of, refuse_indexing, sources_of
 from railhil.dbc import Port
@@ -43,8 +44,15 @@ _PLAYED_MAX = 2000
 _COMMENT_COLUMNS = 110
 
 
+class _LogFull(Exception):
+    """The log has all control periods that it takes from a run."""
+
+
 class _Listener(VectorController):
-    """The law's controller; it records its control periods."""
+    """The law's controller; it records its control periods.
+
+    :raises _LogFull: in :meth:`step`.
+    """
 
     def __init__(self, control: InterfaceControl) -> None:
         super().__init__(control.scenario, control.law)
@@ -52,6 +60,8 @@ class _Listener(VectorController):
         self._untold = (0,) * len(control.told)
 
     def step(self, raws: Sequence[int]) -> Any:
+        if len(self.periods) == _PLAYED_MAX:
+            raise _LogFull
         self.periods.append(Period(0 if self.periods else FLAG_BEGIN, tuple(raws), self._untold))
         return super().step(raws)
 
@@ -65,6 +75,7 @@ class InterfaceControl(Control):
     """See :class:`railhil.controller_node.export.control.Control`; the system has a part ``interface``."""
 
     folder = f"{SHARED}/interface"
+    arithmetics = ("iq", "float32")
     sources = ("railhil_telegrams.c",)
     headers = ("railhil_guard.h",)
 
@@ -73,7 +84,10 @@ class InterfaceControl(Control):
         self.system = system = scenario.installed_system
         self._interface: Interface = system.part("interface")
         refuse_indexing(system, law)
-        self.programs = record_loop(VectorLoop, scenario, replace(law, memory=None))
+        is_wide = law.arithmetic == "float32"
+        if is_wide:
+            refuse_wide_readings(self._interface)
+        self.programs = record_loop(VectorLoop, scenario, replace(law, memory=None), wide=is_wide)
         interface = self._interface
         readings, commands = Names(), Names()
         given = [(reading.name, readings.new(reading.name)) for reading in interface.readings]
@@ -85,6 +99,8 @@ class InterfaceControl(Control):
         self._leaves: dict[str, str] = {f"in[{i}]": reading.name for i, reading in enumerate(interface.readings)}
         self._leaves |= dict(zip(self.commands, (command.name for command in interface.commands), strict=True))
         self._leaves |= {f"out.notes[{i}]": note.name for i, note in enumerate(interface.notes)}
+        self.formats = {leaf: command.q for leaf, command in zip(self.commands, interface.commands, strict=True)}
+        self.formats |= {f"out.notes[{i}]": note.law_q for i, note in enumerate(interface.notes)}
         self._units: dict[str, str] = {f"in[{i}]": reading.unit for i, reading in enumerate(interface.readings)}
 
     def comments(self, name: str) -> Comments:
@@ -122,8 +138,11 @@ class InterfaceControl(Control):
     def wires(self) -> dict[str, Wire]:
         """Readings and commands are the integers of their signals, notes have the law's own formats."""
         interface = self._interface
-        given, told = ([word.parameter for word in side] for side in (self.given, self.told))
-        found = wires_of(interface, given, told)
+        readings = zip(self.given, interface.readings, strict=True)
+        found = {word.column: Wire.of(item.telegram, item.field) for word, item in readings}
+        for word, item in zip(self.told, interface.commands, strict=True):
+            out = f"out.{word.parameter}"
+            found |= {out: Wire.of(item.telegram, item.field), word.column: Wire(f"sent instead of {out}")}
         for note in interface.notes:
             words = " ".join(filter(None, (f"1/2^{note.law_q}", note.unit)))
             found[f"out.{identifier(note.name)}"] = Wire(f"1 is {words}")
@@ -142,15 +161,16 @@ class InterfaceControl(Control):
             found.append(Macro(identifier(note.name), f"out.notes[{number}]", note.law_q - note.q, held, words))
         return found
 
-    def loop(self, number: Arithmetic[int]) -> Loop:
+    def loop(self, number: Arithmetic[Any]) -> Loop:
         return VectorLoop(self.scenario, replace(self.law, memory=None), number)
 
     def runs(self, play: Play | None) -> Iterator[Iterable[Period]]:
         """A run of the bench, random readings over their whole range, and the limits of the readings."""
         if play is not None:
             listener = _Listener(self)
-            play(listener)
-            yield listener.periods[:_PLAYED_MAX]
+            with suppress(_LogFull):
+                play(listener)
+            yield listener.periods
         yield self._made(1, lambda generator, low, high: generator.between(low, high))
         yield self._made(2, _end)
 
@@ -249,19 +269,6 @@ class InterfaceControl(Control):
 
     def places(self, source: Source) -> dict[str, str]:
         return {"TAKEN": "\n".join(self._taken()), "ANSWERS": "\n".join(self._answers(source))}
-
-
-def wires_of(interface: Interface, given: Iterable[str], told: Iterable[str]) -> dict[str, Wire]:
-    """Readings, commands and commands sent by their columns.
-
-    :param given: columns of the readings.
-    :param told: those of the commands, without the word before.
-    """
-    found = {column: Wire.of(item.telegram, item.field) for column, item in zip(given, interface.readings, strict=True)}
-    for column, item in zip(told, interface.commands, strict=True):
-        wire = Wire.of(item.telegram, item.field)
-        found |= {f"out.{column}": wire, f"sent.{column}": Wire(f"sent instead of out.{column}")}
-    return found
 
 
 def _is_default(kind: type[Telegram], field: str) -> bool:

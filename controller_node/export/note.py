@@ -5,9 +5,9 @@ from __future__ import annotations
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Constant
 from railhil.controller_node.cost import CPU_MHZ, cost_of
-from railhil.controller_node.export.body import NAMED_Q
 from railhil.controller_node.export.control import Control, Source
-from railhil.controller_node.export.source import STACK_WORDS
+from railhil.controller_node.export.fixed import NAMED_Q
+from railhil.controller_node.export.source import BODIES, STACK_WORDS
 from railhil.controller_node.export.text import comment
 from railhil.controller_node.program.model import LawProgram
 
@@ -16,12 +16,19 @@ RAM_WORDS = 34 * 1024
 FLASH_WORDS = 256 * 1024
 #: A constant whose relative rounding error is larger than this is listed.
 _ROUNDING_NAMED = 1e-4
+#: Lines on single precision.
+_SINGLE = (
+    "- A compiler that contracts products and sums gives other bits: `-ffp-contract=off`.",
+    "- A quotient is computed as by TI's fast library, but from another table of estimates: TI's is not published.",
+    "- An overflow is infinite and not counted.",
+)
 
 
 def memory_note(control: Control, source: Source) -> str:
     """The README as Markdown text."""
     programs, scenario, law, name = control.programs, control.scenario, control.law, source.name
-    cost = cost_of(programs, make("iq"), scenario.timing.control_period_ns)
+    is_fixed, arithmetic = law.arithmetic == "iq", BODIES[law.arithmetic].header
+    cost = cost_of(programs, make(law.arithmetic), scenario.timing.control_period_ns)
     tables = sum(source.table_words.values())
     constants = source.constant_words + tables
     stack = max(source.stack_words.values())
@@ -38,7 +45,9 @@ def memory_note(control: Control, source: Source) -> str:
             "| file | what it is |",
             "|---|---|",
             f"| `{name}.c`, `{name}.h` | the law: `{name}_inputs`, `{name}_start`, `{name}_step`, `{name}_sent` |",
-            "| `railhil_iq.h` | the C28x arithmetic on a host; on the target it uses TI's `IQmathLib.h` instead |",
+            "| `railhil_iq.h` | the C28x arithmetic on a host; on the target it uses TI's `IQmathLib.h` instead |"
+            if is_fixed
+            else "| `railhil_f32.h` | the arithmetic `float32` |",
             f"| `{name}_mailboxes.h` | the eCAN mailbox table, checked against the port table |",
             f"| `{name}_log.txt` | reference log: inputs, state and outputs computed by the bench's Python |",
             "| `railhil_control.c`, `railhil_clock.c`, `.h` | frames in, answers to polls out; simulation time |",
@@ -66,7 +75,7 @@ def memory_note(control: Control, source: Source) -> str:
             f"| stack, estimated for cl2000{_warning(stack, STACK_WORDS)} | {stack} |",
             "",
             "The stack is an estimate for one compiler, TI's cl2000: every local variable in memory and none in a",
-            "register, with the call, its arguments and the deepest function of `railhil_iq.h`. It is no bound: a",
+            f"register, with the call, its arguments and the deepest function of `{arithmetic}`. It is no bound: a",
             "compiler that makes more temporary values of its own needs more (`make stack` prints what the host's",
             "compiler takes). The size of the code depends on the compiler, too,",
             f"and is not included. Block M1, the usual place of the stack, has {STACK_WORDS} words.",
@@ -80,18 +89,19 @@ def memory_note(control: Control, source: Source) -> str:
             *(f"| {operation} | {count} |" for operation, count in cost.operations.items()),
             "",
             f"About {cost.cycles} cycles, {cost.ram_us:.1f} us at {CPU_MHZ} MHz, from RAM; {cost.cycles_flash} cycles,",
-            f"{cost.share:.3%} of the control period, from flash. Cycles of IQmath functions are TI's (user's guide",
-            "V1.70), the others are estimated.",
+            f"{cost.share:.3%} of the control period, from flash.",
+            "Cycles of IQmath functions are TI's (user's guide V1.70), the others are estimated."
+            if is_fixed
+            else "Cycles of division and root are TI's (FPU fast RTS library), the others are estimated.",
             "",
             "## What has been tested, and what has not",
             "",
             "- On a host, state and outputs equal those of the Python law bit for bit: `make check` tests this.",
             "- **It has not been run on a target.** To test it there, replay the log on the hardware.",
-            *_differences(programs),
-            "- Wraps are not counted. Saturations and divisions by zero are, in `iq_events_t`.",
+            *(_differences(programs) if is_fixed else _SINGLE),
             "- The target's `int` has 16 bits: literals are `INT32_C`, structures have 32-bit members only.",
             "- Compiler: C99. cl2000 should accept it with `--c99`; that has not been tried.",
-            *_roundings(source.constants),
+            *(_roundings(source.constants) if is_fixed else ()),
             "",
         ]
     )
@@ -118,7 +128,7 @@ def _differences(programs: LawProgram) -> list[str]:
         lines.append(
             f"- Products shifted by {listed}: the library supports at most 30; `railhil_iq.h` computes them in 64 bits."
         )
-    return lines
+    return [*lines, "- Wraps are not counted. Saturations and divisions by zero are, in `iq_events_t`."]
 
 
 def _roundings(constants: tuple[Constant, ...]) -> list[str]:

@@ -6,14 +6,15 @@ refused.
 
 from __future__ import annotations
 
+import struct
 from collections.abc import Sequence
 from typing import Any
 
 from railhil.common.errors import InputError, Words
 from railhil.controller_node.arithmetic import make
-from railhil.controller_node.export.control import FLAG_SENT, Control, Period, Play
+from railhil.controller_node.export.control import FLAG_SENT, Control, Period, Play, Word
 from railhil.controller_node.export.text import comment
-from railhil.controller_node.program.model import Evaluator, name_leaves
+from railhil.controller_node.program.model import Evaluator, Program, name_leaves
 
 _MASK = 2**32 - 1
 
@@ -26,25 +27,24 @@ class _Twin:
 
     def __init__(self, control: Control) -> None:
         self._control, programs = control, control.programs
-        self._number, other = make("iq"), make("iq")
+        self._number, self._other = make(control.law.arithmetic), make(control.law.arithmetic)
         self._loop = control.loop(self._number)
         parts = (programs.inputs, programs.start, programs.step, programs.sent)
-        self._inputs, self._start, self._step, self._sent = (Evaluator(part, other) for part in parts)
-        self._state: dict[str, int] | None = None
+        self._inputs, self._start, self._step, self._sent = (Evaluator(part, self._other) for part in parts)
+        self._state: dict[str, Any] | None = None
 
     def period(self, period: Period) -> tuple[int, ...]:
         """Result words of one control period."""
         control, loop = self._control, self._loop
         inputs, outputs = loop.step(period.given)
-        wire = dict(zip((word.name for word in control.given), period.given, strict=True))
-        given = self._inputs.run(wire)
+        given = self._inputs.run(self._wire(control.programs.inputs, control.given, period.given))
         if self._state is None:
             self._state = self._start.run(given)
         after = self._step.run(self._state | given)
         self._state = {name: value for name, value in after.items() if name.startswith("state.")}
         if period.flags & FLAG_SENT:
             loop.sent(period.told)
-            told = dict(zip((word.name for word in control.told), period.told, strict=True))
+            told = self._wire(control.programs.sent, control.told, period.told)
             self._state = self._sent.run(self._state | told)
         law: list[Any] = [*name_leaves(inputs, "in"), *name_leaves(loop.state, "state"), *name_leaves(outputs, "out")]
         program = [*given.items(), *self._state.items(), *((n, v) for n, v in after.items() if n.startswith("out."))]
@@ -53,7 +53,24 @@ class _Twin:
                 found = Words(f"{name} = {other} from its recorded operations, {value} from the law")
                 raise InputError("controller", control.programs.law, found, "a law without branches on data")
         counters = self._number.counters
-        return (*(value for _, value in law), counters.saturations, counters.zero_divisions)
+        words = [self._word(name, value) for name, value in law]
+        return (*words, counters.saturations, counters.zero_divisions)
+
+    def _wire(self, program: Program, words: Sequence[Word], raws: Sequence[int]) -> dict[str, Any]:
+        """Integers of the wire as numbers of the recorded program."""
+        formats = {name: value.q for name, value in program.inputs}
+        return {
+            word.name: self._other.from_raw(raw, formats[word.name] or 0) for word, raw in zip(words, raws, strict=True)
+        }
+
+    def _word(self, name: str, value: Any) -> int:
+        """A number as a word of the log."""
+        if name in self._control.formats:
+            value = self._number.raw(value, self._control.formats[name])
+        if isinstance(value, float):
+            (value,) = struct.unpack("<i", struct.pack("<f", value))
+        word: int = value
+        return word
 
 
 def _line(words: Sequence[int]) -> str:

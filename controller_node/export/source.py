@@ -5,11 +5,15 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Sequence
 
-from railhil.controller_node.export.body import Data, FixedBody, remark
-from railhil.controller_node.export.control import Control, Source
+from railhil.controller_node.export.body import Body, Data, remark
+from railhil.controller_node.export.control import Control, Source, Word
+from railhil.controller_node.export.fixed import FixedBody
+from railhil.controller_node.export.single import SingleBody
 from railhil.controller_node.export.text import LENGTH_MAX, Names, comment, header, identifier, literal
 from railhil.controller_node.program.model import Program, Value
 
+#: Arithmetics of the C.
+BODIES: dict[str, type[Body]] = {"iq": FixedBody, "float32": SingleBody}
 _PER_LINE = 5
 #: Words (16 bits) on the target: return address of a call, a pointer, an int32.
 _CALL_WORDS = 2
@@ -37,27 +41,30 @@ def c_name(law: str) -> str:
 
 
 class Struct:
-    """A structure of int32 members, one for each leaf of a law's state, inputs or outputs.
+    """A structure of members of 32 bits, one for each leaf of a law's state, inputs or outputs.
 
+    :param number: C type of the members.
     :param group: ``state``, ``in`` or ``out``, the first part of the leaves' names.
     :param member_of: text from which the name of a leaf's member is made.
-    :param unit_of: unit of a leaf.
+    :param remark_of: comment on a leaf.
     """
 
     def __init__(
         self,
         law: str,
+        number: str,
         group: str,
         what: str,
         leaves: Sequence[tuple[str, Value]],
         member_of: Callable[[str], str],
-        unit_of: Callable[[str, Value], str],
+        remark_of: Callable[[str, Value], str],
     ) -> None:
         names = Names()
+        self._number = number
         self.group, self.what = group, what
         self.type = f"{law}_{group}_t"
         self.members = {name: names.new(member_of(name)) for name, _ in leaves}
-        self._remarks = {name: remark(value.q, unit_of(name, value)) for name, value in leaves}
+        self._remarks = {name: remark_of(name, value) for name, value in leaves}
 
     def place(self, leaf: str) -> str:
         """C expression of the leaf's member, through the pointer that the functions receive."""
@@ -72,13 +79,14 @@ class Struct:
         """The structure in C."""
         lines = [f"/* {self.what} */", "typedef struct {"]
         for leaf, member in self.members.items():
-            lines.append(f"    int32_t {member};{self._remarks[leaf]}")
+            lines.append(f"    {self._number} {member};{self._remarks[leaf]}")
         return [*lines, f"}} {self.type};"]
 
 
 class SourceWriter:
     """Writes the two files of one law.
 
+    :param control: the law, in one of :data:`BODIES`.
     :raises ValueError: the name is too long; from :meth:`write`, the law cannot be expressed in C or with the library.
     """
 
@@ -93,18 +101,24 @@ class SourceWriter:
         self._period_ns = scenario.timing.control_period_ns
         given, outputs = programs.inputs.outputs, programs.step.outputs
         units = {quantity.value.number: quantity.unit for quantity in programs.step.quantities}
+        self._body = body = BODIES[control.law.arithmetic]
 
-        def unit_of(_: str, value: Value) -> str:
-            return units.get(value.number, "") if value.constant is None else ""
+        def of_input(leaf: str, value: Value) -> str:
+            return remark(value.q if body.has_formats else None, control.input_unit(leaf, value))
+
+        def of_result(leaf: str, value: Value) -> str:
+            q = value.q if body.has_formats else control.formats.get(leaf)
+            return remark(q, units.get(value.number, "") if value.constant is None else "")
 
         member, state_member = control.member, lambda leaf: leaf.removeprefix("state.")
-        self._in = Struct(name, "in", "Inputs of the law in a control period.", given, member, control.input_unit)
-        self._state = Struct(name, "state", "Memory of the law.", _group(outputs, "state"), state_member, unit_of)
-        self._out = Struct(name, "out", "Outputs of the law.", _group(outputs, "out"), member, unit_of)
+        number, state = body.number, _group(outputs, "state")
+        self._in = Struct(name, number, "in", "Inputs of the law in a control period.", given, member, of_input)
+        self._state = Struct(name, number, "state", "Memory of the law.", state, state_member, of_result)
+        self._out = Struct(name, "int32_t", "out", "Outputs of the law.", _group(outputs, "out"), member, of_result)
         self._macros = control.macros()
         macro_names = Names(f"{name.upper()}_", taken=(f"{name.upper()}_{end}" for end in ("H", "PERIOD_NS")))
         self._macro_names = [macro_names.new(macro.signal.upper()) for macro in self._macros]
-        self._data = Data(name)
+        self._data = Data(name, body.literal)
         self._stack: dict[str, int] = {}
 
     def write(self) -> Source:
@@ -154,11 +168,11 @@ class SourceWriter:
             [
                 f"{law}.h: {self._origin}.",
                 f"Scenario SHA-256 {self._sha256}.",
-                "Generated: change the law, not this file. Value = raw / 2^Q.",
+                f"Generated: change the law, not this file. {self._body.value_words}",
                 "",
                 *comments.use,
             ],
-            ["railhil_iq.h"],
+            [self._body.header],
             [
                 f"#define {law.upper()}_PERIOD_NS {literal(self._period_ns)} /* control period */",
                 "",
@@ -189,42 +203,44 @@ class SourceWriter:
             if macro.leaf is None:
                 lines += [f"/* {macro.signal}: none */", f"#define {name} INT32_C(0)"]
                 continue
-            low, high = map(literal, macro.limits)
-            member = self._out.members[macro.leaf]
-            value = f"iq_max({low}, iq_min({high}, iq_shr((out).{member}, {macro.shift})))"
+            value = self._body.note(f"(out).{self._out.members[macro.leaf]}", macro.shift, *macro.limits)
             lines += [f"/* {macro.signal}: {comment(macro.words)} */", f"#define {name} {value}"]
         return [*lines, ""]
 
     def _preamble(self) -> list[str]:
+        first, *others = self._body.code_words
         return [
             f"/* {self._law}.c: {self._origin}.",
             f" * Scenario SHA-256 {self._sha256}.",
-            " * Generated: change the law, not this file. Straight-line int32 code: no float, no branch except ?:, no",
-            " * allocation, no recursion. Constants are integers because _IQ() on the target truncates its argument.",
+            f" * Generated: change the law, not this file. {first}",
+            *(f" * {line}" for line in others),
             " */",
             f'#include "{self._law}.h"',
             "",
         ]
 
     def _constants(self) -> list[str]:
-        lines = ["/* Constants: raw integer; value, Q, origin. */"]
+        body = self._body
+        lines = [f"/* Constants: {body.constant_words}. */"]
         for name, constant in self._data.constants.values():
             origin = constant.origin or f"law {self._law}, {constant.name}"
-            words = comment(f"{constant.value:.10g}, Q{constant.q}, {origin}")
-            lines.append(f"static const int32_t {name} = {literal(constant.raw)}; /* {words} */")
+            form = f", Q{constant.q}" if body.has_formats else ""
+            words = comment(f"{constant.value:.10g}{form}, {origin}")
+            lines.append(f"static const {body.number} {name} = {body.literal(constant)}; /* {words} */")
         return lines
 
     def _tables(self) -> list[str]:
-        lines = []
+        body, lines = self._body, []
         for name, table in self._data.tables.values():
-            raws = [literal(constant.raw) for constant in table.constants]
-            lines += ["", f"/* Q{table.constants[0].q} */", f"static const int32_t {name}[{len(raws)}] = {{"]
+            raws = [body.literal(constant) for constant in table.constants]
+            lines += ["", *([f"/* Q{table.constants[0].q} */"] if body.has_formats else [])]
+            lines.append(f"static const {body.number} {name}[{len(raws)}] = {{")
             lines += [f"    {', '.join(raws[i : i + _PER_LINE])}," for i in range(0, len(raws), _PER_LINE)]
             lines.append("};")
         return lines
 
     def _inputs(self) -> list[str]:
-        places = {word.name: word.parameter for word in self._control.given}
+        places = self._places(self._programs.inputs, self._control.given)
         return self._function("inputs", self._programs.inputs, places, (self._in,))
 
     def _start(self) -> list[str]:
@@ -235,8 +251,13 @@ class SourceWriter:
         return self._function("step", self._programs.step, places, (self._state, self._out))
 
     def _sent(self) -> list[str]:
-        told = {word.name: word.parameter for word in self._control.told}
+        told = self._places(self._programs.sent, self._control.told)
         return self._function("sent", self._programs.sent, self._state.places | told, (self._state,))
+
+    def _places(self, program: Program, words: Sequence[Word]) -> dict[str, str]:
+        """C expressions of the integers passed to a function, as the program's numbers."""
+        formats = {name: value.q for name, value in program.inputs}
+        return {word.name: self._body.from_raw(word.parameter, formats[word.name] or 0) for word in words}
 
     def _function(self, name: str, program: Program, places: dict[str, str], into: Sequence[Struct]) -> list[str]:
         """A function of the law; its values share variables if they would need too much of the stack otherwise."""
@@ -244,8 +265,8 @@ class SourceWriter:
         parameters = [parameter.replace("*", " ").split()[-1] for parameter in signature]
         targets = {leaf: place for struct in into for leaf, place in struct.places.items()}
         for shared in (False, True):
-            body = FixedBody(program, self._data, places, parameters, shared=shared)
-            writes = body.assignments(targets)
+            body = self._body(program, self._data, places, parameters, shared=shared)
+            writes = body.assignments(targets, self._control.formats)
             frame = _CALL_WORDS + LONG_WORDS * body.locals + _POINTER_WORDS * len(parameters) + _HELPER_WORDS
             if frame <= _FRAME_WORDS:
                 break

@@ -41,7 +41,7 @@ class VectorLoop(LawLoop[T]):
         kind = find(law.controller, system.laws, VectorLaw)
         period_s = scenario.timing.control_period_ns / 1e9
         if not arithmetic.wide:
-            _refuse_wide_readings(self.interface)
+            refuse_wide_readings(self.interface)
         super().__init__(scenario, law, arithmetic, kind, f"{period_s:g} s on {scenario.name}")
         self._bounds = [
             tuple(arithmetic.const(Constant(f"{command.name}_{end}", raw / 2**command.q, command.q, "port table"))
@@ -113,8 +113,8 @@ def _rounded(ar: Arithmetic[T], value: T, law_q: int, q: int) -> T:
     return ar.quantise(value, law_q, q) if q < law_q else ar.convert(value, law_q, q)
 
 
-def _refuse_wide_readings(interface: Interface) -> None:
-    """Refuse a reading that does not fit an int32: in fixed point a reading is an int32, as on the chip.
+def refuse_wide_readings(interface: Interface) -> None:
+    """Refuse a reading that does not fit an int32: in fixed point and in C a reading is an int32, as on the chip.
 
     :raises InputError: there is such a reading.
     """
@@ -122,7 +122,7 @@ def _refuse_wide_readings(interface: Interface) -> None:
         low, high = raw_range(reading.telegram, reading.field)
         if low < INT32_MIN or high > INT32_MAX:
             found = Words(f"{reading.telegram.PORT}.{reading.field} with {low} to {high}")
-            allowed = f"{INT32_MIN} to {INT32_MAX} in fixed point"
+            allowed = f"{INT32_MIN} to {INT32_MAX} in fixed point and in C"
             raise InputError("interface", f"reading {reading.name}", found, allowed)
 
 

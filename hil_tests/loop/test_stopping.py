@@ -206,13 +206,15 @@ def test_three_processes_over_the_hub_send_the_same_bytes_and_rerun_repeats_them
 
 @pytest.mark.needs_compiler
 @pytest.mark.slow
-def test_the_c_node_answers_both_status_polls_as_ours(tmp_path: Path) -> None:
+@pytest.mark.parametrize("arithmetic", ["iq", "float32"])
+def test_the_c_node_answers_both_status_polls_as_ours(tmp_path: Path, arithmetic: str) -> None:
     """On a bus that loses some of the frames; the report says so when the readings were too old."""
     scenario = stop_scenario(*SHORT)
     settings = [word for setting in SHORT for word in ("--set", setting)]
-    done = railhil("export-c", "ilc_stop", "yizhuang_stop", *settings, "--out", tmp_path / "c")
+    words = ("ilc_stop", "yizhuang_stop", *settings, "--arithmetic", arithmetic)
+    done = railhil("export-c", *words, "--out", tmp_path / "c")
     assert done.exit_code == 0, done.err
-    spec = RunSpec(law=LawSpec("ilc_stop", arithmetic="iq"))
+    spec = RunSpec(law=LawSpec("ilc_stop", arithmetic=arithmetic))
     ours, theirs = VectorNode(scenario, spec.law), CNode(tmp_path / "c", "ilc_stop", PORTABLE_INTERFACE)
     session = make_session(scenario, lambda line: None, spec)
     lost, answered = random.Random(1), Counter[int]()

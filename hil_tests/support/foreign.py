@@ -64,7 +64,7 @@ def export_node(scenario: Scenario, folder: Path, indexing: str = "time", law: s
 
 def build(folder: Path, sources: Sequence[str], name: str, flags: Sequence[str], compiler: str = "gcc") -> Path:
     """Compile files of an export; warnings are errors."""
-    command = [compiler, *flags, "-o", name, *sources]
+    command = [compiler, *flags, "-o", name, *sources, "-lm"]
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
     assert done.returncode == 0, f"{' '.join(command)}\n{done.stderr}"
     return folder / name
@@ -92,7 +92,15 @@ class CNode:
         path = folder / "library.so"
         if not path.exists():
             (folder / "shim.c").write_text(_SHIM + (_LEVEL if "railhil_guard.c" in portable else ""))
-            flags = (*STRICT, "-O2", "-fPIC", "-shared", "-fsanitize=undefined", "-fsanitize-undefined-trap-on-error")
+            flags = (
+                *STRICT,
+                "-O2",
+                "-ffp-contract=off",
+                "-fPIC",
+                "-shared",
+                "-fsanitize=undefined",
+                "-fsanitize-undefined-trap-on-error",
+            )
             build(folder, [f"{law}.c", *portable, "shim.c"], path.name, flags)
         self._c = ctypes.CDLL(str(path))
         self._c.railhil_count_name.restype = ctypes.c_char_p

@@ -6,7 +6,6 @@ import argparse
 import contextlib
 import sys
 from collections.abc import Mapping
-from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -21,7 +20,6 @@ from railhil.common.exit_codes import run_guarded
 from railhil.controller_node.export.bundle import make_bundle, write_bundle
 from railhil.controller_node.export.control import Source
 from railhil.controller_node.laws import is_floating, names
-from railhil.controller_node.vector.node import refuse_indexing
 from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.options import add_option, add_options
@@ -65,18 +63,16 @@ def _run(scenario: AnyScenario, law: LawSpec, controller: Any) -> None:
         local_run(scenario, Path(folder), RunSpec(law=law), controller=controller)
 
 
-def _in_single_precision(namespace: argparse.Namespace, system: System) -> bool:
-    """Whether the law is written in float32.
+def _arithmetic(namespace: argparse.Namespace, system: System) -> str:
+    """The arithmetic in which the law is written.
 
-    :raises InputError: it cannot be written in the requested arithmetic.
+    :raises InputError: it cannot be written in the requested one.
     """
     floating = is_floating(namespace.law, system.laws)
-    asked = namespace.arithmetic
+    asked: str | None = namespace.arithmetic
     if floating and asked == "iq":
         raise InputError("command line", "--arithmetic", asked, f"float32: {namespace.law} has no fixed-point formats")
-    if asked == "float32" and system.interface is None:
-        raise InputError("command line", "--arithmetic", asked, f"iq for a law of system {system.name}")
-    return floating or asked == "float32"
+    return asked or ("float32" if floating else "iq")
 
 
 def main() -> int:
@@ -86,15 +82,11 @@ def main() -> int:
         raise InputError("command line", "--fmi-version", namespace.fmi_version, Sentence("used only with --fmu"))
     parameters = None if namespace.parameters is None else load_parameters(namespace.parameters)
     scenario = load_any(namespace.scenario, namespace.set)
-    law = LawSpec(namespace.law, indexing=namespace.indexing, parameters=parameters)
     system = scenario.installed_system
-    if _in_single_precision(namespace, system):
-        refuse_indexing(system, law)
-        law = replace(law, arithmetic="float32")
+    law = LawSpec(namespace.law, _arithmetic(namespace, system), indexing=namespace.indexing, parameters=parameters)
     bundle = make_bundle(scenario, law, lambda controller: _run(scenario, law, controller))
-    if law.arithmetic == "iq":
-        # A law that may wrap is refused here, and must not run on a chip either.
-        system.part("controller")(scenario, law)
+    # A law that may wrap is refused here, and must not run on a chip either.
+    system.part("controller")(scenario, law)
     write_bundle(bundle, namespace.out, force=namespace.force)
     fmu = namespace.out / f"{bundle.source.name}.fmu"
     if namespace.fmu:
@@ -109,8 +101,6 @@ def main() -> int:
 
 def _size(source: Source) -> str:
     """Resources that a law needs on the target."""
-    if not source.stack_words:
-        return f"in single precision: {len(source.columns)} numbers of state"
     words = source.constant_words + sum(source.table_words.values())
     return (
         f"on the target: {source.ram_words} words of RAM, {words} words of constants, "

@@ -13,6 +13,12 @@
 #error "float must be computed as float"
 #endif
 
+/* Events of a law since its start, as in railhil_iq.h: in single precision there are none. */
+typedef struct {
+    uint32_t saturations;
+    uint32_t zero_divisions;
+} iq_events_t;
+
 static inline float f32_fit(float a)
 {
     if (a != a) {
@@ -68,6 +74,13 @@ static inline int32_t f32_raw(float a, int q)
 {
     const double scaled = ldexp((double)a, q) + 0.5;
     return (int32_t)floor(scaled > 2147483647.0 ? 2147483647.0 : scaled < -2147483648.0 ? -2147483648.0 : scaled);
+}
+
+/* Such an integer without its last bits, limited to the range of its signal. */
+static inline int32_t f32_note(int32_t a, int bits, int32_t low, int32_t high)
+{
+    const int32_t note = a >> bits;
+    return note < low ? low : note > high ? high : note;
 }
 
 #endif

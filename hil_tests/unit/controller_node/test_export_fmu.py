@@ -38,7 +38,6 @@ class Export(NamedTuple):
     """An FMU of each version, and the reference log beside them."""
 
     fmus: Mapping[str, Path]
-    single: bool
     log: str
 
 
@@ -51,24 +50,19 @@ def export(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFact
     fmus = {version: folder / f"{version}.fmu" for version in VERSIONS}
     for version, path in fmus.items():
         write_fmu(bundle, loaded, law, path, version)
-    return Export(fmus, arithmetic == "float32", bundle.files[f"{name}_log.txt"])
+    return Export(fmus, bundle.files[f"{name}_log.txt"])
 
 
-def _log(export: Export, loop: Loop) -> Iterator[list[dict[str, int]]]:
+def _log(export: Export) -> Iterator[list[dict[str, int]]]:
     """The runs of the reference log, a dictionary for each control period."""
     lines = export.log.splitlines()
-    if export.single:
-        sent = [name for name in loop.inputs if name.startswith("sent.")]
-        columns = ["flags", *(name for name in loop.inputs if "sent" not in name), *sent, *loop.outputs]
-    else:
-        columns = next(line for line in lines if line.startswith("# flags ")).split()[1:]
+    columns = next(line for line in lines if line.startswith("# flags ")).split()[1:]
     run: list[dict[str, int]] = []
     for line in lines:
         if line.startswith("#"):
             continue
         words = np.array([int(word, 16) for word in line.split()], dtype=np.uint32).astype(np.int32).tolist()
-        # The words of the state end the lines of a log in single precision.
-        period = dict(zip(columns, words, strict=not export.single))
+        period = dict(zip(columns, words, strict=True))
         if period["flags"] & FLAG_BEGIN and run:
             yield run
             run = []
@@ -100,7 +94,7 @@ def test_words_are_those_of_the_reference_log(export: Export, version: str, tmp_
     """The log is what the law computes in Python, and what the compiled C is checked against."""
     loop = Loop(export.fmus[version], tmp_path)
     compared = 0
-    for run in _log(export, loop):
+    for run in _log(export):
         # Only periods that follow one another in time.
         if all(period.get("k", at) == at for at, period in enumerate(run)):
             assert _periods(loop, run) == [{name: period[name] for name in loop.outputs} for period in run]

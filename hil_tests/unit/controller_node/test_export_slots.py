@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from railhil.controller_node.arithmetic.base import Constant
-from railhil.controller_node.export.body import Data, FixedBody
+from railhil.controller_node.export.body import Data
+from railhil.controller_node.export.fixed import FixedBody
 from railhil.controller_node.program.model import Program, Value
 from railhil.controller_node.program.tracer import Tracer
 
@@ -26,7 +27,7 @@ def traced() -> Program:
 
 def test_a_variable_is_used_again_once_its_value_is_not_needed() -> None:
     places = {"x": "in->x", "y": "in->y"}
-    body = FixedBody(traced(), Data("law"), places, ("in",), shared=True)
+    body = FixedBody(traced(), Data("law", FixedBody.literal), places, ("in",), shared=True)
     assert body.lines == [
         "int32_t w0, w1, w2;",
         "int c0;",
@@ -39,6 +40,6 @@ def test_a_variable_is_used_again_once_its_value_is_not_needed() -> None:
         "w1 = c0 ? w2 : w1; /* Q16 */",
     ]
     assert body.locals == 4
-    apart = FixedBody(traced(), Data("law"), places, ("in",))
+    apart = FixedBody(traced(), Data("law", FixedBody.literal), places, ("in",))
     assert apart.locals == 6
     assert all(line.startswith(("const ", "int32_t ", "v")) for line in apart.lines)

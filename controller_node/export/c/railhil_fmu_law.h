@@ -1,4 +1,4 @@
-/* What the FMU calls of the law @LAW@, which computes in fixed point. */
+/* What the FMU calls of the law @LAW@. */
 #ifndef RAILHIL_FMU_LAW_H
 #define RAILHIL_FMU_LAW_H
 
