@@ -97,10 +97,8 @@ def _repeat(plan: Plan, rows: pa.Table, place: int) -> Iterator[Verified]:
 
 
 TOY: Study[Plan, Chunk] = Study(
-    command="railhil toy",
+    name="toy",
     kind="toy",
-    manifest="campaign.json",
-    folder="toy",
     request=Request,
     make_plan=Plan,
     columns=lambda plan: SCHEMA,

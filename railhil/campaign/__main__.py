@@ -5,13 +5,13 @@ from __future__ import annotations
 import argparse
 import sys
 
-from railhil.campaign.plan import ALL_LAWS, CHUNK_MAX, RUNS_MAX, Plan, Request
-from railhil.common.command_line import SEED_MAX, OneLineParser, whole_number
+from railhil.campaign.plan import ALL_LAWS, Plan, Request
+from railhil.common.command_line import OneLineParser
 from railhil.common.errors import InputError, Sentence
 from railhil.common.exit_codes import run_guarded
 from railhil.controller_node.laws import names as laws
 from railhil.scenarios.options import add_option, add_options
-from railhil.study.command import Command, add_folder_arguments, exit_codes
+from railhil.study.command import Command, add_folder_arguments, add_number, exit_codes
 from railhil.study.engines import ENGINES
 from railhil.study.perturbed_runs import how_made
 
@@ -38,18 +38,8 @@ def arguments() -> argparse.ArgumentParser:
     )
     add_option(parser, "scenario", default=None, help=f"shipped name or TOML file (default {usual.scenario})")
     add_options(parser, "--set")
-    parser.add_argument(
-        "--runs",
-        type=whole_number(1, RUNS_MAX),
-        metavar="N",
-        help=f"runs of each law (default {usual.runs}); --verify: 3",
-    )
-    parser.add_argument(
-        "--first-seed",
-        type=whole_number(0, SEED_MAX),
-        metavar="N",
-        help=f"seeds from here on (default {usual.first_seed})",
-    )
+    add_number(parser, Request, "runs", f"runs of each law (default {{}}); --verify: {_VERIFIED_RUNS}")
+    add_number(parser, Request, "first_seed", "seeds from here on (default {})")
     parser.add_argument(
         "--laws", type=_law_list, metavar="A,B,...", help=f"{ALL_LAWS}, or some of {', '.join(laws())} (default ipfc)"
     )
@@ -63,9 +53,7 @@ def arguments() -> argparse.ArgumentParser:
         "--engine", type=_engine, choices=ENGINES, default="batch", help="this process, cores, machines"
     )
     add_option(parser, "--jobs", help="processes: how many (default: one per core)")
-    parser.add_argument(
-        "--chunk", type=whole_number(1, CHUNK_MAX), metavar="N", help=f"runs per part (default {usual.chunk})"
-    )
+    add_number(parser, Request, "chunk", "runs per part (default {})")
     add_folder_arguments(parser, "campaign", "runs of a finished campaign", with_report=False)
     return parser
 

@@ -105,10 +105,8 @@ def _repeat(plan: Plan, rows: pa.Table, place: int) -> Iterator[Verified]:
 
 
 CAMPAIGN: Study[Plan, Chunk] = Study(
-    command="railhil campaign",
+    name="campaign",
     kind="campaign",
-    manifest="campaign.json",
-    folder="campaign",
     request=Request,
     make_plan=make_plan,
     columns=lambda plan: schema(plan.judging),

@@ -6,13 +6,13 @@ import argparse
 import sys
 
 from railhil.batch.nodes import kernel_of, one_by_one
-from railhil.common.command_line import USUAL_SCENARIO, OneLineParser, whole_number
+from railhil.common.command_line import USUAL_SCENARIO, OneLineParser
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import run_guarded
 from railhil.scenarios.options import add_option, add_options
 from railhil.sequences.one import runner_of, sequence_batch_of, through_nodes
-from railhil.sequences.plan import CHUNK_MAX, RUNS_MAX, SEQUENCES_MAX, Plan, Request
-from railhil.study.command import Command, add_folder_arguments, exit_codes
+from railhil.sequences.plan import Plan, Request
+from railhil.study.command import Command, add_folder_arguments, add_number, exit_codes
 
 
 def arguments() -> argparse.ArgumentParser:
@@ -25,15 +25,8 @@ def arguments() -> argparse.ArgumentParser:
     )
     add_option(parser, "scenario", default=None, help=f"shipped name or TOML file (default {USUAL_SCENARIO})")
     add_options(parser, "--set", "--fault")
-    parser.add_argument(
-        "--runs", type=whole_number(1, RUNS_MAX), metavar="N", help=f"runs of each sequence (default {usual.runs})"
-    )
-    parser.add_argument(
-        "--sequences",
-        type=whole_number(1, SEQUENCES_MAX),
-        metavar="N",
-        help=f"sequences (default {usual.sequences}); --verify: 1",
-    )
+    add_number(parser, Request, "runs", "runs of each sequence (default {})")
+    add_number(parser, Request, "sequences", "sequences (default {}); --verify: 1")
     said = f"of the first sequence (default {usual.seed})"
     add_option(parser, "--seed", default=None, metavar="N", help=said)
     add_option(parser, "--controller", help="a law with a memory (default: that of the system)")
@@ -41,12 +34,7 @@ def arguments() -> argparse.ArgumentParser:
     add_option(parser, "--indexing", default=None)
     add_option(parser, "--parameters")
     parser.add_argument("--nominal", action="store_true", help="draw nothing but the noise of the sensors")
-    parser.add_argument(
-        "--chunk",
-        type=whole_number(1, CHUNK_MAX),
-        metavar="N",
-        help="sequences per part (default: as suits the system)",
-    )
+    add_number(parser, Request, "chunk", "sequences per part (default: as suits the system)")
     add_option(parser, "--jobs")
     add_folder_arguments(parser, "learn", "sequences of a finished study", with_report=True)
     return parser

@@ -16,7 +16,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any, Literal
@@ -49,13 +49,21 @@ _FORMAT = 1
 _SHA256 = r"^[0-9a-f]{64}$"
 
 
-class _Made(BaseModel):
-    model_config = ConfigDict(extra="forbid", strict=True)
+class Made(BaseModel):
+    """One finished run: its number, its verdict, and the hashes of its files."""
+
+    model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
     run: int = Field(ge=1)
     verdict: str
     memory_before_sha256: str = Field(pattern=_SHA256)
     frames_sha256: str = Field(pattern=_SHA256)
     memory_after_sha256: str | None = Field(pattern=_SHA256)
+
+    @property
+    def line(self) -> str:
+        """Its line of the hash."""
+        after = self.memory_after_sha256 or "-"
+        return f"{self.run} {self.memory_before_sha256} {self.frames_sha256} {after}\n"
 
 
 class _File(BaseModel):
@@ -63,25 +71,8 @@ class _File(BaseModel):
     format: Literal[1]
     runs: int = Field(ge=1, le=RUNS_MAX)
     first: dict[str, Any]
-    made: list[_Made]
+    made: list[Made]
     sha256: str | None
-
-
-@dataclass(frozen=True, slots=True)
-class Made:
-    """One finished run: its number, its verdict, and the hashes of its files."""
-
-    run: int
-    verdict: str
-    memory_before_sha256: str
-    frames_sha256: str
-    memory_after_sha256: str | None
-
-    @property
-    def line(self) -> str:
-        """Its line of the hash."""
-        after = self.memory_after_sha256 or "-"
-        return f"{self.run} {self.memory_before_sha256} {self.frames_sha256} {after}\n"
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,7 +110,7 @@ class Evidence:
             "railhil": version("railhil"),
             "runs": self.runs,
             "first": self.first.as_json(),
-            "made": [asdict(one) for one in self.made],
+            "made": [one.model_dump() for one in self.made],
             "sha256": self.sha256,
             # It is written when the sequence is complete: the runs have lists of their own.
             **({HASH_LIST_KEY: HASH_LIST} if self.complete else {}),
@@ -157,7 +148,7 @@ def read_evidence(folder: Path) -> Evidence:
     file = validated(_File, document, lambda keys: path)
     if document.get(HASH_LIST_KEY) or len(file.made) == file.runs:
         check_document(folder, SEQUENCE, document)
-    made = tuple(Made(**dict(one)) for one in file.made)
+    made = tuple(file.made)
     evidence = Evidence(RunSpec.from_json(file.first, path), file.runs, made)
     if [one.run for one in made] != [*range(1, len(made) + 1)] or len(made) > file.runs:
         raise InputError(path, "made", [one.run for one in made], f"1, 2, ... to at most {file.runs}")

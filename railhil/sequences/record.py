@@ -110,4 +110,11 @@ def _one(spec: RunSpec, memory: Memory, number: int, place: Path, scenario: AnyS
         raise Broken(why, result.stopped_exit_code or result.exit_code)
     kept = None if result.memory is None else result.memory.record
     after = None if kept is None else kept.sha256
-    return Made(number, result.verdict, memory.sha256, result.frames_sha256, after), result
+    made = Made(
+        run=number,
+        verdict=result.verdict,
+        memory_before_sha256=memory.sha256,
+        frames_sha256=result.frames_sha256,
+        memory_after_sha256=after,
+    )
+    return made, result

@@ -74,10 +74,8 @@ def _report(plan: Plan, made: Outcome) -> str:
 
 
 LEARN: Study[Plan, Chunk] = Study(
-    command="railhil learn",
+    name="learn",
     kind="study",
-    manifest="learn.json",
-    folder="learn",
     request=Request,
     make_plan=make_plan,
     columns=lambda plan: schema(plan.judging),

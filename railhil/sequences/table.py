@@ -14,7 +14,7 @@ from railhil.campaign.rows import schema as campaign_schema
 from railhil.campaign.rows import table_of
 from railhil.judge.judging import Judging
 from railhil.sequences.plan import Chunk, Plan
-from railhil.study.table import NotThePart
+from railhil.study.table import NotThePart, numbers
 
 #: Columns that a campaign does not have: seed of the sequence, number of the run in it, the slot that it began with,
 #: slots that could not be used, hashes of the memory before and of the record after it, the record's values as JSON.
@@ -68,8 +68,7 @@ def by_run(table: pa.Table, column: str, runs: int) -> np.ndarray[Any, np.dtype[
 
     :param runs: of each sequence.
     """
-    values: np.ndarray[Any, np.dtype[np.float64]] = table[column].to_numpy(zero_copy_only=False).astype(np.float64)
-    return values.reshape(-1, runs)
+    return numbers(table, column).reshape(-1, runs)
 
 
 def memories(table: pa.Table, runs: int) -> list[list[Mapping[str, Any] | None]]:

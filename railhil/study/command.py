@@ -5,10 +5,10 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import asdict, dataclass, fields, replace
 from importlib import import_module
 from pathlib import Path
-from typing import Any, Generic
+from typing import Any, Generic, get_type_hints
 
 from railhil.common.command_line import SEED_MAX, run_command, whole_number
 from railhil.common.errors import InputError, Sentence
@@ -66,6 +66,18 @@ def add_folder_arguments(parser: argparse.ArgumentParser, default: str, verified
     parser.add_argument(
         "--draw", type=whole_number(0, SEED_MAX), default=0, metavar="N", help="--verify: which ones (default 0)"
     )
+
+
+def add_number(parser: argparse.ArgumentParser, request: type[Any], name: str, said: str) -> None:
+    """An option for a number of the requests: its bounds are those of the field.
+
+    :param said: the help; ``{}`` stands for the usual value.
+    """
+    option = f"--{name.replace('_', '-')}"
+    (declared,) = get_type_hints(request, include_extras=True)[name].__metadata__
+    low, high = (bound for one in declared.metadata for bound in asdict(one).values())
+    usual = getattr(request(), name)
+    parser.add_argument(option, type=whole_number(low, high), metavar="N", help=said.format(usual))
 
 
 def _given(request: Any, namespace: argparse.Namespace) -> dict[str, Any]:

@@ -270,7 +270,7 @@ def _study_folder(study: Study[P, C], plan: P, out: str | None, shard: Shard | N
     if out is not None and (Path(out) / study.manifest).exists():
         return Path(out)
     if out is None or shard is None:
-        return run_folder(out, plan.scenario.name, study.folder)[0]
+        return run_folder(out, plan.scenario.name, study.name)[0]
     path = Path(out)
     with refuse_unwritable(_OPTIONS, path, "folder"):
         path.mkdir(parents=True, exist_ok=True)

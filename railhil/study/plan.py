@@ -74,8 +74,8 @@ P = TypeVar("P", bound=AnyPlan[Any])
 class Study(Generic[P, C]):
     """One kind of study.
 
-    ``command``: continues with ``--resume``. ``kind``: what is in its folders, also the key of the identity in the
-    ``manifest``, which is named so. ``folder``: last part of the name of a default folder. ``request``: class of the
+    ``name``: of the command, and of its folders and manifests. ``kind``: what is in these folders, also the key of the
+    identity in the manifest. ``request``: class of the
     requests, a dataclass whose annotations have the bounds of the command line. ``make_plan``: (request) -> plan;
     raises InputError. ``columns``: (plan) -> columns of its rows. ``check_rows``: (rows of a part, plan, chunk);
     raises NotThePart. ``work``: (plan, chunk) -> the work of a worker. ``summary``: (plan, rows) -> ``summary.json``.
@@ -85,10 +85,8 @@ class Study(Generic[P, C]):
     outcome, that line) prints the tables.
     """
 
-    command: str
+    name: str
     kind: str
-    manifest: str
-    folder: str
     request: type[Any]
     make_plan: Callable[[Any], P]
     columns: Callable[[P], pa.Schema]
@@ -100,6 +98,16 @@ class Study(Generic[P, C]):
     repeat: Callable[[P, pa.Table, int], Iterable[Verified]]
     report: Callable[[P, Outcome], str]
     show: Callable[[Output, P, Outcome, str], None]
+
+    @property
+    def command(self) -> str:
+        """The command, which continues a study with ``--resume``."""
+        return f"railhil {self.name}"
+
+    @property
+    def manifest(self) -> str:
+        """Name of the manifest."""
+        return f"{self.name}.json"
 
 
 @dataclass(frozen=True, slots=True)

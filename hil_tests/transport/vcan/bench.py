@@ -185,7 +185,13 @@ def sequence_on(
         found = learned(replace(result, spec=spec))
         assert found is not None
         assert found.record is not None
-        one = Made(number, result.verdict, memory.sha256, result.frames_sha256, found.record.sha256)
+        one = Made(
+            run=number,
+            verdict=result.verdict,
+            memory_before_sha256=memory.sha256,
+            frames_sha256=result.frames_sha256,
+            memory_after_sha256=found.record.sha256,
+        )
         memory = memory.after(found.record, found.kept.used, found.kept.refused)
         made.append(one)
     return made

@@ -40,7 +40,12 @@ def sequence(made: Path, tmp_path: Path) -> Path:
 
 
 def test_the_hash_is_that_of_the_lines() -> None:
-    made = [Made(1, "PASS", "a" * 64, "b" * 64, "c" * 64), Made(2, "FAIL", "d" * 64, "e" * 64, None)]
+    made = [
+        Made(
+            run=1, verdict="PASS", memory_before_sha256="a" * 64, frames_sha256="b" * 64, memory_after_sha256="c" * 64
+        ),
+        Made(run=2, verdict="FAIL", memory_before_sha256="d" * 64, frames_sha256="e" * 64, memory_after_sha256=None),
+    ]
     # By sha256sum of: 1 aa.. bb.. cc..\n2 dd.. ee.. -\n
     assert sequence_sha256(made) == "d6d2d342390557fd0fe0686968c098b3ed806e57ae45a45ac5610adb45b0b162"
 

@@ -140,7 +140,7 @@ def test_shards_of_another_plan_or_of_other_code_are_refused(tmp_path: Path) -> 
     mine, other = tmp_path / "mine", tmp_path / "other"
     make(REQUEST, mine, "1/2")
     for request, key in ((Request(runs=6), "runs"), (Request(runs=RUNS, code="other"), "code")):
-        with pytest.raises(InputError, match=rf"campaign\.json: toy\.{key}: found "):
+        with pytest.raises(InputError, match=rf"toy\.json: toy\.{key}: found "):
             make(request, mine, "2/2")
     # Also where they come from a folder of their own.
     make(Request(runs=RUNS, code="other"), other, "2/2")
