@@ -15,10 +15,10 @@ from railhil.controller_node.export.fixed import names_of_iqmath
 from railhil.controller_node.export.headers import mailbox_header, node_header
 from railhil.controller_node.export.interface import InterfaceControl
 from railhil.controller_node.export.note import memory_note
-from railhil.controller_node.export.ports import ports_header
+from railhil.controller_node.export.ports import port_constants, ports_header
 from railhil.controller_node.export.reference import reference_log
 from railhil.controller_node.export.source import BODIES, SourceWriter
-from railhil.controller_node.export.text import template
+from railhil.controller_node.export.text import SHARED, names_defined, names_of_files, template
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec
 
@@ -71,7 +71,12 @@ def _host_program(name: str, control: Control) -> str:
 
 
 def _node_files(name: str, control: Control, source: Source) -> dict[str, str]:
-    places = control.places(source)
+    received, sent = control.ports()
+    mailboxes = mailbox_header(name, mailbox_table(control.contract, received, sent))
+    node = node_header(name, control)
+    taken = names_of_files(SHARED) | names_of_files(control.folder)
+    taken |= names_defined(source.header) | names_defined(mailboxes) | names_defined(node)
+    places = control.places(source, port_constants([*received, *sent], taken))
     shared = {
         "GIVEN": ", ".join(f"given[{i}]" for i in range(len(control.given))),
         "COMMANDS": "\n".join(f"    commands[{i}] = law->out.{name};" for i, name in enumerate(source.commands)),
@@ -79,8 +84,9 @@ def _node_files(name: str, control: Control, source: Source) -> dict[str, str]:
     }
     own = [*control.headers, *control.sources]
     return {
-        "railhil_ports.h": ports_header(control),
-        f"{name}_node.h": node_header(name, control),
+        f"{name}_mailboxes.h": mailboxes,
+        "railhil_ports.h": ports_header(control, taken),
+        f"{name}_node.h": node,
         **{file: template(file, name, **shared) for file in (*_HEADERS, *_SOURCES)},
         **{file: template(file, name, control.folder, **places) for file in own},
         **{file: template(file, name) for file in _PROGRAM},
@@ -111,7 +117,6 @@ def _files(control: Control, source: Source, play: Play | None) -> dict[str, str
         f"{name}.c": source.source,
         f"{name}.h": source.header,
         body.header: template(body.header, name, NAMES=names_of_iqmath()),
-        f"{name}_mailboxes.h": mailbox_header(name, mailbox_table(control.contract, *control.ports())),
         **_node_files(name, control, source),
         f"{name}_log.txt": reference_log(control, source.columns, play),
         "railhil_run.c": _host_program(name, control),

@@ -242,8 +242,11 @@ class Control(ABC):
         """Lines of the node's header after the table of ports."""
         return []
 
-    def places(self, source: Source) -> dict[str, str]:
-        """Replacements for the ``@NAME@`` placeholders in its C files."""
+    def places(self, source: Source, constants: Mapping[str, str]) -> dict[str, str]:
+        """Replacements for the ``@NAME@`` placeholders in its C files.
+
+        :param constants: C constants of the ports by their names.
+        """
         return {}
 
 

@@ -209,7 +209,7 @@ class InterfaceControl(Control):
             "",
         ]
 
-    def _taken(self) -> list[str]:
+    def _taken(self, constants: Mapping[str, str]) -> list[str]:
         """The cases of the ports with readings."""
         lines = []
         for source, (port, kind) in enumerate(sources_of(self._interface).items()):
@@ -222,7 +222,7 @@ class InterfaceControl(Control):
                 if port == item.telegram.PORT
             ]
             lines += [
-                f"    case RAILHIL_{port}: {{",
+                f"    case {constants[port]}: {{",
                 f"        const {telegram.type} telegram = railhil_unpack_{telegram.name}(process);",
                 f"        const int is_correct = {' && '.join(checks) or '1'};",
                 f"        if (accept(guard, {source}, now_ns, {sign}, is_correct, counts)) {{",
@@ -233,7 +233,7 @@ class InterfaceControl(Control):
             ]
         return lines
 
-    def _answers(self, source: Source) -> list[str]:
+    def _answers(self, source: Source, constants: Mapping[str, str]) -> list[str]:
         """The cases of the ports with commands or a status."""
         interface, lines = self._interface, []
         in_status = [note for note in interface.notes if interface.status_of(note)]
@@ -241,7 +241,7 @@ class InterfaceControl(Control):
         for kind in dict.fromkeys((*(item.telegram for item in interface.commands), *interface.statuses)):
             telegram = CTelegram(kind.port())
             lines += [
-                f"    case RAILHIL_{kind.PORT}: {{",
+                f"    case {constants[kind.PORT]}: {{",
                 f"        {telegram.type} telegram = railhil_new_{telegram.name}();",
                 *_set(kind, {field: str(value) for field, value in kind().items() if not _is_default(kind, field)}),
             ]
@@ -267,8 +267,9 @@ class InterfaceControl(Control):
             ]
         return lines
 
-    def places(self, source: Source) -> dict[str, str]:
-        return {"TAKEN": "\n".join(self._taken()), "ANSWERS": "\n".join(self._answers(source))}
+    def places(self, source: Source, constants: Mapping[str, str]) -> dict[str, str]:
+        answers = self._answers(source, constants)
+        return {"TAKEN": "\n".join(self._taken(constants)), "ANSWERS": "\n".join(answers)}
 
 
 def _is_default(kind: type[Telegram], field: str) -> bool:

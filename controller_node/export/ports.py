@@ -6,14 +6,14 @@ number of a telegram.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence, Set
 
 from railhil.bus.codes import ControllerFlag
 from railhil.bus.mvb import master_word
 from railhil.bus.responder import slow_port
 from railhil.bus.schedule import Schedule
 from railhil.controller_node.export.control import Control
-from railhil.controller_node.export.text import Names, comment, header, identifier
+from railhil.controller_node.export.text import SHARED, Names, comment, header, identifier, names_of_files
 from railhil.dbc import Port, Signal
 from railhil.dbc.contract import ANTIVALENT_VALUES, CHECK_VALUES, snake_case
 
@@ -28,13 +28,16 @@ class CTelegram:
     """The telegram of a port, or of all ports with the same layout, as a C structure.
 
     ``name``: in ``railhil_NAME_t``, ``railhil_unpack_NAME``, ``railhil_pack_NAME`` and ``railhil_new_NAME``;
-    ``members``: C identifiers by the signals' field names.
+    ``members``: C identifiers by the signals' field names. The structure is ``railhil_NAME_telegram_t`` where
+    ``railhil_NAME_t`` is a type of the C around the law.
     """
 
     def __init__(self, port: Port) -> None:
         self._port = port
         self.name = snake_case(port.layout or port.telegram)
         self.type = f"railhil_{self.name}_t"
+        if self.type in names_of_files(SHARED):
+            self.type = f"railhil_{self.name}_telegram_t"
         names = Names()
         self.members = {signal.field_name: names.new(signal.field_name) for signal in port.signals}
 
@@ -110,13 +113,32 @@ def slow_port_of(control: Control) -> Port | None:
     return slow_port(control.ports()[0], control.contract.clock_port, schedule_of(control))
 
 
-def ports_header(control: Control) -> str:
+def port_constants(ports: Sequence[Port], taken: Set[str]) -> dict[str, str]:
+    """Constants in C with the numbers of ports, by the ports' names.
+
+    :param taken: names that are defined elsewhere: a constant of such a name ends in ``_PORT``.
+    """
+    found: dict[str, str] = {}
+    for port in ports:
+        constant = f"RAILHIL_{port.name}"
+        while constant in taken or constant in found.values():
+            constant += "_PORT"
+        found[port.name] = constant
+    return found
+
+
+def ports_header(control: Control, taken: Set[str]) -> str:
     """``railhil_ports.h``.
 
+    :param taken: names that are defined in other files.
     :raises ValueError: see :meth:`~railhil.controller_node.export.control.Control.ports`.
     """
     received, sent = control.ports()
     ports = [*received, *sent]
+    constants = port_constants(ports, taken)
+    octets = {name: f"{constant}_BYTES" for name, constant in constants.items()}
+    slow = slow_port_of(control)
+    used = {*taken, *constants.values(), *octets.values()}
     return header(
         "RAILHIL_PORTS_H",
         [
@@ -126,13 +148,15 @@ def ports_header(control: Control) -> str:
         ],
         ["railhil_mvb.h"],
         [
-            *_enumeration("Values of a check variable.", "CHECK", {text: n for n, text in CHECK_VALUES.items()}),
-            *_enumeration("Values of a flag of two bits.", "FLAG", {text: n for n, text in ANTIVALENT_VALUES.items()}),
-            *_enumeration("Bits of the overflow flags of a status.", "OVERFLOW", ControllerFlag.__members__),
-            *_enumerations(ports),
+            *_enumeration("Values of a check variable.", "CHECK", {text: n for n, text in CHECK_VALUES.items()}, used),
+            *_enumeration(
+                "Values of a flag of two bits.", "FLAG", {text: n for n, text in ANTIVALENT_VALUES.items()}, used
+            ),
+            *_enumeration("Bits of the overflow flags of a status.", "OVERFLOW", ControllerFlag.__members__, used),
+            *_enumerations(ports, used),
             "/* Ports: first those with receive mailboxes, then those that the controller sends. */",
             "enum {",
-            *(f"    RAILHIL_{port.name}," for port in ports),
+            *(f"    {constant}," for constant in constants.values()),
             "};",
             f"enum {{ RAILHIL_SINK_COUNT = {len(received)}, RAILHIL_SENT_COUNT = {len(sent)} }};",
             "",
@@ -142,13 +166,14 @@ def ports_header(control: Control) -> str:
             "",
             "/* Octets of their process data. */",
             "enum {",
-            *(f"    RAILHIL_{port.name}_BYTES = {port.data_bytes}," for port in ports),
+            *(f"    {octets[port.name]} = {port.data_bytes}," for port in ports),
             "};",
             "",
             *_telegrams(received, sent),
             "/* Life signs that count time: of the clock port, and of RAILHIL_SLOW_PORT. */",
             *_life("clock", received[0]),
-            *_life("slow", slow_port_of(control)),
+            f"enum {{ RAILHIL_SLOW_PORT = {'-1' if slow is None else constants[slow.name]} }};",
+            *_life("slow", slow),
         ],
     )
 
@@ -170,23 +195,27 @@ def _telegrams(received: Sequence[Port], sent: Sequence[Port]) -> Iterator[str]:
             yield from telegram.pack()
 
 
-def _enumerations(ports: Sequence[Port]) -> Iterator[str]:
+def _enumerations(ports: Sequence[Port], used: set[str]) -> Iterator[str]:
     found: dict[str, Mapping[str, int]] = {}
     for port in ports:
         found |= port.codes
     for name, members in found.items():
-        yield from _enumeration(f"{name} of the port table.", snake_case(name).upper(), members)
+        yield from _enumeration(f"{name} of the port table.", snake_case(name).upper(), members, used)
 
 
-def _enumeration(words: str, prefix: str, members: Mapping[str, int]) -> list[str]:
-    found: dict[str, int] = {}
+def _enumeration(words: str, prefix: str, members: Mapping[str, int], used: set[str]) -> list[str]:
+    """An enumeration in C.
+
+    :param used: names that are in use; those of the members are added.
+    """
+    rows = []
     for name, value in members.items():
-        word = identifier(name).upper()
-        while word in found:
-            # Texts that differ in signs or letters' case alone.
-            word += f"_{value}"
-        found[word] = value
-    rows = [f"    RAILHIL_{prefix}_{word} = {value}," for word, value in found.items()]
+        constant = f"RAILHIL_{prefix}_{identifier(name).upper()}"
+        while constant in used:
+            # A name of the C around the law, or of a text that differs in signs or letters' case alone.
+            constant += f"_{value}"
+        used.add(constant)
+        rows.append(f"    {constant} = {value},")
     return [f"/* {words} */", "enum {", *rows, "};", ""]
 
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Sequence
-from importlib.resources import files
+from functools import cache
+from importlib.resources import as_file, files
 
 from railhil.controller_node.arithmetic.base import INT32_MIN
 
@@ -50,6 +51,26 @@ class Names:
             name = stem[: LENGTH_MAX - len(ending)] + ending
         self._used.add(name)
         return name
+
+
+def names_defined(text: str) -> frozenset[str]:
+    """Macros, members of enumerations and types that a C text defines."""
+    text = re.sub(r"/\*.*?\*/", "", text, flags=re.DOTALL)
+    found = {*re.findall(r"#define (\w+)", text), *re.findall(r"\} (\w+);", text)}
+    for members in re.findall(r"\benum \{([^}]*)\}", re.sub(r"^#.*$", "", text, flags=re.MULTILINE)):
+        found.update(re.findall(r"(?:^|,)\s*(\w+)", members))
+    return frozenset(found)
+
+
+@cache
+def names_of_files(folder: str) -> frozenset[str]:
+    """The same for all C files of a folder and of those in it.
+
+    :param folder: package:folder.
+    """
+    package, _, path = folder.partition(":")
+    with as_file(files(package).joinpath(path)) as top:
+        return names_defined("\n".join(file.read_text(encoding="ascii") for file in sorted(top.rglob("*.[ch]"))))
 
 
 def literal(raw: int) -> str:

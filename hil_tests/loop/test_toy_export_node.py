@@ -175,3 +175,13 @@ def test_the_c_node_tells_the_law_what_was_sent(site: Path, tmp_path: Path) -> N
     export(copy, folder)
     for seed in (0, 5):
         twins(copy, folder, seed)
+
+
+def test_the_c_node_of_a_table_with_names_of_its_own_answers_as_ours(site: Path, tmp_path: Path) -> None:
+    """Values that are called like a macro and like an enumerator of the files around the law."""
+    folder = tmp_path / "c"
+    signal = '{ name = "{p}Clock", at = "3.5:2", values = { 0 = "ticks", 1 = "port" }, enum = "Clock" },'
+    life = '  { name = "{p}Life"'
+    export(changed(site, tmp_path, {"ports.toml": [(life, f"  {signal}\n{life}")]}), folder)
+    assert "    RAILHIL_CLOCK_TICKS_0 = 0,\n    RAILHIL_CLOCK_PORT_1 = 1," in (folder / "railhil_ports.h").read_text()
+    twins(tmp_path / "site", folder, 1)

@@ -17,7 +17,7 @@ from hil_tests.support.exported import STRICT
 from railhil.bus.made import telegrams_of
 from railhil.controller_node.export.control import Control
 from railhil.controller_node.export.ports import CTelegram, ports_header
-from railhil.controller_node.export.text import template
+from railhil.controller_node.export.text import SHARED, names_of_files, template
 from railhil.dbc import Contract, Port, Signal
 from railhil.scenarios.system import names, system_named
 
@@ -46,14 +46,21 @@ def crooked() -> Contract:
     return Contract(500_000, 0x80, 0x88, 10_000_000, tuple(ports), "0" * 64)
 
 
-def library(folder: Path, contract: Contract, received: Sequence[Port], sent: Sequence[Port], code: str) -> ctypes.CDLL:
+def library(
+    folder: Path,
+    contract: Contract,
+    received: Sequence[Port],
+    sent: Sequence[Port],
+    code: str,
+    taken: frozenset[str] = frozenset(),
+) -> ctypes.CDLL:
     """The header of such a controller and functions that use it; undefined behaviour ends the process."""
     timing = SimpleNamespace(base_tick_ns=contract.base_tick_ns, port_period_ns={})
     control = SimpleNamespace(
         contract=contract, scenario=SimpleNamespace(timing=timing), ports=lambda: (received, sent)
     )
     folder.mkdir()
-    (folder / "railhil_ports.h").write_text(ports_header(cast(Control, control)), encoding="ascii")
+    (folder / "railhil_ports.h").write_text(ports_header(cast(Control, control), taken), encoding="ascii")
     (folder / "railhil_mvb.h").write_text(template("railhil_mvb.h", "law"), encoding="ascii")
     (folder / "all.c").write_text(f'#include "railhil_ports.h"\n{code}', encoding="ascii")
     flags = [*STRICT, "-fPIC", "-shared", "-fsanitize=undefined", "-fsanitize-undefined-trap-on-error"]
@@ -136,3 +143,22 @@ def test_texts_of_an_enumeration_that_differ_in_signs_alone_are_apart(tmp_path: 
     code = "int values[] = {RAILHIL_MODE_UP, RAILHIL_MODE_UP_1, RAILHIL_MODE_UP_2};\n"
     c = library(tmp_path / "c", contract, [clock], [], code)
     assert list((ctypes.c_int * 3).in_dll(c, "values")) == [0, 1, 2]
+
+
+def test_no_name_of_the_table_is_one_of_the_c_around_the_law(tmp_path: Path) -> None:
+    """A port, values and telegrams that are called like macros, enumerators and types of the exported files."""
+    codes = ("Clock", {"ticks": 3, "port": 1, "free": 2})
+    mode = Signal("Mode", 0, 7, 8, field_name="mode", codes=codes)
+    life = Signal("Life", 3, 3, 4, field_name="life")
+    gap = Port("GAP", 0x100, 1, 10, "plant", "publish", "", (life, mode), telegram="Clock")
+    frame = Port("CLOCK_TICKS", 0x110, 1, 10, "plant", "publish", "", (life,), telegram="Frame")
+    contract = Contract(500_000, 0x80, 0x88, 10_000_000, (gap, frame), "0" * 64)
+    taken = names_of_files(SHARED) | {"RAILHIL_CLOCK_TICKS"}
+    code = "#define RAILHIL_CLOCK_TICKS 99\nenum { RAILHIL_CLOCK_PORT = 98 };\n"
+    code += "int values[] = {RAILHIL_CLOCK_TICKS_3, RAILHIL_CLOCK_PORT_1, RAILHIL_CLOCK_FREE, RAILHIL_GAP_PORT,\n"
+    code += "RAILHIL_CLOCK_TICKS_PORT};\n"
+    code += "int mode(const unsigned char *process) { return railhil_unpack_clock(process).mode; }\n"
+    code += "typedef int railhil_clock_t;\n"
+    c = library(tmp_path / "c", contract, [gap, frame], [], code, taken)
+    assert list((ctypes.c_int * 5).in_dll(c, "values")) == [3, 1, 2, 0, 1]
+    assert c.mode(bytes([7, 0, 0, 0])) == 7
