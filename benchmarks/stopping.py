@@ -31,7 +31,7 @@ from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.run_spec import LawSpec
 from railhil.systems.ato.batch import run_batch
 from railhil.systems.ato.scenario.model import Scenario
-from railhil.systems.ato.scenario.perturb import perturbed
+from railhil.systems.ato.scenario.perturb import perturb
 
 LAW = "ipfc_plus_stop"
 #: Elements that are switched off, and the parameters that do it.
@@ -56,7 +56,7 @@ def floors_m(scenario: Scenario, seeds: Sequence[int]) -> tuple[NDArray[np.float
     fitted, bounded = np.empty(len(seeds)), np.empty(len(seeds))
     weight = (given.balise_sigma_m / given.wheel_sigma) ** 2
     for run, seed in enumerate(seeds):
-        actual = perturbed(scenario, seed)
+        actual = perturb(scenario, seed)
         wheel = actual.sensors.wheel_factor
         passed = [balise for balise in actual.line.balises if 1.0 < balise.surveyed_m <= distance_m - LAST_M]
         surveyed_m = np.array([balise.surveyed_m for balise in passed])

@@ -24,7 +24,7 @@ from railhil.controller_node.telemetry_file import law_document, write_telemetry
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.options import add_law_options, add_option, add_options, law_spec, patience_help
 from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.scenarios.scenario_pipe import OPTION, received_scenario
+from railhil.scenarios.scenario_pipe import OPTION, receive_scenario
 from railhil.scenarios.system import System
 
 
@@ -52,7 +52,7 @@ def arguments() -> argparse.ArgumentParser:
 
 def _scenario(namespace: argparse.Namespace) -> AnyScenario:
     if namespace.handed_scenario is not None:
-        return received_scenario(namespace.handed_scenario)
+        return receive_scenario(namespace.handed_scenario)
     from railhil.scenarios.load import load_any
 
     return load_any(namespace.scenario, namespace.set, namespace.fault)
@@ -67,9 +67,9 @@ def _law(namespace: argparse.Namespace, system: System) -> LawSpec:
 
         parameters = load_parameters(namespace.parameters)
     if namespace.memory_from is not None:
-        from railhil.scenarios.memory_store import memory_at
+        from railhil.scenarios.memory_store import read_memory
 
-        memory = memory_at(namespace.memory_from)
+        memory = read_memory(namespace.memory_from)
     return law_spec(namespace, system, namespace.controller, parameters, memory)
 
 

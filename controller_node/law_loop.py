@@ -105,17 +105,17 @@ class LawLoop(ABC, Generic[T]):
             self.arithmetic.noted += noted
         return inputs, outputs
 
-    def answered(self, state: Any, inputs: Any) -> tuple[Any, Any]:
+    def compute_answer(self, state: Any, inputs: Any) -> tuple[Any, Any]:
         """The law's step as it is recorded: state and inputs -> state and outputs."""
         after, outputs = self.law.step(state, inputs)
         return after, outputs
 
     @abstractmethod
-    def traced_inputs(self, tracer: Tracer) -> Any:
+    def trace_inputs(self, tracer: Tracer) -> Any:
         """The law's inputs, from the wire values as inputs of the tracer to which it is bound."""
 
     @abstractmethod
-    def traced_commands(self, tracer: Tracer) -> Any:
+    def trace_commands(self, tracer: Tracer) -> Any:
         """The commands really sent, as inputs of the tracer."""
 
     def kept(self) -> dict[str, Any] | None:

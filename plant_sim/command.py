@@ -22,7 +22,7 @@ from railhil.common.user_files import check_writable, refuse_unwritable
 from railhil.plant_sim.node import PlantNode, make_plant_node
 from railhil.scenarios.options import add_fmu_options, add_options, add_run_options, named_fmu, run_spec
 from railhil.scenarios.run_spec import LawSpec
-from railhil.scenarios.scenario_pipe import OPTION, received_scenario
+from railhil.scenarios.scenario_pipe import OPTION, receive_scenario
 
 
 def arguments() -> argparse.ArgumentParser:
@@ -83,7 +83,7 @@ def main(words: Sequence[str] | None = None) -> int:
         _check_timing_file(namespace.timing_file, namespace.pace)
     # The plant does not depend on the law.
     run = replace(run_spec(namespace, LawSpec()), plant_fmu=named_fmu(namespace))
-    scenario = run.load() if namespace.handed_scenario is None else received_scenario(namespace.handed_scenario)
+    scenario = run.load() if namespace.handed_scenario is None else receive_scenario(namespace.handed_scenario)
     choice = choose_bus(named_bus(namespace))
     print(f"plant: {choice.transport} ({choice.reason})", file=sys.stderr)
     priority = namespace.realtime_priority

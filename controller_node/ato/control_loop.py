@@ -89,7 +89,7 @@ class ControlLoop(LawLoop[T]):
     ) -> tuple[LawInputs[T], LawOutputs[T]]:
         """One control period; the first one also makes the law's state."""
         if self.compiled is not None:
-            done = self._compiled_step(k, speed_01mmps, position_01mm, balise)
+            done = self._step_compiled(k, speed_01mmps, position_01mm, balise)
             if done is not None:
                 return done
         inputs = self.inputs(k, speed_01mmps, position_01mm, balise)
@@ -98,7 +98,7 @@ class ControlLoop(LawLoop[T]):
         self.state, outputs = self.law.step(self.state, inputs)
         return inputs, outputs
 
-    def _compiled_step(
+    def _step_compiled(
         self, k: Any, speed_01mmps: Any, position_01mm: Any, balise: BaliseReading[Any]
     ) -> tuple[LawInputs[T], LawOutputs[T]] | None:
         ar = self.arithmetic
@@ -119,12 +119,12 @@ class ControlLoop(LawLoop[T]):
         """Pass the law the notch (Q ``NOTCH_Q``) that was really sent since its last step."""
         self.state = self.law.with_sent(self.state, notch)
 
-    def answered(self, state: Any, inputs: Any) -> tuple[Any, Any]:
+    def compute_answer(self, state: Any, inputs: Any) -> tuple[Any, Any]:
         """The law's step.
 
         :raises FormatError: its notes differ from its declaration.
         """
-        after, outputs = super().answered(state, inputs)
+        after, outputs = super().compute_answer(state, inputs)
         declared = self.law.notes
         if len(outputs.notes) != len(declared):
             raise FormatError(f"step answers {len(outputs.notes)} notes, the law declares {len(declared)}")
@@ -133,7 +133,7 @@ class ControlLoop(LawLoop[T]):
                 raise FormatError(f"note {note.name} is Q{value.q}, declared Q{note.q}")
         return after, outputs
 
-    def traced_inputs(self, tracer: Tracer) -> Any:
+    def trace_inputs(self, tracer: Tracer) -> Any:
         """Number of the period, speed, position and, for a law with ``track``, the last balise."""
         k = tracer.input("k", None, Kind.INDEX)
         speed, position = tracer.input("speed_01mmps", 0), tracer.input("position_01mm", 0)
@@ -142,6 +142,6 @@ class ControlLoop(LawLoop[T]):
             balise = BaliseReading(*(tracer.input(name, 0) for name in BALISE_INPUTS))
         return self.inputs(k, speed, position, balise)
 
-    def traced_commands(self, tracer: Tracer) -> Any:
+    def trace_commands(self, tracer: Tracer) -> Any:
         """The notch."""
         return tracer.input("notch", NOTCH_Q)

@@ -22,7 +22,7 @@ from railhil.controller_node.high_speed.network import Forward, Network
 from railhil.controller_node.high_speed.ngpc import GpcParameters, NgpcLaw
 from railhil.controller_node.vector.reals import Reals
 from railhil.scenarios.parameters import load_parameters
-from railhil.scenarios.validation import dotted, sentence
+from railhil.scenarios.validation import describe_allowed, join_keys
 
 WEIGHTS = Path(__file__).with_name("weights")
 _HINT = "railhil train-model makes one from a recorded run"
@@ -43,8 +43,8 @@ def shipped_networks(law: str, system: str, folder: Path = WEIGHTS) -> tuple[Net
         return _NETWORKS.validate_json(json.dumps(given.values.get("networks", ())), strict=True)
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
-        key = dotted(("parameters", "networks", *first["loc"]))
-        raise InputError(path, key, first["input"], sentence(first), _HINT) from None
+        key = join_keys(("parameters", "networks", *first["loc"]))
+        raise InputError(path, key, first["input"], describe_allowed(first), _HINT) from None
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from typing import Any
 
 from railhil.common.errors import InputError, Words
 from railhil.controller_node.laws.failure import find_source_line
-from railhil.scenarios.memory import FAULTS, LINE_DEFAULT, NAMED_FILE, SLOT_A, SLOT_B, Memory, Stored
+from railhil.scenarios.memory import FAULTS, LINE_DEFAULT, NAMED_FILE, SLOT_A, SLOT_B, Memory, MemoryPlace
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +38,7 @@ _SLOTS = {SLOT_A: 1, SLOT_B: 2}
 class Choice:
     """The places of a memory as a law has found them, and the one that it uses (empty: none)."""
 
-    stored: tuple[Stored, ...]
+    stored: tuple[MemoryPlace, ...]
     used: str = ""
 
     @property
@@ -104,7 +104,7 @@ def choice(name: str, kind: type[Any], scenario: Any, given: Memory | None) -> C
     return Choice(tuple(stored), used)
 
 
-def _looked_at(one: Stored, key: str, name: str, kind: type[Any], scenario: Any, source: Path) -> Stored:
+def _looked_at(one: MemoryPlace, key: str, name: str, kind: type[Any], scenario: Any, source: Path) -> MemoryPlace:
     """The place of a record, with the fault that the law finds in it.
 
     :raises InputError: the record is a named file and cannot be used.
@@ -120,7 +120,7 @@ def _looked_at(one: Stored, key: str, name: str, kind: type[Any], scenario: Any,
         return one
     if one.slot == NAMED_FILE:
         raise error
-    return one.refused(fault, error.difference)
+    return one.refuse(fault, error.difference)
 
 
 def _refused_values(kind: type[Any], scenario: Any, values: Mapping[str, Any]) -> str:

@@ -14,7 +14,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from railhil.common.errors import InputError, Words, did_you_mean
 from railhil.scenarios.parameters import ParameterSet
-from railhil.scenarios.validation import dotted, sentence
+from railhil.scenarios.validation import describe_allowed, join_keys
 
 
 def law_parameters(name: str, kind: type[Any], given: ParameterSet | None) -> Any:
@@ -38,4 +38,6 @@ def law_parameters(name: str, kind: type[Any], given: ParameterSet | None) -> An
         return TypeAdapter(kind.parameters_type).validate_json(json.dumps(dict(given.values), default=str), strict=True)
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
-        raise InputError(given.source, dotted(("parameters", *first["loc"])), first["input"], sentence(first)) from None
+        raise InputError(
+            given.source, join_keys(("parameters", *first["loc"])), first["input"], describe_allowed(first)
+        ) from None

@@ -285,7 +285,7 @@ def _recorded(tracer: Tracer, loop: LawLoop[Value]) -> LawProgram:
         return tracer.input(name, old.q, old.kind)
 
     inputs = tracer.begin("inputs")
-    given = loop.traced_inputs(tracer)
+    given = loop.trace_inputs(tracer)
     inputs.outputs = list(name_leaves(given, "in"))
 
     start = tracer.begin("start")
@@ -298,10 +298,10 @@ def _recorded(tracer: Tracer, loop: LawLoop[Value]) -> LawProgram:
 
     step = tracer.begin("step")
     state = map_leaves(first_state, state_input, "state")
-    new_state, outputs = loop.answered(state, map_leaves(given, fresh, "in"))
+    new_state, outputs = loop.compute_answer(state, map_leaves(given, fresh, "in"))
     step.outputs = [*name_leaves(new_state, "state"), *name_leaves(outputs, "out")]
     sent = tracer.begin("sent")
-    told = loop.law.with_sent(map_leaves(first_state, state_input, "state"), loop.traced_commands(tracer))
+    told = loop.law.with_sent(map_leaves(first_state, state_input, "state"), loop.trace_commands(tracer))
     sent.outputs = list(name_leaves(told, "state"))
     if not wide:
         _check(step, formats)
@@ -319,7 +319,7 @@ def _formats(tracer: Tracer, loop: LawLoop[Value], first_state: Any, given: Any)
 
     while True:
         tracer.begin("first step")
-        after, _ = loop.answered(map_leaves(first_state, known, "state"), map_leaves(given, known, "in"))
+        after, _ = loop.compute_answer(map_leaves(first_state, known, "state"), map_leaves(given, known, "in"))
         found = {name: value.q for name, value in name_leaves(after, "state") if formats[name] is None}
         if all(q is None for q in found.values()):
             return formats

@@ -60,16 +60,16 @@ class VectorLoop(LawLoop[T]):
     def step(self, raws: Sequence[Any]) -> tuple[tuple[T, ...], Answer[T]]:
         """One control period; the first one also makes the law's state. Returns the law's inputs and its answer."""
         if self.compiled is not None:
-            done = self._compiled_step(raws)
+            done = self._step_compiled(raws)
             if done is not None:
                 return done
         inputs = self.inputs(raws)
         if self.state is None:
             self.state = self.law.start(inputs)
-        self.state, answer = self.answered(self.state, inputs)
+        self.state, answer = self.compute_answer(self.state, inputs)
         return inputs, answer
 
-    def _compiled_step(self, raws: Sequence[Any]) -> tuple[tuple[T, ...], Answer[T]] | None:
+    def _step_compiled(self, raws: Sequence[Any]) -> tuple[tuple[T, ...], Answer[T]] | None:
         ar = self.arithmetic
         wire = tuple([ar.from_raw(raw, item.q) for item, raw in zip(self.interface.readings, raws, strict=True)])
         done = self.step_compiled(wire)
@@ -85,12 +85,12 @@ class VectorLoop(LawLoop[T]):
         told = [self.arithmetic.from_raw(raw, command.q) for command, raw in commands]
         self.state = self.law.with_sent(self.state, told)
 
-    def answered(self, state: Any, inputs: Any) -> tuple[Any, Any]:
+    def compute_answer(self, state: Any, inputs: Any) -> tuple[Any, Any]:
         """The law's step; its commands are rounded and limited to their bounds."""
         ar = self.arithmetic
         after, answer = self.law.step(state, inputs)
         commands = tuple(
-            ar.note(command.name, ar.clip(_rounded(ar, value, command.law_q, command.q), high, low), command.q,
+            ar.note(command.name, ar.clip(_round(ar, value, command.law_q, command.q), high, low), command.q,
                     command.unit)
             for command, value, (low, high) in zip(self.interface.commands, answer.commands, self._bounds, strict=True)
         )  # fmt: skip
@@ -100,16 +100,16 @@ class VectorLoop(LawLoop[T]):
         )
         return after, Answer(commands, notes)
 
-    def traced_inputs(self, tracer: Tracer) -> Any:
+    def trace_inputs(self, tracer: Tracer) -> Any:
         """The readings."""
         return self.inputs([tracer.input(reading.name, reading.q) for reading in self.interface.readings])
 
-    def traced_commands(self, tracer: Tracer) -> Any:
+    def trace_commands(self, tracer: Tracer) -> Any:
         """The commands."""
         return tuple(tracer.input(command.name, command.q) for command in self.interface.commands)
 
 
-def _rounded(ar: Arithmetic[T], value: T, law_q: int, q: int) -> T:
+def _round(ar: Arithmetic[T], value: T, law_q: int, q: int) -> T:
     return ar.quantise(value, law_q, q) if q < law_q else ar.convert(value, law_q, q)
 
 

@@ -68,13 +68,13 @@ class Readings:
             # If this is a TIME_SYNC, it has already set the clock.
             source.data, source.taken_ns = self._store.raw(port), self._clock.own_ns
 
-    def fresh(self) -> bool:
+    def are_fresh(self) -> bool:
         """Whether every reading has an accepted telegram, none of them older than its largest age."""
         now_ns = self._clock.own_ns
         return all(source.data and now_ns - source.taken_ns <= source.age_max_ns for source in self._sources.values())
 
-    def raws(self) -> list[int]:
-        """One raw integer for each reading, from the last accepted telegrams; call only when :meth:`fresh`."""
+    def read_raws(self) -> list[int]:
+        """One raw integer for each reading, from the last accepted telegrams; call only when :meth:`are_fresh`."""
         telegrams = {port: kind.decode(self._sources[port].data) for port, kind in self._kinds.items()}
         return [getattr(telegrams[item.telegram.PORT], item.field) for item in self._interface.readings]
 
@@ -163,10 +163,10 @@ class VectorNode(LawNode):
 
     def _control(self) -> bool:
         """Run the law if a control period has begun since its last step; returns whether its commands may be sent."""
-        fresh = self._readings.fresh()
+        fresh = self._readings.are_fresh()
         k = self._clock.now_ns // self._control_ns
         if fresh and self._clock.running and k != self._last_k:
-            self._output, self._last_k = self.controller.step(self._readings.raws()), k
+            self._output, self._last_k = self.controller.step(self._readings.read_raws()), k
             self._steps += 1
         return fresh and self._output is not None
 

@@ -16,7 +16,7 @@ from railhil.record.framelog import read_log
 from railhil.run.replay import replay
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import RunSpec
-from railhil.scenarios.stored import read_scenario
+from railhil.scenarios.scenario_documents import read_scenario
 from railhil.wire.ato import NotchCmd, TrnSpeed
 
 

@@ -11,7 +11,7 @@ import pytest
 from hil_tests.support.stops import SHORT
 from railhil.batch.case import SequenceRun
 from railhil.scenarios.load import load_any
-from railhil.scenarios.memory import FAULTS, Memory, MemoryRecord, Stored
+from railhil.scenarios.memory import FAULTS, Memory, MemoryPlace, MemoryRecord
 from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.sequences.one import runner_of, sequence, sequences, through_nodes
@@ -43,7 +43,7 @@ def runs_from_9(memory: Memory, count: int) -> list[SequenceRun]:
     return [*sequence(_SCENARIO, specs, runner_of(_SCENARIO), memory)]
 
 
-def memory(*stored: Stored) -> Memory:
+def memory(*stored: MemoryPlace) -> Memory:
     return Memory("ilc_stop", stored, Path("store"))
 
 
@@ -65,15 +65,15 @@ def error_m(run: SequenceRun) -> float:
 @pytest.mark.parametrize(
     ("bad", "fault"),
     [
-        (Stored("A", None, "crc", "found other"), "crc"),
-        (Stored("A", replace(NEWER, key="train_1 xiaohongmen outbound")), "key"),
-        (Stored("A", replace(NEWER, values=_TOO_FAR)), "values"),
-        (Stored("A", replace(NEWER, values={"version": 1, "records": [{}]})), "values"),
+        (MemoryPlace("A", None, "crc", "found other"), "crc"),
+        (MemoryPlace("A", replace(NEWER, key="train_1 xiaohongmen outbound")), "key"),
+        (MemoryPlace("A", replace(NEWER, values=_TOO_FAR)), "values"),
+        (MemoryPlace("A", replace(NEWER, values={"version": 1, "records": [{}]})), "values"),
     ],
     ids=["damaged", "other platform", "out of range", "no record"],
 )
-def test_a_detected_fault_costs_nothing_while_the_other_slot_is_good(bad: Stored, fault: str) -> None:
-    (run,) = runs_from_9(memory(bad, Stored("B", GOOD)), 1)
+def test_a_detected_fault_costs_nothing_while_the_other_slot_is_good(bad: MemoryPlace, fault: str) -> None:
+    (run,) = runs_from_9(memory(bad, MemoryPlace("B", GOOD)), 1)
     assert status(run) == (2, FAULTS[fault])
     assert abs(error_m(run)) <= 0.6
     assert run.record is not None
@@ -81,7 +81,7 @@ def test_a_detected_fault_costs_nothing_while_the_other_slot_is_good(bad: Stored
 
 
 def test_without_a_good_slot_it_learns_again_within_5_runs() -> None:
-    runs = runs_from_9(memory(Stored("A", None, "crc", ""), Stored("B", None, "json", "")), 6)
+    runs = runs_from_9(memory(MemoryPlace("A", None, "crc", ""), MemoryPlace("B", None, "json", "")), 6)
     assert [status(run) for run in runs] == [(0, FAULTS["crc"]), *[(1, 0), (2, 0)] * 2, (1, 0)]
     errors = [error_m(run) for run in runs]
     assert errors[0] > 3.5

@@ -27,7 +27,7 @@ from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.systems.ato.batch import run_batch
 from railhil.systems.ato.batch.replay import trace_digest
 from railhil.systems.ato.scenario.model import Perturbations, Scenario
-from railhil.systems.ato.scenario.perturb import perturbed
+from railhil.systems.ato.scenario.perturb import perturb
 
 YIZHUANG = (
     pytest.param("yizhuang_01_songjiazhuang_xiaocun", marks=pytest.mark.long),
@@ -147,7 +147,7 @@ class LawProperties:
         """The law knows only the nominal scenario: neither the sensors and loop delay of a run, nor the true balise
         positions, nor the ranges of the draws."""
         known = load("yizhuang_04_jiugong_yizhuang_qiao")
-        drawn = perturbed(load(_WORN), 1003)
+        drawn = perturb(load(_WORN), 1003)
         balises = tuple(replace(balise, true_m=balise.true_m + 7.0) for balise in known.line.balises)
         told = replace(
             known,

@@ -10,7 +10,7 @@ from railhil.controller_node.ato.controller import Controller
 from railhil.plant_sim.ato.plant import Plant
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.systems.ato.scenario.perturb import perturbed
+from railhil.systems.ato.scenario.perturb import perturb
 
 #: The published scenario.
 SCENARIO = load("lvshun_tieshan")
@@ -31,7 +31,7 @@ def flat(value: Any) -> list[Any]:
 
 def closed_loop(seed: int, controllers: list[Controller], ticks: int = 20_500) -> tuple[Plant, list[list[Any]], Any]:
     """Run the plant under the first controller; the others get the same inputs and the notch that was sent."""
-    plant = Plant(perturbed(SCENARIO, seed) if seed else SCENARIO, seed)
+    plant = Plant(perturb(SCENARIO, seed) if seed else SCENARIO, seed)
     answers: list[list[Any]] = []
     code = 0
     while plant.tick < ticks:

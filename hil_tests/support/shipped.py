@@ -6,5 +6,5 @@ from railhil.scenarios.layers import Layers
 from railhil.scenarios.load import RUNS, names
 
 #: Of the system ``ato``, and of all others.
-ATO = [name for name in names() if "system" not in Layers(RUNS / f"{name}.toml").merged()]
+ATO = [name for name in names() if "system" not in Layers(RUNS / f"{name}.toml").merge()]
 OTHERS = sorted({*names()} - {*ATO})

@@ -25,7 +25,7 @@ from railhil.plant_sim.ato.command_watch import (
 from railhil.plant_sim.ato.dynamics import Lag, Motion, Window
 from railhil.plant_sim.ato.plant_readings import AxleSensors, PlantReadings, TrainStatus
 from railhil.plant_sim.ato.train_checks import OwnChecks
-from railhil.scenarios.profiles import Profile, lowest_under, profile_value
+from railhil.scenarios.profiles import Profile, find_lowest, profile_value
 from railhil.systems.ato.scenario.model import Balise, Scenario
 from railhil.wire.ato import WatchCause, WatchLevel
 
@@ -119,7 +119,7 @@ class Plant(PlantReadings):
         self._window = Window(False, self._watch_brake_mps2 * train.inertial_mass_kg)
         self._applied_of: tuple[Motion, Window] | tuple[None, None] = (None, None)
         self._applied = 0.0
-        self._front_limit = lowest_under(scenario.line.speed_limit_mps, train.length_m, train.speed_limit_mps)
+        self._front_limit = find_lowest(scenario.line.speed_limit_mps, train.length_m, train.speed_limit_mps)
         self._limit_mps, self._limit_to_m = _limit_from(self._front_limit, 0.0)
 
         self._sensors = AxleSensors(scenario.sensors, seed)

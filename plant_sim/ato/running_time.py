@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 from railhil.plant_sim.ato.force_tables import grade_table, train_constants
 from railhil.plant_sim.ato.forces import GradeTable, TrainConstants, effort_limit_n, mean_grade_permil, resistance_n
-from railhil.scenarios.profiles import Profile, lowest_under
+from railhil.scenarios.profiles import Profile, find_lowest
 from railhil.systems.ato.scenario.model import Line, Train
 
 #: Length of an integration cell; halving it moves the railtoolkit times by less than 0.002 %.
@@ -52,7 +52,7 @@ def flat_out_run(train: Train, line: Line, distance_m: float, cell_m: float = CE
         raise ValueError(f"distance {distance_m} m and cell {cell_m} m must be above 0")
     constants = train_constants(train)
     grades = grade_table(line.grade_permil, train.length_m)
-    limit = lowest_under(line.speed_limit_mps, train.length_m, train.speed_limit_mps)
+    limit = find_lowest(line.speed_limit_mps, train.length_m, train.speed_limit_mps)
     drops = _drops(limit, distance_m)
     edges = _edges(limit, drops, distance_m, train.service_braking_mps2, cell_m)
     points = [RunPoint(0.0, 0.0, 0.0)]

@@ -15,7 +15,7 @@ from railhil.plant_sim.ato.plant import NOTCH_LSB_PER_NOTCH, Plant
 from railhil.plant_sim.ato.safe_command import SafeCommand
 from railhil.plant_sim.ato.telegrams import TrainTelegrams
 from railhil.systems.ato.scenario.model import Scenario
-from railhil.systems.ato.scenario.perturb import perturbed
+from railhil.systems.ato.scenario.perturb import perturb
 from railhil.wire.ato import CtlStat, NotchCmd, NotchSdt, WatchCause
 
 
@@ -30,7 +30,7 @@ class TrainOnBus(Plant):
     statuses = (CtlStat.PORT,)
 
     def __init__(self, scenario: Scenario, seed: int, drawn: bool = False, rate: float = 0.0) -> None:
-        actual = perturbed(scenario, seed) if drawn else scenario
+        actual = perturb(scenario, seed) if drawn else scenario
         super().__init__(actual, seed)
         self.gate = CommandGate(
             round(actual.train.notch_max * NOTCH_LSB_PER_NOTCH),

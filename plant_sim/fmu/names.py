@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from railhil.common.errors import InputError, Words, did_you_mean
 from railhil.common.user_files import given_text, refuse_unreadable
-from railhil.scenarios.tomlfile import parsed_toml
+from railhil.scenarios.tomlfile import parse_toml
 
 #: Unit -> its SI unit here, and the factor to it.
 UNITS = {
@@ -73,7 +73,7 @@ def read_names(path: Path, quantities: Quantities) -> Names:
     :raises InputError: it cannot be read, or a key or value is not allowed.
     """
     with refuse_unreadable(path, "a TOML file"):
-        table = parsed_toml(given_text(path))
+        table = parse_toml(given_text(path))
     _known(path, "", table, ("inputs", "outputs", "parameters"))
     found = {
         key: {

@@ -90,7 +90,7 @@ class SequenceRun:
         """The memory for the next run."""
         if self.record is None or self.kept is None:
             return self.began
-        return self.began.after(self.record, self.kept.used, self.kept.refused)
+        return self.began.add_run(self.record, self.kept.used, self.kept.refused)
 
 
 @dataclass(frozen=True, slots=True)

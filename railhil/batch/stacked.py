@@ -62,10 +62,10 @@ def shape_of(scenario: AnyScenario, law: LawSpec) -> Shape:
     loop: VectorLoop[Value] = VectorLoop(scenario, law, tracer)
     made = list(tracer.constants)
     places = {id(constant): place for place, constant in enumerate(made)}
-    given = loop.traced_inputs(tracer)
+    given = loop.trace_inputs(tracer)
     state = loop.law.start(given)
-    after, answer = loop.answered(state, given)
-    told = loop.law.with_sent(after, loop.traced_commands(tracer))
+    after, answer = loop.compute_answer(state, given)
+    told = loop.law.with_sent(after, loop.trace_commands(tracer))
 
     def operand(value: Value) -> Any:
         constant = value.constant

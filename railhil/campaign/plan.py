@@ -20,7 +20,7 @@ from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario, require_perturbations
 from railhil.scenarios.parameters import ParameterSet, load_parameters
 from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.scenarios.stored import any_judged_sha256
+from railhil.scenarios.scenario_documents import any_judged_sha256
 from railhil.scenarios.system import System, system_named
 from railhil.scenarios.system import names as system_names
 from railhil.study.manifest import one_of

@@ -18,7 +18,7 @@ from railhil.record.hash_list import REPORT, check_hash_list, listed_file
 from railhil.report.distribution import Spread, limits_of, picture
 from railhil.report.styles import styles
 from railhil.report.templates import script, styles_text, template
-from railhil.scenarios.stored import any_judged_sha256
+from railhil.scenarios.scenario_documents import any_judged_sha256
 from railhil.study.finished import finished_rows, finished_summary
 from railhil.study.manifest import read_manifest
 from railhil.study.table import numbers

@@ -17,7 +17,7 @@ from railhil.campaign.worst import failures_of, without_stop, worst_runs
 from railhil.common.digits import count_of
 from railhil.judge.criteria import DID_NOT_STOP, STOP_ERROR_KEY, STOP_WITHIN_M, Criterion, limit_key, limited
 from railhil.scenarios.model import watch_sentence
-from railhil.scenarios.stored import any_judged_sha256
+from railhil.scenarios.scenario_documents import any_judged_sha256
 from railhil.study.table import numbers
 
 #: Key and probability of each quantile.

@@ -24,7 +24,7 @@ from railhil.judge.reactions.evaluate import RULE, VERDICTS
 from railhil.judge.result import Result
 from railhil.record.trace import Trace
 from railhil.run.make import NeverBegan, run_into
-from railhil.scenarios.fault_list import disturbed_signals, fault_texts
+from railhil.scenarios.fault_list import fault_texts, list_disturbed_signals
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import System
 from railhil.study.engines import in_order, processes, until_stopped
@@ -82,7 +82,7 @@ def faultless_run(base: RunSpec, out: Path) -> tuple[float, dict[str, Sent]]:
     with TemporaryDirectory(dir=out) as folder:
         result = run_into(Path(folder), replace(base, faults=()), keep=False)
     scenario = result.scenario
-    return scenario.planned_s, sent_ports(result.trace, disturbed_signals(scenario.installed_system))
+    return scenario.planned_s, sent_ports(result.trace, list_disturbed_signals(scenario.installed_system))
 
 
 def pair_run(
@@ -105,7 +105,7 @@ def pair_run(
         return not why_not(parse(found[0]), transport, base.pace)
 
     transport = "local" if base.is_local else "hub"
-    pair = random_pair(number, calm[0], disturbed_signals(system), calm[1], is_possible)
+    pair = random_pair(number, calm[0], list_disturbed_signals(system), calm[1], is_possible)
     spec = replace(base, faults=pair, seed=number)
     with TemporaryDirectory(dir=out) as folder:
         try:

@@ -15,8 +15,8 @@ from railhil.common.output import Output, table
 from railhil.common.streams import add_json_argument, print_json
 from railhil.common.user_files import refuse_unwritable, write_synced
 from railhil.scenarios.load import load_any
-from railhil.scenarios.memory import Memory, MemoryRecord, Stored
-from railhil.scenarios.memory_store import SLOT_FILES, MemoryStore, memory_at
+from railhil.scenarios.memory import Memory, MemoryPlace, MemoryRecord
+from railhil.scenarios.memory_store import SLOT_FILES, MemoryStore, read_memory
 from railhil.scenarios.options import add_option
 
 _PATH = "folder of --memory, file in it, memory of a run folder, certificate.json"
@@ -67,7 +67,7 @@ def _read(path: Path) -> Memory:
     :raises InputError: there is no record, or a named file is damaged.
     """
     if not path.is_dir():
-        return memory_at(path)
+        return read_memory(path)
     found = MemoryStore(path).read()
     if not found.stored:
         raise InputError(path, "", Words("has no record"), f"a folder with {', '.join(SLOT_FILES.values())}")
@@ -107,7 +107,7 @@ def _print(console: Output, memory: Memory, values: bool) -> None:
     console.say("a run would begin with nothing" if newest is None else f"a run would begin with {newest.slot}")
 
 
-def _cells(one: Stored) -> tuple[str, ...]:
+def _cells(one: MemoryPlace) -> tuple[str, ...]:
     record = one.record
     if record is None:
         return one.slot, "-", "-", "cannot be used", "-"
@@ -121,7 +121,7 @@ def _flat(values: Any) -> str:
 def _export(namespace: argparse.Namespace) -> int:
     """Write one record as a file that ``--memory-from`` and the ``default.json`` of a store take."""
     memory = _read(namespace.memory)
-    record: MemoryRecord | None = memory.newest if namespace.slot is None else memory.at(namespace.slot)
+    record: MemoryRecord | None = memory.newest if namespace.slot is None else memory.find_record(namespace.slot)
     if record is None:
         found = Words(f"has no record in {namespace.slot}" if namespace.slot else "has no record that can be used")
         raise InputError(namespace.memory, "", found, "a place with one (railhil memory show)")

@@ -209,7 +209,7 @@ def scenario_file(name: str, base: str, folder: Path) -> str:
     head = Template(_TEMPLATE.read_text("utf-8"))
     text = head.substitute(name=name, base=scenario.name, extends=json.dumps(reference, ensure_ascii=False))
     kind = scenario.installed_system.scenario_kind
-    return text + _keys(kind.usual_keys(), Layers(path).merged())
+    return text + _keys(kind.usual_keys(), Layers(path).merge())
 
 
 def _keys(usual: list[Key], given: dict[str, Any]) -> str:

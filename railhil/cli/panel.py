@@ -19,13 +19,13 @@ from railhil.common.extras import install_command
 from railhil.judge.fault_report import check_faults, transports_of
 from railhil.judge.result import Result
 from railhil.live.processes import nodes_processor
-from railhil.live.sockets import PanelSocket, private_socket
+from railhil.live.sockets import PanelSocket, make_private_socket
 from railhil.run.run import Observer, Plan
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.operator_commands import ORDER
 from railhil.scenarios.options import add_option
 from railhil.scenarios.run_spec import RunSpec
-from railhil.scenarios.settings import canonical_fault
+from railhil.scenarios.settings import normalise_fault
 
 _PORT_MAX = 65535
 #: A run does not wait longer for its panel; on a busy machine it takes 2 s.
@@ -162,7 +162,7 @@ class PanelBeside(Observer):
     @contextmanager
     def beside(self, plan: Plan) -> Iterator[Plan]:
         with ExitStack() as held:
-            path = self._operator or held.enter_context(private_socket())
+            path = self._operator or held.enter_context(make_private_socket())
             socket = self._socket = held.enter_context(PanelSocket(path))
             if self._port is not None:
                 apart = set() if plan.spec.is_realtime else nodes_processor()[1]
@@ -251,7 +251,7 @@ def _with_fault(plan: Plan, text: str) -> Plan:
     from railhil.faults.language import fault_text, parse, with_hand
 
     spec = plan.spec
-    fault = parse(canonical_fault(with_hand(text)))
+    fault = parse(normalise_fault(with_hand(text)))
     # Faults of a catalogue permit others at their place; a typed one beside them must permit them, too.
     beside = any(other.combine and other.id and other.place == fault.place for other in map(parse, spec.faults))
     found = replace(spec, faults=(*spec.faults, fault_text(replace(fault, combine=fault.combine or beside))))

@@ -13,7 +13,7 @@ from railhil.common.user_files import refuse_unwritable
 from railhil.judge.record import checked_record
 from railhil.record.documents import COMPARISON, read_comparison
 from railhil.record.hash_list import REPORT, check_hash_list
-from railhil.scenarios.stored import any_judged_sha256
+from railhil.scenarios.scenario_documents import any_judged_sha256
 
 #: The file by which the folder of a campaign is known.
 _CAMPAIGN = "campaign.json"

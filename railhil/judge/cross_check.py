@@ -21,7 +21,7 @@ from railhil.judge.folder import code_sha256
 from railhil.record.documents import CERTIFICATE, SCORE, read_score
 from railhil.record.hash_list import check_hash_list
 from railhil.record.trace import Trace
-from railhil.scenarios.model import AnyScenario, injected_faults
+from railhil.scenarios.model import AnyScenario, list_injected_faults
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import DEFAULT, system_named
 
@@ -151,8 +151,8 @@ def _check_described(path: Path, document: Mapping[str, Any], spec: RunSpec, sce
     wanted = document.get("scenario_sha256")
     if wanted is not None and wanted != scenario.sha256:
         raise InputError(path, "scenario_sha256", wanted, f"{scenario.sha256}, {allowed}")
-    was = injected_faults(scenario.faults)
-    for text, fault in zip(spec.faults, injected_faults(spec.faults), strict=True):
+    was = list_injected_faults(scenario.faults)
+    for text, fault in zip(spec.faults, list_injected_faults(spec.faults), strict=True):
         if fault not in was:
             raise InputError(path, "faults", text, f"a fault of the scenario with the hash {allowed}")
     try:

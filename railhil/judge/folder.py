@@ -30,7 +30,7 @@ from railhil.record.run_folder import json_text, write_json
 from railhil.record.telemetry import NOTHING_LEARNED
 from railhil.scenarios.memory import MEMORY_AFTER
 from railhil.scenarios.run_spec import RunSpec, StartUp
-from railhil.scenarios.stored import any_judged_sha256
+from railhil.scenarios.scenario_documents import any_judged_sha256
 from railhil.scenarios.system import system_named
 
 _CODE = (

@@ -30,7 +30,7 @@ from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario, PublishedScore
 from railhil.scenarios.parameters import DIGEST_DIGITS
 from railhil.scenarios.run_spec import RunSpec
-from railhil.scenarios.stored import SCENARIO, any_judged_sha256, earlier_scenario, read_scenario
+from railhil.scenarios.scenario_documents import SCENARIO, any_judged_sha256, find_earlier_scenario, read_scenario
 from railhil.scenarios.system import System
 
 #: A curve needs two points.
@@ -268,7 +268,7 @@ def _recorded_scenario(log: Path, name: str | None) -> AnyScenario:
     scenario = document.get("scenario")
     if scenario is None:
         raise InputError(path, "scenario", Words(), _BESIDE)
-    earlier = earlier_scenario(str(document.get("scenario_sha256")))
+    earlier = find_earlier_scenario(str(document.get("scenario_sha256")))
     if earlier is not None:
         return earlier
     return load_any(str(scenario), document.get("settings", ()), document.get("faults", ()))

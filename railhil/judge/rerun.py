@@ -25,7 +25,7 @@ from railhil.record.hash_list import HASH_LIST
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.plant_fmu import PlantFmu
 from railhil.scenarios.run_spec import RunSpec
-from railhil.scenarios.stored import SCENARIO, read_scenario
+from railhil.scenarios.scenario_documents import SCENARIO, read_scenario
 from railhil.scenarios.system import DEFAULT, system_named
 
 _CERTIFICATE = "a run folder with its certificate, or certificate.json"

@@ -12,7 +12,7 @@ from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.parameters import OTHER_SEEDS
 from railhil.scenarios.run_spec import RunSpec
-from railhil.scenarios.stored import content_sha256
+from railhil.scenarios.scenario_documents import content_sha256
 
 
 def chosen_on(design_seeds: Mapping[str, Collection[int]], scenario: AnyScenario, seeds: Collection[int]) -> list[int]:
@@ -50,7 +50,7 @@ def seed_was_trained(scenario: AnyScenario, run: RunSpec, origin: LawOrigin | No
     """
     if not (run.perturbed or scenario.every_run_is_drawn):
         return False
-    if run.law.parameters is not None and run.law.parameters.seen([run.seed]):
+    if run.law.parameters is not None and run.law.parameters.find_seen([run.seed]):
         return True
     if origin is None:
         return None

@@ -142,16 +142,16 @@ class Nodes:
             with contextlib.suppress(ProcessLookupError):
                 os.sched_setaffinity(node.process.pid, {chosen})
 
-    def ended(self) -> list[Node]:
+    def list_ended(self) -> list[Node]:
         """Nodes that have ended."""
         return [node for node in self.nodes if node.exit_code() is not None]
 
     def failed_node(self) -> Node | None:
         """The node that probably caused the end of the others: a killed one first, the hub before all others."""
         roles = ("hub", "plant", "controller")
-        return min(self.ended(), key=lambda node: (not node.was_killed, roles.index(node.role)), default=None)
+        return min(self.list_ended(), key=lambda node: (not node.was_killed, roles.index(node.role)), default=None)
 
-    def suspended(self) -> str:
+    def find_suspended(self) -> str:
         """Role of a node that is suspended, the hub before all others; empty if none is."""
         return next((node.role for node in self.nodes if node.is_suspended), "")
 

@@ -57,7 +57,7 @@ class StopSignals:
             self._before = {}
 
     @contextmanager
-    def at_once(self) -> Iterator[None]:
+    def interrupt_at_once(self) -> Iterator[None]:
         """A section that may be interrupted anywhere: a signal raises there at once, like :meth:`check`."""
         self._at_once = True
         try:
@@ -104,7 +104,7 @@ def open_recorder(
     """
 
     def look() -> None:
-        if any(node.role == "hub" for node in nodes.ended()):
+        if any(node.role == "hub" for node in nodes.list_ended()):
             raise BusUnavailable("the hub has ended")
 
     waiting = {"while_connecting": look} if choice.needs_hub else {}
@@ -246,11 +246,11 @@ class Recorder:
                 self._flush()
                 flush_s = now_s + interval_s
             if give_up_s is None:
-                ended = nodes.ended()
+                ended = nodes.list_ended()
                 failed = any(node.exit_code() for node in ended)
                 # A node may end normally just before its last frames are read here.
                 if failed or (ended and not self.drain(link, stop, ended)):
-                    self.lost = self.who_died(nodes)
+                    self.lost = self.describe_loss(nodes)
                     give_up_s = now_s + self._after_loss_s
                     # Without a train in motion there is nothing more to record.
                     if ended[0].role != "controller" or not session.recording:
@@ -259,9 +259,9 @@ class Recorder:
                 # The plant ends the run when its train stands; until then it ticks.
                 return
             if self._spec.is_realtime:
-                suspended_looks = suspended_looks + 1 if nodes.suspended() == "controller" else 0
+                suspended_looks = suspended_looks + 1 if nodes.find_suspended() == "controller" else 0
                 if suspended_looks * LOOK_S > SUSPENDED_S + self.stopped_s:
-                    self.lost = self.who_died(nodes)
+                    self.lost = self.describe_loss(nodes)
                     return
             # Only the plant's ticks count: a shared bus may always carry frames of other nodes.
             if not session.recording and now_s - opened_s > self._spec.start_up.appear_s + LATER_S:
@@ -269,13 +269,13 @@ class Recorder:
                 return
             if session.recording and now_s - max(open_s, session.heard_ns / 1e9) > silence_s:
                 stuck = f"no tick for {silence_s:g} s of wall time: bench is deadlocked"
-                self.lost = self.lost or self.who_died(nodes) or stuck
+                self.lost = self.lost or self.describe_loss(nodes) or stuck
                 return
 
-    def await_continued(self, nodes: Nodes, stop: StopSignals) -> None:
+    def await_controller(self, nodes: Nodes, stop: StopSignals) -> None:
         """A controller that a fault has stopped continues by itself, and then writes the log of the fault."""
         give_up_s = time.monotonic() + self.stopped_s
-        while nodes.suspended() == "controller" and time.monotonic() < give_up_s and not stop.number:
+        while nodes.find_suspended() == "controller" and time.monotonic() < give_up_s and not stop.number:
             time.sleep(LOOK_S)
 
     def _has_left(self, link: Link, heard: bool) -> bool:
@@ -315,11 +315,11 @@ class Recorder:
             link.send(answers)
         return bool(frames or arrived)
 
-    def who_died(self, nodes: Nodes) -> str:
+    def describe_loss(self, nodes: Nodes) -> str:
         """The missing node and the reason; empty if none is missing."""
         dead = nodes.failed_node()
         at = f"at simulation time {self._session.sim_time_s:.2f} s" if self._session.recording else "before the run"
-        if (dead is None or not dead.was_killed) and (role := nodes.suspended()):
+        if (dead is None or not dead.was_killed) and (role := nodes.find_suspended()):
             return f"{role} lost {at}: suspended by a signal (SIGSTOP) or a debugger"
         if dead is None:
             return ""

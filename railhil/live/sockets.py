@@ -31,7 +31,7 @@ _DRAFT = "lock.new"
 
 
 @contextmanager
-def private_socket() -> Iterator[Path]:
+def make_private_socket() -> Iterator[Path]:
     """Path for the socket of a hub, in a folder that only this user can enter and that is removed afterwards.
 
     :raises OSError: no folder can be made.

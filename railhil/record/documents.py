@@ -10,7 +10,7 @@ from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, model_val
 
 from railhil.common.errors import InputError
 from railhil.common.user_files import given_json
-from railhil.scenarios.validation import validated
+from railhil.scenarios.validation import validate
 
 #: Names in a run folder.
 CERTIFICATE, SCORE = "certificate.json", "score.json"
@@ -282,7 +282,7 @@ def _read(path: Path, model: type[_Part], allowed: str) -> dict[str, Any] | None
         if isinstance(error.__cause__, FileNotFoundError):
             return None
         raise
-    validated(model, document, lambda keys: path, ("shown", "summary", "lockstep", "realtime"))
+    validate(model, document, lambda keys: path, ("shown", "summary", "lockstep", "realtime"))
     return document
 
 

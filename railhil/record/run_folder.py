@@ -15,7 +15,7 @@ from railhil.dbc import DBC, PORTS
 from railhil.dbc.text import dbc_text, table_text
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.parameters import ParameterSet
-from railhil.scenarios.stored import SCENARIO, any_document
+from railhil.scenarios.scenario_documents import SCENARIO, any_document
 
 
 def json_text(document: dict[str, Any]) -> str:

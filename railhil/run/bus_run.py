@@ -93,14 +93,14 @@ class BusRun(Run):
         start_up = self.spec.start_up
         try:
             with Nodes(self.folder) as nodes:
-                with self.stop.at_once():
+                with self.stop.interrupt_at_once():
                     link = self._join(nodes)
                 try:
                     self.recorder.record_until_stopped(link, nodes, self.stop)
                 except BusLost as error:
                     # A killed process closes its sockets slightly before its end can be detected.
                     nodes.wait(("hub",), _REAP_S)
-                    self.recorder.lost = self.recorder.who_died(nodes) or str(error)
+                    self.recorder.lost = self.recorder.describe_loss(nodes) or str(error)
                 except (KeyboardInterrupt, SystemExit):
                     if not self.session.recording:
                         raise
@@ -109,15 +109,15 @@ class BusRun(Run):
                     link.close()
                     link.tell_trouble()
                 if self.session.ended is not None:
-                    self.recorder.await_continued(nodes, self.stop)
+                    self.recorder.await_controller(nodes, self.stop)
                     self.observer.on_ended()
                 counters = dict(link.counters) | self.session.counters
                 if self.session.ended is not None:
                     nodes.wait(("plant", "controller"), self._after_loss_s)
                     if start_up.attach:
                         self._await_fault_logs()
-                if self.session.ended is Event.ENDED_CONTROLLER_LOST and nodes.suspended():
-                    self.recorder.lost = self.recorder.lost or self.recorder.who_died(nodes)
+                if self.session.ended is Event.ENDED_CONTROLLER_LOST and nodes.find_suspended():
+                    self.recorder.lost = self.recorder.lost or self.recorder.describe_loss(nodes)
                 faults = fault_outcomes(self.folder, self.scenario, self.spec.seed) if self.session.recording else []
                 if self.session.ended is not None and self._was_killed(nodes, faults):
                     # The fault was requested: the run is judged by the train's behaviour.
@@ -143,7 +143,7 @@ class BusRun(Run):
     def _was_killed(self, nodes: Nodes, outcomes: list[FaultOutcome]) -> bool:
         """Whether a fault of the run has killed the controller, and nothing else has ended a node."""
         killed = any(fault.kills_controller for fault in parse_faults(one.text for one in outcomes if one.hits))
-        return killed and {node.role for node in nodes.ended() if node.was_killed} <= {"controller"}
+        return killed and {node.role for node in nodes.list_ended() if node.was_killed} <= {"controller"}
 
     def _join(self, nodes: Nodes) -> Link:
         """Start the nodes and open the bus; an existing bus is checked first."""
@@ -187,7 +187,7 @@ class BusRun(Run):
         """The line that explains a run without a score, and whether it was refused as bad input."""
         blamed = nodes.failed_node()
         killed = blamed is not None and blamed.was_killed
-        refusals = [] if killed else [node for node in nodes.ended() if node.exit_code() == USAGE]
+        refusals = [] if killed else [node for node in nodes.list_ended() if node.exit_code() == USAGE]
         if refusals and not (self.spec.start_up.foreign and self.session.handshake.disagreements):
             return refusals[0].last_words(), True
         if self.session.ended is Event.ENDED_REFUSED:

@@ -40,7 +40,7 @@ def with_memory(spec: RunSpec, folder: Path) -> RunSpec:
             store.check_writable()
     if memory is None:
         return spec
-    placed = memory.placed(folder.resolve() / MEMORY_BEFORE)
+    placed = memory.move_to(folder.resolve() / MEMORY_BEFORE)
     write_memory(placed, placed.source)
     return replace(spec, law=replace(spec.law, memory=placed))
 
@@ -59,7 +59,7 @@ def record_after(scenario: AnyScenario, spec: RunSpec, kept: Kept) -> MemoryReco
 
     It counts under the number of the run, or where runs have none under the next one.
     """
-    before = None if spec.law.memory is None else spec.law.memory.at(kept.used)
+    before = None if spec.law.memory is None else spec.law.memory.find_record(kept.used)
     number = spec.run_number if scenario.installed_system.numbered else 1 if before is None else before.last_run + 1
     return next_record(spec.law.controller, kept.key, kept.values, before, number)
 
@@ -97,7 +97,7 @@ def memory_lines(result: Result) -> list[str]:
     where = ""
     if after is not None:
         lines = [f"memory: slot {slot} cannot be used: {detail}" for slot, (_, detail) in after.kept.refused.items()]
-        used = None if memory is None else memory.at(after.kept.used)
+        used = None if memory is None else memory.find_record(after.kept.used)
         where = f" ({_place(after.kept.used)})" if used is not None else ""
     began = "none" if used is None else f"that of {count_of(used.runs, 'run')}{where}"
     if after is None:

@@ -14,12 +14,12 @@ from railhil.common.errors import InputError
 from railhil.common.scheduling import HUB_PRIORITY, NODE_PRIORITY
 from railhil.faults import parse_faults
 from railhil.live.processes import Nodes
-from railhil.live.sockets import private_socket
+from railhil.live.sockets import make_private_socket
 from railhil.record.run_folder import TELEMETRY, TIMING
 from railhil.record.senders import sent_file
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
-from railhil.scenarios.scenario_pipe import offered_scenario
+from railhil.scenarios.scenario_pipe import offer_scenario
 
 
 def _scheduling(run: RunSpec, priority: int) -> list[str]:
@@ -64,7 +64,7 @@ def start_nodes(
     faulty = bool(scenario.faults)
     logged = ["--fault-log", str(folder)] if faulty else []
     patience = ["--patience", str(run.patience_s)]
-    with offered_scenario(scenario) as (words, inherits):
+    with offer_scenario(scenario) as (words, inherits):
 
         def start(role: str, module: str, own: Sequence[str], watches: Sequence[str] = ()) -> None:
             bus = choice.arguments if pipes is None else ["-i", HUB_INTERFACE, "-c", pipes.ends[role].channel]
@@ -116,7 +116,7 @@ def chosen_bus(spec: RunSpec, scenario: AnyScenario) -> Iterator[BusChoice]:
     if spec.is_local:
         yield no_bus(spec.can, spec.pace)
         return
-    with private_socket() as private:
+    with make_private_socket() as private:
         choice = choose_bus(spec.can, None if spec.start_up.joins else private)
         interface = choice.config.get("interface")
         if interface == "virtual":

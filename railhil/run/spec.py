@@ -18,7 +18,7 @@ from railhil.scenarios.load import load_any, stable_name
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.parameters import ParameterSet, load_parameters
 from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.scenarios.settings import setting
+from railhil.scenarios.settings import normalise_setting
 
 #: One text or several.
 Texts = str | Sequence[str]
@@ -98,7 +98,7 @@ def settings_of(given: Settings) -> tuple[str, ...]:
     if isinstance(given, Mapping):
         # JSON values are TOML values, except tables and null, which no key has.
         given = [f"{key}={json.dumps(value)}" for key, value in given.items()]
-    return tuple(setting(text) for text in texts_of(given))
+    return tuple(normalise_setting(text) for text in texts_of(given))
 
 
 def texts_of(given: Texts) -> tuple[str, ...]:

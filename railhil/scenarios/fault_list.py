@@ -99,7 +99,7 @@ def _port(name: str, written: str, system: System, refuse: _Refuse) -> Port:
     return system.contract.port(name)
 
 
-def disturbed_signals(system: System) -> dict[str, list[str]]:
+def list_disturbed_signals(system: System) -> dict[str, list[str]]:
     """The ports on which faults may act, in the order of the port table, with the names of their signals."""
     return {
         port.name: [signal.name for signal in port.signals]

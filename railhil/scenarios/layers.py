@@ -20,7 +20,7 @@ from railhil.common.errors import InputError, Words, did_you_mean
 from railhil.common.user_files import given_text, refuse_unreadable
 from railhil.faults import FAULT
 from railhil.scenarios.settings import SET, layer
-from railhil.scenarios.tomlfile import parsed_toml
+from railhil.scenarios.tomlfile import parse_toml
 
 if TYPE_CHECKING:
     from railhil.scenarios.system import System
@@ -76,7 +76,7 @@ class Layers:
         self._replaced: dict[str, int] = {}
         self._target_made_anew: int | None = None
         if settings:
-            self._add_scenario(SET, self._left(SET, layer(settings)))
+            self._add_scenario(SET, self._leave_out(SET, layer(settings)))
         self._read_scenario(path)
 
     def leaves(self) -> Iterator[tuple[Path, tuple[str, ...]]]:
@@ -91,9 +91,9 @@ class Layers:
             found = found[key]
         return Words(f"keys {', '.join(found)}") if isinstance(found, dict) else found
 
-    def merged(self) -> Table:
+    def merge(self) -> Table:
         """The scenario as one table, references resolved (``extends`` and ``file`` are gone)."""
-        result = _together(self._stack)
+        result = _merge(self._stack)
         rows = result.get("fault", [])
         if self._faults and isinstance(rows, list):
             result["fault"] = [*rows, *self._faults]
@@ -125,14 +125,14 @@ class Layers:
         :returns: that file, and the keys that it or a file below it gives and that have another value above.
         """
         place = self.place(*keys)
-        above, below = _together(self._stack[:place]), _together(self._stack[place:])
+        above, below = _merge(self._stack[:place]), _merge(self._stack[place:])
         other: list[tuple[str, ...]] = [(section,) for section, by in self._replaced.items() if by < place]
         for leaf in _leaves(above):
             explains = leaf[0] in _EXPLAINING or leaf[-1] == "assumptions"
             if explains or (leaf[0],) in other or _depth(below, leaf) < len(leaf):
                 continue
             # An empty table changes nothing.
-            if _at(above, leaf) not in ({}, _at(below, leaf)):
+            if _get_value(above, leaf) not in ({}, _get_value(below, leaf)):
                 other.append(leaf)
         return self._stack[place][0], other
 
@@ -143,7 +143,7 @@ class Layers:
 
     def _read_scenario(self, path: Path) -> None:
         for _ in range(_CHAIN_MAX):
-            table = self._left(path, read_toml(path))
+            table = self._leave_out(path, read_toml(path))
             base = table.pop("extends", None)
             self._add_scenario(path, table)
             if base is None:
@@ -151,7 +151,7 @@ class Layers:
             path = self._reference(path, "extends", base, DATA / "runs")
         raise InputError(path, "extends", Words("makes the chain longer"), f"at most {_CHAIN_MAX} files in a chain")
 
-    def _left(self, path: Path, table: Table) -> Table:
+    def _leave_out(self, path: Path, table: Table) -> Table:
         """The content of a scenario file without the key that is left out."""
         self._written.append((path, copy.deepcopy(table)))
         if self._without is None or self._without[0] != path:
@@ -174,7 +174,7 @@ class Layers:
             inner = table.get(section)
             if not isinstance(inner, dict):
                 continue
-            _absolute_foreign(path, section, inner)
+            _resolve_foreign(path, section, inner)
             self._drop_nodes(section, inner)
             complete = COMPLETE[section]
             if any(key in inner for key in ("file", *_FOREIGN[section])) or (complete and {*complete} <= {*inner}):
@@ -184,7 +184,7 @@ class Layers:
             if "file" in inner:
                 there = self._reference(path, f"{section}.file", inner.pop("file"), DATA / folder)
                 referred = read_toml(there)
-                _absolute_foreign(there, section, referred)
+                _resolve_foreign(there, section, referred)
                 self._drop_nodes(section, referred)
                 self._stack.append((there, {section: referred}))
 
@@ -239,10 +239,10 @@ def short_name(name: str, names: Sequence[str]) -> str:
 def read_toml(path: Path) -> Table:
     """A TOML file as a table. Raises :class:`InputError` when it cannot be read or is not TOML."""
     with refuse_unreadable(path, "TOML 1.0 in UTF-8"):
-        return parsed_toml(given_text(path))
+        return parse_toml(given_text(path))
 
 
-def _absolute_foreign(path: Path, section: str, table: Table) -> None:
+def _resolve_foreign(path: Path, section: str, table: Table) -> None:
     """Make paths of third-party files absolute: they are relative to the file that names them."""
     for key in _FOREIGN[section]:
         value = table.get(key)
@@ -253,14 +253,14 @@ def _absolute_foreign(path: Path, section: str, table: Table) -> None:
             table[key] = str(there)
 
 
-def _together(stack: Sequence[tuple[Path, Table]]) -> Table:
+def _merge(stack: Sequence[tuple[Path, Table]]) -> Table:
     result: Table = {}
     for _, table in reversed(stack):
         _lay_over(result, table)
     return result
 
 
-def _at(table: Any, keys: tuple[str, ...]) -> object:
+def _get_value(table: Any, keys: tuple[str, ...]) -> object:
     for key in keys:
         table = table[key]
     return table
@@ -296,7 +296,7 @@ S = TypeVar("S", "Scenario", "TaskScenario")
 _SHOWN_MAX = 6
 
 
-def with_own_words(scenario: S, layers: Layers, read: Callable[[Layers], S], run: Callable[[S], object]) -> S:
+def add_own_words(scenario: S, layers: Layers, read: Callable[[Layers], S], run: Callable[[S], object]) -> S:
     """The scenario without the published results of another run, and with sentences about what it changes.
 
     :param read: reads a scenario.
@@ -310,7 +310,7 @@ def with_own_words(scenario: S, layers: Layers, read: Callable[[Layers], S], run
         other += [keys for keys in inside if keys[0] == section and len(keys) > 1 and keys not in other]
     if assumptions and other:
         title = ", and the title," if layers.place("title") >= layers.place("assumptions") else ""
-        assumptions.append(f"changed here: {_listed(other)}; sentences about them{title} are those of {of.stem}")
+        assumptions.append(f"changed here: {_join_names(other)}; sentences about them{title} are those of {of.stem}")
     if published and layers.place("published"):
         of, other = layers.changes_since("published")
         try:
@@ -324,7 +324,7 @@ def with_own_words(scenario: S, layers: Layers, read: Callable[[Layers], S], run
     return replace(scenario, assumptions=tuple(assumptions), published=published)
 
 
-def _listed(changed: list[tuple[str, ...]]) -> str:
+def _join_names(changed: list[tuple[str, ...]]) -> str:
     names = [".".join(keys) for keys in changed]
     more = f" and {len(names) - _SHOWN_MAX} more" if len(names) > _SHOWN_MAX else ""
     return ", ".join(names[:_SHOWN_MAX]) + more

@@ -11,7 +11,7 @@ from railhil.scenarios.layers import DATA, Layers, Without, shipped_name, shippe
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.settings import SET
 from railhil.scenarios.system import DEFAULT, system_named
-from railhil.scenarios.validation import dotted
+from railhil.scenarios.validation import join_keys
 
 if TYPE_CHECKING:
     from railhil.systems.ato.scenario.model import Scenario
@@ -67,7 +67,7 @@ def load_any(name_or_path: str | Path, settings: Sequence[str] = (), faults: Seq
 
 
 def _read(layers: Layers) -> AnyScenario:
-    name = layers.merged().get("system", DEFAULT)
+    name = layers.merge().get("system", DEFAULT)
     system = system_named(name if isinstance(name, str) else repr(name), layers.origin("system"))
     return system.scenario_kind.read(layers)
 
@@ -116,7 +116,7 @@ def invalid_key(layers: Layers, error: InputError, loads: Callable[[Without], bo
 
     :param loads: tells whether the scenario loads without one key of one of its files.
     """
-    own = [(path, keys) for path, keys in layers.leaves() if _higher(path, Path(error.file))]
+    own = [(path, keys) for path, keys in layers.leaves() if _has_priority(path, Path(error.file))]
     section = error.key.partition(".")[0]
     # Keys closest to the one that fails come first, then whole tables, then whole files.
     own.sort(key=lambda leaf: leaf[1][0] != section)
@@ -126,11 +126,11 @@ def invalid_key(layers: Layers, error: InputError, loads: Callable[[Without], bo
         if loads((path, keys)):
             found = layers.value(path, keys)
             allowed = f"what goes with {Path(error.file).name}"
-            return InputError(path, dotted(keys), found, allowed, f"{error.key}: {error.difference}")
+            return InputError(path, join_keys(keys), found, allowed, f"{error.key}: {error.difference}")
     return error
 
 
-def _higher(path: Path, broken: Path) -> bool:
+def _has_priority(path: Path, broken: Path) -> bool:
     """Whether a file has priority over the one named by a check: the command line over all files, own files over
     shipped ones."""
     if broken == SET or path == broken:

@@ -27,7 +27,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from railhil.common.errors import InputError, Words
 from railhil.common.user_files import given_bytes, json_object, refuse_unreadable, write_synced
-from railhil.scenarios.validation import validated
+from railhil.scenarios.validation import validate
 
 VERSION = 1
 #: Names in a run folder: the memory with which the run began, and the record that the law has left.
@@ -127,7 +127,7 @@ class BadRecord(Exception):
 
 
 @dataclass(frozen=True)
-class Stored:
+class MemoryPlace:
     """One place of a memory: a record, or the fault of its content (``fault`` of :data:`FAULTS`)."""
 
     slot: str
@@ -135,9 +135,9 @@ class Stored:
     fault: str = ""
     detail: str = ""
 
-    def refused(self, fault: str, detail: str) -> Stored:
+    def refuse(self, fault: str, detail: str) -> MemoryPlace:
         """The same place, found unusable."""
-        return Stored(self.slot, None, fault, detail)
+        return MemoryPlace(self.slot, None, fault, detail)
 
     def as_json(self) -> dict[str, Any]:
         """For :meth:`Memory.as_json`."""
@@ -153,7 +153,7 @@ class Memory:
     """
 
     law: str
-    stored: tuple[Stored, ...]
+    stored: tuple[MemoryPlace, ...]
     source: Path
 
     @property
@@ -163,7 +163,7 @@ class Memory:
     @property
     def sha256(self) -> str:
         """Hash of the content as canonical JSON."""
-        return hashlib.sha256(canonical(self._content)).hexdigest()
+        return hashlib.sha256(encode_canonical(self._content)).hexdigest()
 
     @property
     def digest(self) -> str:
@@ -179,11 +179,11 @@ class Memory:
         """The memory in a certificate and in a run folder: enough to begin the run again."""
         return self._content | {"sha256": self.sha256}
 
-    def at(self, slot: str) -> MemoryRecord | None:
+    def find_record(self, slot: str) -> MemoryRecord | None:
         """The record in that place."""
         return next((one.record for one in self.stored if one.slot == slot), None)
 
-    def after(self, record: MemoryRecord, used: str, refused: Collection[str]) -> Memory:
+    def add_run(self, record: MemoryRecord, used: str, refused: Collection[str]) -> Memory:
         """The memory after one more run, as in a store that was written with the same arguments.
 
         :param used: the place of the record that the law began with; empty: none.
@@ -195,17 +195,17 @@ class Memory:
             for one in self.stored
             if one.slot != slot and (one.slot == LINE_DEFAULT or not (one.fault or one.slot in refused))
         ]
-        return in_order(self.law, [Stored(slot, record), *kept], self.source)
+        return sort_memory(self.law, [MemoryPlace(slot, record), *kept], self.source)
 
-    def placed(self, source: Path) -> Memory:
+    def move_to(self, source: Path) -> Memory:
         """The same memory, read from somewhere else."""
         return replace(self, source=source)
 
 
-def in_order(law: str, stored: Iterable[Stored], source: Path) -> Memory:
+def sort_memory(law: str, stored: Iterable[MemoryPlace], source: Path) -> Memory:
     """A memory with its places in order: records first, slots before the default, the newest first."""
 
-    def order(one: Stored) -> tuple[bool, bool, int]:
+    def order(one: MemoryPlace) -> tuple[bool, bool, int]:
         return one.record is None, one.slot == LINE_DEFAULT, -(one.record.runs if one.record is not None else 0)
 
     return Memory(law, tuple(sorted(sorted(stored, key=lambda one: one.slot), key=order)), source)
@@ -216,7 +216,7 @@ def next_slot(used: str) -> str:
     return SLOT_B if used == SLOT_A else SLOT_A
 
 
-def canonical(content: Any) -> bytes:
+def encode_canonical(content: Any) -> bytes:
     """Canonical JSON: keys sorted, no blanks, ASCII.
 
     :raises ValueError: a number that is not finite.
@@ -226,7 +226,7 @@ def canonical(content: Any) -> bytes:
 
 def crc32(content: Mapping[str, Any]) -> str:
     """CRC-32 of the canonical JSON of a record without its CRC, eight hexadecimal digits."""
-    return f"{zlib.crc32(canonical(content)):08x}"
+    return f"{zlib.crc32(encode_canonical(content)):08x}"
 
 
 def no_memory(law: str, source: Path) -> Memory:
@@ -287,7 +287,7 @@ def _record(document: Mapping[str, Any], source: Path) -> MemoryRecord:
         allowed = f"{wanted}: values that nobody changed"
         raise BadRecord("crc", InputError(source, "crc32", document["crc32"], allowed))
     try:
-        found = validated(_Record, dict(document), lambda keys: source)
+        found = validate(_Record, dict(document), lambda keys: source)
     except InputError as error:
         raise BadRecord("version" if error.key == "version" else "fields", error) from None
     return MemoryRecord(found.law, found.key, found.runs, found.last_run, found.values)
@@ -308,7 +308,7 @@ def load_memory(path: Path) -> Memory:
         record = _record(document, path)
     except BadRecord as bad:
         raise bad.error from None
-    return Memory(record.law, (Stored(NAMED_FILE, record),), path)
+    return Memory(record.law, (MemoryPlace(NAMED_FILE, record),), path)
 
 
 def memory_from_json(document: Mapping[str, Any], source: Path) -> Memory:
@@ -317,7 +317,7 @@ def memory_from_json(document: Mapping[str, Any], source: Path) -> Memory:
     :param source: the file that contains the document.
     :raises InputError: it is not a memory, or its values do not match its hash.
     """
-    file = validated(_Memory, dict(document), lambda keys: source)
+    file = validate(_Memory, dict(document), lambda keys: source)
     stored = []
     for one in file.stored:
         if (one.record is None) != bool(one.fault):
@@ -327,7 +327,7 @@ def memory_from_json(document: Mapping[str, Any], source: Path) -> Memory:
             record = None if one.record is None else _record(one.record, source)
         except BadRecord as bad:
             raise bad.error from None
-        stored.append(Stored(one.slot, record, one.fault, one.detail))
+        stored.append(MemoryPlace(one.slot, record, one.fault, one.detail))
     found = Memory(file.law, tuple(stored), source)
     if file.sha256 != found.sha256:
         raise InputError(source, "memory.sha256", file.sha256, f"{found.sha256}: values that nobody changed")

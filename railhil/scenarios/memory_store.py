@@ -28,12 +28,12 @@ from railhil.scenarios.memory import (
     SLOT_B,
     BadRecord,
     Memory,
+    MemoryPlace,
     MemoryRecord,
-    Stored,
-    in_order,
     load_memory,
     next_slot,
     read_record,
+    sort_memory,
 )
 
 #: Place in a store -> file.
@@ -76,21 +76,21 @@ class MemoryStore:
         if is_file:
             hint = f"copy it to FOLDER/{SLOT_FILES[LINE_DEFAULT]} to go on from it"
             raise InputError(self.path, "", Words("is a file"), _ALLOWED, hint)
-        found = [self._stored(slot) for slot in SLOT_FILES]
+        found = [self._read_place(slot) for slot in SLOT_FILES]
         there = [one for one in found if one is not None]
         for one in there:
             law = law or (None if one.record is None else one.record.law)
             if one.record is not None and one.record.law != law:
                 raise InputError(self.file(one.slot), "law", one.record.law, f"{law}, the law of this store")
-        return in_order(law or "", there, self.path)
+        return sort_memory(law or "", there, self.path)
 
-    def _stored(self, slot: str) -> Stored | None:
+    def _read_place(self, slot: str) -> MemoryPlace | None:
         try:
-            return Stored(slot, read_record(self.file(slot)))
+            return MemoryPlace(slot, read_record(self.file(slot)))
         except BadRecord as bad:
             if bad.fault == "unreadable" and not os.path.lexists(self.file(slot)):
                 return None
-            return Stored(slot, None, bad.fault, bad.error.difference)
+            return MemoryPlace(slot, None, bad.fault, bad.error.difference)
 
     def check_writable(self) -> None:
         """Check before a run that a record can be written after it; leaves nothing behind. Raises OSError."""
@@ -106,7 +106,7 @@ class MemoryStore:
         :raises StoreChanged: the store has another content than ``began``; it is left as it is.
         :raises OSError: it cannot be written; the record that the law began with is still there.
         """
-        with self._alone():
+        with self._lock():
             if self.read(record.law).sha256 != began.sha256:
                 raise StoreChanged(str(self.path))
             for one in began.stored:
@@ -117,7 +117,7 @@ class MemoryStore:
         return slot
 
     @contextmanager
-    def _alone(self) -> Iterator[None]:
+    def _lock(self) -> Iterator[None]:
         """Lock out other processes, and remove files of a killed one.
 
         :raises OSError: the folder cannot be made, or another program keeps it locked.
@@ -149,7 +149,7 @@ class MemoryStore:
         sync_folder(self.path)
 
 
-def memory_at(path: Path) -> Memory:
+def read_memory(path: Path) -> Memory:
     """The memory of a file (:func:`railhil.scenarios.memory.load_memory`) or of a store.
 
     :raises InputError: there is none, or a file is damaged; one line.

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from railhil.scenarios.system import System
 
 
-def injected_faults(faults: Sequence[str]) -> list[str]:
+def list_injected_faults(faults: Sequence[str]) -> list[str]:
     """The faults of a scenario without the keys that only explain and judge them."""
     # Imported here: a run without faults does not load their language, which takes a tenth of a node's start.
     from railhil.faults.language import fault_text, parse

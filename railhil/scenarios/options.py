@@ -32,7 +32,7 @@ from railhil.scenarios.operator_commands import ORDER
 from railhil.scenarios.plant_fmu import MAP_OPTION, OPTION, PlantFmu
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.scenario_pipe import OPTION as SCENARIO_PIPE
-from railhil.scenarios.settings import canonical_fault, setting
+from railhil.scenarios.settings import normalise_fault, normalise_setting
 from railhil.scenarios.system import System
 
 if TYPE_CHECKING:
@@ -63,11 +63,11 @@ def patience_help(awaited: str) -> str:
 _DECLARED: Final[Mapping[str, Mapping[str, Any]]] = {
     "scenario": {"nargs": "?", "default": USUAL_SCENARIO, "help": "shipped name or TOML file"},
     "--set": {
-        "type": setting, "action": "append", "default": [], "metavar": "KEY=VALUE",
+        "type": normalise_setting, "action": "append", "default": [], "metavar": "KEY=VALUE",
         "help": "change one key of the scenario (plan.stop_error_max_m=0.3); may be given again",
     },
     "--fault": {
-        "type": canonical_fault, "action": "append", "default": [], "metavar": "TEXT",
+        "type": normalise_fault, "action": "append", "default": [], "metavar": "TEXT",
         "help": 'inject a fault ("TRN_SPEED loss 30%% @20s for 5s"); may be given again',
     },
     # The law, and the way to run it.

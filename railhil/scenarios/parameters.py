@@ -26,8 +26,8 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from railhil.common.errors import InputError, Words
 from railhil.common.user_files import given_text, refuse_unreadable
-from railhil.scenarios.tomlfile import parsed_toml, toml_table, toml_value
-from railhil.scenarios.validation import validated
+from railhil.scenarios.tomlfile import parse_toml, toml_table, toml_value
+from railhil.scenarios.validation import validate
 
 #: Digits of the hash that identify a set of parameters in names, tables and the handshake.
 DIGEST_DIGITS = 8
@@ -49,7 +49,7 @@ class _File(BaseModel):
     training: _Training | None = None
 
 
-class _Stored(BaseModel):
+class _StoredSet(BaseModel):
     """:meth:`ParameterSet.as_json`."""
 
     model_config = ConfigDict(defer_build=True, extra="forbid", strict=True)
@@ -114,7 +114,7 @@ class ParameterSet:
             "training": training if self.training_seeds else None,
         }
 
-    def seen(self, seeds: Iterable[int]) -> list[int]:
+    def find_seen(self, seeds: Iterable[int]) -> list[int]:
         """The given seeds that the search used, in order, for any scenario.
 
         A seed draws the same mass, resistance, force and delay for every scenario.
@@ -127,7 +127,7 @@ class ParameterSet:
         :param allowed: what the user can do instead.
         :raises InputError: one of the seeds is a training seed.
         """
-        if seen := self.seen(seeds):
+        if seen := self.find_seen(seeds):
             found = Words(f"seed {seen[0]}, on which these parameters were tuned")
             raise InputError(self.source, "training.seeds", found, allowed)
 
@@ -138,8 +138,8 @@ def parameters_from_json(document: Mapping[str, Any], source: Path) -> Parameter
     :param source: the file that it comes from.
     :raises InputError: it is not such a document, or its values do not match its hash.
     """
-    file = validated(_Stored, dict(document), lambda keys: source)
-    found = _finite(_parameter_set(file.law, file.values, source, file.training))
+    file = validate(_StoredSet, dict(document), lambda keys: source)
+    found = _check_finite(_parameter_set(file.law, file.values, source, file.training))
     if file.sha256 != found.sha256:
         raise InputError(source, "parameters.sha256", file.sha256, f"{found.sha256}: values that nobody changed")
     return found
@@ -151,14 +151,14 @@ def _parameter_set(law: str, values: Mapping[str, Any], source: Path, training: 
     return ParameterSet(law, values, source, training.scenario, frozenset(training.seeds), training.notes)
 
 
-def _finite(given: ParameterSet) -> ParameterSet:
+def _check_finite(given: ParameterSet) -> ParameterSet:
     for key, value in given.values.items():
         if isinstance(value, float) and not math.isfinite(value):
             raise InputError(given.source, f"parameters.{key}", value, "a finite number")
     return given
 
 
-def _stored(path: Path, text: str) -> ParameterSet:
+def _read_json(path: Path, text: str) -> ParameterSet:
     try:
         document = json.loads(text)
     except RecursionError:
@@ -178,7 +178,7 @@ def load_parameters(path: Path) -> ParameterSet:
     with refuse_unreadable(path, "a parameter file (TOML)"):
         text = given_text(path)
         if path.suffix == ".json":
-            return _stored(path, text)
-        content = parsed_toml(text)
-    file = validated(_File, content, lambda keys: path)
-    return _finite(_parameter_set(file.law, file.parameters, path, file.training))
+            return _read_json(path, text)
+        content = parse_toml(text)
+    file = validate(_File, content, lambda keys: path)
+    return _check_finite(_parameter_set(file.law, file.parameters, path, file.training))

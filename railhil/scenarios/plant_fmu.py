@@ -53,7 +53,7 @@ class PlantFmu:
         }
 
 
-def fmu_again(document: Mapping[str, Any], file: str | Path, given: PlantFmu | None = None) -> PlantFmu | None:
+def check_recorded_fmu(document: Mapping[str, Any], file: str | Path, given: PlantFmu | None = None) -> PlantFmu | None:
     """The FMU with which the run of a document is made again, named by the command line.
 
     :param given: on the command line.

@@ -25,7 +25,7 @@ def profile_value(profile: Profile, position_m: float) -> float:
     return profile[max(index, 0)][1]
 
 
-def lowest_under(profile: Profile, length_m: float, most: float) -> Profile:
+def find_lowest(profile: Profile, length_m: float, most: float) -> Profile:
     """Lowest value under a train, by position of its **front**, as a step profile without repeated values.
 
     A lower value applies when the front reaches it; a higher one only when the rear has left the lower one (one train
@@ -105,6 +105,6 @@ def shift(profile: Profile, offset_m: float) -> Profile:
     return tuple((position_m - offset_m, value) for position_m, value in profile)
 
 
-def merged(profile: Profile) -> Profile:
+def merge_profiles(profile: Profile) -> Profile:
     """The profile without rows that repeat the value before them."""
     return profile[:1] + tuple(row for before, row in pairwise(profile) if row[1] != before[1])

@@ -114,9 +114,9 @@ def _table(root: Schema, table: Schema, above: str) -> Iterator[Key]:
                 # A key that only another variant of the table has is not required.
                 yield from _table(root, {**inner, "required": ()} if kind else inner, f"{key}{rows}.")
             continue
-        default = "required" if name in required else _shown(node.get("default"))
+        default = "required" if name in required else _format_default(node.get("default"))
         meaning = node["description"] if "description" in node else MEANING.get(key, "")
-        yield Key(key, _unit(key), default, _allowed(node), meaning, node.get("default"))
+        yield Key(key, _unit(key), default, _describe_allowed(node), meaning, node.get("default"))
 
 
 def _tables(root: Schema, node: Schema) -> Iterator[Schema]:
@@ -129,41 +129,41 @@ def _tables(root: Schema, node: Schema) -> Iterator[Schema]:
 
 def _unit(key: str) -> str:
     """Unit at the end of a key, or both units as in ``force_n_per_mps``; ``-`` for none."""
-    ending = _ending(key)
+    ending = _find_ending(key)
     if not ending or key in _PURE:
         return "-"
     unit, stem = _UNITS[ending], key.removesuffix(f"_{ending}")
     if not stem.endswith("_per"):
         return unit
-    over = _ending(stem.removesuffix("_per"))
+    over = _find_ending(stem.removesuffix("_per"))
     return f"{_UNITS[over] if over else 1}/{f'({unit})' if '/' in unit else unit}"
 
 
-def _ending(key: str) -> str:
+def _find_ending(key: str) -> str:
     return next((ending for ending in _UNITS if key.endswith(f"_{ending}")), "")
 
 
-def _shown(value: object) -> str:
+def _format_default(value: object) -> str:
     if value is None:
         return "-"
     return "empty" if value in ([], {}) else f"{value:g}" if isinstance(value, float) else f"{value}"
 
 
-def _allowed(node: Schema) -> str:
+def _describe_allowed(node: Schema) -> str:
     choices = [choice for choice in node.get("anyOf", (node,)) if choice.get("type") != "null"]
-    return " or ".join(_one(choice) for choice in choices)
+    return " or ".join(_describe_choice(choice) for choice in choices)
 
 
-def _one(node: Schema) -> str:
+def _describe_choice(node: Schema) -> str:
     if "const" in node:
         return f"{node['const']}"
     kind = node.get("type")
     if kind == "object":
-        return f"table of {_allowed(node['additionalProperties'])}"
+        return f"table of {_describe_allowed(node['additionalProperties'])}"
     if kind == "array" and "prefixItems" in node:
         return f"[{', '.join('number' for _ in node['prefixItems'])}]"
     if kind == "array":
-        return f"array of {_one(node['items'])}"
+        return f"array of {_describe_choice(node['items'])}"
     bounds = [
         f"{word} {node[name]:g}"
         for name, word in (

@@ -34,13 +34,13 @@ from railhil.common.user_files import given_text, refuse_unreadable
 from railhil.faults import FAULT
 from railhil.scenarios.load import load_any, stable_name
 from railhil.scenarios.memory import Memory, memory_from_json
-from railhil.scenarios.memory_store import MemoryStore, memory_at
+from railhil.scenarios.memory_store import MemoryStore, read_memory
 from railhil.scenarios.parameters import ParameterSet, load_parameters, parameters_from_json
 from railhil.scenarios.plant_fmu import KEY as FMU_KEY
-from railhil.scenarios.plant_fmu import PlantFmu, fmu_again
-from railhil.scenarios.settings import canonical_fault, setting
-from railhil.scenarios.tomlfile import parsed_toml
-from railhil.scenarios.validation import findings
+from railhil.scenarios.plant_fmu import PlantFmu, check_recorded_fmu
+from railhil.scenarios.settings import normalise_fault, normalise_setting
+from railhil.scenarios.tomlfile import parse_toml
+from railhil.scenarios.validation import list_errors
 
 #: Key of a run -> its option of ``railhil run``; the scenario is a positional argument.
 OPTIONS: Mapping[str, str] = {
@@ -140,12 +140,12 @@ class Layer:
         """The source named in errors about a fault."""
         return FAULT if self.names is OPTIONS else self.source
 
-    def refused(self, key: str, found: object, allowed: str, hint: str | None = None) -> InputError:
+    def refuse(self, key: str, found: object, allowed: str, hint: str | None = None) -> InputError:
         """The error for one of the values."""
         return InputError(self.source, self.names.get(key, key), found, allowed, hint)
 
 
-def as_asked(document: Mapping[str, Any]) -> dict[str, Any]:
+def restore_asked(document: Mapping[str, Any]) -> dict[str, Any]:
     """A certificate with the values that were asked for, where a foreign controller has not confirmed them."""
     asked = document.get("asked")
     return {**document, **asked} if isinstance(asked, dict) else dict(document)
@@ -159,14 +159,14 @@ def file_layer(path: Path, faults: Faults, fmu: PlantFmu | None = None) -> Layer
     stored = path.suffix == ".json"
     values: dict[str, Any] = {}
     with faults.kept():
-        values = as_asked(_table(path, stored)) if stored else _table(path, stored)
+        values = restore_asked(_read_table(path, stored)) if stored else _read_table(path, stored)
         if values.get(FMU_KEY) and stored:
-            fmu_again(values, path, fmu)
+            check_recorded_fmu(values, path, fmu)
     model = RunDocument if stored else _Named
     try:
         model.model_validate(values)
     except ValidationError as error:
-        wrong = findings(error, model, path)
+        wrong = list_errors(error, model, path)
         faults.found += wrong.values()
         values = {key: value for key, value in values.items() if key not in wrong}
     known = {key: value for key, value in values.items() if key in RunDocument.model_fields and value is not None}
@@ -195,13 +195,13 @@ def environment_layer(environment: Mapping[str, str], faults: Faults) -> Layer:
     try:
         values = _Named.model_validate_strings(said).model_dump(exclude_unset=True)
     except ValidationError as error:
-        for key, one in findings(error, _Named, source).items():
+        for key, one in list_errors(error, _Named, source).items():
             faults.found.append(InputError(source, ENVIRONMENT[key], said[key], one.allowed, one.hint))
     values |= {key: Path(values[key]) for key in _FILES if key in values}
     return Layer(source, values, ENVIRONMENT)
 
 
-def merged(layers: Sequence[Layer], faults: Faults) -> tuple[dict[str, Any], ParameterSet | None, Memory | None]:
+def merge_layers(layers: Sequence[Layer], faults: Faults) -> tuple[dict[str, Any], ParameterSet | None, Memory | None]:
     """The document of a run defined by several sources, later ones overriding earlier ones, and the law's parameters
     and memory.
 
@@ -217,7 +217,7 @@ def merged(layers: Sequence[Layer], faults: Faults) -> tuple[dict[str, Any], Par
         if {*_MEMORY} <= {*layer.values}:
             names = [layer.names.get(key, key) for key in _MEMORY]
             allowed = Sentence(f"cannot be given with {names[1]}")
-            faults.found.append(layer.refused("memory", Words(f"beside {names[1]}"), allowed))
+            faults.found.append(layer.refuse("memory", Words(f"beside {names[1]}"), allowed))
         if any(key in layer.values for key in _MEMORY):
             # Both define the memory with which the run begins.
             document = {key: value for key, value in document.items() if key not in _MEMORY}
@@ -225,16 +225,16 @@ def merged(layers: Sequence[Layer], faults: Faults) -> tuple[dict[str, Any], Par
         said |= dict.fromkeys(layer.values, layer)
         for text in layer.values.get("settings", ()):
             with faults.kept():
-                settings.append(setting(text, layer.folder))
+                settings.append(normalise_setting(text, layer.folder))
         for text in layer.values.get("faults", ()):
             with faults.kept():
-                faults_given.append(canonical_fault(text, layer.fault_source))
+                faults_given.append(normalise_fault(text, layer.fault_source))
         if document.get("pace", "lockstep") == "lockstep" and document.pop("rate", None) and "rate" in layer.values:
             allowed = Sentence("used only in a run with pace realtime")
-            faults.found.append(layer.refused("rate", layer.values["rate"], allowed))
+            faults.found.append(layer.refuse("rate", layer.values["rate"], allowed))
     document["settings"], document["faults"] = settings, faults_given
     with faults.kept():
-        document["scenario"] = _scenario(document.get("scenario", USUAL_SCENARIO), said.get("scenario"))
+        document["scenario"] = _find_scenario(document.get("scenario", USUAL_SCENARIO), said.get("scenario"))
         system = load_any(document["scenario"], settings, faults_given).installed_system
         document.setdefault("controller", system.law)
         document.setdefault("arithmetic", system.arithmetic)
@@ -243,17 +243,17 @@ def merged(layers: Sequence[Layer], faults: Faults) -> tuple[dict[str, Any], Par
     if "memory_store" in document:
         document["memory_store"] = str(Path(document["memory_store"]).resolve())
         with faults.kept():
-            _number(document, settings, faults_given)
+            _set_number(document, settings, faults_given)
     parameters = memory = None
     with faults.kept():
-        parameters = _parameters(document, said.get("parameters"))
+        parameters = _take_parameters(document, said.get("parameters"))
     with faults.kept():
-        memory = _memory(document, said.get("memory"))
+        memory = _take_memory(document, said.get("memory"))
     faults.raise_all()
     return document, parameters, memory
 
 
-def _number(document: dict[str, Any], settings: list[str], faults_given: list[str]) -> None:
+def _set_number(document: dict[str, Any], settings: list[str], faults_given: list[str]) -> None:
     """Without a number, a run with a memory store is the next one of the store, where runs have numbers.
 
     :raises InputError: the store cannot be used.
@@ -264,17 +264,17 @@ def _number(document: dict[str, Any], settings: list[str], faults_given: list[st
         document["run_number"] = 1 if newest is None else newest.last_run + 1
 
 
-def _scenario(name: str, by: Layer | None) -> str:
+def _find_scenario(name: str, by: Layer | None) -> str:
     try:
         return stable_name(str(by.folder / name) if by is not None and name.endswith(".toml") else name)
     except InputError as error:
         if by is None or by.names is OPTIONS:
             # The original message is clear enough in these cases.
             raise
-        raise by.refused("scenario", name, error.allowed, error.hint) from None
+        raise by.refuse("scenario", name, error.allowed, error.hint) from None
 
 
-def _parameters(document: dict[str, Any], by: Layer | None) -> ParameterSet | None:
+def _take_parameters(document: dict[str, Any], by: Layer | None) -> ParameterSet | None:
     given = document.pop("parameters", None)
     if given is None or by is None:
         return None
@@ -283,23 +283,23 @@ def _parameters(document: dict[str, Any], by: Layer | None) -> ParameterSet | No
     return parameters_from_json({"law": document.get("controller", USUAL_LAW), **given}, Path(by.source).resolve())
 
 
-def _memory(document: dict[str, Any], by: Layer | None) -> Memory | None:
+def _take_memory(document: dict[str, Any], by: Layer | None) -> Memory | None:
     given = document.pop("memory", None)
     if given is None or by is None:
         return None
     if isinstance(given, Path):
-        return memory_at(given.resolve())
+        return read_memory(given.resolve())
     return memory_from_json(given, Path(by.source).resolve())
 
 
-def _table(path: Path, stored: bool) -> dict[str, Any]:
+def _read_table(path: Path, stored: bool) -> dict[str, Any]:
     """Content of the file.
 
     :raises InputError: it cannot be read, or is not a table.
     """
     with refuse_unreadable(path, _ALLOWED):
         text = given_text(path)
-        document = json.loads(text) if stored else parsed_toml(text)
+        document = json.loads(text) if stored else parse_toml(text)
     if not isinstance(document, dict) or (stored and "scenario" not in document):
         raise InputError(path, "", Words("has no JSON object that names a scenario"), _ALLOWED)
     return document

@@ -20,7 +20,7 @@ from railhil.common.patience import APPEAR_S, PATIENCE_S
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.operator_commands import ORDER, parse_commands
 from railhil.scenarios.plant_fmu import KEY as FMU_KEY
-from railhil.scenarios.plant_fmu import PlantFmu, fmu_again
+from railhil.scenarios.plant_fmu import PlantFmu, check_recorded_fmu
 from railhil.scenarios.settings import fault_words, set_words
 
 # The modules that read and check files are imported where they are used: a node that gets its scenario from its parent
@@ -186,11 +186,11 @@ class RunSpec:
         """
         from railhil.scenarios.memory import memory_from_json
         from railhil.scenarios.parameters import parameters_from_json
-        from railhil.scenarios.run_document import RunDocument, as_asked
-        from railhil.scenarios.validation import validated
+        from railhil.scenarios.run_document import RunDocument, restore_asked
+        from railhil.scenarios.validation import validate
 
-        plant_fmu = fmu_again(document, file, fmu)
-        found = validated(RunDocument, as_asked(document), lambda keys: file)
+        plant_fmu = check_recorded_fmu(document, file, fmu)
+        found = validate(RunDocument, restore_asked(document), lambda keys: file)
         parse_commands(found.orders, file)
         given = found.parameters
         parameters = None
@@ -222,9 +222,9 @@ class RunSpec:
         :param faults: errors found while the sources were read.
         :raises InputError: all errors together.
         """
-        from railhil.scenarios.run_document import merged
+        from railhil.scenarios.run_document import merge_layers
 
-        document, parameters, memory = merged(layers, faults)
+        document, parameters, memory = merge_layers(layers, faults)
         spec = cls.from_json(document, Path("railhil run"))
         return replace(spec, law=replace(spec.law, parameters=parameters, memory=memory))
 

@@ -18,7 +18,7 @@ OPTION = "--handed-scenario"
 
 
 @contextmanager
-def offered_scenario(scenario: AnyScenario) -> Iterator[tuple[list[str], list[int]]]:
+def offer_scenario(scenario: AnyScenario) -> Iterator[tuple[list[str], list[int]]]:
     """The words of a node's command line, and the descriptors that it must inherit.
 
     Both are empty for a scenario of a system that plugs in, if it cannot be pickled.
@@ -37,8 +37,8 @@ def offered_scenario(scenario: AnyScenario) -> Iterator[tuple[list[str], list[in
         os.close(descriptor)
 
 
-def received_scenario(descriptor: int) -> AnyScenario:
-    """The scenario behind a descriptor of :func:`offered_scenario`."""
+def receive_scenario(descriptor: int) -> AnyScenario:
+    """The scenario behind a descriptor of :func:`offer_scenario`."""
     # The descriptor's position is shared with the other node.
     document = os.pread(descriptor, os.fstat(descriptor).st_size, 0)
     os.close(descriptor)

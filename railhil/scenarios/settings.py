@@ -15,7 +15,7 @@ from typing import Any
 
 from railhil.common.errors import InputError
 from railhil.faults import FAULT
-from railhil.scenarios.tomlfile import parsed_toml
+from railhil.scenarios.tomlfile import parse_toml
 
 #: Shown instead of a file name for a key from the command line.
 SET = Path("--set")
@@ -26,13 +26,13 @@ _FILES = ("file", "railtoolkit", "ttobench")
 _KEY = re.compile(r"[A-Za-z0-9_-]+(\.[A-Za-z0-9_-]+)*")
 
 
-def setting(text: str, folder: Path = Path()) -> str:
+def normalise_setting(text: str, folder: Path = Path()) -> str:
     """An option's type: ``KEY=VALUE`` in a form that other programs can read again in any folder.
 
     :param folder: file names are relative to it.
     :raises InputError: it is not a valid setting.
     """
-    key, value = _parsed(text)
+    key, value = _parse(text)
     last = key.rpartition(".")[2]
     if last in _FILES and isinstance(value, str) and (last != "file" or value.endswith(".toml")):
         return f"{key}={json.dumps(str((folder / value).resolve()))}"
@@ -44,7 +44,7 @@ def set_words(settings: Sequence[str]) -> list[str]:
     return [word for text in settings for word in (str(SET), text)]
 
 
-def canonical_fault(text: str, source: str | Path = FAULT) -> str:
+def normalise_fault(text: str, source: str | Path = FAULT) -> str:
     """The canonical text of a fault.
 
     :param source: source named in errors.
@@ -68,7 +68,7 @@ def layer(settings: Sequence[str]) -> dict[str, Any]:
     """
     top: dict[str, Any] = {}
     for text in settings:
-        key, value = _parsed(text)
+        key, value = _parse(text)
         *above, last = key.split(".")
         table = top
         for name in above:
@@ -79,7 +79,7 @@ def layer(settings: Sequence[str]) -> dict[str, Any]:
     return top
 
 
-def _parsed(text: str) -> tuple[str, Any]:
+def _parse(text: str) -> tuple[str, Any]:
     key, equals, value = text.partition("=")
     key = key.strip()
     if not equals or not _KEY.fullmatch(key):
@@ -91,7 +91,7 @@ def _parsed(text: str) -> tuple[str, Any]:
 
 def _value(text: str) -> Any:
     try:
-        table = parsed_toml(f"value = {text}")
+        table = parse_toml(f"value = {text}")
     except ValueError:
         return text
     # A text with a line break may contain more than a value.

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from railhil.common.compilable import compilable
 
-#: Draws of :func:`railhil.systems.ato.scenario.perturb.perturbed`.
+#: Draws of :func:`railhil.systems.ato.scenario.perturb.perturb`.
 PERTURBATION = 0
 #: Noise of the axle speed sensors of a high-speed train.
 SPEED_NOISE = 1

@@ -146,9 +146,12 @@ class System:
     def scenario_kind(self) -> ScenarioKind:
         """Reads and writes its scenarios.
 
-        :raises InputError: the part ``scenarios`` cannot be imported.
+        :raises InputError: the part ``scenarios`` cannot be imported, or has the methods of version 0.1.0.
         """
         kind: ScenarioKind = self.part("scenarios")(self)
+        if not hasattr(kind, "restore"):
+            allowed = "one with the method restore, which was called stored in version 0.1.0"
+            raise InputError(f"system {self.name}", "scenarios", self.scenarios, allowed)
         return kind
 
     @property

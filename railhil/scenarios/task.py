@@ -25,12 +25,12 @@ from pydantic import BaseModel, Field, create_model
 from railhil.common.errors import InputError, Words
 from railhil.faults.truth import HOLE_MAX_S
 from railhil.scenarios.carried import Reach, check_carried
-from railhil.scenarios.layers import Layers, faults_of_rows, with_own_words
-from railhil.scenarios.model import AnyScenario, PublishedScore, Timing, injected_faults, text_sha256
+from railhil.scenarios.layers import Layers, add_own_words, faults_of_rows
+from railhil.scenarios.model import AnyScenario, PublishedScore, Timing, list_injected_faults, text_sha256
 from railhil.scenarios.reference import Key, keys
 from railhil.scenarios.schema import FAULT_TAGS, RUNNING_TIME_MAX_S, FaultRows, Name, Number, Table, Text, TimingTable
 from railhil.scenarios.system import OfSystem, System
-from railhil.scenarios.validation import Refuse, dotted, validated
+from railhil.scenarios.validation import Refuse, join_keys, validate
 
 _ALLOWED = "a scenario that railhil has written"
 
@@ -47,7 +47,7 @@ class ScenarioKind(Protocol):
     def document(self, scenario: Any) -> dict[str, Any]:
         """All fields of a scenario, as JSON-compatible values."""
 
-    def stored(self, fields: dict[str, Any], file: Path) -> AnyScenario:
+    def restore(self, fields: dict[str, Any], file: Path) -> AnyScenario:
         """The scenario of a document, with its hash computed by the present version. Raises InputError."""
 
     def judged_sha256(self, scenario: Any) -> str:
@@ -153,12 +153,12 @@ class TaskScenarios:
         )
 
     def read(self, layers: Layers) -> TaskScenario:
-        table = layers.merged()
-        file: Any = validated(self.file_type, table, lambda keys: layers.origin(*keys), FAULT_TAGS)
+        table = layers.merge()
+        file: Any = validate(self.file_type, table, lambda keys: layers.origin(*keys), FAULT_TAGS)
         timing = file.timing.in_ns()
 
         def refuse(keys: tuple[str | int, ...], found: object, allowed: str) -> InputError:
-            return InputError(layers.origin(*keys), dotted(keys), found, allowed)
+            return InputError(layers.origin(*keys), join_keys(keys), found, allowed)
 
         ports = [port.name for port in self._system.contract.ports if port.period_ns]
         for port, period_ns in {"": timing.control_period_ns, **timing.port_period_ns}.items():
@@ -175,7 +175,7 @@ class TaskScenarios:
         if file.timing.loop_delay_s and "loop_delay_s" in file.timing.model_fields_set and not file.task.LOOP_DELAY:
             allowed = "0, or no such key: the delays of this system are in its task"
             raise refuse(("timing", "loop_delay_s"), file.timing.loop_delay_s, allowed)
-        made = self._hashed(
+        made = self._make_scenario(
             file.name,
             file.title,
             timing,
@@ -184,7 +184,7 @@ class TaskScenarios:
             tuple(file.assumptions),
             faults_of_rows(table.get("fault", ()), self._system, lambda row: layers.origin("fault", row)),
         )
-        return with_own_words(made, layers, self.read, lambda one: one.task.model_dump(exclude={*one.task.JUDGING}))
+        return add_own_words(made, layers, self.read, lambda one: one.task.model_dump(exclude={*one.task.JUDGING}))
 
     def _check_ages(self, timing: Timing, refuse: Refuse) -> None:
         """Refuse periods with which a reading of a healthy run would be older than the interface of the system's laws
@@ -207,7 +207,7 @@ class TaskScenarios:
                 allowed = f"at most {(most_ns + timing.base_tick_ns) / 1e6:g}: an older {reading.name} is not used"
                 raise refuse(("timing", "port_period_ms", port), period_ns / 1e6, allowed)
 
-    def _hashed(
+    def _make_scenario(
         self,
         name: str,
         title: str,
@@ -218,16 +218,16 @@ class TaskScenarios:
         faults: tuple[str, ...],
     ) -> TaskScenario:
         made = TaskScenario(name, title, self._system.name, timing, task, published, assumptions, faults=faults)
-        return replace(made, sha256=text_sha256(self._used(made)))
+        return replace(made, sha256=text_sha256(self._select_used(made)))
 
-    def _used(self, scenario: TaskScenario, judging: bool = False) -> dict[str, Any]:
+    def _select_used(self, scenario: TaskScenario, judging: bool = False) -> dict[str, Any]:
         document = self.document(scenario)
         used = {key: document[key] for key in ("name", "system", "timing", "task")}
         if not judging:
             for key in scenario.task.JUDGING:
                 used["task"].pop(key, None)
         if scenario.faults:
-            used["faults"] = document["faults"] if judging else injected_faults(scenario.faults)
+            used["faults"] = document["faults"] if judging else list_injected_faults(scenario.faults)
         return used
 
     def document(self, scenario: Any) -> dict[str, Any]:
@@ -249,21 +249,21 @@ class TaskScenarios:
             "faults": list(scenario.faults),
         }
 
-    def stored(self, fields: dict[str, Any], file: Path) -> TaskScenario:
+    def restore(self, fields: dict[str, Any], file: Path) -> TaskScenario:
         task_type = self._system.part("task")
         try:
             timing = Timing(**fields["timing"])
             # Converted through JSON, so that arrays get the types of the table.
-            task = validated(task_type, json.loads(json.dumps(fields["task"])), lambda keys: file)
+            task = validate(task_type, json.loads(json.dumps(fields["task"])), lambda keys: file)
             published = tuple(map(PublishedScore.of, fields["published"]))
             # Version 0.1.0 had no faults.
             rest = tuple(fields["assumptions"]), tuple(map(str, fields.get("faults", ())))
-            return self._hashed(str(fields["name"]), str(fields["title"]), timing, task, published, *rest)
+            return self._make_scenario(str(fields["name"]), str(fields["title"]), timing, task, published, *rest)
         except (KeyError, TypeError, ValueError) as error:
             raise InputError(file, "", Words(f"{type(error).__name__}: {error}"), _ALLOWED) from None
 
     def judged_sha256(self, scenario: Any) -> str:
-        return text_sha256(self._used(scenario, judging=True))
+        return text_sha256(self._select_used(scenario, judging=True))
 
     def usual_keys(self) -> list[Key]:
         """All keys of the task, and the two periods."""

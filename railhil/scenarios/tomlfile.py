@@ -19,7 +19,7 @@ _TOKEN = re.compile(
 )
 
 
-def parsed_toml(text: str) -> dict[str, Any]:
+def parse_toml(text: str) -> dict[str, Any]:
     """The table of a TOML text.
 
     :raises ValueError: it is not TOML, nests deeper than :data:`DEPTH_MAX`, or has an integer of thousands of digits;

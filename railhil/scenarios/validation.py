@@ -41,7 +41,7 @@ _ALLOWED_BY_TYPE = {
 Refuse = Callable[[tuple[str | int, ...], object, str], InputError]
 
 
-def validated(table_type: type[M], data: object, origin: Callable[[Keys], str | Path], tags: tuple[str, ...] = ()) -> M:
+def validate(table_type: type[M], data: object, origin: Callable[[Keys], str | Path], tags: tuple[str, ...] = ()) -> M:
     """``data`` as ``table_type``; ``origin`` names the file of a key path, ``tags`` are union tags.
 
     Raises :class:`InputError` with the key as a dotted path, what was found and what is allowed.
@@ -50,76 +50,76 @@ def validated(table_type: type[M], data: object, origin: Callable[[Keys], str | 
         found = table_type.model_validate(data)
     except ValidationError as error:
         details = sorted(error.errors(include_url=False), key=lambda one: _EXPLAINS_FIRST.get(one["type"], 1))
-        missing = [_keys(one["loc"], tags) for one in details if one["type"] == "missing"]
+        missing = [_remove_tags(one["loc"], tags) for one in details if one["type"] == "missing"]
         if len(missing) == len(details) and len(missing) > 1:
-            raise _all_missing(missing, origin) from None
-        raise _translated(details[0], table_type, origin, tags) from None
-    for keys, value, other in _alone(found):
-        raise InputError(origin(keys), dotted(keys), value, f"only beside {other}, without which nothing uses it")
+            raise _describe_missing(missing, origin) from None
+        raise _translate(details[0], table_type, origin, tags) from None
+    for keys, value, other in _find_unused(found):
+        raise InputError(origin(keys), join_keys(keys), value, f"only beside {other}, without which nothing uses it")
     return found
 
 
-def _alone(table: BaseModel, above: Keys = ()) -> Iterator[tuple[Keys, object, str]]:
+def _find_unused(table: BaseModel, above: Keys = ()) -> Iterator[tuple[Keys, object, str]]:
     """Keys that are given without the key beside which alone they are used (``BESIDE`` of a table)."""
     beside: Mapping[str, str] = getattr(table, "BESIDE", {})
     for key in table.model_fields_set:
         value, keys = getattr(table, key), (*above, key)
         if key in beside and beside[key] not in table.model_fields_set:
             is_list = isinstance(value, list) and value and isinstance(value[0], BaseModel)
-            yield keys, Words(f"{len(value)} of them") if is_list else value, dotted((*above, beside[key]))
+            yield keys, Words(f"{len(value)} of them") if is_list else value, join_keys((*above, beside[key]))
         if isinstance(value, BaseModel):
-            yield from _alone(value, keys)
+            yield from _find_unused(value, keys)
 
 
-def findings(error: ValidationError, table_type: type[BaseModel], source: str | Path) -> dict[str, InputError]:
+def list_errors(error: ValidationError, table_type: type[BaseModel], source: str | Path) -> dict[str, InputError]:
     """All faults of a flat document: key -> its error, in the document's order.
 
     :param source: the file, or another source of the keys.
     """
     return {
-        dotted(one["loc"][:1]): _translated(one, table_type, lambda keys: source, ())
+        join_keys(one["loc"][:1]): _translate(one, table_type, lambda keys: source, ())
         for one in error.errors(include_url=False)
     }
 
 
-def _keys(tagged: Keys, tags: tuple[str, ...]) -> Keys:
+def _remove_tags(tagged: Keys, tags: tuple[str, ...]) -> Keys:
     return tuple(key for key in tagged if key not in tags and key != "[key]")
 
 
-def _all_missing(missing: list[Keys], origin: Callable[[Keys], str | Path]) -> InputError:
+def _describe_missing(missing: list[Keys], origin: Callable[[Keys], str | Path]) -> InputError:
     """All keys missing in one file; if several files lack keys, the keys of the first."""
     file = origin(missing[0])
-    names = [dotted(keys) for keys in missing if origin(keys) == file]
+    names = [join_keys(keys) for keys in missing if origin(keys) == file]
     allowed = _ALLOWED_BY_TYPE["missing"] if len(names) == 1 else "values: the keys are required"
     return InputError(file, ", ".join(names), Words(), allowed)
 
 
-def _translated(
+def _translate(
     one: ErrorDetails,
     table_type: type[BaseModel],
     origin: Callable[[Keys], str | Path],
     tags: tuple[str, ...],
 ) -> InputError:
     tagged: Keys = one["loc"]
-    keys = _keys(tagged, tags)
+    keys = _remove_tags(tagged, tags)
     kind = one["type"]
     found: object = Words() if kind == "missing" else one["input"]
     allowed = _ALLOWED_BY_TYPE.get(kind)
     hint = None
     if kind == "extra_forbidden":
-        choices = _fields_at(table_type, tagged[:-1])
+        choices = _find_fields(table_type, tagged[:-1])
         hint = did_you_mean(str(keys[-1]), choices)
         allowed = f"one of {', '.join(sorted(choices))}"
         found = Words("unknown key")
-    return InputError(origin(keys), dotted(keys), found, allowed or sentence(one), hint)
+    return InputError(origin(keys), join_keys(keys), found, allowed or describe_allowed(one), hint)
 
 
-def sentence(one: ErrorDetails) -> str:
+def describe_allowed(one: ErrorDetails) -> str:
     """The allowed values, from one of pydantic's errors: ``at most 200``."""
-    return _from_context(one["type"], one.get("ctx", {})) or _lowered(one["msg"])
+    return _describe_bounds(one["type"], one.get("ctx", {})) or _remove_subject(one["msg"])
 
 
-def _from_context(kind: str, context: Mapping[str, Any]) -> str | None:
+def _describe_bounds(kind: str, context: Mapping[str, Any]) -> str | None:
     """Sentences for errors whose bounds pydantic gives separately from its message."""
     if kind == "string_pattern_mismatch":
         return f"a text that matches {context['pattern']}"
@@ -134,7 +134,7 @@ def _from_context(kind: str, context: Mapping[str, Any]) -> str | None:
     return None
 
 
-def dotted(keys: Keys) -> str:
+def join_keys(keys: Keys) -> str:
     """``("line", "stops", 2, "name")`` as ``line.stops[2].name``."""
     text = ""
     for key in keys:
@@ -142,7 +142,7 @@ def dotted(keys: Keys) -> str:
     return text
 
 
-def _lowered(message: str) -> str:
+def _remove_subject(message: str) -> str:
     """pydantic's sentence without its subject: ``Input should be greater than 0`` -> ``greater than 0``."""
     for subject in (
         "Input should be ",
@@ -156,20 +156,20 @@ def _lowered(message: str) -> str:
     return message[0].lower() + message[1:]
 
 
-def _fields_at(table_type: type[BaseModel], path: Keys) -> tuple[str, ...]:
+def _find_fields(table_type: type[BaseModel], path: Keys) -> tuple[str, ...]:
     """Keys allowed in the table at ``path`` (found through the JSON schema, which knows unions and lists)."""
     schema = table_type.model_json_schema()
     node: Mapping[str, Any] = schema
     for key in path:
         node = _step(schema, node, key)
-    return tuple(_resolved(schema, node).get("properties", {}))
+    return tuple(_resolve(schema, node).get("properties", {}))
 
 
-def _resolved(schema: Mapping[str, Any], node: Mapping[str, Any]) -> Mapping[str, Any]:
+def _resolve(schema: Mapping[str, Any], node: Mapping[str, Any]) -> Mapping[str, Any]:
     while "$ref" in node:
         node = schema["$defs"][node["$ref"].rsplit("/", 1)[1]]
     for union in ("anyOf", "oneOf"):
-        tables = [_resolved(schema, choice) for choice in node.get(union, ())]
+        tables = [_resolve(schema, choice) for choice in node.get(union, ())]
         named = [table for table in tables if "properties" in table]
         if named:
             return named[0]
@@ -178,10 +178,10 @@ def _resolved(schema: Mapping[str, Any], node: Mapping[str, Any]) -> Mapping[str
 
 def _step(schema: Mapping[str, Any], node: Mapping[str, Any], key: str | int) -> Mapping[str, Any]:
     if isinstance(key, int):
-        items: Mapping[str, Any] = _resolved(schema, node).get("items", {})
+        items: Mapping[str, Any] = _resolve(schema, node).get("items", {})
         return items
-    if key in _resolved(schema, node).get("properties", {}):
-        below: Mapping[str, Any] = _resolved(schema, node)["properties"][key]
+    if key in _resolve(schema, node).get("properties", {}):
+        below: Mapping[str, Any] = _resolve(schema, node)["properties"][key]
         return below
     choices = node.get("oneOf", node.get("anyOf", ()))
     for choice in choices:

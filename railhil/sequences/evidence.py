@@ -41,7 +41,7 @@ from railhil.scenarios.memory import (
 )
 from railhil.scenarios.memory import BadRecord as BadMemory
 from railhil.scenarios.run_spec import RunSpec
-from railhil.scenarios.validation import validated
+from railhil.scenarios.validation import validate
 from railhil.sequences.plan import RUNS_MAX
 
 SEQUENCE = "sequence.json"
@@ -145,7 +145,7 @@ def read_evidence(folder: Path) -> Evidence:
     """
     path = folder / SEQUENCE
     document = given_json(path, "a file of railhil sequence run")
-    file = validated(_File, document, lambda keys: path)
+    file = validate(_File, document, lambda keys: path)
     if document.get(HASH_LIST_KEY) or len(file.made) == file.runs:
         check_document(folder, SEQUENCE, document)
     made = tuple(file.made)
@@ -173,7 +173,7 @@ def left(folder: Path, began: Memory) -> tuple[Memory, MemoryRecord | None]:
         record = read_record(path)
     except BadMemory as bad:
         raise bad.error from None
-    return began.after(record, certificate["memory_used"] or "", certificate["memory_refused"]), record
+    return began.add_run(record, certificate["memory_used"] or "", certificate["memory_refused"]), record
 
 
 def problems(folder: Path) -> Iterator[str]:

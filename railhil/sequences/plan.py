@@ -19,7 +19,7 @@ from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.parameters import load_parameters
 from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.scenarios.stored import any_judged_sha256
+from railhil.scenarios.scenario_documents import any_judged_sha256
 from railhil.sequences.one import sequence_batch_of
 from railhil.study.manifest import one_of
 from railhil.study.perturbed_runs import check_unseen

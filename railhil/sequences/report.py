@@ -15,7 +15,7 @@ from railhil.judge.record import Record
 from railhil.record.hash_list import listed_file
 from railhil.report.over_time import system_pictures
 from railhil.report.templates import styles_text, template
-from railhil.scenarios.memory import SLOT_A, SLOT_B, Memory, MemoryRecord, Stored, no_memory
+from railhil.scenarios.memory import SLOT_A, SLOT_B, Memory, MemoryPlace, MemoryRecord, no_memory
 from railhil.sequences.one import through_nodes
 from railhil.sequences.pictures import pictures
 from railhil.sequences.plan import Plan
@@ -75,7 +75,7 @@ def _example(plan: Plan, table: pa.Table, number: int, values: Mapping[str, Any]
         key = memory_key(find(law, plan.scenario.installed_system.laws), plan.scenario)
         slot = row_of(table, number - 1)["memory_used"]
         record = MemoryRecord(law, key, number - 1, number - 1, values)
-        memory = Memory(law, (Stored(slot if slot in (SLOT_A, SLOT_B) else SLOT_A, record),), Path("memory"))
+        memory = Memory(law, (MemoryPlace(slot if slot in (SLOT_A, SLOT_B) else SLOT_A, record),), Path("memory"))
     spec = plan.specs(plan.seeds[0])[number - 1]
     run = through_nodes(plan.scenario, replace(spec, law=replace(spec.law, memory=memory)))
     assert run.trace is not None

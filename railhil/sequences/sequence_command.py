@@ -28,7 +28,7 @@ from railhil.judge.judging import judging_of
 from railhil.judge.result import Result
 from railhil.record.run_folder import run_folder
 from railhil.record.signature import add_sign_argument, check_key, sign_list
-from railhil.scenarios.memory_store import memory_at
+from railhil.scenarios.memory_store import read_memory
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.options import add_option
 from railhil.scenarios.parameters import load_parameters
@@ -78,7 +78,7 @@ def _run(namespace: argparse.Namespace) -> int:
     if first.run_number != 1:
         raise InputError("command line", "--run-number", first.run_number, "1: a sequence begins with its first run")
     if namespace.memory_from is not None:
-        first = replace(first, law=replace(first.law, memory=memory_at(namespace.memory_from.resolve())))
+        first = replace(first, law=replace(first.law, memory=read_memory(namespace.memory_from.resolve())))
     console = Output(stderr=namespace.json)
     with begin(first, scenario, namespace.runs, namespace.out) as (folder, evidence):
         found = _record(first, scenario, folder, evidence, console, namespace.panel)

@@ -16,8 +16,8 @@ from railhil.common.build import machine
 from railhil.common.errors import InputError, Words
 from railhil.common.user_files import given_json
 from railhil.record.hash_list import HASH_LIST, HASH_LIST_KEY, check_document
-from railhil.scenarios.stored import any_document
-from railhil.scenarios.validation import validated
+from railhil.scenarios.scenario_documents import any_document
+from railhil.scenarios.validation import validate
 from railhil.study.plan import C, P, Study
 
 _FORMAT = 1
@@ -67,7 +67,7 @@ def read_manifest(folder: Path, study: Study[P, C]) -> Manifest:
     fields: dict[str, Any] = {study.kind: (dict[str, Any], ...), "request": (_model_of(study.request), ...)}
     # The part that is read back; the rest is information for people.
     model = create_model("_File", __config__=ConfigDict(extra="ignore", strict=True), **fields)
-    file = validated(model, document, lambda keys: path)
+    file = validate(model, document, lambda keys: path)
     check_document(folder, study.manifest, document)
     return Manifest(getattr(file, study.kind), _request_of(study, file.request))
 
@@ -83,7 +83,7 @@ def checked_request(study: Study[P, C], request: Any, file: Path) -> Any:
     :raises InputError: one of its values is out of range.
     """
     document = json.loads(json.dumps(asdict(request)))
-    return _request_of(study, validated(_model_of(study.request), document, lambda keys: file))
+    return _request_of(study, validate(_model_of(study.request), document, lambda keys: file))
 
 
 def manifest_of(study: Study[P, C], plan: P) -> dict[str, Any]:

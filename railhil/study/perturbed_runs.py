@@ -40,7 +40,7 @@ def training_seeds(scenario: AnyScenario, law: LawSpec, seeds: range) -> list[in
     The law's own seeds count also with a parameter file, because parameters that it does not name keep the law's own
     values.
     """
-    tuned = set() if law.parameters is None else set(law.parameters.seen(seeds))
+    tuned = set() if law.parameters is None else set(law.parameters.find_seen(seeds))
     declared = law_named(law.controller, scenario.system).design_seeds
     return sorted(tuned.union(chosen_on(declared, scenario, seeds)))
 

@@ -17,7 +17,7 @@ from railhil.faults.language import fault_text
 from railhil.faults.model import COUNT, NAME, PPM, SHARE, TIME, Fault, Parameter, Place, Trigger, Value, Word
 from railhil.faults.random_faults import Ports, words_drawn
 from railhil.faults.words import PLACES
-from railhil.scenarios.fault_list import disturbed_signals
+from railhil.scenarios.fault_list import list_disturbed_signals
 from railhil.scenarios.load import load_any
 from railhil.scenarios.system import System
 
@@ -38,7 +38,7 @@ def faults(
     """
     loaded = load_any(scenario, settings)
     system = loaded.installed_system
-    ports = disturbed_signals(system)
+    ports = list_disturbed_signals(system)
     places = _places(system, ports)
     last = round(loaded.planned_s / _STEP_S) - 1
 

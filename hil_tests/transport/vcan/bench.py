@@ -192,7 +192,7 @@ def sequence_on(
             frames_sha256=result.frames_sha256,
             memory_after_sha256=found.record.sha256,
         )
-        memory = memory.after(found.record, found.kept.used, found.kept.refused)
+        memory = memory.add_run(found.record, found.kept.used, found.kept.refused)
         made.append(one)
     return made
 

@@ -10,7 +10,7 @@ import pytest
 from hil_tests.support.cli import complaint, railhil
 from railhil.common.errors import InputError
 from railhil.common.user_files import given_bytes, given_text
-from railhil.scenarios.tomlfile import DEPTH_MAX, parsed_toml
+from railhil.scenarios.tomlfile import DEPTH_MAX, parse_toml
 
 
 @pytest.fixture
@@ -78,7 +78,7 @@ def test_a_pipe_in_the_place_of_a_scenario_s_file_is_refused(pipe: Path, tmp_pat
 @pytest.mark.timeout(20)
 def test_a_key_of_thousands_of_parts_is_refused_at_once(text: str) -> None:
     with pytest.raises(ValueError, match=f"more than {DEPTH_MAX}"):
-        parsed_toml(text)
+        parse_toml(text)
 
 
 def test_dots_elsewhere_are_no_parts_of_a_key() -> None:
@@ -86,6 +86,6 @@ def test_dots_elsewhere_are_no_parts_of_a_key() -> None:
     quotes = 3 * '"'
     numbers = ", ".join(["0.5"] * 100)
     text = f"a = \"{dots}\" # {dots}\nb = [{numbers}]\nc = {quotes}\n{dots}\n{quotes}\nd = '{dots}'\n"
-    assert parsed_toml(text) == {"a": dots, "b": [0.5] * 100, "c": f"{dots}\n", "d": dots}
+    assert parse_toml(text) == {"a": dots, "b": [0.5] * 100, "c": f"{dots}\n", "d": dots}
     key = ".".join(["a"] * (DEPTH_MAX - 1))
-    assert parsed_toml(f"{key} = 1")
+    assert parse_toml(f"{key} = 1")

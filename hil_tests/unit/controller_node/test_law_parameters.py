@@ -171,7 +171,7 @@ def test_training_seeds_are_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="seed 1, on which these parameters were tuned"):
         given.check_unseen(range(1, 5))
     given.check_unseen(range(2, 7))
-    assert given.seen([7, 5, 0]) == [0, 7]
+    assert given.find_seen([7, 5, 0]) == [0, 7]
 
 
 @pytest.mark.slow

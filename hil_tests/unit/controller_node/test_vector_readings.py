@@ -50,7 +50,7 @@ class Node:
     def seen(self) -> Any:
         """The readings (None if they are not fresh) and the counters."""
         readings = self.readings
-        return readings.raws() if readings.fresh() else None, dict(readings.counters)
+        return readings.read_raws() if readings.are_fresh() else None, dict(readings.counters)
 
 
 def test_a_new_life_sign_counts_and_the_first_ever() -> None:
@@ -91,9 +91,9 @@ def test_only_a_telegram_that_counts_makes_the_readings_new(refused: TrnPos | No
         node.ticks()
         if refused is not None:
             node.feed(refused)
-        assert node.readings.fresh()
+        assert node.readings.are_fresh()
     node.ticks()
-    assert not node.readings.fresh()
+    assert not node.readings.are_fresh()
     node.feed(TrnPos(6, life=3))
     assert node.seen[0] == [0, 6]
 
@@ -113,9 +113,9 @@ def test_time_sync_is_a_reading_and_still_sets_the_clock() -> None:
     assert node.responder.clock.tick == 700
     assert node.seen == ([7], {})
     node.ticks(AGE_MAX_MS // 10)
-    assert node.readings.fresh()
+    assert node.readings.are_fresh()
     node.ticks()
-    assert not node.readings.fresh()
+    assert not node.readings.are_fresh()
 
 
 def test_two_classes_of_one_port_are_one_source() -> None:

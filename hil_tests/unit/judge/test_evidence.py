@@ -21,7 +21,7 @@ from railhil.record.hash_list import write_hash_list
 from railhil.record.run_folder import write_inputs
 from railhil.scenarios.layers import DATA
 from railhil.scenarios.load import load
-from railhil.scenarios.stored import earlier_scenario, read_scenario, sha256_0_1_0
+from railhil.scenarios.scenario_documents import find_earlier_scenario, read_scenario, sha256_0_1_0
 from railhil.systems.ato.judge.score import score
 from railhil.systems.ato.scenario import model
 from railhil.systems.ato.scenario.canonical import judged_sha256, scenario_sha256
@@ -72,7 +72,7 @@ def test_a_folder_of_an_earlier_version_gets_its_report(earlier: Path) -> None:
 
 @pytest.mark.parametrize("sha256", _EARLIER)
 def test_scenarios_of_version_0_1_0_have_the_hash_that_they_are_found_by(sha256: str) -> None:
-    found = earlier_scenario(sha256)
+    found = find_earlier_scenario(sha256)
     assert found is not None
     assert sha256_0_1_0(_EARLIER[sha256]) == sha256 == found.sha256
 

@@ -20,7 +20,6 @@ from railhil.judge.jitter import Jitter
 from railhil.live.doctor import timing
 from railhil.live.doctor.machine import (
     Finding,
-    and_so_on,
     below,
     can_interfaces,
     clock,
@@ -28,8 +27,9 @@ from railhil.live.doctor.machine import (
     docker,
     governor,
     interface,
+    join_names,
     kernel_can,
-    said_by,
+    run_tool,
     serial_ports,
     virtual_machine,
 )
@@ -226,14 +226,14 @@ def test_what_is_below(tmp_path: Path, files: dict[str, str], subjects: list[str
     ],
 )
 def test_lateness_is_judged(priority: int, virtual: bool, p99_ms: float, max_ms: float, advice: str) -> None:
-    finding = timing.judged(Jitter(200, 0.05, p99_ms, p99_ms, max_ms, 0.0), priority, virtual)
+    finding = timing.judge(Jitter(200, 0.05, p99_ms, p99_ms, max_ms, 0.0), priority, virtual)
     assert finding.advice.startswith(advice)
     assert bool(finding.advice) is bool(advice)
     assert f"p99 {p99_ms:.3f} ms, max {max_ms:.3f} ms late" in finding.found
 
 
 def test_lateness_is_measured() -> None:
-    jitter = timing.measured(0, cycles=3)
+    jitter = timing.measure(0, cycles=3)
     assert (jitter.cycles, jitter.max_ms > 0) == (3, True)
 
 
@@ -242,7 +242,7 @@ def test_serial_ports(tmp_path: Path) -> None:
     put(tmp_path, {f"dev/ttyACM{number}": "" for number in range(6)})
     found = serial_ports(tmp_path)[0].found
     assert found == "/dev/ttyACM0, /dev/ttyACM1, /dev/ttyACM2, /dev/ttyACM3 and 2 more (`-i slcan -c PORT -b 500000`)"
-    assert and_so_on(["a"]) == "a"
+    assert join_names(["a"]) == "a"
 
 
 def test_tools(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -256,7 +256,7 @@ def test_tools(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert docker().found == "installed, no engine answers"
     (tmp_path / "docker").write_text("#!/bin/sh\necho 27.1\n")
     assert docker() == Finding("docker", "engine 27.1 with compose")
-    assert said_by("no-such-tool-here") is None
+    assert run_tool("no-such-tool-here") is None
 
 
 @pytest.mark.parametrize(

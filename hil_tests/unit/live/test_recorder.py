@@ -224,7 +224,7 @@ def test_a_node_that_gives_up_is_not_the_one_that_is_missing(
 ) -> None:
     nodes = Nodes(tmp_path)
     nodes.nodes = [node_that(code, said, tmp_path, "plant")]
-    assert run.recorder.who_died(nodes) == line
+    assert run.recorder.describe_loss(nodes) == line
 
 
 def test_a_suspended_node_is_blamed_unless_one_was_killed(run: BusRun, tmp_path: Path) -> None:
@@ -234,12 +234,12 @@ def test_a_suspended_node_is_blamed_unless_one_was_killed(run: BusRun, tmp_path:
         hangs.process.send_signal(signal.SIGSTOP)
         wait_for(lambda: hangs.is_suspended)
         line = "controller lost before the run: suspended by a signal (SIGSTOP) or a debugger"
-        assert run.recorder.who_died(nodes) == line
+        assert run.recorder.describe_loss(nodes) == line
         nodes.nodes.append(node_that(3, "plant: gave up\n", tmp_path, "plant"))
-        assert run.recorder.who_died(nodes) == line
+        assert run.recorder.describe_loss(nodes) == line
         assert nodes.wait(("controller",), BOUND_S) is False, "nobody waits for its end"
         nodes.nodes[1] = node_that(-9, "", tmp_path, "plant")
-        assert run.recorder.who_died(nodes) == "plant lost before the run: killed by SIGKILL"
+        assert run.recorder.describe_loss(nodes) == "plant lost before the run: killed by SIGKILL"
     assert hangs.exit_code() is not None
     assert not hangs.is_suspended
 
@@ -265,7 +265,7 @@ def test_in_real_time_a_suspended_controller_is_not_waited_for_forever(
     run.session.recording = True
     run.session.first_frame_ns = time.monotonic_ns()
     nodes = Nodes(tmp_path)
-    monkeypatch.setattr(nodes, "suspended", lambda: "controller" if is_suspended else "")
+    monkeypatch.setattr(nodes, "find_suspended", lambda: "controller" if is_suspended else "")
     run.recorder.record(Bus(FOREIGN), nodes, StopSignals())
     blame = "controller lost at simulation time 0.00 s: suspended by a signal (SIGSTOP) or a debugger"
     assert run.recorder.lost == (blame if is_suspended else "no tick for 0.5 s of wall time: bench is deadlocked")
@@ -283,18 +283,18 @@ def test_a_controller_that_a_fault_has_stopped_is_waited_for(
     nodes = Nodes(tmp_path)
     looks: list[str] = []
 
-    def suspended() -> str:
+    def find_suspended() -> str:
         looks.append("controller")
         if len(looks) == 10:
             run.session.ended = Event.ENDED_CONTROLLER_LOST
         return "controller" if len(looks) < 15 else ""
 
-    monkeypatch.setattr(nodes, "suspended", suspended)
+    monkeypatch.setattr(nodes, "find_suspended", find_suspended)
     run.recorder.record(Bus(FOREIGN), nodes, StopSignals())
     assert bool(run.recorder.lost) is not bool(faults)
     if faults:
         assert len(looks) == 10
-        run.recorder.await_continued(nodes, StopSignals())
+        run.recorder.await_controller(nodes, StopSignals())
         assert len(looks) == 15
 
 
@@ -322,7 +322,7 @@ def test_who_ends_because_the_hub_was_killed_has_refused_nothing(
         node_that(2, "plant: no hub at hub.sock\n", tmp_path, "plant"),
     ]
     nodes.nodes[0].process.pid = 0
-    run.recorder.lost = run.recorder.who_died(nodes)
+    run.recorder.lost = run.recorder.describe_loss(nodes)
     line = "hub lost before the run: killed by SIGKILL" if killed else "plant: no hub at hub.sock"
     assert run._verdict_line(nodes, {}) == (line, not killed)
     if killed:

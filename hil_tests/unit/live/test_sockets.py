@@ -11,13 +11,13 @@ from pathlib import Path
 import pytest
 
 from railhil.live import sockets
-from railhil.live.sockets import private_socket
+from railhil.live.sockets import make_private_socket
 
 #: Holds a folder until its end of the pipe is closed.
 HOLDER = """
 import sys
-from railhil.live.sockets import private_socket
-with private_socket() as path:
+from railhil.live.sockets import make_private_socket
+with make_private_socket() as path:
     path.touch()
     print(path, flush=True)
     sys.stdin.read()
@@ -39,7 +39,7 @@ def holder() -> tuple[subprocess.Popen[str], Path]:
 
 
 def failing_run() -> None:
-    with private_socket() as path:
+    with make_private_socket() as path:
         path.touch()
         assert path.parent.stat().st_mode & 0o777 == 0o700
         raise ValueError("a run that fails")
@@ -60,7 +60,7 @@ def test_what_a_killed_run_has_left_goes_at_the_next_start_and_nothing_else(fold
     other.mkdir()
     (folder / "railhil-run-link").symlink_to(used)
     (stale / "notes.txt").touch()
-    with private_socket() as path:
+    with make_private_socket() as path:
         assert sorted(folder.iterdir()) == sorted([stale, used, other, folder / "railhil-run-link", path.parent])
         # A file of somebody else's stays, and with it the folder.
         assert [file.name for file in stale.iterdir()] == ["notes.txt"]
@@ -75,7 +75,7 @@ def test_the_owner_is_checked(monkeypatch: pytest.MonkeyPatch) -> None:
     killed.wait()
     with monkeypatch.context() as somebody:
         somebody.setattr(sockets.os, "geteuid", lambda: 12345)
-        with private_socket():
+        with make_private_socket():
             assert stale.exists()
-    with private_socket():
+    with make_private_socket():
         assert not stale.exists()

@@ -16,8 +16,8 @@ from railhil.scenarios.memory import (
     FAULTS,
     BadRecord,
     Memory,
+    MemoryPlace,
     MemoryRecord,
-    Stored,
     load_memory,
     memory_from_json,
     next_record,
@@ -32,7 +32,11 @@ SOME = MemoryRecord("mylaw", "dalian_12 up", 3, 3, {"offset_m": -0.12})
 
 def in_slots(path: Path) -> Memory:
     older = replace(SOME, runs=2, last_run=2)
-    return Memory("mylaw", (Stored("A", SOME), Stored("B", None, "crc", "found other"), Stored("default", older)), path)
+    return Memory(
+        "mylaw",
+        (MemoryPlace("A", SOME), MemoryPlace("B", None, "crc", "found other"), MemoryPlace("default", older)),
+        path,
+    )
 
 
 def test_the_golden_file() -> None:
@@ -46,7 +50,7 @@ def test_the_golden_file() -> None:
 def test_what_is_written_is_read_again(tmp_path: Path) -> None:
     path = tmp_path / "memory.json"
     path.write_text(SOME.text)
-    assert load_memory(path) == Memory("mylaw", (Stored("file", SOME),), path)
+    assert load_memory(path) == Memory("mylaw", (MemoryPlace("file", SOME),), path)
     for memory in (in_slots(path), no_memory("mylaw", path)):
         write_memory(memory, path)
         assert load_memory(path) == memory

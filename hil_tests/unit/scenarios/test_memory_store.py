@@ -13,7 +13,7 @@ import pytest
 
 from railhil.common.errors import InputError
 from railhil.scenarios.memory import Memory, MemoryRecord
-from railhil.scenarios.memory_store import MemoryStore, StoreChanged, memory_at
+from railhil.scenarios.memory_store import MemoryStore, StoreChanged, read_memory
 
 
 def record(runs: int, law: str = "mylaw") -> MemoryRecord:
@@ -110,7 +110,7 @@ def test_a_memory_goes_on_without_a_store_as_with_it(tmp_path: Path) -> None:
         used = memory.stored[0].slot
         refused = {"A": "key"} if number == 8 and used == "B" else {}
         store.write(record(number), memory, used, refused)
-        memory = memory.after(record(number), used, refused)
+        memory = memory.add_run(record(number), used, refused)
         assert memory == store.read("mylaw")
         if number in (6, 9, 12):
             for name in ("a.json", "b.json")[: number // 6]:
@@ -189,13 +189,13 @@ def test_a_store_of_another_law_and_a_file_are_one_line(tmp_path: Path) -> None:
 
 def test_a_memory_is_named_by_its_store_or_a_file(tmp_path: Path) -> None:
     store = after(tmp_path / "store", 2)
-    assert memory_at(store.path) == store.read()
-    assert places(memory_at(store.path / "a.json")) == [("file", 1, "")]
+    assert read_memory(store.path) == store.read()
+    assert places(read_memory(store.path / "a.json")) == [("file", 1, "")]
     with pytest.raises(InputError, match="has no record, expected a folder in which railhil keeps"):
-        memory_at(tmp_path)
+        read_memory(tmp_path)
     (tmp_path / "a.json").write_text("torn")
     with pytest.raises(InputError, match="slot A cannot be used: cannot be read"):
-        memory_at(tmp_path)
+        read_memory(tmp_path)
 
 
 #: Runs of a train whose computer is killed at any instant: each is started again until its record is stored.

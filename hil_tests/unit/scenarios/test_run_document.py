@@ -13,7 +13,7 @@ from railhil.cli import commands
 from railhil.cli.run import spec_of
 from railhil.common.command_line import parse
 from railhil.common.errors import Faults, InputError
-from railhil.scenarios.memory import Memory, MemoryRecord, Stored, write_memory
+from railhil.scenarios.memory import Memory, MemoryPlace, MemoryRecord, write_memory
 from railhil.scenarios.memory_store import MemoryStore
 from railhil.scenarios.run_document import ENVIRONMENT, OPTIONS, environment_layer
 from railhil.scenarios.run_spec import LawSpec, RunSpec
@@ -102,7 +102,7 @@ def test_every_variable_says_its_key() -> None:
 
 def test_the_memory_of_a_law_is_said_by_one_of_two_keys(tmp_path: Path) -> None:
     record = MemoryRecord("ipfc", "here", 1, 1, {"offset_m": 0.5})
-    memory = Memory("ipfc", (Stored("A", record),), tmp_path / "old.json")
+    memory = Memory("ipfc", (MemoryPlace("A", record),), tmp_path / "old.json")
     write_memory(memory, memory.source)
     path = written(tmp_path / "run.toml", 'memory_store = "new"\n')
     assert RunSpec.from_file(path).memory_store == str(tmp_path / "new")

@@ -21,11 +21,11 @@ from railhil.scenarios.json_schema import scenario_json_schema
 from railhil.scenarios.keys import MEANING
 from railhil.scenarios.layers import DATA, Layers
 from railhil.scenarios.load import RUNS, load, load_any, names
-from railhil.scenarios.profiles import MeanGrade, lowest_under, profile_value
+from railhil.scenarios.profiles import MeanGrade, find_lowest, profile_value
 from railhil.scenarios.reference import PAGE, file_type, keys, page
 from railhil.systems.ato.scenario.canonical import canonical_json, scenario_sha256
 from railhil.systems.ato.scenario.model import Line, Perturbations, Scenario, Uniform
-from railhil.systems.ato.scenario.perturb import perturbed
+from railhil.systems.ato.scenario.perturb import perturb
 
 YIZHUANG_DATA = DATA / "sources" / "yizhuang_line"
 
@@ -221,13 +221,13 @@ def test_the_canonical_form_is_the_same_for_the_same_file(lvshun: Scenario) -> N
 
 
 def test_a_seed_gives_the_same_run_and_another_seed_another(lvshun: Scenario) -> None:
-    assert perturbed(lvshun, 5) == perturbed(lvshun, 5)
-    assert perturbed(lvshun, 5) != perturbed(lvshun, 6)
+    assert perturb(lvshun, 5) == perturb(lvshun, 5)
+    assert perturb(lvshun, 5) != perturb(lvshun, 6)
 
 
 def test_every_quantity_is_drawn_within_its_bounds_and_reaches_both_ends() -> None:
     nominal = load("lvshun_tieshan_worn_wheels")
-    runs = [perturbed(nominal, seed) for seed in range(300)]
+    runs = [perturb(nominal, seed) for seed in range(300)]
     given = nominal.perturbations
     drawn = {
         "mass_factor": [run.train.mass_kg / nominal.train.mass_kg for run in runs],
@@ -252,7 +252,7 @@ def test_every_quantity_is_drawn_within_its_bounds_and_reaches_both_ends() -> No
 
 
 def test_mass_scales_both_masses_and_the_survey_stays(lvshun: Scenario) -> None:
-    run = perturbed(lvshun, 11)
+    run = perturb(lvshun, 11)
     factor = run.train.mass_kg / lvshun.train.mass_kg
     assert run.train.inertial_mass_kg == pytest.approx(lvshun.train.inertial_mass_kg * factor)
     assert run.train.traction == lvshun.train.traction
@@ -264,8 +264,8 @@ def test_a_draw_does_not_depend_on_what_else_is_perturbed(lvshun: Scenario) -> N
     only_pole = dataclasses.replace(
         lvshun, perturbations=Perturbations(actuator_pole_factor=lvshun.perturbations.actuator_pole_factor)
     )
-    run = perturbed(only_pole, 3)
-    assert run.train.actuator_pole_per_s == perturbed(lvshun, 3).train.actuator_pole_per_s
+    run = perturb(only_pole, 3)
+    assert run.train.actuator_pole_per_s == perturb(lvshun, 3).train.actuator_pole_per_s
     assert run.train.mass_kg == lvshun.train.mass_kg
     assert run.timing == lvshun.timing
 
@@ -284,7 +284,7 @@ def test_streams_of_one_seed_are_independent_and_repeatable() -> None:
 
 def test_the_limit_under_the_train_falls_at_the_front_and_rises_at_the_rear() -> None:
     limits = ((0.0, 20.0), (500.0, 10.0), (520.0, 15.0), (900.0, 30.0))
-    assert lowest_under(limits, 80.0, 25.0) == ((0.0, 20.0), (500.0, 10.0), (600.0, 15.0), (980.0, 25.0))
+    assert find_lowest(limits, 80.0, 25.0) == ((0.0, 20.0), (500.0, 10.0), (600.0, 15.0), (980.0, 25.0))
 
 
 def test_grade_is_averaged_over_the_train() -> None:
@@ -353,7 +353,7 @@ def test_the_reference_of_all_keys_is_current_and_whole() -> None:
     # Every key of every shipped scenario is one of them.
     for name in shipped.ATO:
         path = RUNS / f"{name}.toml"
-        for keys_there in leaves(Layers(path).merged()):
+        for keys_there in leaves(Layers(path).merge()):
             assert keys_there in by_name, keys_there
 
 

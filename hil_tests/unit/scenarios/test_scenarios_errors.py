@@ -242,7 +242,7 @@ def test_a_scenario_that_leaves_nothing_to_draw_has_no_perturbed_runs() -> None:
 
 
 def test_a_shipped_file_has_its_own_name() -> None:
-    assert all(Layers(path).merged()["name"] == path.stem for path in RUNS.glob("*.toml"))
+    assert all(Layers(path).merge()["name"] == path.stem for path in RUNS.glob("*.toml"))
 
 
 def test_input_error_is_one_line_whatever_it_holds() -> None:
@@ -291,7 +291,7 @@ def with_value(value: Any, path: tuple[str | int, ...], new: Any) -> Any:
     return copy
 
 
-WHOLE = Layers(RUNS / "yizhuang_05_yizhuang_qiao_yizhuang_wenhuayuan.toml").merged()
+WHOLE = Layers(RUNS / "yizhuang_05_yizhuang_qiao_yizhuang_wenhuayuan.toml").merge()
 PLACES = [place for place in places(WHOLE) if place]
 STRANGE = st.one_of(
     st.integers(),

@@ -19,7 +19,7 @@ from railhil.plant_sim.command import main as plant
 from railhil.scenarios.layers import Layers
 from railhil.scenarios.load import RUNS, load
 from railhil.scenarios.run_spec import RunSpec
-from railhil.scenarios.settings import setting
+from railhil.scenarios.settings import normalise_setting
 from railhil.systems.ato.scenario.canonical import judged_sha256
 from railhil.tuning.__main__ import main as tune
 
@@ -60,7 +60,7 @@ def test_a_setting_is_a_key_of_the_scenario() -> None:
 )
 def test_a_bad_setting_is_one_line_and_blamed_itself(text: str, words: str) -> None:
     with pytest.raises(InputError) as caught:
-        load(NAME, [setting(text)])
+        load(NAME, [normalise_setting(text)])
     assert words in str(caught.value)
     assert "\n" not in str(caught.value)
 
@@ -73,8 +73,8 @@ def test_two_settings_that_cannot_both_hold() -> None:
 def test_a_named_file_is_found_from_any_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "train.toml").write_text("", encoding="utf-8")
     monkeypatch.chdir(tmp_path)
-    assert setting("train.file=train.toml") == f'train.file="{tmp_path / "train.toml"}"'
-    assert setting("train.file=yizhuang_b6") == "train.file=yizhuang_b6"
+    assert normalise_setting("train.file=train.toml") == f'train.file="{tmp_path / "train.toml"}"'
+    assert normalise_setting("train.file=yizhuang_b6") == "train.file=yizhuang_b6"
 
 
 @pytest.mark.slow
@@ -104,7 +104,7 @@ def test_a_campaign_hands_its_settings_on() -> None:
 
 
 def test_nothing_to_draw_is_said_and_not_silently_nominal(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    whole = Layers(RUNS / f"{NAME}.toml").merged()
+    whole = Layers(RUNS / f"{NAME}.toml").merge()
     del whole["perturbations"]
     path = tmp_path / "nominal.toml"
     path.write_text("\n".join(f"{key} = {toml_value(value)}" for key, value in whole.items()), encoding="utf-8")

@@ -12,7 +12,7 @@ from railhil.common.errors import InputError
 from railhil.dbc import wire_contract
 from railhil.scenarios import system as systems
 from railhil.scenarios.load import load, load_any
-from railhil.scenarios.stored import any_document, any_judged_sha256
+from railhil.scenarios.scenario_documents import any_document, any_judged_sha256
 from railhil.scenarios.system import GROUP, System, system_named
 from railhil.systems.ato import ATO
 
@@ -20,6 +20,13 @@ BAD_EVENT = replace(ATO, name="bad_event", events={"arrived": 2})
 MISNAMED = replace(ATO, name="other")
 NO_SYSTEM = 3
 NO_PORTS = replace(ATO, name="no_ports", ports="railhil_of_nobody:ports.toml")
+
+
+class EarlierScenarios:
+    """A reader of scenarios as in version 0.1.0."""
+
+    def __init__(self, system: System) -> None:
+        self.stored = system.name
 
 
 def plugged(folder: Path, patch: pytest.MonkeyPatch, **named: str) -> None:
@@ -100,3 +107,9 @@ def test_a_port_table_that_is_not_there() -> None:
     with pytest.raises(InputError, match="package:file"):
         assert NO_PORTS.contract
     assert systems.names() == ["ato", "emu3", "hst1", "stop"]
+
+
+def test_a_reader_of_scenarios_of_version_0_1_0_is_told_the_new_name() -> None:
+    earlier = replace(ATO, scenarios=f"{__name__}:EarlierScenarios")
+    with pytest.raises(InputError, match=r"system ato: scenarios: .*, allowed one with the method restore, which was"):
+        _ = earlier.scenario_kind

@@ -19,7 +19,7 @@ from railhil.plant_sim.ato.train import TrainOnBus
 from railhil.plant_sim.faults.injections import Injections, MotionEvents
 from railhil.plant_sim.faults.readings import BaliseReport, FaultyReader, FaultySensor, quantity_of
 from railhil.systems.ato.scenario.model import Balise, Scenario
-from railhil.systems.ato.scenario.perturb import perturbed
+from railhil.systems.ato.scenario.perturb import perturb
 from railhil.wire.ato import BalisePassed, CtlMode, NotchCmd, SpeedSdt, TrnPos, TrnSpeed, WatchLevel
 
 #: Modes of the controller as events.
@@ -43,7 +43,7 @@ class FaultyTrain(TrainOnBus):
         self, scenario: Scenario, seed: int, drawn: bool, rate: float, faults: Sequence[tuple[int, Fault]]
     ) -> None:
         # As in the plant without faults; the mismatch of a fault is applied to the drawn scenario.
-        self._healthy = perturbed(scenario, seed) if drawn else scenario
+        self._healthy = perturb(scenario, seed) if drawn else scenario
         tick_ns = scenario.timing.base_tick_ns
         tick_s = tick_ns * 1e-9
         self.injections = faulty = Injections(faults, seed, tick_ns)

@@ -20,8 +20,8 @@ from railhil.scenarios.fault_list import fault_texts
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.schema import Table, Text
 from railhil.scenarios.system import System
-from railhil.scenarios.tomlfile import parsed_toml
-from railhil.scenarios.validation import validated
+from railhil.scenarios.tomlfile import parse_toml
+from railhil.scenarios.validation import validate
 
 CATALOGUE = Path(__file__).parent / "catalogue.toml"
 #: In ``detected``: no watch detects the fault.
@@ -110,8 +110,8 @@ def catalogue(file: Path = CATALOGUE) -> tuple[Entry, ...]:
 
     :raises InputError: the file is damaged.
     """
-    table = parsed_toml(file.read_text(encoding="utf-8"))
-    return tuple(validated(_File, table, lambda keys: file).entry)
+    table = parse_toml(file.read_text(encoding="utf-8"))
+    return tuple(validate(_File, table, lambda keys: file).entry)
 
 
 def catalogue_of(system: System) -> tuple[Entry, ...]:

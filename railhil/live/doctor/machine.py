@@ -30,7 +30,7 @@ class Finding:
     advice: str = ""
 
 
-def text_of(path: Path) -> str:
+def read_text(path: Path) -> str:
     """Stripped content of a small kernel file; empty when it cannot be read."""
     try:
         return path.read_text(encoding="utf-8", errors="replace").strip()
@@ -39,7 +39,7 @@ def text_of(path: Path) -> str:
         return ""
 
 
-def said_by(*command: str) -> str | None:
+def run_tool(*command: str) -> str | None:
     """Standard output of a tool; None when it is missing, fails or does not answer."""
     if shutil.which(command[0]) is None:
         return None
@@ -50,7 +50,7 @@ def said_by(*command: str) -> str | None:
     return done.stdout if done.returncode == 0 else None
 
 
-def and_so_on(names: Sequence[str], shown: int = 4) -> str:
+def join_names(names: Sequence[str], shown: int = 4) -> str:
     """A list of names, truncated when it is long."""
     return ", ".join(names[:shown]) + (f" and {len(names) - shown} more" if len(names) > shown else "")
 
@@ -72,7 +72,7 @@ def clock(root: Path, read_ns: int | None = None) -> Finding:
 
     :param read_ns: the read time; None: measure it.
     """
-    current, available = (text_of(root / _CLOCK / f"{which}_clocksource") for which in ("current", "available"))
+    current, available = (read_text(root / _CLOCK / f"{which}_clocksource") for which in ("current", "available"))
     resolution_ns = time.get_clock_info("monotonic").resolution * 1e9
     if read_ns is None:
         read_ns = _read_ns()
@@ -96,7 +96,7 @@ def _read_ns() -> int:
 def cores(root: Path) -> Finding:
     """Processors that this process may use."""
     allowed, present = sorted(os.sched_getaffinity(0)), os.cpu_count() or 1
-    isolated = text_of(root / "sys/devices/system/cpu/isolated")
+    isolated = read_text(root / "sys/devices/system/cpu/isolated")
     words = f"{len(allowed)} of {present} may be used" if len(allowed) < present else f"{present}"
     words += f", isolated: {isolated}" if isolated else ", none isolated"
     if len(allowed) < 2:
@@ -107,7 +107,7 @@ def cores(root: Path) -> Finding:
 def governor(root: Path) -> list[Finding]:
     """Frequency scaling; nothing if the machine does not report it."""
     paths = root.glob("sys/devices/system/cpu/cpu[0-9]*/cpufreq/scaling_governor")
-    found = sorted({text_of(path) for path in paths} - {""})
+    found = sorted({read_text(path) for path in paths} - {""})
     if not found:
         return []
     advice = "" if found == ["performance"] else "sudo cpupower frequency-set -g performance"
@@ -116,7 +116,7 @@ def governor(root: Path) -> list[Finding]:
 
 def is_virtual(root: Path) -> bool:
     """True if the processor reports a hypervisor."""
-    return "hypervisor" in text_of(root / "proc/cpuinfo")
+    return "hypervisor" in read_text(root / "proc/cpuinfo")
 
 
 def below(root: Path) -> list[Finding]:
@@ -128,7 +128,7 @@ def below(root: Path) -> list[Finding]:
             Finding("virtual machine", words, "run realtime on the machine itself; lockstep is exact here too")
         )
     container = any((root / name).exists() for name in (".dockerenv", "run/.containerenv"))
-    groups = text_of(root / "proc/1/cgroup")
+    groups = read_text(root / "proc/1/cgroup")
     if container or any(word in groups for word in ("docker", "kubepods", "containerd", "lxc")):
         found.append(Finding("container", "yes: limits and capabilities are the container's"))
     return found
@@ -150,7 +150,7 @@ def serial_ports(root: Path) -> list[Finding]:
     ports = sorted(path for pattern in patterns for path in root.glob(pattern))
     if not ports:
         return [Finding("serial ports", "none of the kind that slcan adapters have (ttyACM, ttyUSB)")]
-    names = and_so_on([f"/{path.relative_to(root)}" for path in ports])
+    names = join_names([f"/{path.relative_to(root)}" for path in ports])
     if all(os.access(path, os.R_OK | os.W_OK) for path in ports):
         return [Finding("serial ports", f"{names} (`-i slcan -c PORT -b 500000`)")]
     return [Finding("serial ports", f"{names}, not all readable", "sudo usermod -aG dialout $USER, then log in again")]
@@ -172,12 +172,12 @@ def docker() -> Finding:
     """Docker for the compose file and its test."""
     if shutil.which("docker") is None:
         return Finding("docker", "not installed", "sudo apt install docker.io docker-compose")
-    engine = said_by("docker", "version", "--format", "{{.Server.Version}}")
+    engine = run_tool("docker", "version", "--format", "{{.Server.Version}}")
     if engine is None:
         return Finding(
             "docker", "installed, no engine answers", "sudo systemctl start docker, or join the group docker"
         )
-    if said_by("docker", "compose", "version") is None and shutil.which("docker-compose") is None:
+    if run_tool("docker", "compose", "version") is None and shutil.which("docker-compose") is None:
         return Finding("docker", f"engine {engine.strip()}, no compose", "sudo apt install docker-compose")
     return Finding("docker", f"engine {engine.strip()} with compose")
 
@@ -210,7 +210,7 @@ def kernel_can(
 
 def can_interfaces(root: Path) -> list[str]:
     """Names of the CAN interfaces, including vcan."""
-    return sorted(path.parent.name for path in root.glob("sys/class/net/*/type") if text_of(path) == _CAN_TYPE)
+    return sorted(path.parent.name for path in root.glob("sys/class/net/*/type") if read_text(path) == _CAN_TYPE)
 
 
 def interface(root: Path, name: str, details: Callable[[str], dict[str, Any]] | None = None) -> Finding:
@@ -219,8 +219,8 @@ def interface(root: Path, name: str, details: Callable[[str], dict[str, Any]] | 
     :param details: returns the output of ``ip -details -json`` for an interface; replaced in the tests.
     """
     folder = root / "sys/class/net" / name
-    is_up = int(text_of(folder / "flags") or "0", 16) & _UP
-    queue = int(text_of(folder / "tx_queue_len") or "0")
+    is_up = int(read_text(folder / "flags") or "0", 16) & _UP
+    queue = int(read_text(folder / "tx_queue_len") or "0")
     info = (details or _details)(name)
     kind, data = info.get("info_kind", ""), info.get("info_data") or {}
     bit_rate = (data.get("bittiming") or {}).get("bitrate")
@@ -246,7 +246,7 @@ def interface(root: Path, name: str, details: Callable[[str], dict[str, Any]] | 
 
 def _details(name: str) -> dict[str, Any]:
     """``linkinfo`` of an interface; empty without the tool."""
-    said = said_by("ip", "-details", "-json", "link", "show", "dev", name)
+    said = run_tool("ip", "-details", "-json", "link", "show", "dev", name)
     try:
         links = json.loads(said or "[]")
     except ValueError:
@@ -274,4 +274,4 @@ def _without(reason: str, module: bool) -> Finding:
 def _module(root: Path, release: str) -> bool:
     """Whether the module is installed for the running kernel."""
     folder = root / "lib/modules" / release
-    return any("/vcan.ko" in text_of(folder / name) for name in ("modules.dep", "modules.builtin"))
+    return any("/vcan.ko" in read_text(folder / name) for name in ("modules.dep", "modules.builtin"))

@@ -11,7 +11,7 @@ import numpy as np
 from railhil.bus.clock import Pacer
 from railhil.common.scheduling import HUB_PRIORITY, NODE_PRIORITY, cycle, permitted_priority
 from railhil.judge.jitter import LATE_MS, Jitter, jitter_from
-from railhil.live.doctor.machine import Finding, is_virtual, text_of
+from railhil.live.doctor.machine import Finding, is_virtual, read_text
 
 #: sched_rt_runtime_us without throttling, sched(7).
 _NO_THROTTLE = -1
@@ -62,8 +62,8 @@ def _user() -> str:
 
 
 def _throttle(root: Path) -> Finding:
-    text = text_of(root / "proc/sys/kernel/sched_rt_runtime_us")
-    period = text_of(root / "proc/sys/kernel/sched_rt_period_us")
+    text = read_text(root / "proc/sys/kernel/sched_rt_runtime_us")
+    period = read_text(root / "proc/sys/kernel/sched_rt_period_us")
     if not text or not period:
         return Finding("throttle", "not known (no sched_rt_runtime_us)")
     if int(text) == _NO_THROTTLE:
@@ -77,9 +77,9 @@ def _throttle(root: Path) -> Finding:
 
 def preemption(root: Path, version: str) -> Finding:
     """Preemption model: it decides how soon the kernel runs a woken process."""
-    if text_of(root / "sys/kernel/realtime") == "1" or "PREEMPT_RT" in version:
+    if read_text(root / "sys/kernel/realtime") == "1" or "PREEMPT_RT" in version:
         return Finding("preemption", "PREEMPT_RT: latencies have a bound")
-    chosen = text_of(root / "sys/kernel/debug/sched/preempt")
+    chosen = read_text(root / "sys/kernel/debug/sched/preempt")
     mode = chosen.partition("(")[2].partition(")")[0]
     kind = "PREEMPT_DYNAMIC" if "PREEMPT_DYNAMIC" in version else "PREEMPT" if "PREEMPT" in version else "none"
     shown = f"{kind}, now {mode}" if mode else kind
@@ -105,10 +105,10 @@ def lateness() -> list[Finding]:
     """Measure for 2 s with normal scheduling, and for 2 s more with SCHED_FIFO if permitted."""
     priorities = [0, NODE_PRIORITY] if permitted_priority()[0] else [0]
     virtual = is_virtual(Path("/"))
-    return [judged(measured(priority), priority, virtual) for priority in priorities]
+    return [judge(measure(priority), priority, virtual) for priority in priorities]
 
 
-def measured(priority: int, cycles: int = CYCLES) -> Jitter:
+def measure(priority: int, cycles: int = CYCLES) -> Jitter:
     """Lateness of ``cycles`` cycles of 10 ms."""
     late_ms = np.zeros(cycles)
     with cycle("doctor", priority, aloud=False):
@@ -120,7 +120,7 @@ def measured(priority: int, cycles: int = CYCLES) -> Jitter:
     return jitter_from(late_ms)
 
 
-def judged(jitter: Jitter, priority: int, virtual: bool) -> Finding:
+def judge(jitter: Jitter, priority: int, virtual: bool) -> Finding:
     """Figures of a measurement, and the remedy if they are not good enough for a run at 1x.
 
     :param virtual: whether it was measured in a virtual machine.

@@ -11,7 +11,7 @@ import numpy as np
 
 from railhil.common.extras import need
 from railhil.reproduce.experiments import SequenceRuns
-from railhil.scenarios.memory import Memory, MemoryRecord, Stored, in_order
+from railhil.scenarios.memory import Memory, MemoryPlace, MemoryRecord, sort_memory
 from railhil.scenarios.run_spec import RunSpec
 
 if TYPE_CHECKING:
@@ -34,17 +34,17 @@ ERROR, WORST_AT_ONCE, WORST, RECOVERED, RECOVERED_P90, SEEN = (
 _Fault = Callable[[Memory, np.random.Generator], Memory]
 
 
-def _newest(memory: Memory, change: Callable[[Stored], Stored]) -> Memory:
+def _newest(memory: Memory, change: Callable[[MemoryPlace], MemoryPlace]) -> Memory:
     """The memory with its best place changed."""
     first, *others = memory.stored
-    return in_order(memory.law, [change(first), *others], memory.source)
+    return sort_memory(memory.law, [change(first), *others], memory.source)
 
 
-def _damaged(one: Stored) -> Stored:
-    return one.refused("crc", "damaged")
+def _damaged(one: MemoryPlace) -> MemoryPlace:
+    return one.refuse("crc", "damaged")
 
 
-def _with_offset(one: Stored, offset: Callable[[float], float]) -> Stored:
+def _with_offset(one: MemoryPlace, offset: Callable[[float], float]) -> MemoryPlace:
     """The place with other offsets and a CRC that fits them."""
     assert one.record is not None
     values = dict(one.record.values)
@@ -52,7 +52,7 @@ def _with_offset(one: Stored, offset: Callable[[float], float]) -> Stored:
     return replace(one, record=replace(one.record, values=values))
 
 
-def _elsewhere(one: Stored) -> Stored:
+def _elsewhere(one: MemoryPlace) -> MemoryPlace:
     record: MemoryRecord | None = one.record
     assert record is not None
     return replace(one, record=replace(record, key=f"{record.key} elsewhere"))
@@ -64,7 +64,7 @@ FAULTS: Mapping[str, _Fault] = {
     "newest record damaged": lambda memory, random: _newest(memory, _damaged),
     "newest record of another platform": lambda memory, random: _newest(memory, _elsewhere),
     "newest record with 12.5 m": lambda memory, random: _newest(memory, lambda one: _with_offset(one, lambda b: 12.5)),
-    "both records damaged": lambda memory, random: in_order(
+    "both records damaged": lambda memory, random: sort_memory(
         memory.law, [_damaged(one) for one in memory.stored], memory.source
     ),
     "undetected: another offset within 12 m": lambda memory, random: _newest(

@@ -20,7 +20,7 @@ from railhil.controller_node.laws.base import LawInputs
 from railhil.scenarios.load import load
 from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.systems.ato.scenario.perturb import perturbed
+from railhil.systems.ato.scenario.perturb import perturb
 
 SCENARIO = load("lvshun_tieshan")
 DEFAULT = FuzzyPidParameters()
@@ -165,7 +165,7 @@ def test_rules_help_the_train() -> None:
 
 def test_the_stop_ahead_is_the_same_in_float64_and_fixed_point() -> None:
     """Seed 1011 is driven up to the stopping point, where float64's set-point was -5.6e-14 km/h: 85/256 notch apart."""
-    run = shadow_run(perturbed(SCENARIO, 1011), LawSpec("fuzzy_pid"), make("iq"))
+    run = shadow_run(perturb(SCENARIO, 1011), LawSpec("fuzzy_pid"), make("iq"))
     (codes,) = compare_codes(run.audited, run.reference)
     assert codes.largest <= 1
 

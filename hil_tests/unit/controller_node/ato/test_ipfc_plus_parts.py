@@ -27,7 +27,7 @@ from railhil.controller_node.laws.base import BaliseReading, TrackInputs
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.systems.ato.scenario.model import Scenario
-from railhil.systems.ato.scenario.perturb import perturbed
+from railhil.systems.ato.scenario.perturb import perturb
 
 WORN = load("lvshun_tieshan_worn_wheels")
 TABLE = compute_constants(IpfcPlusParameters(), WORN)
@@ -102,7 +102,7 @@ def test_wheel_of_a_drawn_run_is_found() -> None:
 
     coupled_run(WORN, step, RunSpec(seed=11, perturbed=True))
     balises = loop.state.balises
-    factor = perturbed(WORN, 11).sensors.wheel_factor
+    factor = perturb(WORN, 11).sensors.wheel_factor
     assert abs(factor - 1) > 1e-3
     assert 1 + balises.errors / balises.squares == pytest.approx(1 / factor, abs=3e-5)
 

@@ -18,7 +18,7 @@ from railhil.controller_node.arithmetic import make
 from railhil.controller_node.stop.filters import FILTERS
 from railhil.controller_node.stop.learning import GAMMA_LEAST
 from railhil.controller_node.vector.controller import VectorController
-from railhil.scenarios.memory_store import memory_at
+from railhil.scenarios.memory_store import read_memory
 from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 
@@ -102,7 +102,7 @@ def test_runs_of_the_bench_learn_from_each_other_and_not_twice_from_one(tmp_path
         assert railhil(*common, *words).exit_code in (0, 1)
         score = json.loads((tmp_path / str(place) / "score.json").read_text(encoding="utf-8"))
         errors.append(abs(score["signed"]["stop_error_m"]))
-        newest = memory_at(memory).newest
+        newest = read_memory(memory).newest
         assert newest is not None
         kept.append(newest.values["records"])
     assert errors[1] < 0.8 * errors[0]

@@ -17,7 +17,7 @@ from railhil.plant_sim.ato.faults.train import FaultyTrain
 from railhil.plant_sim.ato.plant import Plant
 from railhil.plant_sim.ato.plant_readings import LINE_VOLTAGE_MIN_PERCENT
 from railhil.systems.ato.scenario.model import Balise
-from railhil.systems.ato.scenario.perturb import perturbed
+from railhil.systems.ato.scenario.perturb import perturb
 from railhil.wire.ato import BalisePassed, CtlMode, NotchCmd, NotchSdt, TrnWatch, WatchCause
 
 
@@ -240,7 +240,7 @@ def test_the_sensors_read_the_axle() -> None:
 
 def test_a_drawn_train_is_drawn_once_and_then_has_its_mismatch() -> None:
     plant = FaultyTrain(SCENARIO, 3, True, 0.0, [(1, fault("train.mass", "scale", 0.0, {"factor": 1.25}))])
-    drawn = perturbed(SCENARIO, 3).train
+    drawn = perturb(SCENARIO, 3).train
     assert drawn != SCENARIO.train
     assert plant._train == replace(drawn, mass_kg=drawn.mass_kg * 1.25, inertial_mass_kg=drawn.inertial_mass_kg * 1.25)
 

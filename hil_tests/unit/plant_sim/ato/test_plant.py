@@ -11,7 +11,7 @@ from railhil.plant_sim.ato.plant import Plant, PlantError, PlantEvent
 from railhil.plant_sim.ato.plant_readings import TrainStatus
 from railhil.scenarios.load import load
 from railhil.systems.ato.scenario.model import Balise, Scenario
-from railhil.systems.ato.scenario.perturb import perturbed
+from railhil.systems.ato.scenario.perturb import perturb
 
 NOMINAL = load("lvshun_tieshan")
 QUIET = replace(NOMINAL, sensors=replace(NOMINAL.sensors, speed_noise_sigma_mps=0.0))
@@ -231,7 +231,7 @@ def test_acceleration_is_the_derivative_of_the_speed() -> None:
 
 def test_same_seed_same_run() -> None:
     def trace(seed: int) -> list[tuple[int, int, int]]:
-        plant = Plant(perturbed(NOMINAL, seed), seed)
+        plant = Plant(perturb(NOMINAL, seed), seed)
         rows = []
         for tick in range(1500):
             plant.command(700 if tick < 900 else -700, False)

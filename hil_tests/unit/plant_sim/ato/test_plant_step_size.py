@@ -11,7 +11,7 @@ from railhil.plant_sim.ato.plant import Plant, PlantEvent
 from railhil.scenarios.load import load
 from railhil.scenarios.profiles import MeanGrade
 from railhil.systems.ato.scenario.model import Scenario
-from railhil.systems.ato.scenario.perturb import perturbed
+from railhil.systems.ato.scenario.perturb import perturb
 from railhil.systems.ato.scenario.target import Target
 
 NS_PER_S = 1_000_000_000
@@ -95,7 +95,7 @@ def itae(run: Run, scenario: Scenario) -> float:
 @pytest.mark.parametrize("case", ["nominal", "perturbed"])
 def test_tick_of_10_ms_is_fine_enough(case: str) -> None:
     """Demand: ITAE within 1 %, stop within 1 mm of a 1 ms step; reached: 0.1 mm. Perturbed: delay between ticks."""
-    scenario = NOMINAL if case == "nominal" else perturbed(NOMINAL, 3)
+    scenario = NOMINAL if case == "nominal" else perturb(NOMINAL, 3)
     codes = follower()
 
     def program(time_s: float) -> int:

@@ -12,7 +12,7 @@ import pytest
 from hil_tests.support.paths import TEST_DATA
 from railhil.plant_sim.ato.running_time import CELL_M, CannotMove, flat_out_run, running_time_s
 from railhil.scenarios.load import load
-from railhil.scenarios.profiles import lowest_under, profile_value
+from railhil.scenarios.profiles import find_lowest, profile_value
 from railhil.systems.ato.scenario.importers.railtoolkit import load_line, load_train
 from railhil.systems.ato.scenario.model import Effort, Line, Train
 
@@ -94,7 +94,7 @@ def test_runs_keep_to_limits_braking_and_timetable(name: str) -> None:
     scenario = load(name)
     train, plan = scenario.train, scenario.plan
     points = flat_out_run(train, scenario.line, plan.distance_m)
-    limit = lowest_under(scenario.line.speed_limit_mps, train.length_m, train.speed_limit_mps)
+    limit = find_lowest(scenario.line.speed_limit_mps, train.length_m, train.speed_limit_mps)
     for before, point in pairwise(points):
         assert point.time_s > before.time_s
         inside_m = (before.position_m + point.position_m) / 2

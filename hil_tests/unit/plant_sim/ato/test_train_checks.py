@@ -16,7 +16,7 @@ from railhil.plant_sim.ato.train import TrainOnBus
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.systems.ato.scenario.model import Scenario
-from railhil.systems.ato.scenario.perturb import perturbed
+from railhil.systems.ato.scenario.perturb import perturb
 from railhil.wire.ato import NotchCmd, WatchCause, WatchLevel
 
 SCENARIO = load("lvshun_tieshan")
@@ -43,7 +43,7 @@ def driven(plant: Plant, code: int, ticks: int, *, until: WatchLevel | None = No
 
 @pytest.mark.parametrize("seed", range(4))
 def test_any_notches_of_a_healthy_train_are_normal(seed: int) -> None:
-    plant = Plant(perturbed(SCENARIO, seed), seed)
+    plant = Plant(perturb(SCENARIO, seed), seed)
     for step in range(60):
         driven(plant, (1792, -1792, 0, 700, -300, 0, -1500)[step * (seed + 2) % 7], 50)
         assert plant.watch_level is WatchLevel.NORMAL

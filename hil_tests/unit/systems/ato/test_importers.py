@@ -15,7 +15,7 @@ from hil_tests.support.paths import TEST_DATA
 from railhil.common.errors import InputError
 from railhil.scenarios.layers import DATA
 from railhil.scenarios.load import load
-from railhil.scenarios.profiles import MeanGrade, lowest_under, profile_value
+from railhil.scenarios.profiles import MeanGrade, find_lowest, profile_value
 from railhil.systems.ato.scenario.effort import force_limit_n, resistance_n
 from railhil.systems.ato.scenario.importers import railtoolkit, ttobench
 from railhil.systems.ato.scenario.importers.section import Stop, StopLine
@@ -39,7 +39,7 @@ def flat_out_s(unit: Train, line: Line, distance_m: float, step_m: float = 2.0) 
     grade = MeanGrade(line.grade_permil, unit.length_m)(middle)
     limit = np.array(
         [
-            profile_value(lowest_under(line.speed_limit_mps, unit.length_m, unit.speed_limit_mps), x)
+            profile_value(find_lowest(line.speed_limit_mps, unit.length_m, unit.speed_limit_mps), x)
             for x in middle.tolist()
         ]
     )

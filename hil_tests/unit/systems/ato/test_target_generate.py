@@ -20,7 +20,7 @@ from railhil.systems.ato.scenario.effort import force_limit_n, resistance_n
 from railhil.systems.ato.scenario.envelope import CurveError
 from railhil.systems.ato.scenario.generate import CurveLimits, fastest_time_s, generate
 from railhil.systems.ato.scenario.model import Effort, Line, TargetCurve, Train
-from railhil.systems.ato.scenario.perturb import perturbed
+from railhil.systems.ato.scenario.perturb import perturb
 from railhil.systems.ato.scenario.target import Target
 
 YIZHUANG = [name for name in names() if re.match(r"yizhuang_\d", name)]
@@ -93,7 +93,7 @@ def test_perturbed_trains_have_the_force_to_follow(name: str) -> None:
     times = np.arange(0.0, target.stop_time_s, 0.5)
     v, x, a = target.speed_mps(times), target.position_m(times), target.accel_mps2(times)
     for seed in range(20):
-        run = perturbed(scenario, seed)
+        run = perturb(scenario, seed)
         grade = MeanGrade(run.line.grade_permil, run.train.length_m)(x)
         force = run.train.inertial_mass_kg * a + resistance_n(run.train, v, grade)
         assert float((force / force_limit_n(run.train.traction, v)).max()) < 0.98

@@ -18,7 +18,7 @@ from railhil.controller_node.laws.memory import NOTHING, Remembered
 from railhil.controller_node.stop.laws.one_shot import OneShot
 from railhil.controller_node.vector.controller import VectorController
 from railhil.scenarios.load import load_any
-from railhil.scenarios.memory import Memory, MemoryRecord, Stored, no_memory
+from railhil.scenarios.memory import Memory, MemoryPlace, MemoryRecord, no_memory
 from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.systems.stop import batch
@@ -104,7 +104,9 @@ def stored(law: str, offset_m: float, runs: int) -> Memory:
     """The memory of a train after some runs."""
     kept = {"load_class": 0, "wet": 0, "offset_m": offset_m, "variance_m2": 0.01 * runs, "runs": runs, "last_run": 1}
     values = {"version": 1, "records": [{**kept, "last_errors_m": [0.1] * runs, "gamma": 0.5}]}
-    return Memory(law, (Stored("A", MemoryRecord(law, "train_1 xiaocun outbound", runs, 1, values)),), Path("store"))
+    return Memory(
+        law, (MemoryPlace("A", MemoryRecord(law, "train_1 xiaocun outbound", runs, 1, values)),), Path("store")
+    )
 
 
 @pytest.mark.slow
@@ -153,7 +155,7 @@ def test_laws_that_differ_in_more_than_constants_are_run_one_by_one_and_it_is_sa
 ) -> None:
     plug_in(tmp_path, monkeypatch, "railhil.laws_stop", branching=Branching)
     scenario = stop_scenario(*SHORT)
-    had = Memory("branching", (Stored("A", MemoryRecord("branching", "train", 1, 1, {"runs": 1})),), Path("store"))
+    had = Memory("branching", (MemoryPlace("A", MemoryRecord("branching", "train", 1, 1, {"runs": 1})),), Path("store"))
     specs = [
         RunSpec(law=LawSpec("branching", "float64", memory=memory), run_number=2)
         for memory in (had, no_memory("branching", Path("store")))

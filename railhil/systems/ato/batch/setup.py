@@ -20,13 +20,13 @@ from railhil.plant_sim.ato.forces import EffortLimit
 from railhil.plant_sim.ato.plant import NOTCH_LSB_PER_NOTCH
 from railhil.plant_sim.ato.train import RunEnd
 from railhil.plant_sim.ato.train_checks import slow_decay, train_checks
-from railhil.scenarios.profiles import grade_rows, lowest_under
+from railhil.scenarios.profiles import find_lowest, grade_rows
 from railhil.systems.ato.batch import lanes as at
 from railhil.systems.ato.batch.layout import Common, PerTrain
 from railhil.systems.ato.coupled import coupled_schedule
 from railhil.systems.ato.judge.journey import ErrorGrid
 from railhil.systems.ato.scenario.model import Effort, Scenario
-from railhil.systems.ato.scenario.perturb import unit_draws, with_draws
+from railhil.systems.ato.scenario.perturb import apply_draws, unit_draws
 from railhil.systems.ato.scenario.target import Target
 from railhil.wire.ato import CtlStat, NotchCmd, SimTruth, TrnPos
 
@@ -100,7 +100,7 @@ def common(scenario: Scenario, by_distance: bool, times: Times) -> Common:
     train, timing = scenario.train, scenario.timing
     grid = ErrorGrid.of(scenario)
     target = Target(scenario.target)
-    limit = lowest_under(scenario.line.speed_limit_mps, train.length_m, train.speed_limit_mps)
+    limit = find_lowest(scenario.line.speed_limit_mps, train.length_m, train.speed_limit_mps)
     cycle = np.full(grid.time_s.size + 1, -1, dtype=np.int64)
     cycle[1:] = grid.cycle
     return Common(
@@ -175,7 +175,7 @@ def trains(scenario: Scenario, seeds: Sequence[int], drawn: bool, times: Times, 
     count, timing = len(seeds), scenario.timing
     actual = scenario
     if drawn:
-        actual = with_draws(scenario, list(np.array([unit_draws(scenario, seed) for seed in seeds]).T))
+        actual = apply_draws(scenario, list(np.array([unit_draws(scenario, seed) for seed in seeds]).T))
     if scenario.faults:
         actual = Mismatch.over(constant_mismatches(scenario, seeds)).applied(actual)
     train, sensors = actual.train, actual.sensors

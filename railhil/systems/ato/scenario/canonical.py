@@ -6,7 +6,7 @@ import dataclasses
 import hashlib
 from typing import Any
 
-from railhil.scenarios.model import canonical_text, injected_faults, text_sha256
+from railhil.scenarios.model import canonical_text, list_injected_faults, text_sha256
 from railhil.systems.ato.scenario.model import Scenario
 
 #: Fields that only explain a scenario.
@@ -20,30 +20,30 @@ _JUDGING = ("energy",)
 _JUDGING_OF_PLAN = ("stop_error_max_m", "time_error_max_s")
 
 
-def _used(item: Any) -> Any:
+def _remove_defaults(item: Any) -> Any:
     """A dataclass as a table without the fields that have their defaults, so that a field added later, and not used by
     a scenario, does not change its hash."""
     if not dataclasses.is_dataclass(item):
-        return [_used(entry) for entry in item] if isinstance(item, tuple) else item
+        return [_remove_defaults(entry) for entry in item] if isinstance(item, tuple) else item
     table = {}
     for field in dataclasses.fields(item):
         value = getattr(item, field.name)
         factory = field.default_factory
         default = field.default if factory is dataclasses.MISSING else factory()
         if value != default:
-            table[field.name] = _used(value)
+            table[field.name] = _remove_defaults(value)
     return table
 
 
 def canonical_json(scenario: Scenario) -> str:
     """JSON of the data that the run uses, with sorted keys, no spaces and shortest round-trip floats."""
-    table = _used(scenario)
+    table = _remove_defaults(scenario)
     for name in (*_EXPLAINING, *_JUDGING):
         table.pop(name, None)
     for name in _JUDGING_OF_PLAN:
         table["plan"].pop(name, None)
     if "faults" in table:
-        table["faults"] = injected_faults(scenario.faults)
+        table["faults"] = list_injected_faults(scenario.faults)
     return canonical_text(table)
 
 
@@ -54,7 +54,7 @@ def scenario_sha256(scenario: Scenario) -> str:
 
 def judged_sha256(scenario: Scenario) -> str:
     """SHA-256 (hex) of the data that the run uses and is judged by: equal where scores are comparable."""
-    table = _used(scenario)
+    table = _remove_defaults(scenario)
     for name in _EXPLAINING:
         table.pop(name, None)
     return text_sha256(table)

@@ -12,7 +12,7 @@ from railhil.dbc import Contract
 from railhil.faults.truth import HOLE_MAX_S
 from railhil.scenarios.carried import SIGMAS, Reach
 from railhil.scenarios.model import Timing
-from railhil.scenarios.profiles import lowest_under
+from railhil.scenarios.profiles import find_lowest
 from railhil.scenarios.validation import Refuse
 from railhil.systems.ato.scenario import model
 from railhil.systems.ato.scenario.effort import force_limit_n, resistance_n
@@ -43,8 +43,8 @@ def train_reaches(scenario: Scenario, target: Target) -> Iterator[Reach]:
         at_m = balise.surveyed_m
         yield Reach("BALISE.BalisePos", at_m, at_m, ("line", "balises", row, "surveyed_m"), at_m)
 
-    fastest_mps = max(limit for _, limit in lowest_under(line.speed_limit_mps, train.length_m, train.speed_limit_mps))
-    noise_mps = max(sensors.speed_noise_sigma_mps, _most(drawn.speed_noise_sigma_mps, 0.0))
+    fastest_mps = max(limit for _, limit in find_lowest(line.speed_limit_mps, train.length_m, train.speed_limit_mps))
+    noise_mps = max(sensors.speed_noise_sigma_mps, _find_most(drawn.speed_noise_sigma_mps, 0.0))
     read_mps = fastest_mps * wheel_max + SIGMAS * noise_mps + sensors.speed_lsb_mps
     noise_section = "sensors" if noise_mps == sensors.speed_noise_sigma_mps else "perturbations"
     # The key with the largest part of it is named.
@@ -58,8 +58,8 @@ def train_reaches(scenario: Scenario, target: Target) -> Iterator[Reach]:
     grades = [
         permil * factor + offset
         for _, permil in line.grade_permil
-        for factor in _ends(drawn.grade_factor, 1.0)
-        for offset in _ends(drawn.grade_offset_permil, 0.0)
+        for factor in _find_ends(drawn.grade_factor, 1.0)
+        for offset in _find_ends(drawn.grade_offset_permil, 0.0)
     ]
     grade_key = ("line", "grade_permil") if drawn.grade_factor is None else ("perturbations", "grade_factor")
     for signal in ("TRK_INFO.Gradient", "SIM_TRUTH.TrueGrade"):
@@ -67,9 +67,9 @@ def train_reaches(scenario: Scenario, target: Target) -> Iterator[Reach]:
 
     yield Reach("NOTCH_CMD.NotchCmd", -train.notch_max, train.notch_max, ("train", "notch_max"), train.notch_max)
     yield Reach("TRN_POS.NotchActual", -train.notch_max, train.notch_max, ("train", "notch_max"), train.notch_max)
-    inertia_kg = train.inertial_mass_kg * min(1.0, _ends(drawn.mass_factor, 1.0)[0])
+    inertia_kg = train.inertial_mass_kg * min(1.0, _find_ends(drawn.mass_factor, 1.0)[0])
     uphill_n, downhill_n = (float(resistance_n(train, 0.0, grade)) for grade in (max(grades), min(grades)))
-    running_n = float(resistance_n(train, fastest_mps, 0.0)) * _most(drawn.davis_factor, 1.0)
+    running_n = float(resistance_n(train, fastest_mps, 0.0)) * _find_most(drawn.davis_factor, 1.0)
     pull_n, push_n = _strongest_n(train.traction), _strongest_n(train.brake)
     for side, force_n, signal in (("traction", pull_n, "TractionForce"), ("brake", push_n, "BrakeForce")):
         yield Reach(f"SIM_TRUTH.{signal}", 0.0, force_n, ("train", side, "force_max_kn"), force_n / 1000)
@@ -80,12 +80,12 @@ def train_reaches(scenario: Scenario, target: Target) -> Iterator[Reach]:
         yield Reach("SIM_TRUTH.TrueAccel", low, high, ("train", side, "force_max_kn"), force_n / 1000)
 
 
-def _ends(drawn: Uniform | None, nominal: float) -> tuple[float, float]:
+def _find_ends(drawn: Uniform | None, nominal: float) -> tuple[float, float]:
     return (nominal, nominal) if drawn is None else (min(drawn.low, nominal), max(drawn.high, nominal))
 
 
-def _most(drawn: Uniform | None, nominal: float) -> float:
-    return _ends(drawn, nominal)[1]
+def _find_most(drawn: Uniform | None, nominal: float) -> float:
+    return _find_ends(drawn, nominal)[1]
 
 
 def _strongest_n(effort: Effort) -> float:
@@ -114,7 +114,7 @@ _NS_PER_MS = 1_000_000
 def check_tables(train: model.Train, line: model.Line, refuse: Refuse) -> None:
     """Profiles, effort curves and balises in increasing order, limits above zero."""
     for key, rows in (("grade_permil", line.grade_permil), ("speed_limit_kmh", line.speed_limit_mps)):
-        _increasing([row[0] for row in rows], ("line", key), refuse)
+        _check_increasing([row[0] for row in rows], ("line", key), refuse)
     for row, (_, limit_mps) in enumerate(line.speed_limit_mps):
         if limit_mps <= 0:
             raise refuse(("line", "speed_limit_kmh", row), round(limit_mps * 3.6, 6), "a limit above 0")
@@ -122,7 +122,7 @@ def check_tables(train: model.Train, line: model.Line, refuse: Refuse) -> None:
         if abs(permil) > 200:
             raise refuse(("line", "grade_permil", row), permil, "a grade from -200 to 200 permil")
     for key, effort in (("traction", train.traction), ("brake", train.brake)):
-        _increasing([row[0] for row in effort.curve], ("train", key, "curve_kmh_kn"), refuse)
+        _check_increasing([row[0] for row in effort.curve], ("train", key, "curve_kmh_kn"), refuse)
         for row, point in enumerate(effort.curve):
             if min(point) < 0:
                 raise refuse(("train", key, "curve_kmh_kn", row), list(point), "speed and force of at least 0")
@@ -231,14 +231,14 @@ def check_authority(scenario: model.Scenario, refuse: Refuse) -> None:
         raise refuse(("watch", "end_of_authority_braking_mps2"), watch.end_of_authority_braking_mps2, allowed)
 
 
-def checked_target(curve: model.TargetCurve, refuse: Refuse) -> Target:
+def make_target(curve: model.TargetCurve, refuse: Refuse) -> Target:
     """The evaluated curve. Raises :class:`InputError` unless it starts at time 0, moves and stops."""
     key = ("target", "nodes_s_mps2")
     if len(curve.nodes) < 2:
         raise refuse(key, [list(node) for node in curve.nodes], "at least two nodes [time s, acceleration m/s2]")
     if curve.nodes[0][0] != 0:
         raise refuse((*key, 0), list(curve.nodes[0]), "time 0 in the first node")
-    _increasing([node[0] for node in curve.nodes], key, refuse)
+    _check_increasing([node[0] for node in curve.nodes], key, refuse)
     if curve.nodes[-1][1] >= 0:
         raise refuse((*key, len(curve.nodes) - 1), list(curve.nodes[-1]), "a deceleration below 0 in the last node")
     try:
@@ -270,7 +270,7 @@ def check_run(scenario: model.Scenario, target: Target, refuse: Refuse) -> None:
         raise refuse((section, "wheel_factor"), scenario.wheel_factor_max, allowed)
     time_s = np.arange(0.0, target.stop_time_s, _SAMPLE_S)
     speed, position = target.speed_mps(time_s), target.position_m(time_s)
-    limit = lowest_under(scenario.line.speed_limit_mps, scenario.train.length_m, scenario.train.speed_limit_mps)
+    limit = find_lowest(scenario.line.speed_limit_mps, scenario.train.length_m, scenario.train.speed_limit_mps)
     row = np.clip(np.searchsorted([step[0] for step in limit], position, side="right") - 1, 0, None)
     above = speed - np.array([step[1] for step in limit])[row]
     worst = int(np.argmax(above))
@@ -285,7 +285,7 @@ def check_run(scenario: model.Scenario, target: Target, refuse: Refuse) -> None:
         raise refuse(("target",), f"{float(speed.min()):.3f} m/s at {when:.1f} s", "no running back before the stop")
 
 
-def _increasing(values: list[float], key: tuple[str | int, ...], refuse: Refuse) -> None:
+def _check_increasing(values: list[float], key: tuple[str | int, ...], refuse: Refuse) -> None:
     for row, (earlier, later) in enumerate(pairwise(values), start=1):
         if later <= earlier:
             raise refuse((*key, row), later, f"more than {earlier:g}: rows are in increasing order")

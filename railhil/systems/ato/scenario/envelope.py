@@ -46,7 +46,7 @@ class CurveError(ValueError):
     """No target speed curve meets the requirements; the message says which limit prevents it."""
 
 
-def one_way(zones: list[Zone], rate: Rate, first: Piece | None = None) -> list[Piece]:
+def make_pass(zones: list[Zone], rate: Rate, first: Piece | None = None) -> list[Piece]:
     """Pass through all zones from standstill with the largest rate, held down to each zone's limit.
 
     ``first`` is a piece already laid at the beginning. Zones are contiguous and in increasing order.
@@ -77,17 +77,17 @@ def _band(x: float, v: float, zone: Zone, rate: Rate) -> Piece:
     return Piece(x, end, v * v, v * v + 2 * accel * (end - x))
 
 
-def mirrored(pieces: list[Piece], at_m: float) -> list[Piece]:
+def mirror(pieces: list[Piece], at_m: float) -> list[Piece]:
     """A pass seen from the other end: position ``x`` becomes ``at_m - x``, order reversed."""
     return [Piece(at_m - p.to_m, at_m - p.from_m, p.to_u, p.from_u) for p in reversed(pieces)]
 
 
-def mirrored_zones(zones: list[Zone], at_m: float) -> list[Zone]:
+def mirror_zones(zones: list[Zone], at_m: float) -> list[Zone]:
     """Zones seen from the other end."""
     return [Zone(at_m - z.to_m, at_m - z.from_m, z.limit_mps) for z in reversed(zones)]
 
 
-def lower(forward: list[Piece], backward: list[Piece]) -> list[Piece]:
+def select_lower(forward: list[Piece], backward: list[Piece]) -> list[Piece]:
     """The lower of two passes over the same stretch, cut where they cross, equal slopes joined."""
     edges = sorted({p.from_m for p in (*forward, *backward)} | {forward[-1].to_m})
     result: list[Piece] = []
@@ -100,11 +100,11 @@ def lower(forward: list[Piece], backward: list[Piece]) -> list[Piece]:
             i += 1
         while backward[j].to_m < middle:
             j += 1
-        result += _lower_of_two(left, right, forward[i], backward[j])
-    return _joined(result)
+        result += _select_lower_of_two(left, right, forward[i], backward[j])
+    return _join(result)
 
 
-def _lower_of_two(left: float, right: float, one: Piece, two: Piece) -> list[Piece]:
+def _select_lower_of_two(left: float, right: float, one: Piece, two: Piece) -> list[Piece]:
     at_left, at_right = one.u(left) - two.u(left), one.u(right) - two.u(right)
     if at_left * at_right >= 0:
         low = one if at_left + at_right <= 0 else two
@@ -116,7 +116,7 @@ def _lower_of_two(left: float, right: float, one: Piece, two: Piece) -> list[Pie
     return [half for half in halves if half.to_m - half.from_m > _TINY]
 
 
-def _joined(pieces: list[Piece]) -> list[Piece]:
+def _join(pieces: list[Piece]) -> list[Piece]:
     result = pieces[:1]
     for piece in pieces[1:]:
         last = result[-1]

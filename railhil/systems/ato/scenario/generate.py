@@ -16,16 +16,16 @@ from itertools import pairwise
 
 import numpy as np
 
-from railhil.scenarios.profiles import Floats, MeanGrade, lowest_under
+from railhil.scenarios.profiles import Floats, MeanGrade, find_lowest
 from railhil.systems.ato.scenario.effort import force_limit_n, resistance_n
 from railhil.systems.ato.scenario.envelope import (
     CurveError,
     Piece,
     Zone,
-    lower,
-    mirrored,
-    mirrored_zones,
-    one_way,
+    make_pass,
+    mirror,
+    mirror_zones,
+    select_lower,
     speed_knots,
 )
 from railhil.systems.ato.scenario.model import Line, TargetCurve, Train
@@ -100,7 +100,7 @@ class _Builder:
         # Averaging x over the window moves the stop by a tau^2 / 24 (a parabola compared with its moving average).
         self._raw_m = distance_m + limits.end_braking_mps2 * self._tau_s**2 / 24
         self._grade = MeanGrade(line.grade_permil, train.length_m)
-        front = lowest_under(line.speed_limit_mps, train.length_m, train.speed_limit_mps)
+        front = find_lowest(line.speed_limit_mps, train.length_m, train.speed_limit_mps)
         self.top_mps = max(limit for _, limit in front) - limits.speed_margin_mps
         if min(limit for _, limit in front) <= limits.speed_margin_mps:
             raise CurveError("a speed limit is not above the speed margin")
@@ -109,17 +109,17 @@ class _Builder:
 
     def curve(self, cap_mps: float) -> list[tuple[float, float]]:
         """Nodes ``(time_s, accel_mps2)`` of the smoothed fastest run with no speed above the cap."""
-        zones = self._usable([Zone(z.from_m, z.to_m, min(z.limit_mps, cap_mps)) for z in self._zones])
-        forward = one_way(zones, self._accel)
+        zones = self._join_usable([Zone(z.from_m, z.to_m, min(z.limit_mps, cap_mps)) for z in self._zones])
+        forward = make_pass(zones, self._accel)
         end_speed = self._limits.end_braking_mps2 * (self._tau_s / 2 + _STRAIGHT_END_S)
         end_m = end_speed**2 / (2 * self._limits.end_braking_mps2)
         if end_m > self._raw_m / 3:
             raise CurveError(f"{self._raw_m:.1f} m is too short for the smoothing window of {self._tau_s:.2f} s")
         last = Piece(0.0, end_m, 0.0, end_speed**2)
-        backward = mirrored(one_way(mirrored_zones(zones, self._raw_m), self._braking, last), self._raw_m)
-        return self._smoothed(speed_knots(lower(forward, backward)))
+        backward = mirror(make_pass(mirror_zones(zones, self._raw_m), self._braking, last), self._raw_m)
+        return self._smooth(speed_knots(select_lower(forward, backward)))
 
-    def _smoothed(self, knots: list[tuple[float, float]]) -> list[tuple[float, float]]:
+    def _smooth(self, knots: list[tuple[float, float]]) -> list[tuple[float, float]]:
         """Moving average of the speed: ``a(t) = (v(t) - v(t - tau)) / tau``, linear between nodes."""
         tau, slope = self._tau_s, -self._limits.end_braking_mps2
         raw_end = knots[-1][0]
@@ -130,7 +130,7 @@ class _Builder:
         edges = edges[(edges <= end) & np.append(np.diff(edges) > 1e-6, True)]
         accel = (np.interp(edges, time_s, speed) - np.interp(edges - tau, time_s, speed, left=0.0)) / tau
         nodes = [(float(t), float(a)) for t, a in zip(edges, accel, strict=True)]
-        return _without_straight(nodes)
+        return _remove_straight(nodes)
 
     def _line_zones(self, front: tuple[tuple[float, float], ...]) -> list[Zone]:
         """Speed that line and grade allow; lower limits begin half a window earlier and end half a window later.
@@ -155,10 +155,10 @@ class _Builder:
         zones = []
         for left, right in pairwise(edges):
             limit = min(value for low, high, value in widened if low < right and high > left)
-            zones.append(Zone(left, right, min(limit, self._holdable(left, right, limit))))
+            zones.append(Zone(left, right, min(limit, self._find_holdable(left, right, limit))))
         return zones
 
-    def _holdable(self, from_m: float, to_m: float, limit_mps: float) -> float:
+    def _find_holdable(self, from_m: float, to_m: float, limit_mps: float) -> float:
         """Highest speed (whole km/h below the limit) that the train can hold on the grades there."""
         grade = self._grade.extremes(from_m - self._reach_m, to_m + self._reach_m)[1]
         speeds = np.concatenate(([limit_mps], np.arange(np.floor(limit_mps * 3.6), 0.0, -1.0) / 3.6))
@@ -169,7 +169,7 @@ class _Builder:
             raise CurveError(f"the train cannot climb {grade:.1f} permil between {from_m:.0f} and {to_m:.0f} m")
         return float(speeds[able[0]])
 
-    def _usable(self, zones: list[Zone]) -> list[Zone]:
+    def _join_usable(self, zones: list[Zone]) -> list[Zone]:
         """Zones joined where limits are equal, without higher ones that would be used too briefly."""
         while True:
             zones = _join(zones)
@@ -219,7 +219,7 @@ def _join(zones: list[Zone]) -> list[Zone]:
     return result
 
 
-def _without_straight(nodes: list[tuple[float, float]]) -> list[tuple[float, float]]:
+def _remove_straight(nodes: list[tuple[float, float]]) -> list[tuple[float, float]]:
     """Nodes without those that lie on the straight line between their neighbours."""
     result = nodes[:1]
     for i in range(1, len(nodes) - 1):

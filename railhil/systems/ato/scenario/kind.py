@@ -38,14 +38,14 @@ class TrainScenarios:
         # A record's scenario is complete: readers of records need neither tables of files nor their checks.
         from railhil.systems.ato.scenario.train_files import read_train_scenario
 
-        rows = layers.merged().get("fault", ())
+        rows = layers.merge().get("fault", ())
         faults_of = partial(faults_of_rows, rows, self._system, lambda row: layers.origin("fault", row))
         return read_train_scenario(layers, faults_of)
 
     def document(self, scenario: Scenario) -> dict[str, Any]:
         return document(scenario)
 
-    def stored(self, fields: dict[str, Any], file: Path) -> Scenario:
+    def restore(self, fields: dict[str, Any], file: Path) -> Scenario:
         scenario = scenario_of(fields, file)
         return replace(scenario, sha256=scenario_sha256(scenario))
 
@@ -81,18 +81,20 @@ def scenario_of(fields: dict[str, Any], file: Path) -> Scenario:
     :raises InputError: a field is missing, unknown or of another kind.
     """
     try:
-        scenario = _adapter().validate_json(json.dumps(fields | {"published": _published(fields.get("published", []))}))
+        scenario = _adapter().validate_json(
+            json.dumps(fields | {"published": _split_published(fields.get("published", []))})
+        )
     except ValidationError as error:
         first = error.errors()[0]
         key = ".".join(str(part) for part in first["loc"])
         raise InputError(file, key, Words(first["msg"]), _ALLOWED) from None
-    unknown = _unknown(fields, document(scenario))
+    unknown = _find_unknown(fields, document(scenario))
     if unknown:
         raise InputError(file, unknown, Words("a key that no scenario has"), _ALLOWED)
     return scenario
 
 
-def _published(rows: object) -> object:
+def _split_published(rows: object) -> object:
     """Published rows with their values separated from the law; anything that is not such a row is left for the
     check."""
     if not isinstance(rows, list):
@@ -104,17 +106,17 @@ def _published(rows: object) -> object:
     return apart
 
 
-def _unknown(given: object, known: object, key: str = "") -> str:
+def _find_unknown(given: object, known: object, key: str = "") -> str:
     """First key of ``given`` that is not in ``known``; empty when there is none."""
     if isinstance(given, dict) and isinstance(known, dict):
         for name, value in given.items():
             inner = f"{key}.{name}".lstrip(".")
             if name not in known:
                 return inner
-            if found := _unknown(value, known[name], inner):
+            if found := _find_unknown(value, known[name], inner):
                 return found
     elif isinstance(given, list) and isinstance(known, (list, tuple)):
         for index, (value, other) in enumerate(zip(given, known, strict=True)):
-            if found := _unknown(value, other, f"{key}.{index}"):
+            if found := _find_unknown(value, other, f"{key}.{index}"):
                 return found
     return ""

@@ -40,7 +40,7 @@ def unit_draws(scenario: Scenario, seed: int) -> NDArray[np.float64]:
     return streams.generator(seed, streams.PERTURBATION).random(_DRAWS + len(scenario.line.balises))
 
 
-def perturbed(scenario: Scenario, seed: int) -> Scenario:
+def perturb(scenario: Scenario, seed: int) -> Scenario:
     """The scenario with every quantity of ``scenario.perturbations`` drawn from its uniform distribution.
 
     The mass factor scales mass and inertial mass, the Davis factor all three coefficients, the grade is
@@ -49,11 +49,11 @@ def perturbed(scenario: Scenario, seed: int) -> Scenario:
     the seed it identifies the run, and a controller that knows only the nominal train compares the same hash. Raises
     ``ValueError`` for a negative seed.
     """
-    return with_draws(scenario, unit_draws(scenario, seed).tolist())
+    return apply_draws(scenario, unit_draws(scenario, seed).tolist())
 
 
-def with_draws(scenario: Scenario, units: Sequence[Any]) -> Scenario:
-    """:func:`perturbed` with given draws.
+def apply_draws(scenario: Scenario, units: Sequence[Any]) -> Scenario:
+    """:func:`perturb` with given draws.
 
     :param units: one number for each draw; with arrays of shape (N,) the perturbed quantities are such arrays as well.
     """

@@ -16,7 +16,7 @@ from railhil.common.errors import InputError, Words
 from railhil.scenarios.layers import DATA
 from railhil.scenarios.load import RUNS, find
 from railhil.systems.ato.scenario.model import TargetCurve
-from railhil.systems.ato.scenario.train_files import Parts, generated_target, read_parts
+from railhil.systems.ato.scenario.train_files import Parts, generate_target, read_parts
 
 
 def target_file_text(parts: Parts, curve: TargetCurve) -> str:
@@ -45,7 +45,7 @@ def main(arguments: list[str] | None = None) -> int:
         for name in options.scenario:
             path = find(name)
             parts = read_parts(path)
-            text = target_file_text(parts, generated_target(parts)[0])
+            text = target_file_text(parts, generate_target(parts)[0])
             if options.write and path.parent != RUNS:
                 raise InputError(path, "--write", Words("is a file of your own"), "shipped names; redirect the output")
             if options.write:

@@ -10,10 +10,10 @@ from pathlib import Path
 from railhil.common.errors import InputError, Words
 from railhil.dbc import wire_contract
 from railhil.scenarios.carried import check_carried
-from railhil.scenarios.layers import DATA, Layers, with_own_words
+from railhil.scenarios.layers import DATA, Layers, add_own_words
 from railhil.scenarios.model import PublishedScore
 from railhil.scenarios.schema import FAULT_TAGS
-from railhil.scenarios.validation import Keys, Refuse, dotted, validated
+from railhil.scenarios.validation import Keys, Refuse, join_keys, validate
 from railhil.systems.ato.scenario import check, convert, model
 from railhil.systems.ato.scenario.canonical import scenario_sha256
 from railhil.systems.ato.scenario.check import train_reaches
@@ -43,9 +43,9 @@ def _parts(layers: Layers) -> Parts:
     path = layers.main
 
     def refuse(keys: Keys, found: object, allowed: str) -> InputError:
-        return InputError(layers.origin(*keys), dotted(keys), found, allowed)
+        return InputError(layers.origin(*keys), join_keys(keys), found, allowed)
 
-    file = validated(ScenarioFile, layers.merged(), lambda keys: layers.origin(*keys), (*TRAIN_TAGS, *FAULT_TAGS))
+    file = validate(ScenarioFile, layers.merge(), lambda keys: layers.origin(*keys), (*TRAIN_TAGS, *FAULT_TAGS))
     if path.parent == _RUNS and file.name != path.stem:
         raise refuse(("name",), file.name, f"{path.stem}, the name of the file")
     train = convert.train(file.train, refuse)
@@ -83,8 +83,8 @@ def read_train_scenario(layers: Layers, faults_of: Callable[[], tuple[str, ...]]
     check.check_perturbations(perturbations, refuse)
     check.check_watch(watch, refuse)
     check.check_periods(timing, watch, file.safety.sdt, contract, refuse)
-    curve, running_time_s = _target(parts)
-    target = check.checked_target(curve, refuse)
+    curve, running_time_s = _make_target(parts)
+    target = check.make_target(curve, refuse)
     assumptions = (*file.train.assumptions, *file.line.assumptions, *file.assumptions)
     if behind := [balise.number for balise in parts.line.balises if balise.surveyed_m > file.plan.distance_m]:
         numbers = ", ".join(map(str, behind))
@@ -110,20 +110,20 @@ def read_train_scenario(layers: Layers, faults_of: Callable[[], tuple[str, ...]]
     check_carried(contract, train_reaches(scenario, target), refuse)
     check.check_authority(scenario, refuse)
     scenario = replace(scenario, sha256=scenario_sha256(scenario))
-    return with_own_words(scenario, layers, lambda base: read_train_scenario(base, tuple), _published_run)
+    return add_own_words(scenario, layers, lambda base: read_train_scenario(base, tuple), _select_run)
 
 
-def _published_run(scenario: model.Scenario) -> object:
+def _select_run(scenario: model.Scenario) -> object:
     """The part that defines the run of a published result: its conditions may differ."""
     plan = scenario.plan
     return scenario.train, scenario.line, scenario.target, plan.distance_m, plan.running_time_s, scenario.energy
 
 
-def _target(parts: Parts) -> tuple[model.TargetCurve, float]:
+def _make_target(parts: Parts) -> tuple[model.TargetCurve, float]:
     """The target curve and the running time: from the nodes if they are given, else generated."""
     table, given_s = parts.file.target, parts.file.plan.running_time_s
     if table.nodes_s_mps2 is None:
-        return generated_target(parts)
+        return generate_target(parts)
     reserve = parts.file.plan.running_time_reserve_percent
     if reserve is not None:
         allowed = "no such key beside target.nodes_s_mps2, which say how long the run takes"
@@ -133,7 +133,7 @@ def _target(parts: Parts) -> tuple[model.TargetCurve, float]:
     return model.TargetCurve(tuple(table.nodes_s_mps2)), given_s
 
 
-def generated_target(parts: Parts) -> tuple[model.TargetCurve, float]:
+def generate_target(parts: Parts) -> tuple[model.TargetCurve, float]:
     """Curve and running time from ``[target.generate]``; a reserve is rounded up to whole seconds.
 
     Raises :class:`InputError` when there is no such table or when no curve meets the requirements.

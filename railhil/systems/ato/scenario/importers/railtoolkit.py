@@ -28,8 +28,8 @@ from pydantic import BaseModel, ConfigDict, Field, Strict
 from railhil.common.errors import InputError, Words
 from railhil.common.extras import missing_library
 from railhil.common.user_files import given_text, refuse_unreadable
-from railhil.scenarios.profiles import merged
-from railhil.scenarios.validation import Keys, validated
+from railhil.scenarios.profiles import merge_profiles
+from railhil.scenarios.validation import Keys, validate
 from railhil.systems.ato.scenario.importers.section import Stop, StopLine
 from railhil.systems.ato.scenario.model import Effort, Line, Train
 
@@ -94,8 +94,8 @@ def load_line(file: str | Path, path_id: str | None = None) -> StopLine:
     permil is used as the grade. Raises :class:`InputError`.
     """
     data = _read(file, "running-path")
-    origin = _only(file)
-    path = _chosen(file, "paths", validated(_PathFile, data, origin).paths, path_id)
+    origin = _name_file(file)
+    path = _choose(file, "paths", validate(_PathFile, data, origin).paths, path_id)
     rows = path.characteristic_sections
     positions = [row[0] for row in rows]
     if any(later <= earlier for earlier, later in pairwise(positions)):
@@ -109,8 +109,8 @@ def load_line(file: str | Path, path_id: str | None = None) -> StopLine:
     ]
     line = Line(
         name=path.name,
-        grade_permil=merged(tuple((from_m, permil) for from_m, _, permil in rows)),
-        speed_limit_mps=merged(tuple((from_m, limit_kmh / 3.6) for from_m, limit_kmh, _ in rows)),
+        grade_permil=merge_profiles(tuple((from_m, permil) for from_m, _, permil in rows)),
+        speed_limit_mps=merge_profiles(tuple((from_m, limit_kmh / 3.6) for from_m, limit_kmh, _ in rows)),
     )
     return StopLine(line, tuple(stops))
 
@@ -128,8 +128,8 @@ def load_train(
     The brake force limit is the one that gives the file's braking rate on the inertial mass.
     Raises :class:`InputError`.
     """
-    stock = validated(_StockFile, _read(file, "rolling-stock"), _only(file))
-    chosen = _chosen(file, "trains", stock.trains, train_id)
+    stock = validate(_StockFile, _read(file, "rolling-stock"), _name_file(file))
+    chosen = _choose(file, "trains", stock.trains, train_id)
     by_id = {vehicle.id: vehicle for vehicle in stock.vehicles}
     for unit in chosen.formation:
         if unit not in by_id:
@@ -206,7 +206,7 @@ def _traction(file: str | Path, train: _Train, vehicles: list[_Vehicle]) -> Effo
     return Effort(force_max_n=float(total_n.max()), curve=curve)
 
 
-def _chosen(file: str | Path, key: str, entries: list[Any], wanted: str | None) -> Any:
+def _choose(file: str | Path, key: str, entries: list[Any], wanted: str | None) -> Any:
     ids = [entry.id for entry in entries]
     if wanted is None and len(entries) == 1:
         return entries[0]
@@ -238,7 +238,7 @@ def _read(file: str | Path, kind: str) -> dict[str, Any]:
     return data
 
 
-def _only(file: str | Path) -> Callable[[Keys], str | Path]:
+def _name_file(file: str | Path) -> Callable[[Keys], str | Path]:
     def origin(_: Keys) -> str | Path:
         return file
 

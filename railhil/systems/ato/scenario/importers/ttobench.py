@@ -15,7 +15,7 @@ from pydantic import BaseModel, ConfigDict, Field, Strict
 from railhil.common.errors import InputError
 from railhil.common.user_files import given_json
 from railhil.scenarios.profiles import Profile
-from railhil.scenarios.validation import validated
+from railhil.scenarios.validation import validate
 from railhil.systems.ato.scenario.importers.section import Stop, StopLine
 from railhil.systems.ato.scenario.model import Line
 
@@ -74,20 +74,20 @@ def load_line(file: str | Path) -> StopLine:
     A track without gradients is level. Curves are left out. Raises :class:`InputError`.
     """
     data = _read(file)
-    track = validated(_Track, data, lambda _: file)
+    track = validate(_Track, data, lambda _: file)
     if track.metadata.version not in VERSIONS:
         raise InputError(file, "metadata.library version", track.metadata.version, f"one of {', '.join(VERSIONS)}")
     stop_m = [value * _METRES[track.stops.unit] for value in track.stops.values]
-    _increasing(file, "stops", stop_m)
+    _check_increasing(file, "stops", stop_m)
     limit_scale = 1 / 3.6 if track.limits.units.velocity == "km/h" else 1.0
     grade: Profile = ((stop_m[0], 0.0),)
     if track.gradients is not None:
         scale_m = _METRES[track.gradients.units.position]
         grade = tuple((from_x * scale_m, permil) for from_x, permil in track.gradients.values)
-        _increasing(file, "gradients", [row[0] for row in grade])
+        _check_increasing(file, "gradients", [row[0] for row in grade])
     scale_m = _METRES[track.limits.units.position]
     limits = tuple((from_x * scale_m, limit * limit_scale) for from_x, limit in track.limits.values)
-    _increasing(file, "speed limits", [row[0] for row in limits])
+    _check_increasing(file, "speed limits", [row[0] for row in limits])
     for row, (_, limit_mps) in enumerate(limits):
         if limit_mps <= 0:
             raise InputError(file, f"speed limits.values[{row}]", track.limits.values[row], "a limit above 0")
@@ -95,7 +95,7 @@ def load_line(file: str | Path) -> StopLine:
     return StopLine(Line(track.metadata.id, grade, limits), stops)
 
 
-def _increasing(file: str | Path, key: str, positions: list[float]) -> None:
+def _check_increasing(file: str | Path, key: str, positions: list[float]) -> None:
     for row, (earlier, later) in enumerate(pairwise(positions), start=1):
         if later <= earlier:
             raise InputError(file, f"{key}.values[{row}]", later, f"a position above {earlier}")

@@ -41,7 +41,7 @@ def any_judged_sha256(scenario: AnyScenario) -> str:
 def content_sha256(scenario: AnyScenario) -> str:
     """Hash of the data that a run of any system uses, without the scenario's name."""
     kind = scenario.installed_system.scenario_kind
-    return kind.stored(kind.document(scenario) | {"name": "unnamed"}, Path(SCENARIO)).sha256
+    return kind.restore(kind.document(scenario) | {"name": "unnamed"}, Path(SCENARIO)).sha256
 
 
 def read_scenario(path: Path) -> AnyScenario:
@@ -51,18 +51,18 @@ def read_scenario(path: Path) -> AnyScenario:
     """
     fields = given_json(path, _ALLOWED)
     system = system_named(str(fields.get("system", DEFAULT)), path)
-    scenario = system.scenario_kind.stored(fields, path)
+    scenario = system.scenario_kind.restore(fields, path)
     if fields.get("sha256") != scenario.sha256:
         raise InputError(path, "sha256", fields.get("sha256"), f"{scenario.sha256}: a scenario that nobody changed")
     return scenario
 
 
-def earlier_scenario(sha256: str) -> Scenario | None:
+def find_earlier_scenario(sha256: str) -> Scenario | None:
     """The shipped scenario of an earlier version that has this hash; None when there is none."""
     for path in sorted((DATA / "history").glob("*.json")):
         fields = json.loads(path.read_text(encoding="utf-8")).get(sha256)
         if fields is not None:
-            found = cast("Scenario", system_named(DEFAULT).scenario_kind.stored(fields, path))
+            found = cast("Scenario", system_named(DEFAULT).scenario_kind.restore(fields, path))
             return replace(found, sha256=sha256)
     return None
 
