@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import signal
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -13,7 +14,7 @@ from railhil.common.exit_codes import PASS, run_guarded
 from railhil.common.output import Output
 from railhil.common.streams import print_json
 from railhil.scenarios.parameters import ParameterSet, load_parameters
-from railhil.tuning.command import arguments, check_combination
+from railhil.tuning.command import Request, arguments, check_combination
 
 
 def shipped() -> list[ParameterSet]:
@@ -48,9 +49,14 @@ def _work(namespace: argparse.Namespace) -> int:
     # It runs the bench: help and list do not need the extra libraries.
     from railhil.tuning import procedure
 
+    request = Request.of(namespace)
     if namespace.evaluate is not None:
-        return procedure.evaluate_file(namespace, console)
-    return procedure.tune(namespace, console)
+        result = procedure.evaluate_file(request, Path(namespace.evaluate), console)
+    else:
+        result = procedure.tune(request, console)
+    if namespace.json:
+        print_json(result)
+    return PASS if result.get("complete", True) else 128 + signal.SIGINT
 
 
 if __name__ == "__main__":

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from dataclasses import dataclass, fields
 
 from railhil.common.command_line import SEED_MAX, USUAL_SCENARIO, OneLineParser, seed_list, whole_number
 from railhil.common.errors import InputError
@@ -21,6 +22,34 @@ exit codes:
   2    usage or bad input; one line says what was found and what is allowed
   4    TOOL ERROR: a defect of the search, or the disk is full
   130  stopped by Ctrl-C: the best parameters so far are written, and the file says so; 143 by SIGTERM (nothing is)"""
+
+
+@dataclass(frozen=True, slots=True)
+class Request:
+    """What the command line asks for, named as its options. ``law``, ``scenario``, ``out``: None where not given."""
+
+    law: str | None
+    scenario: str | None
+    set: list[str]
+    out: str | None
+    budget: int
+    seeds: tuple[int, ...]
+    search_seed: int
+    indexing: str
+    runs: int
+    first_seed: int
+    arithmetic: str
+    allow_training_seeds: bool
+
+    @classmethod
+    def of(cls, namespace: argparse.Namespace) -> Request:
+        """The request of a parsed command line."""
+        return cls(**{item.name: getattr(namespace, item.name) for item in fields(cls)})
+
+    @property
+    def evaluation_seeds(self) -> range:
+        """Seeds of the runs of the evaluation."""
+        return range(self.first_seed, self.first_seed + self.runs)
 
 
 def _training_seeds(text: str) -> tuple[int, ...]:

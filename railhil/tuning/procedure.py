@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import argparse
 import math
-import signal
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -14,9 +12,7 @@ from rich.console import Console
 from railhil.batch import Case, say_compiling
 from railhil.common.digits import count_of
 from railhil.common.errors import InputError, Words
-from railhil.common.exit_codes import PASS
 from railhil.common.output import Output, show_progress
-from railhil.common.streams import print_json
 from railhil.common.user_files import check_writable, refuse_unwritable, whole_file
 from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario, require_perturbations
@@ -26,22 +22,17 @@ from railhil.scenarios.system import names as systems
 from railhil.scenarios.system import system_named
 from railhil.study.perturbed_runs import how_made
 from railhil.tuning import document, evaluation
-from railhil.tuning.command import DEFAULT_SCENARIO
+from railhil.tuning.command import DEFAULT_SCENARIO, Request
 from railhil.tuning.evaluation import Evaluation
 from railhil.tuning.search import Found, Protocol, search
 from railhil.tuning.trials import ARITHMETIC
 
 #: Values closer than this are the same: a search reaches the law's own through a logarithm.
 _SAME = 1e-9
-_INTERRUPTED = 128 + signal.SIGINT
 
 
-def _seeds(namespace: argparse.Namespace) -> range:
-    return range(namespace.first_seed, namespace.first_seed + namespace.runs)
-
-
-def _scenario(namespace: argparse.Namespace, otherwise: str = "") -> AnyScenario:
-    scenario = load_any(namespace.scenario or otherwise or DEFAULT_SCENARIO, namespace.set)
+def _scenario(request: Request, otherwise: str = "") -> AnyScenario:
+    scenario = load_any(request.scenario or otherwise or DEFAULT_SCENARIO, request.set)
     require_perturbations(scenario, "tune")
     return scenario
 
@@ -54,44 +45,43 @@ def _say_how_made(scenario: AnyScenario) -> None:
     say_compiling(errors.say, kernel)
 
 
-def _evaluate(namespace: argparse.Namespace, scenario: AnyScenario, given: ParameterSet, console: Output) -> Evaluation:
-    case = Case(scenario, LawSpec(given.law, namespace.arithmetic, namespace.indexing))
-    found = evaluation.evaluate(case, given, _seeds(namespace), namespace.allow_training_seeds)
+def _evaluate(request: Request, scenario: AnyScenario, given: ParameterSet, console: Output) -> Evaluation:
+    case = Case(scenario, LawSpec(given.law, request.arithmetic, request.indexing))
+    found = evaluation.evaluate(case, given, request.evaluation_seeds, request.allow_training_seeds)
     evaluation.show(console, found)
     return found
 
 
-def evaluate_file(namespace: argparse.Namespace, console: Output) -> int:
-    """Compare the parameters of a file with the law's own."""
-    given = load_parameters(Path(namespace.evaluate))
-    if namespace.law not in (None, given.law):
-        raise InputError(given.source, "law", given.law, f"{namespace.law}, the law asked for")
-    scenario = _scenario(namespace, given.training_scenario)
+def evaluate_file(request: Request, file: Path, console: Output) -> dict[str, Any]:
+    """Compare the parameters of a file with the law's own; returns the comparison as JSON."""
+    given = load_parameters(file)
+    if request.law not in (None, given.law):
+        raise InputError(given.source, "law", given.law, f"{request.law}, the law asked for")
+    scenario = _scenario(request, given.training_scenario)
     for change in document.changes(given, scenario.system):
         console.say(f"note: {change}")
     _say_how_made(scenario)
-    judged = _evaluate(namespace, scenario, given, console)
-    if namespace.json:
-        print_json(evaluation.document(judged))
-    return PASS
+    return evaluation.document(_evaluate(request, scenario, given, console))
 
 
-def _protocol(namespace: argparse.Namespace) -> Protocol:
+def _protocol(request: Request) -> Protocol:
     """The search that a command line asks for.
 
     :raises InputError: no such law, nothing to tune, or runs that cannot be an evaluation.
     """
-    scenario, law = _scenario(namespace), namespace.law
-    if namespace.scenario is None and law not in scenario.installed_system.law_names():
+    scenario, law = _scenario(request), request.law
+    # Only an evaluation needs no law.
+    assert law is not None
+    if request.scenario is None and law not in scenario.installed_system.law_names():
         others = [name for name in systems() if law in system_named(name).law_names()]
         if others:
             allowed = f"a scenario of system {' or '.join(others)}, whose law {law} is"
             raise InputError("command line", "SCENARIO", None, allowed)
     protocol = Protocol(
-        scenario, LawSpec(law, ARITHMETIC, namespace.indexing), namespace.seeds, namespace.budget, namespace.search_seed
+        scenario, LawSpec(law, ARITHMETIC, request.indexing), request.seeds, request.budget, request.search_seed
     )
-    seen = sorted(set(protocol.seeds).intersection(_seeds(namespace)))
-    if seen and not namespace.allow_training_seeds:
+    seen = sorted(set(protocol.seeds).intersection(request.evaluation_seeds))
+    if seen and not request.allow_training_seeds:
         raise InputError(
             "command line",
             "--first-seed, --runs",
@@ -101,11 +91,14 @@ def _protocol(namespace: argparse.Namespace) -> Protocol:
     return protocol
 
 
-def tune(namespace: argparse.Namespace, console: Output) -> int:
-    """Search, write the file, and compare it with the law's own parameters on other runs."""
-    protocol = _protocol(namespace)
+def tune(request: Request, console: Output) -> dict[str, Any]:
+    """Search, write the file, and compare it with the law's own parameters on other runs; returns the result as JSON.
+
+    ``complete`` in it is false after Ctrl-C.
+    """
+    protocol = _protocol(request)
     scenario, law, box = protocol.scenario, protocol.law.controller, protocol.box
-    file = Path(namespace.out or f"{law}_{scenario.name}.toml")
+    file = Path(request.out or f"{law}_{scenario.name}.toml")
     # Check before the work, not after it.
     with refuse_unwritable("--out", file, "file"):
         check_writable(file)
@@ -137,13 +130,11 @@ def tune(namespace: argparse.Namespace, console: Output) -> int:
     }
     if not found.complete:
         console.say("stopped before the budget was used up", style="bold yellow")
-    elif namespace.runs and not math.isinf(own):
-        judged = _evaluate(namespace, scenario, load_parameters(file), console)
+    elif request.runs and not math.isinf(own):
+        judged = _evaluate(request, scenario, load_parameters(file), console)
         result["evaluation"] = evaluation.document(judged)
         result["laid_aside"] = _keep_the_better(judged, protocol, found, file, console)
-    if namespace.json:
-        print_json(result)
-    return PASS if found.complete else _INTERRUPTED
+    return result
 
 
 def _write(file: Path, protocol: Protocol, found: Found) -> None:
