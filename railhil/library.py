@@ -167,7 +167,8 @@ def campaign(
     :param laws: one name or several, or ``"all"``.
     :param parameters: one parameter file or several, each for one of the laws.
     :param both: run these laws also with their own parameters.
-    :param jobs: processes; -1: one per core.
+    :param jobs: processes; -1: one per core. A script with threads of its own must not begin a campaign again when it
+        is imported (``if __name__ == "__main__"``), because processes import it.
     :param out: its folder (default ``runs/<utc>-<scenario>-campaign``); an incomplete campaign is resumed.
     :raises InputError: anything that is not allowed, in one line.
     """

@@ -9,6 +9,8 @@ from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Se
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
+from math import ceil
+from pathlib import Path
 from typing import Protocol, TypeVar
 
 from railhil.common.digits import count_of
@@ -23,6 +25,8 @@ R = TypeVar("R")
 Say = Callable[[str], None]
 #: Number of successive worker losses, without a result in between, after which an engine gives up.
 LOSSES_MAX = 3
+#: cgroups(7): cpu.max of the control group in which a container sees itself.
+_CONTAINER_LIMIT = Path("/sys/fs/cgroup/cpu.max")
 #: Items handed out per process, so that each has its next one while a result is on its way.
 _AHEAD = 2
 
@@ -47,9 +51,15 @@ class WorkersLost(Exception):
     exit_code = INVALID
 
 
-def processors() -> int:
-    """Number of processors that this process may use."""
-    return len(os.sched_getaffinity(0))
+def processors(limit: Path = _CONTAINER_LIMIT) -> int:
+    """Number of processors that this process may use, at least 1.
+
+    :param limit: file with the processor time per period that a container has.
+    """
+    allowed = len(os.sched_getaffinity(0))
+    # A quota, "max" without one, and the period, both in us; no such file: no control groups of version 2.
+    quota, period = limit.read_text().split() if limit.is_file() else ("max", "")
+    return allowed if quota == "max" else max(1, min(allowed, ceil(int(quota) / int(period))))
 
 
 def _one_process(work: Callable[[T], R], items: Sequence[T], /) -> AbstractContextManager[Iterator[tuple[int, R]]]:

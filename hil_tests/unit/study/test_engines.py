@@ -15,7 +15,7 @@ import pytest
 
 from hil_tests.support.cli import wait_for
 from railhil.common.errors import InputError
-from railhil.study.engines import ENGINES, in_order, processes, running
+from railhil.study.engines import ENGINES, in_order, processes, processors, running
 
 ITEMS = range(20)
 
@@ -60,6 +60,23 @@ def test_every_engine_gives_each_item_its_result(name: str, jobs: int) -> None:
 def test_results_come_in_the_order_of_the_items_if_that_is_wanted() -> None:
     with processes(2, print)(square_late, ITEMS) as results:
         assert list(in_order(results)) == [item * item for item in ITEMS]
+
+
+@pytest.mark.parametrize(
+    ("limit", "wanted"),
+    [
+        ("max 100000\n", None),
+        ("100000 100000\n", 1),
+        ("50000 100000\n", 1),
+        ("100001 100000\n", 2 if len(os.sched_getaffinity(0)) > 1 else 1),
+        ("9900000 100000\n", None),
+    ],
+)
+def test_a_container_has_as_many_processors_as_its_quota(limit: str, wanted: int | None, tmp_path: Path) -> None:
+    (tmp_path / "cpu.max").write_text(limit)
+    all_of_them = len(os.sched_getaffinity(0))
+    assert processors(tmp_path / "cpu.max") == (wanted or min(99, all_of_them))
+    assert processors(tmp_path / "absent") == all_of_them
 
 
 @pytest.mark.parametrize("jobs", [1, 2])
