@@ -53,7 +53,7 @@ def curves(outcome: Outcome) -> int:
 def compare(results: Results) -> list[Table]:
     keys = list(results.runs)
     lines = tuple(
-        Line(item, "energy", "kJ", 1, published, (results.over(keys, "energy_kj"),))
+        Line(item, "energy", "kJ", 1, published, (results.reduce(keys, "energy_kj"),))
         for item, published in (("tpfc1", 100.0), ("other", None))
     )
     return [TEXT.table("table_1", ("bench",), lines)]

@@ -9,17 +9,17 @@ from dataclasses import dataclass
 FOLLOWS, IN_PART, FOLLOWS_NOT, OPEN = "follows", "follows in part", "does not follow", "cannot be checked"
 
 
-def order(values: Mapping[str, float | None]) -> list[str]:
+def rank_names(values: Mapping[str, float | None]) -> list[str]:
     """Names from the least value to the greatest; those without a value are last, in their own order."""
     return sorted(values, key=lambda name: (values[name] is None, values[name] or 0.0))
 
 
-def least(values: Mapping[str, float | None]) -> str | None:
+def find_least(values: Mapping[str, float | None]) -> str | None:
     """The name with the least value; None if none has a value."""
-    return next((name for name in order(values) if values[name] is not None), None)
+    return next((name for name in rank_names(values) if values[name] is not None), None)
 
 
-def quotient(value: float | None, other: float | None) -> float | None:
+def divide(value: float | None, other: float | None) -> float | None:
     """A value divided by another; None if there is none."""
     return None if value is None or not other else value / other
 
@@ -29,7 +29,7 @@ def is_less(value: float | None, other: float | None) -> bool:
     return value is not None and other is not None and value < other
 
 
-def decimal(value: float | None, digits: int) -> str:
+def render(value: float | None, digits: int) -> str:
     """A value with its digits; ``-`` for none."""
     return "-" if value is None else f"{value:.{digits}f}"
 
@@ -55,12 +55,12 @@ class Line:
     @property
     def ratios(self) -> tuple[float | None, ...]:
         """Measured by published, for each column; None without a published value, or if that is 0."""
-        return tuple(quotient(value, self.published) for value in self.measured)
+        return tuple(divide(value, self.published) for value in self.measured)
 
     @property
     def published_text(self) -> str:
         """The published value as printed there."""
-        return decimal(self.published, self.digits if self.published_digits is None else self.published_digits)
+        return render(self.published, self.digits if self.published_digits is None else self.published_digits)
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,7 +103,7 @@ class Table:
         """A line as texts."""
         found = [line.quantity, line.item, line.unit, *([line.published_text] if self.is_published else [])]
         for value, ratio in zip(line.measured, line.ratios, strict=True):
-            found.append(decimal(value, line.digits))
+            found.append(render(value, line.digits))
             if self._has_ratio:
                 found.append("-" if ratio is None else f"{ratio:#.3g}".rstrip("."))
         return [*found, line.remark]
@@ -172,7 +172,7 @@ def check_bounds(lines: Sequence[Line], name: Callable[[Line], str]) -> tuple[st
     :param name: (line) -> the bound in words, in the list of those that do not hold.
     """
     made = [line for line in lines if line.holds is not None]
-    missed = [f"{name(line)}: {decimal(line.measured[0], line.digits)}" for line in made if not line.holds]
+    missed = [f"{name(line)}: {render(line.measured[0], line.digits)}" for line in made if not line.holds]
     left = f" ({len(lines) - len(made)} not made)" if len(made) < len(lines) else ""
     outside = f"; not: {'; '.join(missed)}" if missed else ""
     said = f"{len(made) - len(missed)} of {len(made)} hold{left}{outside}."

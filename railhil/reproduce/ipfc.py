@@ -15,7 +15,7 @@ from railhil.charts.figure import Figure
 from railhil.common.digits import percent
 from railhil.library import Outcome
 from railhil.report.styles import styles
-from railhil.reproduce.comparison import Line, Statement, Table, decimal, least, order, quotient
+from railhil.reproduce.comparison import Line, Statement, Table, divide, find_least, rank_names, render
 from railhil.reproduce.paper import Entry, Paper, Results, read_text
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec, RunSpec
@@ -62,21 +62,21 @@ def list_laws() -> tuple[str, ...]:
     return tuple(row.controller for row in load_scenario().published)
 
 
-def key(law: str, arithmetic: str, seed: int) -> str:
+def name_run(law: str, arithmetic: str, seed: int) -> str:
     """Name of a run."""
     return f"{law}-{arithmetic}-{seed}"
 
 
 def find_median(results: Results, law: str, arithmetic: str, name: str) -> float | None:
     """A figure of a law: the median over the seeds, which is the figure itself for one seed."""
-    return results.over([key(law, arithmetic, seed) for seed in results.seeds], name)
+    return results.reduce([name_run(law, arithmetic, seed) for seed in results.seeds], name)
 
 
 def plan(seeds: Sequence[int]) -> list[Entry]:
     """Every law in every arithmetic with every seed."""
     return [
         Entry(
-            key(law, arithmetic, seed),
+            name_run(law, arithmetic, seed),
             RunSpec(SCENARIO, law=LawSpec(law, arithmetic), seed=seed, bus="local"),
             drawn=arithmetic == USUAL and seed == seeds[0],
         )
@@ -166,7 +166,7 @@ def compute_improvement(results: Results, arithmetic: str, name: str, other: str
 
 
 def _compute_reduction(value: float | None, other: float | None) -> float | None:
-    share = quotient(value, other)
+    share = divide(value, other)
     return None if share is None else 100 * (1 - share)
 
 
@@ -203,11 +203,11 @@ def judge(results: Results) -> list[Statement]:
 
 
 def _own_runs(results: Results) -> list[str]:
-    return [key("ipfc", USUAL, seed) for seed in results.seeds]
+    return [name_run("ipfc", USUAL, seed) for seed in results.seeds]
 
 
 def _all_runs(results: Results) -> list[str]:
-    return [key(law, USUAL, seed) for law in list_laws() for seed in results.seeds]
+    return [name_run(law, USUAL, seed) for law in list_laws() for seed in results.seeds]
 
 
 def _find_values(results: Results, name: str) -> dict[str, float | None]:
@@ -216,7 +216,7 @@ def _find_values(results: Results, name: str) -> dict[str, float | None]:
 
 def _rank_laws(values: dict[str, float | None], shown: Callable[[float | None], str]) -> str:
     """The laws from the best to the worst with their figures."""
-    return ", ".join(f"{law} {shown(values[law])}" for law in order(values))
+    return ", ".join(f"{law} {shown(values[law])}" for law in rank_names(values))
 
 
 def _judge_orders(results: Results) -> Iterator[Statement]:
@@ -225,7 +225,9 @@ def _judge_orders(results: Results) -> Iterator[Statement]:
         values = _find_values(results, criterion.key)
         # Two laws without a value have no order.
         known = sum(value is not None for value in values.values()) >= len(values) - 1
-        same = known and order(values) == order({law: find_printed(law, criterion.key) for law in list_laws()})
+        same = known and rank_names(values) == rank_names(
+            {law: find_printed(law, criterion.key) for law in list_laws()}
+        )
         name = f"order_{criterion.title.lower().replace(' ', '_')}"
         said = f"{_rank_laws(values, criterion.shown)}."
         yield TEXT.judge(name, results, _all_runs(results), said, [same], is_explained=not same)
@@ -281,29 +283,29 @@ def _judge_curves(results: Results) -> Iterator[Statement]:
     """Statements that the text reads from figures 7 to 9."""
 
     def show(value: float | None) -> str:
-        return "-" if value is None else f"{decimal(value, 3)} km/h"
+        return "-" if value is None else f"{render(value, 3)} km/h"
 
     for name, figure, title in (("following", RMS_ERROR, "speed error, RMS"), ("chatter", CHATTER, "chatter")):
         values = _find_values(results, figure)
         said = f"{title}: {_rank_laws(values, show)}."
-        yield TEXT.judge(name, results, _all_runs(results), said, [least(values) == "ipfc"])
+        yield TEXT.judge(name, results, _all_runs(results), said, [find_least(values) == "ipfc"])
     distances = {law: _compute_distance(results, law) for law in list_laws()}
     stops = _find_values(results, STOP_ERROR.key)
-    text = ", ".join(f"{law} {STOP_ERROR.shown(stops[law])} m" for law in order(distances))
+    text = ", ".join(f"{law} {STOP_ERROR.shown(stops[law])} m" for law in rank_names(distances))
     said = f"in the order of the distance in units of Table 1's limits: {text}."
-    yield TEXT.judge("stop", results, _all_runs(results), said, [least(distances) == "ipfc"])
+    yield TEXT.judge("stop", results, _all_runs(results), said, [find_least(distances) == "ipfc"])
 
 
 def _compute_distance(results: Results, law: str) -> float | None:
     """Distance of the stop from its target in time and place, in units of the limits of Table 1."""
-    shares = [quotient(find_median(results, law, USUAL, one.key), limit) for one, limit in _LIMITS.items()]
+    shares = [divide(find_median(results, law, USUAL, one.key), limit) for one, limit in _LIMITS.items()]
     known = [share for share in shares if share is not None]
     return sum(share**2 for share in known) ** 0.5 if len(known) == len(shares) else None
 
 
 def draw(results: Results) -> list[Figure]:
     """Figures 6 to 9 in the style of the report, of the first seed; none if none of its runs was made."""
-    keys = results.made(key(law, USUAL, results.seeds[0]) for law in list_laws())
+    keys = results.list_made(name_run(law, USUAL, results.seeds[0]) for law in list_laws())
     drawn = [results.runs[one].curves for one in keys if results.runs[one].curves is not None]
     if not drawn:
         return []

@@ -101,24 +101,24 @@ class Results:
         """Whether all these entries were made."""
         return all(key in self.runs for key in keys)
 
-    def made(self, keys: Iterable[str]) -> list[str]:
+    def list_made(self, keys: Iterable[str]) -> list[str]:
         """The entries among these that were made."""
         return [key for key in keys if key in self.runs]
 
-    def value(self, key: str, name: str) -> float | None:
+    def find(self, key: str, name: str) -> float | None:
         """A figure of one entry; None if it has no value or was not made."""
         return self.runs[key].values[name] if key in self.runs else None
 
-    def over(self, keys: Iterable[str], name: str, reduce: Callable[[list[float]], float] = median) -> float | None:
+    def reduce(self, keys: Iterable[str], name: str, rule: Callable[[list[float]], float] = median) -> float | None:
         """A figure over entries, by default its median; None if one of them has no value or was not made."""
-        values = [self.value(key, name) for key in keys]
+        values = [self.find(key, name) for key in keys]
         known = [value for value in values if value is not None]
-        return float(reduce(known)) if values and len(known) == len(values) else None
+        return float(rule(known)) if values and len(known) == len(values) else None
 
-    def spread(self, keys: Iterable[str], name: str) -> tuple[float | None, float | None, float | None]:
+    def find_spread(self, keys: Iterable[str], name: str) -> tuple[float | None, float | None, float | None]:
         """Mean, least and greatest value of a figure over the entries that were made."""
-        made = self.made(keys)
-        return self.over(made, name, fmean), self.over(made, name, min), self.over(made, name, max)
+        made = self.list_made(keys)
+        return self.reduce(made, name, fmean), self.reduce(made, name, min), self.reduce(made, name, max)
 
 
 @dataclass(frozen=True)

@@ -29,7 +29,7 @@ from railhil.reproduce.ilc.memory_faults import (
     WORST,
     WORST_AT_ONCE,
     MemoryFaults,
-    fault_figure,
+    name_fault_figure,
 )
 from railhil.reproduce.paper import PAPERS, Measurement, Results, find_paper
 from railhil.scenarios.parameters import load_parameters
@@ -45,13 +45,13 @@ def of_each_run(error_m: Callable[[int], float]) -> Values:
     """Figures of a set in which the error depends only on the number of the run."""
     found: Values = {}
     for number in range(1, runs.RUNS + 1):
-        found |= {runs.of_run(figure, number): error_m(number) for figure in runs.FIGURES}
-        found[runs.of_run(runs.WITHIN_10, number)] = float(error_m(number) <= 0.1)
-        found[runs.of_run(runs.WITHIN_30, number)] = float(error_m(number) <= 0.3)
+        found |= {runs.name_run_figure(figure, number): error_m(number) for figure in runs.FIGURES}
+        found[runs.name_run_figure(runs.WITHIN_10, number)] = float(error_m(number) <= 0.1)
+        found[runs.name_run_figure(runs.WITHIN_30, number)] = float(error_m(number) <= 0.3)
     last = error_m(runs.RUNS)
-    for of in (runs.of_last, runs.of_all):
-        shares = {of(runs.WITHIN_10): float(last <= 0.1), of(runs.WITHIN_30): float(last <= 0.3)}
-        found |= {of(figure): last for figure in (runs.MEAN, runs.RMS, runs.P95)} | shares
+    for name in (runs.name_last_figure, runs.name_whole_figure):
+        shares = {name(runs.WITHIN_10): float(last <= 0.1), name(runs.WITHIN_30): float(last <= 0.3)}
+        found |= {name(figure): last for figure in (runs.MEAN, runs.RMS, runs.P95)} | shares
     inside = [number for number in range(1, runs.RUNS - 1) if error_m(number) <= 0.3]
     runs_needed = float(inside[0]) if inside else None
     return found | {
@@ -81,9 +81,9 @@ def made(**others: Values) -> Results:
         elif key == runs.MEMORY:
             found[key] = {}
             for fault in FAULTS:
-                found[key][fault_figure(fault, SEEN)] = float(fault in DETECTED)
+                found[key][name_fault_figure(fault, SEEN)] = float(fault in DETECTED)
                 for figure in (ERROR, WORST_AT_ONCE, WORST, RECOVERED, RECOVERED_P90):
-                    found[key][fault_figure(fault, figure)] = 4.0
+                    found[key][name_fault_figure(fault, figure)] = 4.0
         else:
             found[key] = learned(5.0, 0.11)
     found[runs.NO_FILTER] = of_each_run(lambda number: max(0.24, 5.0 * 0.65 ** (number - 1)))
@@ -206,7 +206,7 @@ def test_a_set_has_the_runs_of_its_sequences(tmp_path: Path) -> None:
         assert [(run.digest, run.left.sha256) for run in row] == [(run.digest, run.left.sha256) for run in alone]
     values = runs.measure(found)
     errors = runs.find_errors(found.runs)
-    assert values[runs.of_run(runs.MEAN, 2)] == pytest.approx(float(abs(errors[:, 1]).mean()))
+    assert values[runs.name_run_figure(runs.MEAN, 2)] == pytest.approx(float(abs(errors[:, 1]).mean()))
     assert values[runs.NOT_STOPPED] == 0.0
     assert values[runs.CONVERGED] is None
     assert found.verdict == "FAIL"
@@ -242,7 +242,7 @@ def test_damaged_memories(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> No
     found = MemoryFaults(5, 1, before=2, after=1).make(spec, tmp_path)
     values = found.figures
     assert values is not None
-    assert {fault: values[fault_figure(fault, SEEN)] for fault in FAULTS} == {
+    assert {fault: values[name_fault_figure(fault, SEEN)] for fault in FAULTS} == {
         fault: float(fault in DETECTED) for fault in FAULTS
     }
     scenario = spec.load()
@@ -250,7 +250,7 @@ def test_damaged_memories(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> No
     assert values["none: error_m"] == alone[2].score.signed["stop_error_m"]
     # The other slot has one run less; without any the train stops as in its first run.
     assert values["both records damaged: error_m"] > values["newest record damaged: error_m"] > values["none: error_m"]
-    assert {values[fault_figure(fault, "recovered")] for fault in FAULTS} == {None}
+    assert {values[name_fault_figure(fault, "recovered")] for fault in FAULTS} == {None}
     # Where runs are made one by one, they begin with the given memory, too.
     monkeypatch.setattr(one_by_one, "sequence_batch_of", lambda scenario: None)
     specs = run_specs(spec, scenario, 5, 3)[2:]

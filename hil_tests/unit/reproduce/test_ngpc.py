@@ -58,7 +58,7 @@ def made(figure: Callable[[str, str, int], Figures], **beside: Figures) -> Resul
         key: figure(situation, law, seed)
         for situation in SITUATIONS
         for law in runs.list_laws(situation)
-        for key, seed in zip(runs.keys_of(situation, law, SEEDS), SEEDS, strict=False)
+        for key, seed in zip(runs.list_runs(situation, law, SEEDS), SEEDS, strict=False)
     }
     for kind, law, loop in runs.UNITS:
         kn = 1.0 if loop == "mean" else 3.0
@@ -67,14 +67,14 @@ def made(figure: Callable[[str, str, int], Figures], **beside: Figures) -> Resul
             runs.SPREAD: 0.1,
             runs.COUPLER_KN: kn if kind == "coupled" else None,
         }
-        found |= {runs.units_key(kind, law, loop, seed): units for seed in SEEDS}
+        found |= {runs.name_units_run(kind, law, loop, seed): units for seed in SEEDS}
     for seed in SEEDS[:1]:
         errors = (("linear", 0.8), ("integrated", 0.2))
-        found[runs.record_key(seed)] = {
-            runs.model_error(kind, period_s): value for kind, value in errors for period_s in runs.PERIODS_S
+        found[runs.name_record(seed)] = {
+            runs.name_model_error(kind, period_s): value for kind, value in errors for period_s in runs.PERIODS_S
         }
     for law in LAWS:
-        found[runs.effort_key(law)] = {runs.CYCLES: 1000.0 * (1 + RANK[law])}
+        found[runs.name_effort_run(law)] = {runs.CYCLES: 1000.0 * (1 + RANK[law])}
     found |= beside
     return Results(SEEDS, {name: Measurement(name, "PASS", (), "0" * 64, values) for name, values in found.items()})
 
@@ -89,7 +89,7 @@ def as_published(situation: str, law: str, seed: int) -> Figures:
 def test_main_laws_make_the_long_journeys_with_every_seed() -> None:
     keys = {one.key for one in PAPER.plan(PAPER.text.seeds)}
     often = [(EMERGENCY, law) for law in LAWS] + [(at, law) for at in (NORMAL, MUTATION) for law in runs.MAIN]
-    assert {runs.key(at, law, seed) for at, law in often for seed in PAPER.text.seeds} <= keys
+    assert {runs.name_run(at, law, seed) for at, law in often for seed in PAPER.text.seeds} <= keys
 
 
 def test_statements_follow_from_runs_as_the_paper_has_them() -> None:
@@ -106,19 +106,19 @@ def test_statements_do_not_follow_from_the_opposite() -> None:
         }
 
     slowest: Figures = {runs.CYCLES: 1e6}
-    verdicts = [one.verdict for one in PAPER.judge(made(worse, **{runs.effort_key(ELM): slowest}))]
+    verdicts = [one.verdict for one in PAPER.judge(made(worse, **{runs.name_effort_run(ELM): slowest}))]
     # The models and the runs with three units are as before.
     assert verdicts == [FOLLOWS, *[FOLLOWS_NOT] * 9, FOLLOWS, FOLLOWS]
 
 
 def test_least_effort_of_one_of_two_follows_in_part() -> None:
     quick: Figures = {runs.CYCLES: 100.0}
-    assert PAPER.judge(made(as_published, **{runs.effort_key(ADAPTIVE): quick}))[7].verdict == IN_PART
+    assert PAPER.judge(made(as_published, **{runs.name_effort_run(ADAPTIVE): quick}))[7].verdict == IN_PART
 
 
 def test_one_loop_must_have_less_coupler_force_with_every_seed() -> None:
     weak: Figures = {runs.UNITS_RMSE: 0.1, runs.SPREAD: 0.1, runs.COUPLER_KN: 1.9}
-    found = made(as_published, **{runs.units_key("coupled", ELM, "unit", SEEDS[1]): weak})
+    found = made(as_published, **{runs.name_units_run("coupled", ELM, "unit", SEEDS[1]): weak})
     said = PAPER.judge(found)[-1]
     assert said.verdict == IN_PART
     assert "elm_ngpc 2.5 kN with three loops, 1.0 kN with one (1.9 to 3.0 times)" in said.measured
@@ -189,7 +189,7 @@ def test_the_bands_say_on_which_side_a_mean_is_outside() -> None:
 
 def test_runs_that_were_not_made_are_no_figures() -> None:
     whole = made(as_published)
-    kept = {name: run for name, run in whole.runs.items() if name == runs.key(NORMAL, ELM, 2)}
+    kept = {name: run for name, run in whole.runs.items() if name == runs.name_run(NORMAL, ELM, 2)}
     part = Results(SEEDS, kept)
     tracking = PAPER.compare(part)[1]
     assert tracking.lines[0].measured == pytest.approx((0.12, 0.12, 0.12))

@@ -14,7 +14,7 @@ from hil_tests.support.paths import ROOT
 from hil_tests.support.short_paper import PAPERS, SHORT
 from railhil.common.errors import InputError
 from railhil.reproduce.__main__ import arguments, main
-from railhil.reproduce.comparison import FOLLOWS_NOT, OPEN, Line, Table, least, order
+from railhil.reproduce.comparison import FOLLOWS_NOT, OPEN, Line, Table, find_least, rank_names
 from railhil.reproduce.document import (
     format_seeds,
     make_document,
@@ -136,15 +136,15 @@ def _measured(key: str, **values: float | None) -> Measurement:
 def test_a_figure_over_runs_needs_a_value_of_every_run() -> None:
     runs = {key: _measured(key, a=value, b=other) for key, value, other in (("x", 1.0, 2.0), ("y", 3.0, None))}
     found = Results((0, 1), runs)
-    assert found.over(("x", "y"), "a") == 2.0
-    assert found.over(("x", "y"), "b") is None
-    assert found.over((), "a") is None
-    assert found.over(("x", "y"), "a", max) == 3.0
+    assert found.reduce(("x", "y"), "a") == 2.0
+    assert found.reduce(("x", "y"), "b") is None
+    assert found.reduce((), "a") is None
+    assert found.reduce(("x", "y"), "a", max) == 3.0
 
 
 def test_order_has_those_without_a_value_last() -> None:
-    assert order({"a": 2.0, "b": None, "c": -1.0}) == ["c", "a", "b"]
-    assert (least({"a": 2.0, "b": None, "c": -1.0}), least({"a": None, "b": None})) == ("c", None)
+    assert rank_names({"a": 2.0, "b": None, "c": -1.0}) == ["c", "a", "b"]
+    assert (find_least({"a": 2.0, "b": None, "c": -1.0}), find_least({"a": None, "b": None})) == ("c", None)
 
 
 def test_a_table_without_published_values_has_no_ratio() -> None:

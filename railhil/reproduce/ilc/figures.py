@@ -9,7 +9,7 @@ import numpy as np
 
 from railhil.charts.figure import Area, Chart, Curve, Figure, FloatArray, Look, Point, extent
 from railhil.reproduce.ilc.findings import EPSILONS_M, PRINTED, READINGS, find_mean_errors, list_entries
-from railhil.reproduce.ilc.runs import MEAN, NO_FILTER, P95, PAPER_CASE, RMS, RUNS, of_run
+from railhil.reproduce.ilc.runs import MEAN, NO_FILTER, P95, PAPER_CASE, RMS, RUNS, name_run_figure
 from railhil.reproduce.paper import Results
 
 #: Curves of the figure of ours: title, entry.
@@ -73,7 +73,7 @@ def _draw_ours(results: Results) -> Figure:
 def _draw_runs(results: Results, key: str, figure: str, label: str, look: Look) -> Curve:
     """The decimal logarithm of a figure over the number of the run."""
     numbers = range(1, RUNS + 1)
-    values = _as_array([results.value(key, of_run(figure, number)) for number in numbers])
+    values = _as_array([results.find(key, name_run_figure(figure, number)) for number in numbers])
     return Curve(label, np.array(numbers, dtype=np.float64), np.log10(np.where(values > 0, values, np.nan)), look)
 
 

@@ -13,11 +13,11 @@ from railhil.reproduce.comparison import (
     Table,
     bounded_line,
     check_bounds,
-    decimal,
+    divide,
+    find_least,
     is_less,
-    least,
-    order,
-    quotient,
+    rank_names,
+    render,
 )
 from railhil.reproduce.ilc.memory_faults import (
     DETECTED,
@@ -28,7 +28,7 @@ from railhil.reproduce.ilc.memory_faults import (
     SEEN,
     WORST,
     WORST_AT_ONCE,
-    fault_figure,
+    name_fault_figure,
 )
 from railhil.reproduce.ilc.runs import (
     CONVERGED,
@@ -45,9 +45,9 @@ from railhil.reproduce.ilc.runs import (
     WITHIN_10,
     WITHIN_30,
     is_learned,
-    of_all,
-    of_last,
-    of_run,
+    name_last_figure,
+    name_run_figure,
+    name_whole_figure,
 )
 from railhil.reproduce.paper import Results
 
@@ -58,24 +58,24 @@ _RUNS_TITLE = "runs until converged"
 _MARGIN = 0.1
 #: Tolerances of table 2, m, and the entries of each reading in their order.
 EPSILONS_M, READINGS = (0.2, 0.4, 0.6, 0.8), TEXT.tables["table_2"]["entries"]
-_LAST_MEAN, _LAST_RMS, _LAST_WITHIN = of_last(MEAN), of_last(RMS), of_last(WITHIN_30)
+_LAST_MEAN, _LAST_RMS, _LAST_WITHIN = name_last_figure(MEAN), name_last_figure(RMS), name_last_figure(WITHIN_30)
 #: Ours with learning: title, entry, entry and figure without it.
 _LEARNED = (
-    ("with balises", "reaim-learned", "reaim-observer-balises", of_all(RMS)),
-    ("without", "reaim-no-balises-learned", "reaim-no-balises-learned", of_run(RMS, 1)),
-    ("with 15 % loss below 2 m/s", "reaim-loss-learned", "reaim-loss", of_all(RMS)),
+    ("with balises", "reaim-learned", "reaim-observer-balises", name_whole_figure(RMS)),
+    ("without", "reaim-no-balises-learned", "reaim-no-balises-learned", name_run_figure(RMS, 1)),
+    ("with 15 % loss below 2 m/s", "reaim-loss-learned", "reaim-loss", name_whole_figure(RMS)),
 )
 
 
 def _find_scaled(results: Results, key: str, name: str, unit: str) -> float | None:
     """A figure, shares in percent."""
-    value = results.value(key, name)
+    value = results.find(key, name)
     return None if value is None else 100 * value if unit == "%" else value
 
 
 def find_mean_errors(results: Results, reading: str) -> list[float | None]:
     """Mean error of each tolerance of table 2, m: of the last runs where something is learned, else of all."""
-    return [results.value(key, _LAST_MEAN if is_learned(key) else of_all(MEAN)) for key in READINGS[reading]]
+    return [results.find(key, _LAST_MEAN if is_learned(key) else name_whole_figure(MEAN)) for key in READINGS[reading]]
 
 
 def compare(results: Results) -> list[Table]:
@@ -118,12 +118,12 @@ def _find_bounded(results: Results, one: Mapping[str, Any]) -> float | None:
         return sum(weight * weight for weight in taps("packet_symmetric_63"))
     if one["entry"] == MEMORY:
         # The worst of the faults that can be detected.
-        values = [_find_scaled(results, MEMORY, fault_figure(fault, figure), one["unit"]) for fault in DETECTED]
+        values = [_find_scaled(results, MEMORY, name_fault_figure(fault, figure), one["unit"]) for fault in DETECTED]
         known = [value for value in values if value is not None]
         worst = min if "least" in one else max
         return worst(known) if len(known) == len(values) else None
     value = _find_scaled(results, one["entry"], figure, one["unit"])
-    return quotient(value, results.value(one["by"], one.get("by_figure", figure))) if "by" in one else value
+    return divide(value, results.find(one["by"], one.get("by_figure", figure))) if "by" in one else value
 
 
 def _make_figure_6_lines(results: Results) -> Iterator[Line]:
@@ -132,7 +132,7 @@ def _make_figure_6_lines(results: Results) -> Iterator[Line]:
         for number in range(1, RUNS + 1):
             is_printed = figure == MEAN and number == PRINTED["iterations"]
             keys = list_entries("figure_6").values()
-            found = tuple(_find_scaled(results, key, of_run(figure, number), unit) for key in keys)
+            found = tuple(_find_scaled(results, key, name_run_figure(figure, number), unit) for key in keys)
             yield Line(f"run {number}", title, unit, digits, PRINTED["error_m"] if is_printed else None, found, 1)
 
 
@@ -144,7 +144,7 @@ def _make_table_2_lines(results: Results) -> Iterator[Line]:
         yield Line(f"eps {epsilon_m:g} m", "mean error", "m", 3, value, tuple(found), 1)
     for epsilon_m, *keys in zip(EPSILONS_M, *READINGS.values(), strict=True):
         value = float(printed[epsilon_m][1]) if epsilon_m in printed else None
-        needed = tuple(results.value(key, CONVERGED) if is_learned(key) else None for key in keys)
+        needed = tuple(results.find(key, CONVERGED) if is_learned(key) else None for key in keys)
         yield Line(f"eps {epsilon_m:g} m", _RUNS_TITLE, "", 0, value, needed, 0)
 
 
@@ -153,17 +153,17 @@ def _make_table_3_lines(results: Results) -> Iterator[Line]:
         (("mean error", _LAST_MEAN, "m", 3), (_RUNS_TITLE, CONVERGED, "", 0))
     ):
         for name, key in (("none", NO_FILTER), ("packet", PAPER_CASE)):
-            printed, found = float(PRINTED["table_3"][name][place]), results.value(key, figure)
+            printed, found = float(PRINTED["table_3"][name][place]), results.find(key, figure)
             yield Line(name, title, unit, digits, printed, (found,), 0 if place else 2)
 
 
 def _make_entry_lines(results: Results, keys: Sequence[str]) -> Iterator[Line]:
     """Figures after learning, a column for each entry."""
     for figure, (title, unit, digits) in FIGURES.items():
-        found = tuple(_find_scaled(results, key, of_last(figure), unit) for key in keys)
+        found = tuple(_find_scaled(results, key, name_last_figure(figure), unit) for key in keys)
         yield Line("", title, unit, digits, None, found)
     for title, figure in (("median", CONVERGED), ("90 %", CONVERGED_P90)):
-        found = tuple(results.value(key, figure) for key in keys)
+        found = tuple(results.find(key, figure) for key in keys)
         yield Line("", f"{_RUNS_TITLE}, {title}", "", 0, None, found)
 
 
@@ -171,8 +171,9 @@ def _make_closed_lines(results: Results) -> Iterator[Line]:
     for figure in (RMS, WITHIN_10, WITHIN_30):
         title, unit, digits = FIGURES[figure]
         for item, key in list_entries("ours").items():
-            first = _find_scaled(results, key, of_run(figure, 1), unit)
-            later = _find_scaled(results, key, (of_last if is_learned(key) else of_all)(figure), unit)
+            first = _find_scaled(results, key, name_run_figure(figure, 1), unit)
+            name = name_last_figure(figure) if is_learned(key) else name_whole_figure(figure)
+            later = _find_scaled(results, key, name, unit)
             found = (first, later, None) if is_learned(key) else (first, None, later)
             yield Line(item, title, unit, digits if unit == "%" else 4, None, found)
 
@@ -187,7 +188,7 @@ def _make_memory_lines(results: Results) -> Iterator[Line]:
         ("the law has seen it", SEEN, "%", 0),
     ):
         for fault in FAULTS:
-            found = _find_scaled(results, MEMORY, fault_figure(fault, figure), unit)
+            found = _find_scaled(results, MEMORY, name_fault_figure(fault, figure), unit)
             yield Line(fault, title, unit, digits, None, (found,))
 
 
@@ -223,20 +224,20 @@ def _is_best(errors: Mapping[str, float | None], name: str) -> bool:
 
 def _judge_figure_6(results: Results) -> Statement:
     number = PRINTED["iterations"]
-    error, later = (results.value(PAPER_CASE, name) for name in (of_run(MEAN, number), _LAST_MEAN))
-    shares = [_format_percent(results.value(PAPER_CASE, of_run(WITHIN_10, one))) for one in (number, RUNS)]
+    error, later = (results.find(PAPER_CASE, name) for name in (name_run_figure(MEAN, number), _LAST_MEAN))
+    shares = [_format_percent(results.find(PAPER_CASE, name_run_figure(WITHIN_10, one))) for one in (number, RUNS)]
     near, near_later = (value is not None and value <= 1.5 * PRINTED["error_m"] for value in (error, later))
     said = (
-        f"mean error {decimal(error, 3)} m in run {number} ({shares[0]} of the sequences within 0.1 m), "
-        f"{decimal(later, 3)} m in the last 5 runs ({shares[1]} within 0.1 m in run {RUNS})."
+        f"mean error {render(error, 3)} m in run {number} ({shares[0]} of the sequences within 0.1 m), "
+        f"{render(later, 3)} m in the last 5 runs ({shares[1]} within 0.1 m in run {RUNS})."
     )
     return TEXT.judge("figure_6", results, [PAPER_CASE], said, [near, near or near_later])
 
 
 def _judge_limit(results: Results) -> Statement:
-    needed, share = results.value(PAPER_CASE, CONVERGED), results.value(PAPER_CASE, _LAST_WITHIN)
+    needed, share = results.find(PAPER_CASE, CONVERGED), results.find(PAPER_CASE, _LAST_WITHIN)
     held = needed is not None and needed <= PRINTED["iterations"] + 1
-    first = decimal(needed, 0)
+    first = render(needed, 0)
     said = f"three runs in a row within it from run {first} on (median); {_format_percent(share)} of the last 5 runs."
     return TEXT.judge("limit", results, [PAPER_CASE], said, [held])
 
@@ -251,7 +252,7 @@ def _judge_best_epsilon(results: Results) -> Statement:
     errors = {reading: _name_errors(results, reading) for reading in READINGS}
     best = [_is_best(one, "0.4") for one in errors.values()]
     said = "; ".join(
-        f"{reading}: {', '.join(decimal(error, 3) for error in one.values())} m" for reading, one in errors.items()
+        f"{reading}: {', '.join(render(error, 3) for error in one.values())} m" for reading, one in errors.items()
     )
     text = f"mean errors with {', '.join(f'{one:g}' for one in EPSILONS_M)} m, {said}."
     needs = [key for keys in READINGS.values() for key in keys]
@@ -260,7 +261,7 @@ def _judge_best_epsilon(results: Results) -> Statement:
 
 def _judge_epsilon_and_cycle(results: Results) -> Statement:
     fixed = {cycle: f"not learned, {cycle}" for cycle in ("16 ms", "48 ms")}
-    found = {cycle: least(_name_errors(results, reading)) for cycle, reading in fixed.items()}
+    found = {cycle: find_least(_name_errors(results, reading)) for cycle, reading in fixed.items()}
     said = " and ".join(f"{best} m in cycles of {cycle}" for cycle, best in found.items())
     text = f"without learning the best of the four is {said}."
     needs = [key for reading in fixed.values() for key in READINGS[reading]]
@@ -268,38 +269,38 @@ def _judge_epsilon_and_cycle(results: Results) -> Statement:
 
 
 def _judge_filter(results: Results) -> Statement:
-    error, bare = (results.value(key, _LAST_MEAN) for key in (PAPER_CASE, NO_FILTER))
-    needed, bare_needed = (results.value(key, CONVERGED) for key in (PAPER_CASE, NO_FILTER))
+    error, bare = (results.find(key, _LAST_MEAN) for key in (PAPER_CASE, NO_FILTER))
+    needed, bare_needed = (results.find(key, CONVERGED) for key in (PAPER_CASE, NO_FILTER))
     fewer = needed is not None and (bare_needed is None or needed < bare_needed)
     said = (
-        f"mean error {decimal(bare, 3)} to {decimal(error, 3)} m, "
-        f"runs {decimal(bare_needed, 0)} to {decimal(needed, 0)} (median)."
+        f"mean error {render(bare, 3)} to {render(error, 3)} m, "
+        f"runs {render(bare_needed, 0)} to {render(needed, 0)} (median)."
     )
     return TEXT.judge("filter", results, [PAPER_CASE, NO_FILTER], said, [is_less(error, bare), fewer])
 
 
 def _judge_best_filter(results: Results) -> Statement:
     filters = list_entries("filters")
-    errors = {name: results.value(key, _LAST_MEAN) for name, key in filters.items()}
-    said = ", ".join(f"{name} {decimal(errors[name], 3)}" for name in order(errors))
+    errors = {name: results.find(key, _LAST_MEAN) for name, key in filters.items()}
+    said = ", ".join(f"{name} {render(errors[name], 3)}" for name in rank_names(errors))
     holds = [_is_best(errors, "packet")]
     return TEXT.judge("best_filter", results, filters.values(), f"mean errors in m, {said}.", holds)
 
 
 def _judge_window(results: Results) -> Statement:
     key = "window-0.1"
-    share = results.value(key, NOT_STOPPED)
+    share = results.find(key, NOT_STOPPED)
     said = f"with eps = 0.1 m, {_format_percent(share)} of the trains never brake by themselves."
     return TEXT.judge("window", results, [key], said, [share == 0])
 
 
 def _judge_scatter(results: Results) -> Statement:
     keys = ["scatter-0.01", "scatter-0.01-none"]
-    error, bare = (results.value(key, _LAST_MEAN) for key in keys)
+    error, bare = (results.find(key, _LAST_MEAN) for key in keys)
     held = error is not None and bare is not None and error <= PRINTED["limit_m"]
     said = (
-        f"with a brake whose gain differs by 1 % from run to run the mean error is {decimal(error, 2)} m with the "
-        f"filter and {decimal(bare, 2)} m without."
+        f"with a brake whose gain differs by 1 % from run to run the mean error is {render(error, 2)} m with the "
+        f"filter and {render(bare, 2)} m without."
     )
     return TEXT.judge("scatter", results, keys, said, [held])
 
@@ -307,8 +308,8 @@ def _judge_scatter(results: Results) -> Statement:
 def _judge_learning(results: Results) -> Statement:
     less, said = [], []
     for title, key, before, name in _LEARNED:
-        first, last = results.value(before, name), results.value(key, _LAST_RMS)
+        first, last = results.find(before, name), results.find(key, _LAST_RMS)
         less.append(is_less(last, first))
-        said.append(f"{title} {decimal(first, 4)} to {decimal(last, 4)} m")
+        said.append(f"{title} {render(first, 4)} to {render(last, 4)} m")
     needs = [key for _, *both, _ in _LEARNED for key in both]
     return TEXT.judge("learning", results, needs, f"rms, {', '.join(said)}.", less)

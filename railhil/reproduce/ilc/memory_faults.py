@@ -80,7 +80,7 @@ UNDETECTED = tuple(name for name in FAULTS if name.startswith("undetected"))
 DETECTED = tuple(name for name in FAULTS if name != "none" and name not in UNDETECTED)
 
 
-def fault_figure(fault: str, figure: str) -> str:
+def name_fault_figure(fault: str, figure: str) -> str:
     """Name of a figure of a fault."""
     return f"{fault}: {figure}"
 
@@ -118,7 +118,7 @@ class MemoryFaults:
             for place, _, run in sequences(scenario, [one[self.before :] for one in specs], begun):
                 rows[place].append(run)
             every += rows
-            found |= {fault_figure(fault, name): value for name, value in _figures(rows).items()}
+            found |= {name_fault_figure(fault, name): value for name, value in _figures(rows).items()}
         return SequenceRuns(scenario, spec, every, found)
 
 

@@ -39,23 +39,23 @@ CONVERGED, CONVERGED_P90 = "runs_median", "runs_p90"
 NOT_STOPPED = "not_stopped"
 
 
-def of_run(figure: str, number: int) -> str:
+def name_run_figure(figure: str, number: int) -> str:
     """A figure over all runs of one number."""
     return f"{figure}_of_run_{number}"
 
 
-def of_last(figure: str) -> str:
+def name_last_figure(figure: str) -> str:
     """A figure over the last third of the runs."""
     return f"{figure}_of_last"
 
 
-def of_all(figure: str) -> str:
+def name_whole_figure(figure: str) -> str:
     """A figure over all runs."""
     return f"{figure}_of_all"
 
 
 #: The same without the runs in which the wheels slid.
-LAST_RMS_HELD = of_last("rms_without_slide")
+LAST_RMS_HELD = name_last_figure("rms_without_slide")
 
 #: A sequence has converged at the first of so many runs in a row within the limit (m).
 _CONVERGED_M, _IN_A_ROW = 0.3, 3
@@ -110,9 +110,9 @@ def measure(outcome: SequenceRuns) -> dict[str, float | None]:
         found.update({name(figure): (made | shares)[figure] for figure in FIGURES})
 
     for number in range(1, runs + 1):
-        take(errors[:, number - 1], lambda figure, number=number: of_run(figure, number))
-    take(last, of_last)
-    take(errors, of_all)
+        take(errors[:, number - 1], lambda figure, number=number: name_run_figure(figure, number))
+    take(last, name_last_figure)
+    take(errors, name_whole_figure)
     needed = runs_to_converge(np.abs(errors), _CONVERGED_M, _IN_A_ROW)
     for name, q in ((CONVERGED, 0.5), (CONVERGED_P90, 0.9)):
         value = at_most(needed, q)

@@ -15,9 +15,9 @@ from railhil.reproduce.comparison import (
     Table,
     bounded_line,
     check_bounds,
-    decimal,
+    divide,
     is_less,
-    quotient,
+    render,
 )
 from railhil.reproduce.ngpc.runs import (
     ADAPTIVE,
@@ -45,13 +45,13 @@ from railhil.reproduce.ngpc.runs import (
     WHOLE,
     WIDEST,
     WINDOWS,
-    effort_key,
-    key,
-    keys_of,
     list_laws,
-    model_error,
-    record_key,
-    units_key,
+    list_runs,
+    name_effort_run,
+    name_model_error,
+    name_record,
+    name_run,
+    name_units_run,
 )
 from railhil.reproduce.paper import Results
 from railhil.systems.high_speed.ride import Ride
@@ -80,12 +80,12 @@ _EMERGENCY_KM = (209.0, 215.0)
 
 
 def _list_keys(situation: str, law: str, results: Results) -> list[str]:
-    return keys_of(situation, law, results.seeds)
+    return list_runs(situation, law, results.seeds)
 
 
 def _find_mean(results: Results, situation: str, law: str, name: str) -> float | None:
     """Mean of a figure over the seeds whose runs were made."""
-    return results.spread(_list_keys(situation, law, results), name)[0]
+    return results.find_spread(_list_keys(situation, law, results), name)[0]
 
 
 def compare(results: Results) -> list[Table]:
@@ -103,18 +103,18 @@ def compare(results: Results) -> list[Table]:
 
 def _count_runs(results: Results, keys: Sequence[str]) -> str:
     """Number of runs that the figures come from, in words."""
-    return count_of(len(results.made(keys)), "run")
+    return count_of(len(results.list_made(keys)), "run")
 
 
 def _find_model_errors(results: Results, kind: str) -> tuple[float | None, ...]:
     """Mean modelling error over the seeds for each sampling period, km/h."""
-    keys = [record_key(results.seeds[0])]
-    return tuple(results.over(keys, model_error(kind, period_s), fmean) for period_s in PERIODS_S)
+    keys = [name_record(results.seeds[0])]
+    return tuple(results.reduce(keys, name_model_error(kind, period_s), fmean) for period_s in PERIODS_S)
 
 
 def _compute_effort(results: Results, law: str) -> float | None:
     """Cycles of a law's control period, in units of the cycles of ELM-NGPC."""
-    return quotient(*(results.value(effort_key(name), CYCLES) for name in (law, ELM)))
+    return divide(*(results.find(name_effort_run(name), CYCLES) for name in (law, ELM)))
 
 
 def _make_modelling_lines(results: Results) -> Iterator[Line]:
@@ -123,7 +123,7 @@ def _make_modelling_lines(results: Results) -> Iterator[Line]:
     yield Line("linear model", "RMSE", "km/h", 4, linear_kmh, linear, 3)
     yield Line("integrated model", "RMSE", "km/h", 4, integrated_kmh, integrated)
     remark = "computed from the two printed figures"
-    ratios = tuple(map(quotient, linear, integrated))
+    ratios = tuple(map(divide, linear, integrated))
     yield Line("linear by integrated", "quotient", "", 2, linear_kmh / integrated_kmh, ratios, remark=remark)
 
 
@@ -135,14 +135,14 @@ def _make_tracking_lines(results: Results) -> Iterator[Line]:
         for title, name in titled:
             for law in list_laws(situation):
                 keys = _list_keys(situation, law, results)
-                if results.made(keys):
-                    found, remark = results.spread(keys, name), _count_runs(results, keys)
+                if results.list_made(keys):
+                    found, remark = results.find_spread(keys, name), _count_runs(results, keys)
                     yield Line(law, f"{situation}, {title}", "km/h", 4, None, found, remark=remark)
 
 
 def _make_stop_lines(results: Results) -> Iterator[Line]:
     for law in LAWS:
-        found = results.spread(_list_keys(EMERGENCY, law, results), STOP_M)
+        found = results.find_spread(_list_keys(EMERGENCY, law, results), STOP_M)
         yield Line(law, "emergency stop", "m", 1, PRINTED["stop_m"] if law == ELM else None, found, 0)
 
 
@@ -155,7 +155,7 @@ def _make_bound_lines(results: Results) -> Iterator[Line]:
         keys = _list_keys(situation, law, results)
         yield bounded_line(
             law, f"{situation}, {_TITLES[name]}", unit, digits, (one.get("least"), one["most"]),
-            results.spread(keys, name), unmade="" if results.has(keys) else "not all runs made",
+            results.find_spread(keys, name), unmade="" if results.has(keys) else "not all runs made",
             remark=f" ({_count_runs(results, keys)})",
         )  # fmt: skip
 
@@ -165,9 +165,9 @@ def _make_unit_lines(results: Results) -> Iterator[Line]:
         for kind, law, loop in UNITS:
             if kind == "free" and name == COUPLER_KN:
                 continue
-            keys = [units_key(kind, law, loop, seed) for seed in results.seeds]
+            keys = [name_units_run(kind, law, loop, seed) for seed in results.seeds]
             item = f"{law}, {'a loop for each unit' if loop == 'unit' else 'one loop on the mean'}"
-            found, remark = results.spread(keys, name), _count_runs(results, keys)
+            found, remark = results.find_spread(keys, name), _count_runs(results, keys)
             yield Line(item, f"{kind} units, {title}", unit, digits, None, found, remark=remark)
 
 
@@ -198,46 +198,46 @@ def _name_bound(line: Line) -> str:
 
 
 def _judge_model(results: Results) -> Statement:
-    found = tuple(map(quotient, _find_model_errors(results, "linear"), _find_model_errors(results, "integrated")))
-    said = ", ".join(f"{decimal(value, 2)} at {period:g} s" for value, period in zip(found, PERIODS_S, strict=True))
+    found = tuple(map(divide, _find_model_errors(results, "linear"), _find_model_errors(results, "integrated")))
+    said = ", ".join(f"{render(value, 2)} at {period:g} s" for value, period in zip(found, PERIODS_S, strict=True))
     holds = [is_less(1, value) for value in found]
-    return TEXT.judge("model", results, [record_key(results.seeds[0])], f"by a factor of {said}.", holds)
+    return TEXT.judge("model", results, [name_record(results.seeds[0])], f"by a factor of {said}.", holds)
 
 
 def _judge_laws(results: Results) -> Iterator[Statement]:
     for statement, situation, name, other in _COMPARED:
         count = min(len(_list_keys(situation, law, results)) for law in (ELM, other))
         both = [_list_keys(situation, law, results)[:count] for law in (ELM, other)]
-        own, theirs = (results.over(keys, name, fmean) for keys in both)
+        own, theirs = (results.reduce(keys, name, fmean) for keys in both)
         unit = "m" if name == STOP_M else "km/h"
         held = own is not None and (theirs is None or own < theirs)
-        said = f"{name}: {ELM} {decimal(own, 4)} {unit}, {other} {decimal(theirs, 4)} {unit} ({count} seeds)."
+        said = f"{name}: {ELM} {render(own, 4)} {unit}, {other} {render(theirs, 4)} {unit} ({count} seeds)."
         yield TEXT.judge(statement, results, both[0] + both[1], said, [held])
 
 
 def _judge_stop(results: Results) -> Statement:
     found = _find_mean(results, EMERGENCY, ELM, STOP_M)
     held = found is not None and found <= PRINTED["stop_max_m"]
-    return TEXT.judge("stop", results, _list_keys(EMERGENCY, ELM, results), f"{decimal(found, 1)} m.", [held])
+    return TEXT.judge("stop", results, _list_keys(EMERGENCY, ELM, results), f"{render(found, 1)} m.", [held])
 
 
 def _judge_effort(results: Results) -> Statement:
     found = {law: _compute_effort(results, law) for law in (BP, ADAPTIVE)}
-    said = ", ".join(f"{law} {decimal(value, 2)} times the cycles of {ELM}" for law, value in found.items())
+    said = ", ".join(f"{law} {render(value, 2)} times the cycles of {ELM}" for law, value in found.items())
     holds = [is_less(1, value) for value in found.values()]
-    return TEXT.judge("effort", results, [effort_key(law) for law in (ELM, BP, ADAPTIVE)], f"{said}.", holds)
+    return TEXT.judge("effort", results, [name_effort_run(law) for law in (ELM, BP, ADAPTIVE)], f"{said}.", holds)
 
 
 def _judge_calm(results: Results, laws: Sequence[str]) -> Statement:
     found = [_find_mean(results, CALM, law, WHOLE) for law in laws]
     holds = [is_less(*both) for both in pairwise(found)] if None not in found else [False]
-    said = ", ".join(f"{law} {decimal(value, 4)}" for law, value in zip(laws, found, strict=True))
+    said = ", ".join(f"{law} {render(value, 4)}" for law, value in zip(laws, found, strict=True))
     needs = [one for law in laws for one in _list_keys(CALM, law, results)]
     return TEXT.judge("calm", results, needs, f"RMSE in km/h, {said}.", holds)
 
 
 def _list_unit_keys(results: Results, kind: str, law: str, loop: str) -> list[str]:
-    return [units_key(kind, law, loop, seed) for seed in results.seeds]
+    return [name_units_run(kind, law, loop, seed) for seed in results.seeds]
 
 
 def _list_needed_units(results: Results, wanted: str) -> list[str]:
@@ -245,10 +245,12 @@ def _list_needed_units(results: Results, wanted: str) -> list[str]:
 
 
 def _judge_units(results: Results) -> Statement:
-    own, theirs = (results.spread(_list_unit_keys(results, "free", law, "unit"), UNITS_RMSE)[0] for law in (ELM, PID))
+    own, theirs = (
+        results.find_spread(_list_unit_keys(results, "free", law, "unit"), UNITS_RMSE)[0] for law in (ELM, PID)
+    )
     said = (
-        f"RMSE of all units without couplers, mean over {len(results.seeds)} seeds: {ELM} {decimal(own, 4)} km/h, "
-        f"PID {decimal(theirs, 4)} km/h."
+        f"RMSE of all units without couplers, mean over {len(results.seeds)} seeds: {ELM} {render(own, 4)} km/h, "
+        f"PID {render(theirs, 4)} km/h."
     )
     return TEXT.judge("units", results, _list_needed_units(results, "free"), said, [is_less(own, theirs)])
 
@@ -258,12 +260,12 @@ def _judge_coupler(results: Results) -> Statement:
     ratios: list[float | None] = []
     for law in (PID, ELM):
         keys = [_list_unit_keys(results, "coupled", law, loop) for loop in ("unit", "mean")]
-        three, one = (results.spread(of_loop, COUPLER_KN)[0] for of_loop in keys)
+        three, one = (results.find_spread(of_loop, COUPLER_KN)[0] for of_loop in keys)
         pairs = zip(*keys, strict=True)
-        of_law = [quotient(*(results.value(one, COUPLER_KN) for one in pair)) for pair in pairs]
+        of_law = [divide(*(results.find(one, COUPLER_KN) for one in pair)) for pair in pairs]
         known = [ratio for ratio in of_law if ratio is not None]
         between = f"{min(known):.1f} to {max(known):.1f} times" if known else "-"
-        said.append(f"{law} {decimal(three, 1)} kN with three loops, {decimal(one, 1)} kN with one ({between})")
+        said.append(f"{law} {render(three, 1)} kN with three loops, {render(one, 1)} kN with one ({between})")
         ratios += of_law
     text = f"means over {len(results.seeds)} seeds and the ratios of each: {'; '.join(said)}."
     holds = [ratio is not None and ratio >= 2 for ratio in ratios]
@@ -278,7 +280,7 @@ def draw(results: Results) -> list[Figure]:
 
 def _find_drawn(results: Results, situation: str) -> dict[str, Ride]:
     """The ride of each law whose run was drawn."""
-    keys = {law: key(situation, law, results.seeds[0]) for law in DRAWN}
+    keys = {law: name_run(situation, law, results.seeds[0]) for law in DRAWN}
     found = {law: results.runs[one].curves for law, one in keys.items() if one in results.runs}
     return {law: ride for law, ride in found.items() if ride is not None}
 

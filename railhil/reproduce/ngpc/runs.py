@@ -69,7 +69,7 @@ PERIOD_S = 1.0
 _PORTS, _UNITS_PORTS = (wire(1).truth.PORT,), (wire(3).truth.PORT,)
 
 
-def key(situation: str, law: str, seed: int) -> str:
+def name_run(situation: str, law: str, seed: int) -> str:
     """Name of a run."""
     return f"{situation}-{law}-{seed}"
 
@@ -80,28 +80,28 @@ def list_laws(situation: str) -> Sequence[str]:
     return found
 
 
-def keys_of(situation: str, law: str, seeds: Sequence[int]) -> list[str]:
+def list_runs(situation: str, law: str, seeds: Sequence[int]) -> list[str]:
     """Names of the runs of a law in a situation."""
     once = situation in (NORMAL, MUTATION) and law not in MAIN
-    return [key(situation, law, seed) for seed in (seeds[:1] if once else seeds)]
+    return [name_run(situation, law, seed) for seed in (seeds[:1] if once else seeds)]
 
 
-def units_key(kind: str, law: str, loop: str, seed: int) -> str:
+def name_units_run(kind: str, law: str, loop: str, seed: int) -> str:
     """Name of a run with three units; kind: ``free`` or ``coupled``, loop: ``unit`` or ``mean``."""
     return f"units-{kind}-{law}-{loop}-{seed}"
 
 
-def record_key(seed: int) -> str:
+def name_record(seed: int) -> str:
     """Name of the run whose record tests the models."""
     return f"record-{seed}"
 
 
-def effort_key(law: str) -> str:
+def name_effort_run(law: str) -> str:
     """Name of the run whose operations are counted."""
     return f"effort-{law}"
 
 
-def model_error(kind: str, period_s: float) -> str:
+def name_model_error(kind: str, period_s: float) -> str:
     """Name of a modelling error; kind: ``linear`` or ``integrated``."""
     return f"{kind}_{period_s:g}s_kmh"
 
@@ -118,7 +118,7 @@ def _tracking(seeds: Sequence[int]) -> Iterator[Entry]:
             file = Path(one.get("file", "").format(law=law))
             given = ParameterSet(law, one["parameters"], file) if "parameters" in one else None
             how = LawSpec(law, _ARITHMETIC, parameters=given)
-            for entry, seed in zip(keys_of(name, law, seeds), seeds, strict=False):
+            for entry, seed in zip(list_runs(name, law, seeds), seeds, strict=False):
                 settings = tuple(one.get("settings", ()))
                 spec = RunSpec(one["scenario"], settings, how, seed, bus="local", faults=faults)
                 is_drawn = law in DRAWN and name in (NORMAL, EMERGENCY, MUTATION) and seed == seeds[0]
@@ -130,7 +130,7 @@ def _records(seeds: Sequence[int]) -> Iterator[Entry]:
     for seed in seeds:
         law = LawSpec(_DRIVER, _ARITHMETIC, parameters=given)
         # Over the in-process bus: a network is trained on a log.
-        yield Entry(record_key(seed), RunSpec(SITUATIONS[NORMAL]["scenario"], law=law, seed=seed, bus="local"))
+        yield Entry(name_record(seed), RunSpec(SITUATIONS[NORMAL]["scenario"], law=law, seed=seed, bus="local"))
 
 
 def _units(seeds: Sequence[int]) -> Iterator[Entry]:
@@ -139,12 +139,12 @@ def _units(seeds: Sequence[int]) -> Iterator[Entry]:
         how = LawSpec(law, _ARITHMETIC, parameters=given)
         for seed in seeds:
             spec = RunSpec(_UNITS_SCENARIO[kind], law=how, seed=seed, bus="local")
-            yield Entry(units_key(kind, law, loop, seed), spec, experiment=SingleRun(_UNITS_PORTS))
+            yield Entry(name_units_run(kind, law, loop, seed), spec, experiment=SingleRun(_UNITS_PORTS))
 
 
 def _efforts() -> Iterator[Entry]:
     for law in LAWS:
-        yield Entry(effort_key(law), RunSpec(_SHORT, law=LawSpec(law, _COUNTED), bus="local"))
+        yield Entry(name_effort_run(law), RunSpec(_SHORT, law=LawSpec(law, _COUNTED), bus="local"))
 
 
 def measure(outcome: Outcome) -> dict[str, float | None]:
@@ -157,8 +157,8 @@ def measure(outcome: Outcome) -> dict[str, float | None]:
         log = outcome.folder / "frames.log"
         record = Record(log, outcome.scenario, outcome.trace, "", dict(outcome.certificate))
         for period_s, error in train_models(record, Recipe(), PERIOD_S).errors.items():
-            found[model_error("linear", period_s)] = error.linear_kmh
-            found[model_error("integrated", period_s)] = error.integrated_kmh
+            found[name_model_error("linear", period_s)] = error.linear_kmh
+            found[name_model_error("integrated", period_s)] = error.integrated_kmh
     if outcome.certificate["arithmetic"] == _COUNTED:
         summary = read_summary(outcome.folder)
         found[CYCLES] = None if summary is None else float(summary.cycles)
