@@ -38,7 +38,7 @@ APPEAR_MAX_S = 3600.0
 TASK_PERIOD_MAX_MS = 10_000
 #: Longest number accepted on the command line, in digits.
 _DIGITS_MAX = 20
-_SEED_RANGE = re.compile(r"([0-9]{1,10})(?:-([0-9]{1,10}))?", re.ASCII)
+_SEED_RANGE = re.compile(r"0*([0-9]{1,10})(?:\s*-\s*0*([0-9]{1,10}))?", re.ASCII)
 #: Longer words of the command line are truncated in messages.
 _WORD_MAX = 200
 EXIT_CODES = """\
@@ -127,7 +127,8 @@ def whole_number(low: int, high: int) -> Callable[[str], int]:
 
 
 def seed_list(text: str, most: int) -> list[int]:
-    """Seeds and ranges of seeds such as ``0-7,20``, in the order of the text; for an option's type.
+    """Seeds and ranges of seeds such as ``0-7,20``, in the order of the text; for an option's type. Blanks beside
+    numbers and leading zeros are allowed.
 
     :param most: how many seeds are allowed.
     :raises argparse.ArgumentTypeError: another text, or more seeds.

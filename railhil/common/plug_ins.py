@@ -31,6 +31,10 @@ SHIPPED = {
 }
 
 
+#: Modules that systems of earlier versions of ``railhil new system`` import and that have another name now.
+RENAMED = {"railhil.record.status": "railhil.record.notes"}
+
+
 class EndsInterpreter(Exception):
     """Plug-in code has called ``sys.exit``."""
 
@@ -59,6 +63,8 @@ def cause_of(error: Exception) -> str:
     name = error.name if isinstance(error, ModuleNotFoundError) else None
     if name is None or name.count(".") < 2 or name.partition(".")[0] != __name__.partition(".")[0]:
         return said
+    if name in RENAMED:
+        return f"{said}; import it from {RENAMED[name]}, its name now"
     found = _places(".".join(name.split(".")[:2]), name) or _places("railhil.systems", name)
     same = f"railhil has {' and '.join(sorted(found))}; " if found else ""
     return f"{said}; {same}CHANGELOG.md says what has moved"

@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from railhil.common.command_line import SEED_MAX, seed_list
+from railhil.common.command_line import seed_list
 
 #: Option without ``--railhil-`` -> its line in the help. In the ini file it is ``railhil_...``, in the environment
 #: ``RAILHIL_...``.
@@ -72,7 +72,7 @@ def settings_from(given: Callable[[str], tuple[str, str]], folder: Path) -> Sett
         raise refused(FLAG, "nothing, or a bus beside it on which the board is (--railhil-bus INTERFACE:CHANNEL)")
     try:
         seeds = tuple(dict.fromkeys(seed_list(said["seeds"][0] or "0", _SEEDS_MAX)))
-    except ArgumentTypeError:
-        raise refused("seeds", f"numbers and ranges up to {SEED_MAX}, such as 0,1,5-9") from None
+    except ArgumentTypeError as error:
+        raise ValueError(f"{said['seeds'][1]}: {error}") from None
     runs = said["runs"][0]
     return Settings(bus, seeds, folder / runs if runs else None, pace, flag in _TRUE)

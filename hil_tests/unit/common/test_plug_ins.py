@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import importlib
 import sys
+from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
 
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import Signalled
-from railhil.common.plug_ins import SHIPPED, EndsInterpreter, cause_of, entries, guard_plug_in
+from railhil.common.plug_ins import RENAMED, SHIPPED, EndsInterpreter, cause_of, entries, guard_plug_in
 from railhil.library import run
 
 
@@ -63,6 +64,7 @@ def test_a_shipped_law_is_its_module(group: str) -> None:
     [
         ("railhil.controller_node.laws.pfc", "; railhil has railhil.controller_node.ato.pfc; CHANGELOG"),
         ("railhil.plant_sim.dynamics", "railhil.plant_sim.ato.dynamics and railhil.plant_sim.high_speed.dynamics"),
+        ("railhil.record.status", "'railhil.record.status'; import it from railhil.record.notes"),
         ("railhil.judge.journey", "; railhil has railhil.systems.ato.judge.journey; "),
         ("railhil.controller_node.nothing", "'railhil.controller_node.nothing'; CHANGELOG.md says what has moved"),
         ("nothing_of_ours", "No module named 'nothing_of_ours'"),
@@ -72,3 +74,9 @@ def test_a_module_that_has_moved_is_named(before: str, said: str) -> None:
     with pytest.raises(ModuleNotFoundError) as caught:
         importlib.import_module(before)
     assert said in cause_of(caught.value)
+
+
+def test_what_a_module_is_renamed_to_can_be_imported() -> None:
+    for before, now in RENAMED.items():
+        assert find_spec(before) is None
+        importlib.import_module(now)
