@@ -16,7 +16,7 @@ from railhil.bus.hub.portspec import PROGRAM, PortSpec
 from railhil.bus.hub.switch import Switch
 from railhil.bus.hub.wire_model import WireModel
 from railhil.common.exit_codes import ending_signals
-from railhil.common.streams import escape_controls
+from railhil.common.streams import announce, escape_controls
 
 if TYPE_CHECKING:
     from railhil.bus.hub.gateway import BusPort
@@ -103,9 +103,10 @@ def serve(channel: str, hub: HubSpec) -> None:
     A stop first delivers, for at most a second, the packets that clients had already sent. At the start the hub waits
     for another hub behind a port; a stop ends that wait too.
 
-    Prints one line to standard output when clients may connect, and one to standard error for each client disconnected,
-    for each bus that goes down or comes back, and at the end or on SIGUSR1 the statistics of each bus. Raises
-    :class:`railhil.bus.errors.BusUnavailable` when the channel or a port cannot be opened.
+    Prints one line to standard output when clients may connect (it serves, too, if nobody reads that), and one to
+    standard error for each client disconnected, for each bus that goes down or comes back, and at the end or on SIGUSR1
+    the statistics of each bus. Raises :class:`railhil.bus.errors.BusUnavailable` when the channel or a port cannot be
+    opened.
     """
     with _Signals() as signals:
         listener, address = listen(parse_channel(channel))
@@ -128,7 +129,7 @@ def serve(channel: str, hub: HubSpec) -> None:
                 bus_ports=bus_ports,
             )
             with contextlib.closing(switch), signals.sent_to(switch):
-                print(hub.ready_line(address), flush=True)
+                announce(hub.ready_line(address))
                 switch.run()
                 switch.report_statistics()
         except _StoppedAtStart:

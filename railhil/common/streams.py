@@ -4,6 +4,7 @@ loaded later (:mod:`railhil.common.output`).
 
 from __future__ import annotations
 
+import errno
 import io
 import json
 import os
@@ -38,6 +39,20 @@ def say(text: str, stderr: bool = False) -> None:
     try:
         print(escape_controls(text), file=sys.stderr if stderr else sys.stdout, flush=True)
     except BrokenPipeError:
+        discard_output()
+
+
+def announce(line: str) -> None:
+    """Print a line of a service, whose work is not what it prints: it goes on with standard output closed (``>&-``) or
+    without a reader.
+
+    :raises OSError: the output cannot be written for another reason, such as a full disk.
+    """
+    try:
+        print(escape_controls(line), flush=True)
+    except OSError as error:
+        if error.errno not in (errno.EPIPE, errno.EBADF):
+            raise
         discard_output()
 
 

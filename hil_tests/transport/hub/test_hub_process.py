@@ -107,6 +107,22 @@ def test_a_stale_socket_is_replaced_and_a_live_one_is_not() -> None:
             hub.close()
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("words", ['"$@" >&-', '(sleep 0.1; exec "$@") | true'], ids=["closed", "no reader"])
+def test_a_hub_whose_output_nobody_reads_serves(words: str) -> None:
+    with socket_folder() as folder:
+        channel = str(folder / "hub.sock")
+        command = [sys.executable, "-m", "railhil.bus.hub", "-c", channel, "--once"]
+        shell = ["bash", "-o", "pipefail", "-c", words, "bash", *command]
+        with subprocess.Popen(shell, stderr=subprocess.PIPE, text=True) as hub:
+            one = HubBus(channel, connect_timeout=PATIENCE_S)
+            with HubBus(channel) as other, one:
+                one.send_frames([Frame(5, b"alive")])
+                assert other.recv_frames(PATIENCE_S) == [Frame(5, b"alive")]
+            said = hub.communicate(timeout=PATIENCE_S)[1]
+    assert (hub.returncode, said) == (0, "")
+
+
 def test_a_tcp_port_in_use_is_refused() -> None:
     with running_hub(channel="tcp://127.0.0.1:0") as hub:
         assert "in use" in refused(hub.channel)
