@@ -64,6 +64,7 @@ def test_a_folder_of_an_earlier_version_has_the_same_scores_to_the_digit(earlier
     assert {key: found[key] for key in _FROM_THE_LOG} == {key: wanted[key] for key in _FROM_THE_LOG}
 
 
+@pytest.mark.long_after(1)
 def test_a_folder_of_an_earlier_version_gets_its_report(earlier: Path) -> None:
     done = railhil("report", earlier)
     assert done.exit_code == 0, done.err
