@@ -81,8 +81,8 @@ def row(result: Batch, bounded_m: NDArray[np.float64]) -> tuple[str, ...]:
 
     :param bounded_m: the second result of :func:`floors_m`.
     """
-    assert result.notch_codes is not None
-    steps = [np.abs(np.diff(codes.astype(np.int64), prepend=0)) for codes in result.notch_codes]
+    assert result.commands is not None
+    steps = [np.abs(np.diff(codes.astype(np.int64), prepend=0)) for codes in result.commands]
     travel = np.array([run.sum() / 256 for run in steps])
     largest = np.array([run[-20:].max() / 256 for run in steps])
     return (

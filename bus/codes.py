@@ -9,7 +9,6 @@ from railhil.bus.telegrams import Event, FaultOrder, Role, SupCommand, TimeState
 __all__ = [
     "EVENT_COPIES",
     "EVENT_SPACING_NS",
-    "STOP_LEG_MIN_M",
     "ControllerFlag",
     "Event",
     "FaultOrder",
@@ -25,8 +24,6 @@ __all__ = [
 #: lost.
 EVENT_COPIES = 3
 EVENT_SPACING_NS = 20_000_000
-#: STOPPED is a standstill after at least this distance.
-STOP_LEG_MIN_M = 1.0
 
 _ENDS = frozenset(event for event in Event if event >= Event.ENDED_COMPLETE)
 

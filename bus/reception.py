@@ -24,7 +24,7 @@ from railhil.bus.store import TrafficStore
 from railhil.dbc import Port
 
 #: Counters of a receiver's check that are no refusals.
-NOT_REFUSED: Final = ("accepted", "gap", "notch_step", "safe_source", "safe_channel")
+NOT_REFUSED: Final = ("accepted", "gap", "safe_source", "safe_channel")
 _SUMMED: Final = ("committed", "accepted", "lost")
 
 Document = dict[str, Any]

@@ -136,7 +136,7 @@ def other_lines() -> Sequence[str]:
     energy = max(abs(median(ours, "energy_kj") / median(theirs, "energy_kj") - 1) for ours, theirs in pairs)
     least = [estimate(one, share).value for share in (0.5, 0.95) for one in floor]
     travel = [
-        np.median([np.abs(np.diff(codes.astype(np.int64), prepend=0)).sum() / 256 for codes in run.notch_codes or ()])
+        np.median([np.abs(np.diff(codes.astype(np.int64), prepend=0)).sum() / 256 for codes in run.commands or ()])
         for run in exact
     ]
     return (

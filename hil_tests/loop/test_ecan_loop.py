@@ -217,7 +217,7 @@ def test_task_of_400_ms_is_braked_by_the_ladder(lvshun, tmp_path):
     modes = run.trace.raw(NotchCmd.PORT, "CtlMode").tolist()
     assert run.ended is Event.ENDED_NOT_STOPPED
     assert {CtlMode.HOLD, CtlMode.TRACTION_CUT, CtlMode.SERVICE_BRAKE} <= set(modes)
-    assert max(run.notches) <= 0
+    assert max(run.commands("notch")) <= 0
     assert run.score.verdict == "FAIL"
     assert set(run.trace.raw(CtlStat.PORT, "LadderLevel").tolist()) <= {0, 1, 2, 3}
 

@@ -60,7 +60,7 @@ def test_same_seed_same_bytes_other_seed_other_bytes(brief, brief_run, tmp_path)
 
 def test_can_fd_form_gives_the_same_run(brief, brief_run, tmp_path):
     fd = local_run(brief, tmp_path, RunSpec(seed=1), fd=True)
-    assert fd.notches == brief_run.notches
+    assert fd.commands("notch") == brief_run.commands("notch")
     assert fd.score == brief_run.score
     assert fd.frames_sha256 != brief_run.frames_sha256
 
@@ -74,7 +74,7 @@ def test_direct_coupling_is_the_same_loop(nominal, lvshun, brief, tmp_path, arit
     run = RunSpec(law=LawSpec(arithmetic=arithmetic), seed=seed, perturbed=drawn)
     through_telegrams = nominal if is_nominal else local_run(brief, tmp_path, run)
     direct = direct_run(lvshun if is_nominal else brief, run)
-    assert direct.notches == through_telegrams.notches
+    assert direct.commands("notch") == through_telegrams.commands("notch")
     assert direct.score == through_telegrams.score
 
 
@@ -104,7 +104,7 @@ def test_direct_coupling_is_the_same_loop_at_any_period(tmp_path, timing, indexi
     direct = direct_run(scenario, RunSpec(law=LawSpec(indexing=indexing), seed=1))
     for port in (NotchCmd.PORT, SimTruth.PORT):
         assert direct.trace.times_s(port).tolist() == through_telegrams.trace.times_s(port).tolist(), port
-    assert direct.notches == through_telegrams.notches
+    assert direct.commands("notch") == through_telegrams.commands("notch")
     assert direct.score == through_telegrams.score
 
 
@@ -124,7 +124,7 @@ def test_scrambled_truth_changes_nothing_for_the_controller(brief, brief_run, tm
     def wire(frame: Frame) -> list[Frame]:
         return [frame._replace(data=b"\xa5" * 8)] if frame.can_id in truth_ids else [frame]
 
-    assert local_run(brief, tmp_path, RunSpec(seed=1), wire=wire).notches == brief_run.notches
+    assert local_run(brief, tmp_path, RunSpec(seed=1), wire=wire).commands("notch") == brief_run.commands("notch")
 
 
 def test_control_status_follows_the_law(nominal):

@@ -15,7 +15,7 @@ def same_as_the_bench(case: Case, seeds: tuple[int, ...]) -> list[Any]:
     batch = run_batch(case, seeds)
     for i, seed in enumerate(seeds):
         run = direct_run(case.scenario, case.run(seed))
-        assert batch.notch_digest[i] == trace_digest(case.scenario, run.trace), f"seed {seed}: notch codes"
+        assert batch.digest[i] == trace_digest(case.scenario, run.trace), f"seed {seed}: notch codes"
         assert batch.scores[i] == run.score, f"seed {seed}"
         assert batch.wraps[i] == run.arithmetic.wraps
         assert batch.saturations[i] == run.arithmetic.saturations

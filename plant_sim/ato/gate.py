@@ -14,6 +14,8 @@ BAD_FOR_SUSPICION: Final = 3
 RECENT = 10
 #: Number of recent commands that are searched for old ones.
 ORDER = 16
+#: Counter of the accepted commands whose step was too large.
+NOTCH_STEP: Final = "notch_step"
 
 # Looking up a member of an enum costs as much as a call on CPython 3.11, and this runs with every command.
 _NO_SUSPICION: Final = WatchCause.NONE
@@ -84,7 +86,7 @@ class CommandGate:
         self.counters["accepted"] += 1
         self._was_good = True
         if abs(notch - self._given_256th) > self._step_max:
-            self.counters["notch_step"] += 1
+            self.counters[NOTCH_STEP] += 1
             self.suspicion = WatchCause.NOTCH_STEP
             self.notch_256th = min(notch, self.notch_256th)
         else:

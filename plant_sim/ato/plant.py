@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from math import inf, isfinite, sqrt
 from typing import Final, Literal
 
-from railhil.bus.codes import STOP_LEG_MIN_M
 from railhil.common.mypyc import mypyc_attr
 from railhil.plant_sim.any_plant import PlantError
 from railhil.plant_sim.ato import dynamics, force_tables
@@ -26,7 +25,7 @@ from railhil.plant_sim.ato.dynamics import Lag, Motion, Window
 from railhil.plant_sim.ato.plant_readings import AxleSensors, PlantReadings, TrainStatus
 from railhil.plant_sim.ato.train_checks import OwnChecks
 from railhil.scenarios.profiles import Profile, find_lowest, profile_value
-from railhil.systems.ato.scenario.model import Balise, Scenario
+from railhil.systems.ato.scenario.model import STOP_LEG_MIN_M, Balise, Scenario
 from railhil.wire.ato import WatchCause, WatchLevel
 
 EventKind = Literal["departed", "stopped", "emergency", "balise", "watch"]
@@ -36,7 +35,7 @@ EventKind = Literal["departed", "stopped", "emergency", "balise", "watch"]
 class PlantEvent:
     """Something that happened inside a tick, at its exact instant and true position of the train's front.
 
-    ``departed``: first motion; ``stopped``: standstill after at least :data:`railhil.bus.codes.STOP_LEG_MIN_M`;
+    ``departed``: first motion; ``stopped``: standstill after at least :data:`STOP_LEG_MIN_M`;
     ``emergency``: the emergency brake was applied; ``watch``: the level of the train's watch changed; ``balise``: the
     front passed ``balise`` with the odometer at ``odometer_mm``.
     """

@@ -10,7 +10,7 @@ from railhil.bus.layout import Telegram
 from railhil.common.mypyc import mypyc_attr
 from railhil.plant_sim.any_plant import BRAKING_MAX_NS
 from railhil.plant_sim.ato.command_watch import CommandWatchState
-from railhil.plant_sim.ato.gate import CommandGate
+from railhil.plant_sim.ato.gate import NOTCH_STEP, CommandGate
 from railhil.plant_sim.ato.plant import NOTCH_LSB_PER_NOTCH, Plant
 from railhil.plant_sim.ato.safe_command import SafeCommand
 from railhil.plant_sim.ato.telegrams import TrainTelegrams
@@ -54,10 +54,12 @@ class TrainOnBus(Plant):
 
     @property
     def judged(self) -> dict[str, tuple[int, Mapping[str, int]]]:
-        """For each port with commands: the number accepted, and the counters of its check."""
-        found: dict[str, tuple[int, Mapping[str, int]]] = {
-            NotchCmd.PORT: (self.gate.counters["accepted"], self.gate.counters)
-        }
+        """For each port with commands: the number accepted, and the counters of its check.
+
+        A command whose step is too large is not refused: the train follows it in part.
+        """
+        counters = {cause: count for cause, count in self.gate.counters.items() if cause != NOTCH_STEP}
+        found: dict[str, tuple[int, Mapping[str, int]]] = {NotchCmd.PORT: (self.gate.counters["accepted"], counters)}
         if self._safe is not None:
             found[NotchSdt.PORT] = (self._safe.accepted, self._safe.counters)
         return found

@@ -99,8 +99,9 @@ class Batch:
 
     ``verdicts``: PASS, FAIL, or INVALID of a run that says nothing about the controller. ``values``, ``signed`` and
     ``extras`` as in :class:`railhil.judge.score.Score`, NaN where a run has none.
-    ``wraps``, ``saturations`` and ``zero_divisions`` are of the law's arithmetic in that run. ``notch_codes`` (1/256
-    notch, int16) only on request: one array for each run, one code for each control period.
+    ``wraps``, ``saturations`` and ``zero_divisions`` are of the law's arithmetic in that run. ``digest`` is of the
+    commands of each run. ``commands`` (raw values, int16) only on request: one array for each run, one value for each
+    control period.
     """
 
     seed: Ints
@@ -114,8 +115,8 @@ class Batch:
     wraps: Ints
     saturations: Ints
     zero_divisions: Ints
-    notch_digest: tuple[str, ...]
-    notch_codes: tuple[NDArray[np.int16], ...] | None = None
+    digest: tuple[str, ...]
+    commands: tuple[NDArray[np.int16], ...] | None = None
 
     @property
     def passed(self) -> NDArray[np.bool_]:
@@ -153,7 +154,7 @@ class Batch:
             wraps=counts["wraps"],
             saturations=counts["saturations"],
             zero_divisions=counts["zero_divisions"],
-            notch_digest=tuple(digests),
+            digest=tuple(digests),
         )
 
     @classmethod

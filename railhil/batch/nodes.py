@@ -10,7 +10,7 @@ from railhil.plant_sim.faults.plants import needs_nodes
 from railhil.run.local import unrecorded_run
 from railhil.scenarios.model import AnyScenario
 
-#: Number of hexadecimal digits of the frame log's hash that are used instead of the notch digest.
+#: Number of hexadecimal digits of the frame log's hash that are used instead of a digest of the commands.
 DIGITS = 16
 
 

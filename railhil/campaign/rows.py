@@ -55,7 +55,7 @@ def table_of(label: str, result: Any, training: Sequence[int], judging: Judging)
         "verdict": list(result.verdicts),
         "ended": [str(ended) for ended in result.ended],
         "failures": [list(texts) for texts in result.failures],
-        "notch_digest": [str(digest) for digest in result.notch_digest],
+        "notch_digest": [str(digest) for digest in result.digest],
         "training": np.isin(seeds, list(training)),
     }
     columns |= {name: np.asarray(getattr(result, name), dtype=np.int64) for name in COUNTS}

@@ -137,10 +137,13 @@ class Result:
         """``frames.log`` of a run that has a folder."""
         return self.place / LOG_NAME
 
-    @property
-    def notches(self) -> list[int]:
-        """Notch command codes (1/256) in the order in which they were sent."""
-        return [int(code) for code in self.trace.raw("NOTCH_CMD", "NotchCmd")]
+    def commands(self, name: str) -> list[int]:
+        """Raw values of a command in the order in which they were sent.
+
+        :raises KeyError: the system names no such command.
+        """
+        port, _, signal = self.scenario.installed_system.named[name].partition(".")
+        return [int(raw) for raw in self.trace.raw(port, signal)]
 
     @property
     def refused(self) -> dict[str, int]:

@@ -38,7 +38,7 @@ class Timing:
 
     base_tick_ns: int = 10_000_000
     control_period_ns: int = 500_000_000
-    #: Simulation time from the sampling of the speed to the moment at which the notch command takes effect.
+    #: Simulation time from the sampling of the speed to the moment at which the command takes effect.
     loop_delay_s: float = 0.04
     #: Port periods that differ from the port table, by port name.
     port_period_ns: Mapping[str, int] = field(default_factory=dict)

@@ -178,7 +178,7 @@ class Command(Generic[P]):
             made.append({**one.document, "differences": dict(one.differences)})
             bad += bool(one.differences)
             if not one.differences:
-                console.say(f"{one.run}: the bench gives the same notches and scores")
+                console.say(f"{one.run}: the bench gives the same commands and scores")
             for name, (ours, theirs) in one.differences.items():
                 console.say(f"{one.run}: {name} {ours} in the {kind}, {theirs} on the bench", style="red")
         if namespace.json:

@@ -105,7 +105,7 @@ def test_load_of_foreign_frames_changes_no_command(hop, hop_reference, folder):
         hop_reference.log
     )
     trace = trace_of(read_log(folder / "frames.log"), wire_contract())
-    assert [int(code) for code in trace.raw(NotchCmd.PORT, "NotchCmd")] == hop_reference.notches
+    assert [int(code) for code in trace.raw(NotchCmd.PORT, "NotchCmd")] == hop_reference.commands("notch")
     # PLT_STAT is one frame; of a telegram of several a wrong frame may also take the place of a right one.
     refused = counters_of(folder, "controller")["wrong_check_sequence"]
     assert refused >= len([frame for frame in wrong if frame.can_id == 0x128])

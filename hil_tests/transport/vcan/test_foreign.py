@@ -42,7 +42,7 @@ def test_foreign_controller_sends_the_same_frames_on_vcan(
     assert said.strip().endswith("control periods, run event 4"), said
     assert reference.log is not None
     assert without_status(folder / "frames.log") == without_status(reference.log)
-    assert len(set(reference.notches)) > 10
+    assert len(set(reference.commands("notch"))) > 10
 
 
 def test_interface_that_is_not_there_is_one_line(program: Path) -> None:

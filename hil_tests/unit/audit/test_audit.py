@@ -188,7 +188,9 @@ def test_shadows_are_told_what_the_nodes_send_in_place_of_the_law_s_answer(tmp_p
     reference = Watched(FULL, law, make("float64"))
     audited = Shadowed(FULL, law, make("iq"), [reference])
     run = local_run(FULL, tmp_path, RunSpec(law=law), wire=deaf, controller=audited)
-    assert set(run.notches) - {code for (code,) in audited.codes}, "the watch has sent what the law never answered"
+    assert set(run.commands("notch")) - {code for (code,) in audited.codes}, (
+        "the watch has sent what the law never answered"
+    )
     assert notch_codes(audited, reference).largest <= 1
     model = next(error for error in errors(audited.quantities, audited, reference) if "y_m" in error.name)
     assert model.maximum < 5e-5

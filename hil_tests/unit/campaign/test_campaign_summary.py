@@ -44,7 +44,7 @@ def made_result(seeds, stop_m, time_s, overspeed_mps=0.0, wraps=0):
         wraps=wraps * np.ones(len(stop), dtype=int),
         saturations=np.zeros(len(stop), dtype=int),
         zero_divisions=np.zeros(len(stop), dtype=int),
-        notch_digest=("0" * 16,) * len(stop),
+        digest=("0" * 16,) * len(stop),
     )
 
 

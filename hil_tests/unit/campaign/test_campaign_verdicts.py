@@ -32,7 +32,7 @@ def made(plan: Plan, values: dict[str, Any], failures: list[tuple[str, ...]], ve
         verdicts=tuple(verdicts or ("FAIL" if one else "PASS" for one in failures)),
         ended=("ended_complete",) * runs,
         failures=tuple(failures),
-        notch_digest=("0" * 16,) * runs,
+        digest=("0" * 16,) * runs,
         **{name: np.zeros(runs, dtype=int) for name in ("wraps", "saturations", "zero_divisions")},
     )
     return table_of(plan.entries[0].label, result, (), plan.judging)

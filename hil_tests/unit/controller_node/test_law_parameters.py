@@ -183,7 +183,7 @@ def test_parameters_change_the_run_and_the_handshake_says_so(tmp_path: Path) -> 
     short = load(tmp_path / "short.toml")
     own = direct_run(short, RunSpec(law=LawSpec(arithmetic="float64")))
     over_bus = local_run(short, tmp_path, RunSpec(law=LawSpec(arithmetic="float64", parameters=given)))
-    assert own.notches != over_bus.notches
+    assert own.commands("notch") != over_bus.commands("notch")
     ident = over_bus.trace.ident(CtlIdent)
     assert ident is not None
     assert ident.law == law_code(given.controller) != law_code("ipfc")

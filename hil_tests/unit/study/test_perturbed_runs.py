@@ -26,7 +26,7 @@ def test_a_direct_run_scores_as_one_with_telegrams(short, tmp_path, indexing):
     """ITAE follows the indexing: a trace that does not name it is scored by time."""
     direct = direct_run(short, RunSpec(law=LawSpec(indexing=indexing), seed=3, perturbed=True))
     local = local_run(short, tmp_path, RunSpec(law=LawSpec(indexing=indexing), seed=3, perturbed=True))
-    assert direct.notches == local.notches
+    assert direct.commands("notch") == local.commands("notch")
     assert direct.score.values == local.score.values
 
 
@@ -38,6 +38,6 @@ def test_runs_of_many_seeds_are_those_of_single_runs(short, tmp_path, monkeypatc
     runs = [direct_run(short, RunSpec(law=law, seed=FIRST_SEED + i, perturbed=True)) for i in range(3)]
     assert [score.values for score in found.scores] == [run.score.values for run in runs]
     # 25 polls of 20 ms in a control period.
-    wraps = sum(ceil(len(run.notches) / 25) for run in runs) if arithmetic == "iq" else 0
+    wraps = sum(ceil(len(run.commands("notch")) / 25) for run in runs) if arithmetic == "iq" else 0
     assert [int(one.sum()) for one in (found.wraps, found.saturations, found.zero_divisions)] == [wraps, 0, 0]
     assert len({score.values["energy_kj"] for score in found.scores}) == 3

@@ -47,9 +47,9 @@ def _first_s(times_s: Iterable[float | None]) -> float | None:
 
 def seen_in(result: Result) -> Seen:
     """The effects of a run."""
-    trace, truth = result.trace, result.judging.truth
-    end_s = trace.times_s(truth)
-    speed_mps = trace.values(truth, "TrueSpeed") if trace.has(truth, "TrueSpeed") else end_s[:0]
+    trace, truth = result.trace, result.scenario.installed_system.truth
+    end_s = trace.times_s(result.judging.truth)
+    speed_mps = trace.values(truth.port, truth.speed) if truth and trace.has(truth.port, truth.speed) else end_s[:0]
     return Seen(
         begun_s=_first_s(one.begun_s for one in result.faults),
         effective_s=_first_s(one.effect_s for one in result.faults),

@@ -84,7 +84,7 @@ class _Found(NamedTuple):
 def _coupled(case: Case, seed: int) -> _Found:
     """One run without arrays."""
     run = run_coupled(case, [seed])
-    return _Found(run.scores[0], {name: int(getattr(run, name)[0]) for name in _KINDS}, run.notch_digest[0])
+    return _Found(run.scores[0], {name: int(getattr(run, name)[0]) for name in _KINDS}, run.digest[0])
 
 
 def one_by_one(scenario: Any) -> str:

@@ -166,10 +166,10 @@ def test_what_is_left_over_is_the_survey() -> None:
 def test_handover_without_a_bump() -> None:
     """Until the handover the notches are those without an end phase; at it they differ by less than a tenth."""
     with_it, without = forty(LAW), forty(LAW, handover_kmh=0.0)
-    assert with_it.notch_codes is not None
-    assert without.notch_codes is not None
+    assert with_it.commands is not None
+    assert without.commands is not None
     first = next(k for k, constant in enumerate(TABLE.ending) if constant.raw)
-    for mine, usual in zip(with_it.notch_codes, without.notch_codes, strict=True):
+    for mine, usual in zip(with_it.commands, without.commands, strict=True):
         assert np.array_equal(mine[:first], usual[:first])
         assert abs(int(mine[first]) - int(usual[first])) < 0.1 * 256
 

@@ -149,4 +149,6 @@ def test_what_the_age_demands_is_named_first() -> None:
 def test_a_run_that_stops_in_time_never_meets_its_end(law: str) -> None:
     run = direct_run(with_watch(end_of_authority=True), RunSpec(law=LawSpec(law), seed=3, perturbed=True))
     assert not any("emergency" in failure for failure in run.score.failures)
-    assert run.notches == direct_run(SCENARIO, RunSpec(law=LawSpec(law), seed=3, perturbed=True)).notches
+    assert run.commands("notch") == direct_run(SCENARIO, RunSpec(law=LawSpec(law), seed=3, perturbed=True)).commands(
+        "notch"
+    )

@@ -127,11 +127,11 @@ def test_the_compiled_loop_is_what_the_interpreter_makes_of_it(short, tmp_path):
         f"short = load({str(tmp_path / 'quick.toml')!r});"
         "laws = [LawSpec('ipfc', 'float64', indexing) for indexing in ('time', 'distance')];"
         "runs = [run_batch(Case(short, law), [3]) for law in laws];"
-        "print([(run.notch_digest, run.scores) for run in runs])"
+        "print([(run.digest, run.scores) for run in runs])"
     )
     environment = {**os.environ, "NUMBA_DISABLE_JIT": "1"}
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=environment, check=True)
-    assert done.stdout.strip() == str([(run.notch_digest, run.scores) for run in here])
+    assert done.stdout.strip() == str([(run.digest, run.scores) for run in here])
 
 
 @pytest.mark.slow
@@ -180,9 +180,9 @@ def test_a_batch_is_what_a_run_through_the_telegrams_is(short, tmp_path, arithme
     run = local_run(
         short, tmp_path, RunSpec(law=LawSpec(arithmetic=arithmetic, indexing="distance"), seed=5, perturbed=True)
     )
-    assert batch.notch_digest[0] == trace_digest(short, run.trace)
+    assert batch.digest[0] == trace_digest(short, run.trace)
     assert batch.scores[0] == run.score
-    assert np.array_equal(np.repeat(batch.notch_codes[0], 25)[: len(run.notches)], run.notches)
+    assert np.array_equal(np.repeat(batch.commands[0], 25)[: len(run.commands("notch"))], run.commands("notch"))
 
 
 def test_runs_do_not_depend_on_their_company(short):
@@ -192,10 +192,10 @@ def test_runs_do_not_depend_on_their_company(short):
     whole = run_batch(case, seeds)
     parts = run_batch(case, seeds, chunk=2)
     assert whole.scores == parts.scores
-    assert whole.notch_digest == parts.notch_digest
+    assert whole.digest == parts.digest
     assert whole.seed.tolist() == seeds
     assert whole.scores[1] == whole.scores[5]
-    assert len(set(whole.notch_digest)) == 6
+    assert len(set(whole.digest)) == 6
     single = run_batch(case, [11])
     assert single.scores[0] == whole.scores[3]
 
@@ -207,7 +207,7 @@ def test_trains_of_two_blocks_are_what_they_are_alone(short):
     whole = run_batch(case, seeds)
     for seed in (0, LANES - 1, LANES, LANES + 1):
         single = run_batch(case, [seed])
-        assert (single.scores[0], single.notch_digest[0]) == (whole.scores[seed], whole.notch_digest[seed])
+        assert (single.scores[0], single.digest[0]) == (whole.scores[seed], whole.digest[seed])
 
 
 def test_no_seeds_give_an_empty_result(short):

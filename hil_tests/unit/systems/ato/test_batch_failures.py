@@ -123,8 +123,8 @@ def test_runs_with_an_emergency_brake_are_those_of_the_nodes(tmp_path):
     nodes = local_run(case.scenario, tmp_path, RunSpec(law=LawSpec(arithmetic="iq"), seed=21, perturbed=True))
     assert any("emergency brake at" in text for text in batch.failures[0])
     assert batch.scores[0] == nodes.score
-    assert batch.notch_digest[0] == trace_digest(case.scenario, nodes.trace)
-    assert -1792 in batch.notch_codes[0]
+    assert batch.digest[0] == trace_digest(case.scenario, nodes.trace)
+    assert -1792 in batch.commands[0]
 
 
 CONSTANT_FAULTS = (
@@ -147,10 +147,10 @@ def test_a_mismatch_from_the_start_is_computed_like_in_the_nodes(tmp_path):
     case = Case(with_faults(tmp_path, *CONSTANT_FAULTS), LawSpec(arithmetic="float64"))
     healthy = run_batch(replace(case, scenario=with_faults(tmp_path)), (1, 2))
     batch = run_batch(case, (1, 2))
-    assert set(batch.notch_digest).isdisjoint(healthy.notch_digest)
+    assert set(batch.digest).isdisjoint(healthy.digest)
     for i, seed in enumerate((1, 2)):
         nodes = unrecorded_run(case.scenario, case.run(seed))
-        assert batch.notch_digest[i] == trace_digest(case.scenario, nodes.trace)
+        assert batch.digest[i] == trace_digest(case.scenario, nodes.trace)
         assert batch.scores[i] == nodes.score
     assert len(same_as_the_bench(replace(case, perturbed=False), (3,))) == 1
 

@@ -46,10 +46,10 @@ def check(
     """The first so many runs of a batch are those of the bench, one by one; returns the result of the batch."""
     case = Case(scenario, law)
     found = run_high_speed(case, seeds)
-    assert len(set(found.notch_digest)) == len(seeds)
+    assert len(set(found.digest)) == len(seeds)
     for i, seed in enumerate(seeds[:repeated]):
         run = bench(scenario, case.run(seed))
-        assert found.notch_digest[i] == command_digest(scenario, run.trace), seed
+        assert found.digest[i] == command_digest(scenario, run.trace), seed
         assert found.scores[i] == run.score, seed
         for key, value in run.score.values.items():
             assert np.isnan(found.values[key][i]) if value is None else found.values[key][i] == value, (seed, key)
@@ -122,7 +122,7 @@ def test_a_run_in_which_a_watch_acts_is_repeated_one_by_one() -> None:
 def test_the_size_of_the_chunks_changes_nothing() -> None:
     case = Case(load_any("hst_short", ["task.duration_s=8"]), LawSpec("pid", arithmetic="float64"))
     together, apart = (run_high_speed(case, [3, 4, 5], chunk=chunk) for chunk in (3, 2))
-    assert together.notch_digest == apart.notch_digest
+    assert together.digest == apart.digest
     assert together.scores == apart.scores
 
 

@@ -199,4 +199,4 @@ def test_the_batch_of_a_campaign_is_of_first_runs() -> None:
     law = LawSpec("one_shot", arithmetic="float64")
     result = run_stops(Case(scenario, law), [3, 4])
     assert result.scores[1] == alone(scenario, RunSpec(law=law, seed=4)).score
-    assert result.notch_digest[0] == alone(scenario, RunSpec(law=law, seed=3)).digest
+    assert result.digest[0] == alone(scenario, RunSpec(law=law, seed=3)).digest

@@ -62,4 +62,4 @@ def _result(case: Case, seeds: Sequence[int], chunks: list[BatchRuns], keep_notc
 
     named = {"wraps": counts[WRAP], "saturations": counts[SATURATION], "zero_divisions": counts[DIVISION_BY_ZERO]}
     found = Batch.of(case.scenario, seeds, scores, named, [notch_digest(run) for run in codes])
-    return replace(found, notch_codes=tuple(codes) if keep_notches else None)
+    return replace(found, commands=tuple(codes) if keep_notches else None)

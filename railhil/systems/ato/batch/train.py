@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from railhil.batch import compiled
-from railhil.bus.codes import STOP_LEG_MIN_M, Event
+from railhil.bus.codes import Event
 from railhil.common.compilable import larger, smaller
 from railhil.plant_sim.ato.command_watch import (
     CommandWatchState,
@@ -28,6 +28,7 @@ from railhil.systems.ato.batch import curve
 from railhil.systems.ato.batch import lanes as at
 from railhil.systems.ato.batch.layout import READ_BALISES, READ_ODOMETER, READ_SPEED
 from railhil.systems.ato.judge.measures import error_kmh, limits_under_train, work_j
+from railhil.systems.ato.scenario.model import STOP_LEG_MIN_M
 from railhil.wire.ato import WatchLevel
 
 _COMPLETE, _NOT_STOPPED = float(Event.ENDED_COMPLETE), float(Event.ENDED_NOT_STOPPED)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from railhil.bus.codes import STOP_LEG_MIN_M, Event, ends_run
+from railhil.bus.codes import Event, ends_run
 from railhil.bus.ident import INDEXINGS, CtlIdent
 from railhil.bus.telegrams import RunEvent
 from railhil.common.digits import text_beside_limit
@@ -29,7 +29,7 @@ from railhil.systems.ato.judge.events import STATUS
 from railhil.systems.ato.judge.invariants import broken
 from railhil.systems.ato.judge.journey import Journey, stop_of
 from railhil.systems.ato.judge.measures import limits_under_train
-from railhil.systems.ato.scenario.model import Scenario
+from railhil.systems.ato.scenario.model import STOP_LEG_MIN_M, Scenario
 from railhil.wire.ato import NotchCmd, SimTruth
 
 if TYPE_CHECKING:

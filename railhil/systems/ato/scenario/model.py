@@ -16,6 +16,8 @@ from railhil.scenarios.system import OfSystem
 
 #: Longest run, by the train's own odometer.
 DISTANCE_MAX_M = 400_000.0
+#: The event STOPPED is a standstill after at least this distance.
+STOP_LEG_MIN_M = 1.0
 #: Longest time without a position.
 POSITION_AGE_MAX_MS = 1000
 
