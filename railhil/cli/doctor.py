@@ -30,7 +30,7 @@ from railhil.common.output import Output, table
 from railhil.common.streams import add_json_argument, print_json
 from railhil.dbc import wire_contract
 from railhil.live.doctor.machine import Finding, kernel_can, machine, tools
-from railhil.live.doctor.timing import lateness, scheduling
+from railhil.live.doctor.timing import measure_lateness, scheduling
 from railhil.run.node_commands import gets_pipes
 from railhil.scenarios.plant_fmu import PlantFmu
 from railhil.scenarios.run_spec import RunSpec
@@ -79,7 +79,7 @@ def facts(given: Mapping[str, Any], choice: BusChoice) -> dict[str, str]:
 
 def findings(quick: bool) -> list[Finding]:
     """All findings, in the order of printing."""
-    found = [*kernel_can(), *scheduling(), *machine(), *([] if quick else lateness()), *tools()]
+    found = [*kernel_can(), *scheduling(), *machine(), *([] if quick else measure_lateness()), *tools()]
     if "railhil" not in can.VALID_INTERFACES:
         found.append(
             Finding("hub interface", "not registered with python-can", "pip install --force-reinstall railhil")

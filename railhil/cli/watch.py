@@ -171,7 +171,7 @@ class View:
             if self._wants_lines:
                 self._lines.append(f"{count} FRAMES LOST HERE: what they said is not shown\n")
         if self.listener is not None:
-            self.listener.hole()
+            self.listener.note_loss()
 
     @property
     def heading(self) -> str:
@@ -235,7 +235,7 @@ class View:
             value = values.get(column.name)
             if value is not None:
                 style = "bold red" if column.kind == LEVEL and value > 0 else ""
-                cells.append((Text(column.label), Text(instruments.said(column, value), style)))
+                cells.append((Text(column.label), Text(instruments.describe(column, value), style)))
             elif column.name in self._told:
                 cells.append((Text(column.label), Text("silent")))
         half = -(-len(cells) // 2)

@@ -61,12 +61,12 @@ class HeardTime:
         """Take note that the handshake was heard: the run begins."""
         self.clock, self.is_known = self._clock(), True
 
-    def polled(self, data: bytes) -> None:
+    def take_poll(self, data: bytes) -> None:
         """Take a poll."""
         if data == self._pace and self._pace_ticks <= MAX_STEP:
             self.clock.polled(self._pace_ticks)
 
-    def hole(self) -> None:
+    def note_loss(self) -> None:
         """Take note that an unknown number of frames was lost: the time is unknown until TIME_SYNC gives it."""
         self.clock, self.is_known = self._clock(), False
 
@@ -77,7 +77,7 @@ class HeardTime:
             was_known, self.is_known = self.is_known, True
             return not was_known
         if self._is_believed and self.is_known and off != self.counters["time_ahead"] + self.counters["time_backward"]:
-            self.hole()
+            self.note_loss()
         return False
 
 
@@ -144,11 +144,11 @@ class Listener:
         """Simulation time of the newest frame; None: not known."""
         return self.clock.now_ns / 1e9 if self.knows_time else None
 
-    def hole(self) -> None:
+    def note_loss(self) -> None:
         """Take note that frames were lost: the last values are out of date, and the time is unknown."""
         if self.knows_time:
             self._last_ns = self.clock.now_ns
-        self._time.hole()
+        self._time.note_loss()
         self._forget()
 
     def _forget(self) -> None:
@@ -169,7 +169,7 @@ class Listener:
         for observer in self._observers:
             observer.on_frame(frame, now_ns)
         if frame.can_id == self.contract.poll_id and frame in self._own:
-            self._polled(frame.data)
+            self._take_poll(frame.data)
             return
         port = self.newest.take(self.clock.now_ns, frame)
         if port is None:
@@ -180,11 +180,11 @@ class Listener:
         for observer in self._observers:
             observer.on_telegram(port, self.clock.now_ns, data)
 
-    def _polled(self, data: bytes) -> None:
+    def _take_poll(self, data: bytes) -> None:
         port = self._polls.get(data)
         if port is None:
             return
-        self._time.polled(data)
+        self._time.take_poll(data)
         if data == self._time.handshake_poll:
             # The plant begins a run, before its first tick.
             if self.clock.running or self._last_ns >= 0:

@@ -141,7 +141,7 @@ class Instruments:
         position_m = values.get(self.shown.position)
         return None if self._ends_at_m is None or position_m is None else self._ends_at_m - position_m
 
-    def said(self, column: ShownColumn, value: float) -> str:
+    def describe(self, column: ShownColumn, value: float) -> str:
         """A value in words, or as a number with its unit."""
         if column.words:
             return column.words.get(round(value), f"{value:g}").replace("_", " ")

@@ -224,10 +224,10 @@ class LiveRun:
     def _take(self, frames: list[Frame]) -> list[str | bytes]:
         listener, receiver, messages = self.listener, self.receiver, list[str | bytes]()
         if receiver.lacks_before or receiver.lacks_within:
-            listener.hole()
+            listener.note_loss()
         listener.take(frames)
         if receiver.lacks_within:
-            listener.hole()
+            listener.note_loss()
         if listener.run != self._run:
             self._run, self._last_s, self._last = listener.run, -1.0, None
             self._history.clear()

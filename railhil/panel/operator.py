@@ -103,7 +103,7 @@ def list_fault_kinds(texts: Iterable[str]) -> list[dict[str, Any]]:
     from railhil.faults.notation import UNITS, number_text, place_text, value_text
     from railhil.faults.operator_values import parameters_of
 
-    def shown(fault: Fault, one: Parameter) -> dict[str, Any]:
+    def describe(fault: Fault, one: Parameter) -> dict[str, Any]:
         is_name = one.unit == NAME
         limits = [number_text(limit, one.unit) if isfinite(limit) else "" for limit in (one.low, one.high)]
         return {
@@ -126,7 +126,7 @@ def list_fault_kinds(texts: Iterable[str]) -> list[dict[str, Any]]:
         tail += [f"after {fault.after}"] if fault.after else []
         tail += [f"units {','.join(map(str, fault.units))}"] if fault.units else []
         name = f"{place_text(fault.place)} {fault.what}"
-        parameters = [shown(fault, one) for one in parameters_of(fault)]
+        parameters = [describe(fault, one) for one in parameters_of(fault)]
         fixed = " ".join(tail)
         kind = {"name": name, "tail": fixed, "parameters": parameters}
         found.setdefault((name, fixed, " ".join(names)), kind)

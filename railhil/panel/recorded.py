@@ -262,25 +262,25 @@ def merge_layouts(layouts: Sequence[Layout]) -> Layout:
         columns += [column for column in layout.columns if column.name not in names]
     place = {column.name: at for at, column in enumerate(columns)}
 
-    def placed(layout: Layout, at: int) -> int:
+    def find_place(layout: Layout, at: int) -> int:
         return place[layout.columns[at].name] if at >= 0 else -1
 
     charts: dict[tuple[str, str], list[int]] = {}
     for layout in layouts:
         for chart in layout.charts:
             known = charts.setdefault((chart.title, chart.unit), [])
-            known += [at for one in chart.columns if (at := placed(layout, one)) not in known]
+            known += [at for one in chart.columns if (at := find_place(layout, one)) not in known]
     first = layouts[0]
     return replace(
         first,
         columns=tuple(columns),
         charts=tuple(Chart(title, unit, tuple(places)) for (title, unit), places in charts.items()),
-        tracks=tuple(dict.fromkeys(placed(layout, at) for layout in layouts for at in layout.tracks)),
-        lamps=tuple(replace(lamp, column=placed(first, lamp.column)) for lamp in first.lamps),
-        speed=placed(first, first.speed),
-        target=placed(first, first.target),
-        position=placed(first, first.position),
-        command=placed(first, first.command),
+        tracks=tuple(dict.fromkeys(find_place(layout, at) for layout in layouts for at in layout.tracks)),
+        lamps=tuple(replace(lamp, column=find_place(first, lamp.column)) for lamp in first.lamps),
+        speed=find_place(first, first.speed),
+        target=find_place(first, first.target),
+        position=find_place(first, first.position),
+        command=find_place(first, first.command),
     )
 
 

@@ -20,17 +20,17 @@ from railhil.judge.jitter import Jitter
 from railhil.live.doctor import timing
 from railhil.live.doctor.machine import (
     Finding,
-    below,
     can_interfaces,
     clock,
-    cores,
     docker,
-    governor,
+    inspect_cores,
+    inspect_governor,
+    inspect_host,
     interface,
     join_names,
     kernel_can,
+    list_serial_ports,
     run_tool,
-    serial_ports,
     virtual_machine,
 )
 
@@ -183,19 +183,19 @@ def test_processors(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     put(tmp_path, {"sys/devices/system/cpu/isolated": "2-3\n"})
     monkeypatch.setattr("os.cpu_count", lambda: 8)
     monkeypatch.setattr("os.sched_getaffinity", lambda _: {2, 3})
-    assert cores(tmp_path) == Finding("processors", "2 of 8 may be used, isolated: 2-3")
+    assert inspect_cores(tmp_path) == Finding("processors", "2 of 8 may be used, isolated: 2-3")
     monkeypatch.setattr("os.sched_getaffinity", lambda _: {2})
-    assert cores(tmp_path).advice.startswith("two or more")
+    assert inspect_cores(tmp_path).advice.startswith("two or more")
 
 
 def test_governor(tmp_path: Path) -> None:
-    assert governor(tmp_path) == []
+    assert inspect_governor(tmp_path) == []
     path = "sys/devices/system/cpu/cpu{}/cpufreq/scaling_governor"
     put(tmp_path, {path.format(0): "performance\n"})
-    assert governor(tmp_path) == [Finding("frequency", "governor performance")]
+    assert inspect_governor(tmp_path) == [Finding("frequency", "governor performance")]
     put(tmp_path, {path.format(1): "powersave\n"})
     advice = "sudo cpupower frequency-set -g performance"
-    assert governor(tmp_path) == [Finding("frequency", "governor performance, powersave", advice)]
+    assert inspect_governor(tmp_path) == [Finding("frequency", "governor performance, powersave", advice)]
 
 
 @pytest.mark.parametrize(
@@ -208,7 +208,7 @@ def test_governor(tmp_path: Path) -> None:
     ],
 )
 def test_what_is_below(tmp_path: Path, files: dict[str, str], subjects: list[str]) -> None:
-    assert [finding.subject for finding in below(put(tmp_path, files))] == subjects
+    assert [finding.subject for finding in inspect_host(put(tmp_path, files))] == subjects
 
 
 # -- lateness, tools --------------------------------------------------------------------------------------------------
@@ -238,9 +238,9 @@ def test_lateness_is_measured() -> None:
 
 
 def test_serial_ports(tmp_path: Path) -> None:
-    assert serial_ports(tmp_path)[0].found.startswith("none ")
+    assert list_serial_ports(tmp_path)[0].found.startswith("none ")
     put(tmp_path, {f"dev/ttyACM{number}": "" for number in range(6)})
-    found = serial_ports(tmp_path)[0].found
+    found = list_serial_ports(tmp_path)[0].found
     assert found == "/dev/ttyACM0, /dev/ttyACM1, /dev/ttyACM2, /dev/ttyACM3 and 2 more (`-i slcan -c PORT -b 500000`)"
     assert join_names(["a"]) == "a"
 

@@ -64,7 +64,7 @@ _CLOCK = "sys/devices/system/clocksource/clocksource0"
 
 def machine(root: Path = Path("/")) -> list[Finding]:
     """Clock, processors, frequency, virtualisation."""
-    return [clock(root), cores(root), *governor(root), *below(root)]
+    return [clock(root), inspect_cores(root), *inspect_governor(root), *inspect_host(root)]
 
 
 def clock(root: Path, read_ns: int | None = None) -> Finding:
@@ -93,7 +93,7 @@ def _read_ns() -> int:
     return min(after - before for before, after in itertools.pairwise(looks))
 
 
-def cores(root: Path) -> Finding:
+def inspect_cores(root: Path) -> Finding:
     """Processors that this process may use."""
     allowed, present = sorted(os.sched_getaffinity(0)), os.cpu_count() or 1
     isolated = read_text(root / "sys/devices/system/cpu/isolated")
@@ -104,7 +104,7 @@ def cores(root: Path) -> Finding:
     return Finding("processors", words)
 
 
-def governor(root: Path) -> list[Finding]:
+def inspect_governor(root: Path) -> list[Finding]:
     """Frequency scaling; nothing if the machine does not report it."""
     paths = root.glob("sys/devices/system/cpu/cpu[0-9]*/cpufreq/scaling_governor")
     found = sorted({read_text(path) for path in paths} - {""})
@@ -119,7 +119,7 @@ def is_virtual(root: Path) -> bool:
     return "hypervisor" in read_text(root / "proc/cpuinfo")
 
 
-def below(root: Path) -> list[Finding]:
+def inspect_host(root: Path) -> list[Finding]:
     """Virtual machine and container."""
     found = []
     if is_virtual(root):
@@ -141,10 +141,10 @@ _SYSTEM_PATH = "/usr/local/sbin:/usr/sbin:/sbin"
 
 def tools(root: Path = Path("/")) -> list[Finding]:
     """Serial ports, virtual machine, Docker."""
-    return [*serial_ports(root), virtual_machine(), docker()]
+    return [*list_serial_ports(root), virtual_machine(), docker()]
 
 
-def serial_ports(root: Path) -> list[Finding]:
+def list_serial_ports(root: Path) -> list[Finding]:
     """Serial ports on which an slcan adapter may be."""
     patterns = ("dev/ttyACM*", "dev/ttyUSB*")
     ports = sorted(path for pattern in patterns for path in root.glob(pattern))

@@ -101,7 +101,7 @@ _VIRTUAL = "most likely stopped by the host: give the virtual machine whole proc
 _REAL = "a driver, another realtime process or the firmware (SMI): a PREEMPT_RT kernel, `hwlatdetect`, power saving off"
 
 
-def lateness() -> list[Finding]:
+def measure_lateness() -> list[Finding]:
     """Measure for 2 s with normal scheduling, and for 2 s more with SCHED_FIFO if permitted."""
     priorities = [0, NODE_PRIORITY] if permitted_priority()[0] else [0]
     virtual = is_virtual(Path("/"))

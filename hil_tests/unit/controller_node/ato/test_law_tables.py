@@ -111,7 +111,7 @@ def test_names_are_places() -> None:
 @pytest.mark.parametrize(
     ("spoil", "words"),
     [
-        (lambda all_: all_[1:], ("number", "nothing")),
+        (lambda all_: all_[1:], ("number", "missing")),
         (lambda all_: [*all_, replace(all_[0], name="other")], ("other", "no constant of this law")),
         (lambda all_: [*all_, all_[0]], ("number", "a second time")),
         (lambda all_: [*all_[:3], *all_[4:]], ("matrix[0][0]", r"matrix\[0\]\[1\]")),
