@@ -20,10 +20,10 @@ from hil_tests.support.toy_system import install, railhil
 from hil_tests.support.warm import run_module
 from railhil import cli
 from railhil.dbc import house_contract, system_contract
-from railhil.scenarios.keys import USUAL
 from railhil.scenarios.load import load
 from railhil.scenarios.parameters import load_parameters
-from railhil.scenarios.reference import file_type, keys
+from railhil.scenarios.system import system_named
+from railhil.systems.ato.scenario.keys import USUAL
 
 #: The longest name that is allowed.
 LONG = "a_law_whose_name_is_as_long_as_it_may_be"
@@ -197,7 +197,7 @@ def test_a_scenario_with_all_its_keys_is_the_one_that_it_builds_upon(here, tmp_p
 def test_a_scenario_explains_its_keys_as_the_reference_does(here, tmp_path):
     here("new", "scenario", "myrun")
     lines = (tmp_path / "myrun.toml").read_text(encoding="utf-8").splitlines()
-    known = {key.name: key for key in keys(file_type())}
+    known = {key.name: key for key in system_named("ato").scenario_kind.list_keys()}
     assert set(USUAL) <= known.keys()
     place = lines.index("#control_period_ms = 500")
     key = known["timing.control_period_ms"]

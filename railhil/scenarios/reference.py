@@ -6,14 +6,13 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from pydantic import BaseModel
 
-from railhil.scenarios.keys import MEANING
 from railhil.scenarios.system import DEFAULT, system_named
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "scenario_keys.md"
@@ -27,8 +26,20 @@ the file or by a file that it is based on.
 """
 _NUMBERS = {"number": "number", "integer": "whole number", "string": "text", "boolean": "true or false"}
 
-#: Keys with the ending of a length that are no lengths.
-_PURE = ("energy.xi_m",)
+#: Meaning of the keys of every system, by dotted key; ``[]`` stands for the rows of an array of tables.
+_MEANING = {
+    "schema_version": "version of this format",
+    "system": "kind of train and task, an installed one (railhil.systems)",
+    "name": "name of the run in folders, logs and tables",
+    "title": "title of the run in tables and reports",
+    "assumptions": "sentences about values that are chosen rather than published or measured",
+    "timing.base_tick_ms": "tick of plant and bus",
+    "timing.control_period_ms": "period of the law",
+    "timing.loop_delay_s": "delay from the command to the actuator's response; at most 0.3 s and one control period",
+    "timing.port_period_ms": "periods of ports by name, replacing those of the port table: whole multiples of the tick",
+    "fault": "faults to inject (faults.md): tables [[fault]] or texts",
+    "published[].controller": "law of a published row, by its name in railhil",
+}
 #: Ending of a key and its unit, longer endings first.
 _UNITS = {
     "n_per_kn_kmh2": "N/kN/(km/h)²",
@@ -70,15 +81,20 @@ class Key:
     initial: object = None
 
 
-def keys(file_type: type[BaseModel]) -> list[Key]:
+def keys(
+    file_type: type[BaseModel], meaning: Mapping[str, str] | None = None, unitless: Collection[str] = ()
+) -> list[Key]:
     """All keys in the order of the schema, each once.
 
     :param file_type: schema of a system's files; the meaning of its own keys is their ``Field(description=...)``.
+    :param meaning: of its keys without a description.
+    :param unitless: keys whose last letters are those of a unit, but without one.
     """
-    schema = file_type.model_json_schema()
+    schema, meanings = file_type.model_json_schema(), _MEANING | dict(meaning or {})
     found: dict[str, Key] = {}
     for key in _table(schema, schema, ""):
-        found.setdefault(key.name, key)
+        unit = "-" if key.name in unitless else key.unit
+        found.setdefault(key.name, replace(key, unit=unit, meaning=key.meaning or meanings.get(key.name, "")))
     return list(found.values())
 
 
@@ -90,7 +106,7 @@ def file_type() -> type[BaseModel]:
 def page() -> str:
     """The whole page."""
     sections: dict[str, list[Key]] = {}
-    for key in keys(file_type()):
+    for key in system_named(DEFAULT).scenario_kind.list_keys():
         section = key.name.partition(".")[0] if "." in key.name else ""
         sections.setdefault(section, []).append(key)
     text = _HEAD
@@ -115,8 +131,8 @@ def _table(root: Schema, table: Schema, above: str) -> Iterator[Key]:
                 yield from _table(root, {**inner, "required": ()} if kind else inner, f"{key}{rows}.")
             continue
         default = "required" if name in required else _format_default(node.get("default"))
-        meaning = node["description"] if "description" in node else MEANING.get(key, "")
-        yield Key(key, _unit(key), default, _describe_allowed(node), meaning, node.get("default"))
+        allowed, meaning = _describe_allowed(node), node.get("description", "")
+        yield Key(key, _unit(key), default, allowed, meaning, node.get("default"))
 
 
 def _tables(root: Schema, node: Schema) -> Iterator[Schema]:
@@ -130,7 +146,7 @@ def _tables(root: Schema, node: Schema) -> Iterator[Schema]:
 def _unit(key: str) -> str:
     """Unit at the end of a key, or both units as in ``force_n_per_mps``; ``-`` for none."""
     ending = _find_ending(key)
-    if not ending or key in _PURE:
+    if not ending:
         return "-"
     unit, stem = _UNITS[ending], key.removesuffix(f"_{ending}")
     if not stem.endswith("_per"):

@@ -57,6 +57,9 @@ class ScenarioKind(Protocol):
     def file_type(self) -> type[BaseModel]:
         """The schema of its files."""
 
+    def list_keys(self) -> list[Key]:
+        """All keys of its files, in the order of the schema."""
+
     def usual_keys(self) -> list[Key]:
         """The keys that a file based on another one changes most often, section by section."""
 
@@ -265,7 +268,10 @@ class TaskScenarios:
     def judged_sha256(self, scenario: Any) -> str:
         return text_sha256(self._select_used(scenario, judging=True))
 
+    def list_keys(self) -> list[Key]:
+        return keys(self.file_type)
+
     def usual_keys(self) -> list[Key]:
         """All keys of the task, and the two periods."""
         periods = ("timing.base_tick_ms", "timing.control_period_ms")
-        return [key for key in keys(self.file_type) if key.name.startswith("task.") or key.name in periods]
+        return [key for key in self.list_keys() if key.name.startswith("task.") or key.name in periods]

@@ -51,7 +51,7 @@ def test_no_other_module_knows_a_score_by_its_name() -> None:
         "systems/ato/judge/criteria.py",
         "systems/ato/batch/engine.py",
         "systems/ato/scenario/schema.py",
-        "scenarios/keys.py",
+        "systems/ato/scenario/keys.py",
         "reproduce/ipfc.py",
     }
     name = re.compile(r"[\"'.](itae|energy_kj|punctuality_s|comfort)(?![\w(])")

@@ -18,12 +18,13 @@ from hil_tests.support.paths import ROOT
 from railhil.common.errors import InputError
 from railhil.scenarios import streams
 from railhil.scenarios.json_schema import scenario_json_schema
-from railhil.scenarios.keys import MEANING
 from railhil.scenarios.layers import DATA, Layers
 from railhil.scenarios.load import RUNS, load, load_any, names
 from railhil.scenarios.profiles import MeanGrade, find_lowest, profile_value
-from railhil.scenarios.reference import PAGE, file_type, keys, page
+from railhil.scenarios.reference import PAGE, page
+from railhil.scenarios.system import system_named
 from railhil.systems.ato.scenario.canonical import canonical_json, scenario_sha256
+from railhil.systems.ato.scenario.keys import MEANING
 from railhil.systems.ato.scenario.model import Line, Perturbations, Scenario, Uniform
 from railhil.systems.ato.scenario.perturb import perturb
 
@@ -346,8 +347,9 @@ def test_a_watch_is_weaker_when_a_limit_is_above_the_usual_one(tmp_path: Path) -
 
 def test_the_reference_of_all_keys_is_current_and_whole() -> None:
     assert PAGE.read_text(encoding="utf-8") == page(), "python -m railhil.scenarios.reference writes it"
-    assert {key.name for key in keys(file_type())} == set(MEANING)
-    by_name = {key.name: key for key in keys(file_type())}
+    by_name = {key.name: key for key in system_named("ato").scenario_kind.list_keys()}
+    assert all(key.meaning for key in by_name.values())
+    assert set(MEANING) <= set(by_name)
     assert (by_name["plan.distance_m"].unit, by_name["plan.distance_m"].allowed) == ("m", "number above 0 to 400000")
     assert (by_name["timing.loop_delay_s"].unit, by_name["timing.loop_delay_s"].default) == ("s", "0.04")
     # Every key of every shipped scenario is one of them.

@@ -15,11 +15,11 @@ from typing import TYPE_CHECKING, Any
 from pydantic import BaseModel, TypeAdapter, ValidationError
 
 from railhil.common.errors import InputError, Words
-from railhil.scenarios.keys import USUAL
 from railhil.scenarios.layers import Layers, faults_of_rows
 from railhil.scenarios.model import PublishedScore
 from railhil.scenarios.system import System
 from railhil.systems.ato.scenario.canonical import judged_sha256, scenario_sha256
+from railhil.systems.ato.scenario.keys import MEANING, UNITLESS, USUAL
 from railhil.systems.ato.scenario.model import Scenario
 
 if TYPE_CHECKING:
@@ -52,10 +52,13 @@ class TrainScenarios:
     def judged_sha256(self, scenario: Scenario) -> str:
         return judged_sha256(scenario)
 
-    def usual_keys(self) -> list[Key]:
+    def list_keys(self) -> list[Key]:
         from railhil.scenarios.reference import keys
 
-        return [key for key in keys(self.file_type) if key.name in USUAL]
+        return keys(self.file_type, MEANING, UNITLESS)
+
+    def usual_keys(self) -> list[Key]:
+        return [key for key in self.list_keys() if key.name in USUAL]
 
     @property
     def file_type(self) -> type[BaseModel]:

@@ -131,7 +131,7 @@ class WatchLimits:
     """Limits of both watches: age of the last accepted telegram at which each level is entered, and the other checks.
 
     The defaults are those of the shipped scenarios; a watch with a higher limit, or a lower share of the brake, is
-    weaker. The documentation of the keys is in :mod:`railhil.scenarios.keys`.
+    weaker. The documentation of the keys is in :mod:`railhil.systems.ato.scenario.keys`.
     """
 
     hold_ms: int = 20

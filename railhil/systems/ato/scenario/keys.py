@@ -1,14 +1,10 @@
-"""The meaning of each key of a scenario file; :mod:`railhil.scenarios.reference` adds unit, range and default."""
+"""Meaning of the keys of ``ato``'s scenario files; :mod:`railhil.scenarios.reference` adds unit, range and default."""
 
 from __future__ import annotations
 
 #: By dotted key; ``[]`` stands for the rows of an array of tables.
 MEANING = {
-    "schema_version": "version of this format",
     "system": "kind of train and task, an installed one (railhil.systems); this page describes ato",
-    "name": "name of the run in folders, logs and tables",
-    "title": "title of the run in tables and reports",
-    "assumptions": "sentences about values that are chosen rather than published or measured",
     "train.name": "name of the train in reports",
     "train.mass_t": "mass with its load",
     "train.rotating_mass_factor": "rotating mass as a share of the mass; alternative to inertial_mass_t",
@@ -63,10 +59,6 @@ MEANING = {
     "plan.stop_error_max_m": "limit of the stop error, either side; a larger one is a FAIL",
     "plan.time_error_max_s": "limit of the time error, early or late",
     "plan.overtime_max_s": "time after the timetable's end at which a run that has not stopped is ended",
-    "timing.base_tick_ms": "tick of plant and bus",
-    "timing.control_period_ms": "period of the law",
-    "timing.loop_delay_s": "delay from the command to the actuator's response; at most 0.3 s and one control period",
-    "timing.port_period_ms": "periods of ports by name, replacing those of the port table: whole multiples of the tick",
     "sensors.speed_lsb_kmh": "resolution of the axle speed",
     "sensors.speed_noise_sigma_kmh": "standard deviation of its noise",
     "sensors.odometer_lsb_m": "resolution of the odometer",
@@ -108,14 +100,14 @@ MEANING = {
     "perturbations.loop_delay_s": "loop delay",
     "perturbations.wheel_factor": "sensors.wheel_factor",
     "perturbations.balise_position_error_m": "offset of each balise from its surveyed position",
-    "fault": "faults to inject (faults.md): tables [[fault]] or texts",
-    "published[].controller": "law of a published row, by its name in railhil",
     "published[].itae": "its ITAE, as published",
     "published[].energy_kj": "its energy",
     "published[].punctuality_s": "its time error, without sign",
     "published[].stop_error_m": "its stop error, without sign",
     "published[].comfort": "its comfort",
 }
+#: Keys with the ending of a length that are no lengths.
+UNITLESS = ("energy.xi_m",)
 #: The keys that a scenario based on another one changes most often; ``railhil new scenario`` writes them.
 USUAL = (
     "train.mass_t",
