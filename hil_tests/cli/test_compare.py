@@ -230,7 +230,7 @@ def test_an_interrupted_comparison_keeps_what_was_recorded(place: Path) -> None:
         (("--laws", "ipfc,pid"), "--laws: found 'pid', allowed "),
         (("--laws", "ipfc,ipfc"), "allowed each law once"),
         (("--laws", "twin", "--parameters", "tuned.toml"), "law: found 'ipfc', allowed a law that is compared: twin"),
-        (("--both",), "--both: no parameter file"),
+        (("--both",), "--both: used only with --parameters"),
         (("--parameters", "tuned.toml", "--parameters", "tuned.toml"), "allowed one parameter file per law"),
         (("--parameters", "gone.toml"), "gone.toml"),
         (

@@ -17,7 +17,7 @@ from railhil.cli.progress import Progress
 from railhil.cli.result_printer import assumption_lines, print_scores, print_verdict, print_watch
 from railhil.cli.run import add_arguments, law_names, run_spec, run_system
 from railhil.common.digits import count_of
-from railhil.common.errors import InputError, Words
+from railhil.common.errors import InputError, Sentence
 from railhil.common.output import Output
 from railhil.common.streams import add_json_argument, print_json
 from railhil.judge.record import Record
@@ -79,7 +79,7 @@ def _parameter_sets(namespace: argparse.Namespace, laws: Sequence[str]) -> dict[
             )
         found[given.law] = given
     if namespace.both and not found:
-        raise InputError("command line", "--both", Words("no parameter file"), "--parameters FILE beside it")
+        raise InputError("command line", "--both", namespace.both, Sentence("used only with --parameters FILE"))
     return found
 
 

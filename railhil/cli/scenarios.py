@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 
 from railhil.cli.result_printer import print_watch
-from railhil.common.errors import InputError
+from railhil.common.errors import InputError, Sentence
 from railhil.common.output import Output, table
 from railhil.common.streams import add_json_argument, print_json
 from railhil.scenarios.load import load_any, names, short_names
@@ -40,7 +40,7 @@ def _row(scenario: AnyScenario) -> dict[str, object]:
 def work(namespace: argparse.Namespace) -> int:
     """Print the table (or JSON)."""
     if namespace.set and not namespace.scenario:
-        raise InputError("command line", "--set", namespace.set[0], "a scenario beside it")
+        raise InputError("command line", "--set", namespace.set[0], Sentence("used only with a scenario"))
     found = (
         [load_any(namespace.scenario, namespace.set)] if namespace.scenario else [load_any(name) for name in names()]
     )

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from railhil.charts.figure import Figure
 from railhil.common.command_line import OneLineParser, run_command, seed_list
-from railhil.common.errors import InputError, Words, did_you_mean
+from railhil.common.errors import InputError, Sentence, Words, did_you_mean
 from railhil.common.exit_codes import INVALID, PASS, run_guarded
 from railhil.common.extras import install_command
 from railhil.common.output import Output, table
@@ -147,12 +147,12 @@ def _work(namespace: argparse.Namespace, papers: Mapping[str, str]) -> int:
     if namespace.paper is None:
         for option in ("seeds", "out", "keep_runs", "measured", "only"):
             if getattr(namespace, option):
-                allowed = f"one of {', '.join(papers)} beside it"
+                allowed = Sentence(f"used only with a paper: one of {', '.join(papers)}")
                 raise InputError("command line", f"--{option.replace('_', '-')}", Words("no paper"), allowed)
         _list([find_paper(name, papers) for name in papers], namespace.json)
         return PASS
     if namespace.keep_runs and namespace.out is None:
-        raise InputError("command line", "--keep-runs", Words("no folder"), "--out DIR beside it")
+        raise InputError("command line", "--keep-runs", namespace.keep_runs, Sentence("used only with --out DIR"))
     return _reproduce(find_paper(namespace.paper, papers), namespace)
 
 

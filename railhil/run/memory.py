@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from railhil.common.digits import count_of
-from railhil.common.errors import InputError, describe_os_error
+from railhil.common.errors import InputError, Sentence, describe_os_error
 from railhil.common.user_files import RecordFailed, refuse_unwritable
 from railhil.record.telemetry import Kept, Learned
 from railhil.scenarios.memory import MEMORY_AFTER, MEMORY_BEFORE, MemoryRecord, next_record, write_memory
@@ -34,7 +34,9 @@ def with_memory(spec: RunSpec, folder: Path) -> RunSpec:
     if spec.memory_store is not None:
         store = MemoryStore(Path(spec.memory_store))
         if memory is not None:
-            raise InputError("run", "memory_store", str(store.path), "no other memory beside it (memory)")
+            raise InputError(
+                "run", "memory_store", str(store.path), Sentence("cannot be given with another memory (memory)")
+            )
         memory = store.read(spec.law.controller)
         with refuse_unwritable("--memory", store.path, "folder"):
             store.check_writable()

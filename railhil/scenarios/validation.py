@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
-from railhil.common.errors import InputError, Words, did_you_mean
+from railhil.common.errors import InputError, Sentence, Words, did_you_mean
 
 M = TypeVar("M", bound=BaseModel)
 Keys = tuple[str | int, ...]
@@ -55,7 +55,7 @@ def validate(table_type: type[M], data: object, origin: Callable[[Keys], str | P
             raise _describe_missing(missing, origin) from None
         raise _translate(details[0], table_type, origin, tags) from None
     for keys, value, other in _find_unused(found):
-        raise InputError(origin(keys), join_keys(keys), value, f"only beside {other}, without which nothing uses it")
+        raise InputError(origin(keys), join_keys(keys), value, Sentence(f"used only with {other}"))
     return found
 
 

@@ -7,7 +7,7 @@ import sys
 
 from railhil.batch.nodes import kernel_of, one_by_one
 from railhil.common.command_line import USUAL_SCENARIO, OneLineParser
-from railhil.common.errors import InputError
+from railhil.common.errors import InputError, Sentence
 from railhil.common.exit_codes import run_guarded
 from railhil.scenarios.options import add_option, add_options
 from railhil.sequences.one import runner_of, sequence_batch_of, through_nodes
@@ -42,7 +42,7 @@ def arguments() -> argparse.ArgumentParser:
 
 def _check_engine(namespace: argparse.Namespace) -> None:
     if namespace.jobs is not None and namespace.scheduler is not None:
-        raise InputError("command line", "--scheduler", namespace.scheduler, "one of --jobs and --scheduler")
+        raise InputError("command line", "--scheduler", namespace.scheduler, Sentence("cannot be given with --jobs"))
 
 
 def _engine(namespace: argparse.Namespace) -> tuple[str, int | None]:

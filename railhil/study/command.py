@@ -101,7 +101,7 @@ def _check_options(request: Any, namespace: argparse.Namespace, beside: str, wit
             allowed = Sentence(f"cannot be given with {option}, only with --{beside} and --draw")
             raise InputError("command line", "--verify", option, allowed)
     if namespace.resume is not None and namespace.out is not None:
-        raise InputError("command line", "--out", namespace.out, "one of --out and --resume")
+        raise InputError("command line", "--out", namespace.out, Sentence("cannot be given with --resume"))
     if namespace.shard is not None:
         if namespace.resume is None and namespace.out is None:
             allowed = Sentence("used only with --out or --resume, the folder of the shards")

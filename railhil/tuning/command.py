@@ -6,7 +6,7 @@ import argparse
 from dataclasses import dataclass, fields
 
 from railhil.common.command_line import SEED_MAX, USUAL_SCENARIO, OneLineParser, seed_list, whole_number
-from railhil.common.errors import InputError
+from railhil.common.errors import InputError, Sentence, Words
 from railhil.common.streams import add_json_argument
 from railhil.controller_node.laws import names as laws
 from railhil.scenarios.options import add_option
@@ -120,11 +120,11 @@ def check_combination(namespace: argparse.Namespace) -> None:
             "command line", "--first-seed, --runs", namespace.first_seed, f"a last seed of at most {SEED_MAX}"
         )
     if namespace.list and namespace.law is not None:
-        raise InputError("command line", "--list", namespace.law, "no law beside it")
+        raise InputError("command line", "--list", namespace.law, Sentence("cannot be given with a law"))
     if namespace.evaluate is not None:
         if namespace.out is not None:
-            raise InputError("command line", "--out", namespace.out, "no file to write beside --evaluate")
+            raise InputError("command line", "--out", namespace.out, Sentence("cannot be given with --evaluate"))
         if namespace.runs == 0:
             raise InputError("command line", "--runs", namespace.runs, "at least 1 beside --evaluate")
     elif namespace.law is None and not namespace.list:
-        raise InputError("command line", "LAW", None, f"one of {', '.join(laws())}, --evaluate FILE or --list")
+        raise InputError("command line", "LAW", Words(), f"one of {', '.join(laws())}, --evaluate FILE or --list")

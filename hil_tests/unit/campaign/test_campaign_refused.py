@@ -119,7 +119,7 @@ def test_the_request_comes_back_from_the_manifest(tmp_path):
         (["--scheduler", "tcp://127.0.0.1:9"], "--scheduler: used only with --engine dask"),
         (["--parameters", "none.toml"], "none.toml: does not exist"),
         (["--resume", "nowhere"], "nowhere/campaign.json: does not exist"),
-        (["--resume", "a", "--out", "b"], "--out: found 'b', allowed one of --out and --resume"),
+        (["--resume", "a", "--out", "b"], "--out: cannot be given with --resume"),
         (["--verify", "nowhere"], "nowhere/campaign.json: does not exist"),
         (["--verify", "x", "--out", "y"], "--verify: cannot be given with --out, only with --runs and --draw"),
         (["--verify", "x", "--json"], "--verify: cannot be given with --json, only with --runs and --draw"),

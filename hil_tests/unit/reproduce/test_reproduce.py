@@ -83,9 +83,9 @@ def test_seeds_may_be_ranges() -> None:
 
 
 def test_options_without_what_they_need(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"--out: no paper, expected one of ipfc beside it"):
+    with pytest.raises(InputError, match=r"--out: used only with a paper: one of ipfc"):
         main(["--out", str(tmp_path)], IPFC)
-    with pytest.raises(InputError, match=r"--keep-runs: no folder, expected --out DIR beside it"):
+    with pytest.raises(InputError, match=r"--keep-runs: used only with --out DIR"):
         main(["ipfc", "--keep-runs"])
     (tmp_path / "runs").mkdir()
     with pytest.raises(InputError, match=r"--keep-runs: found .*runs', allowed a folder without runs"):

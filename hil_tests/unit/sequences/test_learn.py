@@ -126,7 +126,7 @@ def test_seeds_that_the_law_was_made_on_are_refused(short: Path, monkeypatch: py
         (("--seed", "4294967295"), "--seed: last seed"),
         (
             ("--jobs", "2", "--scheduler", "tcp://127.0.0.1:1"),
-            "--scheduler: found 'tcp://127.0.0.1:1', allowed one of --jobs",
+            "--scheduler: cannot be given with --jobs",
         ),
         (("--verify", "x", "--runs", "2"), "--verify: cannot be given with --runs, only with --sequences and --draw"),
         (("--resume", "nowhere"), r"learn\.json: does not exist, expected a file of railhil learn"),

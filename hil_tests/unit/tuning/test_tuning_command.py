@@ -214,7 +214,7 @@ def test_ctrl_c_writes_the_best_so_far(
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        ([], "LAW: found None, allowed one of"),
+        ([], "LAW: missing, expected one of"),
         (["ipcf"], "did you mean ipfc?"),
         (["ipfc", "nowhere"], "nowhere"),
         (["ipfc", "--budget", "9"], "found 9, allowed 10..1000000"),
@@ -224,10 +224,10 @@ def test_ctrl_c_writes_the_best_so_far(
         (["ipfc", "--out", "."], "--out: the file . cannot be written: is a directory"),
         (["ipfc", "--indexing", "sideways"], "--indexing"),
         (["--evaluate", "none.toml"], "none.toml: does not exist"),
-        (["--evaluate", "none.toml", "--out", "x"], "no file to write beside --evaluate"),
+        (["--evaluate", "none.toml", "--out", "x"], "--out: cannot be given with --evaluate"),
         (["--evaluate", "none.toml", "--runs", "0"], "at least 1 beside --evaluate"),
         (["--evaluate", "none.toml", "--list"], "--evaluate"),
-        (["ipfc", "--list"], "no law beside it"),
+        (["ipfc", "--list"], "--list: cannot be given with a law"),
         (["pid"], "SCENARIO: found None, allowed a scenario of system emu3 or hst1"),
         (["pid", "yizhuang_stop"], "found 'pid', allowed one of ilc_stop"),
         (["one_shot", "yizhuang_stop"], "found 'one_shot', allowed a law that declares tunable parameters"),
