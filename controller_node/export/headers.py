@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from railhil.bus.ident import Role, make_ident
 from railhil.bus.lifesign import MAX_STEP
-from railhil.bus.mvb import master_word
+from railhil.bus.mvb import F_DEVICE_STATUS, master_word
 from railhil.bus.store import ASSEMBLY_NS
 from railhil.bus.telegrams import TimeSync
 from railhil.controller_node.ecan import Mailbox
@@ -65,12 +65,13 @@ def _bus(control: Control, sent: list[Port]) -> list[Define]:
     words = [(schedule.ticks(port.name), int.from_bytes(master_word(port.f_code, port.address))) for port in paced]
     pace_ticks, pace_word = min(words, default=(0, 0))
     clock = contract.clock_port.name
+    status_word = int.from_bytes(master_word(F_DEVICE_STATUS, Role.CONTROLLER))
     slow = slow_port_of(control)
     slow_ticks = 0 if slow is None else schedule.ticks(slow.name)
     return [
         Define("POLL_ID", f"UINT32_C({contract.poll_id:#x})", "master frames of the bus administrator"),
         Define("DEVICE_STATUS_ID", f"UINT32_C({contract.device_status_id:#x})"),
-        Define("DEVICE", f"UINT32_C({int(Role.CONTROLLER)})", "MVB device address"),
+        Define("DEVICE_STATUS_WORD", f"UINT32_C({status_word:#x})", "master word of this device's status"),
         Define("BASE_TICK_NS", wide(schedule.base_tick_ns)),
         Define("ASSEMBLY_NS", wide(ASSEMBLY_NS), "in which all blocks of a telegram arrive"),
         Define(

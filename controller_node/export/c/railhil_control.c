@@ -1,7 +1,7 @@
 /* Telegrams in, answers out: see railhil_control.h. */
 #include "railhil_control.h"
 
-enum { F_DEVICE_STATUS = 15, POLL_LENGTH = 3 };
+enum { POLL_LENGTH = 3 };
 
 static const char *const count_names[RAILHIL_CLOCK_OUTCOMES] = {
     "part",
@@ -75,7 +75,7 @@ static unsigned answer_poll(railhil_control_t *control, unsigned length, const u
     if (word == railhil_ports[RAILHIL_CTL_IDENT].word) {
         return answer_ident(control, answer);
     }
-    if (word == ((uint32_t)F_DEVICE_STATUS << 12 | RAILHIL_DEVICE)) {
+    if (word == RAILHIL_DEVICE_STATUS_WORD) {
         return answer_device_status(control, word, answer);
     }
     for (port = RAILHIL_SINK_COUNT; port < RAILHIL_PORT_COUNT; port++) {
