@@ -126,8 +126,8 @@ def _files(control: Control, source: Source, play: Play | None) -> dict[str, str
             ARITHMETIC=body.header,
             FLAGS=body.flags,
             LIBRARIES=body.libraries,
-            NODE_C=" ".join((*control.sources, *_SOURCES)),
-            NODE_H=" ".join((*control.headers, *_HEADERS)),
+            NODE_C=" ".join(dict.fromkeys((*control.sources, *_SOURCES))),
+            NODE_H=" ".join(dict.fromkeys((*control.headers, *_HEADERS))),
         ),
         "README.md": memory_note(control, source),
     }
