@@ -92,6 +92,7 @@ MODULES = [
     "railhil/plant_sim/ato/telegrams.py",
     "railhil/plant_sim/ato/train.py",
     "railhil/plant_sim/ato/train_checks.py",
+    "railhil/plant_sim/ato/train_watch.py",
     "railhil/plant_sim/cycle.py",
     "railhil/plant_sim/node.py",
     "railhil/plant_sim/supervision.py",

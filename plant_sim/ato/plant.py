@@ -13,17 +13,10 @@ from typing import Final, Literal
 from railhil.common.mypyc import mypyc_attr
 from railhil.plant_sim.any_plant import PlantError
 from railhil.plant_sim.ato import dynamics, force_tables
-from railhil.plant_sim.ato.command_watch import (
-    INITIAL,
-    SUSPICIONS,
-    CommandWatchState,
-    watch_brake_mps2,
-    watch_step,
-    watch_ticks,
-)
 from railhil.plant_sim.ato.dynamics import Lag, Motion, Window
 from railhil.plant_sim.ato.plant_readings import AxleSensors, PlantReadings, TrainStatus
 from railhil.plant_sim.ato.train_checks import OwnChecks
+from railhil.plant_sim.ato.train_watch import TrainWatch
 from railhil.scenarios.profiles import Profile, find_lowest, profile_value
 from railhil.systems.ato.scenario.model import STOP_LEG_MIN_M, Balise, Scenario
 from railhil.wire.ato import WatchCause, WatchLevel
@@ -64,7 +57,8 @@ PARKING_BRAKE_PERMIL: Final = 40.0
 
 # Looking up a member of an enum costs as much as a call on CPython 3.11, and these are needed in every tick.
 _NOTHING: Final = WatchCause.NONE
-_NO_DEMAND: Final = WatchLevel.NORMAL
+_OVERSPEED: Final = WatchCause.OVERSPEED
+_SAFETY_LOOP: Final = WatchCause.SAFETY_LOOP
 _TRACTION_CUT: Final = WatchLevel.TRACTION_CUT
 _EMERGENCY: Final = WatchLevel.EMERGENCY
 
@@ -102,20 +96,14 @@ class Plant(PlantReadings):
         self._staged_code = 0
         self._acting_code = 0
 
-        self._limits = watch_ticks(scenario.watch, timing.base_tick_ns)
         self._overspeed_margin_mps = scenario.watch.overspeed_margin_mps
-        self._watch = INITIAL
+        self._watch = TrainWatch(scenario.watch, timing.base_tick_ns, train.service_braking_mps2)
         #: Cause of the present level of the watch.
-        self.watch_cause = WatchCause.NO_COMMAND
-        self._watch_brake_mps2 = train.service_braking_mps2
-        self._accepted = False
-        self._suspicion = WatchCause.NONE
-        self._emergency_commanded = False
+        self.watch_cause = self._watch.cause
         self._own_checks = OwnChecks(scenario, self._constants)
         self._look_ticks = self._own_checks.every_ticks
-        self._own = WatchCause.NONE
         self._parking_brake_n = train.mass_kg * train.gravity_mps2 * PARKING_BRAKE_PERMIL / 1000
-        self._window = Window(False, self._watch_brake_mps2 * train.inertial_mass_kg)
+        self._window = Window(False, train.service_braking_mps2 * train.inertial_mass_kg)
         self._applied_of: tuple[Motion, Window] | tuple[None, None] = (None, None)
         self._applied = 0.0
         self._front_limit = find_lowest(scenario.line.speed_limit_mps, train.length_m, train.speed_limit_mps)
@@ -136,17 +124,14 @@ class Plant(PlantReadings):
         tick's instant. ``emergency`` is latched and acts from the current instant on.
         """
         code = min(max(notch_code, -self._notch_max_code), self._notch_max_code)
-        self._accepted = True
-        if emergency:
-            self._emergency_commanded = True
+        self._watch.command(emergency)
         if code != self._staged_code:
             self._staged_code = code
             self._staged.append((self.tick + self._delay_ticks, code))
 
     def suspect(self, cause: WatchCause) -> None:
         """Take the gate's finding in a NOTCH_CMD of the current tick; the strongest of several counts."""
-        if SUSPICIONS[cause] > SUSPICIONS[self._suspicion]:
-            self._suspicion = cause
+        self._watch.suspect(cause)
 
     # -- time -----------------------------------------------------------------------------------------------------
 
@@ -185,51 +170,30 @@ class Plant(PlantReadings):
         if position_m >= self._limit_to_m:
             self._limit_mps, self._limit_to_m = _limit_from(self._front_limit, position_m)
         moving = speed_mps > 0.0
-        status = self.status
-        before = self._watch
-        own = _NOTHING
+        status, watch = self.status, self._watch
+        emergency: WatchCause = _NOTHING
         if self.tick % self._look_ticks == 0:
-            own = self._own_checks.finding(self.tick, self._acting_code, self._motion, self._window.brake_min_n)
-        self._own = own
-        emergency = (
-            self._emergency_commanded
-            or not status.safety_loop_closed
-            or speed_mps > self._limit_mps + self._overspeed_margin_mps
-            or own is not _NOTHING
-        )
-        suspicion = self._suspicion
-        watch = watch_step(
-            self._limits,
-            before,
-            self._accepted,
-            SUSPICIONS[suspicion] if suspicion else _NO_DEMAND,
-            moving,
-            speed_mps < self._limit_mps,
-            emergency,
-        )
-        self._watch = watch
-        self._accepted = False
-        if watch.level != before.level:
-            self.watch_cause = self._cause(watch)
+            emergency = self._own_checks.finding(self.tick, self._acting_code, self._motion, self._window.brake_min_n)
+        if speed_mps > self._limit_mps + self._overspeed_margin_mps:
+            emergency = _OVERSPEED
+        if not status.safety_loop_closed:
+            emergency = _SAFETY_LOOP
+        before = watch.state.level
+        watch.step(moving, speed_mps < self._limit_mps, emergency)
+        level = watch.state.level
+        if level != before:
+            self.watch_cause = self._cause()
             self._event("watch", 0.0, position_m)
-        self._suspicion = _NOTHING
-        traction = status.traction_enabled and watch.level < _TRACTION_CUT
-        if traction and self._watch_brake_mps2 == 0.0:
+        traction = status.traction_enabled and level < _TRACTION_CUT
+        if traction and watch.brake_mps2 == 0.0:
             self._window = dynamics.FREE
             return
-        if watch.level is _EMERGENCY and before.level is not _EMERGENCY:
+        if level is _EMERGENCY and before is not _EMERGENCY:
             self._event("emergency", 0.0, position_m)
         mass_kg = self._constants.mass_kg
         applied_n = dynamics.applied_n(self._constants, self._window, self._motion)
-        self._watch_brake_mps2 = watch_brake_mps2(
-            watch.level,
-            self._watch_brake_mps2,
-            max(0.0, -applied_n / mass_kg),
-            moving,
-            self._step_s,
-            self._train.service_braking_mps2,
-        )
-        brake_min_n = self._watch_brake_mps2 * mass_kg
+        watch.brake(max(0.0, -applied_n / mass_kg), moving, self._train.service_braking_mps2)
+        brake_min_n = watch.brake_mps2 * mass_kg
         if not status.parking_brake_released:
             brake_min_n = max(brake_min_n, self._parking_brake_n)
         self._window = Window(traction, brake_min_n)
@@ -237,25 +201,9 @@ class Plant(PlantReadings):
             # The contactors are open. When they close again, traction builds up from zero.
             self._motion = self._motion._replace(actuator_n=0.0)
 
-    def _cause(self, watch: CommandWatchState) -> WatchCause:
+    def _cause(self) -> WatchCause:
         """Cause for which the watch has just entered its level."""
-        if watch.level == WatchLevel.NORMAL:
-            return WatchCause.NONE
-        if self._emergency_commanded:
-            return WatchCause.EMERGENCY_COMMAND
-        if not self.status.safety_loop_closed:
-            return WatchCause.SAFETY_LOOP
-        if self._motion.speed_mps > self._limit_mps + self._overspeed_margin_mps:
-            return WatchCause.OVERSPEED
-        if self._own is not WatchCause.NONE:
-            return self._own
-        # The age of the command is named if it demands this level, too.
-        by_age = watch.age_ticks > self._limits.service_brake or (
-            watch.age_ticks > self._limits.traction_cut and watch.level <= WatchLevel.TRACTION_CUT
-        )
-        if self._suspicion and not by_age:
-            return self._suspicion
-        return WatchCause.COMMAND_AGE
+        return self._watch.cause
 
     def _move(self, from_tick: float, ticks: float) -> None:
         """Simulate a tick or a part of it with the present notch."""

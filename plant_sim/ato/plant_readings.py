@@ -12,8 +12,8 @@ from railhil.common.compilable import compilable_functions
 from railhil.common.floats import rounded
 from railhil.common.mypyc import mypyc_attr
 from railhil.plant_sim.ato import dynamics, forces
-from railhil.plant_sim.ato.command_watch import CommandWatchState
 from railhil.plant_sim.ato.dynamics import Motion, Window
+from railhil.plant_sim.ato.train_watch import TrainWatch
 from railhil.scenarios import streams
 from railhil.scenarios.streams import key_of, normals
 from railhil.systems.ato.scenario.model import Sensors, Train
@@ -120,7 +120,7 @@ class PlantReadings:
     _step_s: float
     _motion: Motion
     _window: Window
-    _watch: CommandWatchState
+    _watch: TrainWatch
     _acting_code: int
     _sensors: AxleSensors
     #: State and window of the force that was computed last, and that force.
@@ -154,12 +154,12 @@ class PlantReadings:
     @property
     def watch_level(self) -> WatchLevel:
         """Level of the train's watch over the last tick."""
-        return self._watch.level
+        return self._watch.state.level
 
     @property
     def command_age_ms(self) -> int:
         """Age of the last accepted command, in ms."""
-        return round(self._watch.age_ticks * self._step_s * 1000)
+        return round(self._watch.state.age_ticks * self._step_s * 1000)
 
     # -- truth ----------------------------------------------------------------------------------------------------
 

@@ -9,7 +9,6 @@ from railhil.bus.codes import Event
 from railhil.bus.layout import Telegram
 from railhil.common.mypyc import mypyc_attr
 from railhil.plant_sim.any_plant import BRAKING_MAX_NS
-from railhil.plant_sim.ato.command_watch import CommandWatchState
 from railhil.plant_sim.ato.gate import NOTCH_STEP, CommandGate
 from railhil.plant_sim.ato.plant import NOTCH_LSB_PER_NOTCH, Plant
 from railhil.plant_sim.ato.safe_command import SafeCommand
@@ -84,8 +83,8 @@ class TrainOnBus(Plant):
         if gate.suspicion:
             self.suspect(gate.suspicion)
 
-    def _cause(self, watch: CommandWatchState) -> WatchCause:
-        cause = super()._cause(watch)
+    def _cause(self) -> WatchCause:
+        cause = super()._cause()
         unsafe = cause is WatchCause.COMMAND_AGE and self._safe is not None and self._safe.refuses
         return WatchCause.SAFETY_CODE if unsafe else cause
 
