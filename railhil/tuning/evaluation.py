@@ -42,6 +42,8 @@ def evaluate(case: Case, given: ParameterSet, seeds: range, allow_training_seeds
     :raises InputError: the parameters are not the law's, or were tuned on one of the seeds.
     """
     laws = [replace(case.law, parameters=each) for each in (None, given)]
+    # As on the bench: it refuses an indexing that the system does not have.
+    case.scenario.installed_system.part("controller")(case.scenario, laws[0])
     if not allow_training_seeds:
         check_unseen(case.scenario, laws[1], seeds)
     default, tuned = (run_seeds(case.scenario, law, seeds) for law in laws)

@@ -80,13 +80,17 @@ class Trials:
     """
 
     def __init__(self, scenario: AnyScenario, law: LawSpec, seeds: Sequence[int]) -> None:
-        tuning = Tuning.of(scenario.installed_system)
+        system = scenario.installed_system
+        tuning = Tuning.of(system)
+        known = replace(law, controller=tuning.reference)
+        # As on the bench: it refuses an indexing that the system does not have.
+        system.part("controller")(scenario, known)
         self._run = tuning.run_sets
         self._case = Case(scenario, law)
         self._seeds = list(seeds)
         #: Count of each reason with which the law refused parameters.
         self.refusals: Counter[str] = Counter()
-        reference = self._run(Case(scenario, replace(law, controller=tuning.reference)), [None], self._seeds)[0]
+        reference = self._run(Case(scenario, known), [None], self._seeds)[0]
         if isinstance(reference, str):
             found = Words(f"{tuning.reference}, the reference of the objective: {reference}")
             raise InputError("tune", scenario.name, found, "a scenario for which it can be made")

@@ -229,6 +229,7 @@ def test_ctrl_c_writes_the_best_so_far(
         (["--evaluate", "none.toml", "--list"], "--evaluate"),
         (["ipfc", "--list"], "--list: cannot be given with a law"),
         (["pid"], "SCENARIO: found None, allowed a scenario of system emu3 or hst1"),
+        (["pid", "hst_short", "--indexing", "distance"], "--indexing: found 'distance', allowed time with system hst1"),
         (["pid", "yizhuang_stop"], "found 'pid', allowed one of ilc_stop"),
         (["one_shot", "yizhuang_stop"], "found 'one_shot', allowed a law that declares tunable parameters"),
     ],
