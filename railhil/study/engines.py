@@ -35,7 +35,7 @@ class Engine(Protocol):
     """Applies a function to each item, in any order and in any process; for each it gives the place of the item and
     the result.
 
-    The workers start when the context is entered. If it is left with an exception, they are ended at once. An item
+    The workers start when the context is entered, and are ended at once when it is left. An item
     whose worker dies goes to another one: the function must be able to begin again. An exception of the function ends
     the results.
     """
@@ -127,12 +127,11 @@ def _pool(count: int) -> Iterator[ProcessPoolExecutor]:
                 # A process starts with the first call that it could take.
                 pool.submit(os.getpid)
         yield pool
-    except BaseException:
+    finally:
+        # Workers hold back the signal by which a broken pool would end them.
         with _held_back():
             for process in set(multiprocessing.active_children()) - others:
                 process.kill()
-        raise
-    finally:
         pool.shutdown(cancel_futures=True)
 
 

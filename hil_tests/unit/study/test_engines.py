@@ -96,6 +96,18 @@ def test_what_a_dead_worker_had_is_done_by_another(tmp_path: Path) -> None:
     assert said[0].startswith("a worker process died: what it had is run again, ")
 
 
+def test_the_other_workers_of_a_dead_one_make_room_for_new_ones() -> None:
+    """They do not end by themselves: they hold signals back."""
+    before = set(psutil.Process().children())
+    for _ in range(5):
+        with processes(2, lambda sentence: None)(square, ITEMS) as results:
+            found = [next(results)]
+            worker = (set(psutil.Process().children()) - before).pop()
+            worker.kill()
+            found += results
+        assert sorted(found) == [(item, item * item) for item in ITEMS]
+
+
 def test_workers_beside_threads_are_no_forks_of_their_locks() -> None:
     lock = threading.Lock()
     hold = threading.Event()
