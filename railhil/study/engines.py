@@ -17,7 +17,7 @@ from railhil.common.digits import count_of
 from railhil.common.errors import InputError, Words
 from railhil.common.exit_codes import INVALID, ending_signals, ignore_ending_signals
 from railhil.common.extras import need
-from railhil.common.python_process import can_fork, end_with_parent
+from railhil.common.python_process import can_fork, end_with_parent, kill_this_process
 
 T = TypeVar("T")
 R = TypeVar("R")
@@ -120,7 +120,7 @@ def _pool(count: int) -> Iterator[ProcessPoolExecutor]:
     """Processes that have been started; forked where that is safe, which saves loading all modules again."""
     others = set(multiprocessing.active_children())
     context = multiprocessing.get_context("fork" if can_fork() else "spawn")
-    pool = ProcessPoolExecutor(count, context, _be_worker)
+    pool = ProcessPoolExecutor(count, context, _be_worker, (os.getpid(),))
     try:
         with _held_back():
             for _ in range(count):
@@ -135,11 +135,14 @@ def _pool(count: int) -> Iterator[ProcessPoolExecutor]:
         pool.shutdown(cancel_futures=True)
 
 
-def _be_worker() -> None:
+def _be_worker(parent: int) -> None:
     """Leave the end to the command: Ctrl-C and ``timeout`` reach the whole group, and a worker that ended by itself
     would be a defect to the pool. If the command is killed, no other process ends its workers."""
     signal.pthread_sigmask(signal.SIG_BLOCK, ending_signals())
     end_with_parent()
+    if os.getppid() != parent:
+        # It was killed before.
+        kill_this_process()
 
 
 @contextmanager
