@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import fcntl
 import gc
 import os
 import shutil
@@ -10,7 +9,7 @@ import signal
 import sys
 import tempfile
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -19,11 +18,10 @@ from hypothesis import settings
 from hil_tests.hashes import choose
 from hil_tests.support.browser import browser
 from hil_tests.support.cli import Done, Railhil
-from hil_tests.support.recordings import recorded_folder
+from hil_tests.support.recordings import SharedRuns
 from railhil import cli
 from railhil.bench import Result, local_run
 from railhil.bus.select import vcan_available
-from railhil.judge.record import Record, checked_record
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import RunSpec
 from railhil.systems.ato.scenario.model import Scenario
@@ -34,6 +32,9 @@ collect_ignore = ["data"]
 _GARBAGE = 100_000
 #: A slow test takes as long as so many others.
 _SLOW_WEIGHT = 20
+#: A slow test may have to compile first, or wait for another process that compiles: up to half a minute of processor
+#: time. What takes so long on a busy machine is no endless loop.
+_SLOW_TIMEOUT_S = 600
 #: Cases of each test with ``long_after`` that were collected.
 _CASES = pytest.StashKey[Counter[str]]()
 
@@ -108,6 +109,8 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     if not all(shutil.which(name) for name in ("node", "npm")):
         missing["needs_node"] = "MISSING CAPABILITY node and npm"
     for item in items:
+        if item.get_closest_marker("slow") is not None and item.get_closest_marker("timeout") is None:
+            item.add_marker(pytest.mark.timeout(_SLOW_TIMEOUT_S))
         for mark, reason in missing.items():
             if item.get_closest_marker(mark) is not None:
                 item.add_marker(pytest.mark.skip(reason=reason))
@@ -145,24 +148,12 @@ def nominal(lvshun: Scenario, tmp_path_factory: pytest.TempPathFactory) -> Resul
 
 
 @pytest.fixture(scope="session")
-def published_run(lvshun: Scenario, tmp_path_factory: pytest.TempPathFactory) -> Callable[[int, str], Record]:
+def published_run(lvshun: Scenario, tmp_path_factory: pytest.TempPathFactory) -> Iterator[SharedRuns]:
     """Recorded runs of the published scenario by seed and arithmetic, each made once for all workers; read-only."""
     folder = tmp_path_factory.getbasetemp()
-    if "PYTEST_XDIST_WORKER" in os.environ:
-        folder = folder.parent
-    made: dict[tuple[int, str], Record] = {}
-
-    def record_of(seed: int, arithmetic: str) -> Record:
-        if (seed, arithmetic) not in made:
-            place = folder / f"published-{seed}-{arithmetic}"
-            with (folder / "published.lock").open("w") as lock:
-                fcntl.flock(lock, fcntl.LOCK_EX)
-                if not place.exists():
-                    recorded_folder(lvshun, place, seed=seed, arithmetic=arithmetic)
-            made[seed, arithmetic] = checked_record(str(place), None)
-        return made[seed, arithmetic]
-
-    return record_of
+    runs = SharedRuns(lvshun, folder.parent if "PYTEST_XDIST_WORKER" in os.environ else folder)
+    yield runs
+    assert runs.changed() == [], "a test, here or in another worker, has written into a run that all tests share"
 
 
 @pytest.fixture

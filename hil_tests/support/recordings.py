@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import fcntl
 import hashlib
 import json
+import tempfile
 import xml.etree.ElementTree as ET
 from dataclasses import replace
 from pathlib import Path
@@ -13,10 +15,10 @@ from railhil.bench import local_run
 from railhil.judge.events.event import RecordedEvent
 from railhil.judge.events.telegrams import events_of
 from railhil.judge.folder import write_folder
-from railhil.judge.record import Record
+from railhil.judge.record import Record, checked_record
 from railhil.judge.score import Score
 from railhil.record.framelog import log_line, read_log
-from railhil.record.hash_list import write_hash_list
+from railhil.record.hash_list import changed_files, listed_files, read_hash_list, write_hash_list
 from railhil.record.run_folder import write_inputs
 from railhil.record.trace import Trace
 from railhil.run.report import as_recorded
@@ -43,6 +45,40 @@ def recorded_folder(scenario: Scenario, folder: Path, *, seed: int = 0, arithmet
     )
     write_folder(result)
     return as_recorded(result)
+
+
+class SharedRuns:
+    """Recorded runs of a scenario by seed and arithmetic, each made once for all processes; read-only.
+
+    :param folder: of all processes.
+    """
+
+    def __init__(self, scenario: Scenario, folder: Path) -> None:
+        self._scenario = scenario
+        self._folder = folder
+        self._runs: dict[Path, Record] = {}
+
+    def __call__(self, seed: int, arithmetic: str) -> Record:
+        place = self._folder / f"{self._scenario.name}-{seed}-{arithmetic}"
+        if place not in self._runs:
+            with (self._folder / "recorded.lock").open("w") as lock:
+                fcntl.flock(lock, fcntl.LOCK_EX)
+                if not place.exists():
+                    # A run that is not complete, because its test failed or was ended, never has this name.
+                    made = Path(tempfile.mkdtemp(dir=self._folder)) / place.name
+                    recorded_folder(self._scenario, made, seed=seed, arithmetic=arithmetic)
+                    made.rename(place)
+            self._runs[place] = checked_record(str(place), None)
+        return self._runs[place]
+
+    def changed(self) -> list[Path]:
+        """Files of the runs used here that are new, gone or otherwise than recorded."""
+        found: list[Path] = []
+        for place in self._runs:
+            hashes = read_hash_list(place) or {}
+            names = {change.name for change in changed_files(place, hashes)} | {*listed_files(place)} - hashes.keys()
+            found += (place / name for name in sorted(names))
+        return found
 
 
 def row_of(

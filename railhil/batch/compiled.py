@@ -41,7 +41,6 @@ _DAMAGED = (EOFError, pickle.UnpicklingError, AttributeError, ImportError, Index
 
 #: Compiling is announced if it takes longer than this.
 _SAID_AFTER_S = 1.0
-_UNSAID: AbstractContextManager[None] = nullcontext()
 #: Options for functions inlined into a loop: no reference counting, no calls.
 _INLINE = {"forceinline": True, "_nrt": False}
 #: Options for functions that a loop seldom calls.
@@ -178,10 +177,23 @@ def _folder(*sources: ModuleType | str) -> tuple[Path, bool]:
 
 
 @contextmanager
+def _alone(place: Path) -> Iterator[None]:
+    """Inside ``with``, other processes that need the same machine code wait. They read it then.
+
+    :param place: file or folder that stands for it.
+    """
+    handle = os.open(place, os.O_RDONLY)
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX)
+        yield
+    finally:
+        os.close(handle)
+
+
+@contextmanager
 def _said(what: str, file: Path, kept: bool) -> Iterator[None]:
     """Inside ``with``, a text is compiled, or its machine code is read. If compiling takes longer than
-    :data:`_SAID_AFTER_S`, one line on standard error says so. Other processes that need the same machine code wait, and
-    then read it.
+    :data:`_SAID_AFTER_S`, one line on standard error says so.
 
     :param file: with the text.
     :param kept: whether the folder can be written.
@@ -190,7 +202,7 @@ def _said(what: str, file: Path, kept: bool) -> Iterator[None]:
     line = f"compiling {what} for the batch ({how_often}; up to half a minute) ..."
     with ExitStack() as held:
         if kept:
-            fcntl.flock(held.enter_context(file.open("rb")), fcntl.LOCK_EX)
+            held.enter_context(_alone(file))
         if not (kept and any(file.parent.glob(f"*/{file.stem}.*.nbi"))):
             timer = threading.Timer(_SAID_AFTER_S, Output(stderr=True).say, (line,))
             timer.daemon = True
@@ -200,11 +212,11 @@ def _said(what: str, file: Path, kept: bool) -> Iterator[None]:
 
 
 def _kept(
-    function: Callable[..., Any], folder: Path, kept: bool, said: AbstractContextManager[None] = _UNSAID
+    function: Callable[..., Any], folder: Path, kept: bool, compiling: AbstractContextManager[None]
 ) -> Callable[..., Any]:
     """A function whose machine code is in a folder, if it is ``kept``.
 
-    :param said: entered while it is compiled.
+    :param compiling: entered while it is compiled, or its machine code is read.
     """
 
     def made(kept: bool) -> Any:
@@ -223,7 +235,7 @@ def _kept(
             return kernel(*given)
         loaded = True
         _register()
-        with said:
+        with compiling:
             try:
                 return kernel(*given)
             except _DAMAGED:
@@ -245,7 +257,7 @@ def cached(*sources: ModuleType | str) -> Callable[[Callable[..., Any]], Any]:
 
     def decorate(function: Callable[..., Any]) -> Callable[..., Any]:
         FUNCTIONS.append(Kept(function.__name__, folder, kept))
-        return _kept(function, folder, kept)
+        return _kept(function, folder, kept, _alone(folder) if kept else nullcontext())
 
     return decorate
 

@@ -21,7 +21,7 @@ from railhil.bus.packing import CLASSIC_SIZE, pack_frame, unpack_frames
 from railhil.bus.telegrams import RunEvent
 from railhil.dbc import wire_contract
 from railhil.record.framelog import FrameLog, LateLines, log_line
-from railhil.record.packets import PACKED, Packets
+from railhil.record.packets import PACKED, Backlog, Packets
 from railhil.record.session import Session, make_session
 from railhil.scenarios.load import load_any
 from railhil.scenarios.run_spec import RunSpec
@@ -164,6 +164,26 @@ def test_the_end_of_an_event_is_not_left_for_later() -> None:
     both, event = Both(), TelegramSource(RunEvent.port()).frames(RunEvent(event=Event.ENDED_COMPLETE).encode())
     both.demand_the_same([*event, SUP_POLL], [len(event) - 1], settled=False)
     assert both.one.ended is Event.ENDED_COMPLETE
+
+
+@pytest.mark.parametrize("lost", range(4))
+def test_without_the_frames_from_one_of_the_clock_port_to_the_next(lost: int) -> None:
+    """Only the life sign says that they are missing: the polls that would move the time are missing too."""
+    both, frames = Both(), frames_of(list(recorded()[60:200]))
+    clocks = [at for at, frame in enumerate(frames) if frame.can_id == wire_contract().clock_port.address]
+    del frames[clocks[lost] : clocks[lost + 1]]
+    both.demand_the_same(frames, list(range(1, len(frames))))
+
+
+def test_packets_that_wait_come_with_the_places_of_polls_and_answers() -> None:
+    backlog, plain, answer = Backlog(wire_contract(), waits=True), Frame(0x123, b"\1"), Frame(0x088, bytes(8))
+    for _ in range(2):
+        backlog.hold(pack_frame(plain) * 2 + pack_frame(SUP_POLL), [answer, answer])
+        backlog.hold(pack_frame(SUP_POLL), [answer])
+        packet, answered = backlog.release()
+        assert unpack_frames(packet) == [plain, plain, SUP_POLL, answer, answer, SUP_POLL, answer]
+        assert answered == [2, 3, 4, 5, 6]
+    assert backlog.release() == (b"", [])
 
 
 def test_a_classic_frame_with_the_identifier_of_an_fd_frame_moves_no_time() -> None:

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 import pytest
 
+from hil_tests.support.recordings import SharedRuns
 from railhil.dbc import wire_contract
 from railhil.judge.record import Record
 from railhil.judge.signals import signal_table
@@ -29,7 +28,7 @@ TURN = {
 
 
 @pytest.fixture(scope="module")
-def run(published_run: Callable[[int, str], Record]) -> Record:
+def run(published_run: SharedRuns) -> Record:
     return published_run(5, "iq")
 
 

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from hil_tests.support.html import Reader
-from hil_tests.support.recordings import certified, row_of
+from hil_tests.support.recordings import SharedRuns, certified, row_of
 from hil_tests.support.scores import with_values
 from railhil.bus.transports import limits, limits_of
 from railhil.dbc import wire_contract
@@ -33,12 +33,12 @@ from railhil.wire.ato import CtlStat, NotchCmd
 
 
 @pytest.fixture(scope="module")
-def run(published_run: Callable[[int, str], Record]) -> Record:
+def run(published_run: SharedRuns) -> Record:
     return published_run(5, "iq")
 
 
 @pytest.fixture(scope="module")
-def other(published_run: Callable[[int, str], Record]) -> Record:
+def other(published_run: SharedRuns) -> Record:
     return published_run(4, "float64")
 
 

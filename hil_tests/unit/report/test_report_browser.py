@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from hil_tests.support.browser import asked
-from railhil.judge.record import Record
+from hil_tests.support.recordings import SharedRuns
 from railhil.report.page import write_report
 
 #: What the page is asked; lists name the offending texts.
@@ -44,7 +43,7 @@ _QUESTION = """
 
 
 @pytest.fixture(scope="module")
-def reports(published_run: Callable[[int, str], Record], tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+def reports(published_run: SharedRuns, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     folder = tmp_path_factory.mktemp("reports")
     runs = [published_run(5, "iq"), published_run(4, "float64")]
     # Every law with its own and with tuned parameters, names as long as they get.

@@ -111,6 +111,45 @@ def test_a_damaged_cache_is_no_harm(tmp_path):
         assert said() == ("42\n", ""), damaged
 
 
+_COMPILED = """
+import sys
+from pathlib import Path
+
+from numba.core.event import install_recorder
+
+from railhil.batch.compiled import cached
+
+
+@cached(__file__)
+def tripled(number):
+    return 3 * number
+
+
+Path(sys.argv[1]).touch()
+while not Path(sys.argv[2]).exists():
+    pass
+with install_recorder("numba:compile") as seen:
+    assert tripled(14) == 42
+print(sum(event.is_start and event.data["dispatcher"].__name__ == "tripled" for _, event in seen.buffer))
+"""
+
+
+@pytest.mark.slow
+def test_of_processes_that_need_a_function_one_compiles_it(tmp_path):
+    program = tmp_path / "program.py"
+    program.write_text(_COMPILED)
+    environment = {**os.environ, "XDG_CACHE_HOME": str(tmp_path), "NUMBA_CACHE_DIR": ""}
+    processes = [
+        subprocess.Popen(
+            [sys.executable, program, tmp_path / me, tmp_path / other], stdout=subprocess.PIPE, env=environment
+        )
+        for me, other in (("a", "b"), ("b", "a"))
+    ]
+    said = sorted(process.communicate(timeout=100)[0] for process in processes)
+    assert [process.returncode for process in processes] == [0, 0]
+    assert said == [b"0\n", b"1\n"]
+
+
 @pytest.mark.long
 @pytest.mark.slow
 def test_the_compiled_loop_is_what_the_interpreter_makes_of_it(short, tmp_path):
