@@ -120,8 +120,10 @@ def watch_step(
     if suspicion > _NORMAL:
         good = 0
     if level == _EMERGENCY or emergency:
-        # There is no stronger level. In the batch's code a level is a number, as in the last line.
-        return CommandWatchState(_EMERGENCY if level < _EMERGENCY else level, age, good)
+        # There is no stronger level. In the batch's code a level is a number, also after the assignment.
+        if level < _EMERGENCY:
+            level = _EMERGENCY
+        return CommandWatchState(level, age, good)
     if _may_leave(level, good, moving, below_limit):
         level = _NORMAL
     demanded: WatchLevel = _NORMAL
@@ -135,7 +137,9 @@ def watch_step(
             demanded = _EMERGENCY
     if suspicion > demanded:
         demanded = suspicion
-    return CommandWatchState(demanded if demanded > level else level, age, good)
+    if demanded > level:
+        level = demanded
+    return CommandWatchState(level, age, good)
 
 
 def _may_leave(level: WatchLevel, good: int, moving: bool, below_limit: bool) -> bool:

@@ -128,7 +128,8 @@ def forces_step(
         most_n = checks.share * effort_limit_n(constants.brake, speed_mps)
         wanted_n = smaller(wanted_n, most_n)
     missing = wanted_n > allowance_n and -accel_mps2 * constants.mass_kg < wanted_n - allowance_n
-    return ForceState(left_n, running, floor_n, weak + 1 if missing else 0)
+    weak = weak + 1 if missing else 0
+    return ForceState(left_n, running, floor_n, weak)
 
 
 def is_running(checks: TrainChecks, state: ForceState) -> bool:

@@ -9,7 +9,9 @@ Such a function may use positional arguments, numbers, named tuples of numbers, 
 arrays when compiled), constants of its module, and calls of other marked functions. Python's ``min`` and ``max`` and
 numpy's ``where`` and ``all`` behave differently in numba, or are not supported: use :func:`smaller`,
 :func:`larger`, :func:`chosen` and :func:`every`. ``round`` and ``bisect_right`` may be used; numpy's ``minimum`` and
-``maximum`` where the sign of a zero does not matter.
+``maximum`` where the sign of a zero does not matter. A conditional expression does not stand in the fields of a
+returned named tuple: from Python 3.12 on each of its arms is a result of its own, and numba refuses a function whose
+results have fields of several types (``int`` and ``float``, a number and a member of an enumeration).
 
 This module does not import numba, which is an extra needed only by the batch.
 """

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import ast
+import inspect
 import math
 import struct
+import textwrap
 from bisect import bisect_right
 from collections.abc import Callable
 from typing import Any
@@ -11,8 +14,18 @@ from typing import Any
 import numpy as np
 import pytest
 
-from railhil.common.compilable import compilable, compilable_aside, field_types, larger, result_type, smaller
+from railhil.common import compilable as compilable_module
+from railhil.common.compilable import (
+    compilable,
+    compilable_aside,
+    field_types,
+    interpreted,
+    larger,
+    result_type,
+    smaller,
+)
 from railhil.plant_sim.ato import dynamics, forces, plant_readings
+from railhil.scenarios.system import names, system_named
 
 numba = pytest.importorskip("numba", reason="MISSING CAPABILITY numba (extra campaign)")
 #: Equal numbers of both signs, ties, and what lies beside them.
@@ -81,3 +94,25 @@ def test_what_numba_cannot_compile_is_refused_where_it_is_marked() -> None:
         for mark in (compilable, compilable_aside):
             with pytest.raises(TypeError, match="plain function of positional arguments"):
                 mark(function)
+
+
+def _has_choice_in_fields(function: Callable[..., Any]) -> bool:
+    """Whether a returned call has a conditional expression among its arguments."""
+    tree = ast.parse(textwrap.dedent(inspect.getsource(interpreted(function).__code__)))
+    results = (node.value for node in ast.walk(tree) if isinstance(node, ast.Return))
+    return any(
+        isinstance(part, ast.IfExp)
+        for result in results
+        if isinstance(result, ast.Call)
+        for given in result.args
+        for part in ast.walk(given)
+    )
+
+
+def test_no_marked_function_chooses_a_field_where_it_returns() -> None:
+    # On Python 3.12 and 3.13 numba takes each arm for a result with types of its own; 3.11 does not show it.
+    for system in names():
+        system_named(system).optional_part("batch")
+    marked = {*compilable_module.INLINE, *compilable_module.ASIDE}
+    assert len(marked) > 20
+    assert [function.__qualname__ for function in marked if _has_choice_in_fields(function)] == []
