@@ -26,17 +26,20 @@ def telegrams_of(ports: Iterable[Port], module: str) -> dict[str, Any]:
         for name, members in port.codes.items():
             made[name] = IntEnum(name, members, module=module)
         if not port.layout:
-            made[port.telegram] = _class(port.telegram, port, {"__module__": module, "PORT": port.name, "_port": port})
+            made[port.telegram] = _class(port.telegram, port, module, {"PORT": port.name, "_port": port})
             continue
         if port.layout not in made:
-            made[port.layout] = _class(port.layout, port, {"__module__": module})
+            made[port.layout] = _class(port.layout, port, module, {})
         made[port.telegram] = bound = made[port.layout].bound(port, port.telegram)
         bound.__module__, bound.__doc__ = module, described(port)
     return made
 
 
-def _class(name: str, port: Port, members: dict[str, Any]) -> Any:
+def _class(name: str, port: Port, module: str, members: dict[str, Any]) -> Any:
     fields = [(signal.field_name, int, field(default=signal.default)) for signal in port.signals]
-    return make_dataclass(
+    made: Any = make_dataclass(
         name, fields, bases=(Telegram,), namespace={**members, "__doc__": described(port)}, slots=True
     )
+    # From Python 3.12 on, make_dataclass names the module that calls it.
+    made.__module__ = module
+    return made

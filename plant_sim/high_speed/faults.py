@@ -14,6 +14,7 @@ lag by the factor, ``dead_time`` adds to the delay of this side. Faults of the s
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from math import fsum
 from typing import Any
 
 from railhil.bus.layout import CHECK_ERRONEOUS, Telegram
@@ -47,7 +48,7 @@ class _Side(AccelerationSide):
         for factor in self.state.poles:
             lag_s /= factor
         self.drive = drive(data.gain, lag_s, STEP_S)
-        return sum(self.state.delays_s, start=delay_s)
+        return fsum((delay_s, *self.state.delays_s))
 
 
 class FaultyUnit(PowerUnit):

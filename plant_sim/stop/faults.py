@@ -16,6 +16,7 @@ The speed sensor is sampled five times a tick, and a telegram in which one of th
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import fsum
 from typing import Any
 
 from railhil.bus.layout import CHECK_ERRONEOUS, Telegram
@@ -76,7 +77,7 @@ class FaultyStopTrain(StopTrain):
             side.update(most_mps2)
 
     def command(self, accel_mps2: float, after_s: float = 0.0) -> None:
-        super().command(accel_mps2, after_s + sum(self.sides[accel_mps2 < 0.0].state.delays_s, start=0.0))
+        super().command(accel_mps2, after_s + fsum(self.sides[accel_mps2 < 0.0].state.delays_s))
 
     def achieved_mps2(self) -> float:
         healthy = super().achieved_mps2()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from math import fsum
 from pathlib import Path
 from typing import Any
 
@@ -59,7 +60,7 @@ def work(namespace: argparse.Namespace) -> int:
     total, optional = _usual(contract, loads), [port.name for port in contract.ports if port.optional]
     console.say(f"load at {bit_rate / 1000:g} kbit/s, longest stuffing: {total:.1%} (limit 40 %)")
     if optional:
-        console.say(f"load in scenarios that use {', '.join(optional)}: {sum(loads.values()):.1%}")
+        console.say(f"load in scenarios that use {', '.join(optional)}: {fsum(loads.values()):.1%}")
     console.say(f"DBC sha256 {contract.sha256}")
     if namespace.dbc:
         console.say(f"{namespace.dbc}: describes these telegrams")
@@ -68,14 +69,14 @@ def work(namespace: argparse.Namespace) -> int:
 
 def _usual(contract: Contract, loads: dict[str, float]) -> float:
     """Load of the ports that every run uses."""
-    return sum(loads[port.name] for port in contract.ports if not port.optional)
+    return fsum(loads[port.name] for port in contract.ports if not port.optional)
 
 
 def _document(contract: Contract, ports: list[Port], bit_rate: int, loads: dict[str, float]) -> dict[str, object]:
     return {
         "bit_rate": bit_rate,
         "load": _usual(contract, loads),
-        "load_with_optional": sum(loads.values()),
+        "load_with_optional": fsum(loads.values()),
         "dbc_sha256": contract.sha256,
         "ports": [
             {

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import cache
+from math import fsum
 
 import numpy as np
 
@@ -300,7 +301,7 @@ def _compute_distance(results: Results, law: str) -> float | None:
     """Distance of the stop from its target in time and place, in units of the limits of Table 1."""
     shares = [divide(find_median(results, law, USUAL, one.key), limit) for one, limit in _LIMITS.items()]
     known = [share for share in shares if share is not None]
-    return sum(share**2 for share in known) ** 0.5 if len(known) == len(shares) else None
+    return fsum(share**2 for share in known) ** 0.5 if len(known) == len(shares) else None
 
 
 def draw(results: Results) -> list[Figure]:

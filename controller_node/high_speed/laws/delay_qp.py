@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from math import fsum
 from typing import Annotated, Any, ClassVar, Generic, NamedTuple
 
 import numpy as np
@@ -62,7 +63,7 @@ class Group:
     @property
     def shares(self) -> tuple[float, ...]:
         """Shares of the units in the mass of the group."""
-        total = sum(self.masses_t)
+        total = fsum(self.masses_t)
         return tuple(mass_t / total for mass_t in self.masses_t)
 
 

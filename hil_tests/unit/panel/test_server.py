@@ -255,7 +255,7 @@ def test_what_is_nested_too_deeply_is_refused_in_one_line_and_its_sender_too(cap
 
     async def visit(panel: PanelServer, source: ScriptedSource) -> None:
         async with page(panel) as other, page(panel) as connection:
-            await connection.send('{"do":' * 9000)
+            await connection.send("[" * 54000)
             await asyncio.wait_for(connection.wait_closed(), 20)
             assert (connection.close_code, connection.close_reason) == (1008, "nested too deeply")
             assert "wrong token" in (await asked(other, '{"do": "stop", "token": "\\ud800"}'))["refused"]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from math import fsum
 from typing import Any
 
 from railhil.common.digits import percent
@@ -115,7 +116,7 @@ def _find_bounded(results: Results, one: Mapping[str, Any]) -> float | None:
     figure = one["figure"]
     if figure == "noise_power":
         # Share of the power of white noise that the packet lets pass, from the weights that the law has.
-        return sum(weight * weight for weight in taps("packet_symmetric_63"))
+        return fsum(weight * weight for weight in taps("packet_symmetric_63"))
     if one["entry"] == MEMORY:
         # The worst of the faults that can be detected.
         values = [_find_scaled(results, MEMORY, name_fault_figure(fault, figure), one["unit"]) for fault in DETECTED]

@@ -19,6 +19,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from itertools import pairwise
+from math import fsum
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -135,8 +136,8 @@ def load_train(
         if unit not in by_id:
             raise InputError(file, f"trains {chosen.id} formation", unit, f"one of {', '.join(sorted(by_id))}")
     vehicles = [by_id[unit] for unit in chosen.formation]
-    mass_t = sum(_loaded_t(vehicle) for vehicle in vehicles)
-    inertial_kg = 1000 * sum(_loaded_t(vehicle) * vehicle.rotation_mass for vehicle in vehicles)
+    mass_t = fsum(_loaded_t(vehicle) for vehicle in vehicles)
+    inertial_kg = 1000 * fsum(_loaded_t(vehicle) * vehicle.rotation_mass for vehicle in vehicles)
     davis = np.sum([np.array(_resistance(v)) * _resisting_t(v) for v in vehicles], axis=0) / mass_t
     limits_kmh = [vehicle.speed_limit for vehicle in vehicles if vehicle.speed_limit is not None]
     braking_mps2 = _braking(vehicles)
@@ -144,7 +145,7 @@ def load_train(
         name=chosen.name,
         mass_kg=mass_t * 1000,
         inertial_mass_kg=inertial_kg,
-        length_m=sum(vehicle.length for vehicle in vehicles),
+        length_m=fsum(vehicle.length for vehicle in vehicles),
         davis_a_n_per_kn=float(davis[0]),
         davis_b_n_per_kn_kmh=float(davis[1]),
         davis_c_n_per_kn_kmh2=float(davis[2]),
