@@ -77,6 +77,8 @@ def test_grade_tables_of_many_runs() -> None:
         table = force_tables.grade_table(tuple((at, float(values[run])) for at, values in both), 40.0)
         assert (tuple(from_m), tuple(permil[run]), tuple(slope[run])) == tuple(table)
         assert table.permil_per_m[-1] == 0.0
+        reached = permil[run, :-1] + slope[run, :-1] * np.diff(from_m)
+        assert reached.tolist() == pytest.approx(permil[run, 1:].tolist())
         assert len(table.from_m) == len(table.permil) == len(table.permil_per_m)
 
 
