@@ -47,6 +47,9 @@ def pytest_configure(config: pytest.Config) -> None:
     """Processes started by tests must ignore the user's python-can configuration, and must start quickly."""
     for name in ("CAN_INTERFACE", "CAN_CHANNEL", "CAN_BITRATE", "CAN_CONFIG"):
         os.environ.pop(name, None)
+    # A test that starts make would get the options of the make that has started the tests.
+    for name in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL"):
+        os.environ.pop(name, None)
     # The tests start hundreds of processes: without bytecode on disk each would recompile all modules.
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
     sys.dont_write_bytecode = False
