@@ -37,6 +37,16 @@ def starting(law: str, kind: type[Any], made_for: str) -> Iterator[None]:
         raise InputError("controller", law, found, allowed, cause) from error
 
 
+def refuse_solver(law: str, kind: type[Any], arithmetic: Arithmetic[Any]) -> None:
+    """Refuse a law that is computed by a solver in an arithmetic without one.
+
+    :raises InputError: it is such a law.
+    """
+    if kind.solver and not arithmetic.solves:
+        allowed = "float64: this law is computed by a solver, which has no fixed point, single precision or C"
+        raise InputError("controller", f"{law}, arithmetic", arithmetic.name, allowed)
+
+
 @mypyc_attr(allow_interpreted_subclasses=True)
 class LawLoop(ABC, Generic[T]):
     """Law and state on one arithmetic; the state is computed by the law or by its compiled functions.
@@ -57,9 +67,7 @@ class LawLoop(ABC, Generic[T]):
         self.made_for = made_for
         self._scenario = scenario
         self._memory = law.memory
-        if kind.solver and not arithmetic.solves:
-            allowed = "float64: this law is computed by a solver, which has no fixed point, single precision or C"
-            raise InputError("controller", f"{name}, arithmetic", arithmetic.name, allowed)
+        refuse_solver(name, kind, arithmetic)
         if kind.floating and not arithmetic.wide:
             allowed = "float64 or float32: this law has no fixed-point formats"
             raise InputError("controller", f"{name}, arithmetic", Words("fixed point"), allowed)

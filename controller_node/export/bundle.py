@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from railhil.common.errors import InputError, Words, describe_os_error
+from railhil.controller_node.arithmetic import make
 from railhil.controller_node.ecan import mailbox_table
 from railhil.controller_node.export.control import Control, Play, Source, Word
 from railhil.controller_node.export.fixed import names_of_iqmath
@@ -19,6 +20,8 @@ from railhil.controller_node.export.ports import port_constants, ports_header
 from railhil.controller_node.export.reference import reference_log
 from railhil.controller_node.export.source import BODIES, SourceWriter
 from railhil.controller_node.export.text import SHARED, names_defined, names_of_files, template
+from railhil.controller_node.law_loop import refuse_solver
+from railhil.controller_node.laws import find
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec
 
@@ -40,14 +43,15 @@ _PROGRAM = ("railhil_socket.h", "railhil_socket.c", "railhil_node.c")
 def control_of(scenario: AnyScenario, law: LawSpec) -> Control:
     """The :class:`Control` that exports a law: the part ``export`` of its system, else one for its ``interface``.
 
-    :raises InputError: the system has neither, or does not export laws in this arithmetic; or like
-        :class:`~railhil.controller_node.export.control.Control`.
+    :raises InputError: the system has neither, or does not export laws in this arithmetic; a solver computes it; or
+        like :class:`~railhil.controller_node.export.control.Control`.
     """
     system = scenario.installed_system
     kind: type[Control] = system.optional_part("export") or InterfaceControl
     if law.arithmetic not in kind.arithmetics:
         allowed = f"{' or '.join(kind.arithmetics)} for a law of system {system.name}"
         raise InputError("command line", "--arithmetic", law.arithmetic, allowed)
+    refuse_solver(law.controller, find(law.controller, system.laws), make(law.arithmetic))
     return kind(scenario, law)
 
 

@@ -94,10 +94,10 @@ def grade_rows(grade_permil: Profile, length_m: float) -> tuple[Floats, Floats, 
 
 
 def cut(profile: Profile, from_m: float, to_m: float) -> Profile:
-    """The rows that apply somewhere between two positions (the first may start before ``from_m``)."""
+    """The rows that apply somewhere between two positions; the first may start before or behind them."""
     ends = [row[0] for row in profile[1:]] + [float("inf")]
     kept = tuple(row for row, end in zip(profile, ends, strict=True) if end > from_m and row[0] < to_m)
-    return kept or (profile[-1],)
+    return kept or profile[:1]
 
 
 def shift(profile: Profile, offset_m: float) -> Profile:

@@ -67,6 +67,7 @@ def test_bad_input_is_one_line_and_exit_code_2(tmp_path: Path) -> None:
         (("ipfcc", "--out", tmp_path / "new"), "did you mean ipfc?"),
         (("ipfc", "nowhere", "--out", tmp_path / "new"), "scenario: name: found 'nowhere'"),
         (("ipfc",), "--out"),
+        (("delay_qp", "hst_short", "--out", tmp_path / "new"), "this law is computed by a solver"),
         (("ipfc", "--out", full), "full: is not empty, expected an empty or new folder (--force"),
     )
     for arguments, words in refusals:

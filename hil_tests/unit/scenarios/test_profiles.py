@@ -16,7 +16,7 @@ def test_the_value_at_a_position(position_m: float, value: float) -> None:
 
 @pytest.mark.parametrize(
     ("from_m", "to_m", "rows"),
-    [(0.0, 10.0, [0]), (10.0, 20.0, [1]), (3.0, 12.0, [0, 1]), (1.0, 2.0, [0]), (25.0, 30.0, [2]), (-9.0, -5.0, [2])],
+    [(0.0, 10.0, [0]), (10.0, 20.0, [1]), (3.0, 12.0, [0, 1]), (1.0, 2.0, [0]), (25.0, 30.0, [2]), (-9.0, -5.0, [0])],
 )
 def test_the_rows_between_two_positions(from_m: float, to_m: float, rows: list[int]) -> None:
     assert cut(PROFILE, from_m, to_m) == tuple(PROFILE[row] for row in rows)
