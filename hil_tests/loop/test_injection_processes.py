@@ -102,7 +102,7 @@ def test_a_bad_table_names_its_file(here: Railhil, tmp_path: Path) -> None:
     path = tmp_path / "short.toml"
     for bad, said in (
         ('where = "TRN_SPEED"\nwhat = "los"\nwhen = "3 s"', "fault[0]: found 'los'"),
-        ('where = "TRN_SPEED"\nwhat = "loss"\nwen = "3 s"', "the unknown key wen"),
+        ('where = "TRN_SPEED"\nwhat = "loss"\nwen = "3 s"', "fault[0].wen: unknown key"),
         ('where = "TRN_SPEED"\nwhat = "loss"', "fault[0].when"),
         ('where = "TRN_SPEED"\nwhat = "loss"\nwhen = "3 m/s"', "found '3 m/s', allowed 60s, 1200m"),
     ):
