@@ -95,6 +95,24 @@ def test_most_random_pairs_have_a_verdict() -> None:
     assert verdicts["PASS"] + verdicts["FAIL"] >= 1
 
 
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--pairs", "2", "--only", "T2"], "--only: cannot be given with --pairs"),
+        (["--pairs", "2", "--out", "kept"], "--out: cannot be given with --pairs"),
+        (["--only", "T2", "--out", "a_file"], "--out: found 'a_file', allowed a folder"),
+    ],
+)
+def test_options_that_would_be_ignored_are_refused(
+    words: list[str], said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("a_file").touch()
+    done = railhil("faults", PAIRS, *words)
+    assert done.exit_code == 2
+    assert said in done.one_line()
+
+
 @pytest.mark.long_after(1)
 @pytest.mark.parametrize("words", [["--pairs", "2000", "--seed", "1"], []], ids=["pairs", "catalogue"])
 def test_a_stopped_command_ends_its_processes_and_says_how_far_it_came(words: list[str]) -> None:

@@ -17,7 +17,7 @@ from railhil.cli.fault_pairs import pairs
 from railhil.cli.run import add_arguments, law_names, run_spec, run_system
 from railhil.common.command_line import whole_number
 from railhil.common.digits import count_of
-from railhil.common.errors import InputError, describe_os_error
+from railhil.common.errors import InputError, Sentence, describe_os_error
 from railhil.common.exit_codes import FAIL, INVALID, PASS
 from railhil.common.output import Output, show_progress, table
 from railhil.common.streams import add_json_argument, print_json
@@ -77,6 +77,8 @@ def _entries(only: str, system: System) -> list[Entry]:
 
 def _check_out(out: Path | None, entries: Sequence[Entry]) -> None:
     """Refuse to overwrite recorded runs. Raises InputError."""
+    if out is not None and out.exists() and not out.is_dir():
+        raise InputError("command line", "--out", str(out), "a folder")
     for folder in () if out is None else (out / entry.id for entry in entries):
         if folder.is_dir() and any(folder.iterdir()):
             raise InputError("command line", "--out", str(folder), "an empty or new folder for each entry")
@@ -202,6 +204,9 @@ def work(namespace: argparse.Namespace) -> int:
     jobs = namespace.jobs if base.is_local else 1
     console = Output(stderr=namespace.json)
     if namespace.pairs is not None:
+        for option, given in (("--only", namespace.only), ("--out", namespace.out), ("--sign", namespace.sign)):
+            if given:
+                raise InputError("command line", option, str(given), Sentence("cannot be given with --pairs"))
         named, as_json = namespace.controller, namespace.json
         return pairs(base, system, namespace.pairs, jobs, console, controller=named, as_json=as_json)
     check_key(namespace.sign)
