@@ -123,6 +123,7 @@ def _files(control: Control, source: Source, play: Play | None) -> dict[str, str
         body.header: template(body.header, name, NAMES=names_of_iqmath()),
         **_node_files(name, control, source),
         f"{name}_log.txt": reference_log(control, source.columns, play),
+        "railhil_result.h": template("railhil_result.h", name),
         "railhil_run.c": _host_program(name, control),
         "Makefile": template(
             "Makefile",

@@ -75,6 +75,6 @@ def law_of(bundle: Bundle, scenario: AnyScenario, law: LawSpec, token: str) -> F
         "TOKEN": token,
         "PERIOD_NS": str(scenario.timing.control_period_ns),
     }
-    own = (f"{name}.c", f"{name}.h", BODIES[law.arithmetic].header)
+    own = (f"{name}.c", f"{name}.h", BODIES[law.arithmetic].header, "railhil_result.h")
     files = {file: bundle.files[file] for file in own} | {file: template(file, name, **words) for file in _SHARED}
     return FmuLaw(name, files, tuple(inputs), outputs, scenario.timing.control_period_ns, token)

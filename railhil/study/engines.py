@@ -69,18 +69,18 @@ def _one_process(work: Callable[[T], R], items: Sequence[T], /) -> AbstractConte
 def processes(jobs: int, say: Say) -> Engine:
     """The engine on several processes of this machine; they end with this one, in whatever way it ends.
 
-    One process or one item needs no further process.
+    With one process all is done in this one; with several even a single item is not: it may end its process.
 
     :param say: called when a process has died.
     """
 
     @contextmanager
     def engine(work: Callable[[T], R], items: Sequence[T], /) -> Iterator[Iterator[tuple[int, R]]]:
-        count = min(jobs, len(items))
-        if count < 2:
+        if jobs < 2 or not items:
             yield enumerate(map(work, items))
             return
         with ExitStack() as held:
+            count = min(jobs, len(items))
             yield _collected(held, held.enter_context(_pool(count)), work, items, count, say)
 
     return engine

@@ -34,7 +34,7 @@ int fmu_get(const fmu_t *one, const uint32_t *references, size_t count, int32_t 
         const uint32_t at = references[i];
         if (at < INPUTS) {
             values[i] = one->input[at];
-        } else if (at >= RESULT && at < RESULT + LAW_WORDS) {
+        } else if (at >= RESULT && at < RESULT + RESULT_WORDS) {
             values[i] = one->law.words[at - RESULT];
         } else {
             return 0;

@@ -2,21 +2,11 @@
 #ifndef RAILHIL_FMU_LAW_H
 #define RAILHIL_FMU_LAW_H
 
-#include "@LAW@.h"
-
-/* All members have 32 bits, so the words of a result are contiguous. */
-typedef struct {
-    @LAW@_in_t in;
-    @LAW@_state_t state;
-    @LAW@_out_t out;
-    iq_events_t events;
-} result_t;
-
-enum { LAW_WORDS = sizeof(result_t) / sizeof(int32_t) };
+#include "railhil_result.h"
 
 typedef union {
     result_t result;
-    int32_t words[LAW_WORDS];
+    int32_t words[RESULT_WORDS];
 } fmu_law_t;
 
 static inline void law_sent(fmu_law_t *law, const int32_t *input)

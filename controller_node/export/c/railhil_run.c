@@ -13,20 +13,10 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "@LAW@.h"
 #include "@LAW@_mailboxes.h"
+#include "railhil_result.h"
 
-enum { RECORD_WORDS = @RECORD_WORDS@, FLAG_BEGIN = 1, FLAG_SENT = 2 };
-
-/* All members have 32 bits, so the words of a result are contiguous. */
-typedef struct {
-    @LAW@_in_t in;
-    @LAW@_state_t state;
-    @LAW@_out_t out;
-    iq_events_t events;
-} result_t;
-
-enum { RESULT_WORDS = sizeof(result_t) / sizeof(int32_t), LINE_WORDS = RECORD_WORDS + RESULT_WORDS };
+enum { RECORD_WORDS = @RECORD_WORDS@, LINE_WORDS = RECORD_WORDS + RESULT_WORDS, FLAG_BEGIN = 1, FLAG_SENT = 2 };
 
 static void run(const int32_t *record, result_t *result)
 {

@@ -45,6 +45,7 @@ def test_same_law_and_scenario_give_the_same_bytes(tmp_path: Path) -> None:
             "railhil_ports.h",
             "railhil_position.c",
             "railhil_position.h",
+            "railhil_result.h",
             "railhil_run.c",
             "railhil_safe.h",
             "railhil_socket.c",

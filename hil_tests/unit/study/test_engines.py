@@ -96,6 +96,12 @@ def test_what_a_dead_worker_had_is_done_by_another(tmp_path: Path) -> None:
     assert said[0].startswith("a worker process died: what it had is run again, ")
 
 
+def test_a_single_item_that_ends_its_process_does_not_end_the_command(tmp_path: Path) -> None:
+    with processes(2, lambda sentence: None)(die_once, [tmp_path / "first"]) as results:
+        ((_, worker),) = results
+    assert worker != os.getpid()
+
+
 def test_the_other_workers_of_a_dead_one_make_room_for_new_ones() -> None:
     """They do not end by themselves: they hold signals back."""
     before = set(psutil.Process().children())
