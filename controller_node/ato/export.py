@@ -31,7 +31,7 @@ from railhil.controller_node.export.control import (
 )
 from railhil.controller_node.export.text import wide
 from railhil.controller_node.laws import load
-from railhil.controller_node.laws.base import NOTCH_Q, BaliseReading
+from railhil.controller_node.laws.base import NOTCH_Q, NOTCH_RAW_Q, BaliseReading
 from railhil.controller_node.laws.note import SLOTS, slots
 from railhil.controller_node.program.model import BALISE_INPUTS, Value
 from railhil.controller_node.program.tracer import record
@@ -41,7 +41,6 @@ from railhil.systems.ato.scenario.model import Scenario
 from railhil.wire.ato import BalisePassed, CtlStat, NotchCmd, NotchSdt, SpeedSdt, TrkInfo, TrnPos, TrnSpeed
 
 _BALISE_WORDS = ";\n * last balise: number (0: none yet), surveyed position, odometer reading when passed (0.1 mm)"
-_ARITHMETIC = "iq"
 _AGES = "age of the last accepted TRN_SPEED"
 _NS_PER_S = 1_000_000_000
 #: Largest int of the target.
@@ -141,6 +140,7 @@ class NotchControl(Control):
     """See :class:`railhil.controller_node.export.control.Control`."""
 
     scenario: Scenario
+    arithmetics = ("iq", "float32")
     period_word = "k"
     life_start = 0
     commands = ("out.notch",)
@@ -150,7 +150,10 @@ class NotchControl(Control):
 
     def __init__(self, scenario: Scenario, law: LawSpec) -> None:
         super().__init__(scenario, law)
-        self.programs = record(scenario, law)
+        self.programs = record(scenario, law, wide=law.arithmetic == "float32")
+        notes = load(law.controller).notes
+        self.formats = {"out.notch_raw": NOTCH_RAW_Q, "out.notch": NOTCH_Q}
+        self.formats |= {f"out.notes[{i}]": note.q for i, note in enumerate(notes)}
         first = [Word(name, name, name) for name in ("k", "speed_01mmps", "position_01mm")]
         balise = [Word(name, name, name) for name in (BALISE_INPUTS if self.programs.track else ())]
         self.given, self.told = (*first, *balise), (Word("notch", "notch_code", "sent"),)
@@ -214,8 +217,8 @@ class NotchControl(Control):
         """Generated runs; no run of the bench is needed, because the set-points define the course of a run."""
         scenario, law = self.scenario, self.law
         runs = (
-            notch_runs.following(scenario, ControlLoop(scenario, law, make("iq"))),
-            notch_runs.settled(scenario, ControlLoop(scenario, law, make("iq"))),
+            notch_runs.following(scenario, ControlLoop(scenario, law, make(law.arithmetic))),
+            notch_runs.settled(scenario, ControlLoop(scenario, law, make(law.arithmetic))),
             notch_runs.jumping(),
             notch_runs.limits(),
         )
@@ -235,7 +238,7 @@ class NotchControl(Control):
         scenario, timing, sensors = self.scenario, self.scenario.timing, self.scenario.sensors
         schedule = Schedule.from_contract(timing.base_tick_ns, timing.port_period_ns, wire_contract())
         ladder = speed_watch.Ladder.of(scenario)
-        cost = cost_of(self.programs, make(_ARITHMETIC), timing.control_period_ns)
+        cost = cost_of(self.programs, make(self.law.arithmetic), timing.control_period_ns)
         cycles = min(cost.cycles, _largest(CtlStat, "step_cycles"))
         needs_position = self.programs.track or self.law.over_distance
         exact = round((odometer.TOLERANCE_M + sensors.odometer_lsb_m) * 1e4) * _NS_PER_S

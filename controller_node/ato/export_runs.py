@@ -8,6 +8,7 @@ with random speeds, and one at the limits of the wire.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any
 
 from railhil.controller_node.arithmetic.base import INT32_MAX, INT32_MIN
 from railhil.controller_node.ato.control_loop import NO_BALISE, ControlLoop
@@ -32,12 +33,13 @@ def _period(
     return Period(flags, (k, speed_01mmps, position_01mm, *balise), (sent,))
 
 
-def _wire_speed(kmh_raw: int) -> int:
-    """km/h in Q20 as 0.1 mm/s."""
-    return kmh_raw * 25_000 // (9 << SPEED_Q)
+def _wire_speed(loop: ControlLoop[Any], kmh: Any) -> int:
+    """km/h, an operand of the law's arithmetic, as 0.1 mm/s."""
+    raw: int = loop.arithmetic.raw(kmh, SPEED_Q)
+    return raw * 25_000 // (9 << SPEED_Q)
 
 
-def following(scenario: Scenario, loop: ControlLoop[int]) -> Iterator[Period]:
+def following(scenario: Scenario, loop: ControlLoop[Any]) -> Iterator[Period]:
     """A run near its set-points, in which another notch is sent in some periods; the train stands at the end."""
     generator = Generator(1)
     speed = position = 0
@@ -46,25 +48,25 @@ def following(scenario: Scenario, loop: ControlLoop[int]) -> Iterator[Period]:
     for k in range(_PERIODS):
         flags = (FLAG_BEGIN if k == 0 else 0) | (FLAG_SENT if k % _SENT_EVERY == 3 else 0)
         yield _period(flags, k, speed, position, generator.between(-256, 256), balise)
-        set_point = _wire_speed(loop.inputs(k, 0, position).set_point)
+        set_point = _wire_speed(loop, loop.inputs(k, 0, position).set_point)
         speed = set_point + generator.between(-400, 400) if k < _PERIODS - 10 else 0
         position += speed * period_ms // 1000
         if k % _BALISE_EVERY == 0:
             balise = BaliseReading(k // _BALISE_EVERY + 1, position + generator.between(-20_000, 20_000), position)
 
 
-def settled(scenario: Scenario, loop: ControlLoop[int]) -> Iterator[Period]:
+def settled(scenario: Scenario, loop: ControlLoop[Any]) -> Iterator[Period]:
     """At the steadiest set-point of the timetable, notches near 0: every other speed is correct to a few mm/s."""
     generator = Generator(4)
     last = int(scenario.plan.running_time_s * 1e9) // scenario.timing.control_period_ns
 
-    def unsteadiness(k: int) -> int:
+    def unsteadiness(k: int) -> Any:
         given = loop.inputs(k, 0, 0)
         following = given.preview or [loop.inputs(k + 1, 0, 0).set_point]
         return max(abs(point - given.set_point) for point in following)
 
     steady = min(range(last + 1), key=unsteadiness)
-    right = _wire_speed(loop.inputs(steady, 0, 0).set_point)
+    right = _wire_speed(loop, loop.inputs(steady, 0, 0).set_point)
     for k in range(3 * _PERIODS):
         limit = _NEAR_01MMPS if k % 2 else _OFF_01MMPS
         off = generator.between(-limit, limit)

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from typing import ClassVar
 
 from railhil.controller_node.arithmetic.base import Constant
-from railhil.controller_node.export.text import Names, comment, identifier
+from railhil.controller_node.export.text import Names, comment, identifier, literal
 from railhil.controller_node.program.model import Kind, Operation, Program, Quantity, Table, Value
 
 
@@ -76,8 +76,8 @@ class Body(ABC):
     #: Options that the C needs of a compiler, and its libraries.
     flags: ClassVar[str]
     libraries: ClassVar[str]
-    #: C function of a sum.
-    add: ClassVar[str]
+    #: First word of its C functions.
+    prefix: ClassVar[str]
 
     def __init__(
         self,
@@ -160,7 +160,7 @@ class Body(ABC):
         if self._slots is None:
             name = self._names.new(quantity.name if quantity else f"v{result.number}")
             words = remark(q, unit)
-            kind = "int " if result.kind is Kind.CONDITION else f"{self.number} "
+            kind = f"{type_of(result, self.number)} "
             constant = "const "
         else:
             name, kind, constant = self._slots.taken(operation), "", ""
@@ -182,7 +182,7 @@ class Body(ABC):
         half, name = len(arguments) // 2, declared.rpartition(" ")[2]
         terms = [self._product(*pair, q) for pair in zip(arguments[:half], arguments[half:], strict=True)]
         self.lines.append(f"{declared} = {terms[0]};{words}")
-        self.lines += [f"{name} = {self.add}({name}, {term});" for term in terms[1:]]
+        self.lines += [f"{name} = {self.prefix}_add({name}, {term});" for term in terms[1:]]
 
     def _right(self, operation: Operation, arguments: list[str]) -> str:
         """The operation as a C expression."""
@@ -191,7 +191,20 @@ class Body(ABC):
                 return f"{arguments[0]} > {arguments[1]}"
             case "where":
                 return f"{arguments[0]} ? {arguments[1]} : {arguments[2]}"
+            case "index":
+                return f"{self.prefix}_index({arguments[0]}, {literal(operation.parameters[0])})"
+            case "locate" | "at":
+                return self._look_up(operation, arguments[0])
         return self._call(operation, arguments)
+
+    def _look_up(self, operation: Operation, argument: str) -> str:
+        """The place of a number in a table, or the entry at a place."""
+        assert operation.table is not None
+        table = self._data.table(operation.table)
+        if operation.op == "locate":
+            return f"{self.prefix}_locate({table}, {literal(len(operation.table.constants))}, {argument})"
+        offset = operation.parameters[0]
+        return f"{table}[{argument} + {literal(offset)}]" if offset else f"{table}[{argument}]"
 
     def _curve(self, operation: Operation) -> str:
         """The table of a curve."""
@@ -209,6 +222,14 @@ class Body(ABC):
     @abstractmethod
     def _call(self, operation: Operation, arguments: list[str]) -> str:
         """The operation as a C expression, for operations that are calls of functions."""
+
+
+def type_of(value: Value, number: str) -> str:
+    """C type of a value.
+
+    :param number: type of numbers.
+    """
+    return {Kind.CONDITION: "int", Kind.INDEX: "int32_t", Kind.NUMBER: number}[value.kind]
 
 
 def remark(q: int | None, unit: str, name: str = "") -> str:
@@ -231,8 +252,7 @@ class Slots:
 
     def __init__(self, program: Program, names: Names, number: str) -> None:
         self._names = names
-        #: Type and first letter of the variables of conditions, and of all other values.
-        self._kinds = (("int", "c"), (number, "w"))
+        self._number = number
         #: Last operation that reads a value, by the value's number.
         self._last: dict[int, int] = {}
         for place, operation in enumerate(program.operations):
@@ -240,8 +260,10 @@ class Slots:
         self._last |= {value.number: len(program.operations) for _, value in program.outputs}
         self._place = 0
         self._held: dict[int, tuple[tuple[str, str], str]] = {}
-        self._free: dict[tuple[str, str], list[str]] = {kind: [] for kind in reversed(self._kinds)}
-        self._made: dict[tuple[str, str], list[str]] = {kind: [] for kind in reversed(self._kinds)}
+        #: Type and first letter of the variables of numbers, indices and conditions.
+        kinds = [(number, "w"), ("int32_t", "w"), ("int", "c")]
+        self._free: dict[tuple[str, str], list[str]] = {kind: [] for kind in kinds}
+        self._made: dict[tuple[str, str], list[str]] = {kind: [] for kind in kinds}
 
     @property
     def count(self) -> int:
@@ -266,7 +288,7 @@ class Slots:
         in_steps = operation.op == "dot"
         if not in_steps:
             self._release(over)
-        kind = self._kinds[operation.result.kind is not Kind.CONDITION]
+        kind = (type_of(operation.result, self._number), "c" if operation.result.kind is Kind.CONDITION else "w")
         free = self._free[kind]
         if not free:
             self._made[kind].append(self._names.new(f"{kind[1]}{len(self._made[kind])}"))

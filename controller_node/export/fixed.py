@@ -61,7 +61,7 @@ class FixedBody(Body):
     constant_words = "raw integer; value, Q, origin"
     flags = "-fwrapv"
     libraries = ""
-    add = "iq_add"
+    prefix = "iq"
 
     @staticmethod
     def literal(constant: Constant) -> str:
@@ -114,24 +114,10 @@ class FixedBody(Body):
                 return f"iq_limit({listed}, events)"
             case "clip":
                 return f"_IQsat({listed})"
-        return self._look_up(operation, listed)
-
-    def _look_up(self, operation: Operation, argument: str) -> str:
-        """Operations on tables."""
-        if operation.op == "index":
-            return f"iq_index({argument}, {literal(operation.parameters[0])})"
-        if operation.op == "curve":
-            table = self._curve(operation)
-            assert operation.curve is not None
-            return f"iq_curve({table}, {argument}, {operation.curve.q_in - _CURVE_BITS})"
-        assert operation.table is not None
-        table = self._data.table(operation.table)
-        if operation.op == "locate":
-            return f"iq_locate({table}, {literal(len(operation.table.constants))}, {argument})"
-        if operation.op == "at":
-            offset = operation.parameters[0]
-            return f"{table}[{argument} + {literal(offset)}]" if offset else f"{table}[{argument}]"
-        raise KeyError(operation.op)
+            case "curve":
+                assert operation.curve is not None
+                return f"iq_curve({self._curve(operation)}, {listed}, {operation.curve.q_in - _CURVE_BITS})"
+        raise ValueError(f"{operation.op} in fixed point")
 
 
 def names_of_iqmath() -> str:

@@ -14,7 +14,7 @@ from railhil.common.errors import InputError, Words
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.export.control import FLAG_SENT, Control, Period, Play, Word
 from railhil.controller_node.export.text import comment
-from railhil.controller_node.program.model import Evaluator, Program, name_leaves
+from railhil.controller_node.program.model import Evaluator, Kind, Program, Value, name_leaves
 
 _MASK = 2**32 - 1
 
@@ -58,10 +58,12 @@ class _Twin:
 
     def _wire(self, program: Program, words: Sequence[Word], raws: Sequence[int]) -> dict[str, Any]:
         """Integers of the wire as numbers of the recorded program."""
-        formats = {name: value.q for name, value in program.inputs}
-        return {
-            word.name: self._other.from_raw(raw, formats[word.name] or 0) for word, raw in zip(words, raws, strict=True)
-        }
+        values = dict(program.inputs)
+
+        def operand(value: Value, raw: int) -> Any:
+            return raw if value.kind is Kind.INDEX else self._other.from_raw(raw, value.q or 0)
+
+        return {word.name: operand(values[word.name], raw) for word, raw in zip(words, raws, strict=True)}
 
     def _word(self, name: str, value: Any) -> int:
         """A number as a word of the log."""

@@ -41,7 +41,7 @@ class SingleBody(Body):
     # A compiler that contracts a * b + c rounds only once.
     flags = "-ffp-contract=off"
     libraries = "-lm"
-    add = "f32_add"
+    prefix = "f32"
 
     @staticmethod
     def literal(constant: Constant) -> str:

@@ -5,12 +5,12 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Sequence
 
-from railhil.controller_node.export.body import Body, Data, remark
+from railhil.controller_node.export.body import Body, Data, remark, type_of
 from railhil.controller_node.export.control import Control, Source, Word
 from railhil.controller_node.export.fixed import FixedBody
 from railhil.controller_node.export.single import SingleBody
 from railhil.controller_node.export.text import LENGTH_MAX, Names, comment, header, identifier, literal
-from railhil.controller_node.program.model import Program, Value
+from railhil.controller_node.program.model import Kind, Program, Value
 
 #: Arithmetics of the C.
 BODIES: dict[str, type[Body]] = {"iq": FixedBody, "float32": SingleBody}
@@ -60,9 +60,9 @@ class Struct:
         remark_of: Callable[[str, Value], str],
     ) -> None:
         names = Names()
-        self._number = number
         self.group, self.what = group, what
         self.type = f"{law}_{group}_t"
+        self._types = {name: type_of(value, number) for name, value in leaves}
         self.members = {name: names.new(member_of(name)) for name, _ in leaves}
         self._remarks = {name: remark_of(name, value) for name, value in leaves}
 
@@ -79,7 +79,7 @@ class Struct:
         """The structure in C."""
         lines = [f"/* {self.what} */", "typedef struct {"]
         for leaf, member in self.members.items():
-            lines.append(f"    {self._number} {member};{self._remarks[leaf]}")
+            lines.append(f"    {self._types[leaf]} {member};{self._remarks[leaf]}")
         return [*lines, f"}} {self.type};"]
 
 
@@ -256,8 +256,14 @@ class SourceWriter:
 
     def _places(self, program: Program, words: Sequence[Word]) -> dict[str, str]:
         """C expressions of the integers passed to a function, as the program's numbers."""
-        formats = {name: value.q for name, value in program.inputs}
-        return {word.name: self._body.from_raw(word.parameter, formats[word.name] or 0) for word in words}
+        values = dict(program.inputs)
+
+        def place(word: Word) -> str:
+            value = values[word.name]
+            is_index = value.kind is Kind.INDEX
+            return word.parameter if is_index else self._body.from_raw(word.parameter, value.q or 0)
+
+        return {word.name: place(word) for word in words}
 
     def _function(self, name: str, program: Program, places: dict[str, str], into: Sequence[Struct]) -> list[str]:
         """A function of the law; its values share variables if they would need too much of the stack otherwise."""

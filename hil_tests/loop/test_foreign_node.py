@@ -70,6 +70,21 @@ def test_every_law_answers_as_our_node(exported, law: str, tmp_path: Path) -> No
         assert run.ended[0] == run.ended[1] >= Event.ENDED_COMPLETE
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("law", "indexing"),
+    [("ipfc_plus", "time"), pytest.param("ipfc", "distance", marks=pytest.mark.long)],
+)
+def test_a_law_in_single_precision_answers_as_our_node(law: str, indexing: str, tmp_path: Path) -> None:
+    """Set-points by time and by distance, and balises, with drawn parameters."""
+    scenario = short("lvshun_tieshan_worn_wheels")
+    export_node(scenario, tmp_path / "export", indexing, law, "float32")
+    c = CNode(tmp_path / "export", law)
+    run = twin_run(scenario, c, tmp_path, seed=5, drawn=True, law=law, indexing=indexing, arithmetic="float32")
+    assert run.answers > 1000
+    assert (run.levels, run.c) == ({WatchLevel.NORMAL}, {})
+
+
 # -- one run after another ------------------------------------------------------------------------------------------
 
 

@@ -48,26 +48,34 @@ def program(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.mark.slow
 @pytest.mark.loop
 @pytest.mark.parametrize(
-    ("name", "law", "indexing", "arguments"),
+    ("name", "law", "indexing", "arithmetic", "arguments"),
     [
-        ("lvshun_tieshan", "ipfc", "time", ("--seed", "0")),
-        ("yizhuang_05", "ipfc_plus", "time", ("--seed", "1003", "--perturbed")),
-        ("yizhuang_02_xiaocun_xiaohongmen", "ipfc", "distance", ("--seed", "7", "--perturbed")),
+        ("lvshun_tieshan", "ipfc", "time", "iq", ("--seed", "0")),
+        ("yizhuang_05", "ipfc_plus", "time", "iq", ("--seed", "1003", "--perturbed")),
+        ("yizhuang_02_xiaocun_xiaohongmen", "ipfc", "distance", "iq", ("--seed", "7", "--perturbed")),
+        ("lvshun_tieshan", "ipfc", "time", "float32", ("--seed", "0")),
     ],
 )
 def test_whole_runs_over_the_hub_have_the_same_frames(
-    program: Path, name: str, law: str, indexing: str, arguments: tuple[str, ...], tmp_path: Path, socket_folder: Path
+    program: Path,
+    name: str,
+    law: str,
+    indexing: str,
+    arithmetic: str,
+    arguments: tuple[str, ...],
+    tmp_path: Path,
+    socket_folder: Path,
 ) -> None:
     """The program as a process of its own: every frame of the record is the same, but for telemetry in CTL_STAT.
 
     IPFC+ runs with the sanitizers: an error in the C would end it.
     """
     scenario = load(name)
-    if (name, law, indexing) != ("lvshun_tieshan", "ipfc", "time"):
-        export_node(scenario, tmp_path / "export", indexing, law)
-        flags = SANITIZED if law == "ipfc_plus" else (*STRICT, "-O2")
+    if (name, law, indexing, arithmetic) != ("lvshun_tieshan", "ipfc", "time", "iq"):
+        export_node(scenario, tmp_path / "export", indexing, law, arithmetic)
+        flags = SANITIZED if law == "ipfc_plus" else (*STRICT, "-O2", "-ffp-contract=off")
         program = build_node(tmp_path / "export", law, flags)
-    law_arguments = ("--controller", law, "--indexing", indexing)
+    law_arguments = ("--controller", law, "--indexing", indexing, "--arithmetic", arithmetic)
     run = foreign_run(program, socket_folder / "hub.sock", tmp_path / "c", name, *law_arguments, *arguments)
     assert run.done.exit_code in (0, 1), run.done.err
     assert run.exit_code == 0, run.said
@@ -78,9 +86,8 @@ def test_whole_runs_over_the_hub_have_the_same_frames(
     assert "parameters: not known: the controller was not railhil's" in run.done.out
     (tmp_path / "python").mkdir()
     seed, drawn = int(arguments[1]), "--perturbed" in arguments
-    expected = local_run(
-        scenario, tmp_path / "python", RunSpec(law=LawSpec(law, indexing=indexing), seed=seed, perturbed=drawn)
-    )
+    spec = RunSpec(law=LawSpec(law, arithmetic, indexing=indexing), seed=seed, perturbed=drawn)
+    expected = local_run(scenario, tmp_path / "python", spec)
     assert expected.log is not None
     found = trace_of(read_log(tmp_path / "c/frames.log"), wire_contract())
     assert [int(code) for code in found.raw(NotchCmd.PORT, "NotchCmd")] == expected.commands("notch")

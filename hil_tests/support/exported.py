@@ -35,7 +35,7 @@ Ints: TypeAlias = NDArray[np.int64]
 def compiled(folder: Path, compiler: str, flags: Sequence[str], name: str, law: str = "ipfc") -> Path:
     """The host program of an export; warnings are errors."""
     program = folder / name
-    command = [compiler, *flags, "-o", str(program), f"{law}.c", "railhil_run.c"]
+    command = [compiler, *flags, "-ffp-contract=off", "-o", str(program), f"{law}.c", "railhil_run.c", "-lm"]
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
     assert done.returncode == 0, f"{' '.join(command)}\n{done.stderr}"
     return program
@@ -47,9 +47,11 @@ def checked(program: Path, log: Path) -> subprocess.CompletedProcess[str]:
         return subprocess.run([program, "check"], stdin=lines, capture_output=True, text=True, check=False)
 
 
-def written(scenario: Scenario, folder: Path, indexing: str = "time", law: str = "ipfc") -> Bundle:
+def written(
+    scenario: Scenario, folder: Path, indexing: str = "time", law: str = "ipfc", arithmetic: str = "iq"
+) -> Bundle:
     """An export in a folder."""
-    bundle = make_bundle(scenario, LawSpec(law, indexing=indexing))
+    bundle = make_bundle(scenario, LawSpec(law, arithmetic, indexing=indexing))
     write_bundle(bundle, folder)
     return bundle
 

@@ -56,10 +56,12 @@ int ended(void) { return control.ended; }
 _LEVEL = "int level(void) { return control.law.guard.watch.level; }\n"
 
 
-def export_node(scenario: Scenario, folder: Path, indexing: str = "time", law: str = "ipfc") -> None:
+def export_node(
+    scenario: Scenario, folder: Path, indexing: str = "time", law: str = "ipfc", arithmetic: str = "iq"
+) -> None:
     """An export without its reference log, which takes nine tenths of the time and is not used here."""
     with patch("railhil.controller_node.export.bundle.reference_log", return_value="# not computed\n"):
-        write_bundle(make_bundle(scenario, LawSpec(law, indexing=indexing)), folder)
+        write_bundle(make_bundle(scenario, LawSpec(law, arithmetic, indexing=indexing)), folder)
 
 
 def build(folder: Path, sources: Sequence[str], name: str, flags: Sequence[str], compiler: str = "gcc") -> Path:
@@ -168,6 +170,7 @@ def twin_run(
     drawn: bool = False,
     law: str = "ipfc",
     indexing: str = "time",
+    arithmetic: str = "iq",
     wire: Callable[[Frame], list[Frame]] | None = None,
 ) -> TwinRun:
     """A run in this process in which the C gets every frame that the Python node gets, and must give the same answers.
@@ -175,7 +178,7 @@ def twin_run(
     :param wire: applied to each frame on its way to both (faults).
     :raises AssertionError: at the first answer that differs.
     """
-    spec = RunSpec(law=LawSpec(law, indexing=indexing), seed=seed, perturbed=drawn)
+    spec = RunSpec(law=LawSpec(law, arithmetic, indexing=indexing), seed=seed, perturbed=drawn)
     node = ControllerNode(scenario, spec.law)
     session = make_session(scenario, lambda line: None, spec)
     run = TwinRun(0, {}, {}, set(), (0, 0))

@@ -39,7 +39,7 @@ def arguments() -> argparse.ArgumentParser:
     add_option(parser, "--set")
     parser.add_argument("--out", required=True, type=Path, metavar="DIR", help="new or empty folder for the files")
     add_options(parser, "--indexing", "--parameters")
-    number = "iq (fixed point, default where the law has it) or float32 (laws of systems with an Interface)"
+    number = "iq (fixed point, default where the law has it) or float32"
     add_option(parser, "--arithmetic", choices=("iq", "float32"), help=number)
     parser.add_argument(
         "--fmu",

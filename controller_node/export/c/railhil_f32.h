@@ -67,6 +67,25 @@ static inline float f32_curve(const float *samples, float a)
     return f32_add(samples[index], f32_mul(f32_sub(samples[index + 1], samples[index]), scaled - (float)index));
 }
 
+/* Number of a control period as an index of a table. */
+static inline int32_t f32_index(int32_t k, int32_t last) { return k < 0 ? 0 : k > last ? last : k; }
+
+/* Index of the last entry <= a of an increasing table, at least 0 and at most count - 2. */
+static inline int32_t f32_locate(const float *table, int32_t count, float a)
+{
+    int32_t low = 0;
+    int32_t high = count - 1;
+    while (high - low > 1) {
+        const int32_t middle = low + ((high - low) >> 1);
+        if (table[middle] <= a) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    return low;
+}
+
 /* Integers of the wire with q fraction bits, and back; the conversion to an integer saturates. */
 static inline float f32_from(int32_t raw, int q) { return f32_fit((float)ldexp((double)raw, -q)); }
 

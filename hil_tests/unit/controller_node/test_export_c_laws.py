@@ -83,20 +83,23 @@ class Toy(Law[Any, ToyState]):
 @pytest.mark.long_after(1)
 @pytest.mark.slow
 @pytest.mark.needs_compiler
-@pytest.mark.parametrize("indexing", ["time", "distance"])
-def test_law_of_every_operation_is_exported(indexing: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(
+    ("indexing", "arithmetic"), [("time", "iq"), ("distance", "float32"), ("distance", "iq"), ("time", "float32")]
+)
+def test_law_of_every_operation_is_exported(
+    indexing: str, arithmetic: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Also what the shipped law does not use: swapped state, formats beyond the library, awkward names."""
     plug_in(tmp_path, monkeypatch, toy=Toy)
     tmp_path /= "export"
-    written(SCENARIO, tmp_path, indexing, "toy")
+    written(SCENARIO, tmp_path, indexing, "toy", arithmetic)
     for compiler, flags in (("gcc", SANITIZED), ("clang", STRICT)):
         program = compiled(tmp_path, compiler, flags, "toy_run", "toy")
         done = checked(program, tmp_path / "toy_log.txt")
         assert done.returncode == 0, done.stdout
     text = (tmp_path / "toy.c").read_text()
-    assert "iq_rmpy(" in text
-    assert "_IQ24mpyIQX(" in text
-    assert "iq_mpy_iqx(" in text
+    for function in ("iq_rmpy(", "_IQ24mpyIQX(", "iq_mpy_iqx("):
+        assert (function in text) == (arithmetic == "iq")
 
 
 class Branching(Toy):

@@ -80,14 +80,12 @@ def test_the_exported_law_computes_the_same_words(law, arithmetic, tmp_path):
         assert int(re.search(r"stack about (\d+) words", done.out)[1]) <= 768
     checked = subprocess.run(["make", "-s", "check"], cwd=tmp_path, capture_output=True, text=True, check=False)
     assert checked.returncode == 0, checked.stdout + checked.stderr
-    assert ("identical" if arithmetic == "iq" else "every word equal") in checked.stdout
+    assert "identical" in checked.stdout
 
 
 def test_an_export_in_an_arithmetic_that_the_law_has_not_is_refused(tmp_path):
     done = railhil("export-c", "one_shot", "yizhuang_stop", "--arithmetic", "iq", "--out", tmp_path / "a")
     assert (done.exit_code, "one_shot has no fixed-point formats" in done.err) == (2, True)
-    done = railhil("export-c", "ipfc", "--arithmetic", "float32", "--out", tmp_path / "b")
-    assert (done.exit_code, "allowed iq for a law of system ato" in done.err) == (2, True)
 
 
 @pytest.mark.long
